@@ -98,7 +98,15 @@ class InputError(UlnaError, ValueError):
 
 
 class ShapeError(InputError):
-    """An array has the wrong shape."""
+    """An array has the wrong shape.
+
+    Args:
+        name: The name of the argument.
+        given: The shape it has.
+        expected: What was expected.
+        fix: How to correct it.
+        mend: The former name of `fix`.
+    """
 
     def __init__(
         self, name: str, given: tuple[int, ...], expected: str, fix: str = "", *, mend: str = ""
@@ -110,7 +118,15 @@ class ShapeError(InputError):
 
 
 class DtypeError(InputError, TypeError):
-    """An array has a type that does not convert to real numbers."""
+    """An array has a type that does not convert to real numbers.
+
+    Args:
+        name: The name of the argument.
+        given: The type it has.
+        expected: What was expected.
+        fix: How to correct it.
+        mend: The former name of `fix`.
+    """
 
     def __init__(
         self, name: str, given: str, expected: str = "real numbers", fix: str = "", *, mend: str = ""
@@ -126,7 +142,15 @@ FIND_NAN = "Look where it comes from, or call the bare kernel (robot.kernel(...)
 
 
 class NonFiniteError(InputError):
-    """An array holds nan or inf."""
+    """An array holds nan or inf.
+
+    Args:
+        name: The name of the argument.
+        index: Where the first such entry is.
+        value: That entry [any].
+        fix: How to correct it.
+        mend: The former name of `fix`.
+    """
 
     def __init__(
         self,
@@ -144,7 +168,15 @@ class NonFiniteError(InputError):
 
 
 class UnknownName(UlnaError, LookupError):
-    """A frame, joint, robot or kernel of that name does not exist; the nearest names are offered."""
+    """A frame, joint, robot or kernel of that name does not exist; the nearest names are offered.
+
+    Args:
+        kind: What it names, such as "joint".
+        given: The unknown name.
+        choices: The valid names.
+        fix: How to correct it.
+        mend: The former name of `fix`.
+    """
 
     def __init__(
         self, kind: str, given: object, choices: Iterable[str], fix: str = "", *, mend: str = ""
@@ -167,7 +199,14 @@ class UnknownName(UlnaError, LookupError):
 
 
 class UnknownAttribute(UlnaError, AttributeError):
-    """An object has no attribute of that name; says what to use instead."""
+    """An object has no attribute of that name; says what to use instead.
+
+    Args:
+        subject: The object, in words.
+        name: The unknown attribute.
+        choices: The valid ones.
+        advice: What to use instead.
+    """
 
     def __init__(self, subject: str, name: str, choices: Iterable[str] = (), advice: str = "") -> None:
         near = nearest(name, tuple(choices))
@@ -184,7 +223,14 @@ class UnknownAttribute(UlnaError, AttributeError):
 
 
 class UnknownArgument(UlnaError, TypeError):
-    """A function has no argument of that name; says which was meant."""
+    """A function has no argument of that name; says which was meant.
+
+    Args:
+        function: The name of the function.
+        given: The unknown argument.
+        choices: The valid ones.
+        meant: The one that was meant; None for the most similar.
+    """
 
     def __init__(self, function: str, given: str, choices: Iterable[str], meant: str | None = None) -> None:
         self.function, self.given, self.choices = function, given, tuple(choices)
@@ -203,7 +249,16 @@ class ModelError(UlnaError, ValueError):
 
 
 class FormatError(ModelError):
-    """A model file is broken; says where and how to fix it."""
+    """A model file is broken; says where and how to fix it.
+
+    Args:
+        message: What is wrong.
+        file: The file; None for text.
+        line: The line in it; None where that is unknown.
+        element: The element, in words; empty for none.
+        fix: How to correct it.
+        mend: The former name of `fix`.
+    """
 
     def __init__(
         self,
@@ -232,7 +287,12 @@ class FormatError(ModelError):
 
 
 class InfeasibleError(UlnaError, ValueError):
-    """Limits and constraints leave no motion at all; names those that contradict each other."""
+    """Limits and constraints leave no motion at all; names those that contradict each other.
+
+    Args:
+        parts: The names of the limits that contradict each other.
+        text: The message.
+    """
 
     def __init__(self, parts: tuple[str, ...], text: str) -> None:
         self.parts = parts
@@ -240,7 +300,13 @@ class InfeasibleError(UlnaError, ValueError):
 
 
 class MissingExtra(UlnaError, ImportError):
-    """An optional dependency is not installed; names the extra that brings it."""
+    """An optional dependency is not installed; names the extra that brings it.
+
+    Args:
+        package: The package that is not installed.
+        extra: The extra of ulna that installs it.
+        purpose: What needs it.
+    """
 
     def __init__(self, package: str, extra: str, purpose: str) -> None:
         self.package, self.extra, self.purpose = package, extra, purpose
@@ -253,7 +319,16 @@ class TraceError(UlnaError, TypeError):
 
 
 class ProcedureError(UlnaError, TypeError):
-    """A procedure says what cannot be compiled."""
+    """A procedure says what cannot be compiled.
+
+    Args:
+        name: The name of the procedure.
+        file: The file.
+        line: The line in it.
+        code: The code in question; empty for none.
+        text: What cannot be compiled.
+        fix: How to correct it.
+    """
 
     def __init__(self, name: str, file: str, line: int, code: str, text: str, fix: str = "") -> None:
         self.name, self.file, self.line, self.code = name, file, line, code
@@ -262,7 +337,14 @@ class ProcedureError(UlnaError, TypeError):
 
 
 class OutOfBounds(UlnaError, IndexError):
-    """A procedure reads or writes beside an array."""
+    """A procedure reads or writes beside an array.
+
+    Args:
+        file: The file.
+        line: The line in it.
+        index: The index.
+        extent: The length of the axis.
+    """
 
     def __init__(self, file: str, line: int, index: int, extent: int) -> None:
         self.file, self.line, self.index, self.extent = file, line, index, extent
@@ -273,7 +355,12 @@ class OutOfBounds(UlnaError, IndexError):
 
 
 class DivisionByZero(UlnaError, ZeroDivisionError):
-    """A procedure divides an integer by zero."""
+    """A procedure divides an integer by zero.
+
+    Args:
+        file: The file.
+        line: The line in it.
+    """
 
     def __init__(self, file: str, line: int) -> None:
         self.file, self.line = file, line

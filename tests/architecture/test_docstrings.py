@@ -28,6 +28,7 @@ PHYSICAL = frozenset(
     ["q", "v", "tau", "dt", "duration", "timeout", "period", "mass", "gravity", "radius", "angle"]
 )
 WITHOUT_UNITS = ("compiler", "checks")  # their numbers have no physical meaning
+SPECIAL = ("__init__", "__call__")
 SECTIONS = ("Args", "Returns", "Yields", "Raises")
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
@@ -69,13 +70,15 @@ def is_public(path: Path) -> bool:
 
 
 def public_functions(module: ast.Module) -> Iterator[tuple[str, Function, ast.ClassDef | None]]:
-    """Name, definition and class of each public function or method of two or more arguments."""
+    """Name, definition and class of each public function, method, constructor or call of two or more arguments."""
     todo: list[tuple[str, ast.stmt, ast.ClassDef | None]] = [("", node, None) for node in module.body]
     while todo:
         prefix, node, owner = todo.pop(0)
         if isinstance(node, (ast.If, ast.Try)):
             todo += [(prefix, child, owner) for child in [*node.body, *node.orelse]]
-        if not isinstance(node, ast.ClassDef | Function) or node.name.startswith("_"):
+        if not isinstance(node, ast.ClassDef | Function) or (
+            node.name.startswith("_") and node.name not in SPECIAL
+        ):
             continue
         if isinstance(node, ast.ClassDef):
             if "Protocol" not in base_names(node):
@@ -183,6 +186,8 @@ def what_is_missing(module: ast.Module) -> list[str]:
     wrong: list[str] = []
     for name, function, owner in public_functions(module):
         doc = docstring(function, owner)
+        if function.name == "__init__" and owner and "Args" not in sections(doc):  # its class may describe it
+            doc = f"{ast.get_docstring(owner) or ''}\n\n{doc}"
         parts = sections(doc)
         if "Args" not in parts and base_documents(name, function, owner):
             continue
@@ -248,6 +253,15 @@ class Derived(Joint):
         """The same without sections."""
 
     def _private(self, a, b): ...
+
+class Described:
+    """A class.
+
+    Args:
+        a: a number.
+    """
+
+    def __init__(self, a: int, b: int) -> None: ...
 '''
 
 
@@ -265,6 +279,7 @@ def test_the_check_notices_what_is_missing() -> None:
         "Derived.g: `Args:` lacks a",
         "Derived.g: `Args:` lacks b",
         "Derived.g: no `Returns:`",
+        "Described.__init__: `Args:` lacks b",
     ]
 
 

@@ -40,7 +40,12 @@ def deferred_imports(names: Mapping[str, Iterable[str]]) -> Iterator[None]:
 
 @final
 class DeferredModule(ModuleType):
-    """Stands for a module that is not imported yet."""
+    """Stands for a module that is not imported yet.
+
+    Args:
+        name: The dotted name of the module.
+        names: What can be imported from it.
+    """
 
     def __init__(self, name: str, names: Iterable[str]) -> None:
         super().__init__(name)
@@ -71,7 +76,12 @@ class DeferredModule(ModuleType):
 
 @final
 class DeferredName:
-    """Stands for a class or a function of a module that is not imported yet."""
+    """Stands for a class or a function of a module that is not imported yet.
+
+    Args:
+        module: The dotted name of the module.
+        name: The name in it.
+    """
 
     __slots__ = ("_module", "_name")
 
@@ -82,7 +92,14 @@ class DeferredName:
         return getattr(importlib.import_module(self._module), self._name)
 
     def __call__(self, *args: Any, **options: Any) -> Any:
-        """What the function, or the class, returns."""
+        """Calls the function or class, which is imported at the first use.
+
+        Args:
+            *args, **options: As for the function or class.
+
+        Returns:
+            What the function, or the class, returns.
+        """
         return self._real()(*args, **options)
 
     def __getattr__(self, name: str) -> Any:

@@ -49,7 +49,20 @@ class Admittance:
         stiffness: ArrayLike,
         dt: ArrayLike,
     ) -> tuple[Array, Array, Array]:
-        """The pose to be led to (..., 4, 4), and `x` and `rate` (..., 6) after a step of `dt` [s].
+        """The pose to follow after a step in which a force acts.
+
+        Args:
+            T_goal: The goal, T_world_goal, shape (..., 4, 4) [m].
+            x: How far the goal has yielded, shape (..., 6) [m, rad].
+            rate: Its rate, shape (..., 6) [m/s, rad/s].
+            force: The measured wrench, shape (..., 6) [N, N m].
+            mass: Mass along each axis, shape (..., 6) [kg, kg m^2].
+            damping: Damping along each axis, shape (..., 6) [N s/m, N m s/rad].
+            stiffness: Stiffness along each axis, shape (..., 6) [N/m, N m/rad].
+            dt: Duration of the step, shape (...) [s].
+
+        Returns:
+            The pose to follow, shape (..., 4, 4) [m], and `x` and `rate` after the step, each of shape (..., 6).
 
         Raises:
             ShapeError, DtypeError, NonFiniteError: If an argument cannot be one.

@@ -38,13 +38,13 @@ class Reactive:
         influence: How near to a limit a joint begins to slow down [rad or m].
         stop: How near it comes at most [rad or m].
         gain: Speed allowed at `influence` [rad/s or m/s].
-        velocity_weight: What a joint velocity costs.
-        manipulability_weight: What manipulability is worth; 0 for nothing.
+        velocity_weight: What a squared joint velocity costs [s^2/rad^2, s^2/m^2].
+        manipulability_weight: What manipulability is worth [any]; 0 for nothing.
 
     Raises:
         UnknownName: If there is no such frame.
-        InputError: If a joint has several coordinates, `stop` is not less than `influence`, or a gain or a weight makes
-            no sense.
+        InputError: If a joint has several coordinates, `stop` is not less than `influence`, or a gain or a weight
+            makes no sense.
     """
 
     def __init__(
@@ -84,14 +84,17 @@ class Reactive:
         slack_weight: float = 10.0,
         rows: tuple[ArrayLike, ArrayLike] | None = None,
     ) -> Floats:
-        """Joint velocities (nv,) [rad/s or m/s].
+        """Joint velocities that follow a twist within the limits.
 
         Args:
-            q: Configuration, (nq,); (..., nq) without rows.
-            twist: Twist wanted of the frame, (6,), in "local_world_aligned".
-            slack_weight: What each unit of squared difference from the twist costs. The paper takes the inverse of the
-                distance from the goal, so that far from it the arm has more freedom.
+            q: Configuration, shape (nq,) [rad, m]; (..., nq) without rows.
+            twist: Desired twist of the frame in "local_world_aligned", shape (6,) [m/s, rad/s].
+            slack_weight: What a squared difference from the twist costs [s^2/m^2, s^2/rad^2]. The paper takes the
+                inverse of the distance from the goal, so that far from it the arm has more freedom.
             rows: A (k, nv) and b (k,) with A v <= b; see `obstacle_rows`.
+
+        Returns:
+            Joint velocities, shape (nv,) [rad/s, m/s].
 
         Raises:
             InputError: If no velocity is within the limits and the rows, or the weight is negative.

@@ -33,7 +33,12 @@ Range = tuple[float, float]
 
 
 class Drives:
-    """The actuators of one file."""
+    """The actuators of one file.
+
+    Args:
+        compiled: The compiled `mujoco.MjModel`.
+        switches: What the file switches off.
+    """
 
     def __init__(self, compiled: Any, switches: Switches) -> None:
         self._m, self._switches = compiled, switches

@@ -18,7 +18,15 @@ ADD_TO_TAU = "Add their torques to `tau`."
 
 
 class Audit:
-    """Looks through one compiled file for what a model cannot hold."""
+    """Looks through one compiled file for what a model cannot hold.
+
+    Args:
+        compiled: The compiled file.
+        switches: What the file switches off.
+        drives: Its actuators.
+        joined: How its joints follow one another.
+        touching: What may touch in it.
+    """
 
     def __init__(
         self,

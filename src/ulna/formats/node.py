@@ -20,7 +20,13 @@ _NUMBER = re.compile(r"[+-]?(\d+(?:\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 @final
 class Node:
-    """An element of a model file: its attributes as checked values, and the means to complain about it."""
+    """An element of a model file: its attributes as checked values, and the means to complain about it.
+
+    Args:
+        element: The element as lxml holds it.
+        file: The file, for messages; None for text.
+        namespace: The namespace of its children; empty for none.
+    """
 
     __slots__ = ("_element", "_namespace", "file")
 

@@ -25,6 +25,15 @@ class BranchKernel:
         gufunc: What it calls: (T, T_base, held, branch, base, centre) -> (q, worth), see `ulna.ik.analytic.closed`.
         method: How it works, as a sentence.
         free: Name of the joint that `free_value` is the value of; None where there is none.
+
+    Args:
+        model: The robot.
+        frame: Name of the frame.
+        joints: Names of the joints that move; None for all that carry the frame.
+        free: Name of the joint of a redundant arm that values are passed for; None for a default.
+
+    Raises:
+        InputError: The arm has no closed form.
     """
 
     def __init__(self, model: Model, frame: str, joints: Sequence[str] | None, free: str | None) -> None:
@@ -47,10 +56,13 @@ class BranchKernel:
         """Every branch.
 
         Args:
-            T: T_world_frame, (..., 4, 4).
-            q0: Configuration (..., nq) that angles come next to; None for the limits' side of 0.
-            free_value: Value of the free joint, (...) [rad or m].
+            T: T_world_frame, shape (..., 4, 4) [m].
+            q0: Configuration, shape (..., nq) [rad, m], that angles come next to; None for the limits' side of 0.
+            free_value: Value of the free joint, shape (...) [rad, m].
             held: The former name of `free_value`.
+
+        Returns:
+            `q`, shape (..., 8, nq) [rad, m], and `worth`, shape (..., 8, 3); see `BranchKernel`.
         """
         source, free_value = self._source, free_value if held is None else held
         base = (self._default_start if q0 is None else q0)[..., None, :]

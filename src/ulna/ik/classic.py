@@ -231,7 +231,19 @@ class ClassicSolver:
         method: Method,
         has_null_motion: bool,
     ) -> None:
-        """The arguments are those of `robot.ik_classic`, with `frames` as names."""
+        """The arguments are those of `robot.ik_classic`.
+
+        Args:
+            model: The robot.
+            frames: Names of the frames.
+            masks: Which parts of each pose count; None for all.
+            joints: Names of the joints that move; None for all.
+            method: The name of the method.
+            has_null_motion: Whether joints keep away from limits, or seek manipulability, in the null space.
+
+        Raises:
+            UnknownName: There is no such method.
+        """
         if not isinstance(method, str) or method not in DAMPING:
             raise UnknownName("method", method, DAMPING)
         self.problem = problem_of(model, frames, masks, joints, radian=1.0, by_angle=True)
@@ -244,7 +256,21 @@ class ClassicSolver:
     def __call__(
         self, T: Any, q0: Any, settings: dict[str, Any], seed: int, threads: int | None
     ) -> IKSolution:
-        """Solves for goals T; `settings` are those of `SETTINGS`, by name."""
+        """Solves for goals.
+
+        Args:
+            T: Goals, shape (..., 4, 4), or (..., k, 4, 4) for k frames [m].
+            q0: Where the first search begins, shape (..., nq) [rad, m]; None for a default.
+            settings: Values of `SETTINGS` by name.
+            seed: Seed of the drawn configurations.
+            threads: How many threads a large batch may use; None for one.
+
+        Returns:
+            The solution.
+
+        Raises:
+            InputError: A setting is out of range.
+        """
         check_tolerances(settings["position_tolerance"], settings["rotation_tolerance"])
         check_count("iterations", settings["iterations"])
         check_count("searches", settings["searches"])

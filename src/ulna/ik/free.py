@@ -128,7 +128,16 @@ class FreeSolver:
         return tuple(self.model.joints[i].name for i in self.solver.problem.joints)
 
     def __call__(self, T: Any, q0: ArrayLike | None, options: FreeOptions) -> FreeSolution:
-        """Solves for goals T (..., 4, 4), or (..., k, 4, 4) for k frames; see `robot.ik_free`."""
+        """Solves for goals; see `robot.ik_free`.
+
+        Args:
+            T: Goals, shape (..., 4, 4), or (..., k, 4, 4) for k frames [m].
+            q0: Where the first search begins, shape (..., nq) [rad, m]; None for a default.
+            options: The options of the search.
+
+        Returns:
+            The solution.
+        """
         core: Any = self.solver.problem.shapes["T"]
         T = batched_array("T", matrix_of(T), core)
         batch = T.shape[: T.ndim - len(core)]

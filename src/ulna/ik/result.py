@@ -27,7 +27,13 @@ class IKSolution(metaclass=Explained):
     __slots__ = ("_problem", "_raw")
 
     def __init__(self, problem: Problem, raw: Floats) -> None:
-        """`raw` holds q, status, steps, starting point and the errors of each frame: see `search.multi_start`."""
+        """The answer from what a search returned.
+
+        Args:
+            problem: What was solved.
+            raw: q, status, steps, starting point and the errors of each frame, shape (..., n): see
+                `search.multi_start`.
+        """
         self._problem = problem
         self._raw = raw
 

@@ -43,7 +43,14 @@ class Solver:
     def __init__(
         self, model: Model, frames: Sequence[str], masks: Sequence[Mask] | None, joints: Sequence[str] | None
     ) -> None:
-        """The arguments are those of `robot.ik`, with `frames` as names."""
+        """The arguments are those of `robot.ik`.
+
+        Args:
+            model: The robot.
+            frames: Names of the frames.
+            masks: Which parts of each pose count; None for all.
+            joints: Names of the joints that move; None for all.
+        """
         self.problem = problem_of(model, frames, masks, joints)
         unit = tuple((1, entries) for entries in model.quaternions)
         self._multi_start = compile(search.multi_start(self.problem), checked=True, unit_entries=unit)
@@ -62,7 +69,20 @@ class Solver:
         attempts: int = 400,
         threads: int | None = None,
     ) -> IKSolution:
-        """Solves for goals T (..., 4, 4), or (..., k, 4, 4) for k frames; see `robot.ik`."""
+        """Solves for goals; see `robot.ik`.
+
+        Args:
+            T: Goals, shape (..., 4, 4), or (..., k, 4, 4) for k frames [m].
+            q0: Where the first search begins, shape (..., nq) [rad, m]; None for a default.
+            position_tolerance: Largest distance from the goal [m].
+            rotation_tolerance: Largest angle from the goal [rad].
+            seed: Seed of the drawn configurations.
+            attempts: The largest number of searches.
+            threads: How many threads a large batch may use; None for one.
+
+        Returns:
+            The solution.
+        """
         key = (position_tolerance, rotation_tolerance, attempts, q0 is None)
         try:
             settings, shift = self._settings[key], self._shifts[seed]

@@ -39,7 +39,7 @@ class Body:
 
     Args:
         robot: The robot.
-        q: Its configuration, shape (nq,); neutral when not given.
+        q: Its configuration, shape (nq,) [rad, m]; neutral when not given.
         qd: Its velocity, shape (nv,) [rad/s or m/s]; rest when not given.
         control: What is commanded.
         limits: Which limits hold: "position" for position limits (a joint stops there), "all" for those of velocity

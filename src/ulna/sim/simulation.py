@@ -24,7 +24,7 @@ class Simulation:
 
     Args:
         realtime: Whether steps run in real time.
-        speed: Simulated seconds per second in real time.
+        speed: Simulated seconds per second in real time [-].
         substep: The longest step of dynamics [s]; longer steps are made of several.
     """
 

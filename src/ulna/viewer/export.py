@@ -29,7 +29,14 @@ RecordedMotions = Recording | Mapping[RobotHandle, Recording] | None
 
 
 class ExportMethods(SceneMethods, abc.ABC):
-    """A scene with a camera, a floor and a light or dark surrounding, and files that show it."""
+    """A scene with a camera, a floor and a light or dark surrounding, and files that show it.
+
+    Args:
+        title: The title of the page.
+        theme: "light", "dark", or a theme.
+        camera: The camera; None for one that sees everything.
+        floor: Height of the floor [m]; None for none.
+    """
 
     def __init__(self, title: str, theme: Theme | str, camera: Camera | None, floor: float | None) -> None:
         super().__init__()

@@ -73,7 +73,18 @@ def show(
 
 @final
 class Show:
-    """A robot in a page. `q` is where it stands; setting it moves the robot, the sliders and the target."""
+    """A robot in a page. `q` is where it stands; setting it moves the robot, the sliders and the target.
+
+    Args:
+        robot: The robot.
+        q: Configuration, shape (nq,) [rad, m].
+        scene: The scene.
+        port: Port of the page.
+        host: Address of the page.
+        camera: The camera; None for one that sees the robot.
+        theme: Colours of the surroundings.
+        showing: What is drawn of the robot.
+    """
 
     def __init__(
         self,

@@ -48,7 +48,12 @@ class Factors:
     """
 
     def __init__(self, M: Array, floors: Sequence[Any] | None = None) -> None:
-        """Factors `M`; a pivot that is not above its floor has a reciprocal of zero, and its entry of solutions too.
+        """Factors a matrix; a pivot that is not above its floor has a reciprocal of zero, and its entry of solutions
+        too.
+
+        Args:
+            M: Symmetric positive definite matrix, shape (..., nv, nv).
+            floors: One for each pivot; None for none.
 
         Raises:
             ZeroPivot: without floors, a pivot is zero whatever the inputs.

@@ -126,6 +126,10 @@ class Body(Instructions):
     """The lines of one function body; each method appends an instruction and returns its name.
 
     No instruction carries a fast-math flag: error-free transformations would not survive them.
+
+    Args:
+        lanes: The type of the values.
+        prefix: What the names of values begin with.
     """
 
     def __init__(self, lanes: Lanes, prefix: str = "t") -> None:

@@ -57,7 +57,16 @@ def _truth(lay: Lanes, value: bool) -> str:
 
 
 class Writer(Instructions):
-    """Writes the nodes of one graph, in order, as instructions of one layout."""
+    """Writes the nodes of one graph, in order, as instructions of one layout.
+
+    Args:
+        module: Where declarations go.
+        graph: The graph.
+        layout: The lanes of the values.
+        prefix: What the names of values begin with.
+        contract: Whether products and sums may be fused.
+        one_sample: Whether all lanes work on one sample.
+    """
 
     def __init__(
         self,

@@ -41,6 +41,12 @@ class ValueWriter(Instructions):
         names: Parameters that are never assigned to, and arrays.
         variables: The variables and the storage of each.
         is_checked: Whether accesses to arrays are checked.
+
+    Args:
+        module: Where declarations and helper functions go.
+        number_: The number of the instance, for statuses.
+        is_checked: Whether accesses to arrays are checked.
+        contract: Whether products and sums may be fused.
     """
 
     def __init__(self, module: Module, number_: int, is_checked: bool, contract: bool) -> None:

@@ -27,7 +27,12 @@ from ulna.compiler.imperative.types import (
 
 
 class Mismatch(Exception):
-    """Values that do not fit together; the reader adds the line."""
+    """Values that do not fit together; the reader adds the line.
+
+    Args:
+        text: What does not fit together.
+        fix: How to correct it.
+    """
 
     def __init__(self, text: str, fix: str = "") -> None:
         super().__init__(text)

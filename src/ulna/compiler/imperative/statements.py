@@ -21,7 +21,14 @@ from ulna.compiler.imperative.values import Scope
 
 
 class ProcedureReader(AssignmentReader):
-    """Reads the statements of one instance."""
+    """Reads the statements of one instance.
+
+    Args:
+        definition: The procedure.
+        types: The types of its parameters that are no constants.
+        constants: Its parameters that are constants of this instance.
+        instance_of: Makes the instance of another procedure for the arguments of a call.
+    """
 
     def __init__(
         self,

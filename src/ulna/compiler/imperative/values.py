@@ -43,6 +43,13 @@ class Scope:
         assigned: Variables that have a value wherever the reader is.
         instance_of: Makes the instance of another procedure for the arguments of a call.
         names: All that are assigned to somewhere in the procedure, and its parameters.
+
+    Args:
+        source: The source.
+        constants: Parameters that are constants of this instance.
+        types: The other parameters, with their types.
+        instance_of: Makes the instance of another procedure for the arguments of a call.
+        names: All that are assigned to somewhere in the procedure, and its parameters.
     """
 
     def __init__(

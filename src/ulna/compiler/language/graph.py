@@ -73,6 +73,10 @@ class Graph:
     Equal nodes are one node, keyed by operation, arguments and, for constants, by their bits
     (as keys 0.0 == -0.0 and nan != nan would do harm). `relaxed` allows the rewrite rules that hold only for
     finite numbers up to the sign of zero, such as x * 0 -> 0.
+
+    Args:
+        relaxed: Whether rewrite rules apply that hold only for finite numbers up to the sign of zero.
+        parent: The graph around the body of a loop; None for none.
     """
 
     __slots__ = ("_captured", "_interned", "args", "data", "inputs", "most", "op", "parent", "relaxed")

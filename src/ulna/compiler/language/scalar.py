@@ -20,7 +20,12 @@ _NUMBERS = (float, int, np.floating, np.integer)
 
 
 class Value:
-    """A node of a graph, as seen by the function under trace: a `Scalar` or a `Condition`."""
+    """A node of a graph, as seen by the function under trace: a `Scalar` or a `Condition`.
+
+    Args:
+        graph: The graph.
+        index: The node.
+    """
 
     __slots__ = ("graph", "index")
 

@@ -30,7 +30,14 @@ _ROWS_PER_THREAD = 1024  # below this, starting a thread costs more than the wor
 
 @final
 class ArrayCall:
-    """Calls a function with whatever may stand for its arguments."""
+    """Calls a function with whatever may stand for its arguments.
+
+    Args:
+        function: The function.
+        dtype: The type of numbers it computes with.
+        checked: Whether arguments must be finite.
+        unit: Which entries of inputs are unit quaternions.
+    """
 
     def __init__(self, function: Function, dtype: np.dtype[Any], checked: bool, unit: Unit = ()) -> None:
         self.function, self.dtype, self.checked, self.unit = function, dtype, checked, unit
@@ -63,7 +70,21 @@ class ArrayCall:
         return self._ufunc
 
     def __call__(self, *args: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
-        """Evaluates; see `ulna.compiler.runtime.kernel.compile` for what may be passed."""
+        """Evaluates the function; see `ulna.compiler.runtime.kernel.compile` for what may be passed.
+
+        Args:
+            *args: The arguments, by position or by name.
+            out: Where the results are written; None for new arrays.
+            threads: How many threads a large batch may use; None for one.
+            **named: The arguments, by position or by name.
+
+        Returns:
+            The result, or a tuple of several.
+
+        Raises:
+            InputError: `threads` is not a whole number from 1.
+            TypeError: the number or the names of the arguments do not fit.
+        """
         f = self.function
         if threads is not None and (not isinstance(threads, (int, np.integer)) or threads < 1):
             raise InputError(

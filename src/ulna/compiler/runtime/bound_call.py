@@ -40,7 +40,15 @@ class Bound:
 
 @final
 class SlowBound(Bound):
-    """A bound kernel where the fast call does not work."""
+    """A bound kernel where the fast call does not work.
+
+    Args:
+        kernel: The kernel.
+        targets: The arrays (...) that results are written to.
+        checked_call: What checks the arguments and calls the kernel.
+        pairs: Arrays to watch, each with a copy of what it held.
+        slow: What is called where a watched array has changed.
+    """
 
     __slots__ = ("__weakref__", "_checked_call", "_pairs", "_slow", "kernel", "targets")
 

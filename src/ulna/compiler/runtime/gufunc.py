@@ -190,7 +190,17 @@ def _fast_calls() -> dict[str, int]:
 
 @final
 class Plan:
-    """The words that the code of `fast_call` reads: ports and code of a kernel, and the arrays it is bound to."""
+    """The words that the code of `fast_call` reads: ports and code of a kernel, and the arrays it is bound to.
+
+    Args:
+        f: The function.
+        element: Its type of numbers.
+        work: Bytes of memory that its code needs.
+        targets: The arrays that it is bound to.
+        watched: Arrays whose changes matter, each with a copy of what it held.
+        returned: Which of `targets` are returned.
+        last_inputs: Copies of the inputs of the last call.
+    """
 
     def __init__(
         self,

@@ -170,7 +170,14 @@ class SlowKernel(KernelBase):
         self.__dict__.update(__doc__=_doc(array_call.function), _work=None)
 
     def __call__(self, *args: Any, **options: Any) -> Any:
-        """Evaluates the kernel; see `Kernel`."""
+        """Evaluates the kernel; see `Kernel`.
+
+        Args:
+            *args, **options: As for `Kernel`.
+
+        Returns:
+            The result, or a tuple of several.
+        """
         return self._array_call(*args, **options)
 
 

@@ -52,6 +52,14 @@ class Procedure(Definition):
     Arrays are passed as they are: they must have the annotated type and rank and be C-contiguous, and may be written
     to. The call releases the interpreter's lock, and cannot be interrupted: a long search returns now and then and
     goes on where it was.
+
+    Args:
+        function: The Python function, whose parameters are annotated.
+        constants: Values of parameters that are compiled in.
+        contract: Whether products and sums may be fused.
+
+    Raises:
+        InputError: `constants` names something that is no parameter.
     """
 
     def __init__(
@@ -181,7 +189,14 @@ class Procedure(Definition):
 
 @final
 class BoundProcedure:
-    """A procedure with its arguments: calling it runs the machine code on what the arrays hold now."""
+    """A procedure with its arguments: calling it runs the machine code on what the arrays hold now.
+
+    Args:
+        procedure_: The procedure.
+        entry: The address of its machine code.
+        words: The arguments as machine words.
+        held: What must stay alive: the arrays among the arguments.
+    """
 
     def __init__(self, procedure_: Procedure, entry: Any, words: Sequence[int], held: Sequence[Any]) -> None:
         instance = procedure_.instance

@@ -41,6 +41,12 @@ class Source(ABC):
         centre: Where they are wanted if nothing is said: at 0, or the limit next to it, (n,).
         near: Misses up to this are worth leading nearer by Newton's method [m and rad].
         certify: The kernel (q, T, centre) to (q, worth); see certify.py.
+
+    Args:
+        model: The robot.
+        frame: Name of the frame.
+        arm: The joints that move.
+        free: The joint of a redundant arm that values are passed for, as an index into the arm's axes; None for none.
     """
 
     near = 1e-3
@@ -108,7 +114,14 @@ class Source(ABC):
 
 @final
 class ClosedForm(Source):
-    """Branches of a closed form, one in each lane of a compiled kernel."""
+    """Branches of a closed form, one in each lane of a compiled kernel.
+
+    Args:
+        model: The robot.
+        frame: Name of the frame.
+        arm: The joints that move.
+        plan: How the closed form is computed.
+    """
 
     def __init__(self, model: Model, frame: str, arm: Arm, plan: Plan) -> None:
         super().__init__(model, frame, arm, plan.free)
@@ -179,7 +192,13 @@ class Elimination(Source):
 
 @final
 class ManyStarts(Source):
-    """What Newton's method finds from random starts: for arms with slides, few joints, or joints that follow others."""
+    """What Newton's method finds from random starts: for arms with slides, few joints, or joints that follow others.
+
+    Args:
+        model: The robot.
+        frame: Name of the frame.
+        arm: The joints that move.
+    """
 
     def __init__(self, model: Model, frame: str, arm: Arm) -> None:
         super().__init__(model, frame, arm, None)

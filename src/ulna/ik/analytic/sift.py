@@ -42,7 +42,17 @@ class Sift:
     rotation: float
 
     def __call__(self, T: Floats, base: Floats, values: Floats, seed: int) -> tuple[list[Any], bool]:
-        """For each pose (q, position errors, rotation errors, found, miss), and whether the source found all."""
+        """The solutions for some poses.
+
+        Args:
+            T: Goals, shape (k, 4, 4) [m].
+            base: Configurations whose other joints stay, shape (k, nq) [rad, m].
+            values: Values of the free joint, shape (s,) [rad, m].
+            seed: Seed of random starts.
+
+        Returns:
+            For each pose (q, position errors, rotation errors, found, miss), and whether the source found all.
+        """
         source = self.source
         centre = base[:, source.index] if self.near else source.centre[None]
         q, worth, complete = source.rows(T, base, centre, values, seed)

@@ -38,11 +38,12 @@ class DifferentialIK:
         tasks: What to reach, weighed by their costs.
         limits: What to stay within. By default the model's limits of velocity and position.
         constraints: Tasks to be met exactly (J dq = gain e); their costs only leave rows out, where they are 0.
-        damping: What a radian or metre of motion costs, squared: makes the solution unique where joints are free.
+        damping: What a squared radian or metre of motion costs [1/rad^2, 1/m^2]: makes the solution unique where
+            joints are free.
         locked: Names of joints that stand still.
         recover: What happens when the limits of a joint contradict each other, as when it stands far beyond a
             limit of position: False raises InfeasibleError; True lets limits that are listed later yield to those
-                listed before.
+            listed before.
 
     Raises:
         UnknownName: If there is no such frame or joint.

@@ -15,7 +15,15 @@ from ulna.viewer.mesh.surface import normalized
 
 
 class Arrow(Handle):
-    """An arrow from its origin along a vector; `vector` and `size` can be assigned to."""
+    """An arrow from its origin along a vector; `vector` and `size` can be assigned to.
+
+    Args:
+        scene: The scene.
+        name: Its name.
+        vector: From its origin to its tip at size 1, shape (3,).
+        radius: Radius of its shaft [m].
+        size: Length of the arrow for a vector of length 1 [m].
+    """
 
     __slots__ = ("_radius", "_size", "_vector")
 

@@ -26,6 +26,10 @@ class Handle(FixedAttributes, metaclass=Explained):
     """A thing of the scene. Its pose, colour, opacity, scale and visibility can be assigned to at any time.
 
     For a group they hold for all that is in it. What it does not have cannot be assigned to.
+
+    Args:
+        scene: The scene.
+        name: The name of the thing.
     """
 
     __slots__ = ("_name", "_scene")

@@ -20,7 +20,12 @@ class ProgressNotifications:
         self._notifications: dict[str, dict[int, Any]] = {}  # by what is done and by tab
 
     def __call__(self, what: str, how_far: str) -> None:
-        """Show what is being done and how far it is; nothing for how far once it is done."""
+        """Show what is being done and how far it is.
+
+        Args:
+            what: What is being done.
+            how_far: How far it is; empty once it is done.
+        """
         with self._lock:
             tabs, shown = self._server.get_clients(), self._notifications.setdefault(what, {})
             for number, tab in tabs.items() if how_far else ():

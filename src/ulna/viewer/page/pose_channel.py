@@ -62,7 +62,12 @@ def early_script(title: str) -> str:
 
 
 class PoseChannel:
-    """All poses in one message, where the version of viser is known to take it (`open`)."""
+    """All poses in one message, where the version of viser is known to take it (`open`).
+
+    Args:
+        server: The viser server.
+        title: The title of the page.
+    """
 
     def __init__(self, server: Any, title: str) -> None:
         self.is_supported = is_known_version()

@@ -62,7 +62,12 @@ class Choice(_ControlWithOptions, DisableableControl):
 
 @final
 class Buttons(_ControlWithOptions):
-    """Buttons of which any is pressed; `value` is the last that was, empty before."""
+    """Buttons of which any is pressed; `value` is the last that was, empty before.
+
+    Args:
+        handle: The control of viser.
+        label: Its label.
+    """
 
     __slots__ = ("_pressed",)
 
@@ -85,6 +90,10 @@ class ButtonMenu:
     """Many choices to press, as one handle of the page: a menu, and a button under it that presses.
 
     A menu alone would seem to have chosen its first, and could not choose the same again.
+
+    Args:
+        menu: The menu of viser.
+        button: The button of viser.
     """
 
     def __init__(self, menu: Any, button: Any) -> None:

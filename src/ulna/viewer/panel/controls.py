@@ -157,7 +157,12 @@ class Text(Control):
 
 @final
 class Button(DisableableControl):
-    """A button; `value` counts how often it was clicked."""
+    """A button; `value` counts how often it was clicked.
+
+    Args:
+        handle: The control of viser.
+        label: Its label.
+    """
 
     __slots__ = ("_clicks",)
 
@@ -177,7 +182,12 @@ class Button(DisableableControl):
 
 @final
 class Folder(LabelledControl):
-    """A heading with controls under it; hidden or removed, they are, too."""
+    """A heading with controls under it; hidden or removed, they are, too.
+
+    Args:
+        handle: The control of viser.
+        label: Its label.
+    """
 
     __slots__ = ("_children",)
 

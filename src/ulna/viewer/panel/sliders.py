@@ -13,7 +13,13 @@ from ulna.viewer.panel.controls import ValueControl, with_unit
 
 
 class Number(ValueControl):
-    """A number to type, with what it is measured in."""
+    """A number to type, with what it is measured in.
+
+    Args:
+        handle: The control of viser.
+        label: Its label.
+        unit: What the number is measured in.
+    """
 
     __slots__ = ("_unit",)
 
@@ -40,7 +46,14 @@ class Number(ValueControl):
 
 @final
 class Slider(Number):
-    """A slider; what is outside its limits is brought to the nearer one."""
+    """A slider; what is outside its limits is brought to the nearer one.
+
+    Args:
+        handle: The control of viser.
+        label: Its label.
+        unit: What the number is measured in.
+        stepped: Whether the step was chosen by the user.
+    """
 
     __slots__ = ("_step_chosen",)
 

@@ -31,7 +31,7 @@ class Timeline:
         page: The page, or None to do without controls.
         motions: Returns what is moved; called each time, so that robots can be added later.
         simulation: What is recording, if it is one: as long as it steps the newest is shown.
-        speed: Seconds of what happened per second.
+        speed: Seconds of what happened per second [-].
     """
 
     def __init__(

@@ -16,7 +16,16 @@ _MIN_DISTANCE = 1e-4  # m between two points
 
 @final
 class FramePath:
-    """The path of the origin of a frame: its newest `most` positions, drawn in the style of `line`."""
+    """The path of the origin of a frame: its newest `most` positions, drawn in the style of `line`.
+
+    Args:
+        scene: The scene.
+        name: The name of the line.
+        robot: The robot.
+        frame: The frame; None for the tool.
+        line: How the line is drawn.
+        most: The largest number of positions.
+    """
 
     def __init__(
         self, scene: SceneGraph, name: str, robot: Any, frame: str | None, line: Lines, most: int

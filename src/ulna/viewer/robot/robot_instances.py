@@ -23,11 +23,14 @@ class RobotInstances:
     Args:
         scene: Where to.
         robot: An `ulna.Robot`.
-        q: Configurations, shape (n, nq).
+        q: Configurations, shape (n, nq) [rad, m].
         name: The group of its nodes.
         rgba: One colour for everything; the materials' own when None.
         show: As for `Figure`.
         bases: T_group_base of each, shape (n, 4, 4); all at the group's origin when not given.
+
+    Raises:
+        ShapeError: `q` or `bases` has another shape.
     """
 
     def __init__(

@@ -23,7 +23,7 @@ class RobotVisual:
     Args:
         scene: Where to.
         robot: An `ulna.Robot`.
-        q: Its configuration, shape (nq,).
+        q: Its configuration, shape (nq,) [rad, m].
         name: The group of its nodes; the robot's own name when not given.
         rgba: One colour for everything; the materials' own when not given.
         show: "visual" for what it looks like, "collision" for what it collides with, "both", or "skeleton" for lines

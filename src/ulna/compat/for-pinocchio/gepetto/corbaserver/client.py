@@ -47,7 +47,12 @@ def shared_viewer() -> Any:
 
 @final
 class Client:
-    """`Client().gui` has the calls of the viewer. Addresses of servers play no part: the viewer is in this process."""
+    """`Client().gui` has the calls of the viewer. Addresses of servers play no part: the viewer is in this process.
+
+    Args:
+        clients, host, port, url: Accepted and ignored.
+        gui: What to draw with; None for the viewer that all clients share.
+    """
 
     def __init__(
         self, clients: Any = None, host: Any = None, port: Any = None, url: Any = None, gui: Any = None

@@ -25,7 +25,16 @@ class Trajectory:
     def __init__(
         self, name: str, t: Any, s: Any, sd: Any = None, sdd: Any = None, istime: bool = False
     ) -> None:
-        """`s`, `sd` and `sdd` are positions, velocities and accelerations."""
+        """A trajectory from its rows.
+
+        Args:
+            name: What made it.
+            t: Times, shape (m,).
+            s: Positions, shape (m, n) or (m,).
+            sd: Velocities, in the same shape.
+            sdd: Accelerations, in the same shape.
+            istime: Whether `t` is in seconds rather than steps.
+        """
         self.name, self.t, self.istime = name, np.asarray(t), istime
         self.s, self.sd, self.sdd = s, sd, sdd
 
