@@ -11,7 +11,13 @@ from ulna.model import Model
 
 
 class Part:
-    """A group of methods of a robot, such as `robot.constraints`; its groups share their kernels."""
+    """A group of methods of a robot, such as `robot.constraints`; its groups share their kernels.
+
+    Args:
+        model: The robot's model.
+        kernels: Kernels that check their inputs, by name or (name, option, ...).
+        searches: Solvers and checkers, by their options.
+    """
 
     __slots__ = ("_kernels", "_searches", "model")
 

@@ -101,7 +101,14 @@ class TrapezoidalProfile:
     """
 
     def __init__(self, q0: float, qf: float, T: float, V: float | None = None) -> None:
-        """See `trapezoidal_func`."""
+        """A profile of one coordinate; see `trapezoidal_func`.
+
+        Args:
+            q0: Start [any].
+            qf: End [any].
+            T: Duration [s].
+            V: Cruising speed [any]; None for half as fast again as the mean speed.
+        """
         q0, qf = _scalar("q0", q0), _scalar("qf", qf)
         self._law = _function(_trapezoid(q0, qf, T, V))
         speed = abs(qf - q0) / T * 1.5 if V is None else abs(float(V))
@@ -184,7 +191,14 @@ def trapezoidal(q0: float, qf: float, t: Any, V: float | None = None) -> Traject
 
 
 def lspb(*arguments: Any, **options: Any) -> Trajectory:
-    """The former name of `trapezoidal`."""
+    """The former name of `trapezoidal`.
+
+    Args:
+        *arguments, **options: As for `trapezoidal`.
+
+    Returns:
+        The trajectory.
+    """
     warnings.warn("lspb is the former name of trapezoidal", FutureWarning, stacklevel=2)
     return trapezoidal(*arguments, **options)
 
@@ -225,7 +239,7 @@ def ctraj(T0: Any, T1: Any, t: Any = None, s: Any = None) -> Any:
         Poses as one SE3 of m elements.
 
     Raises:
-        InputError: Both `t` and `s`, or neither.
+        WrongType: Both `t` and `s`, or neither.
     """
     from roboticstoolbox._common.poses import matrix, pose
     from ulna.spatial import SE3

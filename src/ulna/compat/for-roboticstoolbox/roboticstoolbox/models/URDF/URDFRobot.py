@@ -60,19 +60,30 @@ class URDFRobot(Robot):
 def URDF_file(
     file: Any, patch: Any = None, extra_packages: dict[str, str] | None = None
 ) -> tuple[list[Any], str, Any]:
-    """The links in a URDF or xacro file, as arguments of `Robot`, its name and its path; see `URDFRobot`.
+    """The links in a URDF or xacro file, as arguments of `Robot`; see `URDFRobot`.
 
     Args:
         file: A path, or a name such as "ur5".
         patch: Not supported; raises InputError.
         extra_packages: Folders of packages, by name.
+
+    Returns:
+        The links, the name of the robot, and the path of the file.
     """
     robot = URDFRobot(file, patch=patch, extra_packages=extra_packages)
     return [link.copy() for link in robot.links], robot.name, robot.urdf_filepath
 
 
 def URDF_read(urdf_path: Any, patch: Any = None) -> tuple[list[Any], str, Any]:
-    """The links in a file, its name and its path; see `URDF_file`."""
+    """The links in a file; see `URDF_file`.
+
+    Args:
+        urdf_path: A path, or a name such as "ur5".
+        patch: Not supported; raises InputError.
+
+    Returns:
+        The links, the name of the robot, and the path of the file.
+    """
     return URDF_file(urdf_path, patch)
 
 
