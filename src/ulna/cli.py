@@ -138,7 +138,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--only", action="append", default=[], metavar="PACKAGE", help="roboticstoolbox or pinocchio"
     )
-    run.usage = "%(prog)s [-h] [--only FACE] (SCRIPT | -m MODULE | -c CODE | -) [ARGUMENT ...]"
+    run.usage = "%(prog)s [-h] [--only PACKAGE] (SCRIPT | -m MODULE | -c CODE | -) [ARGUMENT ...]"
     doctor = command("doctor", _doctor, "list what a script uses of those packages that Ulna does not offer")
     doctor.add_argument("path", metavar="SCRIPT")
     cache = command("cache", _cache, "show where compiled kernels are stored, and how many")

@@ -30,12 +30,23 @@ def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(raster, "render", lambda scene, *_, theme="light": render(scene, 64, 40, theme=theme))
 
 
-def test_help_of_every_command(capsys: pytest.CaptureFixture[str]) -> None:
-    for command in ("list", "info", "show", "demo", "cache"):
+def test_help_of_every_command(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "400")
+    for command, arguments in {
+        "list": ["[WORD ...]"],
+        "info": ["[--check]", "[--package-dirs FOLDER [FOLDER ...]]", "NAME"],
+        "show": [
+            *("[-q VALUE [VALUE ...]]", "[--show WHAT]", "[--theme THEME]", "[--film FILE]", "[--html FILE]"),
+            *("[--headless]", "[--output PNG]", "[--port PORT]", "NAME"),
+        ],
+        "demo": ["[--headless]", "[--output PNG]", "[--port PORT]"],
+        "cache": ["[--clear]"],
+    }.items():
         with pytest.raises(SystemExit) as end:
             main([command, "--help"])
         assert end.value.code == 0
-        assert command in capsys.readouterr().out
+        usage = capsys.readouterr().out.splitlines()[0]
+        assert usage == " ".join(["usage: ulna", command, "[-h]", *arguments])
 
 
 def test_without_a_command_it_tells_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:

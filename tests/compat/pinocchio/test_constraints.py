@@ -441,3 +441,19 @@ def test_sets_of_forces(pin: Any) -> None:
     np.testing.assert_array_equal(pin.FullSpaceCone().dual().project([-1.0, 2.0]), [0.0, 0.0])
     with pytest.raises(InputError, match="first two equal"):
         cone.weightedProject([2.0, 0.0, 1.0], [1.0, 2.0, 1.0])
+
+
+@pytest.mark.parametrize("count", [1, 5])
+def test_damped_inverses_of_delassus_matrices_are_inverses(pin: Any, count: int) -> None:
+    """For matrices that a kernel inverts, and for larger ones, which LAPACK does."""
+    model, data, q, _, _ = _arm(pin)
+    frames = [pin.SE3(np.eye(3), np.array([0.1 * k, 0.0, 0.2])) for k in range(count)]
+    models = [pin.RigidConstraintModel(pin.ContactType.CONTACT_6D, model, 6, frame) for frame in frames]
+    datas = [one.createData() for one in models]
+    G = pin.computeDelassusMatrix(model, data, q, models, datas)
+    assert G.shape == (6 * count, 6 * count)
+    for mu in (1e-2, 3.0):
+        inverse = pin.computeDampedDelassusMatrixInverse(model, data, q, models, datas, mu)
+        np.testing.assert_allclose(inverse @ (G + mu * np.eye(len(G))), np.eye(len(G)), atol=1e-8)
+        scaled = pin.computeDampedDelassusMatrixInverse(model, data, q, models, datas, mu, True)
+        np.testing.assert_allclose(scaled, mu * inverse, rtol=1e-12, atol=1e-9)

@@ -102,6 +102,34 @@ def test_what_is_misspelt_offers_the_nearest_name(pin: Any) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        ("casadi cppad", "ulna.compile"),
+        ("buildModelFromSdf WITH_SDF", "convert them to URDF"),
+        ("buildGeomFromMJCF", "buildModelFromMJCF"),
+        ("ADMMConstraintSolver PGSSolverStats OSQP SPECTRAL", "PGSConstraintSolver"),
+        ("ConstraintModel ConstraintData", "Lists hold the constraints"),
+        ("FrictionCoefficientMatrix getFrictionCoefficientMatrix", "contact.setFriction"),
+        ("LanczosDecomposition TridiagonalSymmetricMatrix", "scipy.linalg"),
+        ("Panda3dVisualizer RVizVisualizer", "MeshcatVisualizer"),
+        ("JointModelEllipsoid JointDataEllipsoid", "JointModelSphericalZYX"),
+        ("graph", "appendModel"),
+        ("numpy inspect", "no part of Pinocchio"),
+        (
+            "pinocchio_pywrap_default submodules map_indexing_suite_X_entry deprecation",
+            "binding of Pinocchio",
+        ),
+        ("quite_another_thing", "pip install pin"),
+    ],
+)
+def test_what_is_not_offered_says_what_to_use(pin: Any, names: str, words: str) -> None:
+    for name in names.split():
+        with pytest.raises(AttributeError) as caught:
+            getattr(pin, name)
+        assert words in str(caught.value), caught.value
+
+
 def test_the_page_of_names_is_up_to_date() -> None:
     pytest.importorskip("pinocchio")
     script = ROOT / "benchmarks" / "compat_pinocchio_names.py"

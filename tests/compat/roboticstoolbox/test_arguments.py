@@ -158,6 +158,8 @@ def test_robots_in_the_plane_begin_and_end_where_told(rtb: Any) -> None:
     )
     middle = [[c2, -s2, c], [s2, c2, s], [0, 0, 1]]
     np.testing.assert_allclose(flat.fkine(q, end="link1").A, middle, rtol=0, atol=1e-15)
+    np.testing.assert_array_equal(flat.qz, [0, 0])
+    np.testing.assert_allclose(flat.qb, [0, np.pi / 2])
     c1, s1 = np.cos(q[1]), np.sin(q[1])
     last = [[c1, -s1, 1 + c1], [s1, c1, s1], [0, 0, 1]]
     np.testing.assert_allclose(flat.fkine(q, start="link1").A, last, rtol=0, atol=1e-15)

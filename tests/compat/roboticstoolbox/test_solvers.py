@@ -40,3 +40,19 @@ def test_an_answer_is_true_where_it_was_found(rtb: Any) -> None:
     missed = panda.ikine_LM(far, q0=panda.qr, slimit=1, ilimit=2)
     assert bool(reached) is True and bool(missed) is False
     assert reached.success and not missed.success
+
+
+def test_goals_in_the_plane_are_reached(rtb: Any) -> None:
+    """Two links of 1 m reach a position by either elbow; with an angle that fits neither there is no answer."""
+    arm = rtb.ETS2(rtb.ET2.R() * rtb.ET2.tx(1.0) * rtb.ET2.R() * rtb.ET2.tx(1.0))
+    q = np.array([0.4, 0.9])
+    goal = arm.eval(q)
+    whole = arm.ikine_LM(goal, q0=[0.2, 0.5], joint_limits=False)
+    assert whole.success
+    np.testing.assert_allclose(arm.eval(whole.q), goal, atol=1e-3)
+    turned = goal.copy()
+    turned[:2, :2] = np.eye(2)
+    assert not arm.ikine_LM(turned, q0=[0.2, 0.5], slimit=3, joint_limits=False).success
+    placed = arm.ikine_LM(turned, q0=[0.2, 0.5], mask=[1, 1, 0], joint_limits=False)
+    assert placed.success
+    np.testing.assert_allclose(arm.eval(placed.q)[:2, 2], goal[:2, 2], atol=1e-3)

@@ -187,3 +187,12 @@ def test_mistakes_are_named(panda: ulna.Robot) -> None:
         trajectory.time_optimal(
             trajectory.pose_line(ulna.SE3.identity(), ulna.SE3.rx(1.0), 1.0), acceleration=1.0
         )
+
+
+def test_the_joint_that_is_too_fast_at_the_start_is_named() -> None:
+    """q = (s, 1000 s^2): at s = 0 the first joint alone moves, at the next grid point the second one is faster."""
+    path = trajectory.Polynomial.of([0.0, 1.0], [[[0.0, 0.0], [1.0, 0.0], [0.0, 1000.0]]])
+    with pytest.raises(InputError, match=r"`start_rate` is 3 1/s.*the speed of 'q0' exceeds"):
+        trajectory.time_optimal(path, velocity=1.0, acceleration=1e5, start_rate=3.0)
+    with pytest.raises(InputError, match=r"`end_rate` is 3 1/s.*the speed of 'q1' exceeds"):
+        trajectory.time_optimal(path, velocity=1.0, acceleration=1e5, end_rate=3.0)

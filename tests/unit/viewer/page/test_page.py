@@ -202,6 +202,10 @@ def test_another_version_of_viser_is_driven_through_its_public_interface(
         page.scene.set_pose("robot/box", at(4.0))
         assert wait(lambda: page._publisher.shown["robot/box"].handles[0].position[0] == 4.0)
         assert not buffered(page, "RunJavascriptMessage")
+        for x in (5.0, 6.0, 7.0):  # also while it moves
+            page.scene.set_pose("robot/box", at(x))
+            page.flush()
+            assert page._publisher.shown["robot/box"].handles[0].position[0] == x
 
 
 def test_nodes_come_and_go_with_the_scene(page: Page) -> None:

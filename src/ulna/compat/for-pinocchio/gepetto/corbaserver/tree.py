@@ -110,7 +110,8 @@ class Tree(abc.ABC):
         if old == group or group.startswith(old + "/"):
             raise InputError(f"{groupName!r} is in {nodeName!r}; a node cannot be in itself.")
         new = f"{group}/{old.rpartition('/')[2]}"
-        if new == old:
+        if new == old:  # it may have been taken out of sight
+            self.scene.set_appearance(old, "visible", True)
             return True
         if new in self.scene:
             raise InputError(f"There is a node named {new!r} already; rename {nodeName!r}.")
