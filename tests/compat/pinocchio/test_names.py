@@ -101,13 +101,12 @@ def test_what_is_misspelt_offers_the_nearest_name(pin: Any) -> None:
     assert not hasattr(pin, "no such name")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("names", "words"),
     [
         ("casadi cppad", "ulna.compile"),
         ("buildModelFromSdf WITH_SDF", "convert them to URDF"),
-        ("buildGeomFromMJCF", "buildModelFromMJCF"),
+        ("MJCFParser", "buildModelFromMJCF"),
         ("ADMMConstraintSolver PGSSolverStats OSQP SPECTRAL", "PGSConstraintSolver"),
         ("ConstraintModel ConstraintData", "Lists hold the constraints"),
         ("FrictionCoefficientMatrix getFrictionCoefficientMatrix", "contact.setFriction"),
@@ -130,6 +129,7 @@ def test_what_is_not_offered_says_what_to_use(pin: Any, names: str, words: str) 
         assert words in str(caught.value), caught.value
 
 
+@pytest.mark.slow
 def test_the_page_of_names_is_up_to_date() -> None:
     pytest.importorskip("pinocchio")
     script = ROOT / "benchmarks" / "compat_pinocchio_names.py"

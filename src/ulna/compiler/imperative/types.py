@@ -17,17 +17,16 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Protocol, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
-from numpy.typing import NDArray
 
 f32 = np.float32
 f64 = np.float64
 
 _Element = TypeVar("_Element", np.float32, np.float64, np.int64)
-Array1 = Annotated[NDArray[_Element], 1]
+Array1 = Annotated[np.ndarray[tuple[Any, ...], np.dtype[_Element]], 1]
 """A C-contiguous array with one axis, as annotation: `Array1[f32]`; elements are f32, f64 or np.int64."""
-Array2 = Annotated[NDArray[_Element], 2]
+Array2 = Annotated[np.ndarray[tuple[Any, ...], np.dtype[_Element]], 2]
 """A C-contiguous array with two axes."""
-Array3 = Annotated[NDArray[_Element], 3]
+Array3 = Annotated[np.ndarray[tuple[Any, ...], np.dtype[_Element]], 3]
 """A C-contiguous array with three axes."""
 
 
