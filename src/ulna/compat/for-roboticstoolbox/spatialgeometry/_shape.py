@@ -191,7 +191,7 @@ def positive(name: str, value: Any, least: float = 0.0) -> float:
     Args:
         name: Name of the argument, for messages.
         value: What was passed.
-        least: Smallest value.
+        least: Smallest value [-].
 
     Returns:
         The number.

@@ -30,8 +30,8 @@ class Contents(LaunchedEnvironment):
 
         Args:
             ob: What to add.
-            robot_alpha: How opaque a robot is, from 0 to 1.
-            collision_alpha: How opaque what it collides with is.
+            robot_alpha: How opaque a robot is, from 0 to 1 [-].
+            collision_alpha: How opaque what it collides with is [-].
             readonly: Whether a robot is shown only, never moved.
             name: A name, for `env[name]`, and of a control for `env.values[name]`.
 
@@ -69,8 +69,8 @@ class Contents(LaunchedEnvironment):
 
         Args:
             robot: The robot.
-            robot_alpha: How opaque it is, from 0 to 1.
-            collision_alpha: How opaque what it collides with is.
+            robot_alpha: How opaque it is, from 0 to 1 [-].
+            collision_alpha: How opaque what it collides with is [-].
             readonly: Whether it is shown only, never moved.
             callback: Called before each step with the time and the values of named controls; returns the new `q`.
             name: A name, for `env[name]`.

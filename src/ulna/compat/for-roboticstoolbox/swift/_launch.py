@@ -81,13 +81,13 @@ class LaunchedEnvironment:
             browser: The name of the browser, as the module `webbrowser` has it; the usual one when not given.
             notebook: Whether to show the page in the cell of a notebook.
             axes: Whether to show the world's axes.
-            ground_opacity: The floor is always opaque.
+            ground_opacity: The floor is always opaque [-].
             ground_pattern: The floor always has its grid.
-            ground_pattern_width: See `ground_pattern`.
+            ground_pattern_width: See `ground_pattern` [m].
             lights: The lights are those of the viewer's theme.
             timeout: Accepted and ignored [s]: `hold` ends when the page has been closed for 3 s, as a reload
                 takes.
-            browser_timeout: A page whose script has ended says so, and stays open.
+            browser_timeout: A page whose script has ended says so, and stays open [s].
             **kwargs: `comms` of Swift 1, which means nothing here.
 
         Raises:

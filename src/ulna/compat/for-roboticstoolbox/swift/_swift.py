@@ -142,7 +142,7 @@ class Swift(Contents):
 
         Args:
             file_name: The file; its suffix is added.
-            framerate: Pictures a second.
+            framerate: Pictures a second [1/s].
             format: "webm" or "mp4" for an MP4 film, "gif", or "png" for a folder of pictures.
 
         Raises:

@@ -169,7 +169,7 @@ def interpolate(model: Model, q1: Any, q2: Any, alpha: float) -> Floats:
     Args:
         model: The model.
         q1, q2: Configuration (nq,) [rad or m].
-        alpha: Fraction of the way, 0 at q1 and 1 at q2.
+        alpha: Fraction of the way, 0 at q1 and 1 at q2 [-].
 
     Returns:
         Configuration (nq,) [rad or m].
@@ -224,7 +224,7 @@ def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
     Args:
         model: The model.
         q: Configuration (nq,) [rad or m].
-        prec: Largest difference of an entry.
+        prec: Largest difference of an entry [-].
 
     Returns:
         Whether they are.
@@ -239,7 +239,7 @@ def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float = 1e-12) -> 
     Args:
         model: The model.
         q1, q2: Configuration (nq,) [rad or m].
-        prec: Largest difference.
+        prec: Largest difference [-].
 
     Returns:
         Whether they are.

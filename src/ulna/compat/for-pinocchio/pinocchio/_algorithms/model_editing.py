@@ -276,7 +276,7 @@ def transformJointIntoMimic(
         input_model: The model, which stays as it is.
         index_mimicked: Index of the joint that is followed.
         index_mimicking: Index of the joint that follows.
-        scaling: Factor.
+        scaling: Factor [-].
         offset: Offset [rad or m].
 
     Returns:

@@ -173,12 +173,12 @@ def impulseDynamics(
         v: Velocity before the impact (nv,), with constraints.
         contact_models: Constraints.
         contact_datas: Their data.
-        r_coeff: The coefficient of restitution, from 0 to 1.
+        r_coeff: The coefficient of restitution, from 0 to 1 [-].
         prox_settings: How the impulses are found.
         v_before: Velocity before the impact (nv,), with a Jacobian.
         constraint_jacobian: The Jacobian of what is hit, (m, nv).
-        restitution_coefficient: That of an impact with a Jacobian.
-        damping: What is taken off the diagonal of the constraints.
+        restitution_coefficient: That of an impact with a Jacobian [-].
+        damping: What is taken off the diagonal of the constraints [1/kg].
 
     Returns:
         Velocity (nv,) [rad/s or m/s].

@@ -66,7 +66,7 @@ def computeImpulseDynamicsDerivatives(
         data: Its data, after impulseDynamics.
         contact_models: The constraints.
         contact_datas: Their data.
-        r_coeff: Coefficient of restitution.
+        r_coeff: Coefficient of restitution [-].
         prox_settings: Accepted; only its type is checked.
     """
     settings_of(prox_settings)
@@ -110,7 +110,7 @@ class BoundDerivatives:
 
         Args:
             data: Its data, which is filled.
-            factor: Number of rounds, or 1 plus the coefficient of restitution.
+            factor: Number of rounds, or 1 plus the coefficient of restitution [-].
 
         Returns:
             None; NotImplemented where a parameter of the model has changed.

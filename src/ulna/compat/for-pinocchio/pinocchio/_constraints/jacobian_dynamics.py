@@ -46,7 +46,7 @@ class BoundJacobianDynamics:
 
         Args:
             J: Jacobian (m, nv).
-            damping: Number that is added to the diagonal of the Delassus matrix.
+            damping: Number that is added to the diagonal of the Delassus matrix [1/kg].
             tau: Torques (nv,) [N m or N].
             drift: Drift of the constraints (m,) [m/s^2].
 
@@ -63,9 +63,9 @@ class BoundJacobianDynamics:
 
         Args:
             J: Jacobian (m, nv).
-            damping: Number that is added to the diagonal of the Delassus matrix.
+            damping: Number that is added to the diagonal of the Delassus matrix [1/kg].
             v: Velocity (nv,) [rad/s or m/s].
-            part: Coefficient of restitution.
+            part: Coefficient of restitution [-].
 
         Returns:
             Velocity (nv,); NotImplemented where it does not apply.
@@ -80,7 +80,7 @@ class BoundJacobianDynamics:
 
         Args:
             J: Jacobian (m, nv).
-            damping: Number that is added to the diagonal of the Delassus matrix.
+            damping: Number that is added to the diagonal of the Delassus matrix [1/kg].
 
         Returns:
             Matrix (nv + m, nv + m); NotImplemented where it does not apply.
@@ -166,7 +166,7 @@ def forwardDynamics(
         tau: Torques (nv,).
         constraint_jacobian: J (m, nv).
         constraint_drift: The drift (m,).
-        damping: What is taken off the diagonal of the constraints.
+        damping: What is taken off the diagonal of the constraints [1/kg].
 
     Returns:
         Accelerations (nv,) [rad/s^2 or m/s^2].
@@ -190,8 +190,8 @@ def impact_with_jacobian(
         q: Configuration (nq,) [rad or m]; None after crba.
         v: Velocity (nv,) [rad/s or m/s].
         J: Jacobian (m, nv).
-        restitution_coefficient: Coefficient of restitution, 0 to 1.
-        damping: Number that is added to the diagonal of the Delassus matrix.
+        restitution_coefficient: Coefficient of restitution, 0 to 1 [-].
+        damping: Number that is added to the diagonal of the Delassus matrix [1/kg].
 
     Returns:
         Velocity (nv,) [rad/s or m/s].
@@ -213,7 +213,7 @@ def computeKKTContactDynamicMatrixInverse(
         data: Its data, which is filled.
         q: Configuration (nq,) [rad or m].
         constraint_jacobian: Jacobian (m, nv).
-        damping: Number that is added to the diagonal of the Delassus matrix.
+        damping: Number that is added to the diagonal of the Delassus matrix [1/kg].
 
     Returns:
         Matrix (nv + m, nv + m).

@@ -180,7 +180,7 @@ class KinematicTree(KernelCache):
         Args:
             followed: Index of the joint that is followed.
             joint_id: Index of the joint that follows.
-            scaling: Factor.
+            scaling: Factor [-].
             offset: Offset [rad or m].
 
         Raises:

@@ -83,7 +83,7 @@ class LieGroup:
 
         Args:
             q0, q1: Point (nq,).
-            u: Fraction of the way, 0 at q0 and 1 at q1.
+            u: Fraction of the way, 0 at q0 and 1 at q1 [-].
 
         Returns:
             Point (nq,).

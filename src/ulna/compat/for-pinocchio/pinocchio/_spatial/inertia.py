@@ -278,7 +278,7 @@ class Inertia:
 
         Args:
             other: Another inertia.
-            prec: Largest difference, relative to the norm where that is above 1.
+            prec: Largest difference, relative to the norm where that is above 1 [-].
 
         Returns:
             Whether they do.

@@ -135,7 +135,7 @@ class Quaternion:
         """The rotation between this one and another.
 
         Args:
-            t: Fraction of the way, 0 to 1.
+            t: Fraction of the way, 0 to 1 [-].
             other: The other quaternion.
 
         Returns:
@@ -159,7 +159,7 @@ class Quaternion:
 
         Args:
             other: Another quaternion.
-            prec: Largest norm of their difference.
+            prec: Largest norm of their difference [-].
 
         Returns:
             Whether they do.
@@ -276,7 +276,7 @@ class AngleAxis:
 
         Args:
             other: Another rotation.
-            prec: Largest difference of both.
+            prec: Largest difference of both [-].
 
         Returns:
             Whether they do.

@@ -108,7 +108,7 @@ class SE3:
 
         Args:
             A, B: Placement.
-            alpha: Fraction of the way, 0 at A and 1 at B.
+            alpha: Fraction of the way, 0 at A and 1 at B [-].
 
         Returns:
             The placement.
@@ -235,7 +235,7 @@ class SE3:
 
         Args:
             other: Another placement.
-            prec: Largest difference, relative to the smaller norm.
+            prec: Largest difference, relative to the smaller norm [-].
 
         Returns:
             Whether they do.

@@ -149,7 +149,7 @@ class Symmetric3:
 
         Args:
             other: Another matrix.
-            prec: Largest norm of their difference, relative to the norm where that is above 1.
+            prec: Largest norm of their difference, relative to the norm where that is above 1 [-].
 
         Returns:
             Whether they do.

@@ -28,7 +28,12 @@ def _below(place: str) -> str:
 
 
 def add_module_aliases(package: str, names: Iterable[str]) -> None:
-    """Makes modules importable from a package: those of these names, and those that the table has for it."""
+    """Makes modules importable from a package: those of these names, and those that the table has for it.
+
+    Args:
+        package: Name of the package.
+        names: Names of the modules.
+    """
     listed = [key for key in PLACES if key.startswith(f"{_below(package)}.")]
     for place in [*(f"{package}.{name}" for name in names), *(f"roboticstoolbox.{key}" for key in listed)]:
         if place in sys.modules:
@@ -42,6 +47,13 @@ def add_module_aliases(package: str, names: Iterable[str]) -> None:
 def name_in(place: str, name: str) -> Any:
     """What a module of the toolbox has under a name.
 
+    Args:
+        place: Name of the module.
+        name: Name of the object.
+
+    Returns:
+        The object.
+
     Raises:
         AttributeError: There is no such name; says what to use.
     """
@@ -54,6 +66,13 @@ def name_in(place: str, name: str) -> Any:
 
 def public_name(place: str, name: str) -> Any:
     """The object of that name in `roboticstoolbox`, or the module of that name below a package.
+
+    Args:
+        place: Name of the module, for the message.
+        name: Name of the object.
+
+    Returns:
+        The object.
 
     Raises:
         AttributeError: There is no such name; says what to use.

@@ -14,6 +14,13 @@ from ulna.typing import Floats
 def numbers(name: str, value: Any) -> Floats:
     """The numbers of an argument, an array of any shape.
 
+    Args:
+        name: Name of the argument, for messages.
+        value: What was passed.
+
+    Returns:
+        Array (...).
+
     Raises:
         WrongType: It holds no numbers.
     """
@@ -25,6 +32,14 @@ def numbers(name: str, value: Any) -> Floats:
 
 def vector(name: str, value: Any, size: int) -> Floats:
     """A copy of the numbers of an argument, (size,); a row or a column will do.
+
+    Args:
+        name: Name of the argument, for messages.
+        value: What was passed.
+        size: Number of entries.
+
+    Returns:
+        Array (size,).
 
     Raises:
         WrongType: It holds no numbers.

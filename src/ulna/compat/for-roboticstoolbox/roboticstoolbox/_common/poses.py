@@ -103,7 +103,14 @@ def along(z: Floats, point: Any) -> Floats:
 
 
 def rotation_between(a: Any, b: Any) -> Any:
-    """The rotation that takes the direction of one vector (3,) to that of another one, as an SE3."""
+    """The rotation that takes the direction of one vector to that of another one.
+
+    Args:
+        a, b: Vector (3,).
+
+    Returns:
+        One SE3.
+    """
     return _spatialmath().SE3(
         _spatialmath().SO3.RotatedVector(np.asarray(a, dtype=float), np.asarray(b, dtype=float))
     )

@@ -53,6 +53,7 @@ class ForwardSimulation(RobotMixin):
             RuntimeError: The solver failed; says when.
             ShapeError: `q0` has another shape.
             UnknownName: There is no such solver.
+            UnknownKey: There is no such solver; an UnknownName, also of the class that the toolbox raises.
         """
         try:
             from scipy import integrate, interpolate

@@ -32,6 +32,9 @@ def symbolic_torques(links: Sequence[Any], base: Floats, gravity: Any, q: Any, q
         q: Configuration, (n,), of symbols or numbers.
         qd: Velocity, (n,).
         qdd: Acceleration, (n,).
+
+    Returns:
+        Torques (n,) [N m or N].
     """
     w = wd = np.zeros(3, dtype=object)
     a = base[:3, :3].T @ -np.asarray(gravity, dtype=object)

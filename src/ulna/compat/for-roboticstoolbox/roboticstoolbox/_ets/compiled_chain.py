@@ -263,6 +263,7 @@ class Chain:
 
         Raises:
             ShapeError: `J` or `H` has another shape.
+            WrongShape: `J` or `H` has another shape.
         """
         matrix = jacobian_matrix(J, self.n)
         hessian = hessian_of(matrix, self.n) if H is None else np.asarray(H, dtype=float)
@@ -289,6 +290,7 @@ def jacobian_matrix(J: Any, n: int) -> Floats:
     Raises:
         TypeError: It is no array.
         WrongShape: It has another shape.
+        WrongType: It is no array.
     """
     if not isinstance(J, np.ndarray):
         raise WrongType(f"A Jacobian is {type(J).__name__}; expected a NumPy array (6, {n}).")

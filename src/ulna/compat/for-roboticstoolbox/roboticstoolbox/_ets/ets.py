@@ -253,17 +253,18 @@ class ETS2(BaseETS):
             q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached.
+            tol: Greatest E = e^T W e / 2 that counts as reached [-].
             mask: Weights of the errors of x, y and the angle, (3,); 1 by default.
             joint_limits: Whether a solution must be within the limits.
             seed: Seed of the random starts.
-            k: Damping.
+            k: Damping [-].
 
         Returns:
             Joint coordinates (n,), success, and figures of the search.
 
         Raises:
             ShapeError: `mask` has another shape.
+            WrongShape: `mask` has another shape.
         """
         weights = np.ones(3) if mask is None else np.asarray(mask, dtype=float)
         if weights.shape != (3,):

@@ -14,37 +14,112 @@ from ulna.typing import Floats
 
 
 def ETS_init(transforms: Any, n: int | None = None, m: int | None = None) -> ETS:
-    """The handle of a chain of transforms; `n` joints and `m` transforms are counted here."""
+    """The handle of a chain of transforms.
+
+    Args:
+        transforms: The transforms.
+        n: Accepted and ignored: joints are counted here.
+        m: Accepted and ignored: transforms are counted here.
+
+    Returns:
+        The handle.
+    """
     return ETS(list(transforms))
 
 
 def ET_T(handle: Any, q: Any) -> Floats:
-    """The matrix of a transform, (4, 4)."""
+    """The matrix of a transform.
+
+    Args:
+        handle: The transform.
+        q: Joint coordinate [rad or m].
+
+    Returns:
+        Matrix (4, 4).
+    """
     return handle.A(q)
 
 
 def ETS_fkine(handle: Any, q: Any, base: Any, tool: Any, include_base: bool, _data: Any = None) -> Floats:
-    """The pose of the end, (4, 4) or (m, 4, 4)."""
+    """The pose of the end.
+
+    Args:
+        handle: The chain.
+        q: Joint coordinates (n,) or (m, n) [rad or m].
+        base: Pose of the start in the world, (4, 4); None for the identity.
+        tool: Pose of a tool beyond the end, (4, 4); None for none.
+        include_base: Whether `base` counts.
+        _data: The chain, where `handle` is None.
+
+    Returns:
+        Pose (4, 4) or (m, 4, 4).
+    """
     return _chain(handle, _data).eval(q, base, tool, include_base)
 
 
 def ETS_jacob0(handle: Any, q: Any, tool: Any, _data: Any = None, _n: Any = None) -> Floats:
-    """The Jacobian in the axes of the start, (6, n)."""
+    """The Jacobian in the axes of the start.
+
+    Args:
+        handle: The chain.
+        q: Joint coordinates (n,) or (m, n) [rad or m].
+        tool: Pose of a tool beyond the end, (4, 4); None for none.
+        _data: The chain, where `handle` is None.
+        _n: Accepted and ignored.
+
+    Returns:
+        Jacobian (6, n).
+    """
     return _chain(handle, _data).jacob0(q, tool)
 
 
 def ETS_jacobe(handle: Any, q: Any, tool: Any, _data: Any = None, _n: Any = None) -> Floats:
-    """The Jacobian in the axes of the end, (6, n)."""
+    """The Jacobian in the axes of the end.
+
+    Args:
+        handle: The chain.
+        q: Joint coordinates (n,) or (m, n) [rad or m].
+        tool: Pose of a tool beyond the end, (4, 4); None for none.
+        _data: The chain, where `handle` is None.
+        _n: Accepted and ignored.
+
+    Returns:
+        Jacobian (6, n).
+    """
     return _chain(handle, _data).jacobe(q, tool)
 
 
 def ETS_hessian0(handle: Any, q: Any, J0: Any, tool: Any, _data: Any = None, _n: Any = None) -> Floats:
-    """The Hessian in the axes of the start, (n, 6, n)."""
+    """The Hessian in the axes of the start.
+
+    Args:
+        handle: The chain.
+        q: Joint coordinates (n,) or (m, n) [rad or m].
+        J0: Jacobian in the axes of the start, (6, n), in place of `q`.
+        tool: Pose of a tool beyond the end, (4, 4); None for none.
+        _data: The chain, where `handle` is None.
+        _n: Accepted and ignored.
+
+    Returns:
+        Hessian (n, 6, n).
+    """
     return _chain(handle, _data).hessian0(q, J0, tool)
 
 
 def ETS_hessiane(handle: Any, q: Any, Je: Any, tool: Any, _data: Any = None, _n: Any = None) -> Floats:
-    """The Hessian in the axes of the end, (n, 6, n)."""
+    """The Hessian in the axes of the end.
+
+    Args:
+        handle: The chain.
+        q: Joint coordinates (n,) or (m, n) [rad or m].
+        Je: Jacobian in the axes of the end, (6, n), in place of `q`.
+        tool: Pose of a tool beyond the end, (4, 4); None for none.
+        _data: The chain, where `handle` is None.
+        _n: Accepted and ignored.
+
+    Returns:
+        Hessian (n, 6, n).
+    """
     return _chain(handle, _data).hessiane(q, Je, tool)
 
 
@@ -52,7 +127,23 @@ def IK_LM_c(
     handle: Any, Tep: Any, q0: Any, ilimit: int, slimit: int, tol: float, joint_limits: bool, mask: Any,
     k: float, method: str,
 ) -> tuple[Any, ...]:  # fmt: skip
-    """Configuration, success, iterations, searches and residual by Levenberg and Marquardt's method."""
+    """Inverse kinematics by Levenberg and Marquardt's method.
+
+    Args:
+        handle: The chain.
+        Tep: Pose of the end, (4, 4).
+        q0: Where the search begins, (n,) [rad or m].
+        ilimit: Greatest number of steps of a search.
+        slimit: Greatest number of searches.
+        tol: Greatest E = e^T W e / 2 that counts as reached [-].
+        joint_limits: Whether a solution must be within the limits.
+        mask: Weights of the errors along and about x, y, z, (6,).
+        k: Damping [-].
+        method: "chan", "wampler" or "sugihara".
+
+    Returns:
+        Configuration (n,), success, iterations, searches and residual.
+    """
     return _five(handle.ik_LM(Tep, q0, ilimit, slimit, tol, mask, joint_limits, k, method))
 
 
@@ -60,7 +151,23 @@ def IK_NR_c(
     handle: Any, Tep: Any, q0: Any, ilimit: int, slimit: int, tol: float, joint_limits: bool, mask: Any,
     pinv: bool, pinv_damping: float,
 ) -> tuple[Any, ...]:  # fmt: skip
-    """The same by Newton and Raphson's method."""
+    """Inverse kinematics by Newton and Raphson's method.
+
+    Args:
+        handle: The chain.
+        Tep: Pose of the end, (4, 4).
+        q0: Where the search begins, (n,) [rad or m].
+        ilimit: Greatest number of steps of a search.
+        slimit: Greatest number of searches.
+        tol: Greatest E = e^T W e / 2 that counts as reached [-].
+        joint_limits: Whether a solution must be within the limits.
+        mask: Weights of the errors along and about x, y, z, (6,).
+        pinv: Whether to take the pseudoinverse of the Jacobian.
+        pinv_damping: Not offered [-]; must be 0.
+
+    Returns:
+        Configuration (n,), success, iterations, searches and residual.
+    """
     return _five(handle.ik_NR(Tep, q0, ilimit, slimit, tol, mask, joint_limits, pinv, pinv_damping))
 
 
@@ -68,7 +175,23 @@ def IK_GN_c(
     handle: Any, Tep: Any, q0: Any, ilimit: int, slimit: int, tol: float, joint_limits: bool, mask: Any,
     pinv: bool, pinv_damping: float,
 ) -> tuple[Any, ...]:  # fmt: skip
-    """The same by Gauss and Newton's method."""
+    """Inverse kinematics by Gauss and Newton's method.
+
+    Args:
+        handle: The chain.
+        Tep: Pose of the end, (4, 4).
+        q0: Where the search begins, (n,) [rad or m].
+        ilimit: Greatest number of steps of a search.
+        slimit: Greatest number of searches.
+        tol: Greatest E = e^T W e / 2 that counts as reached [-].
+        joint_limits: Whether a solution must be within the limits.
+        mask: Weights of the errors along and about x, y, z, (6,).
+        pinv: Whether to take the pseudoinverse of the Jacobian.
+        pinv_damping: Not offered [-]; must be 0.
+
+    Returns:
+        Configuration (n,), success, iterations, searches and residual.
+    """
     return _five(handle.ik_GN(Tep, q0, ilimit, slimit, tol, mask, joint_limits, pinv, pinv_damping))
 
 

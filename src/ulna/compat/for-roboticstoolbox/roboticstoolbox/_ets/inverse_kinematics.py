@@ -64,17 +64,17 @@ def solve(
         q0: Where the first search begins, (n,), or the first searches, (k, n).
         ilimit: Steps of a search.
         slimit: How many searches are made.
-        tol: Greatest E that counts as reached.
+        tol: Greatest E that counts as reached [-].
         mask: What each of the six errors counts, (6,).
         joint_limits: Whether a solution must be within the limits.
-        k: Damping of "LM".
+        k: Damping of "LM" [-].
         method: How "LM" is damped.
-        kq: The inverse of the gain that keeps joints from their limits in the null space; 0 for none.
-        km: The inverse of the gain of manipulability in the null space; 0 for none.
+        kq: The inverse of the gain that keeps joints from their limits in the null space [-]; 0 for none.
+        km: The inverse of the gain of manipulability in the null space [-]; 0 for none.
         ps: Distance from a limit at which that gain is meant [rad or m].
         pi: Distance from a limit at which avoiding it begins [rad or m].
-        kj: What joint speeds cost, of "QP".
-        ks: What the rest of the error costs, of "QP".
+        kj: What joint speeds cost, of "QP" [-].
+        ks: What the rest of the error costs, of "QP" [-].
         seed: Seed of the random starts.
         verbose: Whether to print what the search found.
         pinv: Whether "NR" and "GN" may take the pseudoinverse; a Jacobian that is not square has no other.

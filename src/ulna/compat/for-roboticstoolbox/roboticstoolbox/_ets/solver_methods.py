@@ -36,10 +36,10 @@ class ChainSolvers:
             q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached.
+            tol: Greatest E = e^T W e / 2 that counts as reached [-].
             mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
             joint_limits: Whether a solution must be within the limits.
-            k: Damping.
+            k: Damping [-].
             method: How it is damped: "chan", "wampler" or "sugihara".
 
         Returns:
@@ -69,11 +69,11 @@ class ChainSolvers:
             q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached.
+            tol: Greatest E = e^T W e / 2 that counts as reached [-].
             mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
             joint_limits: Whether a solution must be within the limits.
             pinv: Whether to take the pseudoinverse of the Jacobian.
-            pinv_damping: Not offered; must be 0.
+            pinv_damping: Not offered [-]; must be 0.
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
@@ -101,11 +101,11 @@ class ChainSolvers:
             q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached.
+            tol: Greatest E = e^T W e / 2 that counts as reached [-].
             mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
             joint_limits: Whether a solution must be within the limits.
             pinv: Whether to take the pseudoinverse of the Jacobian.
-            pinv_damping: Not offered; must be 0.
+            pinv_damping: Not offered [-]; must be 0.
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
@@ -139,14 +139,14 @@ class ChainSolvers:
             q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached.
+            tol: Greatest E = e^T W e / 2 that counts as reached [-].
             mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
             joint_limits: Whether a solution must be within the limits.
             seed: Seed of the random starts.
-            k: Damping.
+            k: Damping [-].
             method: How it is damped: "chan", "wampler" or "sugihara".
-            kq: Inverse of the gain that keeps joints from their limits in the null space; 0 for none.
-            km: Inverse of the gain of manipulability in the null space; 0 for none.
+            kq: Inverse of the gain that keeps joints from their limits in the null space [-]; 0 for none.
+            km: Inverse of the gain of manipulability in the null space [-]; 0 for none.
             ps: Distance from a limit at which that gain holds [rad or m].
             pi: Distance from a limit at which avoiding it begins [rad or m].
             **more: Other settings of `solve`.
@@ -199,13 +199,13 @@ class ChainSolvers:
             q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached.
+            tol: Greatest E = e^T W e / 2 that counts as reached [-].
             mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
             joint_limits: Whether a solution must be within the limits.
             seed: Seed of the random starts.
             pinv: Whether to take the pseudoinverse of the Jacobian.
-            kq: Inverse of the gain that keeps joints from their limits in the null space; 0 for none.
-            km: Inverse of the gain of manipulability in the null space; 0 for none.
+            kq: Inverse of the gain that keeps joints from their limits in the null space [-]; 0 for none.
+            km: Inverse of the gain of manipulability in the null space [-]; 0 for none.
             ps: Distance from a limit at which that gain holds [rad or m].
             pi: Distance from a limit at which avoiding it begins [rad or m].
             **more: Other settings of `solve`.
@@ -257,13 +257,13 @@ class ChainSolvers:
             q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached.
+            tol: Greatest E = e^T W e / 2 that counts as reached [-].
             mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
             joint_limits: Whether a solution must be within the limits.
             seed: Seed of the random starts.
             pinv: Whether to take the pseudoinverse of the Jacobian.
-            kq: Inverse of the gain that keeps joints from their limits in the null space; 0 for none.
-            km: Inverse of the gain of manipulability in the null space; 0 for none.
+            kq: Inverse of the gain that keeps joints from their limits in the null space [-]; 0 for none.
+            km: Inverse of the gain of manipulability in the null space [-]; 0 for none.
             ps: Distance from a limit at which that gain holds [rad or m].
             pi: Distance from a limit at which avoiding it begins [rad or m].
             **more: Other settings of `solve`.
@@ -316,14 +316,14 @@ class ChainSolvers:
             q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             ilimit: Greatest number of steps of a search.
             slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached.
+            tol: Greatest E = e^T W e / 2 that counts as reached [-].
             mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
             joint_limits: Whether a solution must be within the limits.
             seed: Seed of the random starts.
-            kj: Cost of joint speeds.
-            ks: Cost of the remaining error.
-            kq: Inverse of the gain that keeps joints from their limits in the null space; 0 for none.
-            km: Inverse of the gain of manipulability in the null space; 0 for none.
+            kj: Cost of joint speeds [-].
+            ks: Cost of the remaining error [-].
+            kq: Inverse of the gain that keeps joints from their limits in the null space [-]; 0 for none.
+            km: Inverse of the gain of manipulability in the null space [-]; 0 for none.
             ps: Distance from a limit at which that gain holds [rad or m].
             pi: Distance from a limit at which avoiding it begins [rad or m].
             **more: Other settings of `solve`.

@@ -26,7 +26,7 @@ class PumaBranches(RobotMixin):
             T: The pose of the end, or poses: an SE3, (4, 4) or (m, 4, 4).
             config: "l" or "r", the arm to the left or to the right; "u" or "d", elbow up or down; "n" or "f", wrist as
                 it is or flipped. What is missing is "l", "u", "n".
-            tol: Greatest E = e^T e / 2 that counts as reached.
+            tol: Greatest E = e^T e / 2 that counts as reached [-].
 
         Returns:
             Configuration (n,), or (m, n) for m poses; nan where there is none.

@@ -61,6 +61,9 @@ def ordered_joints(links: Sequence[Link], check: bool = True) -> list[Link]:
         links: Those of the arm.
         check: Whether numbers must be 0 to n - 1.
 
+    Returns:
+        The links.
+
     Raises:
         ModelError: Some joints have numbers and some have none, or they are not 0 to n - 1.
     """

@@ -70,8 +70,8 @@ class RobotNode(Node, RobotMixin):
 
         Args:
             q: Configuration, (n,) [rad or m].
-            robot_alpha: Shapes to draw are counted if this is above zero.
-            collision_alpha: Shapes to check are counted if this is above zero.
+            robot_alpha: Shapes to draw are counted if this is above zero [-].
+            collision_alpha: Shapes to check are counted if this is above zero [-].
 
         Returns:
             One SE3 for each shape.

@@ -48,7 +48,7 @@ class Ellipsoids(RobotMixin):
             opt: "trans" for linear velocities, "rot" for angular ones.
             unit: Of angles in `q`, "rad" or "deg".
             centre: Where it is drawn, "ee" for the end.
-            scale: What its half axes are multiplied by.
+            scale: What its half axes are multiplied by [m per m/s].
             add: Plays no part: an ellipsoid is drawn by what it is passed to, such as `env.add`.
 
         Returns:
@@ -72,7 +72,7 @@ class Ellipsoids(RobotMixin):
             opt: "trans" for linear velocities or forces, "rot" for angular velocities or moments.
             unit: Of angles in `q`, "rad" or "deg".
             centre: Where it is drawn, "ee" for the end.
-            scale: Factor of its half axes.
+            scale: Factor of its half axes [m/N].
             add: Plays no part: an ellipsoid is drawn by what it is passed to, such as `env.add`.
 
         Returns:

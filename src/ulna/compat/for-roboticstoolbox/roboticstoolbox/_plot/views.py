@@ -23,7 +23,12 @@ def plane_view(plane: str) -> dict[str, int]:
 
 
 def set_plane_view(ax: Any, plane: str) -> None:
-    """Shows axes of Matplotlib in the view of a plane; see `plane_view`."""
+    """Shows axes of Matplotlib in the view of a plane; see `plane_view`.
+
+    Args:
+        ax: The axes.
+        plane: The plane; see `plane_view`.
+    """
     ax.view_init(**plane_view(plane))
 
 
