@@ -49,7 +49,7 @@ def ETS_fkine(handle: Any, q: Any, base: Any, tool: Any, include_base: bool, _da
         base: Pose of the start in the world, (4, 4); None for the identity.
         tool: Pose of a tool beyond the end, (4, 4); None for none.
         include_base: Whether `base` counts.
-        _data: The chain, where `handle` is None.
+        _data: The transforms of the chain, where `handle` is None.
 
     Returns:
         Pose (4, 4) or (m, 4, 4).
@@ -64,7 +64,7 @@ def ETS_jacob0(handle: Any, q: Any, tool: Any, _data: Any = None, _n: Any = None
         handle: The chain.
         q: Joint coordinates (n,) or (m, n) [rad or m].
         tool: Pose of a tool beyond the end, (4, 4); None for none.
-        _data: The chain, where `handle` is None.
+        _data: The transforms of the chain, where `handle` is None.
         _n: Accepted and ignored.
 
     Returns:
@@ -80,7 +80,7 @@ def ETS_jacobe(handle: Any, q: Any, tool: Any, _data: Any = None, _n: Any = None
         handle: The chain.
         q: Joint coordinates (n,) or (m, n) [rad or m].
         tool: Pose of a tool beyond the end, (4, 4); None for none.
-        _data: The chain, where `handle` is None.
+        _data: The transforms of the chain, where `handle` is None.
         _n: Accepted and ignored.
 
     Returns:
@@ -97,7 +97,7 @@ def ETS_hessian0(handle: Any, q: Any, J0: Any, tool: Any, _data: Any = None, _n:
         q: Joint coordinates (n,) or (m, n) [rad or m].
         J0: Jacobian in the axes of the start, (6, n), in place of `q`.
         tool: Pose of a tool beyond the end, (4, 4); None for none.
-        _data: The chain, where `handle` is None.
+        _data: The transforms of the chain, where `handle` is None.
         _n: Accepted and ignored.
 
     Returns:
@@ -114,7 +114,7 @@ def ETS_hessiane(handle: Any, q: Any, Je: Any, tool: Any, _data: Any = None, _n:
         q: Joint coordinates (n,) or (m, n) [rad or m].
         Je: Jacobian in the axes of the end, (6, n), in place of `q`.
         tool: Pose of a tool beyond the end, (4, 4); None for none.
-        _data: The chain, where `handle` is None.
+        _data: The transforms of the chain, where `handle` is None.
         _n: Accepted and ignored.
 
     Returns:
