@@ -1,6 +1,6 @@
 """Public functions of two or more arguments say what they take, return and raise, with shapes and units.
 
-`python tests/architecture/test_docstrings.py [FILE OR FOLDER ...]` prints what is missing, in pending files, too.
+`python tests/architecture/test_docstrings.py [FILE OR FOLDER ...]` prints what is missing.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from ulna.quantities import THEMES
 
 SOURCE = Path(__file__).parents[2] / "src" / "ulna"
 FILES = sorted(SOURCE.rglob("*.py"))
-PENDING = Path(__file__).parent / "docstrings_pending.txt"  # remove what you complete; add nothing
 
 ARRAYS = re.compile(r"\b(Array|ArrayLike|Floats|NDArray|ndarray)\b")
 NUMBERS = re.compile(rf"{ARRAYS.pattern}|\bfloat\b")
@@ -209,16 +208,7 @@ def what_is_missing(module: ast.Module) -> list[str]:
 
 
 def test_public_functions_have_complete_docstrings() -> None:
-    pending = (
-        set(re.findall(r"^[^#\s]+", PENDING.read_text(encoding="utf-8"), re.M)) if PENDING.exists() else set()
-    )
-    wrong = [
-        text
-        for path in FILES
-        if path.relative_to(SOURCE).as_posix() not in pending
-        for text in complaints(path)
-    ]
-    assert not wrong
+    assert [text for path in FILES for text in complaints(path)] == []
 
 
 INCOMPLETE = '''
