@@ -43,6 +43,8 @@ def build(root: Path, folder: Path, arguments: list[str], jobs: int) -> None:
     combined.load()  # what earlier builds found, which combining would overwrite
     combined.combine(strict=False)
     combined.save()
+    for damaged in folder.glob("lines.*"):  # of children that were killed while they wrote
+        damaged.unlink()
 
 
 class CoverageMap:

@@ -149,6 +149,10 @@ def test_groups_move_what_is_in_them_and_nodes_keep_their_names(gui: Gui) -> Non
     assert gui.getStringProperty("world/box", "Visibility") == "OFF"  # pyright: ignore
     assert gui.addToGroup("world/box", "tool")  # in a group again, it can be seen again
     assert gui.getStringProperty("world/box", "Visibility") == "ON"  # pyright: ignore
+    gui.createGroup("hand")
+    assert gui.removeFromGroup("world/box", "tool") and gui.addToGroup("world/box", "hand")
+    assert gui.getStringProperty("world/box", "Visibility") == "ON"  # pyright: ignore
+    assert gui.addToGroup("world/box", "tool") and gui.deleteNode("hand")
     with pytest.raises(InputError, match="1 nodes are in 'tool'"):
         gui.deleteNode("tool", False)
     assert gui.deleteNode("world/box", True) and not gui.nodeExists("world/box")

@@ -18,10 +18,12 @@ import pytest
 
 from ulna import disk_cache as cache
 from ulna.compiler import compile
-from ulna.compiler.runtime import jit
+from ulna.compiler.runtime import jit, object_layout
 from ulna.errors import CacheWarning
 from ulna.system import storage
 
+FAST = object_layout.fast_call_works()
+CODES = 2 if FAST else 1  # of a kernel: of its single call, where that is fast, and of batches
 POSIX = pytest.mark.skipif(not hasattr(os, "getuid"), reason="needs owners and modes")
 
 
@@ -62,10 +64,10 @@ def entries(place: Path) -> list[Path]:
 
 def test_the_second_time_nothing_is_compiled(place, compilations):
     use()
-    assert len(compilations) == 2
+    assert len(compilations) == CODES
     use()
-    assert len(compilations) == 2
-    assert len(entries(place)) == 2
+    assert len(compilations) == CODES
+    assert len(entries(place)) == CODES
     if hasattr(os, "getuid"):
         assert place.stat().st_mode & 0o777 == 0o700
         assert all(p.stat().st_mode & 0o777 == 0o600 for p in entries(place))
@@ -74,7 +76,7 @@ def test_the_second_time_nothing_is_compiled(place, compilations):
 _CHILD = """
 import sys
 from ulna.compiler import compile
-from ulna.compiler.runtime import jit
+from ulna.compiler.runtime import jit, object_layout
 import numpy as np
 def refuse(ir, has_loops):
     raise SystemExit("compiled")
@@ -119,16 +121,18 @@ def test_a_damaged_entry_is_compiled_anew_and_mended(place, compilations, damage
         }[damage]
         path.write_bytes(bad)
     use()
-    assert len(compilations) == 4
+    assert len(compilations) == 2 * CODES
     assert {p: p.read_bytes() for p in entries(place)} == good
     use()
-    assert len(compilations) == 4
+    assert len(compilations) == 2 * CODES
 
 
 def test_a_good_entry_under_a_wrong_name_is_not_believed(place, compilations):
     kernels = [lambda x: x + 1.0, lambda x: x + 2.0]
     for f in kernels:
-        compile(f, x=())
+        kernel = compile(f, x=())
+        if not FAST:
+            kernel(np.zeros(20))
     one, two = entries(place)
     one.write_bytes(two.read_bytes())
     two.write_bytes(two.read_bytes())
@@ -157,7 +161,7 @@ def test_an_unreadable_entry_is_compiled_anew(place, compilations, monkeypatch):
     monkeypatch.setattr(os, "fstat", lambda d: os.lstat(entries(place)[0]))
     with pytest.warns(CacheWarning, match="key"):
         use()
-    assert len(compilations) == 4
+    assert len(compilations) == 2 * CODES
 
 
 @POSIX
@@ -169,7 +173,7 @@ def test_a_folder_that_others_can_write_is_refused(place, compilations, mode):
         CacheWarning, match=r"is not used, because others could put code there.*chmod 700"
     ) as caught:
         use()
-    assert len(compilations) == 4
+    assert len(compilations) == 2 * CODES
     assert len([w for w in caught if w.category is CacheWarning]) == 1, "once is enough"
 
 
@@ -179,7 +183,7 @@ def test_a_folder_of_another_user_is_refused(place, compilations, monkeypatch):
     monkeypatch.setattr(os, "getuid", lambda: 12345)
     with pytest.warns(CacheWarning, match="owned by you"):
         use()
-    assert len(compilations) == 4
+    assert len(compilations) == 2 * CODES
 
 
 @POSIX
@@ -188,7 +192,7 @@ def test_an_entry_that_others_can_write_is_not_believed(place, compilations):
     for path in entries(place):
         path.chmod(0o666)
     use()
-    assert len(compilations) == 4
+    assert len(compilations) == 2 * CODES
 
 
 @POSIX
@@ -199,7 +203,7 @@ def test_a_link_as_an_entry_is_not_followed(place, compilations, tmp_path):
         path.rename(elsewhere)
         path.symlink_to(elsewhere)
     use()
-    assert len(compilations) == 4
+    assert len(compilations) == 2 * CODES
     assert not any(p.is_symlink() for p in entries(place)), "replaced by real entries"
 
 
@@ -228,7 +232,7 @@ def test_a_file_where_the_folder_should_be(place, compilations):
         CacheWarning, match=r"cannot be made.*Set ULNA_CACHE to a folder you can write, or to 0"
     ):
         use()
-    assert len(compilations) == 2
+    assert len(compilations) == CODES
     assert place.read_text() == "something else"
 
 
@@ -242,7 +246,7 @@ def test_a_folder_that_cannot_be_written_warns_once(place, compilations, monkeyp
     ) as caught:
         use()
         use()
-    assert len(compilations) == 4
+    assert len(compilations) == 2 * CODES
     assert len([w for w in caught if w.category is CacheWarning]) == 1
 
 
@@ -268,7 +272,7 @@ def test_a_full_disk_leaves_no_half_entry(place, compilations, monkeypatch):
     assert list(place.iterdir()) == []
     monkeypatch.setattr(os, "fdopen", original)
     use()
-    assert len(entries(place)) == 2
+    assert len(entries(place)) == CODES
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")
@@ -298,7 +302,7 @@ def test_off(place, compilations, monkeypatch):
     monkeypatch.setenv("ULNA_CACHE", "0")
     use()
     use()
-    assert len(compilations) == 4
+    assert len(compilations) == 2 * CODES
     assert cache.folder() is None
     assert cache.clear() == 0
     assert not place.exists()
@@ -330,7 +334,7 @@ def test_a_user_without_a_home_can_compile(place, compilations, monkeypatch):
     monkeypatch.setattr(Path, "expanduser", homeless)
     with pytest.warns(CacheWarning, match="this user has no home folder"):
         use()
-    assert len(compilations) == 2
+    assert len(compilations) == CODES
 
 
 def _fill(start, folder: str, failures) -> None:
@@ -356,7 +360,7 @@ def test_processes_that_fill_the_cache_at_once_agree(place):
         process.join(120)
     assert [p.exitcode for p in children] == [0] * 4
     assert failures.empty()
-    assert len(entries(place)) == 17  # two of each kernel, and what all kernels share
+    assert len(entries(place)) == (17 if FAST else 8)  # the codes of each kernel, and what fast ones share
     assert [p for p in place.iterdir() if p.name.startswith("new-")] == []
 
 
@@ -371,7 +375,7 @@ def test_an_entry_of_another_processor_is_another_entry(place, compilations, mon
     here = jit.target()
     monkeypatch.setattr(jit, "target", lambda: dataclasses.replace(here, features=here.features + ","))
     use()
-    assert len(compilations) == 4
+    assert len(compilations) == 2 * CODES
 
 
 def test_prune_keeps_what_was_used_last(place):
@@ -399,7 +403,7 @@ def test_clear_removes_what_is_ours_only(place):
     use()
     other = place / "notes.txt"
     other.write_text("not ours")
-    assert cache.clear() == 2
+    assert cache.clear() == CODES
     assert [p.name for p in place.iterdir()] == ["notes.txt"]
     use()
 
@@ -420,7 +424,7 @@ def test_a_long_compilation_is_announced_once(place, slow, capsys):
     said = capsys.readouterr()
     assert said.out == ""
     lines = said.err.splitlines()
-    assert len(lines) == 2  # one call, and a batch
+    assert len(lines) == CODES  # one call, and a batch
     assert "compiling lambda (4 operations)" in lines[0] and "next time" in lines[0]
     use()
     assert capsys.readouterr().err == ""  # out of the cache

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,9 +34,17 @@ def place(tmp_path, monkeypatch) -> Path:
     return tmp_path
 
 
+def _stored() -> Any:
+    """Compiles a kernel, and stores one object: of its single call, or of batches where there is no fast call."""
+    kernel = compile(lambda x: x * 3.0 + 0.5, x=(2,))
+    if not kernel.is_fast:
+        kernel(np.ones((20, 2)))
+    return kernel
+
+
 def _object(place: Path) -> tuple[Path, bytes]:
     """The entry of a kernel in the cache, and the object file in it."""
-    compile(lambda x: x * 3.0 + 0.5, x=(2,))
+    _stored()
     (path,) = (p for p in (place / "cache").iterdir() if len(p.name) == 64)
     content = disk_cache.read(path.name)
     assert content is not None
@@ -66,7 +75,7 @@ def test_a_forged_entry_is_not_loaded(place):
     ):
         path.write_bytes(magic + seal + forged)
         assert disk_cache.read(path.name) is None
-    compile(lambda x: x * 3.0 + 0.5, x=(2,))
+    _stored()
     assert disk_cache.read(path.name) == content
 
 
@@ -145,7 +154,7 @@ def test_what_llvm_makes_is_sound_and_what_is_cut_is_not(place):
 def test_a_sealed_object_that_is_none_is_compiled_anew(place):
     path, content = _object(place)
     disk_cache.write(path.name, b"\x7fELF" + bytes(300))
-    kernel = compile(lambda x: x * 3.0 + 0.5, x=(2,))
+    kernel = _stored()
     assert kernel(np.array([1.0, 2.0])).tolist() == [3.5, 6.5]
     assert disk_cache.read(path.name) == content
 
