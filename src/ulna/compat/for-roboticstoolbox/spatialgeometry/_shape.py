@@ -194,7 +194,7 @@ def positive(name: str, value: Any, least: float = 0.0) -> float:
         least: Smallest value [-].
 
     Returns:
-        The number.
+        The number, in the unit of `value` [-].
 
     Raises:
         InputError: It is none.

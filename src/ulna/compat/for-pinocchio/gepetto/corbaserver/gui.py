@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, NoReturn, final
 
+from gepetto.corbaserver.curves import Curves
 from gepetto.corbaserver.looks import Looks
-from gepetto.corbaserver.shapes import Shapes
 from gepetto.corbaserver.windows import Windows
 from ulna.errors import UnknownName, ViewerError
 
@@ -22,7 +22,7 @@ REFUSED = {
 
 
 @final
-class Gui(Shapes, Looks, Windows):
+class Gui(Curves, Looks, Windows):
     """The calls of Gepetto viewer's graphical interface over an `ulna.Viewer`.
 
     Nodes are named by paths; a node is placed in its group by `applyConfiguration`, which takes effect at `refresh`.

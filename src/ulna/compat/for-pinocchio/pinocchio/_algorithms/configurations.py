@@ -185,7 +185,7 @@ def distance(model: Model, q1: Any, q2: Any) -> float:
         q1, q2: Configuration (nq,) [rad or m].
 
     Returns:
-        The length.
+        The length [rad or m].
     """
     return float(model.compiled_structure().core_kernel("distance")(*_pair(model, q1, q2)))
 

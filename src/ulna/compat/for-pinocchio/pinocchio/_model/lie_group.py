@@ -99,7 +99,7 @@ class LieGroup:
             q0, q1: Point (nq,).
 
         Returns:
-            The squared length.
+            The squared length [rad^2 or m^2].
         """
         result = self._squared_distance(q0, q1)
         return float(self._bound("squared_distance", q0=q0, q1=q1) if result is NotImplemented else result)
@@ -111,7 +111,7 @@ class LieGroup:
             q0, q1: Point (nq,).
 
         Returns:
-            The length.
+            The length [rad or m].
         """
         return float(np.sqrt(self.squaredDistance(q0, q1)))
 

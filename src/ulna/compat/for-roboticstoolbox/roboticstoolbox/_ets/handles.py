@@ -196,7 +196,15 @@ def IK_GN_c(
 
 
 def Angle_Axis(T: Any, Td: Any) -> Floats:
-    """The difference of positions and the rotation vector from one pose to another, (6,)."""
+    """The difference of positions and the rotation vector from one pose to another, (6,).
+
+    Args:
+        T: Pose, (4, 4).
+        Td: Pose to reach, (4, 4).
+
+    Returns:
+        Vector (6,) [m and rad].
+    """
     return p_servo(array(T), array(Td), 1.0, 0.0, "angle-axis")[0]
 
 

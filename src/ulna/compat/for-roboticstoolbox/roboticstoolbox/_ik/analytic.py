@@ -93,7 +93,7 @@ class AnalyticIK:
             seed: Seed of the random numbers.
 
         Returns:
-            The fraction that is found.
+            The fraction that is found [-].
         """
         draw, count = np.random.default_rng(seed), 0
         for _ in range(trials):

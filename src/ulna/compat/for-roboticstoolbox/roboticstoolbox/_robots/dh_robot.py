@@ -241,6 +241,9 @@ class DHRobot(DHText, Analytic, Robot):
 
         Returns:
             One SE3.
+
+        Raises:
+            InputError: There is no such link.
         """
         at = self.q if q is None else np.atleast_1d(q)
         first, last = (0, j) if np.ndim(j) == 0 else (j[0], j[1])
