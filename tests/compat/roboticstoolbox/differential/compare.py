@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -47,7 +48,8 @@ def _errors_differ(ours: dict[str, Any], theirs: dict[str, Any]) -> str | None:
 
 
 def _same_text(ours: str, theirs: str) -> bool:
-    return [line.rstrip() for line in ours.splitlines()] == [line.rstrip() for line in theirs.splitlines()]
+    a, b = (re.sub(r"<[\w.]*?(\w+) object at 0x\w+>", r"\1", text) for text in (ours, theirs))
+    return [line.rstrip() for line in a.splitlines()] == [line.rstrip() for line in b.splitlines()]
 
 
 def _same(ours: Any, theirs: Any, near: float) -> bool:

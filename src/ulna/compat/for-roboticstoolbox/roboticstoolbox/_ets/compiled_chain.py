@@ -236,7 +236,7 @@ class Chain:
         measure, rows = measure_name(method), axes_of(axes)
         if measure != "yoshikawa" and self.n < len(chosen_rows(rows)):
             return measure_of(np.asarray(self.jacob0(q)), measure, rows)
-        return self.arm.manipulability(self.q(q), measure, rows)
+        return np.asarray(self.arm.manipulability(self.q(q), measure, rows))[()]
 
     def jacobm(self, q: Any, axes: Any) -> Floats:
         """The gradient of manipulability.

@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from roboticstoolbox._common.errors import WrongShape
+from roboticstoolbox._common.errors import UnknownOption, WrongShape
 from roboticstoolbox._common.poses import matrix, pose, to_planar, to_spatial
 from roboticstoolbox._common.symbols import shortened
 from roboticstoolbox._ets.dh_split import STEPS, split_by_convention
 from roboticstoolbox._ets.elementary_transform import ET, ET2
 from roboticstoolbox._ets.ik_solution import IKSolution
 from roboticstoolbox._ets.inverse_kinematics import solve
+from roboticstoolbox._ets.measures import MEASURES_OF_CHAINS
 from roboticstoolbox._ets.sequence import BaseETS
 from roboticstoolbox._ets.solver_methods import ChainSolvers
 from ulna.typing import Floats
@@ -133,12 +134,17 @@ class ETS(ChainSolvers, BaseETS):
 
         Args:
             q: Joint coordinates (n,) or (m, n) [rad or m].
-            method: "yoshikawa", "asada", "minsingular" or "invcondition".
+            method: "yoshikawa", "minsingular" or "invcondition".
             axes: "all", "trans", "rot", "both" for a pair of measures, or six truth values.
 
         Returns:
             The measure, () or (m,); a pair of them for "both".
+
+        Raises:
+            UnknownOption: There is no such measure of a chain, which has no masses.
         """
+        if str(method) not in MEASURES_OF_CHAINS:
+            raise UnknownOption("measure of manipulability of a chain", method, MEASURES_OF_CHAINS)
         return self._compiled(None).manipulability(q, method, axes)
 
     def jacobm(self, q: Any, axes: Any = "all") -> Floats:

@@ -17,7 +17,8 @@ _MEASURES = {
     "mins": "minimum_singular_value",
     "invc": "inverse_condition",
 }
-_NAMES = ("yoshikawa", "asada", "minsingular", "invcondition")
+MEASURES_OF_CHAINS = ("yoshikawa", "minsingular", "invcondition")
+_NAMES = (*MEASURES_OF_CHAINS, "asada")
 
 
 def measure_name(method: str) -> Any:
@@ -55,4 +56,5 @@ def measure_of(J: Floats, measure: Any, axes: Any) -> Any:
     if measure == "yoshikawa":
         return algorithms.measure_of(J, measure, axes)
     s = np.linalg.svd(J[..., chosen_rows(axes), :], compute_uv=False)
-    return s[..., -1] if measure == "minimum_singular_value" else s[..., -1] / s[..., 0]
+    least = s[..., -1][()]  # a number, not an array without axes
+    return least if measure == "minimum_singular_value" else least / s[..., 0][()]
