@@ -2,104 +2,30 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, final
 
 import numpy as np
 
 from ulna import algorithms
-from ulna.algorithms import ConstrainedMotion, Friction, Impact, Proximal, Stabilisation
+from ulna.algorithms import ConstrainedMotion, Friction, Impact, Proximal
 from ulna.algorithms.multibody.references import Reference
 from ulna.errors import InputError, ShapeError
-from ulna.model import Constraint, Model
-from ulna.model.constraint import bonds, listed
+from ulna.model import Constraint
+from ulna.model.constraint import listed
 from ulna.numeric import is_symbolic
+from ulna.quantities import _constraint_kernels as kernels
 from ulna.quantities.constraint_arguments import anchor_poses, checked_solver, one_each, stabilisation_arrays
-from ulna.quantities.forces import FORCES, Forces, friction_of, stacked, wrenches
+from ulna.quantities.forces import FORCES, Forces, stacked
 from ulna.quantities.part import Part
-from ulna.quantities.quantity import Arguments, quantity
-from ulna.typing import Array, ArrayLike, Floats
+from ulna.quantities.quantity import quantity
+from ulna.typing import ArrayLike, Floats
 
 AnyConstraints = Sequence[Constraint] | Constraint
 """What constrains the robot: a list of constraints, or one."""
 
 _DEFAULT = Proximal()
 _OF: dict[str, Any] = {"constraints": ()}
-
-
-def _of_bonds(algorithm: Callable[..., Any]) -> Callable[..., Any]:
-    """An algorithm that takes resolved constraints last, as one that takes the option `constraints`."""
-
-    @functools.wraps(algorithm)
-    def run(model: Model, *arrays: Array, constraints: Any) -> Any:
-        return algorithm(model, *arrays, bonds(model, constraints))
-
-    return run
-
-
-def _constraint_error(model: Model, q: Array, *anchors: Array, constraints: Any) -> Array:
-    return algorithms.constraint_error(model, q, anchors[0] if anchors else None, bonds(model, constraints))
-
-
-def _anchors(options: Mapping[str, Any]) -> Arguments:
-    contacts = sum(constraint.is_contact for constraint in options["constraints"])
-    return (("anchors", (contacts, 4, 4)),) if contacts else ()
-
-
-def _constrained_dynamics(
-    model: Model,
-    q: Array,
-    v: Array,
-    tau: Array,
-    *rest: Array,
-    constraints: Any,
-    forces: tuple[str, ...],
-    reference: Any,
-    friction: Any,
-    stabilised: bool,
-    solver: Proximal,
-) -> tuple[Any, ...]:
-    resolved, law, remaining = bonds(model, constraints), friction_of(model, friction), list(rest)
-    external = pull = None
-    if forces:
-        frames = [model.frame(name) for name in forces]
-        external = algorithms.at_joints(model, q, remaining.pop(0), frames, reference)
-    if stabilised:
-        anchored = any(constraint.is_contact for constraint in constraints)
-        pull = Stabilisation(remaining.pop(0) if anchored else None, remaining.pop(0))
-    if law is not None:
-        tau = tau + algorithms.friction_torque(v, law)
-    return tuple(algorithms.constrained_dynamics(model, q, v, tau, resolved, external, pull, solver))
-
-
-def _motion_arguments(options: Mapping[str, Any]) -> Arguments:
-    gains: Arguments = (("gains", (len(options["constraints"]), 2)),)
-    return (*wrenches(options), *((*_anchors(options), *gains) if options["stabilised"] else ()))
-
-
-def _forward_dynamics_with_jacobian(
-    model: Model, *arrays: Array, rows: int, compliant: bool, solver: Proximal
-) -> tuple[Any, ...]:
-    q, v, tau, J, drift, *compliance = arrays
-    soft = compliance[0] if compliant else 0.0
-    return tuple(algorithms.forward_dynamics_with_jacobian(model, q, v, tau, J, drift, soft, None, solver))
-
-
-def _jacobian_arguments(options: Mapping[str, Any]) -> Arguments:
-    soft: Arguments = (("compliance", ()),) if options["compliant"] else ()
-    return (("J", (options["rows"], "nv")), ("drift", (options["rows"],)), *soft)
-
-
-def _impulse_dynamics(
-    model: Model, q: Array, v: Array, *restitution: Array, constraints: Any, elastic: bool, solver: Proximal
-) -> tuple[Any, ...]:
-    back = restitution[0] if elastic else None
-    return tuple(algorithms.impulse_dynamics(model, q, v, bonds(model, constraints), back, solver))
-
-
-def _impact_arguments(options: Mapping[str, Any]) -> Arguments:
-    return (("restitution", (len(options["constraints"]),)),) if options["elastic"] else ()
 
 
 @final
@@ -119,10 +45,10 @@ class Constraints(Part):
     __slots__ = ()
 
     @quantity(
-        _constrained_dynamics,
+        kernels.constrained_dynamics,
         "(nv,), (m,), (), ()",
         options={**_OF, **FORCES, "friction": False, "stabilised": False, "solver": _DEFAULT},
-        more=_motion_arguments,
+        more=kernels.motion_arguments,
         nodes=(148, 40, 1),
         inverts_mass=True,
     )
@@ -187,11 +113,11 @@ class Constraints(Part):
         return ConstrainedMotion(*self._kernel("constrained_dynamics", listing, *options)(*arrays))
 
     @quantity(
-        _forward_dynamics_with_jacobian,
+        kernels.forward_dynamics_with_jacobian,
         "(nv,), (m,), (), ()",
         arrays=("q", "v", "tau"),
         options={"rows": 1, "compliant": False, "solver": _DEFAULT},
-        more=_jacobian_arguments,
+        more=kernels.jacobian_arguments,
         nodes=(148, 40, 1),
         inverts_mass=True,
     )
@@ -232,10 +158,10 @@ class Constraints(Part):
         )
 
     @quantity(
-        _impulse_dynamics,
+        kernels.impulse_dynamics,
         "(nv,), (m,), (), ()",
         options={**_OF, "elastic": False, "solver": _DEFAULT},
-        more=_impact_arguments,
+        more=kernels.impact_arguments,
         nodes=(100, 40, 1),
         inverts_mass=True,
     )
@@ -273,7 +199,7 @@ class Constraints(Part):
         return Impact(*self._kernel("impulse_dynamics", listing, True, checked)(q, v, back))
 
     @quantity(
-        _of_bonds(algorithms.delassus_matrix),
+        kernels.of_bonds(algorithms.delassus_matrix),
         "(m, m) [1/kg, 1/(kg m), 1/(kg m^2)]",
         options=_OF,
         nodes=(60, 40, 1),
@@ -285,22 +211,24 @@ class Constraints(Part):
         """
         return self._kernels["delassus_matrix", listed(constraints)](q)
 
-    @quantity(_of_bonds(algorithms.constraint_jacobian), "(m, nv) [m/rad or 1, 1 or rad/m]", options=_OF)
+    @quantity(
+        kernels.of_bonds(algorithms.constraint_jacobian), "(m, nv) [m/rad or 1, 1 or rad/m]", options=_OF
+    )
     def jacobian(self, q: ArrayLike, constraints: AnyConstraints) -> Floats:
         """The matrix that maps `v` to the constraint velocity."""
         return self._kernels["constraint_jacobian", listed(constraints)](q)
 
-    @quantity(_of_bonds(algorithms.constraint_velocity), "(m,) [m/s, rad/s]", options=_OF)
+    @quantity(kernels.of_bonds(algorithms.constraint_velocity), "(m,) [m/s, rad/s]", options=_OF)
     def velocity(self, q: ArrayLike, v: ArrayLike, constraints: AnyConstraints) -> Floats:
         """The constraint velocity: that of the first frames relative to the second ones, or to the world."""
         return self._kernels["constraint_velocity", listed(constraints)](q, v)
 
-    @quantity(_of_bonds(algorithms.constraint_bias), "(m,) [m/s^2, rad/s^2]", options=_OF)
+    @quantity(kernels.of_bonds(algorithms.constraint_bias), "(m,) [m/s^2, rad/s^2]", options=_OF)
     def bias(self, q: ArrayLike, v: ArrayLike, constraints: AnyConstraints) -> Floats:
         """The rate of the constraint velocity when the joints do not accelerate, dJ/dt v."""
         return self._kernels["constraint_bias", listed(constraints)](q, v)
 
-    @quantity(_constraint_error, "(m,) [m, rad]", options=_OF, more=_anchors)
+    @quantity(kernels.constraint_error, "(m,) [m, rad]", options=_OF, more=kernels.anchor_arguments)
     def error(
         self,
         q: ArrayLike,

@@ -151,7 +151,8 @@ def _calling_kernel(method: F, record: Quantity, parameters: tuple[str, ...]) ->
         co_consts=tuple(record.name if constant == "NAME" else constant for constant in code.co_consts),
     )
     made: Any = types.FunctionType(renamed, globals(), method.__name__, method.__defaults__)
-    return functools.update_wrapper(made, method)
+    functools.update_wrapper(made, method)
+    return made
 
 
 @functools.cache
