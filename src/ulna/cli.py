@@ -8,7 +8,7 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from ulna.errors import InputError, UlnaError
@@ -67,6 +67,9 @@ def _end_output() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+_ROBOT = "a name from `ulna list`, or the path of a .urdf, .xacro or MJCF (.xml) file"
+
+
 def _parser() -> argparse.ArgumentParser:
     from ulna import __version__
 
@@ -81,10 +84,18 @@ def _parser() -> argparse.ArgumentParser:
         sub.set_defaults(run=run)
         return sub
 
-    robot = "a name from `ulna list`, or the path of a .urdf, .xacro or MJCF (.xml) file"
     command("list", _list, "list the robots that can be loaded by name").add_argument(
         "words", nargs="*", metavar="WORD", help="only those whose name or description holds all of these"
     )
+    _robot_commands(command)
+    _script_commands(command)
+    cache = command("cache", _cache, "show where compiled kernels are stored, and how many")
+    cache.add_argument("--clear", action="store_true", help="remove them; they are compiled anew when needed")
+    return parser
+
+
+def _robot_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
+    """Adds info, show and demo."""
     info = command(
         "info",
         _info,
@@ -92,7 +103,7 @@ def _parser() -> argparse.ArgumentParser:
         "With --check it lists what looks wrong instead; the exit status is then 1 where there is an error or a "
         "warning, 0 where there are only notes or nothing.",
     )
-    info.add_argument("name", metavar="NAME", help=robot)
+    info.add_argument("name", metavar="NAME", help=_ROBOT)
     info.add_argument("--check", action="store_true", help="list what looks wrong, with the file's lines")
     info.add_argument(
         "--package-dirs", nargs="+", default=(), metavar="FOLDER", help="folders to look for packages in"
@@ -103,24 +114,17 @@ def _parser() -> argparse.ArgumentParser:
         "show a robot in the browser, with sliders and a target to drag",
         "With --headless it writes a picture instead, and needs neither a browser nor a screen.",
     )
-    show.add_argument("name", metavar="NAME", help=robot)
-    show.add_argument(
-        "-q",
-        "--q",
-        nargs="+",
-        metavar="VALUE",
-        help="configuration: a named one of the robot (qr), or a number for each joint [rad or m]",
-    )
-    show.add_argument(
-        "--show", metavar="WHAT", default="visual", help="visual (default), collision, both or skeleton"
-    )
-    show.add_argument("--theme", metavar="THEME", default="light", help="light (default) or dark")
-    show.add_argument(
-        "--film", metavar="FILE", help="write a film of its joints, .mp4 or .gif, and no picture"
-    )
-    show.add_argument(
-        "--html", metavar="FILE", help="write a page of the same that plays offline, and no picture"
-    )
+    show.add_argument("name", metavar="NAME", help=_ROBOT)
+    configuration = "configuration: a named one of the robot (qr), or a number for each joint [rad or m]"
+    show.add_argument("-q", "--q", nargs="+", metavar="VALUE", help=configuration)
+    for option, default, about in (
+        ("--show WHAT", "visual", "visual (default), collision, both or skeleton"),
+        ("--theme THEME", "light", "light (default) or dark"),
+        ("--film FILE", None, "write a film of its joints, .mp4 or .gif, and no picture"),
+        ("--html FILE", None, "write a page of the same that plays offline, and no picture"),
+    ):
+        name, metavar = option.split()
+        show.add_argument(name, metavar=metavar, default=default, help=about)
     _picture_options(show, "ulna-NAME.png")
     demo = command(
         "demo",
@@ -129,6 +133,10 @@ def _parser() -> argparse.ArgumentParser:
         "In the browser where there is a screen, else headless: a report and a picture.",
     )
     _picture_options(demo, "ulna-demo.png")
+
+
+def _script_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
+    """Adds run and doctor."""
     run = command(
         "run",
         _run,
@@ -141,9 +149,6 @@ def _parser() -> argparse.ArgumentParser:
     run.usage = "%(prog)s [-h] [--only PACKAGE] (SCRIPT | -m MODULE | -c CODE | -) [ARGUMENT ...]"
     doctor = command("doctor", _doctor, "list what a script uses of those packages that Ulna does not offer")
     doctor.add_argument("path", metavar="SCRIPT")
-    cache = command("cache", _cache, "show where compiled kernels are stored, and how many")
-    cache.add_argument("--clear", action="store_true", help="remove them; they are compiled anew when needed")
-    return parser
 
 
 def _picture_options(parser: argparse.ArgumentParser, file: str) -> None:

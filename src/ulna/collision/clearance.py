@@ -298,14 +298,17 @@ def sphere_clearance(
 
     def function(q: Array) -> Any:
         gaps = distances(q)
-        if not gaps:
-            return 0.0 * q[0] + np.inf
-        least = gaps[0]
-        for d in gaps[1:]:
-            least = minimum(least, d)
-        if smooth is None:
-            return least
-        total = sum(exp((least - d) / smooth) for d in gaps)  # none above 1
-        return least - smooth * np.log(total)
+        return _least(gaps, smooth) if gaps else 0.0 * q[0] + np.inf
 
     return function
+
+
+def _least(gaps: Sequence[Any], smooth: float | None) -> Any:
+    """The least of distances, rounded off by a length or not."""
+    least = gaps[0]
+    for d in gaps[1:]:
+        least = minimum(least, d)
+    if smooth is None:
+        return least
+    total = sum(exp((least - d) / smooth) for d in gaps)  # none above 1
+    return least - smooth * np.log(total)

@@ -127,17 +127,13 @@ def simulate(
     one_of("method", method, _METHODS)
     kp = number("kp", kp, "a gain that is not below zero [1/s^2]", least=0.0)
     check_friction(friction)
-    start, speed = (
-        shaped_array("q", q, model.nq),
-        np.zeros(model.nv) if v is None else shaped_array("v", v, model.nv),
-    )
+    start = shaped_array("q", q, model.nq)
+    speed = np.zeros(model.nv) if v is None else shaped_array("v", v, model.nv)
     law = _torque_law(torque, model.nv)
-    bound = not (isinstance(constraints, tuple | list) and not constraints)
-    plant = (
-        Plant(robot, friction, _constrained_acceleration(robot, start, constraints, kp))
-        if bound
-        else _plant(robot, friction)
-    )
+    if isinstance(constraints, tuple | list) and not constraints:
+        plant = _plant(robot, friction)
+    else:
+        plant = Plant(robot, friction, _constrained_acceleration(robot, start, constraints, kp))
     duration, count = step_count(duration, dt, _MOST_STEPS)
     every = checked_count("every", every)
     times = np.linspace(0.0, duration, count + 1)
@@ -146,12 +142,8 @@ def simulate(
             plant, start, speed, law, times[[*range(0, count, every), count]], solver, rtol, atol
         )
     step = duration / count
-    if method == "rk4" and step > plant.longest_step(start):
-        raise InputError(
-            f"A step of {step:g} s is too long for friction within a width of {plant.friction.width:g}: 'rk4' is "  # type: ignore[union-attr]
-            f"stable up to {plant.longest_step(start):.2g} s. Use method='euler', whose friction takes any step, or "
-            "'adaptive'; or widen the friction."
-        )
+    if method == "rk4":
+        _check_stable_step(plant, start, step)
     recording = Recording()
     q, v = start, speed
     for k in range(count):
@@ -238,6 +230,17 @@ def _constrained_acceleration(
     anchors = (robot.constraints.anchors(q, listed_constraints),) if has_contacts else ()
     gains = np.tile([kp, 2.0 * np.sqrt(kp)], (len(listed_constraints), 1))
     return lambda q, v, tau: kernel(q, v, tau, *anchors, gains)[0]
+
+
+def _check_stable_step(plant: Plant, q: Floats, step: float) -> None:
+    """Raises InputError where a step [s] is too long for the method of Runge and Kutta with this friction."""
+    longest = plant.longest_step(q)
+    if step > longest:
+        raise InputError(
+            f"A step of {step:g} s is too long for friction within a width of {plant.friction.width:g}: 'rk4' is "  # type: ignore[union-attr]
+            f"stable up to {longest:.2g} s. Use method='euler', whose friction takes any step, or "
+            "'adaptive'; or widen the friction."
+        )
 
 
 def _torque_law(torque: Torque | ArrayLike | None, nv: int) -> Torque:

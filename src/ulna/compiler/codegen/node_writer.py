@@ -239,8 +239,7 @@ class Writer(Instructions):
         following = [f"%{tag}.y{k}" for k in range(loop.size)]
         self.write(f"br label %{head}")
         self.open_block(head)
-        end = f"%{tag}.end"  # the block the back edge comes from, known after the body is written
-        phis = len(self.lines)
+        place = len(self.lines)  # of the phis, which name the block that the back edge comes from
         self.lines.append("")
         names = [*state, *(self.names[a] for a in args[loop.size :])]
         for node, name in zip(loop.graph.inputs, names, strict=True):
@@ -248,17 +247,7 @@ class Writer(Instructions):
         inner.current_block = head
         # Condition and body are one region: lanes that are done compute along and are masked out.
         inner.nodes(loop.graph.live([loop.condition]))
-        active, go = f"%{tag}.active", f"%{tag}.go"
-        inner.write(f"{active} = and {lay.truth} %{tag}.alive, {inner.names[loop.condition]}")
-        if lay.lanes == 1:
-            anyone = active
-        else:
-            anyone = f"%{tag}.any"
-            self.module.declare(f"declare i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth})")
-            inner.write(f"{anyone} = call i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth} {active})")
-        inner.write(f"%{tag}.more = icmp ult i64 %{tag}.n, {loop.limit}")
-        inner.write(f"{go} = and i1 {anyone}, %{tag}.more")
-        inner.write(f"br i1 {go}, label %{body}, label %{after}")
+        active = inner.continue_while(tag, loop, body, after)
         inner.open_block(body)
         inner.nodes(loop.graph.live([loop.condition, *loop.following]))
         for k, node in enumerate(loop.following):
@@ -269,13 +258,35 @@ class Writer(Instructions):
         inner.write(f"br label %{head}")
         end = inner.current_block
         self.lines += inner.lines
-        lines = [f"%{tag}.n = phi i64 [ 0, %{before} ], [ %{tag}.n1, %{end} ]"]
-        lines.append(
-            f"%{tag}.alive = phi {lay.truth} [ {_truth(lay, True)}, %{before} ], [ {active}, %{end} ]"
-        )
-        for k in range(loop.size):
-            start = self.names[args[k]]
-            lines.append(f"{state[k]} = phi {lay.real} [ {start}, %{before} ], [ {following[k]}, %{end} ]")
-        self.lines[phis] = "\n".join("  " + line for line in lines)
+        phis = [
+            f"%{tag}.n = phi i64 [ 0, %{before} ], [ %{tag}.n1, %{end} ]",
+            f"%{tag}.alive = phi {lay.truth} [ {_truth(lay, True)}, %{before} ], [ {active}, %{end} ]",
+        ]
+        for name, node, next_ in zip(state, args, following, strict=False):
+            phis.append(f"{name} = phi {lay.real} [ {self.names[node]}, %{before} ], [ {next_}, %{end} ]")
+        self.lines[place] = "\n".join("  " + line for line in phis)
         self.open_block(after)
         self.names[index] = " ".join(state)
+
+    def continue_while(self, tag: str, loop: Loop, body: str, after: str) -> str:
+        """Ends the head of a loop: continues with the body while a lane is active and the limit is not reached.
+
+        Args:
+            tag: What the names of the loop begin with.
+            loop: The loop, whose condition is written already.
+            body: The label of the body.
+            after: The label of the block after the loop.
+
+        Returns:
+            The name of the truth values that say which lanes are active.
+        """
+        lay = self.layout
+        active = self.let(f"{tag}.active", f"and {lay.truth} %{tag}.alive, {self.names[loop.condition]}")
+        anyone = active
+        if lay.lanes > 1:
+            reduction = f"@llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth}"
+            self.module.declare(f"declare i1 {reduction})")
+            anyone = self.let(f"{tag}.any", f"call i1 {reduction} {active})")
+        self.let(f"{tag}.more", f"icmp ult i64 %{tag}.n, {loop.limit}")
+        self.branch(self.let(f"{tag}.go", f"and i1 {anyone}, %{tag}.more"), body, after)
+        return active

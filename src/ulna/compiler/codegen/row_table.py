@@ -50,7 +50,7 @@ def write_rows(to: Writer, port: str, places: Sequence[int], zero: int | None) -
 
 def _loop(to: Writer, port: str, table: Sequence[Sequence[int]], zero: int | None) -> None:
     """The chunks that are as wide as there are lanes; the first place of one that is zero is given as -1."""
-    lay, lanes = to.layout, to.layout.lanes
+    lanes = to.layout.lanes
     flat = [-1 if set(row) == {zero} else place for row in table for place in row]
     kind = f"[{len(flat)} x i32]"
     to.module.declare(f"@{port}.places = private constant {kind} [{', '.join(f'i32 {x}' for x in flat)}]")
@@ -67,16 +67,9 @@ def _loop(to: Writer, port: str, table: Sequence[Sequence[int]], zero: int | Non
     to.write(f"%{port}.t = getelementptr i32, ptr @{port}.places, i64 %{port}.column")
     to.write(f"%{port}.first = load i32, ptr %{port}.t\n  %{port}.nothing = icmp slt i32 %{port}.first, 0")
     to.write(f"br i1 %{port}.nothing, label %{none}, label %{some}")
-
-    def put(values: Sequence[str]) -> None:
-        for row, value in zip(rows, values, strict=True):
-            pointer = to.fresh("p")
-            to.write(f"{pointer} = getelementptr {lay.dtype}, ptr {row}, i64 %{port}.column")
-            to.write(f"store {lay.real} {value}, ptr {pointer}, align {BYTES[lay.dtype]}")
-        to.write(f"br label %{following}")
-
     to.open_block(none)
-    put(["zeroinitializer"] * lanes)
+    _put(to, port, rows, ["zeroinitializer"] * lanes)
+    to.jump(following)
     to.open_block(some)
     columns = []
     for j in range(lanes):
@@ -86,11 +79,21 @@ def _loop(to: Writer, port: str, table: Sequence[Sequence[int]], zero: int | Non
         )
         to.write(f"{place} = zext i32 {narrow} to i64")
         columns.append(_fetched(to, place))
-    put(transposed(to, columns))
+    _put(to, port, rows, transposed(to, columns))
+    to.jump(following)
     to.open_block(following)
     to.write(f"%{port}.k1 = add i64 %{port}.k, 1\n  %{port}.over = icmp eq i64 %{port}.k1, {len(table)}")
     to.write(f"br i1 %{port}.over, label %{after}, label %{head}")
     to.open_block(after)
+
+
+def _put(to: Writer, port: str, rows: Sequence[str], values: Sequence[str]) -> None:
+    """Stores a chunk of each row."""
+    lay = to.layout
+    for row, value in zip(rows, values, strict=True):
+        pointer = to.fresh("p")
+        to.write(f"{pointer} = getelementptr {lay.dtype}, ptr {row}, i64 %{port}.column")
+        to.write(f"store {lay.real} {value}, ptr {pointer}, align {BYTES[lay.dtype]}")
 
 
 def _fetched(to: Writer, place: int | str) -> str:

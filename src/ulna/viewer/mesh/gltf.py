@@ -42,84 +42,98 @@ def glb(surfaces: Iterable[Surface], extras: dict[str, Any] | None = None, ours:
     Returns:
         The content of the file.
     """
-    views: list[dict[str, Any]] = []
-    accessors: list[dict[str, Any]] = []
-    primitives: list[dict[str, Any]] = []
-    materials: list[dict[str, Any]] = []
-    images: list[dict[str, Any]] = []
-    data = bytearray()
-
-    def accessor(values: Array, component: int, target: int, **more: Any) -> int:
-        content = np.ascontiguousarray(values).tobytes()
-        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(content), "target": target})
-        data.extend(content + b"\0" * (-len(content) % 4))  # so that all views are aligned
-        kind = "SCALAR" if values.ndim == 1 else f"VEC{values.shape[1]}"
-        accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": len(values)})
-        accessors[-1].update(type=kind, **more)
-        return len(accessors) - 1
-
-    def nothing(count: int) -> int:
-        accessors.append({"componentType": _FLOAT, "count": count, "type": "VEC3"})
-        return len(accessors) - 1
-
+    parts = _Parts()
     for surface, level in _levels(surfaces, ours):
-        vertices = surface.vertices.astype("<f4")
-        if surface.rgba[3] < 0.999:
-            vertices = (surface.vertices - TRANSLUCENT_INSET * surface.normals).astype("<f4")
-        bounds = {"min": vertices.min(axis=0).tolist(), "max": vertices.max(axis=0).tolist()}
-        attributes = {
-            "POSITION": accessor(vertices, _FLOAT, _VERTICES, **bounds),
-            "NORMAL": accessor(surface.normals.astype("<f4"), _FLOAT, _VERTICES)
-            if not ours
-            else nothing(len(vertices)),
-        }
-        if surface.texture is not None:
-            # glTF counts from the upper left
-            uv = surface.texture.uv * (1.0, -1.0) + (0.0, 1.0)
-            attributes["TEXCOORD_0"] = accessor(uv.astype("<f4"), _FLOAT, _VERTICES)
-        short = len(vertices) < 2**16
-        corners = surface.triangles.astype("<u2" if short else "<u4").reshape(-1)
-        indices = accessor(corners, _UINT16 if short else _UINT32, _INDICES)
-        primitives.append({"attributes": attributes, "indices": indices, "material": len(materials)})
-        if level:
-            primitives[-1]["extras"] = {"level": level}
-        materials.append(_material(surface, len(images)))
-        if surface.texture is not None:
-            image = surface.texture.image
-            views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(image)})
-            data.extend(image + b"\0" * (-len(image) % 4))
-            kind = "image/png" if image.startswith(b"\x89PNG") else "image/jpeg"
-            images.append({"bufferView": len(views) - 1, "mimeType": kind})
+        _add_surface(parts, surface, level, ours)
     document: dict[str, Any] = {
         "asset": {"version": "2.0", "generator": "ulna"},
         "scene": 0,
         "scenes": [{"nodes": []}],
     }
-    if primitives:
+    if parts.primitives:
         document |= {
             "scenes": [{"nodes": [0]}],
             "nodes": [{"mesh": 0}],
-            "meshes": [{"primitives": primitives, "extras": extras or {}}],
-            "materials": materials,
-            "accessors": accessors,
-            "bufferViews": views,
-            "buffers": [{"byteLength": len(data)}],
+            "meshes": [{"primitives": parts.primitives, "extras": extras or {}}],
+            "materials": parts.materials,
+            "accessors": parts.accessors,
+            "bufferViews": parts.views,
+            "buffers": [{"byteLength": len(parts.data)}],
         }
     if extras:
         document["extensionsUsed"] = ["KHR_materials_unlit"]
-        materials[0] |= {"extensions": {"KHR_materials_unlit": {}}, "alphaMode": "BLEND"}
-    if images:
+        parts.materials[0] |= {"extensions": {"KHR_materials_unlit": {}}, "alphaMode": "BLEND"}
+    if parts.images:
         document |= {
-            "images": images,
+            "images": parts.images,
             "samplers": [{}],
-            "textures": [{"source": k, "sampler": 0} for k in range(len(images))],
+            "textures": [{"source": k, "sampler": 0} for k in range(len(parts.images))],
         }
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<II", len(text), 0x4E4F534A) + text
-    if primitives:
-        chunks += struct.pack("<II", len(data), 0x004E4942) + bytes(data)
+    if parts.primitives:
+        chunks += struct.pack("<II", len(parts.data), 0x004E4942) + bytes(parts.data)
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+class _Parts:
+    """The lists of a document, and the bytes that they refer to."""
+
+    def __init__(self) -> None:
+        self.views: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, Any]] = []
+        self.primitives: list[dict[str, Any]] = []
+        self.materials: list[dict[str, Any]] = []
+        self.images: list[dict[str, Any]] = []
+        self.data = bytearray()
+
+    def view(self, content: bytes, **more: Any) -> int:
+        """Appends bytes; the number of their view."""
+        self.views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": len(content), **more})
+        self.data.extend(content + b"\0" * (-len(content) % 4))  # so that all views are aligned
+        return len(self.views) - 1
+
+    def accessor(self, values: Array, component: int, target: int, **more: Any) -> int:
+        """Appends numbers; the number of their accessor."""
+        view = self.view(np.ascontiguousarray(values).tobytes(), target=target)
+        kind = "SCALAR" if values.ndim == 1 else f"VEC{values.shape[1]}"
+        self.accessors.append({"bufferView": view, "componentType": component, "count": len(values)})
+        self.accessors[-1].update(type=kind, **more)
+        return len(self.accessors) - 1
+
+    def undefined_vectors(self, count: int) -> int:
+        """Declares vectors without data; the number of their accessor."""
+        self.accessors.append({"componentType": _FLOAT, "count": count, "type": "VEC3"})
+        return len(self.accessors) - 1
+
+
+def _add_surface(parts: _Parts, surface: Surface, level: str, ours: bool) -> None:
+    """Appends a surface as one primitive, with its material and texture."""
+    vertices = surface.vertices.astype("<f4")
+    if surface.rgba[3] < 0.999:
+        vertices = (surface.vertices - TRANSLUCENT_INSET * surface.normals).astype("<f4")
+    bounds = {"min": vertices.min(axis=0).tolist(), "max": vertices.max(axis=0).tolist()}
+    attributes = {
+        "POSITION": parts.accessor(vertices, _FLOAT, _VERTICES, **bounds),
+        "NORMAL": parts.accessor(surface.normals.astype("<f4"), _FLOAT, _VERTICES)
+        if not ours
+        else parts.undefined_vectors(len(vertices)),
+    }
+    if surface.texture is not None:
+        # glTF counts from the upper left
+        uv = surface.texture.uv * (1.0, -1.0) + (0.0, 1.0)
+        attributes["TEXCOORD_0"] = parts.accessor(uv.astype("<f4"), _FLOAT, _VERTICES)
+    short = len(vertices) < 2**16
+    corners = surface.triangles.astype("<u2" if short else "<u4").reshape(-1)
+    indices = parts.accessor(corners, _UINT16 if short else _UINT32, _INDICES)
+    primitive = {"attributes": attributes, "indices": indices, "material": len(parts.materials)}
+    parts.primitives.append(primitive | ({"extras": {"level": level}} if level else {}))
+    parts.materials.append(_material(surface, len(parts.images)))
+    if surface.texture is not None:
+        image = surface.texture.image
+        kind = "image/png" if image.startswith(b"\x89PNG") else "image/jpeg"
+        parts.images.append({"bufferView": parts.view(image), "mimeType": kind})
 
 
 def _levels(surfaces: Iterable[Surface], ours: bool) -> Iterator[tuple[Surface, str]]:
