@@ -104,6 +104,10 @@ def test_the_order_of_quaternions(gui: Gui, by: str, monkeypatch: pytest.MonkeyP
     gui.applyConfiguration("box", (0, 0, 0, 1, 0, 0, 0))
     gui.refresh()
     np.testing.assert_array_equal(gui.scene.pose("box"), np.eye(4))
+    wanted = [1.0, 2.0, 3.0, 0.1, 0.3, 0.5, np.sqrt(0.65)]  # another number in each place
+    gui.applyConfiguration("box", wanted)
+    gui.refresh()
+    np.testing.assert_allclose(place(gui, "box"), wanted, atol=1e-12)
     with pytest.raises(UnknownName, match="wxyz"):
         corbaserver.quaternion_order("wxzy")
 

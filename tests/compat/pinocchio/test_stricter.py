@@ -237,3 +237,13 @@ def test_derivatives_of_universal_joints_agree_with_differences(pin: Any) -> Non
 def test_the_logarithm_of_a_number_is_refused(pin: Any) -> None:
     with pytest.raises(ShapeError, match="4, 4"):
         pin.log6(3)
+
+
+def test_rotations_about_an_axis_are_named(pin: Any) -> None:
+    c, s = np.cos(0.3), np.sin(0.3)
+    np.testing.assert_allclose(pin.rpy.rotate("x", 0.3), [[1, 0, 0], [0, c, -s], [0, s, c]], atol=1e-15)
+    np.testing.assert_allclose(pin.rpy.rotate("y", 0.3), [[c, 0, s], [0, 1, 0], [-s, 0, c]], atol=1e-15)
+    np.testing.assert_allclose(pin.rpy.rotate("z", 0.3), [[c, -s, 0], [s, c, 0], [0, 0, 1]], atol=1e-15)
+    for axis in ("w", "", "xy"):
+        with pytest.raises(UnknownName, match="axis"):
+            pin.rpy.rotate(axis, 0.3)

@@ -76,6 +76,14 @@ def test_impossible_sizes_are_refused(make, says: str) -> None:
         make()
 
 
+def test_a_colour_becomes_a_tuple_of_floats() -> None:
+    colour = Material("m", [1, 0, np.float32(0.5), 1]).rgba  # type: ignore[arg-type]
+    assert colour == (1.0, 0.0, 0.5, 1.0) and isinstance(colour, tuple)
+    assert all(type(c) is float for c in colour)
+    assert hash(Material("m", [1, 0, 0, 1])) == hash(Material("m", (1.0, 0.0, 0.0, 1.0)))  # type: ignore[arg-type]
+    assert Material("m").rgba is None
+
+
 def test_a_mesh_knows_its_file_name() -> None:
     assert Mesh("some/folder/part.stl").file_name == "part.stl"
     assert Mesh("some\\folder\\part.stl").file_name == "part.stl"
