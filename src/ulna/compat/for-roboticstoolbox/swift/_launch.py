@@ -78,7 +78,8 @@ class LaunchedEnvironment:
             headless: True for no page, False for one in any case; None for one where there is a screen or somebody at
                 the terminal. SWIFT_HEADLESS or ULNA_HEADLESS in the environment says True.
             rate: How often the page is drawn [1/s]; it is 60 times a second at most whatever is said.
-            browser: The name of the browser, as the module `webbrowser` has it; the usual one when not given.
+            browser: The name of the browser, as the module `webbrowser` has it; the usual one when not given;
+                "notebook" for the cell of a notebook.
             notebook: Whether to show the page in the cell of a notebook.
             axes: Whether to show the world's axes.
             ground_opacity: The floor is always opaque [-].
@@ -104,6 +105,8 @@ class LaunchedEnvironment:
                 UlnaWarning,
                 stacklevel=2,
             )
+        if browser == "notebook":
+            browser, notebook = None, True
         if self._viewer is not None:
             self.close()
         headless_requested = _headless_requested() if headless is None else bool(headless)

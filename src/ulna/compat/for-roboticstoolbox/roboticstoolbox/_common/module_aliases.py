@@ -41,6 +41,8 @@ def add_module_aliases(package: str, names: Iterable[str]) -> None:
         module = _AliasModule(place, f"Names of `roboticstoolbox`, as {place}.")
         if any(key.startswith(f"{_below(place)}.") for key in PLACES):
             module.__path__ = []
+        if _below(place) in ADVICE:  # which `from ... import name` prints where a name is missing
+            module.__file__ = f"no file of Ulna; {ADVICE[_below(place)]}"
         sys.modules[place] = module
 
 

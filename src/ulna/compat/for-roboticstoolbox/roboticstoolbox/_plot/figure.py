@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.errors import UnknownOption
+from roboticstoolbox._plot.background import Background
 from ulna.errors import InputError, MissingExtra, UlnaWarning
 from ulna.typing import Array, Floats
 
@@ -63,6 +64,9 @@ class PyPlot:
         self._set_limits(limits)
         self._objects: dict[int, Any] = {}
         self._readonly: set[int] = set()
+        self._moving: list[Any] = []
+        self._canvas: Any = None
+        self._background = Background()
         self.sim_time = 0.0
 
     def _set_limits(self, limits: Any) -> None:
@@ -139,7 +143,7 @@ class PyPlot:
 
     def reset(self) -> None:
         """Takes everything out."""
-        self._objects, self.sim_time = {}, 0.0
+        self._objects, self.sim_time, self._moving = {}, 0.0, []
         self.ax.clear()
 
     restart = reset
@@ -164,7 +168,10 @@ class PyPlot:
         from ulna.viewer.robot.stick_figure import stick_figure
 
         limits = None if not self.ax.lines else [self.ax.get_xlim(), self.ax.get_ylim(), self.ax.get_zlim()]
-        self.ax.clear()
+        for artist in self._moving:
+            if artist.axes is not None:
+                artist.remove()
+        before = {id(artist) for artist in self.ax.get_children()}
         for robot, q in robots:
             stick_figure(robot._complete_robot(), robot._complete_configuration(q), self.ax)
         for points in ellipses:
@@ -174,6 +181,7 @@ class PyPlot:
         if limits is not None:
             self.ax.set(xlim=limits[0], ylim=limits[1], zlim=limits[2])
         self.ax.set_title(title, fontsize=9)
+        self._moving = [artist for artist in self.ax.get_children() if id(artist) not in before]
 
     def picture(self) -> Array:
         """What the figure shows, (h, w, 3) uint8."""
@@ -181,8 +189,8 @@ class PyPlot:
         if not hasattr(canvas, "buffer_rgba"):
             from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-            canvas = FigureCanvasAgg(self.fig)
-        canvas.draw()
+            canvas = self._canvas = self._canvas or FigureCanvasAgg(self.fig)
+        self._background.draw(canvas, self.ax, [*self._moving, self.ax.title])
         return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
     getframe = picture
