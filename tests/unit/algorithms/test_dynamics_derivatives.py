@@ -112,3 +112,19 @@ def test_symbols_go_through() -> None:
     assert sympy.simplify(by_q[0, 0] - 9.81 * sympy.cos(q[0])) == 0
     assert sympy.simplify(by_v[0, 0]) == 0
     assert float(M[0, 0]) == pytest.approx(0.5)
+
+
+def test_derivatives_of_a_motion_are_in_the_reference_asked_for(robot: Robot) -> None:
+    """By the rates they are the Jacobian in that reference, which by default has the axes of the world at the frame."""
+    model, rng = robot.model, np.random.default_rng(8)
+    frame = model.frames[-1]
+    q, v, a = robot.random_configuration(seed=3), rng.normal(size=model.nv), rng.normal(size=model.nv)
+    for reference in ("local", "world", "local_world_aligned"):
+        found = alg.motion_derivatives(model, q, v, a, frame, reference)  # type: ignore[arg-type]
+        J = alg.frame_jacobian(model, q, frame, reference)  # type: ignore[arg-type]
+        np.testing.assert_allclose(found[1], J, atol=1e-12)
+        np.testing.assert_allclose(found[4], J, atol=1e-12)
+    for default, aligned in zip(alg.motion_derivatives(model, q, v, a, frame), found, strict=True):
+        np.testing.assert_array_equal(default, aligned)
+    with pytest.raises(UnknownName, match="reference"):
+        alg.motion_derivatives(model, q, v, a, frame, "globe")  # type: ignore[arg-type]
