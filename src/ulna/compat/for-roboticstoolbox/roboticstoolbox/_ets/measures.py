@@ -52,7 +52,16 @@ def axes_of(axes: Any) -> Any:
 
 
 def measure_of(J: Floats, measure: Any, axes: Any) -> Any:
-    """A measure of a Jacobian (..., 6, n); singular values are those that it has, fewer than six for fewer joints."""
+    """A measure of a Jacobian (..., 6, n); singular values are those that it has, fewer than six for fewer joints.
+
+    Args:
+        J: Jacobian (..., 6, n).
+        measure: "yoshikawa" or "minimum_singular_value"; else the inverse condition number.
+        axes: Which rows count.
+
+    Returns:
+        The measure (...).
+    """
     if measure == "yoshikawa":
         return algorithms.measure_of(J, measure, axes)
     s = np.linalg.svd(J[..., chosen_rows(axes), :], compute_uv=False)
