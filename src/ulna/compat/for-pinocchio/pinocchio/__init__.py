@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING as _TYPE_CHECKING
+from typing import Any as _Any
 
-import numpy as np
+import numpy as _np
 
 from pinocchio import explog as explog
 from pinocchio import rpy as rpy
@@ -38,7 +39,9 @@ from pinocchio._constraints.joint_constraints import *
 from pinocchio._constraints.proximal_settings import *
 from pinocchio._constraints.rigid_constraint import *
 from pinocchio._constraints.rigid_constraint_model import *
-from pinocchio._containers.arguments import checked_functions
+from pinocchio._containers.arguments import check_methods as _check_methods
+from pinocchio._containers.arguments import check_size as _check_size
+from pinocchio._containers.arguments import checked_functions as _checked_functions
 from pinocchio._containers.arrays import StdVec as StdVec
 from pinocchio._containers.enums import *
 from pinocchio._data.data import Data as Data
@@ -46,9 +49,11 @@ from pinocchio._model.frame import Frame as Frame
 from pinocchio._model.joint_compositions import *
 from pinocchio._model.joint_kinds import *
 from pinocchio._model.model import Model as Model
-from pinocchio._package.former_modules import register_former_modules
-from pinocchio._package.lazy_names import lazy_names, load_lazy_name
-from pinocchio._package.unsupported_names import called_from_import_statement, unsupported_name_message
+from pinocchio._package.former_modules import register_former_modules as _register_former_modules
+from pinocchio._package.lazy_names import lazy_names as _lazy_names
+from pinocchio._package.lazy_names import load_lazy_name as _load_lazy_name
+from pinocchio._package.unsupported_names import called_from_import_statement as _imported
+from pinocchio._package.unsupported_names import unsupported_name_message as _message
 from pinocchio._parsers.urdf import buildModelFromUrdf as buildModelFromUrdf
 from pinocchio._parsers.urdf import buildModelFromXML as buildModelFromXML
 from pinocchio._spatial.inertia import Inertia as Inertia
@@ -68,30 +73,32 @@ from pinocchio._spatial.se3 import XYZQUATToSE3 as XYZQUATToSE3
 from pinocchio._spatial.symmetric3 import Symmetric3 as Symmetric3
 from pinocchio.explog import *
 
-register_former_modules()
-globals().update(checked_functions(globals()))
+_register_former_modules()
+globals().update(_checked_functions(globals()))
+_check_methods(list(globals().values()))
 PINOCCHIO_MAJOR_VERSION, PINOCCHIO_MINOR_VERSION, PINOCCHIO_PATCH_VERSION = 4, 1, 0
 WITH_CPPAD = WITH_SDFORMAT = WITH_OPENMP = False
 WITH_URDFDOM = WITH_COLLISION = WITH_HPP_FCL = WITH_HPP_FCL_BINDINGS = True
-XAxis, YAxis, ZAxis = np.eye(3)
-__version__ = "4.1.0"
+XAxis, YAxis, ZAxis = _np.eye(3)
+__version__ = __raw_version__ = "4.1.0"
 """The version of Pinocchio whose names and behaviour this package follows."""
 
-if TYPE_CHECKING:  # a checker shall see what is misspelt
+if _TYPE_CHECKING:  # a checker shall see what is misspelt
     from pinocchio._package.lazy_exports import *
 else:
-    del checked_functions
 
-    def __getattr__(name: str) -> Any:
-        if name in lazy_names():
-            return load_lazy_name(name)
-        text = f"module 'pinocchio' (Ulna's) has no {name!r}. {unsupported_name_message(name, __dir__())}"
-        if not name.startswith("_") and called_from_import_statement():
+    def __getattr__(name: str) -> _Any:
+        if name in _lazy_names():
+            return _load_lazy_name(name)
+        text = f"module 'pinocchio' (Ulna's) has no {name!r}. {_message(name, __dir__())}"
+        if not name.startswith("_") and _imported():
             raise ImportError(text, name="pinocchio")
         raise AttributeError(text, name=name, obj=None)
 
+    del annotations
+
     def __dir__() -> list[str]:
-        return sorted({*globals(), *lazy_names()})
+        return sorted({*globals(), *_lazy_names()})
 
 
 def checkVersionAtLeast(major: int, minor: int, patch: int) -> bool:
@@ -105,6 +112,8 @@ def checkVersionAtLeast(major: int, minor: int, patch: int) -> bool:
     Returns:
         Whether it is.
     """
+    for name, number in {"major": major, "minor": minor, "patch": patch}.items():
+        _check_size(number, name, 2**32)
     return (major, minor, patch) <= (
         PINOCCHIO_MAJOR_VERSION,
         PINOCCHIO_MINOR_VERSION,

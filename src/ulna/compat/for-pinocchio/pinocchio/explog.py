@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, is_number
+from pinocchio._containers.arguments import ArgumentError, WrongShape, is_number
 from pinocchio._containers.arrays import matrix, numbers, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.motion_force import Motion
@@ -16,7 +16,6 @@ from pinocchio._spatial.se3 import SE3
 from ulna import spatial
 from ulna.compiler import compile as compile_function
 from ulna.compiler import trace
-from ulna.errors import ShapeError
 from ulna.typing import Array, Floats
 
 __all__ = [
@@ -85,7 +84,7 @@ def log3(R: Any, theta: Any = None) -> Floats:
     if turned.shape in ((4,), (4, 1)):
         turned = Quaternion(turned).matrix()
     turn = _compiled("log3")(matrix(turned, (3, 3), "R"))
-    if isinstance(theta, np.ndarray):
+    if isinstance(theta, np.ndarray) and theta.dtype == float:
         theta[...] = np.linalg.norm(turn)
     elif theta is not None and not is_number(theta):
         raise ArgumentError(f"`theta` is {theta!r}; expected an array of one entry.")
@@ -168,6 +167,8 @@ def exp(x: Any) -> Any:
     """`exp3` of three numbers, `exp6` of a Motion or of six, the exponential of one number."""
     if isinstance(x, Motion):
         return exp6(x)
+    if not isinstance(x, np.ndarray) and not is_number(x):
+        raise ArgumentError(f"`x` is {x!r}; expected a Motion, a number, or an array of 3 or 6.")
     array = numbers(x, "x")
     if array.ndim == 0:
         return float(np.exp(array))
@@ -176,7 +177,7 @@ def exp(x: Any) -> Any:
         return exp3(flat)
     if flat.size == 6:
         return exp6(flat)
-    raise ShapeError("x", array.shape, "a Motion, or 1, 3 or 6 numbers")
+    raise WrongShape("x", array.shape, "a Motion, or 1, 3 or 6 numbers")
 
 
 def log(x: Any) -> Any:
@@ -190,7 +191,7 @@ def log(x: Any) -> Any:
         return log6(array)
     if array.shape == (3, 3):
         return log3(array)
-    raise ShapeError("x", array.shape, "an SE3, (3, 3) or (4, 4)")
+    raise WrongShape("x", array.shape, "an SE3, (3, 3) or (4, 4)")
 
 
 def _six(v: Any) -> Floats:

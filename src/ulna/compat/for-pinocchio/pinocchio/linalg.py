@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError, WrongShape
 from pinocchio._containers.arrays import numbers
-from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
 
 __all__ = [
@@ -22,7 +22,7 @@ __all__ = [
 
 def inv(matrix: Any) -> Floats:
     """The inverse of a matrix."""
-    return np.asarray(np.linalg.inv(numbers(matrix, "matrix")), dtype=float)
+    return np.asarray(np.linalg.inv(_square(matrix, "matrix")), dtype=float)
 
 
 def computeLargestEigenvector(mat: Any, max_it: int = 10, rel_tol: float = 1e-8) -> Floats:
@@ -36,7 +36,7 @@ def computeLargestEigenvector(mat: Any, max_it: int = 10, rel_tol: float = 1e-8)
     Returns:
         Eigenvector (n,), whose length is the size of the eigenvalue.
     """
-    values, vectors = np.linalg.eigh(numbers(mat, "mat"))
+    values, vectors = np.linalg.eigh(_square(mat, "mat"))
     along = vectors[:, -1]
     return np.asarray(along * np.copysign(values[-1], along.sum() * values[-1]), dtype=float)
 
@@ -55,8 +55,13 @@ def isOrthonormal(matrix: Any, prec: float = 1e-12) -> bool:
 
     Returns:
         Whether they are.
+
+    Raises:
+        WrongShape: It is no matrix.
     """
     columns = numbers(matrix, "matrix")
+    if columns.ndim != 2:
+        raise WrongShape("matrix", columns.shape, "(n, k)")
     return bool(np.abs(columns.T @ columns - np.eye(columns.shape[1])).max(initial=0.0) <= prec)
 
 
@@ -72,8 +77,9 @@ def orthogonalization(basis: Any, vec: Floats, threshold: float = 0.0) -> None:
         ShapeError: The vector does not fit the basis.
     """
     columns = numbers(basis, "basis")
+    columns = columns[:, None] if columns.ndim == 1 else columns
     if columns.ndim != 2 or _changed(vec).shape != columns.shape[:1]:
-        raise ShapeError("vec", np.shape(vec), f"({columns.shape[0]},)")
+        raise WrongShape("vec", np.shape(vec), f"({columns.shape[0]},)")
     for column in columns.T:
         part = float(column @ vec)
         if abs(part) > threshold:
@@ -86,13 +92,25 @@ def orthonormalization(matrix: Floats, threshold: float = 0.0) -> None:
     Args:
         matrix: The matrix (n, k), which is changed.
         threshold: Components up to this size remain [any].
+
+    Raises:
+        WrongShape: It is no matrix.
     """
-    for k in range(_changed(matrix).shape[1]):
+    if _changed(matrix).ndim != 2:
+        raise WrongShape("matrix", matrix.shape, "(n, k)")
+    for k in range(matrix.shape[1]):
         orthogonalization(matrix[:, :k], matrix[:, k], threshold)
         matrix[:, k] /= np.linalg.norm(matrix[:, k])
 
 
+def _square(matrix: Any, name: str) -> Floats:
+    array = numbers(matrix, name)
+    if array.ndim != 2 or array.shape[0] != array.shape[1]:
+        raise WrongShape(name, array.shape, "(n, n)")
+    return array
+
+
 def _changed(array: Any) -> Floats:
     if not isinstance(array, np.ndarray) or array.dtype != float:
-        raise InputError(f"{array!r} is to be changed in place; expected a NumPy array of floats.")
+        raise ArgumentError(f"{array!r} is to be changed in place; expected a NumPy array of floats.")
     return array

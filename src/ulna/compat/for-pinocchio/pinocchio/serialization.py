@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.files import Saved
 from pinocchio._containers.keywords import by_name
 from ulna.errors import InputError
@@ -100,7 +101,7 @@ def loadFromBinary(object: Any, buffer: StreamBuffer) -> None:
 
 def _known(thing: Any) -> Saved:
     if not isinstance(thing, Saved):
-        raise InputError(
+        raise ArgumentError(
             f"A {type(thing).__name__} is not written to buffers; expected a Model, Data, GeometryModel, GeometryData "
             "or GeometryObject. pickle takes all that is there."
         )

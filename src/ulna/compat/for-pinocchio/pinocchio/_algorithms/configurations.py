@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import wrong_model
+from pinocchio._containers.arguments import ArgumentError, wrong_model
 from pinocchio._containers.arrays import StdVec, exact, numbers, vector
 from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel
@@ -343,6 +343,10 @@ def tangentMapTransposeProduct(model: Model, q: Any, mat_in: Any) -> Floats:
     return tangentMap(model, q).T @ numbers(mat_in, "mat_in")
 
 
+_WIDEST = 6
+"""The most velocities of a joint."""
+
+
 def compactTangentMap(model: Model, q: Any) -> Floats:
     """`tangentMap` without its zeros (nq, widest joint): row i begins at the velocity that segment i names.
 
@@ -354,7 +358,7 @@ def compactTangentMap(model: Model, q: Any) -> Floats:
         Matrix (nq, k), k the greatest nv of a joint.
     """
     whole = tangentMap(model, q)
-    out = np.zeros((model.nq, max((j.nv for j in model.joints), default=0)))
+    out = np.zeros((model.nq, _WIDEST))
     for i, (size, start) in enumerate(zip(*getTangentToConfigurationSparsitySegment(model), strict=True)):
         out[i, :size] = whole[i, start : start + size]
     return out
@@ -375,5 +379,5 @@ def _chosen(both: Any, position: Any) -> Any:
     if position is None:
         return both
     if position not in (ArgumentPosition.ARG0, ArgumentPosition.ARG1):
-        raise InputError(f"The argument is {position!r}; expected ARG0 or ARG1.")
+        raise ArgumentError(f"The argument is {position!r}; expected ARG0 or ARG1.")
     return both[int(position)]

@@ -7,6 +7,7 @@ import inspect
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame
 from pinocchio._containers.keywords import general_case, overloads
@@ -41,6 +42,8 @@ def at_frame(
     """
     if placement is None:
         return index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one."), None
+    if not isinstance(placement, SE3):
+        raise ArgumentError(f"The placement is {placement!r}; expected an SE3.")
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
     fixed_frame = Frame("", joint - 1, placement._pose(), "user", "", spatial.SE3.identity())
     return (joint, placement._m.tobytes()), fixed_frame

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import check_model_and_data
+from pinocchio._containers.arguments import ArgumentError, check_model_and_data
 from pinocchio._containers.arrays import index
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run
@@ -21,7 +21,6 @@ from pinocchio._model.kernel_parameters import pose_of
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3, se3_kernel
 from ulna import algorithms
-from ulna.errors import InputError
 from ulna.model import Frame
 from ulna.model import Model as CoreModel
 from ulna.typing import Array
@@ -89,9 +88,11 @@ def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = 
         InputError: An acceleration without a velocity.
     """
     if v is None and a is not None:
-        raise InputError(
+        raise ArgumentError(
             "forwardKinematics was given accelerations without velocities; expected both, or q alone."
         )
+    if q is None:
+        raise ArgumentError("forwardKinematics was given no configuration; expected q (nq,).")
     state = [x for x in (q, v, a) if x is not None]
     run(model, data, (_POSITION, _VELOCITY, _ACCELERATION)[len(state) - 1], *state)
 

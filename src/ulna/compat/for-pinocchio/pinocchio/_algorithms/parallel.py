@@ -9,7 +9,6 @@ from pinocchio._containers.arrays import StdVec, index, matrix
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
-from ulna.errors import InputError
 
 MOST_DATA = 100_000
 """No pool has more data: what asks for more is a mistake."""
@@ -105,7 +104,7 @@ def abaInParallel(num_thread: int, pool: ModelPool, q: Any, v: Any, tau: Any, a:
 
 def _many(name: str, threads: int, pool: ModelPool, columns: tuple[Any, ...], into: Any) -> Any:
     if not isinstance(pool, ModelPool):
-        raise InputError(f"The pool is {pool!r}; expected pinocchio.ModelPool(model).")
+        raise ArgumentError(f"The pool is {pool!r}; expected pinocchio.ModelPool(model).")
     model = pool.getModel(0)
     count = getattr(columns[0], "shape", (0, 0))[-1]
     sizes = (model.nq, model.nv, model.nv)

@@ -9,6 +9,7 @@ import numpy as np
 from pinocchio._constraints.cones import CoulombFrictionCone, FullSpaceCone
 from pinocchio._constraints.frame_pair import ConstraintSelectionType, FramePair
 from pinocchio._constraints.kernels import core_constraints
+from pinocchio._containers.arguments import ArgumentError, WrongShape
 from pinocchio._containers.arrays import numbers, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
@@ -16,7 +17,7 @@ from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3
 from ulna.algorithms.constraints.frame_errors import constraint_seen
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
 
@@ -105,7 +106,7 @@ class _Anchor(FramePair):
     @by_name(*ANCHOR_ORDERS)
     def __init__(self, model: Model, *places: Any) -> None:
         if not isinstance(model, Model):
-            raise InputError(f"The model is {model!r}; expected a pinocchio.Model.")
+            raise ArgumentError(f"The model is {model!r}; expected a pinocchio.Model.")
         self._attach(model, places, {})
         self.nv = model.nv
         self._compliance = np.zeros(self._rows)
@@ -175,7 +176,7 @@ class _Anchor(FramePair):
 
     def _fits(self, model: Model, constraint_data: Any) -> None:
         if type(constraint_data) is not self._data:
-            raise InputError(
+            raise ArgumentError(
                 f"The data of the constraint is {constraint_data!r}; expected what its createData() returns."
             )
         if not max(self.joint1_id, self.joint2_id) < model.njoints or self.nv != model.nv:
@@ -187,7 +188,7 @@ class _Anchor(FramePair):
         """The Jacobian (residualSize, nv) of its velocity, after `calc`."""
         self._fits(model, constraint_data)
         if constraint_data._J is None:
-            raise InputError(
+            raise ArgumentError(
                 "The data of the constraint is empty. Call constraint.calc(model, data, its data) first."
             )
         return constraint_data._J.copy()
@@ -278,5 +279,5 @@ def _state(model: Model, data: Data) -> tuple[Floats, Floats, Floats]:
 def _rows_of(value: Any, rows: int) -> Floats:
     array = numbers(value, "matrix")
     if array.ndim not in (1, 2) or array.shape[0] != rows:
-        raise ShapeError("matrix", array.shape, f"({rows},) or ({rows}, k)")
+        raise WrongShape("matrix", array.shape, f"({rows},) or ({rows}, k)")
     return array

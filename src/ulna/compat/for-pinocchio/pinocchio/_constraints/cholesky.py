@@ -12,12 +12,13 @@ from pinocchio._constraints.delassus_of_cholesky import DelassusOperatorCholesky
 from pinocchio._constraints.factorization import Factorization, FactorKernels, kernels_for, no_factors_error
 from pinocchio._constraints.jacobians import evaluate, getConstraintsJacobian
 from pinocchio._constraints.kernels import factor_kernels, jacobian_kernel
+from pinocchio._containers.arguments import WrongShape
 from pinocchio._containers.arrays import numbers
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.typing import Floats
 
 __all__ = ["ConstraintCholeskyDecomposition", "ContactCholeskyDecomposition"]
@@ -166,7 +167,7 @@ class ConstraintCholeskyDecomposition:
         """x with K x = matrix, which is (size,) or (size, k)."""
         right = numbers(matrix, "matrix")
         if right.ndim not in (1, 2) or len(right) != self.size():
-            raise ShapeError("matrix", right.shape, f"({self.size()},) or ({self.size()}, k)")
+            raise WrongShape("matrix", right.shape, f"({self.size()},) or ({self.size()}, k)")
         return self._decomposed().solve(right)
 
     def getDamping(self) -> Floats:

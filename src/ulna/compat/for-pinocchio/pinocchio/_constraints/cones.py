@@ -6,10 +6,11 @@ from typing import Any, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import WrongShape
 from pinocchio._containers.arrays import numbers, vector
 from pinocchio._containers.keywords import by_name
 from ulna.algorithms.constraints import friction_cone
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.typing import Floats
 
 __all__ = [
@@ -213,5 +214,5 @@ class NonNegativeOrthantCone(_Set):
 def _any(f: Any) -> Floats:
     force = numbers(f, "f")
     if force.ndim != 1:
-        raise ShapeError("f", force.shape, "(n,)")
+        raise WrongShape("f", force.shape, "(n,)")
     return force

@@ -10,6 +10,7 @@ from pinocchio._algorithms.dynamics import rnea
 from pinocchio._algorithms.kinematics import forwardKinematics
 from pinocchio._constraints.anchors import PointContactConstraintModel
 from pinocchio._constraints.proximal_settings import ProximalSettings, settings_of
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import vector
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
@@ -138,5 +139,5 @@ def _contacts(models: Any, datas: Any) -> list[PointContactConstraintModel]:
         )
     for one in models:
         if not isinstance(one, PointContactConstraintModel):
-            raise InputError(f"The contact is {one!r}; expected a PointContactConstraintModel.")
+            raise ArgumentError(f"The contact is {one!r}; expected a PointContactConstraintModel.")
     return list(models)

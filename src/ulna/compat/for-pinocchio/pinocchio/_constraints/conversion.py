@@ -9,12 +9,12 @@ import numpy as np
 from pinocchio._constraints.anchors import FrameAnchorConstraintModel, PointAnchorConstraintModel
 from pinocchio._constraints.frame_pair import ContactType
 from pinocchio._constraints.rigid_constraint_model import RigidConstraintModel
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.enums import ReferenceFrame
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
 from pinocchio.explog import exp6
-from ulna.errors import InputError
 
 __all__ = ["convertToRigidConstraintModel"]
 
@@ -36,7 +36,7 @@ def convertToRigidConstraintModel(
         InputError: It is no anchor.
     """
     if not isinstance(constraint, (PointAnchorConstraintModel, FrameAnchorConstraintModel)):
-        raise InputError(
+        raise ArgumentError(
             f"The constraint is {constraint!r}; expected a PointAnchorConstraintModel or a FrameAnchorConstraintModel."
         )
     is_frame = constraint.residualSize() == 6

@@ -7,13 +7,14 @@ from typing import Any, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError, WrongShape
 from pinocchio._containers.arrays import numbers, vector
 from pinocchio._containers.keywords import by_name, overloads
 from ulna import linalg, numeric
 from ulna.algorithms.constraints.damped_dynamics import damped_factors
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors
 from ulna.compiler import compile as compile_function
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.typing import Array, Floats
 
 __all__ = [
@@ -141,7 +142,7 @@ class DelassusOperator:
 
     def _hold(self, G: Floats) -> None:
         if G.ndim != 2 or G.shape[0] != G.shape[1]:
-            raise ShapeError("matrix", G.shape, "(n, n)")
+            raise WrongShape("matrix", G.shape, "(n, n)")
         self._G = G
         self._compliance = self._damping = np.zeros(len(G))
 
@@ -178,7 +179,7 @@ class DelassusOperator:
         """x with (G + compliance + damping) x = mat, which is (n,) or (n, k)."""
         right = mat if type(mat) is np.ndarray else numbers(mat, "mat")
         if right.ndim not in (1, 2) or len(right) != len(self._G):
-            raise ShapeError("mat", right.shape, f"({self.size()},) or ({self.size()}, k)")
+            raise WrongShape("mat", right.shape, f"({self.size()},) or ({self.size()}, k)")
         if right.ndim == 1 and 0 < len(right) <= _ROWS:
             solution, unique = _solver(len(right))(self._G, self._compliance, self._damping, right)
             if unique > 0.0:
@@ -227,7 +228,7 @@ class DelassusOperatorSparse(DelassusOperator):
 
     def __init__(self, matrix: Any) -> None:
         if not hasattr(matrix, "toarray"):
-            raise InputError(f"The matrix is {type(matrix).__name__}; expected a sparse matrix of scipy.")
+            raise ArgumentError(f"The matrix is {type(matrix).__name__}; expected a sparse matrix of scipy.")
         self._kind = type(matrix)
         self._hold(numbers(matrix.toarray(), "matrix"))
 

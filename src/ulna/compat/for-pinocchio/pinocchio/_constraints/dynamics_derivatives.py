@@ -11,6 +11,7 @@ from pinocchio._constraints.dynamics import restitution
 from pinocchio._constraints.kernels import core_constraints, jacobian_kernel
 from pinocchio._constraints.proximal_settings import settings_of
 from pinocchio._constraints.rigid_constraint import checked_constraints, structures_of
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._data.data import Data
 from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
@@ -138,7 +139,7 @@ def _derived(model: Model, data: Data, solved: ConstraintSolution, factor: float
         q, _, placements, _, _ = solved.state
         J = jacobian_kernel(data.attach(model), solved.shapes, model.nq)(q, *placements)
         if not np.isfinite(J).all():
-            raise InputError(
+            raise ArgumentError(
                 f"{'impulseDynamics' if solved.impact else 'constraintDynamics'} was given q = {q}."
             )
         raise InputError(

@@ -7,6 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import _Named
 from pinocchio._model.model import Model
@@ -93,7 +94,7 @@ class FramePair:
             elif isinstance(part, (int, np.integer)) and len(joints) < 2:
                 joints.append(part)
             else:
-                raise InputError(
+                raise ArgumentError(
                     f"{type(self).__name__} was given {part!r} at the place of a joint or its placement; expected "
                     "an index of a joint and an SE3, and the same of a second joint."
                 )
@@ -102,7 +103,9 @@ class FramePair:
         for k, placement in placements.items():
             named.setdefault(f"joint{k + 1}_placement", placement)
         if "joint1_id" not in named:
-            raise InputError(f"{type(self).__name__} was given no joint; model.getJointId(name) returns one.")
+            raise ArgumentError(
+                f"{type(self).__name__} was given no joint; model.getJointId(name) returns one."
+            )
         fix = "model.getJointId(name) returns one."
         self.joint1_id = index(named.pop("joint1_id"), model.njoints, "joint", fix)
         self.joint2_id = index(named.pop("joint2_id", 0), model.njoints, "joint", fix)
@@ -132,7 +135,7 @@ class FramePair:
     @baumgarte_corrector_parameters.setter
     def baumgarte_corrector_parameters(self, gains: BaumgarteCorrectorParameters) -> None:
         if not isinstance(gains, BaumgarteCorrectorParameters):
-            raise InputError(f"The gains are {gains!r}; expected BaumgarteCorrectorParameters(Kp, Kd).")
+            raise ArgumentError(f"The gains are {gains!r}; expected BaumgarteCorrectorParameters(Kp, Kd).")
         self._gains = gains
 
     m_baumgarte_parameters = baumgarte_corrector_parameters

@@ -11,6 +11,7 @@ import numpy as np
 from pinocchio._constraints.anchors import PointContactConstraintModel
 from pinocchio._constraints.delassus import DelassusOperator, DelassusOperatorDense
 from pinocchio._constraints.joint_constraints import JointFrictionConstraintModel, JointLimitConstraintModel
+from pinocchio._containers.arguments import ArgumentError, WrongShape
 from pinocchio._containers.arrays import numbers, vector
 from ulna.algorithms.constraints.cone_complementarity import (
     Bilateral,
@@ -21,7 +22,7 @@ from ulna.algorithms.constraints.cone_complementarity import (
     gauss_seidel,
 )
 from ulna.compiler import compile as compile_function
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.typing import Floats
 
 __all__ = ["PGSConstraintSolver", "PGSSolverResult", "PGSSolverSettings"]
@@ -202,7 +203,7 @@ class PGSConstraintSolver:
             ShapeError: The constraints have not as many rows as `g`.
         """
         if not isinstance(settings, PGSSolverSettings) or not isinstance(result, PGSSolverResult):
-            raise InputError(
+            raise ArgumentError(
                 f"The settings are {settings!r} and the result {result!r}; expected PGSSolverSettings() and "
                 "PGSSolverResult()."
             )
@@ -214,7 +215,7 @@ class PGSConstraintSolver:
         kinds = tuple(_kind(*pair) for pair in zip(constraint_models, constraint_datas, strict=True))
         rows = sum(kind.size for kind in kinds)
         if rows != m:
-            raise ShapeError("delassus", (m, m), f"({rows}, {rows})", "The constraints have as many rows.")
+            raise WrongShape("delassus", (m, m), f"({rows}, {rows})", "The constraints have as many rows.")
         if not (np.diag(G) > 0.0).all():
             raise InputError(
                 "A row of the Delassus matrix is zero: no joint moves it. Leave the constraint out."

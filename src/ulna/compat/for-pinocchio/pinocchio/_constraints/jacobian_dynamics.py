@@ -10,13 +10,14 @@ from pinocchio._algorithms.all_terms import computeAllTerms
 from pinocchio._algorithms.dynamics import crba
 from pinocchio._constraints.factorization import Factorization, kernels_for, no_factors_error
 from pinocchio._constraints.proximal_settings import damping_of
+from pinocchio._containers.arguments import WrongShape
 from pinocchio._containers.arrays import exact, numbers
 from pinocchio._containers.enums import Convention
 from pinocchio._containers.keywords import overloads
 from pinocchio._data.data import Data
 from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.system.cached import cached_property
 from ulna.typing import Floats
 
@@ -120,7 +121,7 @@ def _run(
         data.attach(model)
         J = np.require(numbers(J, "constraint_jacobian"), float, ["C", "A"])
         if J.ndim != 2 or J.shape[1] != model.nv:
-            raise ShapeError("constraint_jacobian", J.shape, f"(m, {model.nv})")
+            raise WrongShape("constraint_jacobian", J.shape, f"(m, {model.nv})")
         sizes = {"tau": model.nv, "constraint_drift": len(J), "v_before": model.nv}
         arrays = [
             exact(x, sizes[what], what) if what else x for x, what in zip(state, _STATE[name], strict=True)

@@ -8,6 +8,7 @@ import numpy as np
 
 from pinocchio._constraints.cones import BoxSet, NonNegativeOrthantCone
 from pinocchio._constraints.frame_pair import BaumgarteCorrectorParameters, ConstraintSelectionType
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import index, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
@@ -30,7 +31,7 @@ class _OfJoints:
 
     def _choose(self, model: Any, joints: Any) -> None:
         if not isinstance(model, Model):
-            raise InputError(f"The model is {model!r}; expected a pinocchio.Model.")
+            raise ArgumentError(f"The model is {model!r}; expected a pinocchio.Model.")
         fix = "model.getJointId(name) returns one; the universe has no velocity."
         chosen = range(1, model.njoints) if joints is None else joints
         self._joints = [index(joint, model.njoints, "joint", fix) for joint in chosen]

@@ -6,6 +6,7 @@ from typing import Any, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import index
 from pinocchio._containers.keywords import overloads
 from ulna.errors import InputError
@@ -90,7 +91,9 @@ def settings_of(settings: Any) -> ProximalSettings:
     if settings is None:
         return ProximalSettings()
     if not isinstance(settings, ProximalSettings):
-        raise InputError(f"The settings are {settings!r}; expected ProximalSettings(accuracy, mu, max_iter).")
+        raise ArgumentError(
+            f"The settings are {settings!r}; expected ProximalSettings(accuracy, mu, max_iter)."
+        )
     return settings
 
 

@@ -13,6 +13,7 @@ from pinocchio._constraints.frame_pair import (
     ContactType,
     FramePair,
 )
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.enums import ReferenceFrame
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
@@ -58,7 +59,7 @@ class RigidConstraint(FramePair):
         self.type = ContactType(kind)
         self.reference_frame = rf
         if self.reference_frame not in (ReferenceFrame.LOCAL, ReferenceFrame.LOCAL_WORLD_ALIGNED):
-            raise InputError(
+            raise ArgumentError(
                 f"The reference frame is {self.reference_frame!r}; expected LOCAL or LOCAL_WORLD_ALIGNED."
             )
         self._attach(model, parts, {})
@@ -68,11 +69,11 @@ class RigidConstraint(FramePair):
     @staticmethod
     def _check(kind: Any, model: Any) -> None:
         if not isinstance(kind, ContactType) or kind == ContactType.CONTACT_UNDEFINED:
-            raise InputError(
+            raise ArgumentError(
                 f"The type of contact is {kind!r}; expected ContactType.CONTACT_3D or ContactType.CONTACT_6D."
             )
         if not isinstance(model, Model):
-            raise InputError(f"The model is {model!r}; expected a pinocchio.Model.")
+            raise ArgumentError(f"The model is {model!r}; expected a pinocchio.Model.")
 
     def _copy(self, other: RigidConstraint) -> None:
         self._places = other._places.copy()
@@ -140,7 +141,7 @@ class RigidConstraintData:
 
     def __init__(self, contact_model: RigidConstraint) -> None:
         if not isinstance(contact_model, RigidConstraint):
-            raise InputError(f"The constraint is {contact_model!r}; expected a RigidConstraintModel.")
+            raise ArgumentError(f"The constraint is {contact_model!r}; expected a RigidConstraintModel.")
         self._size = contact_model.residualSize()
         self._deferred: Any = None
         self._blocks = {n: np.eye(4) for n in _PLACES} | {n: np.zeros(6) for n in _MOTIONS}
@@ -199,7 +200,7 @@ def checked_constraints(model: Model, models: Any, datas: Any) -> list[RigidCons
         )
     for one, data in zip(models, datas, strict=True):
         if not isinstance(one, RigidConstraint) or not isinstance(data, RigidConstraintData):
-            raise InputError(
+            raise ArgumentError(
                 f"The constraint is {one!r} and its data {data!r}; expected a RigidConstraintModel and what its "
                 "createData() returns."
             )

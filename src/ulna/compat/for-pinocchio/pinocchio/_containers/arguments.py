@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple, TypeVar, final
 
 import numpy as np
 
-from ulna.errors import InputError, excerpt
+from ulna.errors import InputError, ShapeError, excerpt
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -20,8 +20,13 @@ class ArgumentError(InputError, TypeError):
 
 
 @final
-class IndexOutOfRange(InputError, IndexError):
-    """An index has no entry."""
+class IndexOutOfRange(InputError, IndexError, OverflowError):
+    """An index has no entry; Pinocchio raises an OverflowError where it is negative."""
+
+
+@final
+class WrongShape(ShapeError, TypeError, RuntimeError):
+    """An array has the wrong shape; Pinocchio raises a ValueError, a TypeError or a RuntimeError."""
 
 
 def is_flag(value: Any) -> bool:
@@ -50,9 +55,30 @@ _KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "str": (lambda value: isinstance(value, str), "a text"),
     "Convention": (_has_class("Convention"), "Convention.LOCAL or Convention.WORLD"),
     "Model": (_has_class("Model"), "a pinocchio.Model"),
+    "KinematicTree": (_has_class("Model"), "a pinocchio.Model"),
+    "GeometryCollection": (_has_class("GeometryModel"), "a pinocchio.GeometryModel"),
+    "JointBase": (_has_class("JointBase"), "a joint, such as pinocchio.JointModelRX()"),
     "Data": (_has_class("Data"), "the data of the model, model.createData()"),
     "GeometryModel": (_has_class("GeometryModel"), "a pinocchio.GeometryModel"),
     "GeometryData": (_has_class("GeometryData"), "the data of the geometries, geometry_model.createData()"),
+    **{
+        name: (_has_class(name), f"a pinocchio.{name}")
+        for name in (
+            *(
+                "SE3",
+                "Motion",
+                "Force",
+                "Inertia",
+                "Symmetric3",
+                "Quaternion",
+                "Frame",
+                "JointModel",
+                "JointData",
+            ),
+            *("GeometryObject", "CollisionPair", "LieGroup", "PseudoInertia", "ModelPool", "GeometryType"),
+            *("ReferenceFrame", "AngleAxis", "RigidConstraintModel", "BaumgarteCorrectorParameters"),
+        )
+    },
 }
 """For annotations: what a value must be, and how a message says that."""
 _HINTS = {
@@ -118,6 +144,27 @@ def checked_functions(names: dict[str, Any]) -> dict[str, Any]:
         for name, function in names.items()
         if inspect.isfunction(function) and not name.startswith("_") and name not in CHECKING_THEMSELVES
     }
+
+
+def check_methods(classes: Iterable[Any]) -> None:
+    """Has those methods of classes check their arguments whose annotations name a class, or a number.
+
+    Args:
+        classes: Classes of the package; others are left alone.
+    """
+    public = [cls for cls in classes if inspect.isclass(cls) and cls.__module__.startswith("pinocchio.")]
+    for cls in dict.fromkeys(base for one in public for base in one.__mro__):
+        if not cls.__module__.startswith("pinocchio."):
+            continue
+        for name, member in list(vars(cls).items()):
+            function = member.__func__ if isinstance(member, staticmethod) else member
+            if not inspect.isfunction(function) or (name.startswith("_") and name != "__init__"):
+                continue
+            if hasattr(function, "orders") or hasattr(function, "arguments_checked"):
+                continue
+            made = checked(function)
+            if made is not function:
+                setattr(cls, name, staticmethod(made) if isinstance(member, staticmethod) else made)
 
 
 CHECKING_THEMSELVES = {

@@ -6,10 +6,10 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, IndexOutOfRange, is_index
+from pinocchio._containers.arguments import ArgumentError, IndexOutOfRange, WrongShape, is_index, is_number
 from pinocchio._containers.unknown_ids import known
 from ulna.checks.arrays import real_array
-from ulna.errors import ShapeError, excerpt
+from ulna.errors import excerpt
 from ulna.typing import Floats
 
 Item = TypeVar("Item")
@@ -37,7 +37,7 @@ def vector(value: Any, size: int, name: str) -> Floats:
         return value
     array = numbers(value, name)
     if array.shape not in ((size,), (size, 1)) and not (isinstance(value, np.matrix) and array.size == size):
-        raise ShapeError(name, array.shape, f"({size},)")
+        raise WrongShape(name, array.shape, f"({size},)")
     return np.asarray(array).reshape(size)
 
 
@@ -72,7 +72,7 @@ def matrix(value: Any, shape: tuple[int, ...], name: str) -> Floats:
     """
     array = numbers(value, name)
     if array.shape != shape:
-        raise ShapeError(name, array.shape, str(shape))
+        raise WrongShape(name, array.shape, str(shape))
     return array
 
 
@@ -90,6 +90,17 @@ def numbers(value: Any, name: str) -> Floats:
         DtypeError: it holds complex numbers, texts, None, or other things that are no real numbers.
     """
     return real_array(name, value)
+
+
+def real(value: Any, name: str) -> float:
+    """`value` as one real number.
+
+    Raises:
+        ArgumentError: it is none.
+    """
+    if not is_number(value):
+        raise ArgumentError(f"`{name}` is {excerpt(repr(value))}; expected a real number.")
+    return float(value)
 
 
 def index(value: Any, count: int, what: str, fix: str) -> int:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import enum
 from typing import Any
 
+from pinocchio._containers.arguments import ArgumentError
 from ulna.algorithms.multibody.references import Reference
-from ulna.errors import InputError
 
 __all__ = [
     "ACCELERATION",
@@ -114,5 +114,5 @@ def reference_of(rf: Any) -> Reference:
         InputError: it is none; a plain number does not say what it means.
     """
     if not isinstance(rf, ReferenceFrame):
-        raise InputError(f"The reference frame is {rf!r}; expected LOCAL, WORLD or LOCAL_WORLD_ALIGNED.")
+        raise ArgumentError(f"The reference frame is {rf!r}; expected LOCAL, WORLD or LOCAL_WORLD_ALIGNED.")
     return _REFERENCES[rf]

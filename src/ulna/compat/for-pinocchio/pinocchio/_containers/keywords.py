@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, checked
+from pinocchio._containers.arguments import ArgumentError, checked, is_flag
 
 Result = TypeVar("Result")
 
@@ -23,17 +23,18 @@ def by_name(*orders: str) -> Callable[[Callable[..., Result]], Callable[..., Res
     ways = [order.split() for order in orders]
 
     def decorate(function: Callable[..., Result]) -> Callable[..., Result]:
+        body = checked(function)
         before = 1 if function.__code__.co_varnames[:1] == ("self",) else 0  # pyright: ignore
 
         @functools.wraps(function)
         def called(*parts: Any, **named: Any) -> Result:
             if not named:
-                return function(*parts)
+                return body(*parts)
             count = len(parts) - before
             for way in ways:
                 rest = way[count : count + len(named)]
                 if len(rest) == len(named) and named.keys() == set(rest):
-                    return function(*parts, *(named[name] for name in rest))
+                    return body(*parts, *(named[name] for name in rest))
             raise ArgumentError(
                 f"{_title(function)} was given {count} arguments, and {', '.join(named)}; expected "
                 + ", or ".join(f"({', '.join(way)})" for way in ways)
@@ -41,6 +42,7 @@ def by_name(*orders: str) -> Callable[[Callable[..., Result]], Callable[..., Res
             )
 
         called.orders = ways  # pyright: ignore
+        called.arguments_checked = True  # pyright: ignore
         return called
 
     return decorate
@@ -101,7 +103,7 @@ class Parameter(NamedTuple):
     def accepts(self, value: Any) -> bool:
         """Whether the overload may be meant where this argument is given here."""
         if self.kind == "bool":
-            return isinstance(value, (bool, np.bool_))
+            return is_flag(value)
         if self.kind == "int":
             return hasattr(value, "__index__") and not isinstance(value, (bool, np.bool_, np.ndarray))
         if self.kind == "matrix":

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import NO_INDEX, StdVec
 from pinocchio._containers.keywords import by_name
 from pinocchio._geometry.collision_callbacks import CollisionCallBackBase, CollisionCallBackDefault
@@ -20,7 +21,6 @@ from pinocchio._geometry.geometry_pool import GeometryPool
 from pinocchio._geometry.placements import updateGeometryPlacements
 from pinocchio._model.model import Model
 from ulna.collision.narrow import coal
-from ulna.errors import InputError
 from ulna.typing import Floats
 
 
@@ -43,7 +43,7 @@ class BroadPhaseManager(CollisionManager):
         if len(parts) == 1:
             parts = parts[0]._model, parts[0]._geometry, parts[0]._data
         if len(parts) != 3 or not isinstance(parts[2], GeometryData):
-            raise InputError(
+            raise ArgumentError(
                 f"{type(self).__name__} was given {parts}; expected a model, a GeometryModel, its data."
             )
         self._model, self._geometry, self._data = parts

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import StdVec, index, numbers
 from pinocchio._containers.keywords import by_name
 from pinocchio._geometry.geometry_collection import CollisionPair
@@ -227,7 +228,7 @@ def computeCollisionsInParallel(num_thread: int, *parts: Any) -> Any:
 def _each(pool: GeometryPool, columns: Any, stop_in_configuration: bool, stop_in_batch: bool) -> Any:
     configurations = numbers(columns, "q")
     if configurations.ndim != 2 or configurations.shape[0] != pool.getModel(0).nq:
-        raise InputError(
+        raise ArgumentError(
             f"Configurations have shape {configurations.shape}; expected ({pool.getModel(0).nq}, n)."
         )
     hit = np.zeros(configurations.shape[1], dtype=bool)
@@ -239,8 +240,14 @@ def _each(pool: GeometryPool, columns: Any, stop_in_configuration: bool, stop_in
 
 
 def _placed(parts: Any) -> tuple[GeometryModel, GeometryData, tuple[Any, ...]]:
-    if isinstance(parts[0], GeometryModel):
+    if len(parts) >= 2 and isinstance(parts[0], GeometryModel) and isinstance(parts[1], GeometryData):
         return parts[0], parts[1], parts[2:]
+    kinds = [type(part).__name__ for part in parts]
+    if len(parts) < 4 or kinds[:4] != ["Model", "Data", "GeometryModel", "GeometryData"]:
+        raise ArgumentError(
+            f"Expected (geometry_model, geometry_data), or (model, data, geometry_model, geometry_data, q), before "
+            f"anything else; got ({', '.join(kinds)})."
+        )
     model: Model = parts[0]
     data: Data = parts[1]
     updateGeometryPlacements(model, data, parts[2], parts[3], parts[4] if len(parts) > 4 else None)

@@ -7,6 +7,7 @@ from typing import Any, Self, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import NO_INDEX, StdVec, index
 from pinocchio._containers.files import Saved, register
 from pinocchio._containers.unknown_ids import UnknownId, known
@@ -20,9 +21,12 @@ from ulna.typing import Floats
 class CollisionPair:
     """Indices of two geometries, in any order."""
 
-    def __init__(self, index1: int = NO_INDEX, index2: int = NO_INDEX) -> None:
+    def __init__(self, index1: int | None = None, index2: int | None = None) -> None:
+        if (index1 is None) != (index2 is None):
+            raise ArgumentError("CollisionPair was given one index; expected two, or none.")
+        both = (NO_INDEX, NO_INDEX) if index1 is None else (index1, index2)
         self.first, self.second = (
-            index(i, NO_INDEX + 1, "geometry", "getGeometryId(name) returns one.") for i in (index1, index2)
+            index(i, NO_INDEX + 1, "geometry", "getGeometryId(name) returns one.") for i in both
         )
         if self.first == self.second != NO_INDEX:
             raise InputError(f"The pair names geometry {self.first} twice; expected two of them.")
@@ -76,7 +80,7 @@ class GeometryCollection(Saved):
             InputError: It is no geometry.
         """
         if not isinstance(geometry_object, GeometryObject):
-            raise InputError(f"Cannot add {geometry_object!r}; expected a GeometryObject.")
+            raise ArgumentError(f"Cannot add {geometry_object!r}; expected a GeometryObject.")
         added = geometry_object.copy()
         if model is not None and added.parentFrame != NO_INDEX:
             fix = "model.getFrameId(name) returns one."
@@ -222,7 +226,7 @@ def pair_map(geometry_model: GeometryCollection, values: Any, upper: bool) -> Fl
     """
     matrix, count = np.asarray(values), geometry_model.ngeoms
     if matrix.shape != (count, count):
-        raise InputError(f"The map has shape {matrix.shape}; expected {(count, count)}.")
+        raise ArgumentError(f"The map has shape {matrix.shape}; expected {(count, count)}.")
     return matrix if upper else matrix.T
 
 

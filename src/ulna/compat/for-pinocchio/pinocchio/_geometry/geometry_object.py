@@ -10,12 +10,13 @@ from typing import Any, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import NO_INDEX, index, vector
 from pinocchio._containers.files import Saved, register
 from pinocchio._containers.keywords import reads_names
 from pinocchio._geometry.materials import GeometryNoMaterial, PhysicsMaterial
 from pinocchio._spatial.se3 import SE3, Placed
-from ulna.errors import InputError, MissingExtra
+from ulna.errors import MissingExtra
 from ulna.files import special_kind
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
 from ulna.spatial import SE3 as Pose
@@ -61,7 +62,7 @@ class GeometryObject(Placed, Saved):
         geometry = values.pop("collision_geometry", next((x for x in pair if not isinstance(x, SE3)), None))
         values |= dict(zip(_NAMES, rest, strict=False))
         if not 1 <= len(ints) <= 2 or placement is None or geometry is None or set(values) - set(_NAMES):
-            raise InputError(
+            raise ArgumentError(
                 f"GeometryObject was given {parts}, {named}; expected a name, the index of a joint, that of a frame "
                 "(or none), a placement SE3, a geometry, and " + ", ".join(_NAMES) + "."
             )

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from pinocchio._algorithms.parallel import ModelPool
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import StdVec
 from pinocchio._containers.keywords import by_name
 from pinocchio._geometry.geometry_data import GeometryData
 from pinocchio._geometry.geometry_model import GeometryModel
 from pinocchio._model.model import Model
-from ulna.errors import InputError
 
 
 class GeometryPool(ModelPool):
@@ -25,7 +25,9 @@ class GeometryPool(ModelPool):
             self._geometry = model._geometry.copy()
             self._geometry_datas = StdVec(d.copy() for d in model._geometry_datas)
         elif geometry_model is None:
-            raise InputError("GeometryPool was given a model alone; expected a model and its GeometryModel.")
+            raise ArgumentError(
+                "GeometryPool was given a model alone; expected a model and its GeometryModel."
+            )
         else:
             self._geometry = geometry_model.copy()
             self._geometry_datas = StdVec(self._geometry.createData() for _ in range(self.size()))

@@ -304,5 +304,5 @@ def _limits(limits: tuple[Any, ...]) -> dict[str, Any]:
     rest = ["lowerDryFrictionLimit", "upperDryFrictionLimit", "damping"]
     by_count = {6: [], 9: rest, 10: ["positionLimitMargin", *rest]}
     if len(limits) not in by_count:
-        raise InputError(f"addJoint was given {len(limits)} limits; expected 4, 9 or 10 after the name.")
+        raise ArgumentError(f"addJoint was given {len(limits)} limits; expected 4, 9 or 10 after the name.")
     return {key: np.atleast_1d(v) for key, v in zip(names + by_count[len(limits)], limits, strict=True)}

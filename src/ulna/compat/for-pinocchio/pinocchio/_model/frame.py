@@ -6,12 +6,13 @@ from typing import Any, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arrays import NO_INDEX, index
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3, Placed
-from ulna.errors import InputError
 
 changes = np.zeros(1, np.int64)
 """How often a name or a parent of any frame was changed; placements are compared by their numbers."""
@@ -36,19 +37,21 @@ class Frame(Placed):
         if len(values) > 2 and isinstance(values[2], SE3):
             values.insert(2, 0)
         if len(values) > 6:
-            raise InputError(
+            raise ArgumentError(
                 f"Frame was given {parts}; expected name, parent_joint, parent_frame (or none), placement, type, "
                 "inertia."
             )
         default: Any = ("", 0, 0, SE3(), FrameType.OP_FRAME, Inertia())
         name, joint, frame, placement, type_, inertia = (*values, *default[len(values) :])
         if not isinstance(name, str):
-            raise InputError(f"The name of a frame is {name!r}; expected a string.")
+            raise ArgumentError(f"The name of a frame is {name!r}; expected a string.")
         self._name: str = name
-        self._parent_joint = int(joint)
-        self._parent_frame = int(frame)
+        if not isinstance(type_, FrameType):
+            raise ArgumentError(f"The type of a frame is {type_!r}; expected a FrameType, such as OP_FRAME.")
+        self._parent_joint = index(joint, NO_INDEX + 1, "joint", "model.getJointId(name) returns one.")
+        self._parent_frame = index(frame, NO_INDEX + 1, "frame", "model.getFrameId(name) returns one.")
         self._placement = SE3(placement)
-        self._type = FrameType(type_)
+        self._type = type_
         self._inertia = Inertia(inertia)
 
     def _parts(self) -> tuple[Any, ...]:

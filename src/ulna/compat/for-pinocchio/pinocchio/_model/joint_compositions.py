@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Self
 
+from pinocchio._containers.arguments import ArgumentError, check_size, is_index
 from pinocchio._containers.arrays import StdVec
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
@@ -42,7 +43,9 @@ class JointModelComposite(JointModel):
         self.jointPlacements: StdVec[SE3] = StdVec()
         """Where each is in the moving frame of the one before."""
         self._names: list[str] = []
-        if parts and isinstance(parts[0], JointModel):
+        if len(parts) == 1 and is_index(parts[0]):
+            check_size(parts[0], "size")
+        elif parts:
             self.addJoint(*parts)
 
     @property
@@ -71,7 +74,7 @@ class JointModelComposite(JointModel):
             InputError: It is the universe, or composite.
         """
         if joint.kind is None or isinstance(joint, JointModelComposite):
-            raise InputError(
+            raise ArgumentError(
                 f"JointModelComposite.addJoint was given {joint.shortname()}; expected a plain joint."
             )
         place = SE3() if placement is None else placement.copy()

@@ -6,6 +6,7 @@ from typing import Any, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError, WrongShape, is_index
 from pinocchio._containers.arrays import exact, numbers, vector
 from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel, not_applicable
@@ -151,29 +152,31 @@ class LieGroup:
         both = self._nonempty_kind.integrate_derivatives(vector(q, self.nq, "q"), vector(v, self.nv, "v"))
         return np.array(both[_first_or_second(argument_position)])
 
-    def dIntegrate_dq(self, q: Any, v: Any) -> Floats:
-        """The derivative (nv, nv) of `integrate` by q.
+    def dIntegrate_dq(self, q: Any, v: Any, *factor: Any) -> Floats:
+        """The derivative (nv, nv) of `integrate` by q, or its product with a matrix.
 
         Args:
             q: Point (nq,) [-].
             v: Tangent vector (nv,) [-].
+            *factor: Nothing; J (n, nv) and 0 for J times the derivative; 0 and J (nv, n) for the derivative times J.
 
         Returns:
-            Matrix (nv, nv).
+            The derivative (nv, nv), or the product.
         """
-        return self.dIntegrate(q, v, ArgumentPosition.ARG0)
+        return _product(self.dIntegrate(q, v, ArgumentPosition.ARG0), factor)
 
-    def dIntegrate_dv(self, q: Any, v: Any) -> Floats:
-        """The derivative (nv, nv) of `integrate` by v.
+    def dIntegrate_dv(self, q: Any, v: Any, *factor: Any) -> Floats:
+        """The derivative (nv, nv) of `integrate` by v, or its product with a matrix.
 
         Args:
             q: Point (nq,) [-].
             v: Tangent vector (nv,) [-].
+            *factor: Nothing; J (n, nv) and 0 for J times the derivative; 0 and J (nv, n) for the derivative times J.
 
         Returns:
-            Matrix (nv, nv).
+            The derivative (nv, nv), or the product.
         """
-        return self.dIntegrate(q, v, ArgumentPosition.ARG1)
+        return _product(self.dIntegrate(q, v, ArgumentPosition.ARG1), factor)
 
     def dIntegrateTransport(self, q: Any, v: Any, J: Any, argument_position: ArgumentPosition) -> Floats:
         """A matrix at integrate(q, v), transported by the derivative of `integrate`.
@@ -189,20 +192,22 @@ class LieGroup:
         """
         return self.dIntegrate(q, v, argument_position) @ numbers(J, "J")
 
-    def dDifference(self, q0: Any, q1: Any, argument_position: ArgumentPosition) -> Floats:
-        """The derivative (nv, nv) of `difference` by q0 (ARG0) or q1 (ARG1).
+    def dDifference(self, q0: Any, q1: Any, argument_position: ArgumentPosition, *factor: Any) -> Floats:
+        """The derivative (nv, nv) of `difference` by q0 (ARG0) or q1 (ARG1), or its product with a matrix.
 
         Args:
-            q0, q1: Point (nq,).
+            q0: Point (nq,) [-].
+            q1: Point (nq,) [-].
             argument_position: ARG0 or ARG1.
+            *factor: Nothing, or J and 0, or 0 and J; see `dIntegrate_dq`.
 
         Returns:
-            Matrix (nv, nv).
+            The derivative (nv, nv), or the product.
         """
         both = self._nonempty_kind.difference_derivatives(
             vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1")
         )
-        return np.array(both[_first_or_second(argument_position)])
+        return _product(np.array(both[_first_or_second(argument_position)]), factor)
 
     def tangentMap(self, q: Any) -> Floats:
         """The matrix (nq, nv) from tangent vectors at q to changes of its entries."""
@@ -267,7 +272,7 @@ class LieGroup:
 
 def _first_or_second(position: Any) -> int:
     if position not in (ArgumentPosition.ARG0, ArgumentPosition.ARG1):
-        raise InputError(f"The argument is {position!r}; expected ARG0 or ARG1.")
+        raise ArgumentError(f"The argument is {position!r}; expected ARG0 or ARG1.")
     return int(position)
 
 
@@ -323,3 +328,22 @@ def of_joint(joint: JointBase) -> LieGroup:
     for kind in kinds:
         out = out * (groups[type(kind)]() if type(kind) in groups else Rn(kind.nv))
     return out
+
+
+def _product(derivative: Floats, factor: tuple[Any, ...]) -> Floats:
+    """The derivative, J times it for (J, 0), or it times J for (0, J).
+
+    Raises:
+        ArgumentError: The factor is given in another way.
+        WrongShape: The sizes do not fit.
+    """
+    if not factor:
+        return derivative
+    first = len(factor) == 2 and not is_index(factor[0]) and is_index(factor[1])
+    last = len(factor) == 2 and is_index(factor[0]) and not is_index(factor[1])
+    if not (first or last):
+        raise ArgumentError(f"The factor is given as {factor}; expected (J, 0) or (0, J), J being a matrix.")
+    J, size = numbers(factor[0] if first else factor[1], "J"), len(derivative)
+    if J.ndim != 2 or J.shape[1 if first else 0] != size:
+        raise WrongShape("J", J.shape, f"(n, {size})" if first else f"({size}, n)")
+    return J @ derivative if first else derivative @ J

@@ -137,9 +137,9 @@ class Model(Saved, Supports, KinematicTree):
         """What algorithms write their results into."""
         return Data(self)
 
-    def check(self, data: Data | None = None) -> bool:
+    def check(self, data: Data) -> bool:
         """Whether a Data fits this model."""
-        return data is None or data._layout == self._layout
+        return data._layout == self._layout
 
     def hasConfigurationLimit(self) -> StdVec[bool]:
         """For each entry of q, whether a limit on it means something."""

@@ -16,7 +16,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from pinocchio._containers.arguments import checked
+from pinocchio._containers.arguments import check_methods, checked
 
 _COAL = ("coal", "hppfcl")
 
@@ -48,4 +48,5 @@ def load_lazy_name(name: str) -> Any:
     if module == "pinocchio":
         return importlib.import_module(f"pinocchio.{name}")
     found = getattr(importlib.import_module(module), "StdVec" if name.startswith("StdVec_") else name)
+    check_methods([found])
     return checked(found) if inspect.isfunction(found) else found

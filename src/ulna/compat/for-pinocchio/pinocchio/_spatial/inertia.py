@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from pinocchio._containers.arrays import matrix, text, vector
+from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arrays import matrix, real, text, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.motion_force import Force, Motion, skew
@@ -14,7 +15,6 @@ from pinocchio._spatial.random_numbers import generator
 from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.symmetric3 import Symmetric3
 from ulna import spatial
-from ulna.errors import InputError
 from ulna.typing import Floats
 
 if TYPE_CHECKING:
@@ -31,12 +31,17 @@ class Inertia:
     def __init__(self, *parts: Any) -> None:
         self._p = np.zeros(13)  # mass, lever, inertia row by row
         if len(parts) == 3:
-            self._p[0] = float(parts[0])
+            self._p[0] = real(parts[0], "mass")
             self.lever, self.inertia = parts[1], parts[2]
         elif len(parts) == 1:
             self._assign(parts[0])
         elif parts:
-            raise InputError(f"Inertia was given {len(parts)} arguments; expected mass, lever and inertia.")
+            raise ArgumentError(
+                f"Inertia was given {len(parts)} arguments; expected mass, lever and inertia."
+            )
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Floats:
+        return np.array(self.matrix(), dtype=dtype)
 
     @classmethod
     def _of(cls, storage: Floats) -> Inertia:

@@ -6,13 +6,13 @@ from typing import Any, Self, final
 
 import numpy as np
 
-from pinocchio._containers.arrays import numbers, text, vector
+from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arrays import matrix, numbers, text, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.random_numbers import generator
 from pinocchio._spatial.se3 import SE3
 from ulna import spatial
-from ulna.errors import InputError
 from ulna.typing import Floats
 
 
@@ -35,7 +35,7 @@ class _Six:
         elif len(parts) == 2:
             self._v = np.concatenate([vector(p, 3, n) for p, n in zip(parts, self._names, strict=True)])
         else:
-            raise InputError(
+            raise ArgumentError(
                 f"{kind} was given {len(parts)} arguments; expected a linear and an angular part."
             )
 
@@ -202,7 +202,7 @@ class Motion(_Six):
         if other is None:
             other = the_one("Motion.cross", named, ("m", "f"))
         if not isinstance(other, (Motion, Force)):
-            raise InputError(f"Motion.cross was given {other!r}; expected a Motion or a Force.")
+            raise ArgumentError(f"Motion.cross was given {other!r}; expected a Motion or a Force.")
         return type(other)._from(self._value().cross(other._value()))
 
     __xor__ = cross
@@ -250,7 +250,7 @@ def skew(u: Any) -> Floats:
 
 def unSkew(U: Any) -> Floats:
     """The 3-vector of a matrix of the cross product."""
-    m = numbers(U, "U")
+    m = matrix(U, (3, 3), "U")
     return 0.5 * np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
 
 
@@ -300,7 +300,7 @@ def checked_forces(fext: Any, count: int) -> list[Floats]:
         InputError: There are not as many as joints.
     """
     if len(fext) != count:
-        raise InputError(
+        raise ArgumentError(
             f"`fext` holds {len(fext)} forces; expected {count}, one for each joint, the universe included."
         )
     return [f.vector if isinstance(f, Force) else vector(f, 6, "fext") for f in fext]

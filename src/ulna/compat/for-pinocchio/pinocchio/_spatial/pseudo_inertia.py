@@ -6,9 +6,11 @@ from typing import Any, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import matrix, text, vector
 from pinocchio._containers.files import registered
 from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.inertia import Inertia
 from ulna.identification.physical import (
     from_log_cholesky,
     log_cholesky,
@@ -68,6 +70,10 @@ class PseudoInertia(_BodyParameters):
                 one._p if isinstance(one, PseudoInertia) else matrix(one, (4, 4), "pseudo_inertia")
             )
             return
+        if len(parts) != 3:
+            raise ArgumentError(
+                f"PseudoInertia was given {len(parts)} arguments; expected mass, h and sigma."
+            )
         mass, h, sigma = parts
         self._p = np.zeros((4, 4))
         self.mass, self.h, self.sigma = mass, h, sigma
@@ -110,9 +116,12 @@ class PseudoInertia(_BodyParameters):
         return PseudoInertia(pseudo_inertia(vector(dynamic_parameters, 10, "dynamic_parameters")))
 
     @staticmethod
-    def FromInertia(inertia: Any) -> PseudoInertia:
+    def FromInertia(inertia: Inertia) -> PseudoInertia:
         """From an Inertia."""
         return PseudoInertia.FromDynamicParameters(inertia.toDynamicParameters())
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Floats:
+        return np.array(self._p, dtype=dtype)
 
     def toMatrix(self) -> Floats:
         """The 4x4 matrix, a copy."""
@@ -156,9 +165,12 @@ class LogCholeskyParameters(_BodyParameters):
         self._p[:] = vector(value, 10, "parameters")
 
     @staticmethod
-    def FromInertia(inertia: Any) -> LogCholeskyParameters:
+    def FromInertia(inertia: Inertia) -> LogCholeskyParameters:
         """Those of an Inertia. InputError where the body cannot exist, or is flat."""
         return LogCholeskyParameters(log_cholesky(inertia.toDynamicParameters()))
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Floats:
+        return np.array(self._p, dtype=dtype)
 
     def toDynamicParameters(self) -> Floats:
         """m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin."""

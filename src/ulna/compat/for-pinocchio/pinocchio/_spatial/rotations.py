@@ -8,7 +8,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import matrix, numbers, text, vector
+from pinocchio._containers.arrays import matrix, numbers, real, text, vector
 from pinocchio._containers.keywords import by_name
 from ulna import spatial
 from ulna.compiler import compile as compile_function
@@ -25,7 +25,7 @@ class Quaternion:
     def __init__(self, *parts: Any) -> None:
         if len(parts) == 4:
             w, x, y, z = parts
-            self._c = np.array([x, y, z, w], dtype=float)
+            self._c = numbers([x, y, z, w], "w, x, y, z")
         elif not parts:
             self._c = np.array([0.0, 0.0, 0.0, 1.0])
         elif len(parts) == 1:
@@ -193,7 +193,7 @@ class Quaternion:
         return Quaternion, (self._c.copy(),)
 
     def __str__(self) -> str:
-        return f"(x,y,z,w) = {' '.join(f'{c:.6g}' for c in self._c)}\n"
+        return f"(x,y,z,w) = {text(self._c)}\n"
 
     __repr__ = __str__
 
@@ -246,7 +246,7 @@ class AngleAxis:
         self.angle: float = 0.0
         self.axis: Floats = np.array([1.0, 0.0, 0.0])
         if len(parts) == 2:
-            self.angle, self.axis = float(parts[0]), vector(parts[1], 3, "axis").copy()
+            self.angle, self.axis = real(parts[0], "angle"), vector(parts[1], 3, "axis").copy()
         elif len(parts) == 1:
             one = parts[0]
             if isinstance(one, AngleAxis):

@@ -7,6 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError, WrongShape
 from pinocchio._containers.arrays import matrix, numbers, text, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
@@ -14,7 +15,7 @@ from pinocchio._spatial.random_numbers import generator
 from pinocchio._spatial.rotations import coefficients_of
 from ulna import spatial
 from ulna.compiler import compile as compile_function
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError
 from ulna.typing import Array, Floats
 
 
@@ -71,10 +72,14 @@ class SE3:
             one = parts[0]
             if isinstance(one, SE3):
                 self._m[:] = one._m
+            elif hasattr(one, "getRotation"):  # a transform of coal
+                self._m[:3, :3], self._m[:3, 3] = one.getRotation(), one.getTranslation()
             elif not isinstance(one, int):
                 self._m[:3] = matrix(one, (4, 4), "homogeneous")[:3]
         elif parts:
-            raise InputError(f"SE3 was given {len(parts)} arguments; expected a rotation and a translation.")
+            raise ArgumentError(
+                f"SE3 was given {len(parts)} arguments; expected a rotation and a translation."
+            )
 
     @classmethod
     def _of(cls, storage: Floats) -> SE3:
@@ -227,7 +232,7 @@ class SE3:
     def _point(item: Any, rotation: Floats, translation: Floats) -> Floats:
         points = numbers(item, "point")
         if points.shape[:1] != (3,) or points.ndim > 2:
-            raise ShapeError("point", points.shape, "(3,) or (3, N)")
+            raise WrongShape("point", points.shape, "(3,) or (3, N)")
         return rotation @ points + (translation if points.ndim == 1 else translation[:, None])
 
     def isApprox(self, other: SE3, prec: float = 1e-12) -> bool:

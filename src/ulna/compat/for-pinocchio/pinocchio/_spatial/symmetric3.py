@@ -62,12 +62,14 @@ class Symmetric3:
         xx, xy, yy, xz, yz, zz = self._d
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
-    def inverse(self, res: Floats | None = None) -> Floats:
-        """The inverse matrix; written into `res` as well where it is given."""
+    def inverse(self, res: Floats | None = None) -> Floats | None:
+        """The inverse matrix (3, 3); where `res` is given, it is written there, and None returned."""
         inverted = np.asarray(np.linalg.inv(self.matrix()), dtype=float)
-        if res is not None:
-            res[:] = inverted
-        return inverted
+        if res is None:
+            return inverted
+        matrix(res, (3, 3), "res")
+        res[:] = inverted
+        return None
 
     def rotate(self, R: Any) -> Symmetric3:
         """R S R^T."""

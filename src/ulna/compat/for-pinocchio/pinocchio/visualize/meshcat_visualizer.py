@@ -7,9 +7,9 @@ from typing import Any, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import WrongShape
 from pinocchio._spatial.rotations import Quaternion
 from pinocchio.visualize.camera import CameraVisualizer
-from ulna.errors import ShapeError
 from ulna.geometry import Box, Cylinder, Ellipsoid, Shape, Sphere
 from ulna.viewer.colours import colour
 
@@ -101,7 +101,7 @@ class MeshcatVisualizer(CameraVisualizer):
             pose[:3, :3], pose[:3, 3] = Quaternion(values[3:]).normalized().matrix(), values[:3]
             values = pose
         if values.shape != (4, 4):
-            raise ShapeError("placement", values.shape, "(7,) or (4, 4), or an SE3")
+            raise WrongShape("placement", values.shape, "(7,) or (4, 4), or an SE3")
         gui.scene.set_pose(gui.known(name), values)
 
     def delete(self, name: str) -> None:

@@ -1,0 +1,270 @@
+"""Puts generated calls to the package and to Pinocchio, in processes that are restarted when a call ends them, and compares.
+
+`python differential.py [--every N] [--offset K] [--out FILE]` prints the share of equal behaviour of each group.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+from collections import Counter, defaultdict
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+from ulna.compat.packages import environment
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+
+from generated_calls import calls, reads  # noqa: E402
+
+PROPERTIES = """
+import json, inspect, pinocchio as pin
+binding = type(pin.rnea)
+found = {}
+for name in dir(pin):
+    cls = getattr(pin, name)
+    if inspect.isclass(cls):
+        found[name] = [n for n in dir(cls) if not n.startswith("_") and isinstance(inspect.getattr_static(cls, n), property)]
+print(json.dumps(found))
+"""
+
+
+DOCUMENTED = (
+    (r"accepted", r".*\bNone\b.*", "None stands for an argument that is left out"),
+    (r"accepted", r".*createData\(\)\)\.\w+", "data of joints of one kind cannot be read from Python there"),
+    (r"accepted", r"\(M\)\.act(Inv)?\(.*", "points may be columns, (3, N)"),
+    (
+        r"accepted",
+        r"(pin\.frameJacobianTimeVariation|pin\.getFrame\w+|pin\.getJoint\w+)\(.*",
+        "LOCAL where no frame is given",
+    ),
+    (r"accepted", r"\((mo|fo)\)\.dot\(.*", "arrays of six numbers are taken, too"),
+    (r"accepted", r"\(own_m\)\.(getFrameId|existFrame)\(.*", "types may be numbers: they are joined by |"),
+    (r"accepted", r"pin\.\w*log3\(.*", "the angle may be a whole number"),
+    (r"accepted", r".*\b(0\.4|R|T|six|three|v|q|True|1|2)\b.*prec.*", "a tolerance by its name"),
+    (r"refused", r"pin\.randomConfiguration\(m, q, k\)", "a lower limit above the upper one is refused"),
+    (r"refused", r"pin\.(log6)\(homeg.*", "the name is misspelt there"),
+    (r"refused", r"pin\.linalg\..*|.*project\(.*|.*\.isInside\(.*", "wrong sizes are not checked there"),
+    (r"refused", r"\(d\)\.\w+", "intermediate results are refused with a word"),
+    (r"missing", r"\(d\)\.\w+", "workspace of recursions that are compiled as a whole"),
+    (
+        r"missing",
+        r".*createData\(\)\)\.(U|Dinv|UDinv)",
+        "workspace of recursions that are compiled as a whole",
+    ),
+    (
+        r"value",
+        r"pin\.(XYZQUATToSE3|log6_quat)\(.*",
+        "quaternions that are not of unit length are scaled here",
+    ),
+    (
+        r"value",
+        r"pin\.(computeABADerivatives|computeMinverse)\(m, (d|data=d)\b.*",
+        "the state of the last aba, whatever ran since",
+    ),
+    (r"value", r"pin\.get\w+KinematicHessian\(.*", "axes are mixed up there"),
+    (r"value", r".*BoxSet.*", "sets made in Python read freed memory there"),
+    (
+        r"value|refused",
+        r".*(computeLargestEigenvector|weightedProject)\(.*",
+        "exact here; wrong matrices are refused",
+    ),
+    (r"value", r"pin\.Symmetric3\(R\)", "of a matrix that is not symmetric another triangle counts"),
+    (r"value", r"\(m\)\.lower\w+Limit", "lower limits are positive there"),
+    (r"size", r".*JointModelH.*hasConfigurationLimit.*", "one entry for one coordinate"),
+    (
+        r"shape|type|size",
+        r"\(d\)\.(com|vcom|acom|joints)|.*JointModelComposite\(\)\.createData.*",
+        "of empty or plain containers",
+    ),
+    (
+        r"refused|missing",
+        r".*(JointModelMimic\(|JointData\w+Unaligned\(|__address__|fillInner|GeometryPool\.\w+\().*",
+        "not offered",
+    ),
+    (r"accepted", r".*JointModelRevoluteUnboundedUnaligned\(three.*", "an axis may be an array"),
+    (
+        r"accepted",
+        r".*(isOrthonormal|orthonormalization|appendBodyToJoint|addBodyFrame|computeCollisions|computeDistances|"
+        r"randomConfiguration|fromRotationMatrix|SE3\(2)\b.*",
+        "arguments that are required there have defaults, or do not count",
+    ),
+    (
+        r"error class",
+        r".*(rpy\.rotate|GeometryPool\.\w+|appendModel|addJoint|removeCollisionPairs|getJointId)\(.*",
+        "a name or a conflict is found first, and named",
+    ),
+    (r"refused", r".*addJoint(Frame)?\(.*", "names are given once"),
+    (
+        r"refused",
+        r".*(ProximalSettings|getKKTContactDynamicMatrixInverse|BoxSet)\(.*",
+        "wrong numbers and sizes are refused",
+    ),
+    (r"value|text", r"pin\.(Inertia|Symmetric3|Quaternion)\(\)", "it is not initialised there"),
+)
+"""What differs on purpose: the kind of difference, the expressions, and why."""
+
+
+def documented(what: str, expression: str) -> bool:
+    """Whether a difference is one of `DOCUMENTED`."""
+    return any(re.fullmatch(kind, what) and re.fullmatch(text, expression) for kind, text, _ in DOCUMENTED)
+
+
+def variables(real: bool) -> dict[str, str]:
+    """The environment in which `import pinocchio` is the real package, or this one."""
+    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    return plain if real else environment(["pinocchio"], plain)
+
+
+def generated(folder: Path) -> list[tuple[str, str]]:
+    """All calls, as pairs of a path and an expression."""
+    target = folder / "overloads.json"
+    command = [sys.executable, str(HERE / "overloads.py"), str(target)]
+    subprocess.run(command, env=variables(True), check=True, capture_output=True)
+    done = subprocess.run(
+        [sys.executable, "-c", PROPERTIES], env=variables(True), check=True, capture_output=True, text=True
+    )
+    overloads = json.loads(target.read_text(encoding="utf-8"))
+    return [*calls(overloads), *reads(json.loads(done.stdout))]
+
+
+def answers(expressions: Sequence[str], real: bool) -> list[dict[str, Any]]:
+    """What a package answers to each expression; {"crash": ...} where the process ended."""
+    found: list[dict[str, Any]] = [{} for _ in expressions]
+    at = 0
+    while at < len(expressions):
+        lines = "".join(json.dumps([i, expressions[i]]) + "\n" for i in range(at, len(expressions)))
+        done = subprocess.run(
+            [sys.executable, str(HERE / "answers.py")],
+            input=lines, env=variables(real), capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        begun = at
+        for line in done.stdout.splitlines():
+            number, *rest = json.loads(line)
+            begun = number
+            if rest:
+                found[number] = rest[0]
+        if found[begun] or not done.stdout:
+            if begun != len(expressions) - 1:
+                raise RuntimeError(done.stderr)
+            break
+        found[begun] = {"crash": done.returncode}
+        at = begun + 1
+    return found
+
+
+def difference(own: dict[str, Any], theirs: dict[str, Any], path: str, text: str) -> str:
+    """What differs between two answers; empty for nothing."""
+    if "crash" in theirs or "unusable" in theirs:
+        return ""
+    if "crash" in own or "unusable" in own:
+        return "crash"
+    if "np.nan" in text and "error" not in theirs and "error" not in own:
+        return ""  # zeros that a robot's structure brings are not computed here
+    if "error" in theirs:
+        if "error" not in own:
+            return "accepted"
+        return (
+            "" if theirs["error"][0] in own["error"] or theirs["error"][0] == "Exception" else "error class"
+        )
+    if "error" in own:
+        return "missing" if own["error"][0] == "AttributeError" else "refused"
+    for key in ("type", "size", "shape", "kind"):
+        if own.get(key) != theirs.get(key):
+            return key
+    if "andom" in path or "andom" in str(theirs.get("text", "")):
+        return ""
+    for key in ("value", "text", "printed", "self"):
+        if not same(own.get(key), theirs.get(key)):
+            return key
+    return ""
+
+
+def same(own: Any, theirs: Any) -> bool:
+    """Whether two contents are equal, numbers to nine digits or 1e-9."""
+    if isinstance(theirs, dict) and isinstance(own, dict):
+        return own.keys() == theirs.keys() and all(same(own[k], theirs[k]) for k in theirs)
+    if isinstance(theirs, list) and isinstance(own, list):
+        return len(own) == len(theirs) and all(map(same, own, theirs))
+    if own == theirs:
+        return True
+    try:
+        a, b = float(own), float(theirs)
+    except (TypeError, ValueError):
+        return False
+    return abs(a - b) <= 1e-9 * max(1.0, abs(a), abs(b)) + 2e-7 * abs(b) or (math.isnan(a) and math.isnan(b))
+
+
+def group_of(path: str) -> str:
+    """The group of a path: its class, or the functions."""
+    owner = path.rpartition(".")[0]
+    if owner in ("SE3", "Motion", "Force", "Inertia", "Symmetric3", "PseudoInertia", "LogCholeskyParameters"):
+        return "spatial algebra"
+    if owner in ("Quaternion", "AngleAxis", "rpy", "LieGroup", "liegroups"):
+        return "rotations and Lie groups"
+    if (owner.startswith(("Joint", "Frame")) and "Constraint" not in owner) or owner in (
+        "Model",
+        "ModelPool",
+    ):
+        return "models, frames, joints"
+    if owner == "Data":
+        return "data"
+    if (
+        "Constraint" in owner
+        or "Cone" in owner
+        or owner in ("BoxSet", "ProximalSettings")
+        or "Delassus" in owner
+    ):
+        return "constraints"
+    if owner.startswith("Geometry") or "Collision" in owner or "Physics" in owner:
+        return "geometry"
+    return "functions" if not owner or owner[0].islower() else "others"
+
+
+def compare(pairs: Sequence[tuple[str, str]]) -> list[tuple[str, str, str, Any, Any]]:
+    """For each call its path, expression, what differs, and both answers."""
+    expressions = [expression for _, expression in pairs]
+    with ThreadPoolExecutor(2) as both:
+        own, theirs = both.map(lambda real: answers(expressions, real), (False, True))
+    return [
+        (path, text, difference(a, b, path, text), a, b)
+        for (path, text), a, b in zip(pairs, own, theirs, strict=True)
+    ]
+
+
+def main() -> None:
+    """Prints the share of each group, and the differences by path where `--out` names a file for them."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--every", type=int, default=1)
+    parser.add_argument("--offset", type=int, default=0)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--out", default="")
+    args = parser.parse_args()
+    folder = Path(args.out or "differences.json").absolute().parent
+    pairs = [pair for pair in generated(folder) if args.only in pair[0]][args.offset :: args.every]
+    found = compare(pairs)
+    known = sum(bool(what) and documented(what, text) for _, text, what, *_ in found)
+    counts: dict[str, Counter[bool]] = defaultdict(Counter)
+    for path, _, what, *_ in found:
+        counts[group_of(path)][not what] += 1
+    for group, count in sorted(counts.items()):
+        print(f"{group:28} {count[True]:6} of {count.total():6}  {100 * count[True] / count.total():5.1f} %")
+    whole = sum(counts.values(), Counter())
+    print(f"{'all':28} {whole[True]:6} of {whole.total():6}  {100 * whole[True] / whole.total():5.1f} %")
+    print(f"of the others {known} are documented differences")
+    print(Counter(what for _, _, what, *_ in found if what).most_common())
+    if args.out:
+        wrong = [each for each in found if each[2] and not documented(each[2], each[1])]
+        Path(args.out).write_text("\n".join(json.dumps(each) for each in wrong), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
