@@ -57,6 +57,7 @@ _KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "Model": (_has_class("Model"), "a pinocchio.Model"),
     "KinematicTree": (_has_class("Model"), "a pinocchio.Model"),
     "GeometryCollection": (_has_class("GeometryModel"), "a pinocchio.GeometryModel"),
+    "ReferenceFrame": (_has_class("ReferenceFrame"), "LOCAL, WORLD or LOCAL_WORLD_ALIGNED"),
     "JointBase": (_has_class("JointBase"), "a joint, such as pinocchio.JointModelRX()"),
     "Data": (_has_class("Data"), "the data of the model, model.createData()"),
     "GeometryModel": (_has_class("GeometryModel"), "a pinocchio.GeometryModel"),
@@ -76,7 +77,7 @@ _KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
                 "JointData",
             ),
             *("GeometryObject", "CollisionPair", "LieGroup", "PseudoInertia", "ModelPool", "GeometryType"),
-            *("ReferenceFrame", "AngleAxis", "RigidConstraintModel", "BaumgarteCorrectorParameters"),
+            *("AngleAxis", "RigidConstraintModel", "BaumgarteCorrectorParameters"),
         )
     },
 }
@@ -118,7 +119,8 @@ def checked(function: Function) -> Function:
     if not checks or hasattr(function, "arguments_checked"):
         return function
     title = function.__qualname__.rpartition(">.")[2]
-    relation = {"model", "data"} <= {check.name for check in checks}
+    places = {check.name: check.place for check in checks}
+    relation = (places["model"], places["data"]) if {"model", "data"} <= places.keys() else ()
 
     @functools.wraps(function)
     def called(*args: Any, **named: Any) -> Any:
@@ -128,9 +130,8 @@ def checked(function: Function) -> Function:
             elif check.name in named:
                 check(title, named[check.name])
         if relation:
-            check_layout(
-                *(args[k] if k < len(args) else named.get(x) for k, x in enumerate(("model", "data")))
-            )
+            pair = zip(relation, ("model", "data"), strict=True)
+            check_layout(*(args[k] if k < len(args) else named.get(name) for k, name in pair))
         return function(*args, **named)
 
     called.arguments_checked = True  # type: ignore[attr-defined]
