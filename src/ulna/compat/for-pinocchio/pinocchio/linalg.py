@@ -74,7 +74,7 @@ def orthogonalization(basis: Any, vec: Floats, threshold: float = 0.0) -> None:
         threshold: Components up to this size remain [any].
 
     Raises:
-        ShapeError: The vector does not fit the basis.
+        WrongShape: The vector does not fit the basis.
     """
     columns = numbers(basis, "basis")
     columns = columns[:, None] if columns.ndim == 1 else columns

@@ -200,7 +200,7 @@ class PGSConstraintSolver:
 
         Raises:
             InputError: `settings` or `result` is of another class.
-            ShapeError: The constraints have not as many rows as `g`.
+            WrongShape: The constraints have not as many rows as `g`.
         """
         if not isinstance(settings, PGSSolverSettings) or not isinstance(result, PGSSolverResult):
             raise ArgumentError(

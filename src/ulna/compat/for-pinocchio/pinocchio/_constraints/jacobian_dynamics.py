@@ -109,7 +109,7 @@ def _run(
 
     Raises:
         InputError: the mass matrix and J have no factors.
-        ShapeError: J has another number of columns, or an argument another size.
+        WrongShape: J has another number of columns, or an argument another size.
     """
     mu = damping_of(damping) if damping else 0.0
     bound, result, bound_by_rows = None, NotImplemented, data._bound_at

@@ -30,7 +30,7 @@ def vector(value: Any, size: int, name: str) -> Floats:
         Array (size,).
 
     Raises:
-        ShapeError: it has another size.
+        WrongShape: it has another size.
         InputError: it holds no numbers.
     """
     if type(value) is np.ndarray and value.dtype == _FLOAT and value.shape == (size,):
@@ -67,7 +67,7 @@ def matrix(value: Any, shape: tuple[int, ...], name: str) -> Floats:
         Array (...) of that shape.
 
     Raises:
-        ShapeError: it has another one.
+        WrongShape: it has another one.
         InputError: it holds no numbers.
     """
     array = numbers(value, name)

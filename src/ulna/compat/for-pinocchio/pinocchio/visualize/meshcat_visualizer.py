@@ -92,7 +92,7 @@ class MeshcatVisualizer(CameraVisualizer):
             placement: An SE3, a matrix (4, 4), or x, y, z [m] and a quaternion xyzw, (7,).
 
         Raises:
-            ShapeError: Another shape.
+            WrongShape: Another shape.
         """
         gui = self.viewer.gui
         values = np.asarray(getattr(placement, "homogeneous", placement), dtype=float)
