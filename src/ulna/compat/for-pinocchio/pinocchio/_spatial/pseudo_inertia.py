@@ -10,7 +10,6 @@ from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import matrix, text, vector
 from pinocchio._containers.files import registered
 from pinocchio._containers.keywords import by_name
-from pinocchio._spatial.inertia import Inertia
 from ulna.identification.physical import (
     from_log_cholesky,
     log_cholesky,
@@ -19,6 +18,17 @@ from ulna.identification.physical import (
     pseudo_inertia,
 )
 from ulna.typing import Floats
+
+
+def _parameters_of(inertia: Any) -> Floats:
+    """The dynamic parameters (10,) of an Inertia.
+
+    Raises:
+        ArgumentError: It is none.
+    """
+    if not hasattr(inertia, "toDynamicParameters"):
+        raise ArgumentError(f"`inertia` is {inertia!r}; expected a pinocchio.Inertia.")
+    return inertia.toDynamicParameters()
 
 
 class _BodyParameters:
@@ -116,9 +126,9 @@ class PseudoInertia(_BodyParameters):
         return PseudoInertia(pseudo_inertia(vector(dynamic_parameters, 10, "dynamic_parameters")))
 
     @staticmethod
-    def FromInertia(inertia: Inertia) -> PseudoInertia:
+    def FromInertia(inertia: Any) -> PseudoInertia:
         """From an Inertia."""
-        return PseudoInertia.FromDynamicParameters(inertia.toDynamicParameters())
+        return PseudoInertia.FromDynamicParameters(_parameters_of(inertia))
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Floats:
         return np.array(self._p, dtype=dtype)
@@ -165,9 +175,9 @@ class LogCholeskyParameters(_BodyParameters):
         self._p[:] = vector(value, 10, "parameters")
 
     @staticmethod
-    def FromInertia(inertia: Inertia) -> LogCholeskyParameters:
+    def FromInertia(inertia: Any) -> LogCholeskyParameters:
         """Those of an Inertia. InputError where the body cannot exist, or is flat."""
-        return LogCholeskyParameters(log_cholesky(inertia.toDynamicParameters()))
+        return LogCholeskyParameters(log_cholesky(_parameters_of(inertia)))
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Floats:
         return np.array(self._p, dtype=dtype)
