@@ -39,7 +39,7 @@ def wrapper(robot: RobotWrapper) -> None:
     refused(lambda: robot.viewer, "initViewer(loadModel=True)")
     refused(lambda: robot.getViewerNodeName(robot.visual_model.geometryObjects[0], 0), "initViewer")
     refused(lambda: robot.display(robot.q0), "initViewer")
-    refused(lambda: robot.index("wrist_3"), "'wrist_3_joint'")
+    refused(lambda: robot.placement(robot.q0, robot.index("wrist_3")), "'wrist_3_joint'")
     refused(lambda: robot.placement(robot.q0, 7), "0 to 6", "robot.index")
     refused(lambda: robot.placment, "'placement'")
     refused(lambda: robot.framePlacement(robot.q0, 10**7), "getFrameId")
