@@ -18,7 +18,7 @@ DEEP = 100_000
         ("Rx(9**9**9**9)", "has no value"),
         ("Rx(1e308*1e308)", "is inf; expected a finite number"),
         ("Rx((-1)**0.5)", "has no value"),
-        ("Rx(1/0)", "has no value: float division by zero"),
+        ("Rx(1/0)", "has no value: (float )?division by zero"),
         ("Rx(" + "-" * DEEP + "1)", "is no arithmetic expression"),
         ("Rx(" + "1+" * DEEP + "1)", "is no arithmetic expression"),
         ("Rx(" + "(" * DEEP + ")" * DEEP + ")", "is no arithmetic expression"),
