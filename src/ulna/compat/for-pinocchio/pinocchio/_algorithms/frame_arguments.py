@@ -84,7 +84,7 @@ def repeated_call(kind: str, motion: bool = False) -> Callable[[Function], Funct
         }
         scope["Motion"] = Motion
         exec(compile(source, f"<repeated call of {name}>", "exec"), scope)
-        made = functools.update_wrapper(scope[name], function)
+        made: Any = functools.update_wrapper(scope[name], function)
         made.arguments_checked = True
         return made
 

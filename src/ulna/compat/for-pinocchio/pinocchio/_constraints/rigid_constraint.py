@@ -53,7 +53,7 @@ class RigidConstraint(FramePair):
             return
         parts = list(args)
         kind = parts.pop(0) if parts else None
-        model = parts.pop(0) if parts else None
+        model: Any = parts.pop(0) if parts else None
         rf = parts.pop() if parts and isinstance(parts[-1], ReferenceFrame) else ReferenceFrame.LOCAL
         self._check(kind, model)
         self.type = ContactType(kind)

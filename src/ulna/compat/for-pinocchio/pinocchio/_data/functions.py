@@ -110,9 +110,9 @@ def fast_path(
         }
         scope |= {f"default_{key}": parameter.default for key, parameter in parameters.items()}
         exec(compile(source, f"<fast path of {name}>", "exec"), scope)
-        made = functools.update_wrapper(scope[name], function)
+        made: Any = functools.update_wrapper(scope[name], function)
         made.arguments_checked = True
-        return made  # type: ignore[return-value]
+        return made
 
     return decorate
 

@@ -134,7 +134,9 @@ class OperationalSpace(RobotMixin):
             return np.asarray(Ji, dtype=float)
         J = self.jacob0_analytical(q, representation) if J is None else J
         matrix = np.asarray(self._finite(np.asarray(J, dtype=float), representation))
-        return np.linalg.pinv(matrix) if pinv or self.n != 6 else np.linalg.inv(matrix)
+        return np.asarray(
+            np.linalg.pinv(matrix) if pinv or self.n != 6 else np.linalg.inv(matrix), dtype=float
+        )
 
     def _jacobian_rate(self, q: Floats, qd: Floats, representation: str) -> Floats:
         """The derivative of the analytical Jacobian by time, (..., 6, n)."""

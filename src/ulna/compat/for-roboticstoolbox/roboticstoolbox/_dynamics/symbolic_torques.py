@@ -58,7 +58,8 @@ def symbolic_torques(links: Sequence[Any], base: Floats, gravity: Any, q: Any, q
 
 def _joint_geometry(link: Any, x: Any) -> tuple[Floats, ...]:
     """R of the link in the one before, and z, b, d, s in the link's axes."""
-    before, after, T, joint = np.eye(4), np.eye(4), np.eye(4), None
+    before, after, T = np.eye(4), np.eye(4), np.eye(4)
+    joint: Any = None
     for et in link.ets:
         A = et.A(x) if et.isjoint else et.A()
         T = T @ A
@@ -68,6 +69,7 @@ def _joint_geometry(link: Any, x: Any) -> tuple[Floats, ...]:
             before = before @ A
         else:
             after = after @ A
+    assert joint is not None, "every link has a joint"
     R = T[:3, :3]
     axis = np.eye(3, dtype=int)["xyz".index(joint.ax)] * (-1 if joint.isflip else 1)
     z, d = after[:3, :3].T @ axis, after[:3, :3].T @ after[:3, 3]

@@ -176,7 +176,7 @@ class BaseET:
     def qlim(self, limits: Any) -> None:
         values = None if limits is None else np.array(numbers("qlim", limits)).ravel()
         if values is not None and values.shape != (2,):
-            raise WrongShape("qlim", np.shape(limits), "(2,)")
+            raise WrongShape("qlim", np.shape(numbers("qlim", limits)), "(2,)")
         self._qlim = values
 
     @property
@@ -270,7 +270,8 @@ class BaseET:
             return Transform.se3(SE3.from_matrix(self._T))
         name = self._name_in_ulna()
         if not self.isjoint:
-            return Transform(name, float(self._param))
+            value: Any = self._param
+            return Transform(name, float(value))
         limits = None if self._qlim is None else (float(self._qlim[0]), float(self._qlim[1]))
         return Transform(name, index=joint, flip=self.isflip, limits=limits)
 

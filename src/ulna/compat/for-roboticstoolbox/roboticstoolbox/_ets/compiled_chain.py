@@ -207,7 +207,7 @@ class Chain:
         """
         return self.arm.jacobian_dot(self.q(q), self.q(qd))
 
-    def analytical(self, q: Any, representation: str) -> Floats:
+    def analytical(self, q: Any, representation: Any) -> Floats:
         """The Jacobian of position and angles.
 
         Args:

@@ -189,7 +189,7 @@ class ETS(ChainSolvers, BaseETS):
         """
         return self._modified_copy("replace", i, axis)
 
-    def split(self, method: str = "last") -> list[ETS]:
+    def split(self, method: str = "last") -> list[Any]:
         """The chain in parts; "dh" and "mdh" are those of Denavit and Hartenberg's links, see `BaseETS.split`."""
         if method.lower() not in STEPS:
             return super().split(method)

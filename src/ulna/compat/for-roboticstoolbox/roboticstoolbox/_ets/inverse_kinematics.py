@@ -163,6 +163,7 @@ def _search(chain: Chain, T: Floats, start: Any, slimit: int, settings: Settings
             attempts=int(slimit) if slimit >= 1 else 1,
         )
     else:
+        null_motion: dict[str, Any] = dict(settings.null_motion())
         result = chain.arm.ik_classic(
             T,
             _KINDS.get(settings.kind, settings.method),  # type: ignore[arg-type]
@@ -174,7 +175,7 @@ def _search(chain: Chain, T: Floats, start: Any, slimit: int, settings: Settings
             position_tolerance=math.sqrt(tol),
             rotation_tolerance=math.sqrt(tol),
             seed=first,
-            **settings.null_motion(),
+            **null_motion,
         )
     q, success, iterations, restarts, position, rotation = result.figures()
     if T.ndim == 2:

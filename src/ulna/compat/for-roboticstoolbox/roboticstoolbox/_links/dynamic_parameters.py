@@ -72,7 +72,7 @@ def _coulomb(Tc: Any) -> Floats:
 def _vector3(r: Any) -> Floats:
     out = np.ravel(np.zeros(3) if r is None else r)
     if out.shape != (3,):
-        raise ShapeError("r", np.shape(r), "(3,)")
+        raise ShapeError("r", np.asarray(r).shape, "(3,)")
     return _read_only(out)
 
 

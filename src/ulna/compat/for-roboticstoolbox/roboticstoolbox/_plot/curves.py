@@ -59,7 +59,7 @@ def xplot(
     """
     values = np.asarray(x if y is None else y, dtype=float)
     values = values[:, None] if values.ndim == 1 else values
-    at = np.arange(len(values)) if y is None else np.asarray(x, dtype=float)
+    at = np.arange(len(values), dtype=float) if y is None else np.asarray(x, dtype=float)
     if at.shape != (len(values),):
         raise WrongShape("x", at.shape, f"({len(values)},), a time for each row of the coordinates")
     names = _labels(labels, values.shape[1])

@@ -185,7 +185,7 @@ def trapezoidal(q0: float, qf: float, t: Any, V: float | None = None) -> Traject
     Returns:
         Position, velocity and acceleration, (m,) each; `tblend` is the duration of a blend [s].
     """
-    out = _one("trapezoidal", lambda T: _trapezoid(q0, qf, T, V), t)
+    out: Any = _one("trapezoidal", lambda T: _trapezoid(q0, qf, T, V), t)
     out.tblend = TrapezoidalProfile(q0, qf, float(out.t[-1] - out.t[0]), V).tb
     return out
 
