@@ -29,6 +29,9 @@ UNUSED = {
             for option in ("jointaxes", "eeframe", "shadow", "name")
         ),
     },
+    "a handle knows its chain and how many joints that has": {
+        "ETS_init n", "ETS_init m", "ETS_jacob0 _n", "ETS_jacobe _n", "ETS_hessian0 _n", "ETS_hessiane _n",
+    },
     "a pose has no settings": {"ET.SE3 _", "ET2.SE2 _"},
     "a fallback that answers for any arguments": {"not_applicable _"},
     "the viewer runs in this process": {

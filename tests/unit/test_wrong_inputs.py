@@ -77,9 +77,9 @@ def test_names_and_dictionaries_in_place_of_a_configuration(robot: Robot) -> Non
     [
         (lambda r, q: r.distance(q), "robot.distance"),
         (lambda r, q: r.collides(q), "robot.collides"),
-        (lambda r, q: r.distance_gradient(q), "robot.distance_gradient"),
-        (lambda r, q: r.first_contact(q, 2.0 * q), "robot.first_contact"),
-        (lambda r, q: r.first_contact(np.zeros(7), q), "robot.first_contact"),
+        (lambda r, q: r.distance_gradient(q), "robot.collision.distance_gradient"),
+        (lambda r, q: r.first_contact(q, 2.0 * q), "robot.collision.first_contact"),
+        (lambda r, q: r.first_contact(np.zeros(7), q), "robot.collision.first_contact"),
     ],
 )
 def test_collision_checks_in_compiled_functions(robot: Robot, call: Any, name: str) -> None:

@@ -57,7 +57,7 @@ for robot, n in ((e, 2), (puma, 6), (panda, 7)):
 assert np.allclose(valued(e.eval(q[:2]), 2), e.eval(at[:2]))
 assert sympy.simplify(ET.Rz().A(q[0])[0, 0] - sympy.cos(q[0])) == 0
 assert np.allclose(valued(puma.links[0].A(q[0]).A, 1), puma.links[0].A(at[0]).A)
-for wrong, word in ((q[:1], "symbols for one"), (["a", "b"], "float")):
+for wrong, word in ((q[:1], "symbols for one"), (["a", "b"], "numbers")):
     try:
         e.eval(wrong)
     except (TypeError, ValueError) as error:
