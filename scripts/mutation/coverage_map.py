@@ -30,8 +30,10 @@ def build(root: Path, folder: Path, arguments: list[str], jobs: int) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     config, data = folder / "coverage.ini", folder / "lines"
     config.write_text(CONFIG.format(source=root / "src", data=data))
+    # where a test of xdist calls this, the tests here are not that worker's
+    inherited = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_XDIST")}
     environment = {
-        **os.environ,
+        **inherited,
         "COVERAGE_PROCESS_START": str(config),
         "MUTATION_NOTES": str(folder / "notes.jsonl"),
         "PYTHONPATH": os.pathsep.join([str(Path(__file__).resolve().parents[1]), str(root / "src")]),

@@ -33,7 +33,7 @@ from ulna.spatial import SE3, Motion
 
 FOLDERS = ("algorithms/", "spatial/", "linalg.py", "numeric.py")
 BATCH = (2, 3)
-MODEL = ulna.load("panda").model
+MODEL = ulna.load("panda", visuals="simple").model
 FRAME = MODEL.frame(MODEL.tool)
 BONDS = bonds(MODEL, [FrameContact(FRAME.name)])
 LENGTHS = {
