@@ -20,7 +20,9 @@ def _drawn_anew(env: Any) -> Any:
 
 def test_pictures_are_those_of_a_full_drawing(monkeypatch: pytest.MonkeyPatch) -> None:
     matplotlib.use("agg")
-    with worn("roboticstoolbox"):
+    with matplotlib.rc_context(), worn("roboticstoolbox"):
+        matplotlib.rcdefaults()  # other tests leave styles, under which grid lines lie above the robot
+        matplotlib.use("agg")
         import roboticstoolbox as rtb
         from roboticstoolbox.backends.PyPlot import PyPlot
 
