@@ -48,12 +48,14 @@ def certify(scene: Scene, points: Floats, margin: float = 0.0) -> Certificate:
 
     Args:
         scene: The robot in its world.
-        points: Configurations, shape (n, nq) [rad, m].
+        points: Configurations, shape (n, nq) [rad, m]; a single one counts as an edge of no length.
         margin: How near [m].
 
     Returns:
         The certificate. An edge is not proved where spheres touch or come within 2 micrometres of it.
     """
+    if len(points) == 1:  # a path that does not move is one edge of no length
+        points = np.repeat(points, 2, axis=0)
     change = np.abs(np.diff(points, axis=0))
     speeds = [change @ bounds.T for bounds in (scene.reach, scene.approach) if len(bounds)]
     mu = np.concatenate(speeds, axis=1).max(axis=1)

@@ -324,6 +324,9 @@ def test_certificates_find_what_touches_between_free_points() -> None:
     place = scene(robot.collision_checker(shelf(), method="spheres"))
     certificate = certify(place, np.stack([a, b, b + 0.01]))
     assert certificate.unproved == (0,) and not certificate
+    touching = robot.ik(SE3.from_translation([0.0, -0.25, -0.1]).matrix() @ DOWN, a, seed=1).q  # in the wall
+    assert certify(place, touching[None]).unproved == (0,)
+    assert certify(place, a[None])
     thin = World().add("needle", Cylinder(0.002, 0.05), robot.fk(0.5 * (a + b))[:3, 3])
     place = scene(robot.collision_checker(thin, method="spheres"))
     assert certify(place, np.stack([a, b])).unproved == (0,)

@@ -15,7 +15,7 @@ from ulna.compiler.codegen.procedure_operations import write_operation
 from ulna.compiler.codegen.procedure_types import WORDS, ArrayValue, KernelValue, flattened, result_word, word
 from ulna.compiler.codegen.procedure_values import WRITERS, ValueWriter
 from ulna.compiler.imperative import tree as t
-from ulna.compiler.imperative.types import ArrayType, Lanes, Number, Type, element_of, lanes_of
+from ulna.compiler.imperative.types import ArrayType, Lanes, Number, element_of, lanes_of
 
 WRITERS[t.Operation] = write_operation
 
@@ -56,11 +56,6 @@ def procedure_ir(
     bits = 8 * register_bytes
     attributes = f'attributes #0 = {{ "prefer-vector-width"="{bits}" "min-legal-vector-width"="{bits}" }}'
     return module.text() + f'\n{attributes}\n!0 = !{{!"branch_weights", i32 1, i32 1000000}}\n'
-
-
-def entry_words(type_: Type) -> int:
-    """How many 64-bit words an argument takes in the array that the entry reads."""
-    return len(flattened("x", type_)[0])
 
 
 def _entry(instance: t.Instance) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ulna.compiler.imperative.types import ArrayType, KernelType, Lanes, Number, RecordType, Type
+from ulna.compiler.imperative.types import ArrayType, KernelType, Lanes, Number, Type
 
 
 @dataclass(frozen=True)
@@ -271,8 +271,3 @@ class Instance:
     results: tuple[Number | Lanes, ...]
     body: tuple[Statement, ...]
     file: str
-
-
-def record_fields(type_: Type) -> tuple[tuple[str, Type], ...]:
-    """The fields of a record; none for other types."""
-    return type_.fields if isinstance(type_, RecordType) else ()
