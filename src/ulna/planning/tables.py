@@ -18,6 +18,7 @@ from ulna.compiler.procedures import lanes_kernel
 from ulna.errors import InputError
 from ulna.model import Model, Prismatic, Revolute
 from ulna.planning.touching import Tables
+from ulna.system.cached import cached_property
 from ulna.typing import Array, Floats
 
 ROUNDING = 1e-4
@@ -52,7 +53,7 @@ class Scene:
         """How many configurations are checked at once."""
         return self.kernel.lanes
 
-    @property
+    @cached_property
     def rounding(self) -> float:
         """By how much float32 may place a sphere wrongly, with room to spare [m]."""
         model = self.checker.model
@@ -69,14 +70,28 @@ class Scene:
         Returns:
             Arrays of the types that the procedures take.
         """
-        spheres, larger = self.checker.spheres, margin + self.rounding
-        count = [len(spheres.links[name].radii) for name in self.links]
+        larger = margin + self.rounding
+        bounds, radii = ((values + larger).astype(np.float32) for values in self._radii)
+        return self._tables._replace(bounds=bounds, radii=radii)
+
+    @cached_property
+    def _radii(self) -> tuple[Floats, Floats]:
+        """Radii of the links' bounding spheres, and of all spheres [m]."""
+        spheres = self.checker.spheres
         bounds = [_bounding_sphere(spheres, name)[1] for name in self.links]
+        return np.array(bounds), np.concatenate([spheres.links[name].radii for name in self.links])
+
+    @cached_property
+    def _tables(self) -> Tables:
+        """The tables without a margin."""
+        spheres = self.checker.spheres
+        count = [len(spheres.links[name].radii) for name in self.links]
+        bounds, radii = (values.astype(np.float32) for values in self._radii)
         groups = {kind: self._obstacles(kind) for kind in ("box", "cylinder", "plane")}
         pairs = [[self.links.index(name) for name in pair] for pair in moving_pairs(self.checker, self.links)]
         return Tables(
-            bounds=(np.array(bounds) + larger).astype(np.float32),
-            radii=(np.concatenate([spheres.links[n].radii for n in self.links]) + larger).astype(np.float32),
+            bounds=bounds,
+            radii=radii,
             first=np.cumsum([0, *count]).astype(np.int64),
             boxes=groups["box"][0],
             box_links=groups["box"][1],
