@@ -8,15 +8,20 @@ from __future__ import annotations
 import ast
 import inspect
 import re
+import runpy
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 
+from ulna.compat.documentation import with_arguments
 from ulna.quantities import THEMES
 
 SOURCE = Path(__file__).parents[2] / "src" / "ulna"
 FILES = sorted(SOURCE.rglob("*.py"))
+
+PACKAGES = {"compat/for-pinocchio/pinocchio/": "_containers/documentation.py"}
+"""Packages whose public names are defined in private folders, and what arguments of the same name mean in each."""
 
 ARRAYS = re.compile(r"\b(Array|ArrayLike|Floats|NDArray|ndarray)\b")
 NUMBERS = re.compile(rf"{ARRAYS.pattern}|\bfloat\b")
@@ -63,9 +68,22 @@ def arguments(function: Function) -> list[ast.arg]:
     return [x for k, x in enumerate(every) if not (k == 0 and x.arg in ("self", "cls"))]
 
 
+def package_of(path: Path) -> str | None:
+    """The package of `PACKAGES` that a file belongs to."""
+    return next((one for one in PACKAGES if path.relative_to(SOURCE).as_posix().startswith(one)), None)
+
+
+@cache
+def argument_texts(package: str | None) -> dict[str, str]:
+    """What the package writes of arguments that a docstring has no entry of."""
+    return runpy.run_path(str(SOURCE / package / PACKAGES[package]))["ARGUMENTS"] if package else {}
+
+
 def is_public(path: Path) -> bool:
-    """Whether neither the file nor a folder above it begins with an underscore."""
-    return not any(part.startswith("_") and part != "__init__.py" for part in path.relative_to(SOURCE).parts)
+    """Whether neither the file nor a folder above it begins with an underscore, or what it defines has public names."""
+    return package_of(path) is not None or not any(
+        part.startswith("_") and part != "__init__.py" for part in path.relative_to(SOURCE).parts
+    )
 
 
 def public_functions(module: ast.Module) -> Iterator[tuple[str, Function, ast.ClassDef | None]]:
@@ -147,12 +165,12 @@ def base_documents(name: str, function: Function, owner: ast.ClassDef | None) ->
     return False
 
 
-def docstring(function: Function, owner: ast.ClassDef | None) -> str:
-    """What `help` prints; the decorator `quantity` completes what is written."""
+def docstring(function: Function, owner: ast.ClassDef | None, texts: Mapping[str, str]) -> str:
+    """What `help` prints; the decorator `quantity` and `texts` complete what is written."""
     if any(ast.unparse(decorator).startswith("quantity(") for decorator in function.decorator_list):
         theme = next(theme for theme in THEMES if owner is not None and theme.__name__ == owner.name)
         return inspect.getdoc(vars(theme)[function.name]) or ""
-    return ast.get_docstring(function) or ""
+    return with_arguments(ast.get_docstring(function) or "", [x.arg for x in arguments(function)], texts)
 
 
 def argument_complaints(function: Function, texts: dict[str, str]) -> Iterator[str]:
@@ -174,17 +192,19 @@ def argument_complaints(function: Function, texts: dict[str, str]) -> Iterator[s
 def complaints(path: Path) -> list[str]:
     """What the docstrings of a file lack: its name, line, name of the function, and what is missing."""
     name = path.relative_to(SOURCE).as_posix()
-    wrong = what_is_missing(parsed(path)) if is_public(path) else []
+    wrong = what_is_missing(parsed(path), package_of(path)) if is_public(path) else []
     if name.startswith(WITHOUT_UNITS):
         wrong = [text for text in wrong if "no unit" not in text]
     return [f"{name}:{text}" for text in wrong]
 
 
-def what_is_missing(module: ast.Module) -> list[str]:
+def what_is_missing(module: ast.Module, package: str | None = None) -> list[str]:
     """What the docstrings of a module lack: line, name of the function, and what is missing."""
     wrong: list[str] = []
     for name, function, owner in public_functions(module):
-        doc = docstring(function, owner)
+        if package is not None and function.name in SPECIAL:  # which are overloaded there
+            continue
+        doc = docstring(function, owner, argument_texts(package))
         if function.name == "__init__" and owner and "Args" not in sections(doc):  # its class may describe it
             doc = f"{ast.get_docstring(owner) or ''}\n\n{doc}"
         parts = sections(doc)

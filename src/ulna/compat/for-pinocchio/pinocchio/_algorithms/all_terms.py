@@ -67,12 +67,5 @@ def _all_terms(model: CoreModel) -> Any:
     | CENTERS_AND_VELOCITIES,
 )
 def computeAllTerms(model: Model, data: Data, q: Any, v: Any) -> None:
-    """Fills M, nle, g, J, dJ, Jcom, Ag, dAg, hg, Ig, com, vcom, energies, placements, velocities; not C, not oMf.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-    """
+    """Fills M, nle, g, J, dJ, Jcom, Ag, dAg, hg, Ig, com, vcom, energies, placements, velocities; not C, not oMf."""
     ...

@@ -120,8 +120,6 @@ def centerOfMass(
     """The centre of mass in the world (3,) [m]; fills `data.com` and `data.mass`, with v `vcom`, with a `acom`.
 
     Args:
-        model: The model.
-        data: Its data.
         q: Configuration (nq,) [rad or m]; None, or a KinematicLevel, for the state of the last forwardKinematics.
         v: Velocity (nv,).
         a: Acceleration (nv,).
@@ -161,9 +159,6 @@ def jacobianCenterOfMass(
     """The Jacobian (3, nv) of the centre of mass; kept in `data.Jcom`.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
         compute_subtree_coms: Accepted; values of subtrees are computed when they are read.
 
     Returns:
@@ -195,8 +190,6 @@ def jacobianSubtreeCenterOfMass(
     """The Jacobian (3, nv) of the centre of mass of what a joint moves.
 
     Args:
-        model: The model.
-        data: Its data.
         q: Configuration (nq,); without it, that of the last forwardKinematics.
         subtree_root_joint_id: The index of the joint.
 
@@ -214,8 +207,6 @@ def getJacobianSubtreeCenterOfMass(model: Model, data: Data, subtree_root_joint_
     """The Jacobian of the centre of mass of what a joint moves, after jacobianCenterOfMass.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
         subtree_root_joint_id: Index of the joint.
 
     Returns:
@@ -235,7 +226,6 @@ def computeTotalMass(model: Model, data: Data | None = None) -> float:
     """The mass of all that moves [kg]; kept in `data.mass[0]`.
 
     Args:
-        model: The model.
         data: Its data, which is filled if it is passed.
 
     Returns:
@@ -247,12 +237,7 @@ def computeTotalMass(model: Model, data: Data | None = None) -> float:
 
 
 def computeSubtreeMasses(model: Model, data: Data) -> None:
-    """Fills `data.mass` with the mass of what each joint moves; the universe, first, counts all that moves.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-    """
+    """Fills `data.mass` with the mass of what each joint moves; the universe, first, counts all that moves."""
     data.defer(MASSES["mass"], ("mass",), data.attach(model))
 
 
@@ -285,7 +270,6 @@ def as_one_body(model: CoreModel, q: Array) -> Array:
 
     Args:
         model: Ulna's model.
-        q: Configuration (nq,) [rad or m].
 
     Returns:
         Mass [kg], lever (0, 0, 0) and inertia row by row [kg m^2], (13,).
@@ -299,7 +283,6 @@ def about_origin(model: CoreModel, q: Array, about_centre: Array) -> Array:
 
     Args:
         model: Ulna's model.
-        q: Configuration (nq,) [rad or m].
         about_centre: Momentum, or its rate, about the centre of mass, (6,).
 
     Returns:
@@ -335,12 +318,6 @@ def _momentum_rate(model: CoreModel) -> Any:
 def ccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """The centroidal matrix (6, nv); fills `data.Ag`, `data.hg` and `data.Ig`.
 
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-
     Returns:
         Matrix (6, nv).
     """
@@ -349,12 +326,6 @@ def ccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
 
 def dccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """The time derivative (6, nv) of the centroidal matrix; fills `data.dAg` and what ccrba fills.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
 
     Returns:
         Matrix (6, nv).
@@ -367,11 +338,6 @@ def dccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
 def computeCentroidalMap(model: Model, data: Data, q: Any) -> Floats:
     """The centroidal matrix (6, nv); kept in `data.Ag`.
 
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-
     Returns:
         Matrix (6, nv).
     """
@@ -383,12 +349,6 @@ def computeCentroidalMap(model: Model, data: Data, q: Any) -> Floats:
 )
 def computeCentroidalMapTimeVariation(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """The time derivative (6, nv) of the centroidal matrix; kept in `data.dAg`.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
 
     Returns:
         Matrix (6, nv).
@@ -407,10 +367,7 @@ def computeCentroidalMomentum(model: Model, data: Data, q: Any = None, v: Any = 
     """The momentum about the centre of mass; kept in `data.hg`, the inertia in `data.Ig`.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
         q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
-        v: Velocity (nv,) [rad/s or m/s].
 
     Returns:
         Force (6,) [kg m/s, kg m^2/s] in world axes.
@@ -431,11 +388,7 @@ def computeCentroidalMomentumTimeVariation(
     """The time derivative of the momentum; kept in `data.dhg`, the momentum in `data.hg`.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
         q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
-        v: Velocity (nv,) [rad/s or m/s].
-        a: Acceleration (nv,) [rad/s^2 or m/s^2].
 
     Returns:
         Force (6,) [N, N m] in world axes.

@@ -53,7 +53,6 @@ def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any 
     """A configuration (nq,) drawn evenly within the limits; where there is none, from [-pi, pi] or [-1, 1] m.
 
     Args:
-        model: The model.
         lower_bound: Least values (nq,); those of the model by default.
         upper_bound: Greatest values (nq,); those of the model by default.
 
@@ -119,8 +118,6 @@ def integrate(model: Model, q: Any, v: Any) -> Floats:
     """The configuration (nq,) reached from q in one second with v.
 
     Args:
-        model: The model.
-        q: Configuration (nq,) [rad or m].
         v: Velocity times duration (nv,) [rad or m].
 
     Returns:
@@ -137,10 +134,6 @@ def integrate(model: Model, q: Any, v: Any) -> Floats:
 
 def difference(model: Model, q1: Any, q2: Any) -> Floats:
     """The velocity (nv,) that leads from q1 to q2 in one second.
-
-    Args:
-        model: The model.
-        q1, q2: Configuration (nq,) [rad or m].
 
     Returns:
         Velocity (nv,) times one second [rad or m].
@@ -167,8 +160,6 @@ def interpolate(model: Model, q1: Any, q2: Any, alpha: float) -> Floats:
     """The configuration (nq,) a part `alpha` of the way from q1 to q2.
 
     Args:
-        model: The model.
-        q1, q2: Configuration (nq,) [rad or m].
         alpha: Fraction of the way, 0 at q1 and 1 at q2 [-].
 
     Returns:
@@ -180,10 +171,6 @@ def interpolate(model: Model, q1: Any, q2: Any, alpha: float) -> Floats:
 def distance(model: Model, q1: Any, q2: Any) -> float:
     """The length of the difference.
 
-    Args:
-        model: The model.
-        q1, q2: Configuration (nq,) [rad or m].
-
     Returns:
         The length [rad or m].
     """
@@ -192,10 +179,6 @@ def distance(model: Model, q1: Any, q2: Any) -> float:
 
 def squaredDistance(model: Model, q1: Any, q2: Any) -> Floats:
     """For each joint, the squared length of its part of the difference.
-
-    Args:
-        model: The model.
-        q1, q2: Configuration (nq,) [rad or m].
 
     Returns:
         Squared lengths (njoints - 1,), joints that follow others left out.
@@ -208,10 +191,6 @@ def squaredDistance(model: Model, q1: Any, q2: Any) -> Floats:
 def normalize(model: Model, q: Any) -> Floats:
     """The same configuration with quaternions, and pairs of cosine and sine, of unit length.
 
-    Args:
-        model: The model.
-        q: Configuration (nq,) [rad or m].
-
     Returns:
         Configuration (nq,).
     """
@@ -222,8 +201,6 @@ def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
     """Whether quaternions, and pairs of cosine and sine, have unit length.
 
     Args:
-        model: The model.
-        q: Configuration (nq,) [rad or m].
         prec: Largest difference of an entry [-].
 
     Returns:
@@ -237,8 +214,6 @@ def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float = 1e-12) -> 
     """Whether two configurations are the same place.
 
     Args:
-        model: The model.
-        q1, q2: Configuration (nq,) [rad or m].
         prec: Largest difference [-].
 
     Returns:
@@ -251,8 +226,6 @@ def dIntegrate(model: Model, q: Any, v: Any, argument_position: Any = None) -> A
     """The derivatives (nv, nv) of `integrate` by q and v; one of them for ARG0 or ARG1.
 
     Args:
-        model: The model.
-        q: Configuration (nq,) [rad or m].
         v: Velocity times duration (nv,) [rad or m].
         argument_position: ARG0 or ARG1 for one of the derivatives; None for both.
 
@@ -269,8 +242,6 @@ def dDifference(model: Model, q1: Any, q2: Any, argument_position: Any = None) -
     """The derivatives (nv, nv) of `difference` by q1 and q2; one of them for ARG0 or ARG1.
 
     Args:
-        model: The model.
-        q1, q2: Configuration (nq,) [rad or m].
         argument_position: ARG0 or ARG1 for one of the derivatives; None for both.
 
     Returns:
@@ -284,8 +255,6 @@ def dIntegrateTransport(model: Model, q: Any, v: Any, Jin: Any, argument_positio
     """A matrix (nv, n) at integrate(q, v), carried by the derivative of `integrate`.
 
     Args:
-        model: The model.
-        q: Configuration (nq,) [rad or m].
         v: Velocity times duration (nv,) [rad or m].
         Jin: Matrix (nv, n) at integrate(q, v).
         argument_position: ARG0 or ARG1: by which argument the derivative is taken.
@@ -298,10 +267,6 @@ def dIntegrateTransport(model: Model, q: Any, v: Any, Jin: Any, argument_positio
 
 def tangentMap(model: Model, q: Any) -> Floats:
     """The matrix (nq, nv) from velocities to the rates of the entries of q.
-
-    Args:
-        model: The model.
-        q: Configuration (nq,) [rad or m].
 
     Returns:
         Matrix (nq, nv).
@@ -319,8 +284,6 @@ def tangentMapProduct(model: Model, q: Any, mat_in: Any) -> Floats:
     """`tangentMap` times a vector (nv,) or a matrix (nv, n).
 
     Args:
-        model: The model.
-        q: Configuration (nq,) [rad or m].
         mat_in: Vector (nv,) or matrix (nv, n).
 
     Returns:
@@ -333,8 +296,6 @@ def tangentMapTransposeProduct(model: Model, q: Any, mat_in: Any) -> Floats:
     """`tangentMap` transposed times a vector (nq,) or a matrix (nq, n).
 
     Args:
-        model: The model.
-        q: Configuration (nq,) [rad or m].
         mat_in: Vector (nq,) or matrix (nq, n).
 
     Returns:
@@ -349,10 +310,6 @@ _WIDEST = 6
 
 def compactTangentMap(model: Model, q: Any) -> Floats:
     """`tangentMap` without its zeros (nq, widest joint): row i begins at the velocity that segment i names.
-
-    Args:
-        model: The model.
-        q: Configuration (nq,) [rad or m].
 
     Returns:
         Matrix (nq, k), k the greatest nv of a joint.

@@ -68,7 +68,6 @@ def under_forces(compiled: CompiledModel, function: Callable[..., Any], *arrays:
     """One of Ulna's algorithms for a state and, the last of the arrays, forces on the joints; compiled once.
 
     Args:
-        compiled: Ulna's model and its kernels.
         function: An algorithm of `ulna.algorithms` whose last argument is forces.
         *arrays: Its arguments, the last being forces (njoints - 1, 6).
 
@@ -143,15 +142,6 @@ _RNEA_UNDER_FORCES = Algorithm(
 def rnea(model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None) -> Floats:
     """The joint torques of a motion, (nv,); kept in `data.tau`.
 
-    Args:
-        model: The model.
-        data: Its data.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-        a: Acceleration (nv,) [rad/s^2 or m/s^2].
-        fext: For each joint, the universe included, the force (6,) [N, N m] on its body in its frame; None for
-            none.
-
     Returns:
         Torques (nv,) [N m or N].
     """
@@ -161,12 +151,6 @@ def rnea(model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None) -> 
 @algorithm(fills=("nle",), kernel=_bias, returns=(0,), deferred=JOINTS | BODIES)
 def nonLinearEffects(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """Coriolis, centrifugal and gravity torques (nv,); kept in `data.nle`.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
 
     Returns:
         Torques (nv,) [N m or N].
@@ -181,11 +165,6 @@ nle = nonLinearEffects
 def computeGeneralizedGravity(model: Model, data: Data, q: Any) -> Floats:
     """The torques that hold the robot against gravity (nv,); kept in `data.g`.
 
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-
     Returns:
         Torques (nv,) [N m or N].
     """
@@ -194,12 +173,6 @@ def computeGeneralizedGravity(model: Model, data: Data, q: Any) -> Floats:
 
 def computeStaticTorque(model: Model, data: Data, q: Any, fext: Any) -> Floats:
     """The torques that hold the robot against gravity and forces on its joints (nv,); kept in `data.tau`.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        fext: For each joint, the universe included, the force (6,) [N, N m] on its body in its frame.
 
     Returns:
         Torques (nv,) [N m or N].
@@ -247,13 +220,6 @@ def aba(
     """The accelerations that torques cause (nv,); kept in `data.ddq`.
 
     Args:
-        model: The model.
-        data: Its data.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-        tau: Torques (nv,) [N m or N].
-        fext: For each joint, the universe included, the force (6,) [N, N m] on its body in its frame; None for
-            none.
         convention: LOCAL or WORLD; the result is the same.
 
     Returns:
@@ -279,8 +245,6 @@ def crba(model: Model, data: Data, q: Any, convention: Convention = Convention.L
     """The mass matrix (nv, nv), both triangles; kept in `data.M`.
 
     Args:
-        model: The model.
-        data: Its data.
         q: Configuration (nq,).
         convention: LOCAL or WORLD; WORLD fills `data.J`, too.
 
@@ -301,8 +265,6 @@ def computeMinverse(model: Model, data: Data, q: Any = None) -> Floats:
     """The inverse of the mass matrix (nv, nv); kept in `data.Minv`.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
         q: Configuration (nq,) [rad or m]; None for that of the last aba.
 
     Returns:
@@ -321,12 +283,6 @@ def computeMinverse(model: Model, data: Data, q: Any = None) -> Floats:
 def computeCoriolisMatrix(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """The Coriolis matrix (nv, nv) of the Christoffel symbols; kept in `data.C`.
 
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-
     Returns:
         Matrix (nv, nv).
     """
@@ -335,10 +291,6 @@ def computeCoriolisMatrix(model: Model, data: Data, q: Any, v: Any) -> Floats:
 
 def getCoriolisMatrix(model: Model, data: Data) -> Floats:
     """The Coriolis matrix of the last derivatives of inverse dynamics.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
 
     Returns:
         Matrix (nv, nv).

@@ -144,15 +144,6 @@ def computeRNEADerivatives(
 ) -> tuple[Floats, Floats, Floats]:
     """Derivatives of the torques by q, v and a (the mass matrix), (nv, nv) each; kept in `data`.
 
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-        a: Acceleration (nv,) [rad/s^2 or m/s^2].
-        fext: For each joint, the universe included, the force (6,) [N, N m] on its body in its frame; None for
-            none.
-
     Returns:
         Three matrices (nv, nv).
     """
@@ -169,13 +160,7 @@ def computeABADerivatives(
     Without q, v and tau, those of the last aba; forces on the joints may stand in their place.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
         q: Configuration (nq,) [rad or m]; None for the state of the last aba.
-        v: Velocity (nv,) [rad/s or m/s].
-        tau: Torques (nv,) [N m or N].
-        fext: For each joint, the universe included, the force (6,) [N, N m] on its body in its frame; None for
-            none.
 
     Returns:
         Three matrices (nv, nv).
@@ -199,11 +184,6 @@ def computeABADerivatives(
 def computeGeneralizedGravityDerivatives(model: Model, data: Data, q: Any) -> Floats:
     """The derivative (nv, nv) of the torques against gravity by q.
 
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-
     Returns:
         Matrix (nv, nv).
     """
@@ -222,12 +202,6 @@ _STATIC = Algorithm(
 
 def computeStaticTorqueDerivatives(model: Model, data: Data, q: Any, fext: Any) -> Floats:
     """The derivative (nv, nv) of the torques against gravity and forces on the joints by q.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        fext: For each joint, the universe included, the force (6,) [N, N m] on its body in its frame.
 
     Returns:
         Matrix (nv, nv).
@@ -257,13 +231,6 @@ def computeCentroidalDynamicsDerivatives(
 ) -> tuple[Floats, ...]:
     """Derivatives of the centroidal momentum by q, and of its rate by q, v and a, (6, nv) each.
 
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-        a: Acceleration (nv,) [rad/s^2 or m/s^2].
-
     Returns:
         Four matrices (6, nv).
     """
@@ -282,10 +249,6 @@ _CENTROIDAL_AFTER_RNEA = Algorithm(
 
 def getCentroidalDynamicsDerivatives(model: Model, data: Data) -> tuple[Floats, ...]:
     """Derivatives of the centroidal momentum at the state of the last computeRNEADerivatives.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
 
     Returns:
         Four matrices (6, nv).

@@ -20,8 +20,6 @@ def energies(model: CoreModel, q: Array, v: Array) -> tuple[Array, Array, Array]
 
     Args:
         model: Ulna's model.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
 
     Returns:
         The energies [J], () each.
@@ -58,10 +56,7 @@ def computeKineticEnergy(model: Model, data: Data, q: Any = None, v: Any = None)
     """The kinetic energy [J]; kept in `data.kinetic_energy`.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
         q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
-        v: Velocity (nv,) [rad/s or m/s].
 
     Returns:
         The energy [J].
@@ -81,8 +76,6 @@ def computePotentialEnergy(model: Model, data: Data, q: Any = None) -> float:
     """The potential energy [J]; kept in `data.potential_energy`.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
         q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
 
     Returns:
@@ -101,10 +94,7 @@ def computeMechanicalEnergy(model: Model, data: Data, q: Any = None, v: Any = No
     """Kinetic plus potential energy [J]; kept in `data.mechanical_energy`.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
         q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
-        v: Velocity (nv,) [rad/s or m/s].
 
     Returns:
         The energy [J].

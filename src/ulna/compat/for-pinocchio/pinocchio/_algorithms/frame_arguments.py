@@ -32,13 +32,15 @@ def at_frame(
     """A key and Ulna's frame of an index of a frame, or of a placement on a joint.
 
     Args:
-        model: The model.
         frame_id: Index of a frame, or None.
         joint_id: Index of a joint, or None.
         placement: Pose of the frame in the frame of that joint, an SE3.
 
     Returns:
         The key, and the frame; None where it is a frame of the model.
+
+    Raises:
+        ArgumentError: The placement is no SE3.
     """
     if placement is None:
         return index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one."), None

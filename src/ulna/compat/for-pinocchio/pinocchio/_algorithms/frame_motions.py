@@ -39,10 +39,7 @@ def getVelocity(model: Model, data: Data, joint_id: int, reference_frame: Any = 
     """The velocity of a joint, after forwardKinematics with v.
 
     Args:
-        model: The model.
         data: Its data, after forwardKinematics.
-        joint_id: Index of the joint.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
 
     Returns:
         Motion (6,) [m/s, rad/s].
@@ -55,10 +52,7 @@ def getAcceleration(model: Model, data: Data, joint_id: int, reference_frame: An
     """The spatial acceleration of a joint, after forwardKinematics with v and a.
 
     Args:
-        model: The model.
         data: Its data, after forwardKinematics.
-        joint_id: Index of the joint.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
 
     Returns:
         Motion (6,) [m/s^2, rad/s^2].
@@ -71,10 +65,7 @@ def getClassicalAcceleration(model: Model, data: Data, joint_id: int, reference_
     """The acceleration of the point at a joint's origin, after forwardKinematics with v and a.
 
     Args:
-        model: The model.
         data: Its data, after forwardKinematics.
-        joint_id: Index of the joint.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
 
     Returns:
         Motion (6,) [m/s^2, rad/s^2].
@@ -95,11 +86,9 @@ def getFrameVelocity(
     """The velocity of a frame (its index, or a joint's and a placement), after forwardKinematics with v.
 
     Args:
-        model: The model.
         data: Its data, after forwardKinematics.
         frame_id: Index of the frame; or index of a joint, when a placement in its frame follows.
         placement: That placement, an SE3; the reference frame may stand here.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
         joint_id: Index of the joint, by name.
 
     Returns:
@@ -121,11 +110,9 @@ def getFrameAcceleration(
     """The spatial acceleration of a frame, after forwardKinematics with v and a; see `getFrameVelocity`.
 
     Args:
-        model: The model.
         data: Its data, after forwardKinematics.
         frame_id: Index of the frame; or index of a joint, when a placement in its frame follows.
         placement: That placement, an SE3; the reference frame may stand here.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
         joint_id: Index of the joint, by name.
 
     Returns:
@@ -147,11 +134,9 @@ def getFrameClassicalAcceleration(
     """The acceleration of the point at a frame's origin; see `getFrameAcceleration`.
 
     Args:
-        model: The model.
         data: Its data, after forwardKinematics.
         frame_id: Index of the frame; or index of a joint, when a placement in its frame follows.
         placement: That placement, an SE3; the reference frame may stand here.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
         joint_id: Index of the joint, by name.
 
     Returns:

@@ -79,8 +79,6 @@ def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
     """Fills `data.J` (columns in WORLD), `data.oMi` and `data.liMi`; returns J (6, nv).
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
         q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
 
     Returns:
@@ -94,10 +92,7 @@ def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: A
     """The Jacobian (6, nv) of a joint, after computeJointJacobians.
 
     Args:
-        model: The model.
         data: Its data, after computeJointJacobians.
-        joint_id: Index of the joint.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
 
     Returns:
         Jacobian (6, nv), linear rows first.
@@ -108,12 +103,6 @@ def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: A
 
 def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Floats:
     """The Jacobian (6, nv) of a joint in LOCAL.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        joint_id: Index of the joint.
 
     Returns:
         Jacobian (6, nv), linear rows first.
@@ -143,9 +132,6 @@ def getFrameJacobian(
     """The Jacobian (6, nv) of a frame, after computeJointJacobians.
 
     Args:
-        model: The model.
-        data: Its data.
-        frame_id: Index of the frame.
         placement: A placement in the frame of a joint, in place of a frame.
         reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED; it stands third where there is no placement.
         joint_id: Index of that joint; it stands where `frame_id` does.
@@ -198,13 +184,6 @@ def computeFrameJacobian(
     model: Model, data: Data, q: Any, frame_id: int, reference_frame: Any = LOCAL
 ) -> Floats:
     """The Jacobian (6, nv) of a frame at q.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        frame_id: Index of the frame.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
 
     Returns:
         Jacobian (6, nv), linear rows first.
@@ -264,12 +243,6 @@ def _jacobian(model: Model, data: Data, reference: Reference, key: Any, fixed_fr
 def computeJointJacobiansTimeVariation(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """Fills `data.dJ` (columns in WORLD) and `data.J`; returns dJ (6, nv).
 
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-
     Returns:
         Matrix (6, nv).
     """
@@ -283,10 +256,7 @@ def getJointJacobianTimeVariation(
     """The time derivative (6, nv) of a joint's Jacobian, after computeJointJacobiansTimeVariation.
 
     Args:
-        model: The model.
         data: Its data, after computeJointJacobiansTimeVariation.
-        joint_id: Index of the joint.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
 
     Returns:
         Matrix (6, nv).
@@ -301,10 +271,7 @@ def getFrameJacobianTimeVariation(
     """The time derivative (6, nv) of a frame's Jacobian, after computeJointJacobiansTimeVariation.
 
     Args:
-        model: The model.
         data: Its data, after computeJointJacobiansTimeVariation.
-        frame_id: Index of the frame.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
 
     Returns:
         Matrix (6, nv).
@@ -323,14 +290,6 @@ def frameJacobianTimeVariation(
     model: Model, data: Data, q: Any, v: Any, frame_id: int, reference_frame: Any = LOCAL
 ) -> Floats:
     """The time derivative (6, nv) of a frame's Jacobian.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-        frame_id: Index of the frame.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
 
     Returns:
         Matrix (6, nv).
@@ -364,8 +323,6 @@ def computeJointKinematicHessians(model: Model, data: Data, q: Any = None) -> No
     """Prepares getJointKinematicHessian and getFrameKinematicHessian.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
         q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
     """
     computeJointJacobians(model, data, q)
@@ -375,10 +332,7 @@ def getJointKinematicHessian(model: Model, data: Data, joint_id: int, reference_
     """The derivative (6, nv, nv) of a joint's Jacobian by q; [:, j, k] is that of column j by entry k.
 
     Args:
-        model: The model.
         data: Its data, after computeJointKinematicHessians.
-        joint_id: Index of the joint.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
 
     Returns:
         Array (6, nv, nv).
@@ -397,7 +351,6 @@ def getFrameKinematicHessian(
     """The derivative (6, nv, nv) of a frame's Jacobian by q; see `getJointKinematicHessian`.
 
     Args:
-        model: The model.
         data: Its data, after computeJointKinematicHessians.
         frame_id: Index of the frame; or index of a joint, when a placement in its frame follows.
         reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED.

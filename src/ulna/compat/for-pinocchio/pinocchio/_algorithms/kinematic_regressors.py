@@ -21,7 +21,6 @@ def computeJointKinematicRegressor(
     """The matrix (6, 6 (njoints - 1)) from twists of the joints' placements to the twist of a frame on a joint.
 
     Args:
-        model: The model.
         data: Its data, after `forwardKinematics`.
         joint_id: The joint.
         reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: the reference frame of the twist.
@@ -51,9 +50,7 @@ def computeFrameKinematicRegressor(
     """The same of a frame; see `computeJointKinematicRegressor`.
 
     Args:
-        model: The model.
         data: Its data, after forwardKinematics.
-        frame_id: Index of the frame.
         reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: the reference frame of the twist.
 
     Returns:

@@ -77,15 +77,8 @@ _FRAMES = Algorithm("frames", "q", ("oMi", "oMf"), _frame_placements, depends_on
 def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = None) -> None:
     """Fills `data.oMi` and `data.liMi`; with v and a also `data.v` and `data.a`.
 
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-        a: Acceleration (nv,) [rad/s^2 or m/s^2].
-
     Raises:
-        InputError: An acceleration without a velocity.
+        ArgumentError: No configuration, or an acceleration without a velocity.
     """
     if v is None and a is not None:
         raise ArgumentError(
@@ -99,13 +92,7 @@ def forwardKinematics(model: Model, data: Data, q: Any, v: Any = None, a: Any = 
 
 @fast_path(_FRAMES)
 def framesForwardKinematics(model: Model, data: Data, q: Any) -> None:
-    """Fills `data.oMi`, `data.liMi` and `data.oMf`.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-    """
+    """Fills `data.oMi`, `data.liMi` and `data.oMf`."""
     check_frames(model, data)
     run(model, data, _FRAMES, q)
 
@@ -118,12 +105,7 @@ def _moved_frames(model: CoreModel, frames: Sequence[Frame]) -> Any:
 
 
 def updateFramePlacements(model: Model, data: Data) -> None:
-    """Fills `data.oMf` from `data.oMi`.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-    """
+    """Fills `data.oMf` from `data.oMi`."""
     try:
         step = data._bound_at.get("frames", not_applicable)
         applies = data._model is model and step() is not NotImplemented
@@ -144,11 +126,6 @@ def updateFramePlacements(model: Model, data: Data) -> None:
 
 def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
     """Fills `data.oMf[frame_id]` from `data.oMi`, and returns a copy.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        frame_id: Index of the frame.
 
     Returns:
         The placement of the frame in the world.
@@ -176,12 +153,7 @@ def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
 
 
 def updateGlobalPlacements(model: Model, data: Data) -> None:
-    """Fills `data.oMi` from `data.liMi`.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-    """
+    """Fills `data.oMi` from `data.liMi`."""
     blocks = data._arrays
     data.read("liMi")
     for i in range(1, model.njoints):

@@ -36,10 +36,6 @@ def computeForwardKinematicsDerivatives(model: Model, data: Data, q: Any, v: Any
     """Prepares the derivatives of velocities and accelerations of joints and frames.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
         a: Acceleration (nv,) [rad/s^2 or m/s^2]; zero by default.
     """
     a = np.zeros(model.nv) if a is None else a
@@ -53,10 +49,7 @@ def getJointVelocityDerivatives(
     """Derivatives of a joint's velocity by q and v, (6, nv) each.
 
     Args:
-        model: The model.
         data: Its data, after computeForwardKinematicsDerivatives.
-        joint_id: Index of the joint.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
 
     Returns:
         Two matrices (6, nv).
@@ -77,12 +70,8 @@ def getFrameVelocityDerivatives(
     """Derivatives of a frame's velocity (its index, or a joint's and a placement) by q and v, (6, nv) each.
 
     Args:
-        model: The model.
         data: Its data, after computeForwardKinematicsDerivatives.
-        frame_id: Index of the frame.
         placement: Pose of the frame in the frame of the joint `joint_id`, an SE3.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
-        joint_id: Index of the joint.
 
     Returns:
         Two matrices (6, nv).
@@ -97,10 +86,7 @@ def getJointAccelerationDerivatives(
     """Derivatives of a joint's velocity by q, and of its acceleration by q, v and a, (6, nv) each.
 
     Args:
-        model: The model.
         data: Its data, after computeForwardKinematicsDerivatives.
-        joint_id: Index of the joint.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
 
     Returns:
         Four matrices (6, nv).
@@ -121,12 +107,8 @@ def getFrameAccelerationDerivatives(
     """Derivatives of a frame's velocity by q, and of its acceleration by q, v and a, (6, nv) each.
 
     Args:
-        model: The model.
         data: Its data, after computeForwardKinematicsDerivatives.
-        frame_id: Index of the frame.
         placement: Pose of the frame in the frame of the joint `joint_id`, an SE3.
-        reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED: where the result is expressed.
-        joint_id: Index of the joint.
 
     Returns:
         Four matrices (6, nv).
@@ -158,9 +140,7 @@ def getPointVelocityDerivatives(
     """Derivatives of the velocity of a point on a joint by q and v, (3, nv) each, in LOCAL or LOCAL_WORLD_ALIGNED.
 
     Args:
-        model: The model.
         data: Its data, after computeForwardKinematicsDerivatives.
-        joint_id: Index of the joint.
         placement: Pose in the frame of the joint, an SE3; its origin is the point.
         reference_frame: LOCAL or LOCAL_WORLD_ALIGNED.
 
@@ -176,9 +156,7 @@ def getPointClassicAccelerationDerivatives(
     """Derivatives of that velocity by q, and of the point's acceleration by q, v and a, (3, nv) each.
 
     Args:
-        model: The model.
         data: Its data, after computeForwardKinematicsDerivatives.
-        joint_id: Index of the joint.
         placement: Pose in the frame of the joint, an SE3; its origin is the point.
         reference_frame: LOCAL or LOCAL_WORLD_ALIGNED.
 
@@ -205,7 +183,6 @@ def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:
     """The derivative (3, nv) of the velocity of the centre of mass by q.
 
     Args:
-        model: The model.
         data: Its data, after computeForwardKinematicsDerivatives.
 
     Returns:

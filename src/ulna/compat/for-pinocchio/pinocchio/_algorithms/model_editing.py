@@ -293,7 +293,6 @@ def findCommonAncestor(model: Model, joint1_id: int, joint2_id: int) -> tuple[in
     """The last joint that two joints stand on, and where it is in both of their supports.
 
     Args:
-        model: The model.
         joint1_id: Index of a joint.
         joint2_id: Index of another joint.
 

@@ -30,13 +30,6 @@ def computeJointTorqueRegressor(model: Model, data: Data, q: Any, v: Any, a: Any
     """The matrix that multiplies the dynamic parameters of all bodies in the torques; kept in
     `data.jointTorqueRegressor`.
 
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-        a: Acceleration (nv,) [rad/s^2 or m/s^2].
-
     Returns:
         Matrix (nv, 10 k), k = njoints - 1.
     """
@@ -51,11 +44,6 @@ def computeJointTorqueRegressor(model: Model, data: Data, q: Any, v: Any, a: Any
 def computeStaticRegressor(model: Model, data: Data, q: Any) -> Floats:
     """The matrix that multiplies masses and first moments of all bodies in the centre of mass.
 
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-
     Returns:
         Matrix (3, 4 k), k = njoints - 1.
     """
@@ -67,12 +55,6 @@ def computeStaticRegressor(model: Model, data: Data, q: Any) -> Floats:
 def computeKineticEnergyRegressor(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """The vector that multiplies the dynamic parameters of all bodies in the kinetic energy.
 
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-
     Returns:
         Vector (10 k,), k = njoints - 1.
     """
@@ -83,11 +65,6 @@ def computeKineticEnergyRegressor(model: Model, data: Data, q: Any, v: Any) -> F
 
 def computePotentialEnergyRegressor(model: Model, data: Data, q: Any) -> Floats:
     """The vector that multiplies the dynamic parameters of all bodies in the potential energy.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
 
     Returns:
         Vector (10 k,), k = njoints - 1.
@@ -115,9 +92,7 @@ def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
     """The regressor of the body of a joint, in the frame of the joint.
 
     Args:
-        model: The model.
         data: Its data, after rnea.
-        joint_id: Index of the joint.
 
     Returns:
         Matrix (6, 10).
@@ -130,9 +105,7 @@ def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
     """The regressor of the body that a frame is on, in that frame.
 
     Args:
-        model: The model.
         data: Its data, after rnea.
-        frame_id: Index of the frame.
 
     Returns:
         Matrix (6, 10).

@@ -14,7 +14,6 @@ def computeSupportedInertiaByFrame(model: Model, data: Data, frame_id: int, with
     """The inertia of all that hangs on a frame, in its axes, where `data.oMi` has the joints.
 
     Args:
-        model: The model.
         data: Its data, after `forwardKinematics`.
         frame_id: The frame.
         with_subtree: Whether joints that hang on it count; else the frames on its own joint alone.
@@ -36,9 +35,7 @@ def computeSupportedForceByFrame(model: Model, data: Data, frame_id: int) -> For
     """The force that moves all that a frame carries, in the axes of the frame.
 
     Args:
-        model: The model.
         data: Its data, after rnea.
-        frame_id: Index of the frame.
 
     Returns:
         Force (6,) [N, N m].

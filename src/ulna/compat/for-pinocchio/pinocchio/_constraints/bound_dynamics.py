@@ -114,10 +114,6 @@ def solve(
     """Runs dynamics (q, v, tau, settings) or, with limit = 0, an impact (q, v, settings, restitution).
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
-        models: The constraints.
-        datas: Their data.
         limit: 0 for an impact, else for accelerations.
         *args: q, v, tau, settings; of an impact q, v, settings, restitution.
 
@@ -191,9 +187,6 @@ def defer_after_derivatives(
     """Defers the fields that derivatives under constraints fill besides their results.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
-        compiled: Ulna's model and its kernels.
         solved: State and forces of the dynamics.
     """
     q, v = solved.state[:2]
@@ -205,12 +198,7 @@ def defer_after_derivatives(
 
 
 def defer_after_elimination(model: Model, data: Data) -> None:
-    """Defers the fields that lcaba fills besides its results.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-    """
+    """Defers the fields that lcaba fills besides its results."""
     assert data._constraint_solution is not None
     _defer_motion(
         data, data.attach(model), ("oa",), *data._constraint_solution.state[:2], data._constraint_solution.a

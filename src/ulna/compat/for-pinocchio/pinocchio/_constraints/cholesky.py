@@ -54,9 +54,6 @@ class ConstraintCholeskyDecomposition:
         """Allocates the matrices of constraints, which are zero until `compute`.
 
         Args:
-            model: The model.
-            data: Its data.
-            constraint_models: The constraints.
             constraint_datas: Their data.
         """
         compiled_for(model, data)
@@ -74,10 +71,7 @@ class ConstraintCholeskyDecomposition:
         """Decomposes, with `data.M` of crba, and the Jacobians at the last configuration.
 
         Args:
-            model: The model.
             data: Its data, after crba and kinematics.
-            contact_models: The constraints.
-            contact_datas: Their data.
             mu: Damping: one number, or one for each row.
         """
         M = data._arrays["M"]

@@ -36,11 +36,6 @@ class ConstraintSet:
     def matches(self, model: Model, models: Any, datas: Any) -> bool:
         """Whether the set was made for these constraints, and no placement has changed.
 
-        Args:
-            model: The model.
-            models: The constraints.
-            datas: Their data.
-
         Returns:
             Whether it was.
         """
@@ -56,10 +51,7 @@ def constraint_set_of(model: Model, data: Data, models: Any, datas: Any) -> Cons
     """The constraints as they are bound to a Data.
 
     Args:
-        model: The model.
         data: Its data, which keeps the set.
-        models: The constraints.
-        datas: Their data.
 
     Returns:
         The set, made or found.
@@ -81,12 +73,6 @@ def constraint_set_of(model: Model, data: Data, models: Any, datas: Any) -> Cons
 
 def known_constraint_set(model: Model, data: Data, models: Any, datas: Any) -> ConstraintSet | None:
     """The constraints as they were bound to a Data before.
-
-    Args:
-        model: The model.
-        data: Its data.
-        models: The constraints.
-        datas: Their data.
 
     Returns:
         The set, or None.

@@ -34,7 +34,6 @@ def computeInverseDynamicsConstraintForces(
     Args:
         c_ref: Velocities of the contacts over a time step (3 contacts,) [m/s^2].
         contact_models: PointContactConstraintModels; their compliance, or `settings.mu`, is above zero.
-        contact_datas: Their data.
         lambda_guess: Forces to start from; None for zero.
         settings: Damping, accuracy and rounds; it receives the figures.
         solve_ncp: Whether contacts slide as Coulomb says; else a convex problem is solved.
@@ -94,14 +93,8 @@ def contactInverseDynamics(
     """Whether forces were found, the torques (nv,) of a motion, kept in `data.tau`, and the forces (3 contacts,) [N].
 
     Args:
-        model: The model.
-        data: Its data.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-        a: Acceleration (nv,) [rad/s^2 or m/s^2].
         dt: Time step, after which the contacts have the velocities of v + dt a [s].
         contact_models: PointContactConstraintModels.
-        contact_datas: Their data.
         constraint_correction: What is added to these velocities (3 contacts,) [m/s].
         settings: See `computeInverseDynamicsConstraintForces`.
         lambda_guess: Forces to start from; None for zero.

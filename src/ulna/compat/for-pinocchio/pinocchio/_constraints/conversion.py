@@ -25,7 +25,6 @@ def convertToRigidConstraintModel(
     """The RigidConstraintModel of an anchor: of a point CONTACT_3D, of a frame CONTACT_6D.
 
     Args:
-        model: The model.
         constraint: A PointAnchorConstraintModel or FrameAnchorConstraintModel.
         reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED.
 
@@ -33,7 +32,7 @@ def convertToRigidConstraintModel(
         The constraint.
 
     Raises:
-        InputError: It is no anchor.
+        ArgumentError: It is no anchor.
     """
     if not isinstance(constraint, (PointAnchorConstraintModel, FrameAnchorConstraintModel)):
         raise ArgumentError(

@@ -30,14 +30,7 @@ __all__ = [
 
 
 def initConstraintDynamics(model: Model, data: Data, contact_models: Any, contact_datas: Any) -> None:
-    """Allocates the forces of constraints in `data`, all zero; checks constraints and their data.
-
-    Args:
-        model: The model.
-        data: Its data, which is filled.
-        contact_models: The constraints.
-        contact_datas: Their data.
-    """
+    """Allocates the forces of constraints in `data`, all zero; checks constraints and their data."""
     models = checked_constraints(model, contact_models, contact_datas)
     compiled_for(model, data)
     m, nv = sum(one.residualSize() for one in models), model.nv
@@ -65,13 +58,7 @@ def constraintDynamics(
     `data.oMi`, too.
 
     Args:
-        model: The model.
-        data: Its data.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-        tau: Torques (nv,) [N m or N].
         contact_models: Constraints.
-        contact_datas: Their data.
         prox_settings: How the forces are found; it receives the figures of that. None for one round without
             damping.
 
@@ -99,13 +86,7 @@ _ONE_ROUND = ProximalSettings()
 
 
 def computeJointMinimalOrdering(model: Model, data: Data, constraint_models: Any) -> None:
-    """Checks the constraints; `lcaba` needs no ordering here.
-
-    Args:
-        model: The model.
-        data: Its data.
-        constraint_models: The constraints.
-    """
+    """Checks the constraints; `lcaba` needs no ordering here."""
     compiled_for(model, data)
     checked_constraints(model, constraint_models, [one.createData() for one in constraint_models])
 
@@ -123,12 +104,6 @@ def lcaba(
     """The accelerations that torques cause under constraints; as constraintDynamics.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-        tau: Torques (nv,) [N m or N].
-        constraint_models: The constraints.
         constraint_datas: Their data.
         prox_settings: Accuracy and damping of the forces; it receives the figures of the search.
 
@@ -167,12 +142,9 @@ def impulseDynamics(
     Each impulse is also in `contact_force` of the data of its constraint; both ends of a constraint count.
 
     Args:
-        model: The model.
-        data: Its data.
         q: Configuration (nq,); with a Jacobian it may be left out after crba.
         v: Velocity before the impact (nv,), with constraints.
         contact_models: Constraints.
-        contact_datas: Their data.
         r_coeff: The coefficient of restitution, from 0 to 1 [-].
         prox_settings: How the impulses are found.
         v_before: Velocity before the impact (nv,), with a Jacobian.

@@ -32,10 +32,7 @@ def computeConstraintDynamicsDerivatives(
     They are kept in `data.ddq_dq`, `ddq_dv`, `ddq_dtau`, `dlambda_dq`, `dlambda_dv` and `dlambda_dtau`.
 
     Args:
-        model: The model.
         data: Its data, as constraintDynamics left it.
-        contact_models: The constraints.
-        contact_datas: Their data.
         settings: Those of constraintDynamics.
 
     Returns:
@@ -63,10 +60,7 @@ def computeImpulseDynamicsDerivatives(
     of the impulses.
 
     Args:
-        model: The model.
         data: Its data, after impulseDynamics.
-        contact_models: The constraints.
-        contact_datas: Their data.
         r_coeff: Coefficient of restitution [-].
         prox_settings: Accepted; only its type is checked.
     """
@@ -110,7 +104,6 @@ class BoundDerivatives:
         """Writes them into the data; NotImplemented where a number of the model is not what it was.
 
         Args:
-            data: Its data, which is filled.
             factor: Number of rounds, or 1 plus the coefficient of restitution [-].
 
         Returns:

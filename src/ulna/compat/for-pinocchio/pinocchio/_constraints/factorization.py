@@ -29,7 +29,6 @@ def kernels_for(compiled: CompiledModel, rows: Array) -> FactorKernels:
     """What is compiled for a model, and for Jacobians with entries where `rows` (m, nv) is true.
 
     Args:
-        compiled: Ulna's model and its kernels.
         rows: Which entries of the Jacobian may differ from zero, (m, nv) of bool.
 
     Returns:
@@ -232,7 +231,6 @@ class Factorization:
         """The inverse of K.
 
         Args:
-            J: Jacobian (m, nv).
             mu: Damping (m,).
             joints_first: Whether rows and columns are in the order of [[M, J^T], [J, -mu]].
 
@@ -267,7 +265,6 @@ def no_factors_error(M: Floats, J: Floats) -> InputError:
 
     Args:
         M: Mass matrix (nv, nv).
-        J: Jacobian (m, nv).
 
     Returns:
         The error to raise.

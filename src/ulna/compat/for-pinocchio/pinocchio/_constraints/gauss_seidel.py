@@ -199,7 +199,8 @@ class PGSConstraintSolver:
             Whether they were found.
 
         Raises:
-            InputError: `settings` or `result` is of another class.
+            ArgumentError: `settings` or `result` is of another class.
+            InputError: No joint moves a constraint.
             WrongShape: The constraints have not as many rows as `g`.
         """
         if not isinstance(settings, PGSSolverSettings) or not isinstance(result, PGSSolverResult):

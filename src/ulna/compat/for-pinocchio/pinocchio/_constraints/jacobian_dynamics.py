@@ -46,9 +46,6 @@ class BoundJacobianDynamics:
         """Accelerations; their forces lie in `forces`.
 
         Args:
-            J: Jacobian (m, nv).
-            damping: Number that is added to the diagonal of the Delassus matrix [1/kg].
-            tau: Torques (nv,) [N m or N].
             drift: Drift of the constraints (m,) [m/s^2].
 
         Returns:
@@ -63,9 +60,6 @@ class BoundJacobianDynamics:
         """The velocity after an impact; its impulses lie in `impulses`.
 
         Args:
-            J: Jacobian (m, nv).
-            damping: Number that is added to the diagonal of the Delassus matrix [1/kg].
-            v: Velocity (nv,) [rad/s or m/s].
             part: Coefficient of restitution [-].
 
         Returns:
@@ -78,10 +72,6 @@ class BoundJacobianDynamics:
 
     def inverse(self, J: Any, damping: float) -> Any:
         """The inverse of [[M, J^T], [J, -damping 1]].
-
-        Args:
-            J: Jacobian (m, nv).
-            damping: Number that is added to the diagonal of the Delassus matrix [1/kg].
 
         Returns:
             Matrix (nv + m, nv + m); NotImplemented where it does not apply.
@@ -160,8 +150,6 @@ def forwardDynamics(
     """The accelerations under J a + drift = 0 (nv,); kept in `data.ddq`, the forces in `data.lambda_c`.
 
     Args:
-        model: The model.
-        data: Its data.
         q: Configuration (nq,); without q and v those of the last computeAllTerms.
         v: Velocity (nv,).
         tau: Torques (nv,).
@@ -186,13 +174,8 @@ def impact_with_jacobian(
     """The velocity after an impact on what a Jacobian describes; see `impulseDynamics`.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
         q: Configuration (nq,) [rad or m]; None after crba.
-        v: Velocity (nv,) [rad/s or m/s].
-        J: Jacobian (m, nv).
         restitution_coefficient: Coefficient of restitution, 0 to 1 [-].
-        damping: Number that is added to the diagonal of the Delassus matrix [1/kg].
 
     Returns:
         Velocity (nv,) [rad/s or m/s].
@@ -210,11 +193,7 @@ def computeKKTContactDynamicMatrixInverse(
     """The inverse of [[M, J^T], [J, -damping 1]], (nv + m, nv + m).
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
         constraint_jacobian: Jacobian (m, nv).
-        damping: Number that is added to the diagonal of the Delassus matrix [1/kg].
 
     Returns:
         Matrix (nv + m, nv + m).
@@ -227,7 +206,6 @@ def getKKTContactDynamicMatrixInverse(model: Model, data: Data, constraint_jacob
     """The same with mass matrix and damping of the last forwardDynamics or impulseDynamics with a Jacobian.
 
     Args:
-        model: The model.
         data: Its data, after one of these.
         constraint_jacobian: Jacobian (m, nv).
 

@@ -34,9 +34,7 @@ def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, con
     """The Jacobian (m, nv) of all constraints, at the configuration of the last kinematics or dynamics.
 
     Args:
-        model: The model.
         data: Its data, after kinematics or dynamics.
-        constraint_models: The constraints.
         constraint_datas: Their data.
 
     Returns:
@@ -57,10 +55,8 @@ def getConstraintJacobian(model: Model, data: Data, constraint_model: Any, const
     """The Jacobian (residualSize, nv) of one constraint; see `getConstraintsJacobian`.
 
     Args:
-        model: The model.
         data: Its data, after kinematics or dynamics.
         constraint_model: The constraint.
-        constraint_data: The data of the constraint.
 
     Returns:
         Jacobian (m, nv).
@@ -74,11 +70,6 @@ def computeDelassusMatrix(
     """G = J M^-1 J^T of constraints, (m, m), along the axes of each; with an inertia mu at each, (1 + mu G)^-1 G.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        contact_models: The constraints.
-        contact_datas: Their data.
         mu: Inertia at each row [kg].
 
     Returns:
@@ -101,11 +92,6 @@ def computeDampedDelassusMatrixInverse(
     """The inverse of J M^-1 J^T + mu 1, (m, m); scaled, it is multiplied by mu.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
-        q: Configuration (nq,) [rad or m].
-        contact_models: The constraints.
-        contact_datas: Their data.
         mu: Number that is added to the diagonal [1/kg].
         scaled: Whether the inverse is multiplied by `mu`.
 
@@ -121,11 +107,8 @@ def evaluate(model: Model, data: Data, constraint_set: ConstraintSet, name: str,
     """Evaluates a quantity of constraints by a kernel bound to them and a Data.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
         constraint_set: The constraints.
         name: "jacobian" or "delassus".
-        q: Configuration (nq,) [rad or m].
 
     Returns:
         Matrix (m, nv) or (m, m).

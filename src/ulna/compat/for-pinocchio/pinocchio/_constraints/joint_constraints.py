@@ -117,13 +117,7 @@ class JointFrictionConstraintModel(_OfJoints):
         return JointFrictionConstraintData(self)
 
     def calc(self, model: Model, data: Data, constraint_data: JointFrictionConstraintData) -> None:
-        """Fills the bounds of the impulses of a time step.
-
-        Args:
-            model: The model.
-            data: Its data.
-            constraint_data: The data of the constraint.
-        """
+        """Fills the bounds of the impulses of a time step."""
         constraint_data.friction_impulse_lower_limit = self._step * self._lb
         constraint_data.friction_impulse_upper_limit = self._step * self._ub
 
@@ -292,9 +286,7 @@ class JointLimitConstraintModel(_OfJoints):
         """Computes the distances of the active limits at the configuration of the last forwardKinematics.
 
         Args:
-            model: The model.
             data: Its data, after forwardKinematics.
-            constraint_data: The data of the constraint.
         """
         left = self._left(data.require(data._q, "forwardKinematics(model, data, q)"))
         constraint_data.constraint_residual = np.array([left[i] for i in self._active])

@@ -40,7 +40,6 @@ def jacobian_kernel(compiled: CompiledModel, shapes: Any, nq: int) -> Any:
     """The compiled Jacobian (m, nv) of constraints, a function of q and the placements (2, 4, 4) of each.
 
     Args:
-        compiled: Ulna's model and its kernels.
         shapes: For each constraint its rows, whether they are local, and its two joints.
         nq: Number of entries of a configuration.
 
@@ -61,7 +60,6 @@ def factor_kernels(compiled: CompiledModel, shapes: Any) -> FactorKernels:
     """The kernels for the factors of the mass matrix and of constraints.
 
     Args:
-        compiled: Ulna's model and its kernels.
         shapes: For each constraint its rows, whether they are local, and its two joints.
 
     Returns:

@@ -183,16 +183,12 @@ for _name in (*_PLACES, *_MOTIONS, "contact_force", "contact_acceleration_desire
 def checked_constraints(model: Model, models: Any, datas: Any) -> list[RigidConstraint]:
     """The constraints, checked against their data and the model.
 
-    Args:
-        model: The model.
-        models: The constraints.
-        datas: Their data.
-
     Returns:
         The constraints as a list.
 
     Raises:
-        InputError: something is no constraint, or no data of it; a joint is not one of the model.
+        ArgumentError: Something is no constraint, or no data of one.
+        InputError: The data is of another constraint, or a joint is not one of the model.
     """
     if len(models) != len(datas):
         raise InputError(

@@ -23,9 +23,7 @@ class RigidConstraintModel(RigidConstraint):
         """Fills the placements of its frames from `data.oMi`.
 
         Args:
-            model: The model.
             data: Its data, after forwardKinematics.
-            constraint_data: The data of the constraint.
         """
         data.require(data._compiled, "forwardKinematics(model, data, q)")
         checked_constraints(model, [self], [constraint_data])
@@ -35,9 +33,7 @@ class RigidConstraintModel(RigidConstraint):
         """The Jacobian (residualSize, nv) at the configuration of the last forwardKinematics or dynamics.
 
         Args:
-            model: The model.
             data: Its data, after kinematics or dynamics.
-            constraint_data: The data of the constraint.
 
         Returns:
             Jacobian (m, nv).

@@ -195,8 +195,6 @@ def check_model_and_data(function: str, model: Any, data: Any) -> None:
 
     Args:
         function: Name of the function, for messages.
-        model: The model.
-        data: Its data.
     """
     for place, (name, value) in enumerate({"model": model, "data": data}.items()):
         _Check(place, name, *_KINDS[name.capitalize()], False)(function, value)
@@ -218,10 +216,6 @@ def wrong_model(function: str, model: Any) -> ArgumentError:
 
 def check_layout(model: Any, data: Any) -> None:
     """Checks that a Data was made for a model of the same joints.
-
-    Args:
-        model: The model.
-        data: Its data.
 
     Raises:
         InputError: It was made for another model.

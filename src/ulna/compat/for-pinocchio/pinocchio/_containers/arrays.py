@@ -93,10 +93,17 @@ def numbers(value: Any, name: str) -> Floats:
 
 
 def real(value: Any, name: str) -> float:
-    """`value` as one real number.
+    """An argument as one real number.
+
+    Args:
+        value: What was passed.
+        name: Name of the argument, for messages.
+
+    Returns:
+        The number [any].
 
     Raises:
-        ArgumentError: it is none.
+        ArgumentError: It is none.
     """
     if not is_number(value):
         raise ArgumentError(f"`{name}` is {excerpt(repr(value))}; expected a real number.")

@@ -19,8 +19,6 @@ def run(model: KinematicTree, data: FieldStates, algorithm: Algorithm, *args: An
     """Runs an algorithm where the bound one did not apply: converts the arguments, and binds it anew.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
         algorithm: The algorithm.
         *args: Its inputs: q (nq,), v (nv,) and so on.
 
@@ -59,13 +57,10 @@ def run_at_frame(
     the frame that it depends on, None where that is no frame of the model.
 
     Args:
-        model: The model.
-        data: Its data, which is filled.
         algorithm: The algorithm.
         key: Key in `data._bound_at`: index, reference frame, kind.
         frame: Index of the frame, or None.
         build: Makes the function that is compiled.
-        q: Configuration (nq,) [rad or m].
 
     Returns:
         Its first output.
@@ -103,7 +98,6 @@ def side_outputs(data: FieldStates, algorithm: Algorithm) -> tuple[list[Floats],
     The inputs are those that deferred fields, and the data of joints, are computed from.
 
     Args:
-        data: Its data, which is filled.
         algorithm: The algorithm.
 
     Returns:

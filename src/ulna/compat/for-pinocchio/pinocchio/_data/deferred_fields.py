@@ -73,9 +73,6 @@ def defer_joint_placements(
     """Defers the joints' placements in their parents, and stores the state of the joints.
 
     Args:
-        data: Its data, which is filled.
-        compiled: Ulna's model and its kernels.
-        q: Configuration (nq,) [rad or m].
         v: Velocity (nv,) [rad/s or m/s]; None for none.
     """
     data.defer(JOINTS["liMi"], ("liMi",), compiled, q.copy())
@@ -93,7 +90,6 @@ def joint_placements(model: CoreModel, q: Array) -> Array:
 
     Args:
         model: Ulna's model.
-        q: Configuration (nq,) [rad or m].
 
     Returns:
         Poses (n, 4, 4).

@@ -115,7 +115,6 @@ class FieldStates:
         Deferred fields are computed with these, though the parameters may have changed since.
 
         Args:
-            compiled: Ulna's model and its kernels.
             algorithm: The algorithm.
 
         Returns:
@@ -145,7 +144,6 @@ class FieldStates:
         Args:
             deferred: How they are computed.
             fields: Their names.
-            compiled: Ulna's model and its kernels.
             *state: The arrays (...) that they are computed from; they are kept, not copied.
         """
         waiting = Waiting(deferred, compiled, state)
@@ -264,10 +262,6 @@ for _attribute, _state in {
 def compiled_for(model: KinematicTree, data: FieldStates) -> CompiledModel:
     """The kernels of the model's present parameters, when the Data fits the model.
 
-    Args:
-        model: The model.
-        data: Its data.
-
     Returns:
         The kernels.
 
@@ -280,10 +274,6 @@ def compiled_for(model: KinematicTree, data: FieldStates) -> CompiledModel:
 
 def check_frames(model: KinematicTree, data: FieldStates) -> None:
     """Checks that no frame was added since the Data was made.
-
-    Args:
-        model: The model.
-        data: Its data.
 
     Raises:
         InputError: A frame was added.

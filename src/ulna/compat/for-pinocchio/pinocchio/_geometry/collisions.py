@@ -138,7 +138,6 @@ def computeContactPatch(geometry_model: GeometryModel, geometry_data: GeometryDa
     """Fills `geometry_data.contactPatchResults` for a pair that touches; after `computeCollisions`.
 
     Args:
-        geometry_model: The geometries.
         geometry_data: Their data, after updateGeometryPlacements.
         pair_index: Number of the pair.
     """
@@ -171,7 +170,6 @@ def computeBodyRadius(model: Model, geometry_model: GeometryModel, geometry_data
     """Fills `geometry_data.radius`: how far the boxes of each joint's geometries reach from its origin [m].
 
     Args:
-        model: The model.
         geometry_model: The geometries and pairs.
         geometry_data: Their data, which is filled.
     """

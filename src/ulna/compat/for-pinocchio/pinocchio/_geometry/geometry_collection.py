@@ -77,7 +77,7 @@ class GeometryCollection(Saved):
             Its index.
 
         Raises:
-            InputError: It is no geometry.
+            ArgumentError: It is no geometry.
         """
         if not isinstance(geometry_object, GeometryObject):
             raise ArgumentError(f"Cannot add {geometry_object!r}; expected a GeometryObject.")
@@ -214,7 +214,6 @@ def pair_map(geometry_model: GeometryCollection, values: Any, upper: bool) -> Fl
     """A matrix of pairs whose upper half counts.
 
     Args:
-        geometry_model: The geometries.
         values: Matrix (n, n) for n geometries.
         upper: Whether its upper half counts, else the lower one.
 
@@ -222,7 +221,7 @@ def pair_map(geometry_model: GeometryCollection, values: Any, upper: bool) -> Fl
         Matrix (n, n).
 
     Raises:
-        InputError: It has another shape.
+        ArgumentError: It has another shape.
     """
     matrix, count = np.asarray(values), geometry_model.ngeoms
     if matrix.shape != (count, count):

@@ -120,7 +120,6 @@ class GeometryData(Saved):
         """Sets which pairs are checked, by a matrix.
 
         Args:
-            geometry_model: The geometries.
             collision_map: Truth values (n, n) for n geometries.
             upper: Whether entries above the diagonal count, else those below it.
         """
@@ -152,7 +151,6 @@ class GeometryData(Saved):
         """Sets the distances at which pairs count as touching.
 
         Args:
-            geometry_model: The geometries.
             security_margin_map: Distances (n, n) for n geometries [m].
             upper: Whether entries above the diagonal count, else those below it.
             sync_distance_upper_bound: Whether distances beyond it are not computed.

@@ -20,11 +20,8 @@ def updateGeometryPlacements(
     """Fills `geometry_data.oMg` from `data.oMi`; with q, forwardKinematics comes first.
 
     Args:
-        model: The model.
         data: Its data, after forwardKinematics if `q` is not passed.
-        geometry_model: The geometries.
         geometry_data: Their data, which is filled.
-        q: Configuration (nq,) [rad or m].
 
     Raises:
         InputError: `geometry_data` has another number of geometries.

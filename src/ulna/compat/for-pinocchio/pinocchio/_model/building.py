@@ -217,7 +217,6 @@ class KinematicTree(KernelCache):
         """Adds the frame of a joint.
 
         Args:
-            joint_id: Index of the joint.
             frame_id: Index of the frame before it; -1 for that of the parent joint.
 
         Returns:
@@ -282,7 +281,6 @@ class KinematicTree(KernelCache):
         """Adds the inertia of a body to a joint.
 
         Args:
-            joint_id: Index of the joint.
             body_inertia: The inertia.
             body_placement: Pose of the body in the frame of the joint; the identity by default.
         """

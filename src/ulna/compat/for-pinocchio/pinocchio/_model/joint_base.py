@@ -91,7 +91,6 @@ class JointBase:
         """Sets the indices of the joint in a model.
 
         Args:
-            joint_id: Index of the joint.
             idx_q: Its first entry in q.
             idx_v: Its first entry in v.
             idx_vExtended: Its first entry in a v with those of following joints; `idx_v` by default.

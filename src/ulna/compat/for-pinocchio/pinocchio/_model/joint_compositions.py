@@ -71,7 +71,7 @@ class JointModelComposite(JointModel):
             This joint.
 
         Raises:
-            InputError: It is the universe, or composite.
+            ArgumentError: It is the universe, or composite.
         """
         if joint.kind is None or isinstance(joint, JointModelComposite):
             raise ArgumentError(

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from pinocchio._containers.arguments import check_methods, checked
+from pinocchio._containers.documentation import describe_arguments
 
 _COAL = ("coal", "hppfcl")
 
@@ -47,6 +48,8 @@ def load_lazy_name(name: str) -> Any:
         return coal() if name in _COAL else getattr(coal(), name)
     if module == "pinocchio":
         return importlib.import_module(f"pinocchio.{name}")
-    found = getattr(importlib.import_module(module), "StdVec" if name.startswith("StdVec_") else name)
-    check_methods([found])
-    return checked(found) if inspect.isfunction(found) else found
+    value = getattr(importlib.import_module(module), "StdVec" if name.startswith("StdVec_") else name)
+    check_methods([value])
+    value = checked(value) if inspect.isfunction(value) else value
+    describe_arguments([value])
+    return value

@@ -26,7 +26,6 @@ def geometries_of_links(filename: Any, package_dirs: Any, text: str | None = Non
     """The links of a URDF file with their visuals and collisions; meshes resolved.
 
     Args:
-        filename: The file.
         package_dirs: One or several folders to look for packages in, or None.
         text: URDF text, in place of the file.
 
@@ -83,7 +82,6 @@ def geometry_model_of(
     """The geometries of links, placed by the frames of bodies, in their order.
 
     Args:
-        model: The model.
         links: The links by name.
         kind: GeometryType.VISUAL or COLLISION.
         into: A GeometryModel to add to; None for a new one.

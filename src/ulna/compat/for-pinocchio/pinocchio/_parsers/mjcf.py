@@ -42,7 +42,6 @@ def buildModelFromMJCF(
     Equalities of joints are not followed; keyframes are in `model.referenceConfigurations`, sites are frames.
 
     Args:
-        mjcf_filename: The file.
         root_joint: How its root moves in the world, such as JointModelFreeFlyer(); as the file says without.
         root_joint_name: The name of that joint.
 
@@ -71,7 +70,6 @@ def buildModelFromMJCFAndRootJoint(
     """The model of an MJCF file on a joint, without the closed loops; see `buildModelFromMJCF`.
 
     Args:
-        mjcf_filename: The file.
         root_joint: The joint of the root body.
         root_joint_name: Its name.
 
@@ -87,7 +85,6 @@ def buildModelAndLegacyConstraintsFromMJCF(
     """The model of an MJCF file, and the constraints of the class RigidConstraintModel that close its loops.
 
     Args:
-        mjcf_filename: The file.
         root_joint: The joint of the root body; that of the file by default.
         root_joint_name: Its name.
 
@@ -104,7 +101,6 @@ def buildModelAndConstraintsFromMJCF(
     """The model of an MJCF file, and the anchors of points, then of frames, that close its loops.
 
     Args:
-        mjcf_filename: The file.
         root_joint: The joint of the root body; that of the file by default.
         root_joint_name: Its name.
 
@@ -154,8 +150,6 @@ def buildGeomFromMJCF(
     VISUAL are the geoms of the groups 0 to 2, COLLISION those that may touch others.
 
     Args:
-        model: The model.
-        mjcf_filename: The file.
         geom_type: GeometryType.VISUAL or COLLISION.
         mesh_loader: Accepted and ignored.
 

@@ -20,7 +20,6 @@ def loadReferenceConfigurations(model: Model, srdf_filename: Any, verbose: bool 
     """Fills `model.referenceConfigurations` from the named states of an SRDF file.
 
     Args:
-        model: The model.
         srdf_filename: The file.
         verbose: Accepted and ignored.
 
@@ -34,7 +33,6 @@ def loadReferenceConfigurationsFromXML(model: Model, srdf_xml_stream: str, verbo
     """Fills `model.referenceConfigurations` from the named states of an SRDF text.
 
     Args:
-        model: The model.
         srdf_xml_stream: The text.
         verbose: Accepted and ignored.
     """
@@ -63,7 +61,6 @@ def loadRotorParameters(model: Model, srdf_filename: Any, verbose: bool = False)
     """Fills `model.rotorInertia` and `model.rotorGearRatio` from an SRDF file.
 
     Args:
-        model: The model.
         srdf_filename: The file.
         verbose: Accepted and ignored.
 
@@ -84,7 +81,6 @@ def removeCollisionPairs(
     """Removes the pairs of links that an SRDF file disables.
 
     Args:
-        model: The model.
         geom_model: Its geometries, whose pairs are removed.
         srdf_filename: The file.
         verbose: Accepted and ignored.
@@ -98,7 +94,6 @@ def removeCollisionPairsFromXML(
     """Removes the pairs of links that an SRDF text disables.
 
     Args:
-        model: The model.
         geom_model: Its geometries, whose pairs are removed.
         srdf_xml_stream: The text.
         verbose: Accepted and ignored.

@@ -197,7 +197,7 @@ class Motion(_Six):
             An object of the same class as `other`.
 
         Raises:
-            InputError: It is neither.
+            ArgumentError: It is neither.
         """
         if other is None:
             other = the_one("Motion.cross", named, ("m", "f"))
@@ -297,7 +297,7 @@ def checked_forces(fext: Any, count: int) -> list[Floats]:
         Forces (6,) each.
 
     Raises:
-        InputError: There are not as many as joints.
+        ArgumentError: There are not as many as joints.
     """
     if len(fext) != count:
         raise ArgumentError(
