@@ -3,11 +3,12 @@
 import os
 import struct
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from ulna.errors import InputError
+from ulna.errors import InputError, UnknownName
 from ulna.geometry import Box, Sphere
 from ulna.viewer.mesh.mesh_files import load_mesh
 from ulna.viewer.mesh.primitives import tessellate
@@ -160,3 +161,105 @@ def test_a_mesh_is_kept_by_the_content_of_all_its_files(tmp_path, monkeypatch: p
     monkeypatch.setenv("ULNA_CACHE", str(tmp_path / "cache"))
     changed = load_mesh(textured(tmp_path, (0, 0, 255)))[0]  # the picture, not the mesh file
     assert changed.rgba != first.rgba
+
+
+def painted(folder: Path, colours: np.ndarray, alpha: int = 255) -> str:
+    """A strip of triangles in a PLY file, each face with its colour."""
+    count = len(colours)
+    head = ["ply", "format ascii 1.0", f"element vertex {count + 2}"]
+    head += [f"property float {axis}" for axis in "xyz"]
+    head += [f"element face {count}", "property list uchar int vertex_indices"]
+    head += [f"property uchar {name}" for name in ("red", "green", "blue", "alpha")] + ["end_header"]
+    vertices = [f"{k} {k % 2} 0" for k in range(count + 2)]
+    faces = [f"3 {k} {k + 1} {k + 2} {r} {g} {b} {alpha}" for k, (r, g, b) in enumerate(colours)]
+    (folder / "painted.ply").write_text("\n".join(head + vertices + faces) + "\n")
+    return str(folder / "painted.ply")
+
+
+def test_each_of_few_colours_of_faces_is_a_surface(tmp_path: Path) -> None:
+    colours = np.array([(10 * k, 255 - 10 * k, 51) for k in range(24)])
+    surfaces = load_mesh(painted(tmp_path, np.concatenate([colours, colours[:1]])), detail="full")
+    found = {tuple(np.round(np.multiply(s.rgba, 255)).astype(int)): len(s.triangles) for s in surfaces}
+    assert found == {(*rgb, 255): 1 + (k == 0) for k, rgb in enumerate(colours.tolist())}
+
+
+def test_many_colours_of_faces_become_their_mean(tmp_path: Path) -> None:
+    colours = np.array([(10 * k, 250 - 10 * k, 51) for k in range(25)])
+    (surface,) = load_mesh(painted(tmp_path, colours), detail="full")
+    assert len(surface.triangles) == 25
+    np.testing.assert_allclose(surface.rgba, (120 / 255, 130 / 255, 0.2, 1.0), atol=1e-6)
+
+
+def test_colours_of_faces_may_be_translucent(tmp_path: Path) -> None:
+    (surface,) = load_mesh(painted(tmp_path, np.array([(255, 0, 0)] * 2), alpha=51), detail="full")
+    np.testing.assert_allclose(surface.rgba, (1, 0, 0, 0.2), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("material", "expected"),
+    [
+        ({"baseColorFactor": [0.2, 0.4, 0.6, 0.8]}, (0.2, 0.4, 0.6, 0.8)),
+        ({"baseColorFactor": [51, 102, 153, 204]}, (0.2, 0.4, 0.6, 0.8)),
+        ({"baseColorFactor": np.array([0, 0, 1, 255], np.uint8)}, (0, 0, 1 / 255, 1)),
+        (
+            {"baseColorFactor": [0.2, 0.4, 0.6, 0.01]},
+            (0.2, 0.4, 0.6, 1.0),
+        ),  # nothing is meant to be invisible
+        ({"baseColorFactor": [0.2, 0.4, 0.6, 0.03]}, (0.2, 0.4, 0.6, 0.03)),
+        ({"diffuse": [255, 0, 51, 255]}, (1.0, 0.0, 0.2, 1.0)),
+        ({"baseColorFactor": None, "diffuse": None}, DEFAULT_COLOUR),
+        ({}, DEFAULT_COLOUR),
+    ],
+)
+def test_the_colour_of_a_material(material: dict, expected: tuple[float, ...]) -> None:
+    from ulna.viewer.mesh.mesh_files import _material_colour
+
+    np.testing.assert_allclose(_material_colour(SimpleNamespace(**material)), expected, atol=1e-6)
+
+
+def test_large_textures_are_made_smaller_and_broken_ones_left_out() -> None:
+    Image = pytest.importorskip("PIL.Image")
+    import io
+
+    import trimesh
+
+    from ulna.viewer.mesh.mesh_files import _material_colour, _texture_of
+
+    def mesh(image: object, uv: object = None) -> trimesh.Trimesh:
+        out = trimesh.creation.box()
+        uv = np.tile([0.25, 0.75, 9.0], (len(out.vertices), 1)) if uv is None else uv
+        out.visual = SimpleNamespace(uv=uv, material=SimpleNamespace(image=image))
+        return out
+
+    def size(picture: tuple[np.ndarray, bytes] | None) -> tuple[int, int]:
+        assert picture is not None
+        return Image.open(io.BytesIO(picture[1])).size
+
+    uv, _ = picture = _texture_of(mesh(Image.new("L", (4096, 1)))) or (None, b"")
+    np.testing.assert_array_equal(uv, [(0.25, 0.75)] * 8)
+    assert size(picture) == (2048, 1)  # type: ignore[arg-type]
+    assert size(_texture_of(mesh(Image.new("L", (1000, 4000))))) == (512, 2048)
+    assert size(_texture_of(mesh(Image.new("L", (2048, 30))))) == (2048, 30)
+    assert _texture_of(mesh(object())) is None
+    assert _texture_of(mesh(None)) is None
+    assert _texture_of(mesh(Image.new("L", (2, 2)), np.zeros((3, 2)))) is None
+    assert _texture_of(mesh(Image.new("L", (2, 2)), np.full((8, 2), np.nan))) is None
+    assert _material_colour(SimpleNamespace(image=object())) == DEFAULT_COLOUR
+    grey = SimpleNamespace(baseColorTexture=Image.new("RGBA", (2, 2), (51, 102, 153, 204)))
+    np.testing.assert_allclose(_material_colour(grey), (0.2, 0.4, 0.6, 0.8), atol=0.01)
+
+
+def test_a_mesh_without_triangles_is_named(tmp_path: Path) -> None:
+    (tmp_path / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")
+    with pytest.raises(InputError, match=r"flat\.obj' holds no triangles"):
+        load_mesh(str(tmp_path / "flat.obj"))
+
+
+def test_only_seen_and_full_are_details(tmp_path: Path) -> None:
+    path = str(write_stl(tmp_path / "a.stl", tessellate(Sphere(1.0))))
+    full, seen = load_mesh(path, detail="full")[0], load_mesh(path)[0]
+    assert len(seen.triangles) <= len(full.triangles)
+    mirrored = load_mesh(path, (-1.0, 2.0, 1.0), detail="full")[0]
+    np.testing.assert_allclose(np.abs(mirrored.vertices).max(axis=0), (1, 2, 1), rtol=1e-3)
+    with pytest.raises(UnknownName, match="detail of a mesh"):
+        load_mesh(path, detail="all")  # type: ignore[arg-type]
