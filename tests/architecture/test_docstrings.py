@@ -20,7 +20,11 @@ from ulna.quantities import THEMES
 SOURCE = Path(__file__).parents[2] / "src" / "ulna"
 FILES = sorted(SOURCE.rglob("*.py"))
 
-PACKAGES = {"compat/for-pinocchio/pinocchio/": "_containers/documentation.py"}
+PINOCCHIO = "compat/for-pinocchio/pinocchio/"  # which completes all of its docstrings as it is imported
+PACKAGES = {
+    PINOCCHIO: "_containers/documentation.py",
+    "compat/for-roboticstoolbox/roboticstoolbox/": "_common/documentation.py",
+}
 """Packages whose public names are defined in private folders, and what arguments of the same name mean in each."""
 
 ARRAYS = re.compile(r"\b(Array|ArrayLike|Floats|NDArray|ndarray)\b")
@@ -204,7 +208,9 @@ def what_is_missing(module: ast.Module, package: str | None = None) -> list[str]
     for name, function, owner in public_functions(module):
         if package is not None and function.name in SPECIAL:  # which are overloaded there
             continue
-        doc = docstring(function, owner, argument_texts(package))
+        decorators = [*function.decorator_list, *(owner.decorator_list if owner else [])]
+        completed = package == PINOCCHIO or "describe_arguments" in map(ast.unparse, decorators)
+        doc = docstring(function, owner, argument_texts(package) if completed else {})
         if function.name == "__init__" and owner and "Args" not in sections(doc):  # its class may describe it
             doc = f"{ast.get_docstring(owner) or ''}\n\n{doc}"
         parts = sections(doc)

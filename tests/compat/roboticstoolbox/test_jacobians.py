@@ -100,3 +100,11 @@ def test_a_chain_has_the_gradient_of_manipulability_of_its_robot(panda: Any) -> 
     q = configurations(panda, 1)[0]
     np.testing.assert_allclose(panda.ets().jacobm(q), panda.jacobm(q), rtol=1e-9)
     assert np.abs(panda.ets().jacobm(q, "trans") - panda.ets().jacobm(q)).max() > 1e-3
+
+
+def test_a_link_is_compiled_once_by_object_and_by_name(panda: Any) -> None:
+    link = panda.ee_links[0]
+    chain = panda._chain_between(None, link)
+    assert panda._chain_between(None, link) is chain
+    assert panda._chain_between(None, link.name) is chain
+    assert "Pose of a tool" in panda.ikine_LM.__doc__ and "Greatest number of searches" in panda.ik_NR.__doc__

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._common.errors import UnknownOption, WrongShape, WrongType
 from roboticstoolbox._common.numbers import numbers
 from roboticstoolbox._common.symbols import has_symbols
@@ -25,6 +26,7 @@ from ulna.typing import Floats
 ANGLES = ("rpy/xyz", "rpy/zyx", "eul", "exp")
 
 
+@describe_arguments
 class Chain:
     """The transforms from one frame to another; configurations are those of the robot it belongs to.
 
@@ -156,10 +158,6 @@ class Chain:
     def hessian0(self, q: Any, J0: Any = None) -> Floats:
         """The Hessian in the axes of the start, of the Jacobian `J0` if it is passed.
 
-        Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
-            J0: Jacobian in the axes of the start, (6, n).
-
         Returns:
             Hessian (..., n, 6, n).
         """
@@ -167,10 +165,6 @@ class Chain:
 
     def hessiane(self, q: Any, Je: Any = None) -> Floats:
         """`hessian0` turned into the axes of the end, (..., n, 6, n); it is not the derivative of `jacobe`.
-
-        Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
-            Je: Jacobian in the axes of the end, (6, n).
 
         Returns:
             Hessian (..., n, 6, n).
@@ -199,7 +193,6 @@ class Chain:
         """The time derivative of the Jacobian in the axes of the start.
 
         Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
             qd: Velocities (n,) or (m, n) [rad/s or m/s].
 
         Returns:
@@ -211,7 +204,6 @@ class Chain:
         """The Jacobian of position and angles.
 
         Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
             representation: "rpy/xyz", "rpy/zyx", "eul" or "exp".
 
         Returns:
@@ -224,7 +216,6 @@ class Chain:
         """A measure of the distance from singularities.
 
         Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
             method: "yoshikawa", "asada", "minsingular" or "invcondition".
             axes: "all", "trans", "rot", "both" for a pair of measures, or six truth values.
 
@@ -241,10 +232,6 @@ class Chain:
     def jacobm(self, q: Any, axes: Any) -> Floats:
         """The gradient of manipulability.
 
-        Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
-            axes: "all", "trans", "rot", or six truth values.
-
         Returns:
             Gradient (n, 1).
         """
@@ -256,7 +243,6 @@ class Chain:
         Args:
             J: Jacobian (6, n).
             H: Hessian (n, 6, n); None for that of `J`.
-            axes: "all", "trans", "rot", or six truth values.
 
         Returns:
             Gradient (n, 1).

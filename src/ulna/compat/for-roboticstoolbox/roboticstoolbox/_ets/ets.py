@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._common.errors import UnknownOption, WrongShape
 from roboticstoolbox._common.poses import matrix, pose, to_planar, to_spatial
 from roboticstoolbox._common.symbols import shortened
@@ -21,6 +22,7 @@ from ulna.typing import Floats
 _FLOAT64 = np.dtype(float)
 
 
+@describe_arguments
 class ETS(ChainSolvers, BaseETS):
     """A chain of transforms in space."""
 
@@ -28,10 +30,7 @@ class ETS(ChainSolvers, BaseETS):
         """The pose of the end as a matrix.
 
         Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
             base: Pose of the start in the world, an SE3 or (4, 4); None for the identity.
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
-            include_base: Whether `base` counts.
 
         Returns:
             Pose (4, 4) or (m, 4, 4).
@@ -43,10 +42,7 @@ class ETS(ChainSolvers, BaseETS):
         """The pose of the end as an SE3; expressions of symbols are simplified.
 
         Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
             base: Pose of the start in the world, an SE3 or (4, 4); None for the identity.
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
-            include_base: Whether `base` counts.
 
         Returns:
             One SE3, with m elements for (m, n).
@@ -57,10 +53,6 @@ class ETS(ChainSolvers, BaseETS):
     def jacob0(self, q: Any, tool: Any = None) -> Floats:
         """The Jacobian in the axes of the start, linear rows first.
 
-        Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
-
         Returns:
             Jacobian (6, n) or (m, 6, n).
         """
@@ -68,10 +60,6 @@ class ETS(ChainSolvers, BaseETS):
 
     def jacobe(self, q: Any, tool: Any = None) -> Floats:
         """The Jacobian in the axes of the end, linear rows first.
-
-        Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
 
         Returns:
             Jacobian (6, n) or (m, 6, n).
@@ -83,8 +71,6 @@ class ETS(ChainSolvers, BaseETS):
 
         Args:
             q: Joint coordinates (n,) [rad or m].
-            J0: Jacobian in the axes of the start, (6, n).
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
 
         Returns:
             Hessian (n, 6, n).
@@ -96,8 +82,6 @@ class ETS(ChainSolvers, BaseETS):
 
         Args:
             q: Joint coordinates (n,) [rad or m].
-            Je: Jacobian in the axes of the end, (6, n).
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
 
         Returns:
             Hessian (n, 6, n).
@@ -120,9 +104,7 @@ class ETS(ChainSolvers, BaseETS):
         """The Jacobian of position and angles.
 
         Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
             representation: "rpy/xyz", "rpy/zyx", "eul" or "exp".
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
 
         Returns:
             Jacobian (6, n) or (m, 6, n).
@@ -133,7 +115,6 @@ class ETS(ChainSolvers, BaseETS):
         """A measure of the distance from singularities.
 
         Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
             method: "yoshikawa", "minsingular" or "invcondition".
             axes: "all", "trans", "rot", "both" for a pair of measures, or six truth values.
 
@@ -152,7 +133,6 @@ class ETS(ChainSolvers, BaseETS):
 
         Args:
             q: Joint coordinates (n,) [rad or m].
-            axes: "all", "trans", "rot", or six truth values.
 
         Returns:
             Gradient (n, 1).
@@ -196,6 +176,7 @@ class ETS(ChainSolvers, BaseETS):
         return [type(self)(list(part)) for part in split_by_convention(self.data, method.lower())]
 
 
+@describe_arguments
 class ETS2(BaseETS):
     """A chain of transforms in the plane."""
 
@@ -205,10 +186,8 @@ class ETS2(BaseETS):
         """The pose of the end as a matrix.
 
         Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
             base: Pose of the start in the world, an SE2 or (3, 3); None for the identity.
             tool: Pose of a tool beyond the end, an SE2 or (3, 3).
-            include_base: Whether `base` counts.
 
         Returns:
             Pose (3, 3) or (m, 3, 3).
@@ -221,10 +200,8 @@ class ETS2(BaseETS):
         """The pose of the end as an SE2; expressions of symbols are simplified.
 
         Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
             base: Pose of the start in the world, an SE2 or (3, 3); None for the identity.
             tool: Pose of a tool beyond the end, an SE2 or (3, 3).
-            include_base: Whether `base` counts.
 
         Returns:
             One SE2, with m elements for (m, n).
@@ -256,14 +233,7 @@ class ETS2(BaseETS):
 
         Args:
             Tep: Pose of the end, an SE2 or (3, 3).
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
             mask: Weights of the errors of x, y and the angle, (3,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            seed: Seed of the random starts.
-            k: Damping [-].
 
         Returns:
             Joint coordinates (n,), success, and figures of the search.

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._common.poses import array
 from roboticstoolbox._ets.ets import ETS
 from ulna.control import p_servo
@@ -13,6 +14,7 @@ from ulna.spatial.quaternion import matrix_to_quat_xyzw
 from ulna.typing import Floats
 
 
+@describe_arguments
 def ETS_init(transforms: Any, n: int | None = None, m: int | None = None) -> ETS:
     """The handle of a chain of transforms.
 
@@ -27,6 +29,7 @@ def ETS_init(transforms: Any, n: int | None = None, m: int | None = None) -> ETS
     return ETS(list(transforms))
 
 
+@describe_arguments
 def ET_T(handle: Any, q: Any) -> Floats:
     """The matrix of a transform.
 
@@ -40,16 +43,13 @@ def ET_T(handle: Any, q: Any) -> Floats:
     return handle.A(q)
 
 
+@describe_arguments
 def ETS_fkine(handle: Any, q: Any, base: Any, tool: Any, include_base: bool, _data: Any = None) -> Floats:
     """The pose of the end.
 
     Args:
-        handle: The chain.
-        q: Joint coordinates (n,) or (m, n) [rad or m].
         base: Pose of the start in the world, (4, 4); None for the identity.
         tool: Pose of a tool beyond the end, (4, 4); None for none.
-        include_base: Whether `base` counts.
-        _data: The transforms of the chain, where `handle` is None.
 
     Returns:
         Pose (4, 4) or (m, 4, 4).
@@ -57,15 +57,12 @@ def ETS_fkine(handle: Any, q: Any, base: Any, tool: Any, include_base: bool, _da
     return _chain(handle, _data).eval(q, base, tool, include_base)
 
 
+@describe_arguments
 def ETS_jacob0(handle: Any, q: Any, tool: Any, _data: Any = None, _n: Any = None) -> Floats:
     """The Jacobian in the axes of the start.
 
     Args:
-        handle: The chain.
-        q: Joint coordinates (n,) or (m, n) [rad or m].
         tool: Pose of a tool beyond the end, (4, 4); None for none.
-        _data: The transforms of the chain, where `handle` is None.
-        _n: Accepted and ignored.
 
     Returns:
         Jacobian (6, n).
@@ -73,15 +70,12 @@ def ETS_jacob0(handle: Any, q: Any, tool: Any, _data: Any = None, _n: Any = None
     return _chain(handle, _data).jacob0(q, tool)
 
 
+@describe_arguments
 def ETS_jacobe(handle: Any, q: Any, tool: Any, _data: Any = None, _n: Any = None) -> Floats:
     """The Jacobian in the axes of the end.
 
     Args:
-        handle: The chain.
-        q: Joint coordinates (n,) or (m, n) [rad or m].
         tool: Pose of a tool beyond the end, (4, 4); None for none.
-        _data: The transforms of the chain, where `handle` is None.
-        _n: Accepted and ignored.
 
     Returns:
         Jacobian (6, n).
@@ -89,16 +83,13 @@ def ETS_jacobe(handle: Any, q: Any, tool: Any, _data: Any = None, _n: Any = None
     return _chain(handle, _data).jacobe(q, tool)
 
 
+@describe_arguments
 def ETS_hessian0(handle: Any, q: Any, J0: Any, tool: Any, _data: Any = None, _n: Any = None) -> Floats:
     """The Hessian in the axes of the start.
 
     Args:
-        handle: The chain.
-        q: Joint coordinates (n,) or (m, n) [rad or m].
         J0: Jacobian in the axes of the start, (6, n), in place of `q`.
         tool: Pose of a tool beyond the end, (4, 4); None for none.
-        _data: The transforms of the chain, where `handle` is None.
-        _n: Accepted and ignored.
 
     Returns:
         Hessian (n, 6, n).
@@ -106,16 +97,13 @@ def ETS_hessian0(handle: Any, q: Any, J0: Any, tool: Any, _data: Any = None, _n:
     return _chain(handle, _data).hessian0(q, J0, tool)
 
 
+@describe_arguments
 def ETS_hessiane(handle: Any, q: Any, Je: Any, tool: Any, _data: Any = None, _n: Any = None) -> Floats:
     """The Hessian in the axes of the end.
 
     Args:
-        handle: The chain.
-        q: Joint coordinates (n,) or (m, n) [rad or m].
         Je: Jacobian in the axes of the end, (6, n), in place of `q`.
         tool: Pose of a tool beyond the end, (4, 4); None for none.
-        _data: The transforms of the chain, where `handle` is None.
-        _n: Accepted and ignored.
 
     Returns:
         Hessian (n, 6, n).
@@ -123,6 +111,7 @@ def ETS_hessiane(handle: Any, q: Any, Je: Any, tool: Any, _data: Any = None, _n:
     return _chain(handle, _data).hessiane(q, Je, tool)
 
 
+@describe_arguments
 def IK_LM_c(
     handle: Any, Tep: Any, q0: Any, ilimit: int, slimit: int, tol: float, joint_limits: bool, mask: Any,
     k: float, method: str,
@@ -130,15 +119,8 @@ def IK_LM_c(
     """Inverse kinematics by Levenberg and Marquardt's method.
 
     Args:
-        handle: The chain.
         Tep: Pose of the end, (4, 4).
         q0: Where the search begins, (n,) [rad or m].
-        ilimit: Greatest number of steps of a search.
-        slimit: Greatest number of searches.
-        tol: Greatest E = e^T W e / 2 that counts as reached [-].
-        joint_limits: Whether a solution must be within the limits.
-        mask: Weights of the errors along and about x, y, z, (6,).
-        k: Damping [-].
         method: "chan", "wampler" or "sugihara".
 
     Returns:
@@ -147,6 +129,7 @@ def IK_LM_c(
     return _five(handle.ik_LM(Tep, q0, ilimit, slimit, tol, mask, joint_limits, k, method))
 
 
+@describe_arguments
 def IK_NR_c(
     handle: Any, Tep: Any, q0: Any, ilimit: int, slimit: int, tol: float, joint_limits: bool, mask: Any,
     pinv: bool, pinv_damping: float,
@@ -154,16 +137,8 @@ def IK_NR_c(
     """Inverse kinematics by Newton and Raphson's method.
 
     Args:
-        handle: The chain.
         Tep: Pose of the end, (4, 4).
         q0: Where the search begins, (n,) [rad or m].
-        ilimit: Greatest number of steps of a search.
-        slimit: Greatest number of searches.
-        tol: Greatest E = e^T W e / 2 that counts as reached [-].
-        joint_limits: Whether a solution must be within the limits.
-        mask: Weights of the errors along and about x, y, z, (6,).
-        pinv: Whether to take the pseudoinverse of the Jacobian.
-        pinv_damping: Not offered [-]; must be 0.
 
     Returns:
         Configuration (n,), success, iterations, searches and residual.
@@ -171,6 +146,7 @@ def IK_NR_c(
     return _five(handle.ik_NR(Tep, q0, ilimit, slimit, tol, mask, joint_limits, pinv, pinv_damping))
 
 
+@describe_arguments
 def IK_GN_c(
     handle: Any, Tep: Any, q0: Any, ilimit: int, slimit: int, tol: float, joint_limits: bool, mask: Any,
     pinv: bool, pinv_damping: float,
@@ -178,16 +154,8 @@ def IK_GN_c(
     """Inverse kinematics by Gauss and Newton's method.
 
     Args:
-        handle: The chain.
         Tep: Pose of the end, (4, 4).
         q0: Where the search begins, (n,) [rad or m].
-        ilimit: Greatest number of steps of a search.
-        slimit: Greatest number of searches.
-        tol: Greatest E = e^T W e / 2 that counts as reached [-].
-        joint_limits: Whether a solution must be within the limits.
-        mask: Weights of the errors along and about x, y, z, (6,).
-        pinv: Whether to take the pseudoinverse of the Jacobian.
-        pinv_damping: Not offered [-]; must be 0.
 
     Returns:
         Configuration (n,), success, iterations, searches and residual.

@@ -6,12 +6,15 @@ find nothing for chains whose Jacobian is not square; `ik_NR` and `ik_GN` take t
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, final
 
+from roboticstoolbox._common.documentation import describe_arguments
+from roboticstoolbox._ets.compiled_chain import Chain
 from roboticstoolbox._ets.ik_solution import IKSolution
 from roboticstoolbox._ets.inverse_kinematics import check_pinv_damping, one_row, solve
 
 
+@describe_arguments
 class ChainSolvers:
     """Inverse kinematics of a chain of transforms."""
 
@@ -32,23 +35,14 @@ class ChainSolvers:
         """The joint coordinates for a pose of the end, by Levenberg and Marquardt's method.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
             q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
-            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            k: Damping [-].
-            method: How it is damped: "chan", "wampler" or "sugihara".
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
         chain = self._compiled(None)
-        return solve(
-            chain, Tep, "LM", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits, k, method
-        )
+        search = (ilimit, slimit, tol, mask, joint_limits)
+        return solve(chain, Tep, "LM", one_row(q0, chain.n), *search, k, method)
 
     def ik_NR(
         self,
@@ -65,15 +59,7 @@ class ChainSolvers:
         """The joint coordinates for a pose of the end, by Newton and Raphson's method.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
             q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
-            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            pinv: Whether to take the pseudoinverse of the Jacobian.
-            pinv_damping: Not offered [-]; must be 0.
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
@@ -97,15 +83,7 @@ class ChainSolvers:
         """The joint coordinates for a pose of the end, by Gauss and Newton's method.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
             q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
-            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            pinv: Whether to take the pseudoinverse of the Jacobian.
-            pinv_damping: Not offered [-]; must be 0.
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
@@ -135,45 +113,15 @@ class ChainSolvers:
         """The joint coordinates for a pose of the end, by Levenberg and Marquardt's method and null-space motion.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
-            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            seed: Seed of the random starts.
-            k: Damping [-].
-            method: How it is damped: "chan", "wampler" or "sugihara".
-            kq: Inverse of the gain that keeps joints from their limits in the null space [-]; 0 for none.
-            km: Inverse of the gain of manipulability in the null space [-]; 0 for none.
-            ps: Distance from a limit at which that gain holds [rad or m].
-            pi: Distance from a limit at which avoiding it begins [rad or m].
             **more: Other settings of `solve`.
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
+        search = (ilimit, slimit, tol, mask, joint_limits)
+        null_motion = {"kq": kq, "km": km, "ps": ps, "pi": pi}
         chain = self._compiled(None)
-        return solve(
-            chain,
-            Tep,
-            "LM",
-            q0,
-            ilimit,
-            slimit,
-            tol,
-            mask,
-            joint_limits,
-            k,
-            method,
-            kq,
-            km,
-            ps,
-            pi,
-            seed=seed,
-            **more,
-        )
+        return solve(chain, Tep, "LM", q0, *search, k=k, method=method, seed=seed, **null_motion, **more)
 
     def ikine_NR(
         self,
@@ -195,43 +143,15 @@ class ChainSolvers:
         """The joint coordinates for a pose of the end, by Newton and Raphson's method and null-space motion.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
-            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            seed: Seed of the random starts.
-            pinv: Whether to take the pseudoinverse of the Jacobian.
-            kq: Inverse of the gain that keeps joints from their limits in the null space [-]; 0 for none.
-            km: Inverse of the gain of manipulability in the null space [-]; 0 for none.
-            ps: Distance from a limit at which that gain holds [rad or m].
-            pi: Distance from a limit at which avoiding it begins [rad or m].
             **more: Other settings of `solve`.
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
+        search = (ilimit, slimit, tol, mask, joint_limits)
+        null_motion = {"kq": kq, "km": km, "ps": ps, "pi": pi}
         chain = self._compiled(None)
-        return solve(
-            chain,
-            Tep,
-            "NR",
-            q0,
-            ilimit,
-            slimit,
-            tol,
-            mask,
-            joint_limits,
-            kq=kq,
-            km=km,
-            ps=ps,
-            pi=pi,
-            seed=seed,
-            **more,
-            pinv=bool(pinv),
-        )
+        return solve(chain, Tep, "NR", q0, *search, pinv=bool(pinv), seed=seed, **null_motion, **more)
 
     def ikine_GN(
         self,
@@ -253,43 +173,15 @@ class ChainSolvers:
         """The joint coordinates for a pose of the end, by Gauss and Newton's method and null-space motion.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
-            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            seed: Seed of the random starts.
-            pinv: Whether to take the pseudoinverse of the Jacobian.
-            kq: Inverse of the gain that keeps joints from their limits in the null space [-]; 0 for none.
-            km: Inverse of the gain of manipulability in the null space [-]; 0 for none.
-            ps: Distance from a limit at which that gain holds [rad or m].
-            pi: Distance from a limit at which avoiding it begins [rad or m].
             **more: Other settings of `solve`.
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
+        search = (ilimit, slimit, tol, mask, joint_limits)
+        null_motion = {"kq": kq, "km": km, "ps": ps, "pi": pi}
         chain = self._compiled(None)
-        return solve(
-            chain,
-            Tep,
-            "GN",
-            q0,
-            ilimit,
-            slimit,
-            tol,
-            mask,
-            joint_limits,
-            kq=kq,
-            km=km,
-            ps=ps,
-            pi=pi,
-            seed=seed,
-            **more,
-            pinv=bool(pinv),
-        )
+        return solve(chain, Tep, "GN", q0, *search, pinv=bool(pinv), seed=seed, **null_motion, **more)
 
     def ikine_QP(
         self,
@@ -312,42 +204,23 @@ class ChainSolvers:
         """The joint coordinates for a pose of the end, by quadratic programs.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
-            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            seed: Seed of the random starts.
-            kj: Cost of joint speeds [-].
-            ks: Cost of the remaining error [-].
-            kq: Inverse of the gain that keeps joints from their limits in the null space [-]; 0 for none.
-            km: Inverse of the gain of manipulability in the null space [-]; 0 for none.
-            ps: Distance from a limit at which that gain holds [rad or m].
-            pi: Distance from a limit at which avoiding it begins [rad or m].
             **more: Other settings of `solve`.
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
+        search = (ilimit, slimit, tol, mask, joint_limits)
+        null_motion = {"kq": kq, "km": km, "ps": ps, "pi": pi}
         chain = self._compiled(None)
-        return solve(
-            chain,
-            Tep,
-            "QP",
-            q0,
-            ilimit,
-            slimit,
-            tol,
-            mask,
-            joint_limits,
-            kq=kq,
-            km=km,
-            ps=ps,
-            pi=pi,
-            kj=kj,
-            ks=ks,
-            seed=seed,
-            **more,
-        )
+        return solve(chain, Tep, "QP", q0, *search, kj=kj, ks=ks, seed=seed, **null_motion, **more)
+
+
+@final
+class SolversOfChain(ChainSolvers):
+    """Inverse kinematics of a compiled chain."""
+
+    def __init__(self, chain: Chain) -> None:
+        self._chain = chain
+
+    def _compiled(self, tool: None) -> Chain:
+        return self._chain

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._common.errors import WrongShape
 from roboticstoolbox._ets.ik_solution import IKSolution
 from roboticstoolbox._ets.inverse_kinematics import Damping, Kind, damping_name, solve
@@ -27,6 +28,7 @@ from ulna.typing import Floats
 _METHODS: tuple[Damping, ...] = ("chan", "sugihara", "wampler")  # by the toolbox's numbers
 
 
+@describe_arguments
 class IKSolver:
     """A solver with its settings, which are its attributes; `solve(ets, Tep, q0)` runs it.
 
@@ -57,12 +59,6 @@ class IKSolver:
 
         Args:
             name: What it is called.
-            ilimit: Steps of a search.
-            slimit: How many searches are made.
-            tol: Greatest E that counts as reached.
-            mask: What each of the six errors counts, (6,).
-            joint_limits: Whether a solution must be within the limits.
-            seed: Seed of the random starts.
             verbose: Whether `solve` prints what the search found.
         """
         self.name = name
@@ -87,8 +83,6 @@ class IKSolver:
 
         Args:
             ets: The chain.
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
@@ -155,6 +149,7 @@ class IKSolver:
         raise InputError(f"{type(self).__name__} has no method; take IK_LM, IK_NR, IK_GN or IK_QP.")
 
 
+@describe_arguments
 class IK_LM(IKSolver):
     """Levenberg and Marquardt's method, damped as Chan, Sugihara or Wampler did."""
 
@@ -193,6 +188,7 @@ class IK_LM(IKSolver):
         return self._damping, float(self.k)
 
 
+@describe_arguments
 class _Inverting(IKSolver):
     """A solver that inverts the Jacobian."""
 
@@ -246,6 +242,7 @@ class IK_GN(_Inverting):
     kind = "GN"
 
 
+@describe_arguments
 class IK_QP(IKSolver):
     """Steps by quadratic programs: the least kj |dq|^2 + ks |slack|^2 / sum |e|, slack = e - J dq."""
 

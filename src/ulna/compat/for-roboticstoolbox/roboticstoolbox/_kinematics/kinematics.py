@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._common.errors import UnknownKey, WrongType
 from roboticstoolbox._common.poses import matrix, pose, to_spatial
 from roboticstoolbox._ets.compiled_chain import Chain, known_angles
@@ -23,6 +24,7 @@ from ulna.robot import Robot as Body
 from ulna.typing import Floats
 
 
+@describe_arguments
 class Kinematics(RobotSolvers):
     """Poses, Jacobians and inverse kinematics; `end` and `start` are links, grippers or their names.
 
@@ -40,15 +42,18 @@ class Kinematics(RobotSolvers):
     q: Floats
 
     def _chain(self, end: Any, start: Any, tool: Any = None) -> Chain:
-        try:
-            chain = self._chains[end, start]
-        except (KeyError, TypeError):
-            chain = self._chains[self._name_of(end), self._name_of(start)] = Chain(self.ets(start, end).data)
+        chain = self._chain_between(start, end)
         T = self._tool if tool is None else matrix(tool)
         return chain if T is None else chain.with_tool(T)
 
-    def _name_of(self, what: Any) -> Any:
-        return what.name if isinstance(what, (Link, Gripper)) else what
+    def _chain_between(self, start: Any, end: Any) -> Chain:
+        try:
+            return self._chains[end, start]
+        except (KeyError, TypeError):
+            names = tuple(one.name if isinstance(one, (Link, Gripper)) else one for one in (end, start))
+            if names not in self._chains:
+                self._chains[names] = Chain(self.ets(start, end).data)
+            return self._chains[names]
 
     def _link(self, what: Any) -> Link:
         """The link of a name, a link or a gripper."""
@@ -93,10 +98,6 @@ class Kinematics(RobotSolvers):
     def ets(self, start: Any = None, end: Any = None) -> ETS:
         """The transforms from `start` to `end`.
 
-        Args:
-            start: First link of the chain, or its name; the base by default.
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-
         Returns:
             The chain of transforms.
         """
@@ -110,13 +111,6 @@ class Kinematics(RobotSolvers):
         self, q: Any, end: Any = None, start: Any = None, tool: Any = None, include_base: bool = True
     ) -> Any:
         """The pose of `end` in the world.
-
-        Args:
-            q: Configuration (n,) or (m, n) [rad or m].
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
-            include_base: Whether the pose of the base counts.
 
         Returns:
             One SE3, with m elements for (m, n).
@@ -147,12 +141,6 @@ class Kinematics(RobotSolvers):
     def jacob0(self, q: Any, end: Any = None, start: Any = None, tool: Any = None) -> Floats:
         """The Jacobian in the axes of the start, linear rows first.
 
-        Args:
-            q: Configuration (n,) or (m, n) [rad or m].
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
-
         Returns:
             Jacobian (6, n) or (m, 6, n).
         """
@@ -160,12 +148,6 @@ class Kinematics(RobotSolvers):
 
     def jacobe(self, q: Any, end: Any = None, start: Any = None, tool: Any = None) -> Floats:
         """The Jacobian in the axes of the end, linear rows first.
-
-        Args:
-            q: Configuration (n,) or (m, n) [rad or m].
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
 
         Returns:
             Jacobian (6, n) or (m, 6, n).
@@ -178,11 +160,7 @@ class Kinematics(RobotSolvers):
         """The Jacobian of position and angles.
 
         Args:
-            q: Configuration (n,) or (m, n) [rad or m].
             representation: "rpy/xyz", "rpy/zyx", "eul" or "exp".
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
 
         Returns:
             Jacobian (6, n) or (m, 6, n).
@@ -224,10 +202,6 @@ class Kinematics(RobotSolvers):
 
         Args:
             q: Configuration (n,) [rad or m]; None for the robot's.
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
-            J0: Jacobian in the axes of the start, (6, n).
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
 
         Returns:
             Hessian (n, 6, n).
@@ -242,10 +216,6 @@ class Kinematics(RobotSolvers):
 
         Args:
             q: Configuration (n,) [rad or m]; None for the robot's.
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
-            Je: Jacobian in the axes of the end, (6, n).
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
 
         Returns:
             Hessian (n, 6, n).
@@ -259,8 +229,6 @@ class Kinematics(RobotSolvers):
         Args:
             q: Configuration (n,) [rad or m].
             n: Order of the derivative.
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
 
         Returns:
             Array (n, ..., n, 6, n).
@@ -281,7 +249,6 @@ class Kinematics(RobotSolvers):
         Args:
             q: Configuration, (n,), or (m, n).
             J: The Jacobian to take instead, (6, n).
-            end: Last link of the chain.
             start: Its first link.
             method: "yoshikawa", "asada", "minsingular" or "invcondition".
             axes: "all", "trans", "rot", "both" for a pair of measures, or six truth values.
@@ -321,9 +288,7 @@ class Kinematics(RobotSolvers):
             q: Configuration, (n,); None for the robot's.
             J: The Jacobian to take instead of that at `q`, (6, n).
             H: The Hessian to take instead, (n, 6, n); None for that of the Jacobian.
-            end: Last link of the chain.
             start: Its first link.
-            axes: "all", "trans", "rot", or six truth values.
 
         Returns:
             Gradient (n, 1).

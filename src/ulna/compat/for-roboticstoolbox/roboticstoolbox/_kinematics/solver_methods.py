@@ -8,14 +8,19 @@ from __future__ import annotations
 
 from typing import Any
 
+from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._ets.ik_solution import IKSolution
-from roboticstoolbox._ets.inverse_kinematics import check_pinv_damping, one_row, solve
+from roboticstoolbox._ets.solver_methods import SolversOfChain
 
 
+@describe_arguments
 class RobotSolvers:
     """Inverse kinematics of a robot."""
 
     _chain: Any
+
+    def _solvers(self, end: Any, start: Any, tool: Any) -> SolversOfChain:
+        return SolversOfChain(self._chain(end, start, tool))
 
     def ik_LM(
         self,
@@ -35,26 +40,13 @@ class RobotSolvers:
         """The configuration for a pose of the end in the base, by Levenberg and Marquardt's method.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
             q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
-            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            k: Damping [-].
-            method: How it is damped: "chan", "wampler" or "sugihara".
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
-        chain = self._chain(end, start, tool)
-        return solve(
-            chain, Tep, "LM", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits, k, method
-        )
+        chain = self._solvers(end, start, tool)
+        return chain.ik_LM(Tep, q0, ilimit, slimit, tol, mask, joint_limits, k, method)
 
     def ik_NR(
         self,
@@ -74,25 +66,13 @@ class RobotSolvers:
         """The configuration for a pose of the end in the base, by Newton and Raphson's method.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
             q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
-            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            pinv: Whether to take the pseudoinverse of the Jacobian.
-            pinv_damping: Not offered [-]; must be 0.
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
-        check_pinv_damping(pinv_damping)
-        chain = self._chain(end, start, tool)
-        return solve(chain, Tep, "NR", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits)
+        chain = self._solvers(end, start, tool)
+        return chain.ik_NR(Tep, q0, ilimit, slimit, tol, mask, joint_limits, pinv, pinv_damping)
 
     def ik_GN(
         self,
@@ -112,25 +92,13 @@ class RobotSolvers:
         """The configuration for a pose of the end in the base, by Gauss and Newton's method.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
             q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
-            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            pinv: Whether to take the pseudoinverse of the Jacobian.
-            pinv_damping: Not offered [-]; must be 0.
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
-        check_pinv_damping(pinv_damping)
-        chain = self._chain(end, start, tool)
-        return solve(chain, Tep, "GN", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits)
+        chain = self._solvers(end, start, tool)
+        return chain.ik_GN(Tep, q0, ilimit, slimit, tol, mask, joint_limits, pinv, pinv_damping)
 
     def ikine_LM(
         self,
@@ -157,48 +125,14 @@ class RobotSolvers:
         motion.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
-            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            seed: Seed of the random starts.
-            k: Damping [-].
-            method: How it is damped: "chan", "wampler" or "sugihara".
-            kq: Inverse of the gain that keeps joints from their limits in the null space [-]; 0 for none.
-            km: Inverse of the gain of manipulability in the null space [-]; 0 for none.
-            ps: Distance from a limit at which that gain holds [rad or m].
-            pi: Distance from a limit at which avoiding it begins [rad or m].
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
             **more: Other settings of `solve`.
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
-        chain = self._chain(end, start, tool)
-        return solve(
-            chain,
-            Tep,
-            "LM",
-            q0,
-            ilimit,
-            slimit,
-            tol,
-            mask,
-            joint_limits,
-            k,
-            method,
-            kq,
-            km,
-            ps,
-            pi,
-            seed=seed,
-            **more,
-        )
+        chain = self._solvers(end, start, tool)
+        search = (ilimit, slimit, tol, mask, joint_limits, seed)
+        return chain.ikine_LM(Tep, q0, *search, k, method, kq, km, ps, pi, **more)
 
     def ikine_NR(
         self,
@@ -224,46 +158,14 @@ class RobotSolvers:
         motion.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
-            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            seed: Seed of the random starts.
-            pinv: Whether to take the pseudoinverse of the Jacobian.
-            kq: Inverse of the gain that keeps joints from their limits in the null space [-]; 0 for none.
-            km: Inverse of the gain of manipulability in the null space [-]; 0 for none.
-            ps: Distance from a limit at which that gain holds [rad or m].
-            pi: Distance from a limit at which avoiding it begins [rad or m].
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
             **more: Other settings of `solve`.
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
-        chain = self._chain(end, start, tool)
-        return solve(
-            chain,
-            Tep,
-            "NR",
-            q0,
-            ilimit,
-            slimit,
-            tol,
-            mask,
-            joint_limits,
-            kq=kq,
-            km=km,
-            ps=ps,
-            pi=pi,
-            seed=seed,
-            **more,
-            pinv=bool(pinv),
-        )
+        chain = self._solvers(end, start, tool)
+        search = (ilimit, slimit, tol, mask, joint_limits, seed)
+        return chain.ikine_NR(Tep, q0, *search, pinv, kq, km, ps, pi, **more)
 
     def ikine_GN(
         self,
@@ -288,46 +190,14 @@ class RobotSolvers:
         """The configuration for a pose of the end in the base, by Gauss and Newton's method and null-space motion.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
-            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            seed: Seed of the random starts.
-            pinv: Whether to take the pseudoinverse of the Jacobian.
-            kq: Inverse of the gain that keeps joints from their limits in the null space [-]; 0 for none.
-            km: Inverse of the gain of manipulability in the null space [-]; 0 for none.
-            ps: Distance from a limit at which that gain holds [rad or m].
-            pi: Distance from a limit at which avoiding it begins [rad or m].
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
             **more: Other settings of `solve`.
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
-        chain = self._chain(end, start, tool)
-        return solve(
-            chain,
-            Tep,
-            "GN",
-            q0,
-            ilimit,
-            slimit,
-            tol,
-            mask,
-            joint_limits,
-            kq=kq,
-            km=km,
-            ps=ps,
-            pi=pi,
-            seed=seed,
-            **more,
-            pinv=bool(pinv),
-        )
+        chain = self._solvers(end, start, tool)
+        search = (ilimit, slimit, tol, mask, joint_limits, seed)
+        return chain.ikine_GN(Tep, q0, *search, pinv, kq, km, ps, pi, **more)
 
     def ikine_QP(
         self,
@@ -353,45 +223,11 @@ class RobotSolvers:
         """The configuration for a pose of the end in the base, by quadratic programs.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            end: Last link of the chain, a gripper, or a name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
-            ilimit: Greatest number of steps of a search.
-            slimit: Greatest number of searches.
-            tol: Greatest E = e^T W e / 2 that counts as reached [-].
-            mask: Weights of the errors along and about x, y, z, (6,); 1 by default.
-            joint_limits: Whether a solution must be within the limits.
-            seed: Seed of the random starts.
-            kj: Cost of joint speeds [-].
-            ks: Cost of the remaining error [-].
-            kq: Inverse of the gain that keeps joints from their limits in the null space [-]; 0 for none.
-            km: Inverse of the gain of manipulability in the null space [-]; 0 for none.
-            ps: Distance from a limit at which that gain holds [rad or m].
-            pi: Distance from a limit at which avoiding it begins [rad or m].
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
             **more: Other settings of `solve`.
 
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
-        chain = self._chain(end, start, tool)
-        return solve(
-            chain,
-            Tep,
-            "QP",
-            q0,
-            ilimit,
-            slimit,
-            tol,
-            mask,
-            joint_limits,
-            kq=kq,
-            km=km,
-            ps=ps,
-            pi=pi,
-            kj=kj,
-            ks=ks,
-            seed=seed,
-            **more,
-        )
+        chain = self._solvers(end, start, tool)
+        search = (ilimit, slimit, tol, mask, joint_limits, seed)
+        return chain.ikine_QP(Tep, q0, *search, kj, ks, kq, km, ps, pi, **more)

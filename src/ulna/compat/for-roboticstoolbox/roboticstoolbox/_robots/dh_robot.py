@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._common.errors import WrongType
 from roboticstoolbox._common.poses import matrix, pose
-from roboticstoolbox._ets.compiled_chain import Chain, known_angles
+from roboticstoolbox._ets.compiled_chain import known_angles
 from roboticstoolbox._ets.elementary_transform import ET
 from roboticstoolbox._ets.ets import ETS
 from roboticstoolbox._ets.ik_solution import IKSolution
@@ -23,6 +24,7 @@ from ulna.errors import InputError, ModelError
 from ulna.typing import Floats
 
 
+@describe_arguments
 class DHRobot(DHText, Analytic, Robot):
     """A serial arm of DH links; its base and its tool are part of its transforms."""
 
@@ -51,10 +53,6 @@ class DHRobot(DHText, Analytic, Robot):
     def ets(self, start: Any = None, end: Any = None) -> ETS:
         """The transforms from `start` to `end`; of the whole arm with base and tool.
 
-        Args:
-            start: First link of the chain, or its name; the base by default.
-            end: Last link of the chain, or its name; the tool by default.
-
         Returns:
             The chain of transforms.
         """
@@ -64,23 +62,13 @@ class DHRobot(DHText, Analytic, Robot):
         return ETS._from_transforms([*before, *inner.data, *after])
 
     def _chain(self, end: Any, start: Any, tool: Any = None) -> Any:
-        key = self._name_of(end), self._name_of(start)
-        if key not in self._chains:
-            self._chains[key] = Chain(self.ets(start, end).data)
-        chain = self._chains[key]
+        chain = self._chain_between(start, end)
         return chain if tool is None else chain.with_tool(matrix(tool))
 
     def fkine(
         self, q: Any, end: Any = None, start: Any = None, tool: Any = None, include_base: bool = True
     ) -> Any:
         """The pose of `end` in the world.
-
-        Args:
-            q: Configuration (n,) or (m, n) [rad or m].
-            end: Last link of the chain, or its name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
-            include_base: Whether the pose of the base counts.
 
         Returns:
             One SE3, with m elements for (m, n).
@@ -124,11 +112,7 @@ class DHRobot(DHText, Analytic, Robot):
         """The Jacobian in the axes of the end.
 
         Args:
-            q: Configuration (n,) or (m, n) [rad or m].
             half: "trans" or "rot" for three of the rows.
-            end: Last link of the chain, or its name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
 
         Returns:
             Jacobian (6, n), or (3, n) for `half`.
@@ -150,7 +134,6 @@ class DHRobot(DHText, Analytic, Robot):
             q: Configuration, (n,) [rad or m].
             representation: "rpy/xyz", "rpy/zyx", "eul" or "exp"; None for `jacob0`.
             T: The pose of the end whose rotation to take, an SE3; None for that at `q`.
-            end: Last link of the chain.
             start: Its first link.
             tool: A tool beyond it.
 
@@ -173,10 +156,6 @@ class DHRobot(DHText, Analytic, Robot):
 
         Args:
             q: Configuration (n,) [rad or m]; None for the robot's.
-            J0: Jacobian in the axes of the start, (6, n).
-            start: First link of the chain, or its name; the base by default.
-            end: Last link of the chain, or its name; the tool by default.
-            tool: Pose of a tool beyond the end, an SE3 or (4, 4).
 
         Returns:
             Hessian (n, 6, n).
@@ -187,8 +166,6 @@ class DHRobot(DHText, Analytic, Robot):
         """As `Robot.ikine_LM`, with `q0` as the second argument.
 
         Args:
-            Tep: Pose of the end, an SE3, (4, 4) or (m, 4, 4).
-            q0: Where the searches begin, (n,) or (k, n) [rad or m]; None for the neutral configuration.
             **ikargs: Other arguments of `Robot.ikine_LM`.
 
         Returns:

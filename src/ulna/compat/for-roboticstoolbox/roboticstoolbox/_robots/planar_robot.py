@@ -6,14 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._common.poses import pose, to_planar
-from roboticstoolbox._ets.compiled_chain import Chain
 from roboticstoolbox._ets.ets import ETS2
 from roboticstoolbox._links.link import Link2
 from roboticstoolbox._robots.robot import BaseRobot
 from ulna.typing import Floats
 
 
+@describe_arguments
 class Robot2(BaseRobot):
     """A robot in the plane."""
 
@@ -22,11 +23,6 @@ class Robot2(BaseRobot):
 
     def fkine(self, q: Any, end: Any = None, start: Any = None) -> Any:
         """The pose of `end` in the world.
-
-        Args:
-            q: Configuration (n,) or (m, n) [rad or m].
-            end: Last link of the chain, or its name; the tool by default.
-            start: First link of the chain, or its name; the base by default.
 
         Returns:
             One SE2, with m elements for (m, n).
@@ -47,17 +43,10 @@ class Robot2(BaseRobot):
         return pose(to_planar(np.asarray(super().fkine_all(q).A)))
 
     def _chain(self, end: Any, start: Any, tool: Any = None) -> Any:
-        key = self._name_of(end), self._name_of(start)
-        if key not in self._chains:
-            self._chains[key] = Chain(self.ets(start, end).data)
-        return self._chains[key]
+        return self._chain_between(start, end)
 
     def ets(self, start: Any = None, end: Any = None) -> Any:
         """The transforms from `start` to `end`.
-
-        Args:
-            start: First link of the chain, or its name; the base by default.
-            end: Last link of the chain, or its name; the tool by default.
 
         Returns:
             The chain of transforms.
@@ -67,11 +56,6 @@ class Robot2(BaseRobot):
     def jacob0(self, q: Any, start: Any = None, end: Any = None) -> Floats:
         """The Jacobian in the axes of the start: x, y and the angle.
 
-        Args:
-            q: Configuration (n,) or (m, n) [rad or m].
-            start: First link of the chain, or its name; the base by default.
-            end: Last link of the chain, or its name; the tool by default.
-
         Returns:
             Jacobian (3, n).
         """
@@ -79,11 +63,6 @@ class Robot2(BaseRobot):
 
     def jacobe(self, q: Any, start: Any = None, end: Any = None) -> Floats:
         """The Jacobian in the axes of the end: x, y and the angle.
-
-        Args:
-            q: Configuration (n,) or (m, n) [rad or m].
-            start: First link of the chain, or its name; the base by default.
-            end: Last link of the chain, or its name; the tool by default.
 
         Returns:
             Jacobian (3, n).
