@@ -3,14 +3,17 @@
 from ulna.collision.clearance import sphere_clearance
 from ulna.collision.compiled import SphereChecker
 from ulna.collision.exact import Checker
+from ulna.collision.objects import Attachment, Obstacle
 from ulna.collision.pairs import LinkPair, link_pairs
 from ulna.collision.result import Distance, Proximity
+from ulna.collision.robot_poses import robot_poses
 from ulna.collision.segment import first_contact
 from ulna.collision.spheres import LinkSpheres, Spheres, fit
 from ulna.collision.survey import Survey, survey
-from ulna.collision.world import Obstacle, World, robot_poses
+from ulna.collision.world import World
 
 __all__ = [
+    "Attachment",
     "Checker",
     "Distance",
     "LinkPair",

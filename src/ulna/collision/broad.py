@@ -105,14 +105,14 @@ def gaps(c: Floats, h: Floats, count: int) -> Floats:
     return np.where(worst > 0.0, np.sqrt(squares), worst)
 
 
-def overlaps(c: Floats, h: Floats, count: int, margin: float) -> Array:
+def overlaps(c: Floats, h: Floats, count: int, margin: float | Floats) -> Array:
     """Whether boxes come near along every axis.
 
     Args:
         c: Centres, shape (rows, n, 3) [m].
         h: Half edges, shape (rows, n, 3) [m].
         count: How many boxes belong to links.
-        margin: How near [m].
+        margin: How near, () or (count, n, 1) [m].
 
     Returns:
         Truth values, shape (count, n, rows).
@@ -120,7 +120,7 @@ def overlaps(c: Floats, h: Floats, count: int, margin: float) -> Array:
     candidates = None
     for low, high in zip(_by_axis(c - h), _by_axis(c + h), strict=True):
         near = low[:count, None] <= high + margin
-        near &= low <= (high[:count] + margin)[:, None]
+        near &= low <= high[:count, None] + margin
         candidates = near if candidates is None else np.logical_and(candidates, near, out=candidates)
     assert candidates is not None
     return candidates

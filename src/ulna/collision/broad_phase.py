@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import final
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, final
 
 import numpy as np
 
+from ulna import kernels
 from ulna.collision import broad
 from ulna.collision.narrow import Poses
-from ulna.collision.pairs import LinkPair
 from ulna.collision.solids import Solid
 from ulna.collision.world import World
 from ulna.geometry import Plane
@@ -28,15 +28,30 @@ class BroadPhase:
         model: The robot.
         world: Its obstacles.
         links: The solids of the links.
+        attached: The solids of attached objects.
         obstacles: The solids of the obstacles.
-        mask: Which solids of links are checked against which of all, shape (n links, n).
+        mask: Which solids that move with the robot are checked against which of all, shape (n links and attached, n).
+        margins: How far these must stay apart, of the same shape [m].
     """
 
     def __init__(
-        self, model: Model, world: World, links: Sequence[Solid], obstacles: Sequence[Solid], mask: Array
+        self,
+        model: Model,
+        world: World,
+        links: Sequence[Solid],
+        attached: Sequence[Solid],
+        obstacles: Sequence[Solid],
+        mask: Array,
+        margins: Floats,
     ) -> None:
-        self._world, self._obstacles, self._mask, self._count = world, obstacles, mask, len(links)
+        self._world, self._obstacles, self._mask, self._count = world, obstacles, mask, len(mask)
+        self._margins = margins if margins.any() else None
         self._kernel = broad.pose_kernel(model, links)
+        held = [(world.attached(solid.owner), solid) for solid in attached]
+        self._attached = [
+            (kernels.kernel(model, "fk", checked=True, frame=item.link), item.pose.matrix(), solid)
+            for item, solid in held
+        ]
         self._fixed = (
             np.stack([s.placement.rotation for s in obstacles]) if obstacles else np.zeros((0, 3, 3))
         )
@@ -44,7 +59,7 @@ class BroadPhase:
             np.stack([s.placement.translation for s in obstacles]) if obstacles else np.zeros((0, 3))
         )
         self._boxes = broad.boxes_at(obstacles, self._fixed, self._placed)
-        self._planes = [len(links) + k for k, s in enumerate(obstacles) if isinstance(s.shape, Plane)]
+        self._planes = [self._count + k for k, s in enumerate(obstacles) if isinstance(s.shape, Plane)]
 
     def chunks(
         self, q: ArrayLike, moving: Mapping[str, ArrayLike] | None
@@ -58,7 +73,7 @@ class BroadPhase:
         Returns:
             The shape of the batch, (...), and the number of the first row of each part with the solids of its rows.
         """
-        R, p, c, h = self._kernel(q)
+        R, p, c, h = self._with_attached(q, *self._kernel(q))
         stray = self._moved(moving or {})
         batch = np.broadcast_shapes(p.shape[:-2], *(T.shape[:-2] for T in stray.values()))
         total = int(np.prod(batch))
@@ -68,6 +83,18 @@ class BroadPhase:
         ]
         poses = {k: np.broadcast_to(T, (*batch, 4, 4)).reshape(total, 4, 4) for k, T in stray.items()}
         return batch, self._pieces(flat, poses, total)
+
+    def _with_attached(self, q: ArrayLike, *placed: Floats) -> tuple[Floats, ...]:
+        """R, p, c, h of the links' solids, followed by those of attached objects."""
+        for kernel, place, solid in self._attached:
+            T: Any = kernel(q) @ place
+            R, p = T[..., None, :3, :3], T[..., None, :3, 3]
+            new = (R, p, *broad.boxes_at([solid], R, p))
+            axes = (-3, -2, -2, -2)
+            placed = tuple(
+                np.concatenate(x, axis=k) for x, k in zip(zip(placed, new, strict=True), axes, strict=True)
+            )
+        return placed
 
     def _pieces(
         self, flat: Sequence[Floats], poses: Mapping[int, Floats], total: int
@@ -119,10 +146,11 @@ class BroadPhase:
         Returns:
             Truth values, shape (n links, n, rows).
         """
-        near = broad.overlaps(poses.centre, poses.half, self._count, margin)
+        margins = 0.0 if self._margins is None else self._margins[..., None]
+        near = broad.overlaps(poses.centre, poses.half, self._count, margin + margins)
         near &= self._mask[..., None]
         for k in self._planes:
-            near[:, k] &= self._over(poses, k) <= margin
+            near[:, k] &= self._over(poses, k) <= margin + (0.0 if self._margins is None else margins[:, k])
         return near
 
     def bounds(self, poses: Poses, broad_phase: bool) -> Floats:
@@ -140,6 +168,8 @@ class BroadPhase:
         bounds = broad.gaps(poses.centre, poses.half, self._count)
         for k in self._planes:
             bounds[:, k] = self._over(poses, k)
+        if self._margins is not None:
+            bounds -= self._margins[..., None]
         bounds[~self._mask] = np.inf
         return bounds
 
@@ -147,45 +177,3 @@ class BroadPhase:
         links = slice(0, self._count)
         R, p = poses.rotation[:, k], poses.translation[:, k]
         return broad.plane_gaps(poses.centre[:, links], poses.half[:, links], R, p)
-
-
-def pair_mask(
-    model: Model,
-    world: World,
-    solids: Sequence[Solid],
-    count: int,
-    pairs: Iterable[LinkPair],
-    without: Iterable[LinkPair],
-) -> Array:
-    """Which solids of links are checked against which of all.
-
-    Args:
-        model: The robot.
-        world: Its obstacles.
-        solids: The solids of the links, then those of the obstacles.
-        count: How many are of links.
-        pairs: Pairs of links to check.
-        without: Pairs of links and obstacles to leave out.
-
-    Returns:
-        Truth values, shape (count, n).
-
-    Raises:
-        UnknownName: An obstacle may touch a link that does not exist.
-    """
-    among, skip = ({frozenset(pair) for pair in chosen} for chosen in (pairs, without))
-    mask = np.zeros((count, len(solids)), dtype=bool)
-    for i, a in enumerate(solids[:count]):
-        for j, b in enumerate(solids):
-            if j < count:
-                mask[i, j] = i < j and frozenset((a.owner, b.owner)) in among
-            else:
-                obstacle = world[b.owner]
-                still = a.joint < 0 and not obstacle.moving
-                mask[i, j] = not (
-                    still or a.owner in obstacle.touches or frozenset((a.owner, b.owner)) in skip
-                )
-    for obstacle in world:
-        for link in obstacle.touches:
-            model.link_index(link)
-    return mask

@@ -23,11 +23,14 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ulna.collision.attached import attached_pairs, attached_solids, attached_spheres
 from ulna.collision.fit import cover
+from ulna.collision.mask import check_touches
+from ulna.collision.objects import Obstacle
 from ulna.collision.pairs import LinkPair, link_pairs
 from ulna.collision.solids import Missing, Solid, link_solids, obstacle_solids
 from ulna.collision.spheres import Spheres, fit, sphere_centres
-from ulna.collision.world import Obstacle, World
+from ulna.collision.world import World
 from ulna.geometry import Box, Capsule, Cylinder, Plane, Sphere
 from ulna.model import Model
 from ulna.numeric import exp, maximum, minimum, sqrt
@@ -57,6 +60,23 @@ class Part:
     kind: Kind
     placement: SE3
     sizes: Floats
+
+    def grown(self, by: float) -> Part:
+        """The part made larger.
+
+        Args:
+            by: By how much at least [m]; a cylinder stays one, so that its rims grow by more.
+
+        Returns:
+            A part.
+        """
+        if not by:
+            return self
+        if self.kind == "plane":
+            lifted = self.placement @ SE3.from_translation([0.0, 0.0, by])
+            return Part(self.owner, self.kind, lifted, self.sizes)
+        more = [0.0, 0.0, 0.0, by] if self.kind == "box" else [by, by]
+        return Part(self.owner, self.kind, self.placement, self.sizes + np.array(more))
 
 
 def parts(world: World, missing: Missing = "error") -> tuple[Part, ...]:
@@ -101,16 +121,17 @@ def standing(
 
     Args:
         model: The robot.
-        pairs: Pairs of links.
+        pairs: Pairs of links, or of a link and an attached object.
         missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
 
     Returns:
-        Each part with the names of the links that it is checked against.
+        Each part with the names of the links and objects that it is checked against.
     """
     partners: dict[str, list[str]] = {}
+    still = {link.name for link in model.links if link.joint < 0}
     for a, b in pairs:
         for one, other in ((a, b), (b, a)):
-            if model.link(one).joint < 0:
+            if one in still:
                 partners.setdefault(one, []).append(other)
     return [
         (
@@ -208,44 +229,51 @@ def _beyond(kind: Kind, c: Array, numbers: Array) -> list[Any]:
 
 
 def self_pairs(model: Model, spheres: Spheres, pairs: Sequence[LinkPair]) -> list[tuple[str, int, str, int]]:
-    """Every two spheres of moving links that are checked against each other.
+    """Every two spheres that move and are checked against each other.
 
     Args:
         model: The robot.
-        spheres: Spheres of the links.
-        pairs: Pairs of links.
+        spheres: Spheres of the links and of attached objects.
+        pairs: Pairs of links and attached objects.
 
     Returns:
-        Link and number of the first, link and number of the second sphere.
+        Name and number of the first, name and number of the second sphere.
     """
+    still = {link.name for link in model.links if link.joint < 0}
     return [
         (a, i, b, j)
         for a, b in pairs
-        if model.link(a).joint >= 0 and model.link(b).joint >= 0
+        if a not in still and b not in still
         for i in range(len(spheres.links[a].radii))
         for j in range(len(spheres.links[b].radii))
     ]
 
 
-def checked_links(model: Model, spheres: Spheres, obstacle: Obstacle) -> list[str]:
-    """The links that an obstacle is checked against.
+def checked_links(model: Model, spheres: Spheres, obstacle: Obstacle, world: World) -> list[str]:
+    """The links and attached objects that an obstacle is checked against.
 
     Args:
         model: The robot.
-        spheres: Spheres of the links.
+        spheres: Spheres of the links and of attached objects.
         obstacle: The obstacle.
+        world: Its world.
 
     Returns:
-        Their names, in the order of `model.links`.
-
-    Raises:
-        UnknownName: If the obstacle may touch a link that the model does not have.
+        Their names, in the order of `model.links`, then of the world's attachments.
     """
-    touches = {model.links[model.link_index(name)].name for name in obstacle.touches}
-    return [
+    links = [
         link.name
         for link in model.links
-        if link.name in spheres.links and link.name not in touches and (link.joint >= 0 or obstacle.moving)
+        if link.name in spheres.links
+        and link.name not in obstacle.touches
+        and (link.joint >= 0 or obstacle.moving)
+    ]
+    return links + [
+        item.name
+        for item in world.attachments
+        if item.name in spheres.links
+        and item.name not in obstacle.touches
+        and obstacle.name not in item.touches
     ]
 
 
@@ -275,25 +303,32 @@ def sphere_clearance(
     """
     balls = fit(model) if spheres is None else spheres
     chosen = link_pairs(model) if pairs is None else pairs
-    couples = self_pairs(model, balls, chosen)
     world = World() if world is None else world
-    rows: list[tuple[Kind, Floats, tuple[str, ...]]] = [
-        (part.kind, row(part, SE3.identity()), links) for part, links in standing(model, chosen)
+    check_touches(model, world)
+    held = attached_solids(model, world)
+    all_pairs = (*chosen, *attached_pairs(model, world, balls.links, held))
+    balls = Spheres({**balls.links, **attached_spheres(world, held)})
+    carriers = {item.name: item.link for item in world.attachments}
+    couples = self_pairs(model, balls, all_pairs)
+    rows: list[tuple[Part, SE3, tuple[str, ...]]] = [
+        (part, SE3.identity(), links) for part, links in standing(model, all_pairs)
     ]
     for part in parts(world):
-        numbers = row(part, world[part.owner].pose)
-        rows.append((part.kind, numbers, tuple(checked_links(model, balls, world[part.owner]))))
+        links = tuple(checked_links(model, balls, world[part.owner], world))
+        rows.append((part, world[part.owner].pose, links))
 
     def distances(q: Array) -> list[Any]:
-        c = sphere_centres(model, q, balls)
+        c = sphere_centres(model, q, balls, carriers)
         gaps = []
         for a, i, b, j in couples:
             v = c[a][i] - c[b][j]
-            gaps.append(root(v @ v) - (balls.links[a].radii[i] + balls.links[b].radii[j]))
-        for kind, numbers, links in rows:
+            apart = balls.links[a].radii[i] + balls.links[b].radii[j] + world.margin(a, b)
+            gaps.append(root(v @ v) - apart)
+        for part, pose, links in rows:
             for link in links:
+                numbers = row(part.grown(world.margin(part.owner, link)), pose)
                 for centre, radius in zip(c[link], balls.links[link].radii, strict=True):
-                    gaps.append(signed(kind, centre, numbers) - radius)
+                    gaps.append(signed(part.kind, centre, numbers) - radius)
         return gaps
 
     def function(q: Array) -> Any:

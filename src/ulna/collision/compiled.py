@@ -1,46 +1,41 @@
 """Collision checks by covering spheres, compiled: never "free" where the real shapes touch.
 
 One kernel places the spheres and checks them against each other, in SIMD lanes over configurations; one for each kind
-of obstacle checks them against a row of numbers, in SIMD lanes over obstacles. Obstacles are data: to move, add or
-remove one compiles nothing.
+of obstacle checks them against a row of numbers, in SIMD lanes over obstacles. Obstacles and the spheres of attached
+objects are data: to move, add, remove or attach one compiles nothing.
 """
 
 from __future__ import annotations
 
-import functools
 import threading
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Literal, final
+from typing import Any, final
 
 import numpy as np
 
+from ulna import kernels
 from ulna.checks.arrays import batched_array
 from ulna.collision import clearance as gap
+from ulna.collision.attached import attached_pairs, attached_solids, attached_spheres
+from ulna.collision.mask import check_touches
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.solids import Missing
-from ulna.collision.spheres import Spheres, fit, sphere_centres
+from ulna.collision.sphere_kernels import What, outer_kernel, own_kernel, sphere_kernel
+from ulna.collision.spheres import LinkSpheres, Spheres, fit
 from ulna.collision.world import World
-from ulna.compiler import compile, trace
 from ulna.errors import InputError
 from ulna.model import Model
-from ulna.numeric import less, minimum, where
 from ulna.spatial import SE3
-from ulna.typing import Array, ArrayLike, Floats
+from ulna.typing import ArrayLike, Floats
 
 TOUCH = 1e-6
 """What is this near counts as touching [m]: the tolerance that coal's own distances have."""
-
-What = Literal["free", "signed"]
 
 _CHUNK = 512  # configurations whose spheres fit the second cache
 
 
 _Group = tuple[gap.Kind, tuple[str, ...], list[tuple[gap.Part, SE3, str]]]
 """A formula, links, and the pieces checked by it against their spheres: each with its pose, and whose pose that is."""
-
-
-MOST_COUPLES = 30_000
-"""Pairs of a robot's own spheres that are still compiled into one kernel."""
 
 
 @final
@@ -72,7 +67,7 @@ class SphereChecker:
         pairs: Iterable[LinkPair] | None = None,
         missing: Missing = "error",
     ) -> None:
-        self._missing: Missing = missing
+        self.missing: Missing = missing
         self.model, self.world = model, World() if world is None else world
         self.spheres = fit(model, missing=missing) if spheres is None else spheres
         for name in self.spheres.links:
@@ -86,10 +81,24 @@ class SphereChecker:
                 )
         chosen = link_pairs(model) if pairs is None else checked_pairs(model, pairs)
         self.pairs = tuple(pair for pair in chosen if all(name in self.spheres.links for name in pair))
-        starts = np.cumsum([0, *(len(s.radii) for s in self.spheres.links.values())])
-        self._places = {
-            k: range(a, b) for k, a, b in zip(self.spheres.links, starts, starts[1:], strict=False)
+        check_touches(model, self.world)
+        held = attached_solids(model, self.world, missing)
+        self.attached = attached_spheres(self.world, held)
+        """Spheres of attached objects by name, in the frames of the links that carry them."""
+        self.attached_pairs = attached_pairs(model, self.world, self.spheres.links, held)
+        """Attached objects with the links and attached objects that they are checked against."""
+        self.carriers = {
+            item.name: item.link for item in self.world.attachments if item.name in self.attached
         }
+        """The links that carry attached objects, by name of the object."""
+        self.covering = Spheres({**self.spheres.links, **self.attached}) if self.attached else self.spheres
+        """The spheres of the links, then those of attached objects."""
+        counts = [len(s.radii) for s in self.covering.links.values()]
+        starts = np.cumsum([0, *counts])
+        self._places = {
+            k: range(a, b) for k, a, b in zip(self.covering.links, starts, starts[1:], strict=False)
+        }
+        self._apart = self._checked_apart()
         self._groups = self._grouped()
         self._still = [self._rows(parts, {}) for _, _, parts in self._groups]
         self._kernels: dict[Any, Any] = {}
@@ -182,9 +191,9 @@ class SphereChecker:
             (kind, links, self._rows(parts, poses) if any(name in poses for *_, name in parts) else still)
             for (kind, links, parts), still in zip(self._groups, self._still, strict=True)
         ]
-        self_distance = _own_kernel(what, self.model, self.spheres, self.pairs)
+        self_distance = own_kernel(what, self.model, self.spheres, self.pairs)
         if not batch:
-            return self._one(what, self_distance(q, reach), rows, join, reach)[()]
+            return self._one(what, self._with_attached(q, self_distance(q, reach)), rows, join, reach)[()]
         count = int(np.prod(batch))
         flat = np.broadcast_to(q, (*batch, self.model.nq)).reshape(count, self.model.nq)
         spread = [
@@ -202,6 +211,7 @@ class SphereChecker:
                 part = slice(start, min(start + _CHUNK, count))
                 c = buffer[: part.stop - part.start]
                 placed = self_distance(flat[part], reach, out=(c, np.empty(len(c))))
+                placed = self._with_attached(flat[part], placed)
                 here = [(kind, links, x[part]) for kind, links, x in spread]
                 results.append(self._one(what, placed, here, join, reach))
             return results
@@ -223,21 +233,67 @@ class SphereChecker:
         """The answers of some configurations whose spheres are placed and checked against each other."""
         centres, result = placed
         for kind, links, numbers in rows:
-            chosen = centres[..., self._chosen(links), :][..., None, :, :]
-            distances = self._outer(what, kind, links)(chosen, numbers, reach)
+            chosen = centres[..., self._chosen(links), :]
+            if links[0] in self.attached:
+                radii = self.attached[links[0]].radii
+                ask = sphere_kernel(what, kind)
+                distances = ask(chosen[..., None, :, :], radii, numbers[..., :, None, :], reach)
+                distances = join.reduce(distances, axis=-1)
+            else:
+                distances = self._outer(what, kind, links)(chosen[..., None, :, :], numbers, reach)
             result = join(result, join.reduce(distances, axis=-1))
+        for first, second, least in self._apart:
+            a, b = (centres[..., self._chosen((name,)), :] for name in (first, second))
+            apart = np.linalg.norm(a[..., :, None, :] - b[..., None, :, :], axis=-1) - least
+            least_apart = apart.min(axis=(-2, -1))
+            result = join(result, least_apart > reach if what == "free" else least_apart)
         return np.asarray(result)
+
+    def _with_attached(self, q: Floats, placed: tuple[Any, Any]) -> tuple[Any, Any]:
+        """The centres of all spheres, after those of the links those of attached objects."""
+        if not self.attached:
+            return placed
+        centres = [placed[0]]
+        for name, balls in self.attached.items():
+            T = kernels.kernel(self.model, "fk", frame=self.carriers[name])(q)
+            turned = balls.centres @ np.swapaxes(T[..., :3, :3], -1, -2)
+            centres.append(turned + T[..., None, :3, 3])
+        return np.concatenate(centres, axis=-2), placed[1]
+
+    def _checked_apart(self) -> list[tuple[str, str, Floats]]:
+        """Pairs that the kernel of the links' spheres does not know, each with the least distances of their centres."""
+        still = {link.name for link in self.model.links if link.joint < 0}
+        with_margins = [pair for pair in self.pairs if self.world.margin(*pair)]
+        balls: Mapping[str, LinkSpheres] = self.covering.links
+        return [
+            (a, b, balls[a].radii[:, None] + balls[b].radii + self.world.margin(a, b))
+            for a, b in (*self.attached_pairs, *with_margins)
+            if a not in still and b not in still
+        ]
 
     def _grouped(self) -> list[_Group]:
         """What spheres are checked against, by formula and by the links: fixed links, and the world's obstacles."""
         groups: dict[tuple[gap.Kind, tuple[str, ...]], list[tuple[gap.Part, SE3, str]]] = {}
-        for part, links in gap.standing(self.model, self.pairs, self._missing):
-            groups.setdefault((part.kind, links), []).append((part, SE3.identity(), ""))
-        for part in gap.parts(self.world, self._missing):
-            links = tuple(gap.checked_links(self.model, self.spheres, self.world[part.owner]))
-            if links:
-                members = groups.setdefault((part.kind, links), [])
-                members.append((part, self.world[part.owner].pose, part.owner))
+
+        def put(part: gap.Part, links: Sequence[str], pose: SE3, name: str) -> None:
+            """Attached objects have groups of their own, and so have links that keep another distance."""
+            held = [(link,) for link in links if link in self.attached]
+            margins = {link: self.world.margin(part.owner, link) for link in links}
+            rest = [
+                tuple(link for link in links if link not in self.attached and margins[link] == margin)
+                for margin in sorted(set(margins.values()))
+            ]
+            for chosen in (*rest, *held):
+                if chosen:
+                    members = groups.setdefault((part.kind, chosen), [])
+                    members.append((part.grown(margins[chosen[0]]), pose, name))
+
+        for part, links in gap.standing(self.model, (*self.pairs, *self.attached_pairs), self.missing):
+            put(part, links, SE3.identity(), "")
+        for part in gap.parts(self.world, self.missing):
+            obstacle = self.world[part.owner]
+            links = gap.checked_links(self.model, self.covering, obstacle, self.world)
+            put(part, links, obstacle.pose, part.owner)
         return [(kind, links, members) for (kind, links), members in groups.items()]
 
     def _rows(self, parts: Sequence[tuple[gap.Part, SE3, str]], poses: Mapping[str, SE3]) -> Floats:
@@ -255,80 +311,8 @@ class SphereChecker:
         key = what, kind, links
         if key not in self._kernels:
             radii = np.concatenate([self.spheres.links[link].radii for link in links])
-            self._kernels[key] = _outer_kernel(what, kind, tuple(radii.tolist()))
+            self._kernels[key] = outer_kernel(what, kind, tuple(radii.tolist()))
         return self._kernels[key]
-
-
-@functools.lru_cache(maxsize=64)
-def _own_kernel(what: What, model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...]) -> Any:
-    """From a configuration and a reach to the centres of all spheres and the answer of spheres on spheres.
-
-    Shared by all worlds: to change obstacles compiles nothing.
-    """
-    couples = gap.self_pairs(model, spheres, pairs)
-    if len(couples) > MOST_COUPLES:
-        raise InputError(
-            f"{model.name!r} would check {len(couples):,} pairs of its own spheres, more than the {MOST_COUPLES:,} "
-            "that compile in seconds. Take coarser spheres (spheres=robot.collision.spheres(tolerance=0.05, most=4)), "
-            "name the links that matter (pairs=...), or ask coal (method='exact')."
-        )
-
-    def check(q: Array, reach: Any) -> tuple[Any, Any]:
-        c = sphere_centres(model, q, spheres)
-        answer = _Result(what, reach)
-        for a, i, b, j in couples:
-            v = c[a][i] - c[b][j]
-            radius = spheres.links[a].radii[i] + spheres.links[b].radii[j]
-            if what == "free":
-                answer.beyond(v @ v, radius)
-            else:
-                answer.at(gap.root(v @ v) - radius)
-        return np.concatenate([np.asarray(x, dtype=object) for x in c.values()]), answer.number()
-
-    return compile(trace(check, name=f"spheres_{what}", q=(model.nq,), reach=()))
-
-
-@functools.lru_cache(maxsize=64)
-def _outer_kernel(what: What, kind: gap.Kind, radii: tuple[float, ...]) -> Any:
-    """From centres, the numbers of one obstacle, and a reach to the answer of spheres on that obstacle."""
-
-    def check(c: Array, numbers: Array, reach: Any) -> Any:
-        answer = _Result(what, reach)
-        for centre, radius in zip(c, radii, strict=True):
-            if what == "free" and kind != "plane":
-                squared, rounding = gap.squared(kind, centre, numbers)
-                answer.beyond(squared, radius + rounding)
-            else:
-                answer.at(gap.signed(kind, centre, numbers) - radius)
-        return answer.number()
-
-    shapes = {"c": (len(radii), 3), "numbers": (gap.WIDTH[kind],), "reach": ()}
-    return compile(trace(check, name=f"spheres_{kind}_{what}", **shapes))
-
-
-@final
-class _Result:
-    """What is gathered while spheres are looked at: whether all is free, or the least distance; nan is not free."""
-
-    def __init__(self, what: What, reach: Any) -> None:
-        self.what, self.reach = what, reach
-        self.result: Any = True if what == "free" else np.inf
-
-    def beyond(self, squared: Any, radius: Any) -> None:
-        """Takes in a squared distance that must be above that of `radius`: no root is needed to say so."""
-        limit = radius + self.reach
-        self.result = less(limit * limit, squared) & self.result
-
-    def at(self, distance: Any) -> None:
-        """Takes in a distance."""
-        if self.what == "free":
-            self.result = less(self.reach, distance) & self.result
-        else:
-            self.result = minimum(self.result, distance)
-
-    def number(self) -> Any:
-        """1 for free and 0 for not, or the least distance."""
-        return where(self.result, 1.0, 0.0) if self.what == "free" else self.result
 
 
 def _matrix(pose: Any) -> Any:

@@ -13,7 +13,9 @@ import numpy as np
 
 from ulna import kernels
 from ulna.collision import narrow
-from ulna.collision.broad_phase import BroadPhase, pair_mask
+from ulna.collision.attached import attached_solids
+from ulna.collision.broad_phase import BroadPhase
+from ulna.collision.mask import pair_margins, pair_mask
 from ulna.collision.narrow import Found, Look, Narrow, Poses
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.result import Distance, Proximity
@@ -35,7 +37,7 @@ class Checker:
         model: The robot.
         world: Its obstacles; None for none.
         pairs: Pairs of links to check against each other; None for `link_pairs(model)`, () for none.
-        without: Pairs of links, or of a link and an obstacle, to leave out.
+        without: Pairs of links, obstacles and attached objects to leave out.
         convex: Whether meshes are taken by their convex hulls; faster, and larger.
         missing: What to do about a mesh file that is not there: "error", or "skip" it with a warning.
 
@@ -58,13 +60,16 @@ class Checker:
         narrow.coal()
         self.model, self.world = model, World() if world is None else world
         links, obstacles = link_solids(model, missing), obstacle_solids(self.world, missing)
-        self.solids, self._count = (*links, *obstacles), len(links)
-        """The solids of the links, then those of the obstacles."""
+        attached = attached_solids(model, self.world, missing)
+        self.solids, count = (*links, *attached, *obstacles), len(links) + len(attached)
+        """The solids of the links, then those of attached objects, then those of the obstacles."""
         self.pairs = _link_pairs(model, self.world, pairs, without)
-        self.mask = pair_mask(model, self.world, self.solids, self._count, self.pairs, without)
-        """Which solids of links are checked against which of all, (n links, n)."""
-        self._broad = BroadPhase(model, self.world, links, obstacles, self.mask)
-        self._narrow = Narrow([narrow.geometry_of(s, convex) for s in self.solids])
+        self.mask = pair_mask(model, self.world, self.solids, count, self.pairs, without)
+        """Which solids that move with the robot are checked against which of all, (n links and attached, n)."""
+        margins = pair_margins(self.world, self.solids, count)
+        self._broad = BroadPhase(model, self.world, links, attached, obstacles, self.mask, margins)
+        self._narrow = Narrow([narrow.geometry_of(s, convex) for s in self.solids], margins)
+        self._carriers = {item.name: item.link for item in self.world.attachments}
         self._jacobians: dict[str, Any] = {}
         self.lock = forks.lock()
 
@@ -278,7 +283,7 @@ class Checker:
         for name, point, sign in zip(item.names, item.points, (-1.0, 1.0), strict=True):
             if not name or name in self.world:
                 continue
-            J = self._jacobian(name)(q)
+            J = self._jacobian(self._carriers.get(name, name))(q)
             total += sign * (item.normal @ J[:3] + np.cross(point, item.normal) @ J[3:])
         return total
 
@@ -291,7 +296,8 @@ class Checker:
 def _link_pairs(
     model: Model, world: World, pairs: Iterable[LinkPair] | None, without: Iterable[LinkPair]
 ) -> tuple[LinkPair, ...]:
-    gone = [pair for pair in without if not any(name in world for name in pair)]
+    objects = {*world.names, *(item.name for item in world.attachments)}
+    gone = [pair for pair in without if not any(name in objects for name in pair)]
     if pairs is None:
         return link_pairs(model, without=gone)
     skip = {frozenset(pair) for pair in checked_pairs(model, gone)}

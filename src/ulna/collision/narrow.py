@@ -129,11 +129,17 @@ class Look:
 
 
 class Narrow:
-    """Coal's objects, reused from pair to pair; not for two threads at once."""
+    """Coal's objects, reused from pair to pair; not for two threads at once.
 
-    def __init__(self, geometries: Sequence[Any]) -> None:
+    Args:
+        geometries: The geometries, those that move with the robot first.
+        margins: How far these must stay apart, by which their distances are less, shape (moving, all) [m].
+    """
+
+    def __init__(self, geometries: Sequence[Any], margins: Floats) -> None:
         c = coal()
         self._geometries = geometries
+        self._margins = margins.tolist() if margins.any() else None
         self._transforms = [c.Transform3s() for _ in geometries]
         self._poses: Poses | None = None
         self._rows = [-1] * len(geometries)
@@ -154,6 +160,7 @@ class Narrow:
         c = coal()
         request, result = c.CollisionRequest(), c.CollisionResult()
         request.security_margin, request.num_max_contacts = margin, 1
+        margins = self._margins
         request.enable_contact = (
             True  # without it coal 3.0 calls some shapes free that share an axis and overlap
         )
@@ -164,6 +171,8 @@ class Narrow:
             if pair is None:
                 pair = made[i, j] = c.ComputeCollision(geometries[i], geometries[j])
             result.clear()
+            if margins is not None:
+                request.security_margin = margin + margins[i][j]
             return pair(place(poses, row, i), place(poses, row, j), request, result) > 0
 
         return ask
@@ -186,6 +195,8 @@ class Narrow:
         result = self._result
         result.clear()
         d = pair(self._place(poses, row, i), self._place(poses, row, j), self._request, result)
+        if self._margins is not None:
+            d -= self._margins[i][j]
         if best is not None and best.distance <= d:
             return best
         points = np.stack([result.getNearestPoint1(), result.getNearestPoint2()])

@@ -90,7 +90,7 @@ def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
                     f"Link {link.name!r} of robot {model.name!r} moves, and a plane on it would fill half of space. "
                     "Give it a Box."
                 )
-            solid = _solid(
+            solid = solid_of(
                 f"link {link.name!r} of robot {model.name!r}",
                 link.name,
                 geometry.shape,
@@ -126,13 +126,29 @@ def obstacle_solids(world: World, missing: Missing = "error") -> tuple[Solid, ..
     Returns:
         The solids, in the order of the obstacles.
     """
-    solids = (_solid(f"obstacle {o.name!r}", o.name, o.shape, -1, o.pose, missing) for o in world.obstacles)
+    solids = (solid_of(f"obstacle {o.name!r}", o.name, o.shape, -1, o.pose, missing) for o in world.obstacles)
     return tuple(solid for solid in solids if solid is not None)
 
 
-def _solid(
+def solid_of(
     place: str, owner: str, shape: Shape, joint: int, placement: SE3, missing: Missing
 ) -> Solid | None:
+    """A shape as a solid, with its mesh read.
+
+    Args:
+        place: What it is, for messages.
+        owner: Name of the link or object.
+        shape: The shape.
+        joint: Index of the joint that carries it; -1 where nothing moves it.
+        placement: T_joint_shape; T_world_shape for -1 [m].
+        missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
+
+    Returns:
+        The solid; None where its mesh is missing and skipped.
+
+    Raises:
+        ModelError: If the mesh is missing, or the shape has no volume.
+    """
     vertices, triangles = np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
     if isinstance(shape, Mesh):
         if shape.path is None or shape.missing or not os.path.isfile(shape.path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import final
 
 import numpy as np
@@ -184,13 +185,16 @@ def _link(model: Model, name: str, solids: list[Solid], tolerance: float, most: 
     return fitted
 
 
-def sphere_centres(model: Model, q: Array, spheres: Spheres) -> dict[str, Array]:
+def sphere_centres(
+    model: Model, q: Array, spheres: Spheres, carriers: Mapping[str, str] = MappingProxyType({})
+) -> dict[str, Array]:
     """Where the spheres are in the world.
 
     Args:
         model: The robot.
         q: Configuration, (..., nq) [rad or m].
-        spheres: The spheres on its links.
+        spheres: The spheres on its links, and of objects in the frames of the links that carry them.
+        carriers: These links by name of the object.
 
     Returns:
         By link the centres (..., n, 3) [m]; (n, 3) for a link that no joint moves.
@@ -198,7 +202,7 @@ def sphere_centres(model: Model, q: Array, spheres: Spheres) -> dict[str, Array]
     joints = algorithms.joint_poses(model, q)
     points = {}
     for name, balls in spheres.links.items():
-        link = model.link(name)
+        link = model.link(carriers.get(name, name))
         points[name] = link.placement @ balls.centres
         if link.joint >= 0:
             T = joints[link.joint]

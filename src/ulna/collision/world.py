@@ -1,65 +1,55 @@
-"""A world of named shapes that a robot must not touch; frozen, edited by making new ones."""
+"""A world of named shapes that a robot must not touch or that it carries; frozen, edited by making new ones."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, final
 
 import numpy as np
 
-from ulna import kernels
-from ulna.checks.arrays import check_finite
-from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.collision.objects import Attachment, Obstacle, checked_object, checked_pose
+from ulna.collision.robot_poses import robot_poses
+from ulna.errors import InputError, UnknownName
 from ulna.geometry import Mesh, Shape
 from ulna.idioms import unknown_attribute
 from ulna.model import Model
 from ulna.model.content import fingerprint
 from ulna.spatial import SE3
 from ulna.system.cached import cached_property
-from ulna.typing import ArrayLike, Floats
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class Obstacle:
-    """A named shape in the world.
-
-    Attributes:
-        name: Its name, once in a world.
-        shape: The shape in its own frame.
-        pose: T_world_shape; of a moving obstacle, where it stands unless a call says otherwise.
-        moving: Whether calls may give it another pose.
-        touches: Names of links that may touch it: a base on a table, fingers around a part.
-    """
-
-    name: str
-    shape: Shape
-    pose: SE3
-    moving: bool = False
-    touches: tuple[str, ...] = ()
+from ulna.typing import ArrayLike
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class World:
-    """Obstacles by name. Start from `World()` and add.
+    """Obstacles, and objects that links carry, by name. Start from `World()` and add.
 
     A link that cannot move is not checked against an obstacle that cannot move: no motion changes what they do.
+
+    Attributes:
+        obstacles: The obstacles.
+        attachments: The objects that links carry.
+        margins: How far two must stay apart, by the set of their names [m].
     """
 
     obstacles: tuple[Obstacle, ...] = ()
+    attachments: tuple[Attachment, ...] = ()
+    margins: Mapping[frozenset[str], float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "obstacles", tuple(self.obstacles))
+        object.__setattr__(self, "attachments", tuple(self.attachments))
         taken: set[str] = set()
-        for obstacle in self.obstacles:
-            if obstacle.name in taken:
+        for item in (*self.obstacles, *self.attachments):
+            if item.name in taken:
+                is_held = any(item.name == a.name for a in self.attachments)
+                kind = "an attached object" if is_held else "an obstacle"
                 raise InputError(
-                    f"The world has an obstacle named {obstacle.name!r} already; expected a new name. "
+                    f"The world has {kind} named {item.name!r} already; expected a new name. "
                     "Take the old one out with `world.remove(name)`, or move it with `world.move(name, pose)`."
                 )
-            taken.add(obstacle.name)
+            taken.add(item.name)
 
     def add(
         self,
@@ -78,7 +68,7 @@ class World:
             pose: T_world_shape [m]: an SE3, an array of shape (4, 4), or a position of shape (3,); None for the
                 world's origin.
             moving: Whether calls may give it another pose.
-            touches: Names of links that may touch it.
+            touches: Names of links and attached objects that may touch it.
 
         Returns:
             A new world.
@@ -86,20 +76,28 @@ class World:
         Raises:
             InputError: If the name is taken, or shape or pose cannot be one.
         """
-        if not isinstance(name, str) or not name:
-            raise InputError(f"`name` is {name!r}; expected a name for the obstacle.")
-        if not isinstance(shape, Shape):
-            raise InputError(
-                f"Obstacle {name!r}: `shape` is {shape!r}; expected a shape of ulna.geometry, such as Box((1, 1, 0.1))."
-            )
-        if isinstance(touches, str):
-            raise InputError(f"Obstacle {name!r}: `touches` is {touches!r}; expected a list of link names.")
-        return World((*self.obstacles, Obstacle(name, shape, _pose(name, pose), moving, tuple(touches))))
+        allowed = checked_object(name, shape, touches, "Obstacle")
+        new = Obstacle(name, shape, checked_pose(f"obstacle {name!r}", pose), moving, allowed)
+        if name in self._taken:
+            return replace(self, obstacles=(*self.obstacles, new))  # which refuses the name
+        added, named = (new,), (name,)
+        world = object.__new__(World)  # without looking at all names again: thousands are added one by one
+        world.__dict__.update(
+            obstacles=self.obstacles + added,
+            attachments=self.attachments,
+            margins=self.margins,
+            _taken=self._taken + named,
+        )
+        return world
 
     def remove(self, name: str) -> World:
-        """The world without that obstacle. Raises UnknownName with the nearest one."""
-        gone = self[name]
-        return World(tuple(o for o in self.obstacles if o is not gone))
+        """The world without that obstacle or attached object. Raises UnknownName with the nearest one."""
+        if name not in self._taken:
+            raise UnknownName("obstacle", name, sorted(self._taken))
+        obstacles = tuple(o for o in self.obstacles if o.name != name)
+        attachments = tuple(a for a in self.attachments if a.name != name)
+        margins = {pair: distance for pair, distance in self.margins.items() if name not in pair}
+        return World(obstacles, attachments, margins)
 
     def move(self, name: str, pose: SE3 | ArrayLike) -> World:
         """The world with an obstacle at another pose.
@@ -115,8 +113,116 @@ class World:
             UnknownName: no obstacle of that name; offers the nearest one.
         """
         old = self[name]
-        new = replace(old, pose=_pose(name, pose))
-        return World(tuple(new if o is old else o for o in self.obstacles))
+        new = replace(old, pose=checked_pose(f"obstacle {name!r}", pose))
+        return replace(self, obstacles=tuple(new if o is old else o for o in self.obstacles))
+
+    def attach(
+        self,
+        name: str,
+        link: str,
+        pose: SE3 | ArrayLike | None = None,
+        *,
+        shape: Shape | None = None,
+        touches: Iterable[str] = (),
+    ) -> World:
+        """The world with an object that a link carries; an obstacle of that name is one no longer.
+
+        The object counts like a part of the link: in collision checks against obstacles, other links and other
+        attached objects, in distances, and in planning. What may touch the obstacle may touch the object, too.
+
+        Args:
+            name: Its name: that of an obstacle, which the link takes up, or a new one.
+            link: Name of the link.
+            pose: T_link_shape [m]: an SE3, an array of shape (4, 4), or a position of shape (3,); None for the link's
+                frame.
+            shape: The shape; None for that of the obstacle.
+            touches: Names of links, obstacles and attached objects that it may touch: fingers around it, what it
+                stands on.
+
+        Returns:
+            A new world.
+
+        Raises:
+            InputError: If the name is taken, there is no shape, or shape or pose cannot be one.
+        """
+        taken = self[name] if name in self.names else None
+        if shape is None and taken is None:
+            raise InputError(
+                f"Attached object {name!r}: no shape is given, and no obstacle has that name; expected `shape=`, "
+                f"or the name of an obstacle: {', '.join(map(repr, self.names[:8])) or 'there are none'}."
+            )
+        allowed = checked_object(name, shape or (taken and taken.shape), touches, "Attached object")
+        if taken is not None:
+            allowed = tuple(dict.fromkeys((*allowed, *taken.touches)))
+        place = checked_pose(f"attached object {name!r}", pose)
+        new = Attachment(name, link, shape or taken.shape, place, allowed)  # type: ignore[union-attr]
+        rest = tuple(o for o in self.obstacles if o is not taken)
+        return replace(self, obstacles=rest, attachments=(*self.attachments, new))
+
+    def detach(self, name: str, pose: SE3 | ArrayLike, *, touches: Iterable[str] = ()) -> World:
+        """The world with an attached object put down: it is an obstacle from now on. `remove` takes it away.
+
+        Args:
+            name: Its name.
+            pose: Where it stands: T_world_shape [m], as for `add`; where the link holds it,
+                `robot.fk(q, link) @ world.attached(name).pose.matrix()`.
+            touches: Names of links and attached objects that may touch it now.
+
+        Returns:
+            A new world.
+
+        Raises:
+            UnknownName: If nothing of that name is attached; offers the nearest one.
+        """
+        old = self.attached(name)
+        rest = replace(self, attachments=tuple(a for a in self.attachments if a is not old))
+        return rest.add(name, old.shape, pose, touches=touches)
+
+    def attached(self, name: str) -> Attachment:
+        """The attached object of that name. Raises UnknownName with the nearest one."""
+        for item in self.attachments:
+            if item.name == name:
+                return item
+        raise UnknownName("attached object", name, [a.name for a in self.attachments])
+
+    def set_margin(self, first: str, second: str, distance: float) -> World:
+        """The world with a distance that two must keep: they count as nearer than they are by that much, everywhere.
+
+        Args:
+            first: Name of a link, an obstacle or an attached object.
+            second: Name of another.
+            distance: How far apart [m]; 0 for no margin.
+
+        Returns:
+            A new world.
+
+        Raises:
+            InputError: If the two are one, or the distance is negative or not finite.
+        """
+        if first == second:
+            raise InputError(
+                f"The margin of {first!r} and itself has no meaning; expected two different names."
+            )
+        try:
+            value = float(distance)
+        except (TypeError, ValueError):
+            value = np.nan
+        if not (np.isfinite(value) and value >= 0.0):
+            raise InputError(f"`distance` is {distance!r}; expected a finite length, not below 0 [m].")
+        margins = {**self.margins, frozenset((first, second)): value}
+        return replace(self, margins={pair: d for pair, d in margins.items() if d > 0.0})
+
+    def margin(self, first: str, second: str) -> float:
+        """How far apart two must stay [m].
+
+        Args:
+            first: Name of a link, an obstacle or an attached object.
+            second: Name of another.
+
+        Returns:
+            What `set_margin` said, 0 where it said nothing.
+        """
+        return self.margins.get(frozenset((first, second)), 0.0) if self.margins else 0.0
 
     def add_robot(
         self,
@@ -155,11 +261,23 @@ class World:
         return tuple(o.name for o in self.obstacles)
 
     @cached_property
+    def _taken(self) -> tuple[str, ...]:
+        """The names of all obstacles and attached objects."""
+        return (*(a.name for a in self.attachments), *self.names)
+
+    @cached_property
+    def _by_name(self) -> Mapping[str, Obstacle]:
+        return {o.name: o for o in self.obstacles}
+
+    @cached_property
     def fingerprint(self) -> str:
         """SHA-256 of the content; meshes count by their whole path here."""
-        paths = [o.shape.path for o in self.obstacles if isinstance(o.shape, Mesh)]
+        shapes = [item.shape for item in (*self.obstacles, *self.attachments)]
+        paths = [shape.path for shape in shapes if isinstance(shape, Mesh)]
         parts = [[o.name, o.shape, o.pose, o.moving, list(o.touches)] for o in self.obstacles]
-        return fingerprint([parts, paths])
+        held = [[a.name, a.link, a.shape, a.pose, list(a.touches)] for a in self.attachments]
+        margins = sorted([*sorted(pair), distance] for pair, distance in self.margins.items())
+        return fingerprint([parts, paths, held, margins])
 
     def __getattr__(self, name: str) -> Any:
         raise unknown_attribute("world", name, dir(type(self)))
@@ -171,13 +289,12 @@ class World:
         return iter(self.obstacles)
 
     def __contains__(self, name: object) -> bool:
-        return name in self.names
+        return name in self._by_name
 
     def __getitem__(self, name: str) -> Obstacle:
-        for obstacle in self.obstacles:
-            if obstacle.name == name:
-                return obstacle
-        raise UnknownName("obstacle", name, self.names)
+        if name not in self._by_name:
+            raise UnknownName("obstacle", name, self.names)
+        return self._by_name[name]
 
     def moving(self, name: str) -> Obstacle:
         """The obstacle of that name, which calls may move.
@@ -195,64 +312,6 @@ class World:
         return obstacle
 
     def __repr__(self) -> str:
-        return (
-            f"<world of {len(self)} obstacles: {', '.join(self.names[:8])}{' ...' if len(self) > 8 else ''}>"
-        )
-
-
-def robot_poses(name: str, model: Model, q: ArrayLike, placement: SE3 | None = None) -> Mapping[str, Floats]:
-    """Where the obstacles of a robot stand that was added to a world.
-
-    Args:
-        name: The name it was added as.
-        model: Its model.
-        q: Its configurations, shape (..., nq) [rad, m].
-        placement: T_world_base, where its world stands in this one [m]; None for the origin.
-
-    Returns:
-        Poses by name of the obstacle, shape (..., 4, 4) [m].
-    """
-    links = [link for link in model.links if link.collisions]
-    fk = kernels.kernel(model, "fk", checked=True, frame=tuple(link.name for link in links))
-    poses = fk(np.asarray(q, dtype=float))
-    if placement is not None:
-        poses = placement.matrix() @ poses
-    return {
-        f"{name}/{link.name}/{k}": poses[..., i, :, :] @ geometry.placement.matrix()
-        for i, link in enumerate(links)
-        for k, geometry in enumerate(link.collisions)
-    }
-
-
-def _pose_of(name: str, array: Floats) -> SE3:
-    if array.shape == (3,):
-        return SE3.from_translation(array)
-    if array.shape[-2:] == (4, 4):
-        return SE3.from_matrix(array)
-    advice = {
-        (7,): "Of a position and a quaternion x, y, z, w: SE3.from_quat_xyzw(pose[3:], pose[:3]).",
-        (6,): "Of a position and roll, pitch, yaw: SE3.from_rpy(pose[3:], pose[:3]).",
-        (3, 3): "Of a rotation: SE3.from_rotation(R, position).",
-    }
-    raise ShapeError(
-        f"pose of obstacle {name!r}",
-        array.shape,
-        "an SE3, (4, 4), or a position (3,)",
-        advice.get(array.shape, ""),
-    )
-
-
-def _pose(name: str, pose: SE3 | ArrayLike | None) -> SE3:
-    if pose is None:
-        return SE3.identity()
-    if isinstance(pose, SE3):
-        checked = pose
-    else:
-        checked = _pose_of(name, np.asarray(pose, dtype=float))
-    matrix: Any = checked.matrix()
-    if matrix.shape != (4, 4):
-        raise InputError(
-            f"Obstacle {name!r}: `pose` is a batch of shape {matrix.shape[:-2]}; expected one pose."
-        )
-    check_finite(f"pose of obstacle {name!r}", matrix)
-    return checked
+        held = "".join(f"; {a.name} on {a.link}" for a in self.attachments)
+        more = " ..." if len(self) > 8 else ""
+        return f"<world of {len(self)} obstacles: {', '.join(self.names[:8])}{more}{held}>"

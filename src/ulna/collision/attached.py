@@ -1,0 +1,127 @@
+"""Objects that links carry: their solids, the spheres that cover them, and what they are checked against."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import lru_cache
+
+from ulna.collision.fit import cover
+from ulna.collision.objects import Attachment
+from ulna.collision.pairs import LinkPair
+from ulna.collision.solids import Missing, Solid, solid_of
+from ulna.collision.spheres import LinkSpheres
+from ulna.collision.world import World
+from ulna.errors import InputError, UnknownName
+from ulna.geometry import Plane, Shape
+from ulna.model import Model
+from ulna.spatial import SE3
+
+_TOLERANCE, _MOST = 0.006, 32  # of spheres around an object [m], and their number
+
+
+def attached_solids(model: Model, world: World, missing: Missing = "error") -> tuple[Solid, ...]:
+    """The objects that a model's links carry, as solids on the joints that move these links.
+
+    Args:
+        model: The robot.
+        world: The world, which says what they carry.
+        missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
+
+    Returns:
+        The solids, in the order of the world's attachments.
+
+    Raises:
+        UnknownName: If there is no such link, or nothing of a name that an object may touch.
+        InputError: If a link does not move, or a shape has no end.
+    """
+    known = {*model.link_names, *world.names, *(a.name for a in world.attachments)}
+    solids = []
+    for item in world.attachments:
+        link = model.links[model.link_index(item.link)]
+        if link.joint < 0:
+            raise InputError(
+                f"Attached object {item.name!r}: link {item.link!r} does not move. Put the object into the world: "
+                "world.add(name, shape, pose, touches=[link])."
+            )
+        if isinstance(item.shape, Plane):
+            raise InputError(
+                f"Attached object {item.name!r} is a {item.shape.describe()}, which has no end; expected a body."
+            )
+        for name in item.touches:
+            if name not in known:
+                raise UnknownName(f"link or object that {item.name!r} may touch", name, sorted(known))
+        place = f"attached object {item.name!r}"
+        solid = solid_of(place, item.name, item.shape, link.joint, link.placement @ item.pose, missing)
+        if solid is not None:
+            solids.append(solid)
+    return tuple(solids)
+
+
+def attached_pairs(
+    model: Model, world: World, links: Iterable[str], solids: Iterable[Solid]
+) -> tuple[LinkPair, ...]:
+    """What attached objects are checked against, besides obstacles: links that move otherwise, and other objects.
+
+    Args:
+        model: The robot.
+        world: The world.
+        links: Names of the links that are checked.
+        solids: The attached objects that are checked.
+
+    Returns:
+        Pairs of names; the first is that of an object.
+    """
+    pairs: list[LinkPair] = []
+    joints = {solid.owner: solid.joint for solid in solids}
+    held = [item for item in world.attachments if item.name in joints]
+    for k, item in enumerate(held):
+        pairs += [
+            (item.name, name)
+            for name in links
+            if model.link(name).joint != joints[item.name] and name not in item.touches
+        ]
+        pairs += [
+            (item.name, other.name)
+            for other in held[k + 1 :]
+            if joints[other.name] != joints[item.name] and not may_touch(item, other)
+        ]
+    return tuple(pairs)
+
+
+def may_touch(item: Attachment, other: Attachment) -> bool:
+    """Whether two attached objects may touch each other.
+
+    Args:
+        item: One.
+        other: The other.
+
+    Returns:
+        The truth value.
+    """
+    return other.name in item.touches or item.name in other.touches
+
+
+def attached_spheres(world: World, solids: Iterable[Solid]) -> dict[str, LinkSpheres]:
+    """Spheres that cover attached objects, in the frames of the links that carry them.
+
+    Args:
+        world: The world.
+        solids: The attached objects.
+
+    Returns:
+        Spheres by name of the object.
+    """
+    spheres = {}
+    for solid in solids:
+        item = world.attached(solid.owner)
+        balls = _covering(item.shape, solid.vertices.tobytes())
+        spheres[item.name] = LinkSpheres(item.pose @ balls.centres, balls.radii, balls.excess)
+    return spheres
+
+
+@lru_cache(maxsize=256)
+def _covering(shape: Shape, vertices: bytes) -> LinkSpheres:
+    """Spheres around a shape in its own frame; the vertices tell a mesh file that was changed from what it was."""
+    solid = solid_of("an attached object", "", shape, -1, SE3.identity(), "error")
+    assert solid is not None
+    return LinkSpheres(*cover([solid], [SE3.identity()], _TOLERANCE, _MOST))
