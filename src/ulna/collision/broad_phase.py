@@ -31,7 +31,7 @@ class BroadPhase:
         attached: The solids of attached objects.
         obstacles: The solids of the obstacles.
         mask: Which solids that move with the robot are checked against which of all, shape (n links and attached, n).
-        margins: How far these must stay apart, of the same shape [m].
+        margins: How far these must stay apart, shape (n links and attached, n) [m].
     """
 
     def __init__(

@@ -220,7 +220,7 @@ class World:
             second: Name of another.
 
         Returns:
-            What `set_margin` said, 0 where it said nothing.
+            What `set_margin` said, 0 where it said nothing [m].
         """
         return self.margins.get(frozenset((first, second)), 0.0) if self.margins else 0.0
 
