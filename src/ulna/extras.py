@@ -19,8 +19,8 @@ def requirements(extra: str) -> tuple[str, ...]:
         declared = metadata.requires("ulna") or []
     except ImportError:  # no metadata: it runs from a folder on the path
         return ()
-    found = ((line, _MARKER.search(line)) for line in declared)
-    return tuple(line[: marker.start()] for line, marker in found if marker and marker["extra"] == extra)
+    marked = ((line, _MARKER.search(line)) for line in declared)
+    return tuple(line[: marker.start()] for line, marker in marked if marker and marker["extra"] == extra)
 
 
 def install_command(extra: str, package: str) -> str:

@@ -13,7 +13,7 @@ from ulna import algorithms as alg
 from ulna.algorithms.constraints.bound_response import BoundResponse, bound_response
 from ulna.algorithms.constraints.damped_dynamics import Damped, DampedMotion, damped_dynamics, damped_impact
 from ulna.algorithms.constraints.dynamics_derivatives import bound_terms
-from ulna.algorithms.constraints.frame_errors import constraint_seen, constraint_twists, frame_of
+from ulna.algorithms.constraints.frame_errors import constraint_twists, frame_of, relative_motion
 from ulna.model import Model
 from ulna.model.constraint import Bond, End
 from ulna.typing import Floats
@@ -123,22 +123,22 @@ def test_the_error_of_a_frame_is_its_logarithm(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_what_is_seen_from_the_first_frame(seed: int) -> None:
+def test_the_motion_of_the_second_frame_in_the_first_one(seed: int) -> None:
     """The place of a point, its velocity and acceleration are rates of each other; so are twist and its rate."""
     model = tree(seed)
     q, v, a, _ = state(model, seed)
     for bond in bonds(model, seed)[1:3]:
-        seen = constraint_seen(model, q, v, a, bond)
-        close(seen.velocity, seen.J @ v, 1e-12)
+        motion = relative_motion(model, q, v, a, bond)
+        close(motion.velocity, motion.J @ v, 1e-12)
 
         def parts(x: Floats, bond: Bond = bond) -> Floats:
-            found = constraint_seen(model, x, v, 0.0 * a, bond)
-            return np.concatenate([found.place, found.velocity], axis=-1)
+            at_rest = relative_motion(model, x, v, 0.0 * a, bond)
+            return np.concatenate([at_rest.place, at_rest.velocity], axis=-1)
 
         rates = along(model, q, v, parts)
         if bond.size == 3:
-            close(seen.velocity, rates[:3], 1e-8)
-        close(seen.acceleration, rates[bond.size :] + seen.J @ a, 1e-8)
+            close(motion.velocity, rates[:3], 1e-8)
+        close(motion.acceleration, rates[bond.size :] + motion.J @ a, 1e-8)
 
 
 @pytest.mark.parametrize("rounds", [1, 3])

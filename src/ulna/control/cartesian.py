@@ -37,8 +37,8 @@ from ulna.typing import Array
 _POSTURE = ("q_rest", "stiffness_rest", "damping_rest")
 
 
-class _Lack(NamedTuple):
-    """What a frame lacks, and how it moves, world axes."""
+class _TaskError(NamedTuple):
+    """The error of a frame, and how it moves, in world axes."""
 
     e: Array
     V: Array
@@ -76,12 +76,12 @@ def impedance(
         q: Array, v: Array, T_goal: Array, twist_goal: Array, stiffness: Array, damping: Array,
         q_rest: Array, stiffness_rest: Array, damping_rest: Array,
     ) -> Array:  # fmt: skip
-        e, V, J, R = _lack(robot, one, q, v, T_goal)
+        e, V, J, R = _task_error(robot, one, q, v, T_goal)
         force = _along(R, stiffness, e) + _along(R, damping, twist_goal - V)
-        wish = stiffness_rest * algorithms.difference(model, q, q_rest) - damping_rest * v
+        posture_torque = stiffness_rest * algorithms.difference(model, q, q_rest) - damping_rest * v
         tau = (
             J.T @ force
-            + _in_null_space(robot, one, q, J, wish, regularisation)
+            + _in_null_space(robot, one, q, J, posture_torque, regularisation)
             + algorithms.bias_forces(model, q, v)
         )
         return within_effort(model, tau) if bounded else tau
@@ -118,13 +118,13 @@ def operational_space(
         q: Array, v: Array, T_goal: Array, twist_goal: Array, acceleration_goal: Array, kp: Array, kd: Array,
         q_rest: Array, stiffness_rest: Array, damping_rest: Array,
     ) -> Array:  # fmt: skip
-        e, V, J, R = _lack(robot, one, q, v, T_goal)
+        e, V, J, R = _task_error(robot, one, q, v, T_goal)
         drift = algorithms.frame_jacobian_dot(model, q, v, one) @ v
         wanted = acceleration_goal + _along(R, kd, twist_goal - V) + _along(R, kp, e) - drift
         inertia = algorithms.operational_inertia(model, q, Task(one, damping=regularisation))
-        wish = stiffness_rest * algorithms.difference(model, q, q_rest) - damping_rest * v
+        posture_torque = stiffness_rest * algorithms.difference(model, q, q_rest) - damping_rest * v
         tau = J.T @ (inertia @ wanted) + algorithms.bias_forces(model, q, v)
-        tau = tau + _in_null_space(robot, one, q, J, wish, regularisation)
+        tau = tau + _in_null_space(robot, one, q, J, posture_torque, regularisation)
         return within_effort(model, tau) if bounded else tau
 
     return _compiled(law, robot, acceleration_goal=(6,), kp=(6,), kd=(6,))
@@ -143,12 +143,12 @@ def _compiled(law: Any, robot: Robot, **shapes: Any) -> Any:
     return compile(law, robot, checked=True, T_goal=(4, 4), twist_goal=(6,), **shapes, **posture)
 
 
-def _lack(robot: Robot, frame: Any, q: Array, v: Array, T_goal: Array) -> _Lack:
+def _task_error(robot: Robot, frame: Any, q: Array, v: Array, T_goal: Array) -> _TaskError:
     pose = algorithms.frame_pose(robot.model, q, frame)
     J = algorithms.frame_jacobian(robot.model, q, frame)
     R_goal = T_goal[:3, :3]
     e = vector(*(T_goal[:3, 3] - pose.translation), *so3_log(R_goal @ pose.rotation.T))
-    return _Lack(e, J @ v, J, R_goal)
+    return _TaskError(e, J @ v, J, R_goal)
 
 
 def _along(R: Array, gain: Array, x: Array) -> Array:

@@ -36,11 +36,11 @@ from ulna.formats.mjcf_parse import (
     HINGE,
     SLIDE,
     CompiledMjcf,
-    fresh,
     names_of,
     pose_of,
     read_mjcf,
     text_or_file,
+    unused_name,
 )
 from ulna.formats.mjcf_shapes import Shapes
 from ulna.formats.mjcf_switches import Switches
@@ -206,7 +206,7 @@ class _Reading:
             name = m.site(s).name
             if name:
                 place = pose_of(m.site_pos[s], m.site_quat[s])
-                called = fresh(name if name not in taken else f"{name}_site", taken)
+                called = unused_name(name if name not in taken else f"{name}_site", taken)
                 builder.add_frame(called, self._links[m.site_bodyid[s]], place)
 
     def _add_configurations(self, builder: ModelBuilder) -> None:

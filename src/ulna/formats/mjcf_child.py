@@ -92,12 +92,12 @@ def _answered(text: str, file: str | None) -> tuple[dict[str, Any], bytes]:
                 used.keep()
                 return answer, binary
             used.end()
-    fresh = _CompilerProcess()
+    process = _CompilerProcess()
     try:
-        answer, binary = fresh.ask(content, file)
+        answer, binary = process.ask(content, file)
     except _Ended as ended:
         raise FormatError(f"MuJoCo's compiler {ended} on it.", file=file) from None
-    fresh.end() if answer.get("memory") else fresh.keep()
+    process.end() if answer.get("memory") else process.keep()
     return answer, binary
 
 

@@ -68,7 +68,7 @@ def couplings(m: Any, equalities_on: bool = True) -> Couplings:
     return Couplings(followed, frozenset(expressed))
 
 
-def why_left(m: Any, e: int) -> tuple[str, str, str]:
+def reason_omitted(m: Any, e: int) -> tuple[str, str, str]:
     """Why an equality is not expressed by a mimic joint.
 
     Args:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ulna.formats.mjcf_contacts import Contacts
-from ulna.formats.mjcf_couplings import Couplings, why_left
+from ulna.formats.mjcf_couplings import Couplings, reason_omitted
 from ulna.formats.mjcf_drives import Drives
 from ulna.formats.mjcf_parse import BALL, FREE, CompiledMjcf, names_of
 from ulna.formats.mjcf_switches import Switches
@@ -127,7 +127,7 @@ class Audit:
         not_expressed: dict[tuple[str, str, str], list[str]] = {}
         for e in range(m.neq):
             if self._switches.equalities and m.eq_active0[e] and e not in self._joined.kept:
-                not_expressed.setdefault(why_left(m, e), []).append(
+                not_expressed.setdefault(reason_omitted(m, e), []).append(
                     self._place("equality", m.equality(e).name, e)
                 )
         for (element, effect, advice), places in not_expressed.items():

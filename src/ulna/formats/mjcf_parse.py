@@ -91,13 +91,13 @@ def names_of(model: Any) -> tuple[list[str], list[str]]:
     """The names of links, of which the world is the first, and of joints; those without get one after their body."""
     taken = {"world"}
     bodies = (model.body(b).name or f"body_{b}" for b in range(1, model.nbody))
-    links = ["world", *(fresh(name, taken) for name in bodies)]
+    links = ["world", *(unused_name(name, taken) for name in bodies)]
     joints = [model.joint(j).name for j in range(model.njnt)]
     taken = set(joints)
     for j, name in enumerate(joints):
         if not name:
             ending = "free" if model.jnt_type[j] == FREE else "joint"
-            joints[j] = fresh(f"{links[model.jnt_bodyid[j]]}_{ending}", taken)
+            joints[j] = unused_name(f"{links[model.jnt_bodyid[j]]}_{ending}", taken)
     return links, joints
 
 
@@ -114,7 +114,7 @@ def pose_of(position: Any, wxyz: Any) -> SE3:
     return SE3.from_quat_xyzw(np.roll(np.asarray(wxyz), -1), np.asarray(position))
 
 
-def fresh(name: str, taken: set[str]) -> str:
+def unused_name(name: str, taken: set[str]) -> str:
     """A name that is not taken yet.
 
     Args:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 from math import comb
 from typing import Any
 
@@ -171,13 +171,6 @@ def _product(p: Any, r: Any) -> list[Any]:
     return rows
 
 
-def _greatest(rows: Any) -> Any:
-    best = rows[0]
-    for row in rows[1:]:
-        best = maximum(best, row)
-    return best
-
-
 def _most(rows: Any) -> Array:
     """The greatest of each column."""
-    return vector(*(_greatest([row[j] for row in rows]) for j in range(len(rows[0]))))
+    return vector(*(reduce(maximum, [row[j] for row in rows]) for j in range(len(rows[0]))))

@@ -92,9 +92,9 @@ def solved(task: Task, s: Floats) -> Answer:
             return _answer(task, ground, x, bound, speed)
         if can_stretch and (worst <= 1.0 + _STRETCH * 2.0**round or round == _ROUNDS - 1):
             return _slowed(task, ground, x, speed, worst)
-        fresh, long = ~repairs.ends & (use > _ENOUGH), ~ground.rests & (use > _LONG)
-        if fresh.any():  # limits at the ends come before anything else
-            repairs = replace(repairs, ends=repairs.ends | fresh)
+        at_ends, long = ~repairs.ends & (use > _ENOUGH), ~ground.rests & (use > _LONG)
+        if at_ends.any():  # limits at the ends come before anything else
+            repairs = replace(repairs, ends=repairs.ends | at_ends)
         elif round < _SPLITS and worst > _LONG and long.any() and ground.at.s.size < MOST:
             ground, repairs = _halved(task, ground, repairs, long)
         else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Any
 
 import numpy as np
@@ -120,18 +120,11 @@ def _kernel(n: int) -> Any:
             where(speeds[k] <= _REST[0] * speeds[2], where(bends[k] <= _REST[1] * bends[2], 2.0, 1.0), 0.0)
             for k in (0, -1)
         ]
-        return start, end, *rests, _greatest(speeds)
+        return start, end, *rests, reduce(maximum, speeds)
 
     shapes: dict[str, Any] = dict.fromkeys(("tangent", "curvature"), (len(NODES), n))
     return compile(survey, **shapes, low=(n,), high=(n,)).gufunc
 
 
 def _size(row: Array) -> Any:
-    return _greatest([abs(x) for x in row])
-
-
-def _greatest(values: list[Any]) -> Any:
-    best = values[0]
-    for x in values[1:]:
-        best = maximum(best, x)
-    return best
+    return reduce(maximum, [abs(x) for x in row])

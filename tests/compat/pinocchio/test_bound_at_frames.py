@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterator
 from typing import Any
 
@@ -165,3 +166,39 @@ def test_what_was_bound_once_is_not_bound_again(
     monkeypatch.setattr(type(data), "attach", None)  # which binding needs
     for found, wanted in zip(_asked(pin, model, data, q + 0.1), expected, strict=True):
         np.testing.assert_array_equal(found, wanted)
+
+
+def test_a_change_of_a_frame_concerns_the_models_that_have_it(pin: Any, model: Any) -> None:
+    data, other, at = model.createData(), model.copy(), model.nframes - 1
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    pin.updateFramePlacement(model, data, at)
+    bound = data._bound_at["frames", at]
+    other.frames[at].name = "renamed"
+    other.frames.append(model.frames[1].copy())
+    pin.updateFramePlacement(model, data, at)
+    assert data._bound_at["frames", at] is bound
+    other.frames.append(model.frames[at])  # from here on a frame of both
+    model.frames[at].parentJoint = 1
+    expected = data.oMi[1] * model.frames[at].placement
+    assert np.allclose(pin.updateFramePlacement(model, data, at).homogeneous, expected.homogeneous)
+    assert data._bound_at["frames", at] is not bound
+
+
+@pytest.mark.parametrize("add", ["append", "insert", "extend", "+="])
+def test_a_frame_is_watched_from_the_moment_it_is_added(pin: Any, model: Any, add: str) -> None:
+    frame = model.frames[model.nframes - 1].copy()
+    if add == "append":
+        model.frames.append(frame)
+    elif add == "insert":
+        model.frames.insert(model.nframes, frame)
+    elif add == "extend":
+        model.frames.extend(f for f in [frame])
+    else:
+        model.frames += [frame]
+    data, at = model.createData(), model.nframes - 1
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    pin.updateFramePlacement(model, data, at)
+    frame.parentJoint = 1
+    expected = data.oMi[1] * frame.placement
+    assert np.allclose(pin.updateFramePlacement(model, data, at).homogeneous, expected.homogeneous)
+    assert [f.name for f in pickle.loads(pickle.dumps(model.frames))] == [f.name for f in model.frames]

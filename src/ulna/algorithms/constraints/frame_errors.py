@@ -90,8 +90,8 @@ def constraint_twists(model: Model, q: Array, v: Array, bonds: Sequence[Bond]) -
     return Twists(along_axes(model, q, J, bonds), turned[..., 0], turned[..., 1], turned[..., 2])
 
 
-class Seen(NamedTuple):
-    """How the second frame moves, seen from the first one."""
+class RelativeMotion(NamedTuple):
+    """The motion of the second frame in the first one."""
 
     place: Array
     """y, (..., m) [m, rad]."""
@@ -103,8 +103,8 @@ class Seen(NamedTuple):
     """z, (..., m) [m/s^2, rad/s^2]."""
 
 
-def constraint_seen(model: Model, q: Array, v: Array, a: Array, bond: Bond) -> Seen:
-    """How the second frame of a constraint moves, seen from the first one.
+def relative_motion(model: Model, q: Array, v: Array, a: Array, bond: Bond) -> RelativeMotion:
+    """The motion of the second frame of a constraint in the first one.
 
     Args:
         model: The robot.
@@ -120,14 +120,14 @@ def constraint_seen(model: Model, q: Array, v: Array, a: Array, bond: Bond) -> S
     y = -twists.error
     acceleration = -(apply(twists.J, a) + twists.bias)
     if bond.size == 6:
-        return Seen(y, -twists.J, -twists.velocity, acceleration)
+        return RelativeMotion(y, -twists.J, -twists.velocity, acceleration)
     first = frame_of(bond.first)
     turns = frame_jacobian(model, q, first, "local")[..., 3:, :]
     w = apply(turns, v)
     S = -(twists.J - skew(y) @ turns)
     velocity = apply(S, v)
     alpha = frame_acceleration(model, q, v, a, first, "local").angular
-    return Seen(
+    return RelativeMotion(
         y, S, velocity, acceleration - 2.0 * cross(w, velocity) - cross(alpha, y) - cross(w, cross(w, y))
     )
 

@@ -70,9 +70,9 @@ class ExpressionReader(IndexReader):
         Raises:
             ProcedureError: If arguments are missing, too many, or of other types.
         """
-        given = self._by_position(node, definition)
-        instance = self.scope.instance_of(definition, given)
-        names = dict(zip(definition.parameters, given, strict=True))
+        arguments_in_order = self._by_position(node, definition)
+        instance = self.scope.instance_of(definition, arguments_in_order)
+        names = dict(zip(definition.parameters, arguments_in_order, strict=True))
         arguments = []
         for name, kind in instance.parameters:
             value = converted(names[name], kind)

@@ -53,9 +53,9 @@ class ProcedureReader(AssignmentReader):
         body, ends = self.block(source.tree.body)
         if self._results and not ends:
             source.fail(source.tree.lineno, "not every path returns a value", "End with `return`.")
-        own = tuple((k, v) for k, v in scope.types.items() if k not in dict(self._parameters))
+        locals_ = tuple((k, v) for k, v in scope.types.items() if k not in dict(self._parameters))
         written = {n for s in _statements(body) for n in _names_assigned(s)}
-        variables = (*own, *((k, v) for k, v in self._parameters if k in written))
+        variables = (*locals_, *((k, v) for k, v in self._parameters if k in written))
         return t.Instance(name, self._parameters, variables, self._results or (), body, source.file)
 
     def block(self, nodes: Iterable[ast.stmt]) -> tuple[tuple[t.Statement, ...], bool]:

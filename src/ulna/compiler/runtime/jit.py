@@ -118,11 +118,11 @@ def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[
     key = disk_cache.key(ir, t.triple, t.cpu, t.features, t.llvm, _RECIPE)
     start = time.perf_counter()
     content = _cached_object(key)
-    fresh = content is None
+    is_new = content is None
     if content is None:
         with announced():  # in this thread and without the lock: watchers may do anything, forks included
             content = interruptible(lambda: _object(key, ir, has_loops))
-    seconds = time.perf_counter() - start if fresh else 0.0
+    seconds = time.perf_counter() - start if is_new else 0.0
     with _lock:
         machine = _new_machine()  # the engine takes it over
         engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
@@ -131,7 +131,7 @@ def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[
         code = Code(engine, {name: engine.get_function_address(name) for name in names}, seconds)
     if "time" in os.environ.get("ULNA_DEBUG", ""):
         print(
-            f"[ulna] {', '.join(names)}: {1e3 * seconds:.1f} ms {'in LLVM' if fresh else '(from the cache)'}"
+            f"[ulna] {', '.join(names)}: {1e3 * seconds:.1f} ms {'in LLVM' if is_new else '(from the cache)'}"
         )
     if not all(code.addresses.values()):
         raise CompileError(f"LLVM made no code for {[n for n, a in code.addresses.items() if not a]}.")

@@ -105,8 +105,8 @@ def buildModelsFromMJCF(
     """
     name = root_joint_name or "root_joint"
     model, constraints = buildModelAndLegacyConstraintsFromMJCF(filename, root_joint, name)
-    found = (model, constraints) if contacts else (model,)
-    return (*found, *_geometries(model, filename, geometry_types))
+    read = (model, constraints) if contacts else (model,)
+    return (*read, *_geometries(model, filename, geometry_types))
 
 
 @overloads(
@@ -138,8 +138,8 @@ def buildModelsAndConstraintsFromMJCF(
     name = root_joint_name or "root_joint"
     model, points, frames = buildModelAndConstraintsFromMJCF(filename, root_joint, name)
     anchors = {"point_anchor_constraint_models": points, "frame_anchor_constraint_models": frames}
-    found = (model, anchors) if constraints else (model,)
-    return (*found, *_geometries(model, filename, geometry_types))
+    read = (model, anchors) if constraints else (model,)
+    return (*read, *_geometries(model, filename, geometry_types))
 
 
 def _geometries(model: Model, filename: Any, geometry_types: Any) -> tuple[Any, ...]:

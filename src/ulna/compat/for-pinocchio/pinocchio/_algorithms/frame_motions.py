@@ -13,7 +13,6 @@ from pinocchio._containers.enums import reference_of
 from pinocchio._data.data import Data
 from pinocchio._data.states import compiled_for
 from pinocchio._model.bound_kernels import BoundKernel, not_applicable
-from pinocchio._model.frame import changes
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Motion
 from ulna import spatial
@@ -170,7 +169,7 @@ def _motion(
     place: Any = None,
 ) -> Motion:
     """The motion of a frame out of what the Data holds of its joint; bound at `place` for the next time."""
-    watch = [(changes, changes.copy())]  # joints and frames
+    watch = model.watched_frames()
     if data._layout is not model._layout:
         compiled_for(model, data)
     if kind == "velocity":

@@ -16,7 +16,6 @@ from pinocchio._data.deferred_fields import ACCELERATIONS_IN_WORLD, JOINTS, VELO
 from pinocchio._data.functions import fast_path
 from pinocchio._data.states import check_frames
 from pinocchio._model.bound_kernels import not_applicable, not_read
-from pinocchio._model.frame import changes
 from pinocchio._model.kernel_parameters import pose_of
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3, se3_kernel
@@ -141,7 +140,7 @@ def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
         place = index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")
         data.require(data._q, "forwardKinematics(model, data, q)")
         data.attach(model)
-        watch, frame = [(changes, changes.copy())], model.frames[place]
+        watch, frame = model.watched_frames(), model.frames[place]
         factors = data._arrays["oMi"][frame.parentJoint], frame.placement._m
         into = data._arrays["oMf"][place]
         step = se3_kernel("product").into(

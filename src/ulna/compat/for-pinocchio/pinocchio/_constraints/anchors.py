@@ -16,7 +16,7 @@ from pinocchio._data.data import Data
 from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3
-from ulna.algorithms.constraints.frame_errors import constraint_seen
+from ulna.algorithms.constraints.frame_errors import relative_motion
 from ulna.errors import InputError
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
@@ -151,7 +151,7 @@ class _Anchor(FramePair):
 
         def build(core: CoreModel) -> Any:
             def run(q: Array, v: Array, a: Array, places: Array) -> tuple[Array, ...]:
-                return tuple(constraint_seen(core, q, v, a, core_constraints(shapes, places)[0]))
+                return tuple(relative_motion(core, q, v, a, core_constraints(shapes, places)[0]))
 
             return run
 

@@ -73,8 +73,8 @@ def the_one(function: str, named: Mapping[str, Any], names: Sequence[str]) -> An
         ArgumentError: There is none, there are several, or its name is another one.
     """
     if len(named) != 1 or not named.keys() <= set(names):
-        given = ", ".join(named) or "nothing"
-        raise ArgumentError(f"{function} was given {given}; expected one of {', '.join(names)}.")
+        passed = ", ".join(named) or "nothing"
+        raise ArgumentError(f"{function} was given {passed}; expected one of {', '.join(names)}.")
     return next(iter(named.values()))
 
 
@@ -180,9 +180,11 @@ def _given(
     parameters: list[inspect.Parameter], values: tuple[Any, ...]
 ) -> tuple[tuple[Any, ...], dict[str, Any]]:
     """The values that differ from their defaults: by position up to the first that does not, then by name."""
-    given = [x is not None and x is not p.default for p, x in zip(parameters, values, strict=False)]
-    count = given.index(False) if False in given else len(values)
-    rest = zip(parameters[count:], values[count:], given[count:], strict=False)
+    differs_from_default = [
+        x is not None and x is not p.default for p, x in zip(parameters, values, strict=False)
+    ]
+    count = differs_from_default.index(False) if False in differs_from_default else len(values)
+    rest = zip(parameters[count:], values[count:], differs_from_default[count:], strict=False)
     return values[:count], {p.name: x for p, x, differs in rest if differs}
 
 
@@ -206,10 +208,10 @@ def _fitting(way: list[Parameter], parts: tuple[Any, ...], named: dict[str, Any]
 def _no_overload(
     name: str, parts: tuple[Any, ...], named: dict[str, Any], ways: list[list[Parameter]]
 ) -> str:
-    given = [type(x).__name__ for x in parts]
-    given += [f"{key}={type(x).__name__}" for key, x in named.items()]
+    kinds = [type(x).__name__ for x in parts]
+    kinds += [f"{key}={type(x).__name__}" for key, x in named.items()]
     expected = " or ".join(f"{name}({', '.join(map(str, way))})" for way in ways)
-    return f"{name} was given ({', '.join(given)}); expected {expected}."
+    return f"{name} was given ({', '.join(kinds)}); expected {expected}."
 
 
 def _title(function: Callable[..., Any]) -> str:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any, final
 
-import numpy as np
-
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import NO_INDEX, index
 from pinocchio._containers.enums import FrameType
@@ -13,16 +11,14 @@ from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3, Placed
-
-changes = np.zeros(1, np.int64)
-"""How often a name or a parent of any frame was changed; placements are compared by their numbers."""
+from ulna.typing import Array
 
 
 @final
 class Frame(Placed):
     """`Frame(name, parentJoint, parentFrame, placement, type, inertia)`; parent frame and inertia may be left out."""
 
-    __slots__ = ("_inertia", "_name", "_parent_frame", "_parent_joint", "_placement", "_type")
+    __slots__ = ("_counters", "_inertia", "_name", "_parent_frame", "_parent_joint", "_placement", "_type")
 
     @by_name(
         "name parent_joint placement type inertia",
@@ -53,6 +49,16 @@ class Frame(Placed):
         self._placement = SE3(placement)
         self._type = type_
         self._inertia = Inertia(inertia)
+        self._counters: tuple[Array, ...] = ()
+
+    def add_counter(self, counter: Array) -> None:
+        """Counts changes of its name and joint in an array (1,), as each model with this frame does."""
+        if not any(known is counter for known in self._counters):
+            self._counters = (*self._counters, counter)
+
+    def _count_change(self) -> None:
+        for counter in self._counters:
+            counter[0] += 1
 
     def _parts(self) -> tuple[Any, ...]:
         return self.name, self.parentJoint, self.parentFrame, self.placement, self.type, self.inertia
@@ -65,7 +71,7 @@ class Frame(Placed):
     @name.setter
     def name(self, name: str) -> None:
         self._name = name
-        changes[0] += 1
+        self._count_change()
 
     @property
     def parentJoint(self) -> int:
@@ -75,7 +81,7 @@ class Frame(Placed):
     @parentJoint.setter
     def parentJoint(self, joint: int) -> None:
         self._parent_joint = int(joint)
-        changes[0] += 1
+        self._count_change()
 
     @property
     def parentFrame(self) -> int:
@@ -111,7 +117,7 @@ class Frame(Placed):
         self._parent_joint, self._parent_frame = other.parentJoint, other.parentFrame
         self._placement._assign(other.placement)
         self._inertia._assign(other.inertia)
-        changes[0] += 1
+        self._count_change()
 
     def copy(self) -> Frame:
         """A copy."""
@@ -119,6 +125,7 @@ class Frame(Placed):
         out._name, out._type = self._name, self._type
         out._parent_joint, out._parent_frame = self._parent_joint, self._parent_frame
         out._placement, out._inertia = self._placement.copy(), self._inertia.copy()
+        out._counters = ()
         return out
 
     __copy__ = cast = copy

@@ -8,7 +8,6 @@ import numpy as np
 
 from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.compiled_model import COMPILING, CompiledModel
-from pinocchio._model.frame import changes
 from pinocchio._model.kernel_parameters import PARAMETERS
 from pinocchio._model.live_parameters import LiveParameters
 from ulna.typing import Array
@@ -93,10 +92,10 @@ class KernelCache(LiveParameters):
         if on == "structure":
             live: list[Array] = [self._version]
         elif on == "frame":
-            live = [changes, self.frames[frame].placement._m]
+            live = [self._frame_changes, self.frames[frame].placement._m]
         else:
             names = PARAMETERS if on == "parameters" else ("placements",)
             live = [self._version, *(x for name in names for x in self.parameter_blocks(name))]
         if on == "frames":
-            live += [changes, *self.parameter_blocks("frames")]
+            live += [self._frame_changes, *self.parameter_blocks("frames")]
         return [(block, block.copy()) for block in live]

@@ -6,17 +6,18 @@ frame is added; a change of any is seen by comparing a few blocks of memory.
 
 from __future__ import annotations
 
-from typing import Any, final
+from collections.abc import Iterable
+from typing import Any, Self, final
 
 import numpy as np
 
 from pinocchio._containers.arrays import StdVec, numbers
-from pinocchio._model.frame import Frame, changes
+from pinocchio._model.frame import Frame
 from pinocchio._model.joint_model import JointModel
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
-from ulna.typing import Floats
+from ulna.typing import Array, Floats
 
 _BLOCK_ROWS = 64
 
@@ -56,32 +57,52 @@ class RowStorage:
 
 
 class FrameList(StdVec[Frame]):
-    """The frames of a model; adding or removing one counts as a change of frames."""
+    """The frames of a model; `changes` counts how often one was added, removed or changed."""
+
+    def __init__(self, frames: Iterable[Frame] = (), changes: Array | None = None) -> None:
+        super().__init__(frames)
+        self.changes = np.zeros(1, np.int64) if changes is None else changes
+        self._count_added(self)
+
+    def _count_added(self, frames: Iterable[Frame]) -> None:
+        self.changes[0] += 1
+        for frame in frames:
+            frame.add_counter(self.changes)
+
+    def append(self, frame: Frame) -> None:
+        super().append(frame)
+        self._count_added([frame])
+
+    def insert(self, place: Any, frame: Frame) -> None:
+        super().insert(place, frame)
+        self._count_added([frame])
+
+    def extend(self, frames: Iterable[Frame]) -> None:
+        added = list(frames)
+        super().extend(added)
+        self._count_added(added)
+
+    def __iadd__(self, frames: Iterable[Frame]) -> Self:
+        self.extend(frames)
+        return self
+
+    def __reduce__(self) -> Any:
+        return FrameList, (list(self),)
 
 
 def _counted(name: str) -> Any:
     change = getattr(list, name)
 
     def method(self: FrameList, *args: Any, **options: Any) -> Any:
-        changes[0] += 1
-        return change(self, *args, **options)
+        result = change(self, *args, **options)
+        self.changes[0] += 1
+        return result
 
     method.__name__, method.__doc__ = name, change.__doc__
     return method
 
 
-for _name in [
-    "append",
-    "extend",
-    "insert",
-    "pop",
-    "remove",
-    "clear",
-    "reverse",
-    "sort",
-    "__delitem__",
-    "__iadd__",
-]:
+for _name in ("pop", "remove", "clear", "reverse", "sort", "__delitem__"):
     setattr(FrameList, _name, _counted(_name))
 
 
@@ -101,6 +122,7 @@ class LiveParameters:
 
     def _create_storage(self) -> None:
         self._frames, self._counted_changes, self._frame_owners = FrameList(), -1, ()
+        self._frame_changes = self._frames.changes
         self._rows = {
             "placements": RowStorage("_m"),
             "inertias": RowStorage("_p"),
@@ -124,8 +146,7 @@ class LiveParameters:
 
     @frames.setter
     def frames(self, values: Any) -> None:
-        self._frames = FrameList(values)
-        changes[0] += 1
+        self._frames = FrameList(values, self._frame_changes)
 
     @property
     def jointPlacements(self) -> StdVec[SE3]:
@@ -175,12 +196,16 @@ class LiveParameters:
 
     def _frames_changed(self) -> None:
         """Frames or joints were added."""
-        changes[0] += 1
+        self._frame_changes[0] += 1
         self._store_frames()
+
+    def watched_frames(self) -> list[tuple[Array, Array]]:
+        """The count of changes of joints and frames, and a copy of it, (1,) each."""
+        return [(self._frame_changes, self._frame_changes.copy())]
 
     def frame_state(self) -> tuple[Any, bytes]:
         """A key that changes when a frame of this model does."""
-        count = int(changes[0])
+        count = int(self._frame_changes[0])
         if count != self._counted_changes:
             self._counted_changes = count
             self._frame_owners = tuple((f.name, f.parentJoint) for f in self._frames)

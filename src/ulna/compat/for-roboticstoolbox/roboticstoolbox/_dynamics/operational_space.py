@@ -111,8 +111,8 @@ class OperationalSpace(RobotMixin):
             ShapeError: `q` and `qd` have different shapes.
         """
         at, rate = np.asarray(q, dtype=float), np.asarray(qd, dtype=float)
-        given = any(matrix is not None for matrix in (J, Ji, Jd, C, Mx))
-        if not given and not self._takes_pseudoinverse(pinv):
+        has_matrices = any(matrix is not None for matrix in (J, Ji, Jd, C, Mx))
+        if not has_matrices and not self._takes_pseudoinverse(pinv):
             return self._operational_quantity("operational_coriolis", (at, rate), representation)
         if at.shape != rate.shape:
             raise ShapeError("qd", rate.shape, f"{at.shape}, as q")

@@ -68,15 +68,15 @@ def ordered_joints(links: Sequence[Link], check: bool = True) -> list[Link]:
         ModelError: Some joints have numbers and some have none, or they are not 0 to n - 1.
     """
     joints = [link for link in links if link.isjoint]
-    given = [not link.ets._auto_jindex for link in joints]
-    if not any(given):
+    numbered = [not link.ets._auto_jindex for link in joints]
+    if not any(numbered):
         inside = {id(link) for link in links}
         root = next(link for link in links if link._parent is None or id(link._parent) not in inside)
         order = [link for link in _depth_first(root) if id(link) in inside]
         for i, link in enumerate(link for link in order if link.isjoint):
             link.jindex = i
         return order
-    if not all(given):
+    if not all(numbered):
         raise ModelError("Some links have a `jindex` and some have none; set it for all of them or for none.")
     numbers = [link.jindex for link in joints]
     if check and sorted(numbers) != list(range(len(joints))):  # type: ignore[type-var]
