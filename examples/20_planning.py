@@ -9,7 +9,6 @@ import numpy as np
 import ulna
 from ulna.collision import World
 from ulna.geometry import Box, Sphere
-from ulna.planning import plan
 
 
 def down(x: float, y: float, z: float) -> np.ndarray:
@@ -29,7 +28,7 @@ def main() -> None:
         .add("ball", Sphere(0.1), (0.3, -0.5, 0.6))
     )
     q0 = robot.ik(down(0.5, -0.25, 0.35), robot.configurations["ready"], seed=1).q
-    path = plan(robot, q0, down(0.5, 0.25, 0.35), world)
+    path = robot.plan(q0, down(0.5, 0.25, 0.35), world)
     if not path:
         raise SystemExit(path.reason)
     print(path)

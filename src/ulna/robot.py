@@ -20,6 +20,7 @@ from ulna.methods.collision import Collision
 from ulna.methods.former_names import FormerNames
 from ulna.methods.free import FreeInverseKinematics
 from ulna.methods.parameters import Parameters
+from ulna.methods.planning import MotionPlanning
 from ulna.methods.variants import Variants
 from ulna.model import Model
 from ulna.quantities.centroidal import Centroidal
@@ -71,6 +72,7 @@ class Robot(
     Configurations,
     Dynamics,
     FreeInverseKinematics,
+    MotionPlanning,
     Branching,
     Variants,
     FormerNames,

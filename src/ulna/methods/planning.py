@@ -1,0 +1,50 @@
+"""Motions that touch nothing, as a method of the robot."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ulna.methods.traced import only_numbers
+from ulna.quantities.part import Part
+from ulna.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from ulna.collision import World
+    from ulna.planning import Plan
+
+_TRACED = "Call it outside, and pass what it finds as an argument."
+
+
+class MotionPlanning(Part):
+    """How to get there without touching anything."""
+
+    __slots__ = ()
+
+    def plan(
+        self,
+        q0: ArrayLike,
+        goal: Any,
+        world: World | None = None,
+        frame: str | None = None,
+        **options: Any,
+    ) -> Plan:
+        """A path from a configuration to a goal on which the robot touches neither itself nor the world.
+
+        Args:
+            q0: Where the robot is, (nq,) [rad or m].
+            goal: A configuration, a pose, several of either, or a region; see `ulna.planning.plan`.
+            world: Obstacles, and objects that links carry; None for none.
+            frame: Whose pose the goal is; None for the tool.
+            **options: Of `ulna.planning.plan`, such as `margin`, `timeout` and `seed`.
+
+        Returns:
+            An `ulna.planning.Plan`: `.points`, `.is_certified`, `.trajectory()`; false, with `.reason`, where there is
+            no path.
+
+        Raises:
+            ShapeError, NonFiniteError, InputError, ModelError, UnknownName: As from `ulna.planning.plan`.
+        """
+        from ulna import planning
+
+        only_numbers("robot.plan", _TRACED, q0)
+        return planning.plan(self, q0, goal, world, frame=frame, **options)
