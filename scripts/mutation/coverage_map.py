@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import difflib
+import hashlib
 import json
 import os
+import shutil
 import subprocess
 import sys
 from collections import defaultdict
+from functools import lru_cache
 from pathlib import Path
 
 from coverage import Coverage, CoverageData
@@ -25,10 +29,11 @@ def build(root: Path, folder: Path, arguments: list[str], jobs: int) -> None:
     """Runs the tests that `arguments` (of pytest) select under coverage and adds what they run to the map in `folder`.
 
     The map is added to, so it can be built folder by folder, and a build that was stopped leaves what it found by
-    then. Child processes of the tests are traced, too.
+    then. Child processes of the tests are traced, too. Each version of the sources has its part of the map, with a
+    copy of the sources, so that line numbers are found again after the sources changed.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    config, data = folder / "coverage.ini", folder / "lines"
+    part = _part(root, folder)
+    config, data = part / "coverage.ini", part / "lines"
     config.write_text(CONFIG.format(source=root / "src", data=data))
     # where a test of xdist calls this, the tests here are not that worker's
     inherited = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_XDIST")}
@@ -45,8 +50,20 @@ def build(root: Path, folder: Path, arguments: list[str], jobs: int) -> None:
     combined.load()  # what earlier builds found, which combining would overwrite
     combined.combine(strict=False)
     combined.save()
-    for damaged in folder.glob("lines.*"):  # of children that were killed while they wrote
+    for damaged in part.glob("lines.*"):  # of children that were killed while they wrote
         damaged.unlink()
+
+
+def _part(root: Path, folder: Path) -> Path:
+    """The folder of the map of the sources as they are now, with a copy of them."""
+    digest = hashlib.sha256()
+    for file in sorted((root / "src").rglob("*.py")):
+        digest.update(f"{file.relative_to(root)} {hashlib.sha256(file.read_bytes()).hexdigest()}".encode())
+    part = folder / "maps" / digest.hexdigest()[:12]
+    if not (part / "src").exists():
+        part.mkdir(parents=True, exist_ok=True)
+        shutil.copytree(root / "src", part / "src", ignore=shutil.ignore_patterns("__pycache__"))
+    return part
 
 
 class CoverageMap:
@@ -54,10 +71,12 @@ class CoverageMap:
 
     def __init__(self, root: Path, folder: Path) -> None:
         self._root = root
-        self._data: CoverageData | None = None
-        if (folder / "lines").exists():
-            self._data = CoverageData(folder / "lines")
-            self._data.read()
+        self._parts: list[tuple[CoverageData, Path]] = []
+        for lines in sorted(folder.glob("maps/*/lines")):
+            data = CoverageData(lines)
+            data.read()
+            self._parts.append((data, lines.parent))
+        self._contexts = lru_cache(maxsize=64)(self._read_contexts)
         self._seconds: dict[str, float] = defaultdict(float)
         failed = set()
         notes = folder / "notes.jsonl"
@@ -87,8 +106,22 @@ class CoverageMap:
         """The tests that ran any line of a file."""
         return {test for tests in self._contexts(path).values() for test in tests}
 
-    def _contexts(self, path: str) -> dict[int, list[str]]:
-        if self._data is None:
-            return {}
-        lines = self._data.contexts_by_lineno(str(self._root / path))
-        return {line: [test for test in tests if test in self._seconds] for line, tests in lines.items()}
+    def _read_contexts(self, path: str) -> dict[int, set[str]]:
+        """The tests of each line of a file as it is now."""
+        found: dict[int, set[str]] = defaultdict(set)
+        for data, part in self._parts:
+            lines = data.contexts_by_lineno(str(self._root / path))
+            places = _places(part / path, self._root / path) if lines else {}
+            for line, tests in lines.items():
+                if line in places:
+                    found[places[line]].update(test for test in tests if test in self._seconds)
+        return found
+
+
+def _places(before: Path, after: Path) -> dict[int, int]:
+    """Where the lines of a file are now that are in an earlier version of it, too."""
+    if not before.exists():
+        return {}
+    lines = [file.read_text().splitlines() for file in (before, after)]
+    blocks = difflib.SequenceMatcher(None, *lines, autojunk=False).get_matching_blocks()
+    return {a + k + 1: b + k + 1 for a, b, size in blocks for k in range(size)}

@@ -85,3 +85,12 @@ def test_geometries_of_files_and_of_models_put_together(tmp_path: Path) -> None:
 
 def test_arguments_by_name(tmp_path: Path) -> None:
     _compare(tmp_path, script="asked_by_name.py")
+
+
+def test_members_answer_and_refuse_as_in_pinocchio(tmp_path: Path) -> None:
+    share = share_folder()
+    if share is None:
+        pytest.skip("example-robot-data is not installed")
+    arm = share / "robots" / "ur_description"
+    words = [arm / "urdf" / "ur5_robot.urdf", arm / "srdf" / "ur5.srdf", share.parent]
+    _compare(tmp_path, *(str(word) for word in words), script="asked_members.py")
