@@ -20,12 +20,14 @@ from ulna.quantities import THEMES
 SOURCE = Path(__file__).parents[2] / "src" / "ulna"
 FILES = sorted(SOURCE.rglob("*.py"))
 
-PINOCCHIO = "compat/for-pinocchio/pinocchio/"  # which completes all of its docstrings as it is imported
 PACKAGES = {
-    PINOCCHIO: "_containers/documentation.py",
+    "compat/for-pinocchio/gepetto/": "corbaserver/documentation.py",
+    "compat/for-pinocchio/pinocchio/": "_containers/documentation.py",
     "compat/for-roboticstoolbox/roboticstoolbox/": "_common/documentation.py",
 }
-"""Packages whose public names are defined in private folders, and what arguments of the same name mean in each."""
+"""Packages whose public names are defined in private folders, too, and what arguments of the same name mean in each."""
+COMPLETED = ("compat/for-pinocchio/pinocchio/",)
+"""Those that complete the docstrings of what is in private folders as they are imported."""
 
 ARRAYS = re.compile(r"\b(Array|ArrayLike|Floats|NDArray|ndarray)\b")
 NUMBERS = re.compile(rf"{ARRAYS.pattern}|\bfloat\b")
@@ -84,10 +86,8 @@ def argument_texts(package: str | None) -> dict[str, str]:
 
 
 def is_public(path: Path) -> bool:
-    """Whether neither the file nor a folder above it begins with an underscore, or what it defines has public names."""
-    return package_of(path) is not None or not any(
-        part.startswith("_") and part != "__init__.py" for part in path.relative_to(SOURCE).parts
-    )
+    """Whether neither the file nor a folder above it begins with an underscore."""
+    return not any(part.startswith("_") and part != "__init__.py" for part in path.relative_to(SOURCE).parts)
 
 
 def public_functions(module: ast.Module) -> Iterator[tuple[str, Function, ast.ClassDef | None]]:
@@ -174,7 +174,8 @@ def docstring(function: Function, owner: ast.ClassDef | None, texts: Mapping[str
     if any(ast.unparse(decorator).startswith("quantity(") for decorator in function.decorator_list):
         theme = next(theme for theme in THEMES if owner is not None and theme.__name__ == owner.name)
         return inspect.getdoc(vars(theme)[function.name]) or ""
-    return with_arguments(ast.get_docstring(function) or "", [x.arg for x in arguments(function)], texts)
+    doc = ast.get_docstring(function) or ""
+    return with_arguments(doc, [x.arg for x in arguments(function)], texts) if doc and texts else doc
 
 
 def argument_complaints(function: Function, texts: dict[str, str]) -> Iterator[str]:
@@ -196,20 +197,22 @@ def argument_complaints(function: Function, texts: dict[str, str]) -> Iterator[s
 def complaints(path: Path) -> list[str]:
     """What the docstrings of a file lack: its name, line, name of the function, and what is missing."""
     name = path.relative_to(SOURCE).as_posix()
-    wrong = what_is_missing(parsed(path), package_of(path)) if is_public(path) else []
+    package = package_of(path)
+    all_completed = package in COMPLETED and not is_public(path)
+    wrong = what_is_missing(parsed(path), package, all_completed) if package or is_public(path) else []
+    if not is_public(path):  # constructors are overloaded there
+        wrong = [text for text in wrong if not re.search(r"\.__\w+__: ", text)]
     if name.startswith(WITHOUT_UNITS):
         wrong = [text for text in wrong if "no unit" not in text]
     return [f"{name}:{text}" for text in wrong]
 
 
-def what_is_missing(module: ast.Module, package: str | None = None) -> list[str]:
+def what_is_missing(module: ast.Module, package: str | None = None, all_completed: bool = False) -> list[str]:
     """What the docstrings of a module lack: line, name of the function, and what is missing."""
     wrong: list[str] = []
     for name, function, owner in public_functions(module):
-        if package is not None and function.name in SPECIAL:  # which are overloaded there
-            continue
         decorators = [*function.decorator_list, *(owner.decorator_list if owner else [])]
-        completed = package == PINOCCHIO or "describe_arguments" in map(ast.unparse, decorators)
+        completed = all_completed or "describe_arguments" in map(ast.unparse, decorators)
         doc = docstring(function, owner, argument_texts(package) if completed else {})
         if function.name == "__init__" and owner and "Args" not in sections(doc):  # its class may describe it
             doc = f"{ast.get_docstring(owner) or ''}\n\n{doc}"

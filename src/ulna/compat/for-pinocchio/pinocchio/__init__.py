@@ -43,7 +43,7 @@ from pinocchio._containers.arguments import check_methods as _check_methods
 from pinocchio._containers.arguments import check_size as _check_size
 from pinocchio._containers.arguments import checked_functions as _checked_functions
 from pinocchio._containers.arrays import StdVec as StdVec
-from pinocchio._containers.documentation import describe_arguments as _describe_arguments
+from pinocchio._containers.documentation import describe_all as _describe_all
 from pinocchio._containers.enums import *
 from pinocchio._data.data import Data as Data
 from pinocchio._model.frame import Frame as Frame
@@ -77,7 +77,7 @@ from pinocchio.explog import *
 _register_former_modules()
 globals().update(_checked_functions(globals()))
 _check_methods(list(globals().values()))
-_describe_arguments([*globals().values()])
+_describe_all([*globals().values()])
 PINOCCHIO_MAJOR_VERSION, PINOCCHIO_MINOR_VERSION, PINOCCHIO_PATCH_VERSION = 4, 1, 0
 WITH_CPPAD = WITH_SDFORMAT = WITH_OPENMP = False
 WITH_URDFDOM = WITH_COLLISION = WITH_HPP_FCL = WITH_HPP_FCL_BINDINGS = True

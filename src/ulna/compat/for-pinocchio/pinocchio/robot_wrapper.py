@@ -7,6 +7,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from pinocchio._algorithms import center_of_mass, configurations, dynamics, model_editing
+from pinocchio._containers.documentation import describe_arguments
 from pinocchio._geometry.geometry_model import GeometryModel
 from pinocchio._model.model import Model
 from pinocchio._robot_wrapper.kinematics import Kinematic
@@ -17,6 +18,7 @@ from ulna.errors import InputError, UnknownName
 from ulna.typing import Floats
 
 
+@describe_arguments
 class RobotWrapper(Kinematic, Viewed):
     """A robot as tutorials use it.
 
@@ -158,8 +160,6 @@ class RobotWrapper(Kinematic, Viewed):
 
         Args:
             q: Configuration (nq,) [rad or m]; None for the state that the data holds.
-            v: Velocity (nv,) [rad/s or m/s].
-            a: Acceleration (nv,) [rad/s^2 or m/s^2].
 
         Returns:
             (3,) [m], or a tuple with (3,) [m/s] and (3,) [m/s^2].
@@ -174,10 +174,6 @@ class RobotWrapper(Kinematic, Viewed):
     def vcom(self, q: Any, v: Any) -> Floats:
         """The velocity of the centre of mass.
 
-        Args:
-            q: Configuration (nq,) [rad or m].
-            v: Velocity (nv,) [rad/s or m/s].
-
         Returns:
             Velocity (3,) [m/s].
         """
@@ -185,11 +181,6 @@ class RobotWrapper(Kinematic, Viewed):
 
     def acom(self, q: Any, v: Any, a: Any) -> Floats:
         """The acceleration of the centre of mass.
-
-        Args:
-            q: Configuration (nq,) [rad or m].
-            v: Velocity (nv,) [rad/s or m/s].
-            a: Acceleration (nv,) [rad/s^2 or m/s^2].
 
         Returns:
             Acceleration (3,) [m/s^2].
@@ -203,10 +194,6 @@ class RobotWrapper(Kinematic, Viewed):
     def centroidalMomentum(self, q: Any, v: Any) -> Force:
         """The momentum about the centre of mass.
 
-        Args:
-            q: Configuration (nq,) [rad or m].
-            v: Velocity (nv,) [rad/s or m/s].
-
         Returns:
             Force (6,) [kg m/s] and [kg m^2/s], in world axes.
         """
@@ -219,10 +206,6 @@ class RobotWrapper(Kinematic, Viewed):
     def centroidal(self, q: Any, v: Any) -> tuple[Any, Any, Any]:
         """The momentum about the centre of mass, its matrix, and the inertia of the whole as one body.
 
-        Args:
-            q: Configuration (nq,) [rad or m].
-            v: Velocity (nv,) [rad/s or m/s].
-
         Returns:
             Momentum, its matrix (6, nv), and the inertia.
         """
@@ -231,11 +214,6 @@ class RobotWrapper(Kinematic, Viewed):
 
     def centroidalMomentumVariation(self, q: Any, v: Any, a: Any) -> Force:
         """The time derivative of the momentum about the centre of mass.
-
-        Args:
-            q: Configuration (nq,) [rad or m].
-            v: Velocity (nv,) [rad/s or m/s].
-            a: Acceleration (nv,) [rad/s^2 or m/s^2].
 
         Returns:
             Force (6,) [N] and [N m], in world axes.
@@ -250,10 +228,6 @@ class RobotWrapper(Kinematic, Viewed):
 
     def nle(self, q: Any, v: Any) -> Floats:
         """Coriolis, centrifugal and gravity torques.
-
-        Args:
-            q: Configuration (nq,) [rad or m].
-            v: Velocity (nv,) [rad/s or m/s].
 
         Returns:
             Torques (nv,) [N m or N].

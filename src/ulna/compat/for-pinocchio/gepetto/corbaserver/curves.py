@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from gepetto.corbaserver.documentation import describe_arguments
 from gepetto.corbaserver.placement import pose_of
 from gepetto.corbaserver.shapes import Rgba, Shapes
 from ulna.errors import InputError, UnknownName
@@ -18,6 +19,7 @@ from ulna.viewer.graph.handles import Polyline
 _PIXEL = 0.002  # how thick a line of one pixel is [m]
 
 
+@describe_arguments
 class Curves(Shapes, abc.ABC):
     """Calls that add lines, and change them."""
 
@@ -29,12 +31,6 @@ class Curves(Shapes, abc.ABC):
     def addLine(self, lineName: str, pos1: Sequence[float], pos2: Sequence[float], RGBAcolor: Rgba) -> bool:
         """Adds a line between two points.
 
-        Args:
-            lineName: Name of the line.
-            pos1: The start, (3,) [m].
-            pos2: The end, (3,) [m].
-            RGBAcolor: Red, green, blue, opacity from 0 to 1.
-
         Returns:
             True.
         """
@@ -44,9 +40,7 @@ class Curves(Shapes, abc.ABC):
         """Adds a line from point to point.
 
         Args:
-            curveName: Name of the curve.
             pos: Points, (n, 3) [m].
-            RGBAcolor: Red, green, blue, opacity from 0 to 1.
 
         Returns:
             True.
@@ -66,10 +60,6 @@ class Curves(Shapes, abc.ABC):
     def setLineStartPoint(self, lineName: str, pos1: Sequence[float]) -> bool:
         """Moves the start of a line.
 
-        Args:
-            lineName: Name of the line.
-            pos1: The start, (3,) [m].
-
         Returns:
             True.
         """
@@ -78,10 +68,6 @@ class Curves(Shapes, abc.ABC):
     def setLineEndPoint(self, lineName: str, pos2: Sequence[float]) -> bool:
         """Moves the end of a line.
 
-        Args:
-            lineName: Name of the line.
-            pos2: The end, (3,) [m].
-
         Returns:
             True.
         """
@@ -89,11 +75,6 @@ class Curves(Shapes, abc.ABC):
 
     def setLineExtremalPoints(self, lineName: str, pos1: Sequence[float], pos2: Sequence[float]) -> bool:
         """Moves both ends of a line.
-
-        Args:
-            lineName: Name of the line.
-            pos1: The start, (3,) [m].
-            pos2: The end, (3,) [m].
 
         Returns:
             True.
@@ -104,7 +85,6 @@ class Curves(Shapes, abc.ABC):
         """Replaces the points of a curve.
 
         Args:
-            curveName: Name of the curve.
             pos: Points, (n, 3) [m].
 
         Returns:
@@ -120,7 +100,6 @@ class Curves(Shapes, abc.ABC):
         """Shows only some points of a curve.
 
         Args:
-            curveName: Name of the curve.
             first: Number of the first point.
             count: Number of points, 2 or more.
 
@@ -143,7 +122,6 @@ class Curves(Shapes, abc.ABC):
         """Changes the thickness of a curve.
 
         Args:
-            curveName: Name of the curve.
             width: Thickness [pixels].
 
         Returns:

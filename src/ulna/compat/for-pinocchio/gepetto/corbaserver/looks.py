@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from gepetto.corbaserver.documentation import describe_arguments
 from gepetto.corbaserver.tree import Tree, without
 from ulna.errors import InputError, UnknownName
 from ulna.viewer.colours import colour
@@ -17,6 +18,7 @@ _VISIBILITIES = ("ON", "OFF", "ALWAYS_ON_TOP")
 _PROPERTIES = {"Visibility": "String", "Color": "Color", "Scale": "Vector3", "Alpha": "Float"}
 
 
+@describe_arguments
 class Looks(Tree, abc.ABC):
     """Calls that change how nodes look, at once."""
 
@@ -27,7 +29,6 @@ class Looks(Tree, abc.ABC):
         """Shows or hides a node and all nodes in it.
 
         Args:
-            nodeName: Name of the node.
             visibility: "ON", "ALWAYS_ON_TOP" (the same here) or "OFF".
 
         Returns:
@@ -45,7 +46,6 @@ class Looks(Tree, abc.ABC):
         """Colours a node and all nodes in it.
 
         Args:
-            nodeName: Name of the node.
             color: Red, green, blue, opacity from 0 to 1.
 
         Returns:
@@ -63,7 +63,6 @@ class Looks(Tree, abc.ABC):
         """Scales a node along its axes; a group by one factor only.
 
         Args:
-            nodeName: Name of the node.
             scale: Factors, (3,).
 
         Returns:
@@ -76,7 +75,6 @@ class Looks(Tree, abc.ABC):
         """Surfaces are always drawn filled; other modes warn.
 
         Args:
-            nodeName: Name of the node.
             wireFrameMode: "FILL", or a mode that is not offered.
 
         Returns:
@@ -92,7 +90,6 @@ class Looks(Tree, abc.ABC):
         """Everything is lit; "OFF" warns.
 
         Args:
-            nodeName: Name of the node.
             lightingMode: "ON" or "OFF".
 
         Returns:
@@ -107,7 +104,6 @@ class Looks(Tree, abc.ABC):
         """Nothing can be highlighted; states other than 0 warn.
 
         Args:
-            nodeName: Name of the node.
             state: The state.
 
         Returns:
@@ -120,7 +116,6 @@ class Looks(Tree, abc.ABC):
         """Not offered: textures come with meshes; warns.
 
         Args:
-            nodeName: Name of the node.
             filename: Accepted and ignored.
 
         Returns:
@@ -160,7 +155,6 @@ class Looks(Tree, abc.ABC):
         """Curves go from point to point; other modes warn.
 
         Args:
-            curveName: Name of the curve.
             mode: 3 (GL_LINE_STRIP), or a mode that is not offered.
 
         Returns:
@@ -173,7 +167,6 @@ class Looks(Tree, abc.ABC):
         """Colours a curve in the mean of some colours.
 
         Args:
-            curveName: Name of the curve.
             color: Red, green, blue, opacity from 0 to 1, (n, 4) or (4,).
 
         Returns:
@@ -225,7 +218,6 @@ class Looks(Tree, abc.ABC):
         """Calls a property; no node has one that can be called.
 
         Args:
-            nodeName: Name of the node.
             propName: Name of the property.
 
         Returns:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from gepetto.corbaserver.documentation import describe_arguments
 from gepetto.corbaserver.tree import PARTS, Tree
 from ulna.errors import InputError, UnknownName
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Shape, Sphere
@@ -18,6 +19,7 @@ from ulna.viewer.mesh.surface import Surface
 Rgba = Sequence[float]
 
 
+@describe_arguments
 class Shapes(Tree, abc.ABC):
     """Calls that add. A node of a name that is taken is replaced; groups appear by themselves."""
 
@@ -43,8 +45,6 @@ class Shapes(Tree, abc.ABC):
 
         Args:
             sphereName: Name of the node.
-            radius: Radius [m].
-            RGBAcolor: Red, green, blue, opacity from 0 to 1.
 
         Returns:
             True.
@@ -61,7 +61,6 @@ class Shapes(Tree, abc.ABC):
             boxSize1: Edge along x [m].
             boxSize2: Edge along y [m].
             boxSize3: Edge along z [m].
-            RGBAcolor: Red, green, blue, opacity from 0 to 1.
 
         Returns:
             True.
@@ -73,9 +72,7 @@ class Shapes(Tree, abc.ABC):
 
         Args:
             cylinderName: Name of the node.
-            radius: Radius [m].
             height: Height [m].
-            RGBAcolor: Red, green, blue, opacity from 0 to 1.
 
         Returns:
             True.
@@ -87,9 +84,7 @@ class Shapes(Tree, abc.ABC):
 
         Args:
             name: Name of the node.
-            radius: Radius [m].
             height: Height of the cylinder [m].
-            RGBAcolor: Red, green, blue, opacity from 0 to 1.
 
         Returns:
             True.
@@ -101,9 +96,7 @@ class Shapes(Tree, abc.ABC):
 
         Args:
             name: Name of the node.
-            radius: Radius [m].
             height: Height [m].
-            RGBAcolor: Red, green, blue, opacity from 0 to 1.
 
         Returns:
             True.
@@ -141,7 +134,6 @@ class Shapes(Tree, abc.ABC):
             name: Name of the node.
             radius: Radius of the shaft [m].
             length: Length [m].
-            RGBAcolor: Red, green, blue, opacity from 0 to 1.
 
         Returns:
             True.
@@ -182,7 +174,6 @@ class Shapes(Tree, abc.ABC):
         """Adds a sphere with arrows in red, green, blue along x, y, z.
 
         Args:
-            nodeName: Name of the node.
             RGBAcolor: Red, green, blue, opacity from 0 to 1 of the sphere.
             radius: Radius of the sphere [m].
             sizeAxis: Length of the arrows [m].
@@ -200,7 +191,6 @@ class Shapes(Tree, abc.ABC):
         """Shows the axes of a node.
 
         Args:
-            nodeName: Name of the node.
             size: Length of an axis [m].
 
         Returns:
@@ -246,8 +236,6 @@ class Shapes(Tree, abc.ABC):
 
         Args:
             robotName: Name of the group.
-            urdfFilePath: The file.
-            packagePath: Folder to look for packages in, or None.
 
         Returns:
             True.
@@ -259,8 +247,6 @@ class Shapes(Tree, abc.ABC):
 
         Args:
             robotName: Name of the group.
-            urdfFilePath: The file.
-            packagePath: Folder to look for packages in, or None.
 
         Returns:
             True.
@@ -273,10 +259,7 @@ class Shapes(Tree, abc.ABC):
         """Adds the links of a robot, with their visual or collision geometries.
 
         Args:
-            nodeName: Name of the node.
-            urdfFilePath: The file.
             visual: Whether to show the visual geometries.
-            packagePath: Folder to look for packages in, or None.
 
         Returns:
             True.
@@ -297,7 +280,6 @@ class Shapes(Tree, abc.ABC):
             pos1: A corner, (3,) [m].
             pos2: A corner, (3,) [m].
             pos3: A corner, (3,) [m].
-            RGBAcolor: Red, green, blue, opacity from 0 to 1.
 
         Returns:
             True.
@@ -315,7 +297,6 @@ class Shapes(Tree, abc.ABC):
             pos2: A corner, (3,) [m].
             pos3: A corner, (3,) [m].
             pos4: A corner, (3,) [m].
-            RGBAcolor: Red, green, blue, opacity from 0 to 1.
 
         Returns:
             True.

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from gepetto.corbaserver.documentation import describe_arguments
 from gepetto.corbaserver.placement import configuration_of, pose_of
 from ulna.errors import InputError, UlnaWarning, UnknownName
 from ulna.typing import Floats
@@ -18,6 +19,7 @@ PARTS = "·"
 """Begins the names of what a node is made of, which are no nodes of their own."""
 
 
+@describe_arguments
 class Tree(abc.ABC):
     """Nodes of a viewer by their names, in the groups that their names tell or that they were put into."""
 
@@ -97,7 +99,6 @@ class Tree(abc.ABC):
         valid.
 
         Args:
-            nodeName: Name of the node.
             groupName: Name of the group.
 
         Returns:
@@ -123,7 +124,6 @@ class Tree(abc.ABC):
         """Hides a node of a group, until it is added to another.
 
         Args:
-            nodeName: Name of the node.
             groupName: Name of the group.
 
         Returns:
@@ -149,7 +149,6 @@ class Tree(abc.ABC):
         """Removes a node with all nodes in it.
 
         Args:
-            nodeName: Name of the node.
             all: Whether to remove nodes that contain others.
 
         Returns:
@@ -179,10 +178,6 @@ class Tree(abc.ABC):
         """Places a node in its group. It takes effect at `refresh`.
 
         The quaternion stands as `gepetto.corbaserver.quaternion_order` says: xyzw, unless set otherwise.
-
-        Args:
-            nodeName: Name of the node.
-            configuration: x, y, z [m] and a quaternion, (7,).
 
         Returns:
             True.
@@ -248,10 +243,6 @@ class Tree(abc.ABC):
 
     def setStaticTransform(self, nodeName: str, configuration: Sequence[float]) -> bool:
         """Places a node in the frame that its configuration places. It takes effect at `refresh`.
-
-        Args:
-            nodeName: Name of the node.
-            configuration: x, y, z [m] and a quaternion, (7,).
 
         Returns:
             True.

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from gepetto.corbaserver.documentation import describe_arguments
 from gepetto.corbaserver.placement import configuration_of, pose_of
 from gepetto.corbaserver.tree import Tree
 from ulna.errors import InputError, UnknownName
@@ -19,6 +20,7 @@ from ulna.viewer.graph.camera import Camera
 _SIZE = (960, 600)  # of pictures [pixels]
 
 
+@describe_arguments
 class Windows(Tree, abc.ABC):
     """Calls about windows."""
 
@@ -47,7 +49,6 @@ class Windows(Tree, abc.ABC):
 
         Args:
             sceneName: Name of the scene.
-            wid: Name of the window.
 
         Returns:
             True.
@@ -65,7 +66,6 @@ class Windows(Tree, abc.ABC):
         """Colours the upper sky.
 
         Args:
-            wid: Name of the window.
             RGBAcolor: Red, green, blue, opacity from 0 to 1; the opacity is ignored.
 
         Returns:
@@ -77,7 +77,6 @@ class Windows(Tree, abc.ABC):
         """Colours the sky at the horizon.
 
         Args:
-            wid: Name of the window.
             RGBAcolor: Red, green, blue, opacity from 0 to 1; the opacity is ignored.
 
         Returns:
@@ -102,10 +101,6 @@ class Windows(Tree, abc.ABC):
 
     def setCameraTransform(self, wid: str, configuration: Sequence[float]) -> bool:
         """Places the camera; its axes are right, up and backwards of the picture.
-
-        Args:
-            wid: Name of the window.
-            configuration: x, y, z [m] and a quaternion, (7,).
 
         Returns:
             True.
@@ -134,7 +129,6 @@ class Windows(Tree, abc.ABC):
         """Writes a picture, drawn without a browser.
 
         Args:
-            wid: Name of the window.
             imageFilename: Name of the file, .png.
 
         Returns:
@@ -153,7 +147,6 @@ class Windows(Tree, abc.ABC):
         """Writes a picture filename_0_0.png, filename_0_1.png, ... at every `refresh` from now on.
 
         Args:
-            wid: Name of the window.
             filename: How the names begin.
             extension: "png".
 
@@ -201,7 +194,6 @@ class Windows(Tree, abc.ABC):
         """Writes the scene as one HTML file that can be viewed offline.
 
         Args:
-            wid: Name of the window.
             filename: Name of the file.
 
         Returns:

@@ -35,13 +35,13 @@ ARGUMENTS = {
     "mjcf_filename": "The file.",
 }
 """For each name what is written in `Args:` where a docstring has no entry of that name."""
-_describe = documented(ARGUMENTS)
+describe_arguments = documented(ARGUMENTS)
 
 
-def describe_arguments(things: Collection[Any]) -> None:
+def describe_all(things: Collection[Any]) -> None:
     """Completes the docstrings of functions, and of the methods of classes of the package."""
     classes = {base for thing in things if inspect.isclass(thing) for base in thing.__mro__}
     functions = {thing for thing in things if inspect.isfunction(thing)}
     for described in classes | functions:
         if described.__module__.startswith("pinocchio._"):
-            _describe(described)
+            describe_arguments(described)

@@ -70,14 +70,22 @@ class FrameList(StdVec[Frame]):
             frame.add_counter(self.changes)
 
     def append(self, frame: Frame) -> None:
+        """Adds a frame at the end."""
         super().append(frame)
         self._count_added([frame])
 
     def insert(self, place: Any, frame: Frame) -> None:
+        """Adds a frame.
+
+        Args:
+            place: Index of the frame that it stands before.
+            frame: The frame.
+        """
         super().insert(place, frame)
         self._count_added([frame])
 
     def extend(self, frames: Iterable[Frame]) -> None:
+        """Adds frames at the end."""
         added = list(frames)
         super().extend(added)
         self._count_added(added)

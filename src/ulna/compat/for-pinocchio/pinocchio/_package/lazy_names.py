@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from pinocchio._containers.arguments import check_methods, checked
-from pinocchio._containers.documentation import describe_arguments
+from pinocchio._containers.documentation import describe_all
 
 _COAL = ("coal", "hppfcl")
 
@@ -51,5 +51,5 @@ def load_lazy_name(name: str) -> Any:
     value = getattr(importlib.import_module(module), "StdVec" if name.startswith("StdVec_") else name)
     check_methods([value])
     value = checked(value) if inspect.isfunction(value) else value
-    describe_arguments([value])
+    describe_all([value])
     return value

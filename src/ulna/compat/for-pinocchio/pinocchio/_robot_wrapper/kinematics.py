@@ -7,6 +7,7 @@ from typing import Any
 
 from pinocchio._algorithms import frame_motions, jacobians, kinematics
 from pinocchio._containers.arrays import index as checked_index
+from pinocchio._containers.documentation import describe_arguments
 from pinocchio._containers.enums import ReferenceFrame
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Motion
@@ -59,6 +60,7 @@ def _of_acceleration(ask: Callable[..., Motion], of: str, doc: str) -> Callable[
     return method
 
 
+@describe_arguments
 class Kinematic:
     """The calls of a RobotWrapper about places and motions."""
 
@@ -72,13 +74,7 @@ class Kinematic:
         return checked_index(frame, self.model.nframes, "frame", _FRAME)
 
     def forwardKinematics(self, q: Any, v: Any = None, a: Any = None) -> None:
-        """Fills `data.oMi`; with v and a also `data.v` and `data.a`.
-
-        Args:
-            q: Configuration (nq,) [rad or m].
-            v: Velocity (nv,) [rad/s or m/s].
-            a: Acceleration (nv,) [rad/s^2 or m/s^2].
-        """
+        """Fills `data.oMi`; with v and a also `data.v` and `data.a`."""
         kinematics.forwardKinematics(self.model, self.data, *(x for x in (q, v, a) if x is not None))
 
     def framesForwardKinematics(self, q: Any) -> None:
@@ -89,7 +85,6 @@ class Kinematic:
         """Where a joint is in the world: a live reference into `data.oMi`.
 
         Args:
-            q: Configuration (nq,) [rad or m].
             index: Index of the joint.
             update_kinematics: Whether to compute it; else `data` has it.
 
@@ -108,7 +103,6 @@ class Kinematic:
         """Where a frame is in the world; `data.oMf` has it, too.
 
         Args:
-            q: Configuration (nq,) [rad or m].
             index: Index of the frame.
             update_kinematics: Whether to compute it; else `data` has it.
 
@@ -148,7 +142,6 @@ class Kinematic:
         """The Jacobian (6, nv) of a joint, in LOCAL.
 
         Args:
-            q: Configuration (nq,) [rad or m].
             index: Index of the joint.
 
         Returns:
@@ -174,10 +167,6 @@ class Kinematic:
     def computeFrameJacobian(self, q: Any, frame_id: int) -> Floats:
         """The Jacobian (6, nv) of a frame, in LOCAL.
 
-        Args:
-            q: Configuration (nq,) [rad or m].
-            frame_id: Index of the frame.
-
         Returns:
             Jacobian (6, nv), linear rows first.
         """
@@ -190,7 +179,6 @@ class Kinematic:
         """The Jacobian (6, nv) of a frame, after `computeJointJacobians`.
 
         Args:
-            frame_id: Index of the frame.
             rf_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED.
 
         Returns:
