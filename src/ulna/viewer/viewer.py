@@ -41,8 +41,11 @@ class Viewer(ExportMethods):
         theme: "light", "dark" or a `Theme`.
         camera: The first camera; one that shows the whole scene when not given.
         floor: Height of the floor [m]; at 0 or below everything when not given.
+        server: A `viser.ViserServer` of the program to draw into; `port` and `host` are its own then, and its page,
+            lights and camera stay as they are.
 
     Raises:
+        InputError: `server` is no viser server, or there is to be no page.
         MissingExtra: The package viser is not installed.
         ViewerError: The page cannot be served.
     """
@@ -58,13 +61,15 @@ class Viewer(ExportMethods):
         theme: Theme | str = LIGHT,
         camera: Camera | None = None,
         floor: float | None = None,
+        server: Any = None,
     ) -> None:
         super().__init__(title, theme, camera, floor)
         flag("browser", browser)
         count("port", port, 0, 65535)
         checked_host(host)
+        _check_server(server, flag("page", page))
         self._page = (
-            Page(self.scene, title, port, host, camera, self._theme, floor) if flag("page", page) else None
+            Page(self.scene, title, port, host, camera, self._theme, floor, server=server) if page else None
         )
         self.panel = Panel(self._page)
         """The panel, for sliders, buttons, menus, texts and plots."""
@@ -261,3 +266,16 @@ class Viewer(ExportMethods):
         timeline.time = 0.0
         timeline.play(speed)
         return timeline
+
+
+def _check_server(server: Any, page: bool) -> None:
+    """Refuses what is no viser server.
+
+    Raises:
+        InputError: It is none, or it comes without a page.
+    """
+    if server is not None and not (page and hasattr(server, "scene") and hasattr(server, "get_clients")):
+        given = "page=False and a server" if not page else f"`server` = {worded(server)}"
+        raise InputError(
+            f"The viewer was given {given}; expected a viser.ViserServer, whose page shows the scene."
+        )

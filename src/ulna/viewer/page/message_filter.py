@@ -58,8 +58,26 @@ def is_valid(server: Any, message: Any) -> bool:
         return _is_name(message) and _is_vector(message.position, 3, MAX_LENGTH) and 0.5 < length < 2.0
     if kind in ("TransformControlsDragStartMessage", "TransformControlsDragEndMessage"):
         return _is_name(message)
-    # the camera is handled by the connection; the panel has no uploads, forms, commands or clickable nodes
+    if kind in ("SceneNodeClickMessage", "ScenePointerMessage"):
+        return _is_valid_click(message)
+    # the camera is handled by the connection; the panel has no uploads, forms or commands
     return False
+
+
+def _is_valid_click(message: Any) -> bool:
+    """Whether a click on a node, or a click or rectangle in the scene, has finite rays and places on the screen."""
+    if type(message).__name__ == "SceneNodeClickMessage":
+        places, known = (
+            (message.screen_pos,),
+            _is_name(message) and isinstance(message.instance_index, int | None),
+        )
+    else:
+        places, known = message.screen_pos, message.event_type in ("click", "rect-select")
+    rays = (message.ray_origin, message.ray_direction)
+    has_ray = all(_is_vector(ray, 3, MAX_LENGTH) for ray in rays)
+    rectangle = getattr(message, "event_type", "click") == "rect-select" and rays == (None, None)
+    on_screen = isinstance(places, list | tuple) and all(_is_vector(place, 2, 100.0) for place in places)
+    return known and on_screen and 0 < len(places) <= 2 and (has_ray or rectangle)
 
 
 def _is_name(message: Any) -> bool:

@@ -52,6 +52,8 @@ class Page:
         floor: Height of the floor [m]; below everything when not given.
         live: Whether it follows the scene continuously. Otherwise the scene is sent by `flush` only, with colours
             as they are for good: for recordings.
+        server: A `viser.ViserServer` of the program to show the scene on. Its page, lights, floor and camera stay as
+            they are, poses go through viser's public interface, and `close` does not stop it.
 
     Raises:
         MissingExtra: viser is not installed.
@@ -68,12 +70,15 @@ class Page:
         theme: Theme = LIGHT,
         floor: float | None = None,
         live: bool = True,
+        server: Any = None,
     ) -> None:
         self.scene, self.title, self._live = scene, title, live
         checked_camera(camera)
-        exposed = guard.checked_host(host) not in guard.LOOPBACK
+        self._owned = server is None
+        host = host if server is None else server.get_host()
+        exposed = self._owned and guard.checked_host(host) not in guard.LOOPBACK
         self._token = secrets.token_urlsafe(24) if exposed else ""
-        self.server = serve(host, port, title, self._token)
+        self.server = serve(host, port, title, self._token) if server is None else server
         self._host = "localhost" if host in (*guard.LOOPBACK, "0.0.0.0", "::") else host
         if exposed:
             warnings.warn(
@@ -83,7 +88,7 @@ class Page:
                 UlnaWarning,
                 stacklevel=2,
             )
-        channel = PoseChannel(self.server, f"{title} · Ulna" if title != "Ulna" else title)
+        channel = PoseChannel(self.server, f"{title} · Ulna" if title != "Ulna" else title, self._owned)
         self._publisher = Publisher(scene, self.server, channel, live, theme)
         self._viser_shadows = not channel.is_supported
         self._events: dict[int, tuple[Callable[[Any], None], Any]] = {}
@@ -102,9 +107,10 @@ class Page:
         self._notifications = ProgressNotifications(self.server)
         atexit.register(self.close)
         forks.in_child(self._leave)
-        configure_scene(self.server, theme, self._viser_shadows)
-        add_floor(self.server, theme, scene.floor() if floor is None else floor)
-        set_camera(self.server, camera or self._default_camera())
+        if self._owned:
+            configure_scene(self.server, theme, self._viser_shadows)
+            add_floor(self.server, theme, scene.floor() if floor is None else floor)
+            set_camera(self.server, camera or self._default_camera())
         self.server.on_client_connect(self._on_connect)
         with self._tick_lock:
             self._publish()
@@ -143,7 +149,8 @@ class Page:
             unwatch(self._notifications)
             if self._thread.is_alive() and threading.current_thread() is not self._thread:
                 self._thread.join(timeout=2.0)
-            stop(self.server)
+            if self._owned:
+                stop(self.server)
             atexit.unregister(self.close)
 
     def _leave(self) -> None:
@@ -174,6 +181,8 @@ class Page:
 
     def _frame_scene(self, now: float) -> None:
         self._framing_requested, self._framed_at = False, now
+        if not self._owned:
+            return
         if not self._camera_chosen and (not self.visited or now < self._publisher.resend_until):
             set_camera(self.server, self._default_camera())
         if self._floor is None:
@@ -191,7 +200,8 @@ class Page:
             self._theme, self._floor, self._grid = theme, floor, grid
             self._publisher.set_theme(theme)
         configure_scene(self.server, theme, self._viser_shadows)
-        add_floor(self.server, theme, self.scene.floor() if floor is None else floor, grid)
+        if self._owned or floor is not None:
+            add_floor(self.server, theme, self.scene.floor() if floor is None else floor, grid)
 
     def flush(self) -> None:
         """Send what the scene holds now, without waiting for the thread of the page."""

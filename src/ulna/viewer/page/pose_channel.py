@@ -67,10 +67,11 @@ class PoseChannel:
     Args:
         server: The viser server.
         title: The title of the page.
+        own: Whether the server sends Ulna's page, not viser's.
     """
 
-    def __init__(self, server: Any, title: str) -> None:
-        self.is_supported = is_known_version()
+    def __init__(self, server: Any, title: str, own: bool = True) -> None:
+        self.is_supported = own and is_known_version()
         self._server = server
         if self.is_supported:
             from viser import _messages

@@ -13,7 +13,6 @@ from ulna.viewer.graph.content import Copies, Lines, Points, Text
 from ulna.viewer.graph.node import Node, Snapshot
 from ulna.viewer.mesh.gltf import TRANSLUCENT_INSET, glb, label_glb
 from ulna.viewer.mesh.surface import Surface, albedo, linear_from_srgb
-from ulna.viewer.page.pose_channel import is_known_version
 from ulna.viewer.page.poses import pose_rows, position_wxyz
 
 
@@ -151,9 +150,7 @@ def appearance_rows(appearances: list[tuple[Any, ...]], flat: list[bool]) -> Any
     return out
 
 
-def add_node(
-    server: Any, path: str, snapshot: Snapshot, i: int, baked: bool, writes: bool = False
-) -> ViserNode:
+def add_node(server: Any, path: str, snapshot: Snapshot, i: int, baked: bool, own: bool = False) -> ViserNode:
     """Add node `i` to the page.
 
     Args:
@@ -162,7 +159,7 @@ def add_node(
         snapshot: The scene.
         i: The node's row.
         baked: Whether colours, opacity and scale are made part of it, for a page that cannot change them later.
-        writes: Whether the page draws labels, in any colour.
+        own: Whether the page is Ulna's: it draws labels in any colour, and takes surfaces as they are.
 
     Returns:
         The node as the page has it.
@@ -188,10 +185,10 @@ def add_node(
             ]
             options["scale"] = scale
         handles.append(
-            server.scene.add_glb(path, _glb_content(surfaces), cast_shadow=node.casts_shadow, **options)
+            server.scene.add_glb(path, _glb_content(surfaces, own), cast_shadow=node.casts_shadow, **options)
         )
         options.pop("scale", None)
-    written = writes and isinstance(content, Text)
+    written = own and isinstance(content, Text)
     if isinstance(content, Text) and written:
         handles.append(server.scene.add_glb(path, label_glb(content.height), cast_shadow=False, **options))
     elif content is not None and not node.surfaces:
@@ -199,9 +196,9 @@ def add_node(
     return ViserNode(node, path, handles, written or (not baked and content is None), appearance)
 
 
-def _glb_content(surfaces: Sequence[Surface]) -> Any:
+def _glb_content(surfaces: Sequence[Surface], own: bool) -> Any:
     """Surfaces as a page takes them; ours takes them as they are, not compressed, which costs both sides more time."""
-    return np.frombuffer(glb(surfaces, ours=True), dtype=np.uint8) if is_known_version() else glb(surfaces)
+    return np.frombuffer(glb(surfaces, ours=True), dtype=np.uint8) if own else glb(surfaces)
 
 
 def _tinted_colours(snapshot: Snapshot, i: int, colours: Any) -> Floats:

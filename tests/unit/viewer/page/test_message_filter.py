@@ -166,6 +166,32 @@ def test_a_target_is_not_dragged_to_what_is_no_pose(viewer: Viewer) -> None:
     np.testing.assert_allclose(teach_panel.gizmo.pose, before, atol=1e-6)
 
 
+def test_clicks_on_nodes_reach_functions_where_they_are_rays(viewer: Viewer) -> None:
+    viewer.box([0.1, 0.1, 0.1], name="box")  # so that the scene is there
+    assert viewer._page is not None
+    clicked: list[Any] = []
+    box = viewer._page.server.scene.add_box("/clicked", dimensions=(0.1, 0.1, 0.1))
+    box.on_click(lambda event: clicked.append(event.ray_origin))
+    tab = Tab(viewer)
+    click = {
+        "type": "SceneNodeClickMessage",
+        "name": "/clicked",
+        "instance_index": None,
+        "modifier": None,
+        "owner": "",
+    }
+    place = {"ray_origin": [0.0, 0.0, 1.0], "ray_direction": [0.0, 0.0, -1.0], "screen_pos": [0.5, 0.5]}
+    for wrong in (
+        {"ray_origin": [math.nan] * 3},
+        {"ray_direction": [1e200, 0, 0]},
+        {"screen_pos": [math.inf, 0.5]},
+    ):
+        tab.send(click | place | wrong)
+    tab.send(click | place)
+    assert wait(lambda: len(clicked) > 0)
+    assert [list(origin) for origin in clicked] == [[0.0, 0.0, 1.0]]
+
+
 def _hostile_message(random_: random.Random, identities: list[str], names: list[str]) -> Any:
     kind = random_.randrange(10)
     if kind < 6:

@@ -80,7 +80,8 @@ class Client:
     def __getitem__(self, name: str) -> NoReturn:
         """Not offered."""
         raise ViewerError(
-            f"MeshCat's tree is not offered: `.gui` adds, places and removes nodes such as {name!r}."
+            f"This client has no tree of MeshCat's objects: a MeshcatVisualizer's `viewer[{name!r}]` is one of them; "
+            "`.gui` adds, places and removes nodes."
         )
 
     def __repr__(self) -> str:

@@ -8,8 +8,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from gepetto.corbaserver.client import Client, opened
-from gepetto.corbaserver.gui import Gui
 
 from pinocchio._algorithms.configurations import neutral
 from pinocchio._algorithms.kinematics import forwardKinematics
@@ -20,13 +18,13 @@ from pinocchio._geometry.geometry_model import GeometryModel
 from pinocchio._geometry.geometry_object import GeometryObject
 from pinocchio._geometry.placements import updateGeometryPlacements
 from pinocchio._model.model import Model
-from pinocchio.visualize.figures import surfaces_of
+from pinocchio.visualize.attachment import Attachment
+from pinocchio.visualize.figures import figure_of
 from pinocchio.visualize.motion_pictures import MotionPictures
 from ulna.errors import InputError, UnknownName
-from ulna.viewer.viewer import Viewer
 
 
-class BaseVisualizer(MotionPictures, abc.ABC):
+class BaseVisualizer(Attachment, MotionPictures, abc.ABC):
     """Shows a robot's geometries: `initViewer(loadModel=True)`, then `display(q)`.
 
     Args:
@@ -61,7 +59,7 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         self.data = self.data if data is None else data
         self.collision_data = self.collision_data if collision_data is None else collision_data
         self.visual_data = self.visual_data if visual_data is None else visual_data
-        self._client: Client | None = None
+        super().__init__()
         self.sceneName = ""
         """The group that the robot's nodes are in; empty for none."""
         self._root = ""
@@ -78,63 +76,12 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         self.visual_data = None if self.visual_model is None else self.visual_model.createData()
         self._rows = ()
 
-    # the viewer -----------------------------------------------------------------------------------------
-
-    def initViewer(
-        self,
-        viewer: Any = None,
-        *named: Any,
-        loadModel: bool = False,
-        open: bool = False,
-        **more: Any,
-    ) -> None:
-        """Opens the viewer; returns at once.
-
-        Args:
-            viewer: An `ulna.Viewer`, or a client, to draw into; a new viewer when not given.
-            named: Where some visualizers have `open` and `loadModel`.
-            loadModel: Whether to load the geometries, too.
-            open: Whether to open a browser window, where there is a screen.
-            more: `host`, `port` of the page.
-        """
-        positional = dict(zip(("open", "loadModel"), named, strict=False))
-        self._attach(viewer, {"browser": bool(positional.get("open", open)), **_options(more)})
-        if positional.get("loadModel", loadModel):
-            self.loadViewerModel()
-
-    def _attach(self, viewer: Any, options: dict[str, Any]) -> None:
-        gui = getattr(viewer, "gui", viewer)
-        if isinstance(gui, Viewer):
-            gui = Gui(gui)
-        if gui is None:
-            gui = self._opened(options)
-        if not isinstance(gui, Gui):
-            raise InputError(
-                f"`viewer` is {viewer!r}; expected None, an ulna.Viewer, or gepetto.corbaserver.Client()."
-            )
-        self._client = Client(gui=gui)
-
-    def _opened(self, options: dict[str, Any]) -> Gui:
-        return opened(**options)
-
-    @property
-    def viewer(self) -> Any:
-        """The client: `viewer.gui` has the calls that draw, `viewer.viewer` is the `ulna.Viewer`."""
-        if self._client is None:
-            raise InputError("There is no viewer yet. Call initViewer(loadModel=True) first.")
-        return self._client
-
-    @property
-    def _scene(self) -> Any:
-        return self.viewer.gui.scene
-
     def loadViewerModel(
         self,
         rootNodeName: str = "pinocchio",
         color: Sequence[float] | None = None,
         collision_color: Sequence[float] | None = None,
         visual_color: Sequence[float] | None = None,
-        **_: Any,
     ) -> None:
         """Loads the geometries into the viewer, below a node of that name.
 
@@ -143,12 +90,11 @@ class BaseVisualizer(MotionPictures, abc.ABC):
             color: Red, green, blue, opacity of all; their own when not given.
             collision_color: Those of the collision geometries.
             visual_color: Those of the visual geometries.
-            **_: Accepted and ignored.
         """
-        gui = self.viewer.gui
+        gui = self._gui
         self._root = f"{self.sceneName}/{rootNodeName}".lstrip("/")
         looks = {
-            f"{self._group(kind)}/{g.name}": surfaces_of(g, kind_color or color)
+            f"{self._group(kind)}/{g.name}": figure_of(g, kind_color or color)
             for kind, kind_color in (
                 (GeometryType.VISUAL, visual_color),
                 (GeometryType.COLLISION, collision_color),
@@ -160,8 +106,8 @@ class BaseVisualizer(MotionPictures, abc.ABC):
             for kind in (GeometryType.VISUAL, GeometryType.COLLISION):
                 gui.createGroup(self._group(kind))
                 gui.setVisibility(self._group(kind), "ON" if self._shown[kind] else "OFF")
-            for name, surfaces in looks.items():
-                self._scene.add(name, surfaces)
+            for name, (surfaces, content) in looks.items():
+                self._scene.add(name, surfaces, content=content)
             self._rows = ()
             self.display(np.array(self._neutral()) if self._q is None else self._q)
 
@@ -223,8 +169,8 @@ class BaseVisualizer(MotionPictures, abc.ABC):
             geometry_type: GeometryType.VISUAL or COLLISION.
             color: Red, green, blue, opacity; its own by default.
         """
-        surfaces = surfaces_of(geometry_object, color)
-        self._scene.add(self.getViewerNodeName(geometry_object, geometry_type), surfaces)
+        surfaces, content = figure_of(geometry_object, color)
+        self._scene.add(self.getViewerNodeName(geometry_object, geometry_type), surfaces, content=content)
         self._rows = ()
 
     # showing --------------------------------------------------------------------------------------------
@@ -236,7 +182,7 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         if q is not None:
             forwardKinematics(self.model, self.data, q)
             self._q = q
-        scene, gui = self._scene, self.viewer.gui
+        scene, gui = self._scene, self._gui
         with scene.atomic():
             gui.settle()
             for kind, shown in self._shown.items():
@@ -246,12 +192,12 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         gui.refreshed()
 
     def updatePlacements(self, geometry_type: GeometryType) -> None:
-        """Moves the geometries of a kind to where the data has them."""
-        rows = self._current_rows()[list(self._shown).index(geometry_type)]
+        """Moves the geometries of a kind to where the data has them; nodes that were deleted are left out."""
+        chosen, rows = self._current_rows()[list(self._shown).index(geometry_type)]
         if rows is not None:
             model, data = self._pair(geometry_type)
             updateGeometryPlacements(self.model, self.data, model, data)
-            self._scene.set_poses(data._block, rows)
+            self._scene.set_poses(data._block if chosen is None else data._block[chosen], rows)
 
     def _pair(self, kind: GeometryType) -> tuple[Any, Any]:
         if kind == GeometryType.VISUAL:
@@ -259,13 +205,16 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         return self.collision_model, self.collision_data
 
     def _current_rows(self) -> tuple[Any, ...]:
-        """Where in the scene the nodes of visuals and of collisions are; None for none."""
-        structure = self._scene.version[0]
+        """For visuals and for collisions: which geometries have nodes (None for all), and their rows in the scene."""
+        scene = self._scene
+        structure = scene.version[0]
         if not self._rows or self._rows[0] != structure:
-            gui, rows = self.viewer.gui, []
+            rows: list[Any] = []
             for kind in self._shown:
-                names = [gui.known(f"{self._group(kind)}/{g.name}") for g in self._objects(kind)]
-                rows.append(self._scene.rows(names) if names else None)
+                names = [self._gui.at(f"{self._group(kind)}/{g.name}") for g in self._objects(kind)]
+                chosen = [i for i, name in enumerate(names) if name in scene]
+                present = scene.rows([names[i] for i in chosen]) if chosen else None
+                rows.append((None if len(chosen) == len(names) else chosen, present))
             self._rows = (structure, *rows)
         return self._rows[1:]
 
@@ -279,13 +228,13 @@ class BaseVisualizer(MotionPictures, abc.ABC):
 
     def _show(self, kind: GeometryType, visibility: bool) -> None:
         self._shown[kind] = bool(visibility)
-        self.viewer.gui.setVisibility(self._group(kind), "ON" if visibility else "OFF")
+        self._gui.setVisibility(self._group(kind), "ON" if visibility else "OFF")
         if visibility and self._q is not None:
             self.display(self._q)
 
     def clean(self) -> None:
         """Takes the robot out of the viewer."""
-        self.viewer.gui.deleteNode(self._root, True)
+        self._gui.deleteNode(self._root, True)
         self._root, self._frames = "", []
 
     def reload(self, new_geometry_object: GeometryObject, geometry_type: Any = None) -> None:
@@ -299,19 +248,13 @@ class BaseVisualizer(MotionPictures, abc.ABC):
         model = self._pair(kind)[0]
         model.geometryObjects.pop(place := known(model.getGeometryId(new_geometry_object.name)))
         model.geometryObjects.insert(place, new_geometry_object.copy())
-        self._scene.set_surfaces(
-            self.getViewerNodeName(new_geometry_object, kind), surfaces_of(new_geometry_object)
-        )
+        self.loadViewerGeometryObject(new_geometry_object, kind)
         self.display(self._q)
 
     def reset(self) -> None:
         """Empties the viewer."""
-        self.viewer.viewer.clear()
+        self._gui.viewer.clear()
         self._root, self._frames = "", []
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} of {self.model.name!r}>"
-
-
-def _options(more: dict[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in more.items() if key in ("host", "port") and value is not None}

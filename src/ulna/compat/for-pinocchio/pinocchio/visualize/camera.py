@@ -31,7 +31,7 @@ class CameraVisualizer(BaseVisualizer, abc.ABC):
     """A visualizer whose camera and background can be set."""
 
     def _look(self, **news: Any) -> None:
-        viewer = self.viewer.viewer
+        viewer = self._gui.viewer
         viewer.camera = dataclasses.replace(viewer.camera, **news)
 
     def setCameraTarget(self, target: Sequence[float]) -> None:
@@ -51,7 +51,7 @@ class CameraVisualizer(BaseVisualizer, abc.ABC):
     def setCameraPose(self, pose: Any) -> None:
         """Places the camera; x is right, y up, z backwards of the picture."""
         M = np.asarray(getattr(pose, "homogeneous", pose), dtype=float)
-        old = self.viewer.viewer.camera
+        old = self._gui.viewer.camera
         away = float(np.linalg.norm(np.subtract(old.position, old.target)))
         self._look(position=_three(M[:3, 3]), target=_three(M[:3, 3] - away * M[:3, 2]), up=_three(M[:3, 1]))
 
@@ -89,7 +89,7 @@ class CameraVisualizer(BaseVisualizer, abc.ABC):
             raise UnknownName("background", preset_name, named)
         top = colour(named[preset_name] if col_top is None else col_top)
         low = top if col_bot is None else colour(col_bot)
-        viewer = self.viewer.viewer
+        viewer = self._gui.viewer
         top8, low8 = (tuple(round(255 * c) for c in rgba[:3]) for rgba in (top, low))
         viewer.theme = dataclasses.replace(viewer.theme, top=top8, horizon=low8)
 

@@ -5,18 +5,37 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Sequence
-from typing import Any
-
-import numpy as np
 
 from pinocchio._geometry.geometry_object import GeometryObject
+from pinocchio.visualize.coal_figures import content_of, triangles_of
 from ulna.errors import InputError, MissingExtra, ModelWarning
 from ulna.geometry import Mesh
-from ulna.viewer.colours import colour
+from ulna.viewer.colours import RGBA, colour
+from ulna.viewer.graph.content import Content
 from ulna.viewer.mesh.mesh_files import load_mesh
 from ulna.viewer.mesh.primitives import tessellate
 from ulna.viewer.mesh.surface import Surface
 from ulna.viewer.mesh.vertex_normals import surface_with_normals
+
+
+def figure_of(
+    geometry: GeometryObject, color: Sequence[float] | None = None
+) -> tuple[Sequence[Surface], Content | None]:
+    """What a geometry looks like in its own frame.
+
+    Args:
+        geometry: The geometry.
+        color: Red, green, blue, opacity; its own by default.
+
+    Returns:
+        The surfaces, and the points or boxes of a node.
+    """
+    content = content_of(geometry.geometry, _rgba(geometry, color)) if geometry.shape is None else None
+    return (surfaces_of(geometry, color) if content is None else ()), content
+
+
+def _rgba(geometry: GeometryObject, color: Sequence[float] | None) -> RGBA:
+    return colour(float(c) for c in (geometry.meshColor if color is None else color))
 
 
 def surfaces_of(geometry: GeometryObject, color: Sequence[float] | None = None) -> list[Surface]:
@@ -32,10 +51,9 @@ def surfaces_of(geometry: GeometryObject, color: Sequence[float] | None = None) 
         The surfaces.
     """
     shape = geometry.shape
-    rgb = geometry.meshColor if color is None else color
-    rgba = colour(float(c) for c in rgb)
+    rgba = _rgba(geometry, color)
     if shape is None:
-        return [_of_triangles(geometry.geometry, rgba)]
+        return [surface_with_normals(*triangles_of(geometry.geometry), rgba)]
     if not isinstance(shape, Mesh):
         return [tessellate(shape, rgba)]
     if shape.path is None or not os.path.isfile(shape.path):
@@ -51,12 +69,3 @@ def surfaces_of(geometry: GeometryObject, color: Sequence[float] | None = None) 
     return (
         [s.coloured(rgba) for s in surfaces] if geometry.overrideMaterial or color is not None else surfaces
     )
-
-
-def _of_triangles(geometry: Any, rgba: Any) -> Surface:
-    """A mesh of coal."""
-    vertices = np.array([geometry.vertices(i) for i in range(geometry.num_vertices)])
-    triangles = [
-        [int(t[k]) for k in range(3)] for t in (geometry.tri_indices(i) for i in range(geometry.num_tris))
-    ]
-    return surface_with_normals(vertices, np.array(triangles), rgba)

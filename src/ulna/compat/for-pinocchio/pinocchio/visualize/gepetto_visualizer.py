@@ -34,7 +34,7 @@ class GepettoVisualizer(CameraVisualizer):
             more: Plays no part.
         """
         self._attach(viewer, {})
-        gui = self.viewer.gui
+        gui = self._gui
         gui.createWindow(windowName)
         gui.createScene(sceneName)
         gui.addSceneToWindow(sceneName, windowName)

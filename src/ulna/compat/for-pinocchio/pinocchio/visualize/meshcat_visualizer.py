@@ -1,4 +1,4 @@
-"""The visualizer of MeshCat's spelling, with the calls for shapes that courses add to it."""
+"""The visualizer of MeshCat's spelling: its tree of objects, and the calls for shapes that courses add to it."""
 
 from __future__ import annotations
 
@@ -6,8 +6,12 @@ from collections.abc import Sequence
 from typing import Any, final
 
 import numpy as np
+from gepetto.corbaserver.gui import Gui
+from meshcat.visualizer import Visualizer
+from meshcat.window import ViewerWindow
 
 from pinocchio._containers.arguments import WrongShape
+from pinocchio._containers.enums import GeometryType
 from pinocchio._spatial.rotations import Quaternion
 from pinocchio.visualize.camera import CameraVisualizer
 from ulna.geometry import Box, Cylinder, Ellipsoid, Shape, Sphere
@@ -18,7 +22,60 @@ _GREY = (0.6, 0.6, 0.65, 1.0)
 
 @final
 class MeshcatVisualizer(CameraVisualizer):
-    """Draws into a new viewer, or into the one passed to it. What is added here is placed at once, without refresh."""
+    """Draws into a new viewer, or into the one passed to it. What is added here is placed at once, without refresh.
+
+    `viewer` is MeshCat's tree: `viz.viewer["goal"].set_object(...)`.
+    """
+
+    _EXPECTED = "a meshcat.Visualizer, an ulna.Viewer, or the `viewer` of another visualizer"
+
+    def initViewer(
+        self,
+        viewer: Any = None,
+        open: bool = False,
+        loadModel: bool = False,
+        zmq_url: Any = None,
+        **more: Any,
+    ) -> None:
+        """Opens the viewer; returns at once.
+
+        Args:
+            viewer: A `meshcat.Visualizer`, or an `ulna.Viewer`, to draw into; a new viewer when not given.
+            open: Whether to open a browser window, where there is a screen.
+            loadModel: Whether to load the geometries, too.
+            zmq_url: Accepted and ignored: the viewer is in this process.
+            more: `host`, `port` of the page.
+        """
+        super().initViewer(viewer, open, loadModel, **more)
+
+    def _attach(self, viewer: Any, options: dict[str, Any]) -> None:
+        if isinstance(viewer, Visualizer):
+            self._gui_or_none, self._viewer = viewer.gui, viewer
+        else:
+            super()._attach(viewer, options)
+
+    def _draw_into(self, gui: Gui) -> None:
+        self._gui_or_none, self._viewer = gui, Visualizer(window=ViewerWindow(gui))
+
+    @property
+    def viewerRootNodeName(self) -> str:
+        """The path of the robot."""
+        return self._root
+
+    @property
+    def viewerVisualGroupName(self) -> str:
+        """The path of what it looks like."""
+        return self._group(GeometryType.VISUAL)
+
+    @property
+    def viewerCollisionGroupName(self) -> str:
+        """The path of what it collides with."""
+        return self._group(GeometryType.COLLISION)
+
+    @property
+    def viewerFramesGroupName(self) -> str:
+        """The path of the axes of frames."""
+        return f"{self._root}/frames"
 
     def addSphere(self, name: str, radius: float, color: Sequence[float] = _GREY) -> None:
         """Adds a sphere.
@@ -75,14 +132,12 @@ class MeshcatVisualizer(CameraVisualizer):
             linewidth: Thickness [pixels].
             color: Red, green, blue, opacity from 0 to 1.
         """
-        self.viewer.gui.addLine(name, point1, point2, colour(color))
-        self.viewer.gui.setCurveLineWidth(name, linewidth)
+        self._gui.addLine(name, point1, point2, colour(color))
+        self._gui.setCurveLineWidth(name, linewidth)
 
     def _add(self, name: str, shape: Shape, color: Sequence[float]) -> None:
         red, green, blue, opacity = colour(color)
-        self.viewer.viewer.add(
-            shape, name=self.viewer.gui.at(name), color=(red, green, blue), opacity=opacity
-        )
+        self._gui.viewer.add(shape, name=self._gui.at(name), color=(red, green, blue), opacity=opacity)
 
     def applyConfiguration(self, name: str, placement: Any) -> None:
         """Places a node, at once.
@@ -94,7 +149,7 @@ class MeshcatVisualizer(CameraVisualizer):
         Raises:
             WrongShape: Another shape.
         """
-        gui = self.viewer.gui
+        gui = self._gui
         values = np.asarray(getattr(placement, "homogeneous", placement), dtype=float)
         if values.shape == (7,):
             pose = np.eye(4)
@@ -106,4 +161,4 @@ class MeshcatVisualizer(CameraVisualizer):
 
     def delete(self, name: str) -> None:
         """Removes a node, with all that is in it."""
-        self.viewer.gui.deleteNode(name, True)
+        self._gui.deleteNode(name, True)

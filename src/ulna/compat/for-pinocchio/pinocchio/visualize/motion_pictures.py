@@ -13,6 +13,7 @@ import numpy as np
 from pinocchio._algorithms.frame_motions import getFrameVelocity
 from pinocchio._containers.enums import LOCAL_WORLD_ALIGNED
 from pinocchio._model.model import Model
+from ulna.viewer.mesh.primitives import axes
 from ulna.viewer.page.browser import somebody_can_look
 
 
@@ -21,7 +22,7 @@ class MotionPictures(abc.ABC):
 
     model: Model
     data: Any
-    viewer: Any
+    _gui: Any
     _scene: Any
     _root: str
     _frames: list[int]
@@ -44,15 +45,17 @@ class MotionPictures(abc.ABC):
             visibility: Whether to show them.
             frame_ids: Indices of the frames; all by default.
             axis_length: Length of an axis [m].
-            axis_width: Accepted and ignored [-].
+            axis_width: Thickness of the axes [-]; 2 is a twentieth of their length.
         """
-        viewer = self.viewer.viewer
         for frame in self._frames:
-            viewer.remove(self._frame_node(frame))
+            self._gui.deleteNode(self._frame_node(frame))
         chosen = range(self.model.nframes) if frame_ids is None else frame_ids
         self._frames = [int(i) for i in chosen] if visibility else []
         for frame in self._frames:
-            viewer.axes(axis_length, name=self._frame_node(frame), pose=self._frame_pose(frame))
+            arrows = axes(axis_length, axis_length * axis_width / 80)
+            self._scene.add(
+                self._frame_node(frame), arrows, self._frame_pose(frame), shadow=False, through=True
+            )
 
     def initializeFrames(
         self, frame_ids: Sequence[int] | None = None, axis_length: float = 0.2, axis_width: float = 2
@@ -62,7 +65,7 @@ class MotionPictures(abc.ABC):
         Args:
             frame_ids: Indices of the frames; all by default.
             axis_length: Length of an axis [m].
-            axis_width: Accepted and ignored [-].
+            axis_width: Thickness of the axes [-]; 2 is a twentieth of their length.
         """
         self.displayFrames(True, frame_ids, axis_length, axis_width)
 
@@ -91,7 +94,7 @@ class MotionPictures(abc.ABC):
         v = getFrameVelocity(self.model, self.data, frame_id, LOCAL_WORLD_ALIGNED).linear
         start = self._frame_pose(frame_id)[:3, 3]
         name = f"{self._root}/velocities/{frame_id}"
-        self.viewer.viewer.arrow(v_scale * v, start, name=name, color=color)
+        self._gui.viewer.arrow(v_scale * v, start, name=name, color=color)
 
     def play(
         self,
@@ -114,7 +117,7 @@ class MotionPictures(abc.ABC):
             The pictures, (h, w, 3) uint8 each; None without `capture`.
         """
         images: list[Any] = []
-        wait = dt is not None and somebody_can_look() and not self.viewer.viewer.closed
+        wait = dt is not None and somebody_can_look() and not self._gui.viewer.closed
         for i, q in enumerate(_configurations(q_trajectory, self.model.nq)):
             start = time.perf_counter()
             self.display(q)
@@ -146,7 +149,7 @@ class MotionPictures(abc.ABC):
         Returns:
             Array (h, w, 3) uint8.
         """
-        return self.viewer.viewer.picture(None, w or 960, h or 600)
+        return self._gui.viewer.picture(None, w or 960, h or 600)
 
     @contextmanager
     def create_video_ctx(self, filename: str, fps: float = 30, **_: Any) -> Iterator[None]:

@@ -1,0 +1,158 @@
+"""What lies beside the objects of MeshCat's tree: "/Cameras", "/Background", "/Grid", "/Axes", "/Lights"."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, final
+
+import numpy as np
+from gepetto.corbaserver.gui import Gui
+from gepetto.corbaserver.tree import PARTS, without
+
+from ulna.checks.arrays import shaped_array
+from ulna.errors import InputError, UnknownName
+from ulna.typing import Floats
+from ulna.viewer.colours import colour
+from ulna.viewer.graph.camera import Camera
+
+NAMES = ("Cameras", "Background", "Grid", "Axes", "Lights")
+"""The names at the root that are no objects of the user."""
+_AXES = f"{PARTS}axes"
+
+
+@final
+class Surroundings:
+    """Camera, background and axes of a viewer.
+
+    Args:
+        gui: The calls of the viewer.
+    """
+
+    def __init__(self, gui: Gui) -> None:
+        self._viewer = gui.viewer
+        self._theme = gui.viewer.theme  # as it was before anything was hidden
+        self._frame = np.eye(4)
+        self._position: Floats | None = None
+        self._target = np.zeros(3)
+
+    # the camera -----------------------------------------------------------------------------------------
+
+    def look(self, position: Any = None, target: Any = None, frame: Any = None) -> None:
+        """Places the camera.
+
+        Args:
+            position: Where it stands in its frame, (3,) [m]; as before when not given.
+            target: What it looks at in its frame, (3,) [m]; as before when not given.
+            frame: Its frame in the world, (4, 4); as before when not given.
+        """
+        old = self._viewer.camera
+        if self._position is None:
+            self._position, self._target = np.array(old.position), np.array(old.target)
+        self._position = self._position if position is None else shaped_array("position", position, 3)
+        self._target = self._target if target is None else shaped_array("target", target, 3)
+        if frame is not None:
+            self._frame, self._target = shaped_array("matrix", frame, 4, 4), np.zeros(3)
+        rotation, origin = self._frame[:3, :3], self._frame[:3, 3]
+        places = {"position": self._position, "target": self._target}
+        turned = {key: tuple((rotation @ value + origin).tolist()) for key, value in places.items()}
+        up = tuple((rotation @ (0.0, 0.0, 1.0)).tolist())
+        self._viewer.camera = dataclasses.replace(old, up=up, **turned)
+
+    def set_lens(self, fov: float | None = None, zoom: float = 1.0) -> None:
+        """Changes how much the camera sees.
+
+        Args:
+            fov: Vertical field of view [degrees]; the viewer's usual one when not given.
+            zoom: Factor by which things appear larger [-].
+        """
+        half = np.tan((Camera().fov if fov is None else np.deg2rad(float(fov))) / 2.0)
+        camera = dataclasses.replace(self._viewer.camera, fov=float(2.0 * np.arctan(half / float(zoom))))
+        self._viewer.camera = camera
+
+    # what MeshCat calls properties and objects ----------------------------------------------------------
+
+    def set_property(self, entries: tuple[str, ...], key: str, value: Any) -> None:
+        """Changes a property.
+
+        Args:
+            entries: Names from the root.
+            key: Name of the property.
+            value: The new value.
+
+        Raises:
+            UnknownName: There is no such property.
+        """
+        if entries[0] == "Lights":
+            without(
+                f"/{'/'.join(entries)}: set_property({key!r})", "the lights are those of the viewer's theme."
+            )
+            return
+        setters = {
+            "Cameras": {
+                # three.js has y up
+                "position": lambda p: self.look(position=[p[0], -p[2], p[1]]),
+                "zoom": lambda zoom: self.set_lens(zoom=zoom),
+                "fov": self.set_lens,
+            },
+            "Background": {
+                "top_color": lambda rgb: self._colour_sky("top", rgb),
+                "bottom_color": lambda rgb: self._colour_sky("horizon", rgb),
+                "visible": self._show_sky,
+            },
+            "Grid": {"visible": self._show_grid},
+            "Axes": {"visible": self._show_axes},
+        }[entries[0]]
+        if key not in setters:
+            raise UnknownName(f"property of /{entries[0]}", key, setters)
+        setters[key](value)
+
+    def set_object(self, entries: tuple[str, ...], thing: Any) -> None:
+        """Replaces the lens of the camera.
+
+        Args:
+            entries: Names from the root.
+            thing: A `PerspectiveCamera`.
+
+        Raises:
+            InputError: Anything else.
+        """
+        if entries[0] != "Cameras" or type(thing).__name__ != "PerspectiveCamera":
+            raise InputError(
+                f"/{'/'.join(entries)} was given {thing!r}; expected a PerspectiveCamera at '/Cameras/default/rotated'."
+            )
+        self.set_lens(thing.fov, thing.zoom)
+
+    def set_transform(self, entries: tuple[str, ...], matrix: Any) -> None:
+        """Places the camera's frame.
+
+        Args:
+            entries: Names from the root.
+            matrix: The frame in the world, (4, 4).
+
+        Raises:
+            InputError: Something other than a camera.
+        """
+        if entries[0] != "Cameras":
+            raise InputError(f"/{'/'.join(entries)} cannot be placed; '/Cameras/default' can.")
+        self.look(frame=matrix)
+
+    def _colour_sky(self, part: str, rgb: Any) -> None:
+        values = tuple(round(255 * c) for c in colour(rgb)[:3])
+        self._viewer.theme = dataclasses.replace(self._viewer.theme, **{part: values})
+
+    def _show_sky(self, visible: bool) -> None:
+        usual, white = self._theme, (255, 255, 255)
+        top, horizon = (usual.top, usual.horizon) if visible else (white, white)
+        self._viewer.theme = dataclasses.replace(self._viewer.theme, top=top, horizon=horizon)
+
+    def _show_grid(self, visible: bool) -> None:
+        """Lines of the floor are hidden by the colour of the floor."""
+        usual = self._theme
+        section, cell = (usual.section, usual.cell) if visible else (usual.floor, usual.floor)
+        self._viewer.theme = dataclasses.replace(self._viewer.theme, section=section, cell=cell)
+
+    def _show_axes(self, visible: bool) -> None:
+        if _AXES in self._viewer.scene:
+            self._viewer.remove(_AXES)
+        if visible:
+            self._viewer.axes(0.5, name=_AXES)

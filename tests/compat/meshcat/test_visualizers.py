@@ -1,0 +1,38 @@
+"""MeshCat's tree, viser's server and geometries of coal, as programs that use visualizers see them."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ulna.compat.packages import environment
+
+HERE = Path(__file__).parent
+
+
+def run(script: str) -> None:
+    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"} | {"ULNA_HEADLESS": "1"}
+    done = subprocess.run(
+        [sys.executable, str(HERE / script)],
+        env=environment(["pinocchio"], plain), capture_output=True, text=True, check=False, timeout=300,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_tree_of_objects() -> None:
+    pytest.importorskip("trimesh")
+    run("tree_of_objects.py")
+
+
+def test_the_server_of_viser() -> None:
+    pytest.importorskip("viser")
+    run("server_of_viser.py")
+
+
+def test_geometries_of_coal() -> None:
+    pytest.importorskip("coal")
+    run("geometries_of_coal.py")
