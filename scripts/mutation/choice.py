@@ -19,7 +19,7 @@ def stages(mutant: Mutant, covered: CoverageMap, root: Path, budget: float) -> l
     """The tests to try, in up to five rounds; each round takes about `budget` seconds at most.
 
     First the quickest of the tests that run the mutated lines, then more of these and of the tests that run the file,
-    then, where these are few, the test functions and files that name what is mutated, then tests that read sources.
+    then the test functions and files that name what is mutated, then tests that read sources.
     """
     if mutant.function_lines is not None:
         exact = covered.of_lines(mutant.path, mutant.line, mutant.last_line)
@@ -36,9 +36,7 @@ def stages(mutant: Mutant, covered: CoverageMap, root: Path, budget: float) -> l
     near = _within(sorted(exact, key=order), covered, budget, least=3)
     first = near[:12]
     second = near[12:] + _within(sorted(covered.of_file(mutant.path) - exact, key=order), covered, budget / 2)
-    rounds = [first, second]
-    if len(first) < 12:
-        rounds += named(mutant, root)
+    rounds = [first, second, *named(mutant, root)]  # the last ones: tests that are newer than the map
     if mutant.function_lines is None:
         rounds.append([test for test in _OF_SOURCES if (root / test).exists()])
     return [tests for tests in rounds if tests]

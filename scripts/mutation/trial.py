@@ -20,6 +20,7 @@ from pathlib import Path
 from mutation.mutant import Mutant
 
 _OPTIONS = ("-q", "-x", "--tb=no", "-rfE", "-p", "no:cacheprovider")
+_GONE = re.compile(r"^ERROR: (?:file or directory )?not found: (.+)$", re.MULTILINE)
 LIMIT = 150.0  # seconds a run of tests may take beyond the time expected
 # Their results are kept under keys that say nothing of this code: with these mutated, the kernel cache starts empty.
 _CACHED = (
@@ -77,8 +78,20 @@ class Sandbox:
         """Runs tests up to the first failure, with a mutant or without.
 
         Returns:
-            The exit status of pytest, None where the time ran out, and the test that failed, if one did.
+            The exit status of pytest, None where the time ran out, and the test that failed, if one did. Tests that
+            are gone since the map was built are left out.
         """
+        status, output = self._pytest(mutant, tests, expected)
+        gone = {name for test in _GONE.findall(output) for name in tests if test.endswith(name)}
+        if gone:
+            self.unsound.update(gone)
+            left = [test for test in tests if test not in gone]
+            return self.run(mutant, left, expected) if left else (0, "")
+        failed = re.search(r"^(?:FAILED|ERROR) (\S+?\.py(?:::.*?)?)(?: - .*)?$", output, re.MULTILINE)
+        return status, failed[1] if failed else ""
+
+    def _pytest(self, mutant: Mutant | None, tests: list[str], expected: float) -> tuple[int | None, str]:
+        """The exit status of pytest, None where the time ran out, and what it printed."""
         self._prepare(empty=mutant is not None and any(part in mutant.path for part in _CACHED))
         chosen = self._folder / "tests.txt"
         chosen.write_text("\n".join([*(f"--deselect={test}" for test in self.unsound), *tests]))
@@ -107,8 +120,7 @@ class Sandbox:
                 with contextlib.suppress(ProcessLookupError):
                     os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
-        failed = re.search(r"^(?:FAILED|ERROR) (\S+?\.py(?:::.*?)?)(?: - .*)?$", output, re.MULTILINE)
-        return process.returncode, failed[1] if failed else ""
+        return process.returncode, output
 
     @contextlib.contextmanager
     def _mutated(self, mutant: Mutant | None) -> Iterator[None]:
