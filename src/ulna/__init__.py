@@ -39,9 +39,9 @@ _LATER = {
     "Simulation": "ulna.sim",
     "Viewer": "ulna.viewer.viewer",
 }
-"""Names that are loaded from their rooms when first used, so that `import ulna` stays light."""
+"""The packages of names that are imported when first used, so that `import ulna` stays light."""
 
-_ROOMS = (
+_PACKAGES = (
     "collision",
     "compat",
     "control",
@@ -53,7 +53,7 @@ _ROOMS = (
     "trajectory",
     "viewer",
 )
-"""Rooms that `ulna.NAME` opens when first used."""
+"""Packages that `ulna.NAME` imports when first used."""
 
 __all__ = [
     "SE3",
@@ -80,10 +80,10 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name in _LATER:
         return getattr(importlib.import_module(_LATER[name]), name)
-    if name in _ROOMS:
+    if name in _PACKAGES:
         return importlib.import_module(f"ulna.{name}")
     raise unknown_attribute("module ulna", name, __dir__())
 
 
 def __dir__() -> list[str]:
-    return [*__all__, *_ROOMS]
+    return [*__all__, *_PACKAGES]

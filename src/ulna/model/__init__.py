@@ -1,91 +1,48 @@
 """Models of robots: joints, links, frames and inertias as frozen data, made by a builder."""
 
-from ulna.model.builder import ModelBuilder
-from ulna.model.change import (
-    with_configuration,
-    with_disabled_pairs,
-    with_gravity,
-    with_root_joint,
-    with_tool,
-)
-from ulna.model.constraint import Constraint, FrameContact, FrameLoop, PointContact, PointLoop
-from ulna.model.inertial import (
-    dynamic_parameters,
-    perturbed,
-    with_dynamic_parameters,
-    with_joint_dynamics,
-    with_link_inertias,
-)
-from ulna.model.joints import (
-    Circle,
-    Composite,
-    Continuous,
-    Coordinate,
-    Fixed,
-    FreeFlyer,
-    Helical,
-    JointKind,
-    Planar,
-    PlanarCircle,
-    Prismatic,
-    Revolute,
-    Spherical,
-    Translation,
-    Universal,
-)
-from ulna.model.merge import attach
-from ulna.model.model import Model
-from ulna.model.parts import Frame, Joint, Limits, Link, Mimic
-from ulna.model.payload import Drive, with_drives, with_payload
-from ulna.model.positions import position
-from ulna.model.reduce import lock_joints
-from ulna.model.variable import parameter_names, parameters, with_parameters
-
-__all__ = [
-    "Circle",
-    "Composite",
-    "Constraint",
-    "Continuous",
-    "Coordinate",
-    "Drive",
-    "Fixed",
-    "Frame",
-    "FrameContact",
-    "FrameLoop",
-    "FreeFlyer",
-    "Helical",
-    "Joint",
-    "JointKind",
-    "Limits",
-    "Link",
-    "Mimic",
-    "Model",
-    "ModelBuilder",
-    "Planar",
-    "PlanarCircle",
-    "PointContact",
-    "PointLoop",
-    "Prismatic",
-    "Revolute",
-    "Spherical",
-    "Translation",
-    "Universal",
-    "attach",
-    "dynamic_parameters",
-    "lock_joints",
-    "parameter_names",
-    "parameters",
-    "perturbed",
-    "position",
-    "with_configuration",
-    "with_disabled_pairs",
-    "with_drives",
-    "with_dynamic_parameters",
-    "with_gravity",
-    "with_joint_dynamics",
-    "with_link_inertias",
-    "with_parameters",
-    "with_payload",
-    "with_root_joint",
-    "with_tool",
-]
+from ulna.model.builder import ModelBuilder as ModelBuilder
+from ulna.model.change import with_configuration as with_configuration
+from ulna.model.change import with_disabled_pairs as with_disabled_pairs
+from ulna.model.change import with_gravity as with_gravity
+from ulna.model.change import with_root_joint as with_root_joint
+from ulna.model.change import with_tool as with_tool
+from ulna.model.constraint import Constraint as Constraint
+from ulna.model.constraint import FrameContact as FrameContact
+from ulna.model.constraint import FrameLoop as FrameLoop
+from ulna.model.constraint import PointContact as PointContact
+from ulna.model.constraint import PointLoop as PointLoop
+from ulna.model.inertial import dynamic_parameters as dynamic_parameters
+from ulna.model.inertial import perturbed as perturbed
+from ulna.model.inertial import with_dynamic_parameters as with_dynamic_parameters
+from ulna.model.inertial import with_joint_dynamics as with_joint_dynamics
+from ulna.model.inertial import with_link_inertias as with_link_inertias
+from ulna.model.joints import Circle as Circle
+from ulna.model.joints import Composite as Composite
+from ulna.model.joints import Continuous as Continuous
+from ulna.model.joints import Coordinate as Coordinate
+from ulna.model.joints import Fixed as Fixed
+from ulna.model.joints import FreeFlyer as FreeFlyer
+from ulna.model.joints import Helical as Helical
+from ulna.model.joints import JointKind as JointKind
+from ulna.model.joints import Planar as Planar
+from ulna.model.joints import PlanarCircle as PlanarCircle
+from ulna.model.joints import Prismatic as Prismatic
+from ulna.model.joints import Revolute as Revolute
+from ulna.model.joints import Spherical as Spherical
+from ulna.model.joints import Translation as Translation
+from ulna.model.joints import Universal as Universal
+from ulna.model.merge import attach as attach
+from ulna.model.model import Model as Model
+from ulna.model.parts import Frame as Frame
+from ulna.model.parts import Joint as Joint
+from ulna.model.parts import Limits as Limits
+from ulna.model.parts import Link as Link
+from ulna.model.parts import Mimic as Mimic
+from ulna.model.payload import Drive as Drive
+from ulna.model.payload import with_drives as with_drives
+from ulna.model.payload import with_payload as with_payload
+from ulna.model.positions import position as position
+from ulna.model.reduce import lock_joints as lock_joints
+from ulna.model.variable import parameter_names as parameter_names
+from ulna.model.variable import parameters as parameters
+from ulna.model.variable import with_parameters as with_parameters

@@ -1,44 +1,23 @@
 """Functions whose spelling differs between floats, traced scalars and symbols."""
 
-from ulna.numeric.arrays import apply, cross, dot, matrix, skew, vector
-from ulna.numeric.loops import loop
-from ulna.numeric.scalars import (
-    arctan2,
-    ceil,
-    clip,
-    cos,
-    exp,
-    is_symbolic,
-    less,
-    maximum,
-    minimum,
-    sin,
-    sincos,
-    sqrt,
-    tanh,
-    where,
-)
-
-__all__ = [
-    "apply",
-    "arctan2",
-    "ceil",
-    "clip",
-    "cos",
-    "cross",
-    "dot",
-    "exp",
-    "is_symbolic",
-    "less",
-    "loop",
-    "matrix",
-    "maximum",
-    "minimum",
-    "sin",
-    "sincos",
-    "skew",
-    "sqrt",
-    "tanh",
-    "vector",
-    "where",
-]
+from ulna.numeric.arrays import apply as apply
+from ulna.numeric.arrays import cross as cross
+from ulna.numeric.arrays import dot as dot
+from ulna.numeric.arrays import matrix as matrix
+from ulna.numeric.arrays import skew as skew
+from ulna.numeric.arrays import vector as vector
+from ulna.numeric.loops import loop as loop
+from ulna.numeric.scalars import arctan2 as arctan2
+from ulna.numeric.scalars import ceil as ceil
+from ulna.numeric.scalars import clip as clip
+from ulna.numeric.scalars import cos as cos
+from ulna.numeric.scalars import exp as exp
+from ulna.numeric.scalars import is_symbolic as is_symbolic
+from ulna.numeric.scalars import less as less
+from ulna.numeric.scalars import maximum as maximum
+from ulna.numeric.scalars import minimum as minimum
+from ulna.numeric.scalars import sin as sin
+from ulna.numeric.scalars import sincos as sincos
+from ulna.numeric.scalars import sqrt as sqrt
+from ulna.numeric.scalars import tanh as tanh
+from ulna.numeric.scalars import where as where

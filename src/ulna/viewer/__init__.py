@@ -54,21 +54,7 @@ _MODULES = {
 }
 """The module of each public name."""
 
-__all__ = [
-    "Camera",
-    "Handle",
-    "Page",
-    "Panel",
-    "RobotHandle",
-    "Scene",
-    "Surface",
-    "Texture",
-    "Theme",
-    "Viewer",
-    "load_mesh",
-    "stick_figure",
-    "write_png",
-]
+__all__ = list(_MODULES)
 
 renamed.install()
 

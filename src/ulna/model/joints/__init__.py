@@ -1,29 +1,18 @@
 """The kinds of joints."""
 
-from ulna.model.joints.ball import FreeFlyer, Spherical
-from ulna.model.joints.base import Coordinate, JointKind, VectorKind
-from ulna.model.joints.circle import Circle, PlanarCircle
-from ulna.model.joints.composite import Composite
-from ulna.model.joints.fixed import Fixed
-from ulna.model.joints.planar import Planar
-from ulna.model.joints.sliding import Prismatic, Translation
-from ulna.model.joints.turning import Continuous, Helical, Revolute, Universal
-
-__all__ = [
-    "Circle",
-    "Composite",
-    "Continuous",
-    "Coordinate",
-    "Fixed",
-    "FreeFlyer",
-    "Helical",
-    "JointKind",
-    "Planar",
-    "PlanarCircle",
-    "Prismatic",
-    "Revolute",
-    "Spherical",
-    "Translation",
-    "Universal",
-    "VectorKind",
-]
+from ulna.model.joints.ball import FreeFlyer as FreeFlyer
+from ulna.model.joints.ball import Spherical as Spherical
+from ulna.model.joints.base import Coordinate as Coordinate
+from ulna.model.joints.base import JointKind as JointKind
+from ulna.model.joints.base import VectorKind as VectorKind
+from ulna.model.joints.circle import Circle as Circle
+from ulna.model.joints.circle import PlanarCircle as PlanarCircle
+from ulna.model.joints.composite import Composite as Composite
+from ulna.model.joints.fixed import Fixed as Fixed
+from ulna.model.joints.planar import Planar as Planar
+from ulna.model.joints.sliding import Prismatic as Prismatic
+from ulna.model.joints.sliding import Translation as Translation
+from ulna.model.joints.turning import Continuous as Continuous
+from ulna.model.joints.turning import Helical as Helical
+from ulna.model.joints.turning import Revolute as Revolute
+from ulna.model.joints.turning import Universal as Universal

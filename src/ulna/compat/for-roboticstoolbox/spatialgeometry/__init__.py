@@ -2,25 +2,13 @@
 
 from __future__ import annotations
 
-from spatialgeometry import geom as geom
-from spatialgeometry import tools as tools
-from spatialgeometry._collision import CollisionShape as CollisionShape
-from spatialgeometry._collision import CollisionShapeGroup as CollisionShapeGroup
-from spatialgeometry._lines import Arrow as Arrow
-from spatialgeometry._lines import Axes as Axes
-from spatialgeometry._lines import Path as Path
-from spatialgeometry._lines import Polyline as Polyline
-from spatialgeometry._mesh import Mesh as Mesh
-from spatialgeometry._node import SceneGroup as SceneGroup
-from spatialgeometry._node import SceneNode as SceneNode
-from spatialgeometry._shape import Shape as Shape
-from spatialgeometry._solids import Box as Box
-from spatialgeometry._solids import Capsule as Capsule
-from spatialgeometry._solids import Cone as Cone
-from spatialgeometry._solids import Cuboid as Cuboid
-from spatialgeometry._solids import Cylinder as Cylinder
-from spatialgeometry._solids import Ellipsoid as Ellipsoid
-from spatialgeometry._solids import Sphere as Sphere
+from spatialgeometry import geom, tools
+from spatialgeometry._collision import CollisionShape, CollisionShapeGroup
+from spatialgeometry._lines import Arrow, Axes, Path, Polyline
+from spatialgeometry._mesh import Mesh
+from spatialgeometry._node import SceneGroup, SceneNode
+from spatialgeometry._shape import Shape
+from spatialgeometry._solids import Box, Capsule, Cone, Cuboid, Cylinder, Ellipsoid, Sphere
 
 __version__ = "1.4"
 """The version of spatialgeometry whose names these are."""

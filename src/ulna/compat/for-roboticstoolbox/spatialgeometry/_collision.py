@@ -109,7 +109,7 @@ def _solid(shape: geometry.Shape) -> Any:
 def _narrow(first: geometry.Shape, second: geometry.Shape) -> Any:
     from ulna.collision.narrow import Narrow, geometry_of
 
-    return Narrow([geometry_of(_solid(s), convex=False) for s in (first, second)])
+    return Narrow([geometry_of(_solid(s), convex=False) for s in (first, second)], np.zeros((2, 2)))
 
 
 def _distance(first: CollisionShape, second: CollisionShape) -> Any:

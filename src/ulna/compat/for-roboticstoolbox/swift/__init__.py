@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-from swift.Elements import Button as Button
-from swift.Elements import Checkbox as Checkbox
-from swift.Elements import Label as Label
-from swift.Elements import Radio as Radio
-from swift.Elements import Select as Select
-from swift.Elements import Slider as Slider
-from swift.Elements import SwiftElement as SwiftElement
-from swift.Handle import AssemblyHandle as AssemblyHandle
-from swift.Swift import Swift as Swift
+from swift.Elements import Button, Checkbox, Label, Radio, Select, Slider, SwiftElement
+from swift.Handle import AssemblyHandle
+from swift.Swift import Swift
 
 __version__ = "2.1"
 """The version of Swift whose names these are."""

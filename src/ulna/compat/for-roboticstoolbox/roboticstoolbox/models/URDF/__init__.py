@@ -29,11 +29,11 @@ class Frankie(Panda):
     """The arm of Frankie: a Panda; its base that drives is in `FrankieOmni`."""
 
 
-_OWN = [name for name in table("urdf") if name != "Panda"]
+_TABULATED = [name for name in table("urdf") if name != "Panda"]
 
-__all__ = list(dict.fromkeys(["Panda", "Frankie", "URDFRobot", *_OWN, *ROBOTS]))
+__all__ = list(dict.fromkeys(["Panda", "Frankie", "URDFRobot", *_TABULATED, *ROBOTS]))
 
-for _each in _OWN:
+for _each in _TABULATED:
     globals()[_each] = tree_class("urdf", _each, URDFRobot, __name__)
 
 for _each in ROBOTS:
