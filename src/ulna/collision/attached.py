@@ -12,7 +12,7 @@ from ulna.collision.solids import Missing, Solid, solid_of
 from ulna.collision.spheres import LinkSpheres
 from ulna.collision.world import World
 from ulna.errors import InputError, UnknownName
-from ulna.geometry import Plane, Shape
+from ulna.geometry import HeightField, Plane, PointCloud, Shape
 from ulna.model import Model
 from ulna.spatial import SE3
 
@@ -32,7 +32,7 @@ def attached_solids(model: Model, world: World, missing: Missing = "error") -> t
 
     Raises:
         UnknownName: If there is no such link, or nothing of a name that an object may touch.
-        InputError: If a link does not move, or a shape has no end.
+        InputError: If a link does not move, or a shape is no body.
     """
     known = {*model.link_names, *world.names, *(a.name for a in world.attachments)}
     solids = []
@@ -43,9 +43,9 @@ def attached_solids(model: Model, world: World, missing: Missing = "error") -> t
                 f"Attached object {item.name!r}: link {item.link!r} does not move. Put the object into the world: "
                 "world.add(name, shape, pose, touches=[link])."
             )
-        if isinstance(item.shape, Plane):
+        if isinstance(item.shape, Plane | PointCloud | HeightField):
             raise InputError(
-                f"Attached object {item.name!r} is a {item.shape.describe()}, which has no end; expected a body."
+                f"Attached object {item.name!r} is a {item.shape.describe()}; expected a body, such as a Box around it."
             )
         for name in item.touches:
             if name not in known:

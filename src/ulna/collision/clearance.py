@@ -31,7 +31,8 @@ from ulna.collision.pairs import LinkPair, link_pairs
 from ulna.collision.solids import Missing, Solid, link_solids, obstacle_solids
 from ulna.collision.spheres import Spheres, fit, sphere_centres
 from ulna.collision.world import World
-from ulna.geometry import Box, Capsule, Cylinder, Plane, Sphere
+from ulna.errors import InputError
+from ulna.geometry import Box, Capsule, Cylinder, HeightField, Plane, PointCloud, Sphere
 from ulna.model import Model
 from ulna.numeric import exp, maximum, minimum, sqrt
 from ulna.spatial import SE3
@@ -105,6 +106,11 @@ def _parts(solid: Solid) -> list[Part]:
             return [Part(name, "cylinder", place, np.array([r, length / 2.0]))]
         case Plane():
             return [Part(name, "plane", place, np.zeros(0))]
+        case PointCloud() | HeightField():
+            raise InputError(
+                f"Obstacle {name!r} is a {solid.shape.describe()}, which has no formula that can be compiled; expected "
+                "a body. Ask robot.collides, robot.distance, or a SphereChecker."
+            )
     centres, radii, _ = cover([solid], [place], _COARSE, _MOST)
     return [
         Part(name, "box", SE3.from_translation(c), np.array([0.0, 0.0, 0.0, r]))

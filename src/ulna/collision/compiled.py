@@ -17,9 +17,10 @@ from ulna import kernels
 from ulna.checks.arrays import batched_array
 from ulna.collision import clearance as gap
 from ulna.collision.attached import attached_pairs, attached_solids, attached_spheres
+from ulna.collision.clouds import CloudCheck, is_points, point_grid
 from ulna.collision.mask import check_touches
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
-from ulna.collision.solids import Missing
+from ulna.collision.solids import Missing, solid_of
 from ulna.collision.sphere_kernels import What, outer_kernel, own_kernel, sphere_kernel
 from ulna.collision.spheres import LinkSpheres, Spheres, fit
 from ulna.collision.world import World
@@ -100,6 +101,7 @@ class SphereChecker:
         }
         self._apart = self._checked_apart()
         self._groups = self._grouped()
+        self._clouds = self._cloud_checks()
         self._still = [self._rows(parts, {}) for _, _, parts in self._groups]
         self._kernels: dict[Any, Any] = {}
         self._scratch = threading.local()
@@ -187,10 +189,13 @@ class SphereChecker:
             self.world.moving(name)
         q = batched_array("q", q, (self.model.nq,))
         batch = np.broadcast_shapes(q.shape[:-1], *(T.translation.shape[:-1] for T in poses.values()))
-        rows = [
+        rows: list[Any] = [
             (kind, links, self._rows(parts, poses) if any(name in poses for *_, name in parts) else still)
             for (kind, links, parts), still in zip(self._groups, self._still, strict=True)
         ]
+        for check in self._clouds:
+            pose = poses.get(check.name, self.world[check.name].pose).matrix()
+            rows.append((None, check, pose.reshape(*pose.shape[:-2], 1, 16)))
         self_distance = own_kernel(what, self.model, self.spheres, self.pairs)
         if not batch:
             return self._one(what, self._with_attached(q, self_distance(q, reach)), rows, join, reach)[()]
@@ -233,6 +238,10 @@ class SphereChecker:
         """The answers of some configurations whose spheres are placed and checked against each other."""
         centres, result = placed
         for kind, links, numbers in rows:
+            if kind is None:
+                apart = links.distances(centres, numbers)
+                result = join(result, apart > reach if what == "free" else apart)
+                continue
             chosen = centres[..., self._chosen(links), :]
             if links[0] in self.attached:
                 radii = self.attached[links[0]].radii
@@ -290,11 +299,26 @@ class SphereChecker:
 
         for part, links in gap.standing(self.model, (*self.pairs, *self.attached_pairs), self.missing):
             put(part, links, SE3.identity(), "")
-        for part in gap.parts(self.world, self.missing):
+        formulas = World(tuple(o for o in self.world if not is_points(o.shape)))
+        for part in gap.parts(formulas, self.missing):
             obstacle = self.world[part.owner]
             links = gap.checked_links(self.model, self.covering, obstacle, self.world)
             put(part, links, obstacle.pose, part.owner)
         return [(kind, links, members) for (kind, links), members in groups.items()]
+
+    def _cloud_checks(self) -> list[CloudCheck]:
+        """The obstacles that are points, with the spheres that are checked against them."""
+        checks = []
+        for obstacle in self.world:
+            links = gap.checked_links(self.model, self.covering, obstacle, self.world)
+            if not is_points(obstacle.shape) or not links:
+                continue
+            solid = solid_of("", obstacle.name, obstacle.shape, -1, obstacle.pose, self.missing)
+            if solid is not None:
+                radii = [self.covering.links[k].radii + self.world.margin(k, obstacle.name) for k in links]
+                chosen = self._chosen(tuple(links))
+                checks.append(CloudCheck(obstacle.name, point_grid(solid), chosen, np.concatenate(radii)))
+        return checks
 
     def _rows(self, parts: Sequence[tuple[gap.Part, SE3, str]], poses: Mapping[str, SE3]) -> Floats:
         rows = [gap.row(part, poses.get(name, pose)) for part, pose, name in parts]

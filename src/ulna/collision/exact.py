@@ -66,7 +66,8 @@ class Checker:
         self.pairs = _link_pairs(model, self.world, pairs, without)
         self.mask = pair_mask(model, self.world, self.solids, count, self.pairs, without)
         """Which solids that move with the robot are checked against which of all, (n links and attached, n)."""
-        margins = pair_margins(self.world, self.solids, count)
+        rounding = np.array([solid.rounding for solid in self.solids])
+        margins = pair_margins(self.world, self.solids, count) + rounding[:count, None] + rounding
         self._broad = BroadPhase(model, self.world, links, attached, obstacles, self.mask, margins)
         self._narrow = Narrow([narrow.geometry_of(s, convex) for s in self.solids], margins)
         self._carriers = {item.name: item.link for item in self.world.attachments}

@@ -10,7 +10,18 @@ import numpy as np
 
 from ulna.collision.solids import Solid, hull
 from ulna.errors import InputError, MissingExtra
-from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Plane, Sphere
+from ulna.geometry import (
+    Box,
+    Capsule,
+    Cone,
+    Cylinder,
+    Ellipsoid,
+    HeightField,
+    Mesh,
+    Plane,
+    PointCloud,
+    Sphere,
+)
 from ulna.typing import Array, Floats
 
 
@@ -56,10 +67,12 @@ def geometry_of(solid: Solid, convex: bool) -> Any:
             return c.Ellipsoid(*radii)
         case Plane():
             return c.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0)
-        case Mesh():
-            if convex:
-                return _convex(*hull(solid.vertices))
+        case Mesh() if convex:
+            return _convex(*hull(solid.vertices))
+        case Mesh() | HeightField():
             return _triangles(solid.vertices, solid.triangles)
+        case PointCloud():
+            return _points(solid.vertices)
     raise InputError(f"{solid.shape.describe()} of {solid.owner!r} takes no part in collisions.")
 
 
@@ -71,6 +84,12 @@ def _convex(vertices: Floats, triangles: Array) -> Any:
     for a, b, d in triangles.tolist():
         faces.append(c.Triangle(a, b, d))
     return c.Convex(points, faces)
+
+
+def _points(vertices: Floats) -> Any:
+    """Points as triangles of a micrometre: coal takes no points."""
+    corners = vertices[:, None] + 1e-6 * (np.eye(3) - 1.0 / 3.0)
+    return _triangles(corners.reshape(-1, 3), np.arange(3 * len(vertices)).reshape(-1, 3))
 
 
 def _triangles(vertices: Floats, triangles: Array) -> Any:

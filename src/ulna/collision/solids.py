@@ -10,9 +10,10 @@ from typing import Any, Literal, final
 
 import numpy as np
 
+from ulna.collision.point_sets import thinned
 from ulna.collision.world import World
 from ulna.errors import InputError, MissingExtra, ModelError, ModelWarning
-from ulna.geometry import Capsule, Ellipsoid, Mesh, Plane, Shape, Sphere
+from ulna.geometry import Capsule, Ellipsoid, HeightField, Mesh, Plane, PointCloud, Shape, Sphere
 from ulna.geometry.meshes import merged, read_pieces
 from ulna.geometry.shapes import half_edges
 from ulna.model import Model
@@ -33,8 +34,9 @@ class Solid:
         shape: The shape in its own frame.
         joint: Index of the joint that carries it; -1 where nothing moves it.
         placement: T_joint_shape; T_world_shape for -1.
-        vertices: Of a mesh, its points in the shape's frame, (n, 3) [m]; else empty.
-        triangles: Of a mesh, its triangles, (m, 3); else empty.
+        vertices: Of a mesh, height field or cloud, its points in the shape's frame, (n, 3) [m]; else empty.
+        triangles: Of a mesh or height field, its triangles, (m, 3); else empty.
+        rounding: How far the solid reaches beyond these points [m].
     """
 
     owner: str
@@ -43,21 +45,22 @@ class Solid:
     placement: SE3
     vertices: Floats
     triangles: Array
+    rounding: float = 0.0
 
     @cached_property
     def bounds(self) -> tuple[Floats, Floats]:
         """Centre and half edges of the box around it in its own frame, (3,) each [m]; infinite for a plane."""
-        if isinstance(self.shape, Mesh):
+        if len(self.vertices):
             low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)
-            return (low + high) / 2.0, (high - low) / 2.0
+            return (low + high) / 2.0, (high - low) / 2.0 + self.rounding
         return np.zeros(3), np.array(_half_edges(self.shape))
 
     @property
     def radius(self) -> float:
         """Radius of the ball around the centre of `bounds` that holds it [m]."""
         centre, half = self.bounds
-        if isinstance(self.shape, Mesh):
-            return float(np.sqrt(((self.vertices - centre) ** 2).sum(axis=1).max()))
+        if len(self.vertices):
+            return float(np.sqrt(((self.vertices - centre) ** 2).sum(axis=1).max())) + self.rounding
         if isinstance(self.shape, (Sphere, Capsule, Ellipsoid)):
             return float(half.max())
         return float(np.sqrt((half**2).sum()))
@@ -85,6 +88,11 @@ def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
     solids = []
     for link in model.links:
         for geometry in link.collisions:
+            if isinstance(geometry.shape, PointCloud | HeightField):
+                raise ModelError(
+                    f"Link {link.name!r} of robot {model.name!r} is a {geometry.shape.describe()}; expected a body. "
+                    "Put it into the world."
+                )
             if isinstance(geometry.shape, Plane) and link.joint >= 0:
                 raise ModelError(
                     f"Link {link.name!r} of robot {model.name!r} moves, and a plane on it would fill half of space. "
@@ -144,7 +152,7 @@ def solid_of(
         missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
 
     Returns:
-        The solid; None where its mesh is missing and skipped.
+        The solid; None where its mesh is missing and skipped, or a cloud is empty.
 
     Raises:
         ModelError: If the mesh is missing, or the shape has no volume.
@@ -163,6 +171,11 @@ def solid_of(
         vertices = vertices * np.array(shape.scale)
         if np.prod(shape.scale) < 0:
             triangles = triangles[:, ::-1]
+    elif isinstance(shape, HeightField):
+        vertices, triangles = shape.triangles()
+    elif isinstance(shape, PointCloud):
+        vertices, rounding = thinned(shape)
+        return Solid(owner, shape, joint, placement, vertices, triangles, rounding) if len(vertices) else None
     elif not isinstance(shape, Plane) and min(_half_edges(shape)) <= 0.0:
         raise ModelError(f"The {shape.describe()} of {place} has no volume. Give it lengths above 0.")
     return Solid(owner, shape, joint, placement, vertices, triangles)

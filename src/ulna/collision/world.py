@@ -64,7 +64,8 @@ class World:
 
         Args:
             name: A new name.
-            shape: A shape of `ulna.geometry`: Box, Sphere, Cylinder, Capsule, Cone, Ellipsoid, Plane, Mesh.
+            shape: A shape of `ulna.geometry`: Box, Sphere, Cylinder, Capsule, Cone, Ellipsoid, Plane, Mesh, PointCloud,
+                HeightField.
             pose: T_world_shape [m]: an SE3, an array of shape (4, 4), or a position of shape (3,); None for the
                 world's origin.
             moving: Whether calls may give it another pose.

@@ -7,7 +7,9 @@ from ulna.geometry.shapes import Capsule as Capsule
 from ulna.geometry.shapes import Cone as Cone
 from ulna.geometry.shapes import Cylinder as Cylinder
 from ulna.geometry.shapes import Ellipsoid as Ellipsoid
+from ulna.geometry.shapes import HeightField as HeightField
 from ulna.geometry.shapes import Mesh as Mesh
 from ulna.geometry.shapes import Plane as Plane
+from ulna.geometry.shapes import PointCloud as PointCloud
 from ulna.geometry.shapes import Shape as Shape
 from ulna.geometry.shapes import Sphere as Sphere

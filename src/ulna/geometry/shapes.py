@@ -12,7 +12,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from ulna.errors import InputError
+import numpy as np
+
+from ulna.errors import InputError, ShapeError
+from ulna.typing import Array, ArrayLike, Floats
 
 
 def _lengths(shape: str, name: str, values: Iterable[float], count: int) -> tuple[float, ...]:
@@ -200,6 +203,107 @@ class Mesh(Shape):
         return f"mesh {self.file_name or '(no file)'}" + (" (missing)" if self.missing else "")
 
 
+@dataclass(frozen=True, eq=False)
+class _Sampled(Shape):
+    """A shape given by an array; compared by content."""
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            type(other) is type(self)
+            and vars(other).keys() == vars(self).keys()
+            and all(np.array_equal(value, vars(other)[name]) for name, value in vars(self).items())
+        )
+
+    def __hash__(self) -> int:
+        return hash((type(self).__name__, *(np.asarray(value).tobytes() for value in vars(self).values())))
+
+
+def _numbers(shape: str, name: str, values: ArrayLike, form: str) -> Floats:
+    """`values` as a read-only array of finite numbers."""
+    try:
+        array = np.array(values, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{shape}: `{name}` is no array of numbers; expected {form}.") from error
+    bad = ~np.isfinite(array)
+    if bad.any():
+        row = int(np.argwhere(bad)[0][0])
+        raise InputError(
+            f"{shape}: `{name}` holds {int(bad.sum())} numbers that are nan or inf, the first in row {row}; expected "
+            f"finite numbers. Leave such rows out: x[np.isfinite(x).all(axis=1)]."
+        )
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class PointCloud(_Sampled):
+    """Points with a ball about each, as a depth camera or a scanner sees a scene.
+
+    Args:
+        points: Positions in its own frame, shape (n, 3) [m]; none is a cloud that nothing touches.
+        radius: Radius of the balls [m].
+    """
+
+    points: Floats
+    radius: float = 0.01
+
+    def __post_init__(self) -> None:
+        points = _numbers("PointCloud", "points", self.points, "shape (n, 3)")
+        if points.size == 0:
+            points = points.reshape(0, 3)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise ShapeError("points", points.shape, "(n, 3)")
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "radius", _length("PointCloud", "radius", self.radius))
+
+    def describe(self) -> str:
+        """A few words for tables and messages."""
+        return f"cloud of {len(self.points)} points r {self.radius:g} m"
+
+    def __repr__(self) -> str:
+        return f"<{self.describe()}>"
+
+
+@dataclass(frozen=True, eq=False)
+class HeightField(_Sampled):
+    """A surface over a rectangle, as terrain: heights at the nodes of a regular grid, flat triangles between them.
+
+    Args:
+        heights: z at the nodes, shape (nx, ny), at least (2, 2) [m].
+        size: Full edge lengths of the rectangle along x and y [m]; its middle is the origin.
+    """
+
+    heights: Floats
+    size: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        heights = _numbers("HeightField", "heights", self.heights, "shape (nx, ny)")
+        if heights.ndim != 2 or min(heights.shape) < 2:
+            raise ShapeError("heights", heights.shape, "(nx, ny), at least (2, 2)")
+        size = _lengths("HeightField", "size", self.size, 2)
+        if min(size) <= 0.0:
+            raise InputError(f"HeightField: `size` is {size}; expected lengths above 0 [m].")
+        object.__setattr__(self, "heights", heights)
+        object.__setattr__(self, "size", size)
+
+    def triangles(self) -> tuple[Floats, Array]:
+        """The surface: vertices, shape (nx ny, 3) [m], and triangles, shape (2 (nx - 1) (ny - 1), 3)."""
+        nx, ny = self.heights.shape
+        x, y = (np.linspace(-edge / 2.0, edge / 2.0, n) for edge, n in zip(self.size, (nx, ny), strict=True))
+        vertices = np.stack([*np.meshgrid(x, y, indexing="ij"), self.heights], axis=-1).reshape(-1, 3)
+        corner = (np.arange(nx - 1)[:, None] * ny + np.arange(ny - 1)).ravel()
+        a, b, c, d = corner, corner + ny, corner + ny + 1, corner + 1
+        return vertices, np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+
+    def describe(self) -> str:
+        """A few words for tables and messages."""
+        nx, ny = self.heights.shape
+        return f"height field {nx} x {ny}, {self.size[0]:g} x {self.size[1]:g} m"
+
+    def __repr__(self) -> str:
+        return f"<{self.describe()}>"
+
+
 def half_edges(shape: Shape) -> tuple[float, float, float] | None:
     """Half the edges of the box around a shape, in its frame [m].
 
@@ -207,7 +311,7 @@ def half_edges(shape: Shape) -> tuple[float, float, float] | None:
         shape: The shape.
 
     Returns:
-        Half the edges along x, y and z, infinite for a plane; None for a mesh.
+        Half the edges along x, y and z, infinite for a plane; None for a mesh, a cloud and a height field.
     """
     match shape:
         case Box(size=(x, y, z)):

@@ -86,7 +86,7 @@ def test_robots_refuse_what_they_cannot_carry(method: Any) -> None:
     for world, error, text in [
         (World().attach("cup", "panda_hnd", shape=cup), UnknownName, "panda_hand"),
         (World().attach("cup", "panda_link0", shape=cup), InputError, "does not move"),
-        (World().attach("cup", "panda_hand", shape=Plane()), InputError, "no end"),
+        (World().attach("cup", "panda_hand", shape=Plane()), InputError, "expected a body"),
         (World().attach("cup", "panda_hand", shape=cup, touches=["tabel"]), UnknownName, "tabel"),
         (table().set_margin("tabel", "panda_hand", 0.1), UnknownName, "table"),
     ]:
