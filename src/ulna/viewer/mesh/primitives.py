@@ -5,8 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from ulna.errors import InputError
-from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Plane, Shape, Sphere
-from ulna.typing import ArrayLike, Floats
+from ulna.geometry import (
+    Box,
+    Capsule,
+    Cone,
+    Cylinder,
+    Ellipsoid,
+    HeightField,
+    Plane,
+    PointCloud,
+    Shape,
+    Sphere,
+)
+from ulna.typing import Array, ArrayLike, Floats
 from ulna.viewer.mesh.surface import DEFAULT_COLOUR, RGBA, Surface, normalized
 
 FACETS = 36
@@ -52,9 +63,36 @@ def tessellate(shape: Shape, rgba: RGBA = DEFAULT_COLOUR, around: int = FACETS) 
             x, y = (s or 10.0 for s in shape.size)
             corners = np.array([(-x, -y, 0), (x, -y, 0), (x, y, 0), (-x, y, 0)]) / 2
             return Surface(corners, np.array([(0, 1, 2), (0, 2, 3)]), np.tile((0.0, 0.0, 1.0), (4, 1)), rgba)
+        case PointCloud():
+            return _octahedra(shape, rgba)
+        case HeightField():
+            return _flat(*shape.triangles(), rgba)
     raise InputError(
-        f"Cannot tessellate {shape!r}; expected a Box, Sphere, Cylinder, Capsule, Cone, Ellipsoid or Plane."
+        f"Cannot tessellate {shape!r}; expected a Box, Sphere, Cylinder, Capsule, Cone, Ellipsoid, Plane, "
+        "PointCloud or HeightField."
     )
+
+
+_MOST_DRAWN = 20_000  # points of a cloud that are drawn, evenly chosen from more
+
+
+def _octahedra(cloud: PointCloud, rgba: RGBA) -> Surface:
+    """An octahedron about each point of a cloud."""
+    points = cloud.points[:: max(1, -(-len(cloud.points) // _MOST_DRAWN))]
+    corners = cloud.radius * np.concatenate([np.eye(3), -np.eye(3)])
+    faces = np.array([(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)])
+    vertices = (points[:, None] + corners).reshape(-1, 3)
+    triangles = (6 * np.arange(len(points))[:, None, None] + faces).reshape(-1, 3)
+    normals = np.tile(normalized(corners) if cloud.radius else corners, (len(points), 1))
+    return Surface(vertices, triangles, normals, rgba)
+
+
+def _flat(vertices: Floats, triangles: Array, rgba: RGBA) -> Surface:
+    """Triangles with a normal each."""
+    corners = vertices[triangles]
+    normals = normalized(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    numbers = np.arange(3 * len(triangles)).reshape(-1, 3)
+    return Surface(corners.reshape(-1, 3), numbers, np.repeat(normals, 3, axis=0), rgba)
 
 
 def axes(length: float = 0.1, radius: float | None = None) -> tuple[Surface, Surface, Surface]:

@@ -28,10 +28,10 @@ from ulna.viewer.robot.robot_handle import RobotHandle
 from ulna.viewer.robot.robot_instances import RobotInstances, RobotInstancesHandle
 from ulna.viewer.robot.robot_visual import RobotVisual
 from ulna.viewer.scene.annotations import DEFAULT_SHAPE_COLOUR
-from ulna.viewer.scene.shapes import ShapeMethods
+from ulna.viewer.scene.worlds import WorldMethods
 
 
-class SceneMethods(ShapeMethods):
+class SceneMethods(WorldMethods):
     """Methods that add robots, shapes, meshes and copies of them to a scene.
 
     Every method that adds takes `name` (`table/leg` is added to the group `table`; an unused name when not given, and
