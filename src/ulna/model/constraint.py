@@ -14,8 +14,8 @@ from typing import Any, Literal, NamedTuple, TypeAlias, final, get_args
 
 import numpy as np
 
-from ulna.checks.arrays import batched_array
-from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.checks.arrays import shaped_array
+from ulna.errors import InputError, UnknownName
 from ulna.model.model import Model
 from ulna.spatial import SE3
 
@@ -252,9 +252,7 @@ def _at(point: tuple[float, float, float]) -> SE3:
 
 
 def _point(name: str, value: Any) -> tuple[float, ...]:
-    point = batched_array(name, value, (3,), "A point in the frame [m].")
-    if point.ndim > 1:
-        raise ShapeError(name, point.shape, "(3,)", "A point in the frame [m].")
+    point = shaped_array(name, value, 3, fix="A point in the frame [m].")
     return tuple(point.tolist())
 
 
