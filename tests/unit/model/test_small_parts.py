@@ -156,7 +156,7 @@ def test_named_values_are_read_by_name_only() -> None:
     assert len(named) == 2 and list(named) == ["a", "b"] and "a" in named and "c" not in named
     assert named.get("c", 7) == 7 and named.get("b") == 2.0 and named.get("c") is None
     assert named == {"a": [0.0, 1.0, 2.0], "b": 2.0}
-    assert named != {"a": [0.0, 1.0, 3.0], "b": 2.0} and named != {"b": 2.0} and named != 3
+    assert all(named != other for other in ({"a": [0.0, 1.0, 3.0], "b": 2.0}, {"b": 2.0}, 3))
     assert pickle.loads(pickle.dumps(named)) == named
     assert repr(Named("joint", {"x": 1})) == "{'x': 1}"
     with pytest.raises(ValueError, match="read-only"):
