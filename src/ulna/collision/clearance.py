@@ -32,7 +32,7 @@ from ulna.collision.solids import Missing, Solid, link_solids, obstacle_solids
 from ulna.collision.spheres import Spheres, fit, sphere_centres
 from ulna.collision.world import World
 from ulna.errors import InputError
-from ulna.geometry import Box, Capsule, Cylinder, HeightField, Plane, PointCloud, Sphere
+from ulna.geometry import Box, Capsule, Cone, Cylinder, HeightField, Plane, PointCloud, Sphere
 from ulna.model import Model
 from ulna.numeric import exp, maximum, minimum, sqrt
 from ulna.spatial import SE3
@@ -40,10 +40,9 @@ from ulna.typing import Array, Floats
 
 Kind = Literal["box", "cylinder", "plane"]
 
-_COARSE = (
-    0.01  # [m] tolerance, and count, of spheres that stand for meshes, cones and ellipsoids of the world
-)
-_MOST = 24
+_COARSE = 0.01  # [m] tolerance of spheres that stand for meshes and ellipsoids of the world
+_STEP = 0.004  # [m] by which the cylinders that stand for a cone differ
+_MOST = 24  # of such spheres or cylinders
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +80,7 @@ class Part:
 
 
 def parts(world: World, missing: Missing = "error") -> tuple[Part, ...]:
-    """The parts of a world's obstacles; meshes (by convex hulls), cones and ellipsoids become spheres around them.
+    """The parts of a world's obstacles; cones become cylinders, meshes (by convex hulls) and ellipsoids spheres.
 
     Args:
         world: The obstacles.
@@ -106,6 +105,8 @@ def _parts(solid: Solid) -> list[Part]:
             return [Part(name, "cylinder", place, np.array([r, length / 2.0]))]
         case Plane():
             return [Part(name, "plane", place, np.zeros(0))]
+        case Cone(radius=r, length=length):
+            return _slices(name, r, length)
         case PointCloud() | HeightField():
             raise InputError(
                 f"Obstacle {name!r} is a {solid.shape.describe()}, which has no formula that can be compiled; expected "
@@ -115,6 +116,20 @@ def _parts(solid: Solid) -> list[Part]:
     return [
         Part(name, "box", SE3.from_translation(c), np.array([0.0, 0.0, 0.0, r]))
         for c, r in zip(centres, radii, strict=True)
+    ]
+
+
+def _slices(name: str, radius: float, length: float) -> list[Part]:
+    """A cone as a stack of cylinders, none of which sticks out by more than the step from one to the next."""
+    n = int(np.clip(np.ceil(radius / _STEP), 4, _MOST))
+    return [
+        Part(
+            name,
+            "cylinder",
+            SE3.from_translation([0.0, 0.0, ((k + 0.5) / n - 0.5) * length]),
+            np.array([radius * (1.0 - k / n), length / (2.0 * n)]),
+        )
+        for k in range(n)
     ]
 
 

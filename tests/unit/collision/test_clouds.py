@@ -13,7 +13,7 @@ from ulna.collision import World, sphere_clearance
 from ulna.collision.point_grid import Clouds, clearances, grid_of, joined, least_distances
 from ulna.collision.point_sets import MOST_POINTS, surface_points, thinned
 from ulna.errors import InputError, ModelError, ShapeError
-from ulna.geometry import Box, Geometry, HeightField, PointCloud, Sphere
+from ulna.geometry import Box, Cone, Geometry, HeightField, PointCloud, Sphere
 from ulna.model import ModelBuilder, Prismatic
 from ulna.spatial import SE3
 
@@ -133,7 +133,9 @@ def test_clouds_move() -> None:
         assert robot.collides(q[0], cloud, moving={"scan": poses[0]}, method=method) == one_by_one[0]
 
 
-def test_height_fields_are_their_triangles() -> None:
+@cache
+def probe() -> Any:
+    """A ball that can be anywhere."""
     b = ModelBuilder("probe").add_link("base").add_link("tip", collisions=[Geometry("", Sphere(0.05))])
     for k, axis in enumerate(np.eye(3)):
         parent = "base" if k == 0 else f"m{k}"
@@ -141,7 +143,11 @@ def test_height_fields_are_their_triangles() -> None:
         if child != "tip":
             b.add_link(child)
         b.add_joint(f"j{k}", Prismatic(tuple(axis)), parent, child)
-    robot = ulna.Robot(b.build())
+    return ulna.Robot(b.build())
+
+
+def test_height_fields_are_their_triangles() -> None:
+    robot = probe()
     x, y = np.meshgrid(np.linspace(-1, 1, 21), np.linspace(-0.5, 0.5, 11), indexing="ij")
     field = HeightField(0.1 * np.sin(4 * x) + 0.05 * y, (2.0, 1.0))
     assert field == HeightField(field.heights.copy(), (2.0, 1.0)) and field != HeightField(
@@ -154,6 +160,19 @@ def test_height_fields_are_their_triangles() -> None:
     assert (clearance <= exact + 1e-6).all() and (exact - clearance)[abs(exact - 0.02) < 0.02].max() < 0.012
     above = robot.distance([0.0, 0.0, 0.5], World().add("flat", HeightField(np.zeros((2, 2)), (1.0, 1.0))))
     assert above.distance == pytest.approx(0.45, abs=1e-6)
+
+
+@pytest.mark.parametrize("cone", [Cone(0.2, 0.3), Cone(0.05, 0.3), Cone(0.3, 0.05)])
+def test_cones_are_covered_closely(cone: Cone) -> None:
+    robot = probe()
+    world = World().add("cone", cone, (0.0, 0.0, 0.1))
+    q = np.random.default_rng(0).uniform(-0.4, 0.4, (500, 3))
+    exact, clearance = (
+        robot.distance(q, world).distance,
+        robot.collision.checker(world, method="spheres").clearance(q),
+    )
+    free = clearance > 0.0
+    assert (clearance[free] <= exact[free] + 1e-6).all() and (exact - clearance)[free].max() < 0.0071
 
 
 def test_surfaces_are_covered_by_their_points() -> None:
