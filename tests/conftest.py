@@ -1,12 +1,17 @@
-"""A real Chromium for the tests of the page; without one they are skipped and say why."""
+"""A real Chromium for the tests of the page; without one they are skipped and say why. Ctrl-C reaches every test."""
 
 from __future__ import annotations
 
 import shutil
+import signal
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
+
+# A shell starts background jobs with SIGINT ignored, and child processes inherit that: tests of interruption would fail.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 

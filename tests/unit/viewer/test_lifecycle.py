@@ -62,9 +62,7 @@ def test_an_error_of_the_script_is_all_that_is_said(tmp_path: Path) -> None:
 def test_ctrl_c_ends_hold_and_the_script_goes_on(tmp_path: Path) -> None:
     import pty
 
-    # whoever started the tests may have had this signal ignored
-    heeded = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
-    (tmp_path / "script.py").write_text(heeded + OPEN + "viewer.hold()\nprint('afterwards')\n")
+    (tmp_path / "script.py").write_text(OPEN + "viewer.hold()\nprint('afterwards')\n")
     ours, theirs = pty.openpty()
     process = subprocess.Popen(
         [sys.executable, "script.py"],
