@@ -159,10 +159,11 @@ def test_help_shows_the_signature_and_the_arguments(panda: ulna.Robot) -> None:
     import pydoc
 
     text = pydoc.plain(pydoc.render_doc(panda.fk))
-    assert "fk(q: 'ArrayLike', frame: 'FrameName' = None, *, out:" in text and "-> 'Floats'" in text
+    signature = "".join(text.replace("'", "").split())  # 3.13 breaks long lines, 3.14 drops these quotes
+    assert "fk(q:ArrayLike,frame:FrameName=None,*,out:" in signature and "->Floats" in signature
     assert "q: Configuration, (..., nq) [rad or m]." in text and "Featherstone 2008" in text
-    whole = pydoc.plain(pydoc.render_doc(ulna.Robot))
-    assert "mass_matrix(self, q: 'ArrayLike') -> 'Floats'" in whole and "Contacts, closed loops" in whole
+    whole = pydoc.plain(pydoc.render_doc(ulna.Robot)).replace("'", "")
+    assert "mass_matrix(self, q: ArrayLike) -> Floats" in whole and "Contacts, closed loops" in whole
 
 
 @pytest.mark.parametrize("name", FORMER)
