@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import math
 import os
 import warnings
@@ -272,6 +273,7 @@ def same(one: Any, two: Any) -> bool:
     return bool(close and np.array_equal(one[~finite], two[~finite]))
 
 
+@functools.cache
 def schema() -> dict[str, frozenset[str]]:
     """The attributes of each element of MuJoCo's schema, by its path below <mujoco>: "worldbody/body/joint"."""
     found: dict[str, list[str]] = {}
