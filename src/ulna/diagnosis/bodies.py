@@ -82,8 +82,13 @@ def _link(link: Link, points: Floats | None) -> Iterator[Finding]:
             "Give it the inertia of its shape; ulna.Inertia.from_box and the like compute it.",
         )
         return
-    largest = max(abs(a), abs(c))
-    if a < -1e-9 * largest:
+    yield from _moments(name, a, b, c, shown)
+    if points is not None and len(points):
+        yield from _size(name, mass, c, np.asarray(link.inertia.com, dtype=float), points)
+
+
+def _moments(name: str, a: float, b: float, c: float, shown: str) -> Iterator[Finding]:
+    if a < -1e-9 * max(abs(a), abs(c)):
         yield Finding(
             "error",
             "not-positive",
@@ -99,8 +104,6 @@ def _link(link: Link, points: Floats | None) -> Iterator[Finding]:
             f"its inertia violates the triangle inequality: {shown}, and {c:.4g} > {a:.4g} + {b:.4g}",
             "No distribution of mass has it; ulna.identification.nearest_physical gives the nearest possible one.",
         )
-    if points is not None and len(points):
-        yield from _size(name, mass, c, np.asarray(link.inertia.com, dtype=float), points)
 
 
 def _size(name: str, mass: float, moment: float, com: Floats, points: Floats) -> Iterator[Finding]:

@@ -42,10 +42,15 @@ def joint_findings(model: Model) -> Iterator[Finding]:
 
 
 def _of_one_axis(joint: Joint) -> Iterator[Finding]:
-    lower, upper = joint.limits.lower[0], joint.limits.upper[0]
-    velocity, effort = joint.limits.velocity[0], joint.limits.effort[0]
     name = f"joint {joint.name!r}"
     turns = type(joint.kind).__name__ in ("Revolute", "Continuous")
+    yield from _range(joint, name, turns)
+    if joint.mimic is None:
+        yield from _drive(name, joint.limits.velocity[0], joint.limits.effort[0], turns)
+
+
+def _range(joint: Joint, name: str, turns: bool) -> Iterator[Finding]:
+    lower, upper = joint.limits.lower[0], joint.limits.upper[0]
     slides = type(joint.kind).__name__ == "Prismatic"
     largest = max((abs(x) for x in (lower, upper) if math.isfinite(x)), default=0.0)
     if lower == upper:
@@ -89,8 +94,6 @@ def _of_one_axis(joint: Joint) -> Iterator[Finding]:
             "it has no position limits on at least one side",
             "Give it lower and upper, or make it continuous.",
         )
-    if joint.mimic is None:
-        yield from _drive(name, velocity, effort, turns)
 
 
 def _drive(name: str, velocity: float, effort: float, turns: bool) -> Iterator[Finding]:

@@ -155,6 +155,10 @@ class Audit:
             "its limit of force is not among the effort limits of the joints.",
             "Limit the torques of the joints, if that matters.",
         )
+        yield from self._actuator_dynamics()
+
+    def _actuator_dynamics(self) -> Iterator[Omission]:
+        m, drives = self._m, self._drives
         curved = [
             a for a in self._nonzero(getattr(m, "actuator_dampingpoly", None)) if drives.joint_of(a) >= 0
         ]

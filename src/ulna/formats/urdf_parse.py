@@ -220,16 +220,6 @@ def _joint(node: Node, links: dict[str, UrdfLink]) -> UrdfJoint:
         if link not in links:
             end.fail(f"there is no link {link!r}.", nearest(link, links, "Did you mean {}?"))
         ends.append(link)
-    axis = (1.0, 0.0, 0.0)
-    axis_node = node.child("axis")
-    if axis_node is not None:
-        axis = axis_node.vector("xyz", 3)
-        if kind in (*ONE_NUMBER, "planar"):
-            length = math.hypot(*axis)
-            if length < 1e-12:
-                axis_node.fail("the axis has no direction.", 'Write a unit vector, such as xyz="0 0 1".')
-            if abs(length - 1.0) > 1e-3:
-                axis_node.warn(f"the axis has length {length:g} and is taken as a direction only")
     dynamics = node.child("dynamics")
     mimic = node.child("mimic")
     return UrdfJoint(
@@ -238,7 +228,7 @@ def _joint(node: Node, links: dict[str, UrdfLink]) -> UrdfJoint:
         ends[0],
         ends[1],
         _origin(node),
-        axis,
+        _axis(node, kind),
         _limit(node, kind),
         _magnitude(dynamics, "damping", 0.0) if dynamics else 0.0,
         _magnitude(dynamics, "friction", 0.0) if dynamics else 0.0,
@@ -247,6 +237,20 @@ def _joint(node: Node, links: dict[str, UrdfLink]) -> UrdfJoint:
         else None,
         node.line,
     )
+
+
+def _axis(node: Node, kind: str) -> tuple[float, ...]:
+    axis_node = node.child("axis")
+    if axis_node is None:
+        return (1.0, 0.0, 0.0)
+    axis = axis_node.vector("xyz", 3)
+    if kind in (*ONE_NUMBER, "planar"):
+        length = math.hypot(*axis)
+        if length < 1e-12:
+            axis_node.fail("the axis has no direction.", 'Write a unit vector, such as xyz="0 0 1".')
+        if abs(length - 1.0) > 1e-3:
+            axis_node.warn(f"the axis has length {length:g} and is taken as a direction only")
+    return axis
 
 
 def _limit(node: Node, kind: str) -> UrdfLimit | None:

@@ -7,6 +7,7 @@ import os
 import re
 import warnings
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, TextIO
 
 from ulna.errors import FormatError, MissingExtra
@@ -49,19 +50,8 @@ def expand_xacro(
     except ImportError:
         raise MissingExtra("xacro", "xacro", f"Expanding {file!r}") from None
     xacro: Any = library
-    packages = resolver or Resolver(path)
+    find = partial(_folder_of_package, resolver or Resolver(path), file)
     mappings = {name: str(value) for name, value in (arguments or {}).items()}
-
-    def find(name: str) -> str:
-        folder = packages.find_package(name)
-        if folder is None:
-            raise FormatError(
-                f"there is no package {name!r} for $(find {name}).",
-                file=file,
-                fix="Set ROS_PACKAGE_PATH, or pass package_dirs=[folder of the packages].",
-            )
-        return folder
-
     with _EXPANDING:
         original = substitution_args._eval_find
         # Its own search needs a ROS 2 installation. Ours also knows the folders above the file.
@@ -79,6 +69,17 @@ def expand_xacro(
         finally:
             substitution_args._eval_find = original
             del xacro.open
+
+
+def _folder_of_package(packages: Resolver, file: str, name: str) -> str:
+    folder = packages.find_package(name)
+    if folder is None:
+        raise FormatError(
+            f"there is no package {name!r} for $(find {name}).",
+            file=file,
+            fix="Set ROS_PACKAGE_PATH, or pass package_dirs=[folder of the packages].",
+        )
+    return folder
 
 
 def _open_text(path: str) -> TextIO:

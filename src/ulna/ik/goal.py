@@ -148,16 +148,8 @@ def distance(
             if J is not None:
                 rows.append(J[k] * weight)
     is_near, angle = True, 0.0
-    if mask.axis is not None:
-        a, a_goal = R[:, mask.axis], R_goal[:, mask.axis]
-        s, c = R.T @ numeric.cross(a, a_goal), numeric.dot(a, a_goal)
-        weights = tuple(float(k != mask.axis) for k in range(3))
-        turning = R.T @ J[3:] if J is not None else None
-    else:
-        s = 0.5 * sum((numeric.cross(R[:, i], R_goal[:, i]) for i in range(3)), np.zeros(3))
-        c = 0.5 * ((R * R_goal).sum() - 1.0)
-        weights = mask.rotation
-        turning = J[3:] if J is not None else None
+    s, c, weights = _sine_and_cosine(R, R_goal, mask)
+    turning = None if J is None else J[3:] if mask.axis is None else R.T @ J[3:]
     if any(weights):
         chord = s / numeric.sqrt(numeric.maximum(0.5 * (1.0 + c), _HALF_TURN))
         turned = [k for k, weight in enumerate(weights) if weight]
@@ -176,6 +168,16 @@ def distance(
         if turning is not None:
             rows += [turning[k] * (weights[k] * length) for k in turned]
     return Distance(position, rotation, is_near, weighted, rows, angle)
+
+
+def _sine_and_cosine(R: Array, R_goal: Array, mask: Mask) -> tuple[Array, Any, Sequence[float]]:
+    """The axis of the turn to the goal times its sine, the cosine, and the weights of the axis' entries."""
+    if mask.axis is not None:
+        a, a_goal = R[:, mask.axis], R_goal[:, mask.axis]
+        weights = tuple(float(k != mask.axis) for k in range(3))
+        return R.T @ numeric.cross(a, a_goal), numeric.dot(a, a_goal), weights
+    s = 0.5 * sum((numeric.cross(R[:, i], R_goal[:, i]) for i in range(3)), np.zeros(3))
+    return s, 0.5 * ((R * R_goal).sum() - 1.0), mask.rotation
 
 
 def _arc(s: Array, c: Any, chord: Array) -> Any:

@@ -240,8 +240,8 @@ _SLIGHT = 1e-4
 """What share of the largest moment of all links is too little to speak of: placeholders on links without a body."""
 
 
-def _warn_of_inertias(state: BuilderState) -> None:
-    """One warning about all inertias that no distribution of mass has."""
+def _impossible_inertias(state: BuilderState) -> tuple[list[str], list[tuple[float, str]]]:
+    """Links with a negative principal moment, and those with one larger than the other two together by some share."""
     moments = {name: np.linalg.eigvalsh(link.inertia.inertia) for name, link in state.links.items()}
     slight = _SLIGHT * max((float(np.abs(m).max()) for m in moments.values()), default=0.0)
     negative: list[str] = []
@@ -261,6 +261,12 @@ def _warn_of_inertias(state: BuilderState) -> None:
         elif excess > max(_MEASURED * largest, slight) and not one_moment:
             sides = f"{name!r}: {largest:.3g} > {middle:.3g} + {least:.3g} kg m^2"
             lopsided.append((excess / largest, at(link.where, sides)))
+    return negative, lopsided
+
+
+def _warn_of_inertias(state: BuilderState) -> None:
+    """One warning about all inertias that no distribution of mass has."""
+    negative, lopsided = _impossible_inertias(state)
     said = []
     if negative:
         said.append(f"with a negative principal moment: {', '.join(negative)}")

@@ -141,20 +141,27 @@ def simulate(
         return _adaptive(
             plant, start, speed, law, times[[*range(0, count, every), count]], solver, rtol, atol
         )
-    step = duration / count
     if method == "rk4":
-        _check_stable_step(plant, start, step)
-    recording = Recording()
-    q, v = start, speed
+        _check_stable_step(plant, start, duration / count)
+    return _equal_steps(plant, start, speed, law, times, method, every)
+
+
+def _equal_steps(
+    plant: Plant, q: Floats, v: Floats, law: Torque, times: Floats, method: Method, every: int
+) -> Recording:
+    """Steps of one length, of which each `every`-th is recorded."""
+    recording, count = Recording(), len(times) - 1
+    duration = float(times[-1])
+    step = duration / count
     for k in range(count):
         t = float(times[k])
-        tau = checked_torques(law(t, q, v), model.nv)
+        tau = checked_torques(law(t, q, v), plant.robot.nv)
         if k % every == 0:
             recording.add(t, q, v=v, tau=tau)
         q, v = plant.euler(q, v, tau, step) if method == "euler" else plant.rk4(q, v, law, t, step)
         if not np.isfinite(v).all():
             raise _divergence_error(float(times[k + 1]), v)
-    recording.add(duration, q, v=v, tau=checked_torques(law(duration, q, v), model.nv))
+    recording.add(duration, q, v=v, tau=checked_torques(law(duration, q, v), plant.robot.nv))
     return recording
 
 

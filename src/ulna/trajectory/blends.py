@@ -21,7 +21,7 @@ from ulna.checks.values import duration as checked_duration
 from ulna.errors import InputError, UnknownName
 from ulna.trajectory.inputs import not_repeating, positive, rows
 from ulna.trajectory.polynomial import Polynomial, hermite
-from ulna.typing import ArrayLike
+from ulna.typing import ArrayLike, Floats
 
 
 def blended(
@@ -73,25 +73,7 @@ def blended(
     inside[0] += 0.5 * tau
     inside[-1] += 0.5 * tau
     cost = inside if whole else np.zeros(count)
-    if (segment_times is None) == (velocity is None):
-        raise InputError("Expected either `segment_times` or `velocity`; both or neither was given.")
-    if velocity is not None:
-        needed = (np.abs(way) / positive("velocity", velocity, q.shape[1])).max(axis=1) + cost
-        T = np.maximum(needed, 2.0 * tau)
-    else:
-        assert segment_times is not None
-        T = np.atleast_1d(finite_array("segment_times", segment_times))
-        if T.shape != (count,):
-            raise InputError(
-                f"`segment_times` has shape {T.shape}; expected ({count},), one for each segment."
-            )
-    least = np.full(count, tau) + cost
-    if (least * (1.0 - 1e-12) > T).any():
-        k = int(np.argmax(least > T))
-        raise InputError(
-            f"Segment {k}, from point {k} to point {k + 1}, lasts {T[k]:.6g} s, but its blends take {least[k]:.6g} s; "
-            "expected a longer segment, or a shorter `blend`."
-        )
+    T = _durations(segment_times, velocity, way, tau, cost)
     v = way / (T - cost)[:, None]
     clock = np.concatenate([[0.0], np.cumsum(T)])
     first = tau if whole else 0.5 * tau
@@ -111,3 +93,30 @@ def blended(
     speeds.append(np.zeros(q.shape[1]))
     a = None if kind == "parabolic" else np.zeros((len(knots), q.shape[1]))
     return hermite(np.array(knots), np.array(states), np.array(speeds), a, kind=f"{kind} blends")
+
+
+def _durations(
+    segment_times: ArrayLike | None, velocity: ArrayLike | None, way: Floats, tau: float, cost: Floats
+) -> Floats:
+    """The time of each segment, of which `cost` is spent on reaching or leaving rest; all are long enough to blend."""
+    count, n = way.shape
+    if (segment_times is None) == (velocity is None):
+        raise InputError("Expected either `segment_times` or `velocity`; both or neither was given.")
+    if velocity is not None:
+        needed = (np.abs(way) / positive("velocity", velocity, n)).max(axis=1) + cost
+        T = np.maximum(needed, 2.0 * tau)
+    else:
+        assert segment_times is not None
+        T = np.atleast_1d(finite_array("segment_times", segment_times))
+        if T.shape != (count,):
+            raise InputError(
+                f"`segment_times` has shape {T.shape}; expected ({count},), one for each segment."
+            )
+    least = np.full(count, tau) + cost
+    if (least * (1.0 - 1e-12) > T).any():
+        k = int(np.argmax(least > T))
+        raise InputError(
+            f"Segment {k}, from point {k} to point {k + 1}, lasts {T[k]:.6g} s, but its blends take {least[k]:.6g} s; "
+            "expected a longer segment, or a shorter `blend`."
+        )
+    return T

@@ -55,20 +55,28 @@ def jerk_limited(
     start = vector("q0", q0)
     n = start.size
     task: Any = ruckig.InputParameter(n)
-    task.current_position, task.target_position = start.tolist(), vector("q1", q1, n).tolist()
-    task.current_velocity, task.current_acceleration = (
-        filled("v0", v0, n).tolist(),
-        filled("a0", a0, n).tolist(),
-    )
-    task.target_velocity, task.target_acceleration = (
-        filled("v1", v1, n).tolist(),
-        filled("a1", a1, n).tolist(),
-    )
-    task.max_velocity = positive("velocity", velocity, n).tolist()
-    task.max_acceleration = positive("acceleration", acceleration, n).tolist()
-    task.max_jerk = positive("jerk", jerk, n).tolist()
+    fields = {
+        "current_position": start,
+        "target_position": vector("q1", q1, n),
+        "current_velocity": filled("v0", v0, n),
+        "current_acceleration": filled("a0", a0, n),
+        "target_velocity": filled("v1", v1, n),
+        "target_acceleration": filled("a1", a1, n),
+        "max_velocity": positive("velocity", velocity, n),
+        "max_acceleration": positive("acceleration", acceleration, n),
+        "max_jerk": positive("jerk", jerk, n),
+    }
+    for name, values in fields.items():
+        setattr(task, name, values.tolist())
     if duration is not None:
         task.minimum_duration = checked_duration("duration", duration)
+    motion = _motion(ruckig, task, n)
+    rates = fields["current_velocity"], fields["current_acceleration"]
+    return _from_profiles(motion.profiles[0], start, rates, float(motion.duration))
+
+
+def _motion(ruckig: Any, task: Any, n: int) -> Any:
+    """Ruckig's trajectory of a task."""
     planner: Any = ruckig.Ruckig(n)
     try:
         planner.validate_input(task, False, True)  # the start may break limits on its way into them
@@ -78,10 +86,9 @@ def jerk_limited(
         raise InputError(f"Ruckig refuses the motion: {error}") from None
     if result not in (ruckig.Result.Working, ruckig.Result.Finished):
         raise InputError(f"Ruckig finds no motion between the states: {result.name}.")
-    total = float(motion.duration)
-    if total <= 0.0:
+    if float(motion.duration) <= 0.0:
         raise InputError("Start and end are the same state; expected a motion.")
-    return _from_profiles(motion.profiles[0], start, (filled("v0", v0, n), filled("a0", a0, n)), total)
+    return motion
 
 
 def _from_profiles(profiles: Any, q: Floats, rates: tuple[Floats, Floats], total: float) -> Polynomial:

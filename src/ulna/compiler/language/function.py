@@ -203,14 +203,7 @@ def trace(
         array = _object_array([Scalar(graph, graph.input()) for _ in range(port.size)]).reshape(port.shape)
         arguments.append(array if port.shape else array[()])
     with tracing(graph):
-        try:
-            returned = f(*arguments)
-        except TraceError:
-            raise
-        except TypeError as error:
-            if not re.search(r"Scalar|Condition|dtype\('O'\)|not supported for the input types", str(error)):
-                raise
-            raise TraceError(f"Traced values cannot do this: {error}. {_KNOWN}") from error
+        returned = _returned(f, arguments)
     single = not isinstance(returned, tuple)
     outputs, results = [], []
     for number, value in enumerate((returned,) if single else returned):
@@ -232,6 +225,18 @@ def trace(
         doc or (getattr(f, "__doc__", "") or ""),
         lanes,
     )
+
+
+def _returned(f: Callable[..., Any], arguments: Sequence[Any]) -> Any:
+    """What `f` returns for traced arguments."""
+    try:
+        return f(*arguments)
+    except TraceError:
+        raise
+    except TypeError as error:
+        if not re.search(r"Scalar|Condition|dtype\('O'\)|not supported for the input types", str(error)):
+            raise
+        raise TraceError(f"Traced values cannot do this: {error}. {_KNOWN}") from error
 
 
 _KNOWN = (

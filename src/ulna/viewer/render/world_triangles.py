@@ -65,14 +65,12 @@ def world_triangles(snapshot: Snapshot, view: Projection) -> Triangles:
     textures: list[Texture] = []
     for i in np.flatnonzero(snapshot.visible & (snapshot.opacity > 0.002)):
         node, pose, scale, tint = snapshot.nodes[i], snapshot.poses[i], snapshot.scales[i], snapshot.tint[i]
-        rotation, translation = pose[:3, :3], pose[:3, 3]
         mirrored = bool(np.prod(scale) < 0)
         for surface in (*node.surfaces, *_content_surfaces(snapshot, int(i), view)):
             count, opacity = len(surface.triangles), surface.rgba[3] * snapshot.opacity[i]
             if count == 0 or opacity <= 0.002:
                 continue
             faces = surface.triangles[:, ::-1] if mirrored else surface.triangles
-            normals = surface.normals if (scale == scale[0]).all() else normalized(surface.normals / scale)
             shown = np.asarray(surface.rgba[:3] if tint[0] < 0 else tint)
             texture = surface.texture if tint[0] < 0 else None
             if texture is not None:
@@ -80,8 +78,7 @@ def world_triangles(snapshot: Snapshot, view: Projection) -> Triangles:
             uv = np.zeros((count, 3, 2)) if texture is None else texture.uv[faces]
             parts.append(
                 (
-                    ((surface.vertices * scale) @ rotation.T + translation)[faces],
-                    (normals @ rotation.T).astype(np.float32)[faces],
+                    *_corners_and_normals(surface, scale, pose, faces),
                     np.broadcast_to(np.array([*albedo(shown), opacity], np.float32), (count, 4)),
                     np.full(count, node.shadow),
                     np.full(count, node.through),
@@ -92,6 +89,14 @@ def world_triangles(snapshot: Snapshot, view: Projection) -> Triangles:
             )
     columns = [np.concatenate(part) for part in zip(*parts, strict=True)]
     return Triangles(*columns, textures=tuple(textures))
+
+
+def _corners_and_normals(surface: Surface, scale: Array, pose: Array, faces: Array) -> tuple[Array, Array]:
+    """Of each of the faces (n, 3) in the world frame, (n, 3, 3) each."""
+    rotation, translation = pose[:3, :3], pose[:3, 3]
+    normals = surface.normals if (scale == scale[0]).all() else normalized(surface.normals / scale)
+    corners = ((surface.vertices * scale) @ rotation.T + translation)[faces]
+    return corners, (normals @ rotation.T).astype(np.float32)[faces]
 
 
 def _content_surfaces(snapshot: Snapshot, i: int, view: Projection) -> tuple[Surface, ...]:

@@ -62,12 +62,7 @@ def stick_figure(
     pairs = _connected_links(robot)
     extra = [*frames, robot.tool] if tool else list(frames)
     poses = np.asarray(robot.fk(configurations[-1], list(extra))) if extra else np.zeros((0, 4, 4))
-    if ax is None:
-        try:
-            import matplotlib.pyplot as plt
-        except ImportError:
-            raise MissingExtra("matplotlib", "plot", "Drawing stick figures") from None
-        ax = plt.figure(figsize=(6, 6)).add_subplot(projection="3d")
+    ax = _new_axes() if ax is None else ax
     everything = [np.zeros((1, 3))]
     for k, configuration in enumerate(configurations):
         last = k == len(configurations) - 1
@@ -81,9 +76,22 @@ def stick_figure(
         joints = _joints(robot, configuration)
         ax.scatter(*joints.T, color=_JOINT_COLOUR, s=32, alpha=strength, depthshade=False, zorder=5)
         everything.append(joints)
-    points = np.concatenate(everything)
+    _show_all(ax, np.concatenate(everything), poses)
+    return ax
+
+
+def _new_axes() -> Any:
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError:
+        raise MissingExtra("matplotlib", "plot", "Drawing stick figures") from None
+    return plt.figure(figsize=(6, 6)).add_subplot(projection="3d")
+
+
+def _show_all(ax: Any, points: Floats, frames: Floats) -> None:
+    """Scales the axes to show points (n, 3), and draws frames (k, 4, 4) in proportion."""
     reach = float(np.ptp(points, axis=0).max()) or 1.0
-    for T in poses:
+    for T in frames:
         for axis in range(3):
             tip = T[:3, 3] + 0.1 * reach * T[:3, axis]
             ax.plot(*np.stack([T[:3, 3], tip]).T, color=_AXIS_COLOURS[axis], lw=2)
@@ -92,7 +100,6 @@ def stick_figure(
     for axis, centre in zip("xyz", middle, strict=True):
         getattr(ax, f"set_{axis}lim")(centre - 0.6 * reach, centre + 0.6 * reach)
     ax.set_box_aspect((1, 1, 1))
-    return ax
 
 
 def _configurations(robot: Any, q: ArrayLike | None) -> list[Floats]:

@@ -122,8 +122,36 @@ def build_model(
     placed = {top: (carrier, out.addFrame(body_frame), SE3())}
     if carrier and not inertia.isZero():
         out.appendBodyToJoint(carrier, inertia, SE3())
-    waiting = list(reversed(below.get(top, [])))
-    mimics: list[tuple[UrdfJoint, int]] = []
+    joints = _add_joints(out, top, below, inertias, placed)
+    for joint, carrier in joints if mimic else ():
+        if joint.mimic is not None:
+            out.make_mimic(
+                known(out.getJointId(joint.mimic.joint)), carrier, joint.mimic.multiplier, joint.mimic.offset
+            )
+    return out
+
+
+def _add_joints(
+    out: Model,
+    root: str,
+    below: dict[str, list[UrdfJoint]],
+    inertias: dict[str, Inertia],
+    placed: dict[str, tuple[int, int, SE3]],
+) -> list[tuple[UrdfJoint, int]]:
+    """Adds what hangs from the root link, depth first.
+
+    Args:
+        out: The model.
+        root: Name of that link.
+        below: The joints of each link.
+        inertias: The inertia of each link.
+        placed: For each link its joint, its frame, and its pose in the joint's frame; those of the root link at first.
+
+    Returns:
+        The joints that move, with their indices.
+    """
+    added: list[tuple[UrdfJoint, int]] = []
+    waiting = list(reversed(below.get(root, [])))
     while waiting:
         joint = waiting.pop()
         inertia = inertias[joint.child]
@@ -133,20 +161,14 @@ def build_model(
             frame = out.addFrame(Frame(joint.name, carrier, before, M, FrameType.FIXED_JOINT, inertia))
         else:
             carrier = out.addJoint(carrier, _kind(joint), M, joint.name, *_bounds(joint))
-            if mimic and joint.mimic is not None:
-                mimics.append((joint, carrier))
+            added.append((joint, carrier))
             frame = out.addJointFrame(carrier, before)
             M = SE3()
             if not inertia.isZero():
                 out.appendBodyToJoint(carrier, inertia, SE3())
         placed[joint.child] = (carrier, out.addBodyFrame(joint.child, carrier, M, frame), M)
         waiting.extend(reversed(below.get(joint.child, [])))
-    for joint, carrier in mimics:
-        assert joint.mimic is not None  # only those were kept
-        out.make_mimic(
-            known(out.getJointId(joint.mimic.joint)), carrier, joint.mimic.multiplier, joint.mimic.offset
-        )
-    return out
+    return added
 
 
 def _kind(joint: UrdfJoint) -> JointModel:

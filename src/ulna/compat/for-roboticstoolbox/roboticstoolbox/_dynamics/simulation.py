@@ -75,17 +75,22 @@ class ForwardSimulation(RobotMixin):
         stepper = getattr(integrate, solver)(
             rate, t0=0.0, y0=np.concatenate([start, v0]), t_bound=T, **(solver_args or {})
         )
-        times, states = [0.0], [stepper.y]
-        while stepper.status == "running":
-            message = stepper.step()
-            if progress:
-                print(f"\r{stepper.t:.4g} of {T:.4g} s", end="" if stepper.status == "running" else "\n")
-            if stepper.status == "failed":
-                raise RuntimeError(f"fdyn: {solver} failed at t = {stepper.t:.4g} s: {message}")
-            times.append(stepper.t)
-            states.append(stepper.y)
-        t, x = np.array(times), np.array(states)
+        t, x = _all_steps(stepper, solver, T, progress)
         if dt is not None:
             even = np.arange(0.0, T, dt)
             x, t = interpolate.interp1d(t, x, axis=0)(even), even
         return fdyn(t, x[:, :n], x[:, n:])
+
+
+def _all_steps(stepper: Any, solver: str, T: float, progress: bool) -> tuple[Floats, Floats]:
+    """Times (m,) and states (m, 2 n) of all steps of an integrator of SciPy."""
+    times, states = [0.0], [stepper.y]
+    while stepper.status == "running":
+        message = stepper.step()
+        if progress:
+            print(f"\r{stepper.t:.4g} of {T:.4g} s", end="" if stepper.status == "running" else "\n")
+        if stepper.status == "failed":
+            raise RuntimeError(f"fdyn: {solver} failed at t = {stepper.t:.4g} s: {message}")
+        times.append(stepper.t)
+        states.append(stepper.y)
+    return np.array(times), np.array(states)

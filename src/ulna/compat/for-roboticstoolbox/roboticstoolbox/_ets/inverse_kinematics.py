@@ -177,6 +177,11 @@ def _search(chain: Chain, T: Floats, start: Any, slimit: int, settings: Settings
             seed=first,
             **null_motion,
         )
+    return _summary(result, T, tol)
+
+
+def _summary(result: Any, T: Floats, tol: float) -> IKSolution:
+    """Ulna's result as the toolbox's, for one pose or several."""
     q, success, iterations, restarts, position, rotation = result.figures()
     if T.ndim == 2:
         residual = 0.5 * (position * position + rotation * rotation)

@@ -52,15 +52,7 @@ def model_of(
     roots = [link for link in all_links if link.parent is None]
     builder.add_link("base link of the robot")
     builder.root_joint(Fixed(), "where the robot stands", SE3.from_matrix(base))
-    joints = {link: int(link.jindex or 0) for link in links if link.isjoint}
-    fixed_values: dict[Link, float] = {}
-    for gripper in grippers:
-        first = len(joints)
-        for link in gripper.links:
-            if link.isjoint and moving:
-                joints[link] = first + int(link.jindex or 0)
-            elif link.isjoint:
-                fixed_values[link] = float(gripper.q[link.jindex])
+    joints, fixed_values = _joints(links, grippers, moving)
     order = sorted(range(len(all_links)), key=lambda i: _first(all_links[i], joints))
     for link in all_links:
         drawn = [geometry(shape, f"{link.name} {k}") for k, shape in enumerate(link._drawn)]
@@ -70,12 +62,7 @@ def model_of(
         link = all_links[i]
         parent = "base link of the robot" if link in roots else link.parent.name
         before, after, kind = _split(link, fixed_values.get(link))
-        extra: dict[str, Any] = {}
-        if link in joints:
-            drive = link._drive().at_joint
-            extra = {"armature": drive["armature"]}
-            if link.qlim is not None:
-                extra |= {"lower": float(link.qlim[0]), "upper": float(link.qlim[1])}
+        extra = _limits_and_armature(link) if link in joints else {}
         builder.add_joint(f"joint of {link.name}", kind, parent, link.name, before, offset=after, **extra)
     for pair in disabled:
         builder.disable_pair(*pair)
@@ -89,6 +76,29 @@ def model_of(
             "Give its links `jindex` in that order."
         )
     return model
+
+
+def _joints(
+    links: Sequence[Link], grippers: Sequence[Gripper], moving: bool
+) -> tuple[dict[Link, int], dict[Link, float]]:
+    """The numbers of joints, those of grippers last, and the coordinates of joints that are fixed."""
+    joints = {link: int(link.jindex or 0) for link in links if link.isjoint}
+    fixed_values: dict[Link, float] = {}
+    for gripper in grippers:
+        first = len(joints)
+        for link in gripper.links:
+            if link.isjoint and moving:
+                joints[link] = first + int(link.jindex or 0)
+            elif link.isjoint:
+                fixed_values[link] = float(gripper.q[link.jindex])
+    return joints, fixed_values
+
+
+def _limits_and_armature(link: Link) -> dict[str, Any]:
+    extra: dict[str, Any] = {"armature": link._drive().at_joint["armature"]}
+    if link.qlim is not None:
+        extra |= {"lower": float(link.qlim[0]), "upper": float(link.qlim[1])}
+    return extra
 
 
 def _first(link: Link, places: dict[Link, int]) -> float:

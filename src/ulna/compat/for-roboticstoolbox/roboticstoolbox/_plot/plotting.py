@@ -106,16 +106,21 @@ class Plotting(RobotMixin):
 
             write_video(movie, self._frames(env, rows, dt, vellipse, fellipse), 1.0 / dt)
         else:
-            wait = has_window()
-            for _ in self._frames(env, rows if wait else rows[-1:], dt, vellipse, fellipse, drawn=False):
-                env.step(dt)
-            while loop and wait:
-                for _ in self._frames(env, rows, dt, vellipse, fellipse, drawn=False):
-                    env.step(dt)
+            self._animate(env, rows, dt, vellipse, fellipse, loop)
         self.q = rows[-1]
         if block:
             env.hold()
         return env
+
+    def _animate(
+        self, env: PyPlot, rows: Floats, dt: float, vellipse: bool, fellipse: bool, loop: bool
+    ) -> None:
+        wait = has_window()
+        for _ in self._frames(env, rows if wait else rows[-1:], dt, vellipse, fellipse, drawn=False):
+            env.step(dt)
+        while loop and wait:
+            for _ in self._frames(env, rows, dt, vellipse, fellipse, drawn=False):
+                env.step(dt)
 
     def _frames(
         self, env: PyPlot, rows: Floats, dt: float, vellipse: bool, fellipse: bool, drawn: bool = True
