@@ -131,9 +131,8 @@ def test_settings_of_solvers_have_their_effect(rtb: Any, panda: Any, capsys: Any
     assert not capsys.readouterr().out
     panda.ikine_LM(goal, q0=Q, verbose=True)
     assert "reached" in capsys.readouterr().out
-    for wrong in ({"pinv_damping": 0.1}, {"mask": [1, 1, 1]}):
-        with pytest.raises(ValueError):
-            panda.ik_NR(goal, **wrong)
+    with pytest.raises(ValueError):
+        panda.ik_NR(goal, mask=[1, 1, 1])
     with pytest.raises(TypeError):
         panda.ik_LM(goal, nonsense=1)
     lost = panda.ikine_GN(goal, pinv=False)

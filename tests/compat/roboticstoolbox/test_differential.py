@@ -6,6 +6,7 @@ separate processes: values, types, printed text, warnings and classes of excepti
 
 from __future__ import annotations
 
+import collections
 import importlib
 import json
 import pickle
@@ -54,23 +55,20 @@ def results(folder: Path, every: int) -> tuple[dict[str, Any], dict[str, Any]]:
     return out[0], out[1]
 
 
-def differing(ours: dict[str, Any], theirs: dict[str, Any]) -> tuple[int, dict[str, str], list[str]]:
-    """How many calls count, how those differ that are documented, and the others."""
+def differing(ours: dict[str, Any], theirs: dict[str, Any]) -> tuple[collections.Counter[str], list[str]]:
+    """How many calls are equal, and how many differ in each kind of documented differences; and the other differences."""
     compare, differences = _module("compare"), _module("differences")
-    count, listed, others = 0, {}, []
+    kinds: collections.Counter[str] = collections.Counter()
+    others = []
     for key, there in theirs.items():
         if there["error"] and there["error"][0] in NOT_COUNTED:
             continue
-        count += 1
         how = compare.difference(ours[key], there, compare.nearness(key))
-        if how is None:
-            continue
-        one = differences.documented(key, how)
-        if one is None:
+        one = how and differences.documented(key, how, there)
+        kinds[one.kind if one else "equal" if how is None else "undocumented"] += 1
+        if how and not one:
             others.append(f"{key}\n    {how}\n    here {_shown(ours[key])}\n    there {_shown(there)}")
-        else:
-            listed[key] = one.reason
-    return count, listed, others
+    return kinds, others
 
 
 def _shown(result: dict[str, Any]) -> str:
@@ -78,18 +76,19 @@ def _shown(result: dict[str, Any]) -> str:
 
 
 def test_a_sample_of_calls_agrees(tmp_path: Path) -> None:
-    count, listed, others = differing(*results(tmp_path, QUICK))
-    assert count > 15
-    assert len(listed) < 0.5 * count
+    kinds, others = differing(*results(tmp_path, QUICK))
+    assert kinds.total() > 15
+    assert kinds["equal"] > 0.6 * kinds.total()
     assert not others, "\n".join(others)
 
 
 @pytest.mark.slow
 def test_generated_calls_agree(tmp_path: Path) -> None:
-    count, listed, others = differing(*results(tmp_path, SLOW))
-    assert count > 1000
-    assert len(listed) < 0.5 * count
-    assert not others, f"{len(others)} of {count}\n" + "\n".join(others[:40])
+    kinds, others = differing(*results(tmp_path, SLOW))
+    assert kinds.total() > 1000
+    assert kinds["equal"] > 0.82 * kinds.total()
+    assert kinds["equal"] > 0.95 * (kinds["equal"] + kinds["chosen"] + kinds["undocumented"])
+    assert not others, f"{len(others)} of {kinds.total()}\n" + "\n".join(others[:40])
 
 
 @pytest.mark.slow

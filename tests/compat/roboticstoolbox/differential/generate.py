@@ -25,6 +25,11 @@ SKIPPED = {
     "dotfile", "fdyn", "axis_func", "robot", "basemesh", "actuator",
     "ikine_QP",  # its solver is not installed
 }  # fmt: skip
+CHANGING = (
+    "addconfiguration", "addconfiguration_attr", "append", "clear", "extend", "insert", "payload", "pop", "remove",
+    "reverse", "dynchanged", "addlink",
+)  # fmt: skip
+"""Members that change an object: they are called on one that is made for them."""
 OF_JOINTS = ("ik", "jacob", "hessian", "manipul", "partial")  # beginnings of methods that need joints
 """Members that other tests compare, that draw, or whose results are random."""
 CONSTANT_MEMBERS = 2  # how many values of a parameter are passed by position, too
@@ -107,7 +112,8 @@ def calls_of(subject: Subject, thing: Any) -> Iterator[Call]:
         static = inspect.getattr_static(thing, member, None)
 
         def call(code: str, member: str = member) -> Call:
-            return Call(f"{subject.name}: {code}", subject.group, subject.make, subject.joints, keep, code)
+            kept = keep and member not in CHANGING
+            return Call(f"{subject.name}: {code}", subject.group, subject.make, subject.joints, kept, code)
 
         if isinstance(static, property) or not callable(getattr(type(thing), member, None)):
             yield call(f"robot.{member}")
@@ -118,7 +124,10 @@ def calls_of(subject: Subject, thing: Any) -> Iterator[Call]:
         parameters = parameters_of(getattr(type(thing), member))
         for text in arguments(member, parameters, subject.joints) if parameters is not None else ("",):
             code = f"robot.{member}({text})"
-            yield call(f"value = ({code}, robot)" if subject.changing else code)
+            if member == "payload":
+                code += ", robot.gravload(q)"
+            changes = subject.changing or member in CHANGING
+            yield call(f"value = ({code}, robot)" if changes else code)
     for text in (
         "str(robot)",
         "repr(robot)",

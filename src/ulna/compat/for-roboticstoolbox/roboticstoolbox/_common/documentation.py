@@ -21,7 +21,7 @@ ARGUMENTS = {
     "k": "Damping [-].",
     "method": 'How it is damped: "chan", "wampler" or "sugihara".',
     "pinv": "Whether to take the pseudoinverse of the Jacobian.",
-    "pinv_damping": "Not offered [-]; must be 0.",
+    "pinv_damping": "Damping d of the pseudoinverse, J^T (J J^T + d^2 I)^-1 [-]; 0 for none.",
     "kj": "Cost of joint speeds [-].",
     "ks": "Cost of the remaining error [-].",
     "kq": "Inverse of the gain that keeps joints from their limits in the null space [-]; 0 for none.",

@@ -24,10 +24,34 @@ def numbers(name: str, value: Any) -> Floats:
     Raises:
         WrongType: It holds no numbers.
     """
+    if value is None:
+        raise WrongType(f"`{name}` is None; expected numbers.")
     try:
         return np.asarray(value, dtype=float)
     except (TypeError, ValueError):
         raise WrongType(f"`{name}` is {excerpt(repr(value))}; expected numbers.") from None
+
+
+def number(name: str, value: Any) -> float:
+    """One number: a scalar, or an array of one entry.
+
+    Args:
+        name: Name of the argument, for messages.
+        value: What was passed.
+
+    Returns:
+        The number.
+
+    Raises:
+        WrongType: It holds no numbers.
+        WrongShape: It holds another count of them.
+    """
+    out = value if isinstance(value, (int, float)) else numbers(name, value)
+    if not isinstance(out, (int, float)):
+        if out.size != 1:
+            raise WrongShape(name, out.shape, "one number")
+        return float(out.item())
+    return float(out)
 
 
 def vector(name: str, value: Any, size: int) -> Floats:

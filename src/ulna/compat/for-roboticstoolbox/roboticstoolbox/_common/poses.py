@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from roboticstoolbox._common.errors import WrongShape
-from ulna.errors import MissingExtra
+from roboticstoolbox._common.errors import WrongShape, WrongType
+from ulna.errors import MissingExtra, excerpt
 from ulna.spatial import matrix_to_rpy
 from ulna.typing import Floats
 
@@ -41,7 +41,10 @@ def array(T: Any) -> Floats:
     values = getattr(T, "data", None)
     if type(values) is list:
         return values[0] if len(values) == 1 else np.array(values, dtype=float)
-    return np.asarray(T, dtype=float)
+    try:
+        return np.asarray(T, dtype=float)
+    except (TypeError, ValueError):
+        raise WrongType(f"A pose is {excerpt(repr(T))}; expected an SE3, an SE2, or a matrix.") from None
 
 
 def matrix(T: Any, size: int = 4) -> Floats:
@@ -63,11 +66,22 @@ def matrix(T: Any, size: int = 4) -> Floats:
     return M
 
 
-def matrices(T: Any) -> Floats:
-    """The matrices of poses, (4, 4) or (m, 4, 4)."""
+def matrices(T: Any, size: int = 4) -> Floats:
+    """The matrices of poses, (size, size) or (m, size, size).
+
+    Args:
+        T: Pose objects, or an array.
+        size: 4 in space, 3 in the plane.
+
+    Returns:
+        Matrix, or matrices.
+
+    Raises:
+        WrongShape: It is neither.
+    """
     M = array(T)
-    if M.shape != (4, 4) and (M.shape[-2:] != (4, 4) or M.ndim > 3):
-        raise WrongShape("pose", M.shape, "(4, 4) or (m, 4, 4), or an SE3")
+    if M.shape != (size, size) and (M.shape[-2:] != (size, size) or M.ndim > 3):
+        raise WrongShape("pose", M.shape, f"({size}, {size}) or (m, {size}, {size}), or an SE{size - 1}")
     return M
 
 
@@ -117,11 +131,11 @@ def rotation_between(a: Any, b: Any) -> Any:
 
 
 def to_spatial(T: Floats) -> Floats:
-    """A pose in the plane (3, 3) as one in space (4, 4); those in space as they are."""
-    if T.shape == (4, 4):
+    """Poses in the plane (..., 3, 3) as poses in space (..., 4, 4); those in space as they are."""
+    if T.shape[-2:] == (4, 4):
         return T
-    out = np.eye(4, dtype=T.dtype)
-    out[:2, :2], out[:2, 3] = T[:2, :2], T[:2, 2]
+    out = np.broadcast_to(np.eye(4, dtype=T.dtype), (*T.shape[:-2], 4, 4)).copy()
+    out[..., :2, :2], out[..., :2, 3] = T[..., :2, :2], T[..., :2, 2]
     return out
 
 

@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from roboticstoolbox._common.errors import WrongType
+from roboticstoolbox._common.errors import WrongShape, WrongType
+from roboticstoolbox._common.numbers import numbers
 from roboticstoolbox._common.symbols import has_symbols
 from roboticstoolbox._dynamics.symbolic_torques import symbolic_torques
 from roboticstoolbox._links.link import Link
@@ -34,6 +35,7 @@ _KERNEL_PARAMETERS = {
     "mass_matrix": ("inertia", "armature"),
     "coriolis_matrix": ("inertia",),
 }
+_DIMENSIONS = {"mass_matrix": 2, "coriolis_matrix": 2}  # of results for one configuration; 1 where not listed
 
 
 @cache
@@ -111,7 +113,13 @@ class Dynamics:
         fall = self._gravity if gravity is None else vector3(gravity)
         extra = [fall if part == "gravity" else values[part] for part in _KERNEL_PARAMETERS[name]]
         kernel = self._kernels.get(name) or self._kernel(name)
-        return _of_one_row(kernel(*arrays, *extra), arrays[0])
+        try:
+            result = kernel(*arrays, *extra)
+        except (TypeError, ValueError):
+            for argument, array in zip(("q", "qd", "qdd"), arrays, strict=False):
+                numbers(argument, array)
+            raise
+        return _of_one_row(result, _DIMENSIONS.get(name, 1))
 
     def rne(
         self, q: Any, qd: Any = None, qdd: Any = None, symbolic: bool = False, gravity: Any = None
@@ -165,7 +173,7 @@ class Dynamics:
     def _friction_torques(self, v: Any) -> Floats:
         values = self._current_dynamic_arrays()
         tau = _friction(self.n)(v, values["viscous"], values["forward"], values["backward"])
-        return _of_one_row(tau, v)
+        return _of_one_row(tau, 1)
 
     def inertia(self, q: Any) -> Floats:
         """The inertia matrix, motors included, (n, n) or (m, n, n)."""
@@ -187,13 +195,13 @@ class Dynamics:
         """The torques that hold the robot against gravity.
 
         Args:
-            q: Configuration (n,) or (m, n) [rad or m]; None for the robot's.
+            q: Configuration (n,) or (m, n) [rad or m].
             gravity: Acceleration of free fall, (3,) [m/s^2]; None for the robot's.
 
         Returns:
             Torques (n,) or (m, n) [N m or N].
         """
-        return self._evaluate("gravity_forces", (self.q if q is None else q,), gravity)
+        return self._evaluate("gravity_forces", (q,), gravity)
 
     def itorque(self, q: Any, qdd: Any) -> Floats:
         """The torques of inertia alone.
@@ -205,7 +213,7 @@ class Dynamics:
         Returns:
             Torques (n,) or (m, n) [N m or N].
         """
-        return np.squeeze(self.inertia(q) @ np.asarray(qdd, dtype=float)[..., None], axis=-1)
+        return _of_one_row(np.squeeze(self.inertia(q) @ numbers("qdd", qdd)[..., None], axis=-1), 1)
 
     def accel(self, q: Any, qd: Any, torque: Any, gravity: Any = None) -> Floats:
         """The accelerations under torques and friction.
@@ -220,22 +228,23 @@ class Dynamics:
             Accelerations (n,) or (m, n) [rad/s^2 or m/s^2].
         """
         self._current_dynamic_arrays()
-        net_torque = np.asarray(torque, dtype=float) - self._friction_torques(np.asarray(qd, dtype=float))
+        net_torque = numbers("torque", torque) - self._friction_torques(numbers("qd", qd))
         return self._evaluate("forward_dynamics", (q, qd, net_torque), gravity)
 
     def friction(self, qd: Any) -> Floats:
         """The torques of friction, against the motion, (n,) or (m, n)."""
-        return -self._friction_torques(np.asarray(qd, dtype=float))
+        rates = numbers("qd", qd)
+        return -self._friction_torques(rates) if self.hasdynamics else -0.0 * rates
 
 
-def _of_one_row(result: Floats, q: Any) -> Floats:
-    """The result for one configuration, also where it was passed as a row (1, n)."""
-    return result[0] if getattr(q, "ndim", 1) == 2 and len(result) == 1 else result
+def _of_one_row(result: Floats, dimensions: int) -> Floats:
+    """The result for one configuration, which has `dimensions` axes, also where one was passed as a row (1, n)."""
+    return result[0] if result.ndim > dimensions and len(result) == 1 else result
 
 
 def vector3(gravity: Any) -> Floats:
     g = np.ravel(gravity)
     g = g if has_symbols(g) else g.astype(float)
     if g.shape != (3,):
-        raise ShapeError("gravity", np.shape(gravity), "(3,)")
+        raise WrongShape("gravity", np.shape(gravity), "(3,)")
     return g

@@ -6,6 +6,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from roboticstoolbox._common.numbers import vector
 from roboticstoolbox._common.text_table import grid
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.spatial import Inertia
@@ -81,9 +82,10 @@ class MassParameters(RobotMixin):
         Returns:
             For each motor a numerator (1,) and a denominator (2,) in s.
         """
-        rates = np.zeros(self.n) if qd is None else np.asarray(qd, dtype=float)
+        at = vector("q", q, self.n)
+        rates = np.zeros(self.n) if qd is None else vector("qd", qd, self.n)
         out = []
-        for m, rate, link in zip(np.diagonal(self.inertia(q)), rates, self._joints(), strict=True):
+        for m, rate, link in zip(np.diagonal(self.inertia(at)), rates, self._joints(), strict=True):
             dry = link.Tc[0] / rate if rate > 0.0 else link.Tc[1] / rate if rate < 0.0 else 0.0
             out.append(((1,), (float(m / link.G**2), float(link.B + dry))))
         return out

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.numbers import numbers
 from roboticstoolbox._dynamics.dynamics import vector3
 from roboticstoolbox._ets.compiled_chain import known_angles
 from roboticstoolbox._links.ulna_model import model_of
@@ -65,7 +66,7 @@ class OperationalSpace(RobotMixin):
         """The inertia felt at the end, by position and angles, (6, 6), or (m, 6, 6).
 
         Args:
-            q: Configuration, (n,) or (m, n) [rad or m]; None for the robot's.
+            q: Configuration, (n,) or (m, n) [rad or m].
             pinv: Whether to take the pseudoinverse of the Jacobian, which is done in any case unless n is 6.
             representation: Of which angles.
             Ji: The inverse of the analytical Jacobian, (n, 6); None for that at `q`.
@@ -73,7 +74,7 @@ class OperationalSpace(RobotMixin):
         Returns:
             Inertia (6, 6) or (m, 6, 6).
         """
-        at = self.q if q is None else np.asarray(q, dtype=float)
+        at = _rows("q", q)
         if Ji is None and not self._takes_pseudoinverse(pinv):
             return self._operational_quantity("operational_inertia", (at,), representation)
         inverse = self._inverse_jacobian(at, representation, Ji)
@@ -110,7 +111,7 @@ class OperationalSpace(RobotMixin):
         Raises:
             ShapeError: `q` and `qd` have different shapes.
         """
-        at, rate = np.asarray(q, dtype=float), np.asarray(qd, dtype=float)
+        at, rate = _rows("q", q), _rows("qd", qd)
         has_matrices = any(matrix is not None for matrix in (J, Ji, Jd, C, Mx))
         if not has_matrices and not self._takes_pseudoinverse(pinv):
             return self._operational_quantity("operational_coriolis", (at, rate), representation)
@@ -168,13 +169,11 @@ class OperationalSpace(RobotMixin):
         Returns:
             Acceleration (6,) or (m, 6).
         """
-        at = np.asarray(q, dtype=float)
+        at = _rows("q", q)
         J = self._finite(np.asarray(self.jacob0_analytical(at, representation)), representation)
         inverse = self._inverse_jacobian(at, representation, None, J, pinv)
-        v = np.squeeze(inverse @ np.asarray(xd, dtype=float)[..., None], -1)
-        tau = np.squeeze(
-            _turned(J) @ np.asarray(wrench, dtype=float)[..., None], -1
-        ) - self._friction_torques(v)
+        v = np.squeeze(inverse @ _six("xd", xd)[..., None], -1)
+        tau = np.squeeze(_turned(J) @ _six("wrench", wrench)[..., None], -1) - self._friction_torques(v)
         gravity_before = self._gravity
         try:
             self._gravity = gravity_before if gravity is None else vector3(gravity)
@@ -201,7 +200,7 @@ class OperationalSpace(RobotMixin):
         """
         if frame not in ("base", "ee"):
             raise InputError(f"`frame` is {frame!r}; expected 'base' or 'ee'.")
-        limits, wrench = np.atleast_2d(np.asarray(tau_m, dtype=float)), np.asarray(w, dtype=float)
+        limits, wrench = np.atleast_2d(numbers("tau_m", tau_m)), numbers("w", w)
         if limits.shape not in ((1, self.n), (2, self.n)):
             raise ShapeError(
                 "tau_m", np.shape(tau_m), f"({self.n},), or least and greatest torques (2, {self.n})"
@@ -209,7 +208,7 @@ class OperationalSpace(RobotMixin):
         if wrench.shape != (6,):
             raise ShapeError("w", wrench.shape, "(6,)")
         low, high = (-limits[0], limits[0]) if len(limits) == 1 else limits
-        at = np.atleast_2d(np.asarray(q, dtype=float))
+        at = np.atleast_2d(numbers("q", q))
         hold = self.gravload(at).reshape(at.shape)
         J = np.asarray(self.jacob0(at) if frame == "base" else self.jacobe(at)).reshape(-1, 6, self.n)
         load = -np.squeeze(_turned(J) @ wrench[:, None], -1)
@@ -230,7 +229,7 @@ class OperationalSpace(RobotMixin):
         """The force at the end that holds the robot against gravity, (6,), or (m, 6).
 
         Args:
-            q: Configuration, (n,) or (m, n) [rad or m]; None for the robot's.
+            q: Configuration, (n,) or (m, n) [rad or m].
             gravity: Acceleration of free fall, (3,) [m/s^2]; None for the robot's.
             pinv: Whether to take the pseudoinverse of the Jacobian, which is done in any case unless n is 6.
             representation: Of which angles.
@@ -239,7 +238,7 @@ class OperationalSpace(RobotMixin):
         Returns:
             Force (6,) or (m, 6) [N, N m].
         """
-        at = self.q if q is None else np.asarray(q, dtype=float)
+        at = _rows("q", q)
         if Ji is not None or self._takes_pseudoinverse(pinv):
             inverse = self._inverse_jacobian(at, representation, Ji)
             return np.squeeze(_turned(inverse) @ self.gravload(at, gravity)[..., None], -1)
@@ -254,6 +253,20 @@ class OperationalSpace(RobotMixin):
         """A former name of `inertia_x`."""
         warnings.warn("cinertia is the former name of inertia_x", DeprecationWarning, stacklevel=2)
         return self.inertia_x(q)
+
+
+def _rows(name: str, value: Any) -> Floats:
+    """Configurations or velocities, (n,) or (m, n); a single row is the vector."""
+    out = numbers(name, value)
+    return out[0] if out.ndim == 2 and len(out) == 1 else out
+
+
+def _six(name: str, value: Any) -> Floats:
+    """The numbers of rates or of a wrench, (..., 6), checked."""
+    out = numbers(name, value)
+    if out.shape[-1:] != (6,):
+        raise ShapeError(name, out.shape, "(6,) or (m, 6)")
+    return out
 
 
 def _turned(J: Floats) -> Floats:

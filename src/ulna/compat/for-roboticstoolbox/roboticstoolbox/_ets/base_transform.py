@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from roboticstoolbox._common.errors import WrongShape, WrongType
-from roboticstoolbox._common.numbers import numbers
+from roboticstoolbox._common.numbers import number, numbers
 from roboticstoolbox._common.symbols import is_nothing, is_symbol
 from roboticstoolbox._ets.joint_descriptor import current_name, parse_joint, shown_name
 from roboticstoolbox._ets.transform_text import transform_repr, transform_text
@@ -230,7 +230,7 @@ class BaseET:
             return self._T.copy()
         value = self._param
         if self.isjoint:
-            value = 0.0 if q is None else q if is_symbol(q) else float(q)
+            value = 0.0 if q is None else q if is_symbol(q) else number("q", q)
             value = (-value if self._flip else value) + self._offset
         elif not is_symbol(value):
             return self._to_ulna().transform().matrix()

@@ -92,7 +92,8 @@ class Chain:
     def fk(self, q: Any) -> Floats:
         """The pose of the end in the start, (..., 4, 4)."""
         if self.n == 0:
-            return self._constant
+            rows = () if np.ndim(q) < 2 or len(q) == 1 else (len(q),)
+            return np.broadcast_to(self._constant, (*rows, 4, 4)).copy()
         try:
             return self._fk(self.q(q))
         except (TypeError, InputError) as error:
@@ -161,6 +162,8 @@ class Chain:
         Returns:
             Hessian (..., n, 6, n).
         """
+        if self.n == 0:
+            return np.zeros((0, 6, 0))
         return self.arm.derivatives.jacobian(self.q(q)) if J0 is None else hessian_of(J0, self.n)
 
     def hessiane(self, q: Any, Je: Any = None) -> Floats:
@@ -179,15 +182,18 @@ class Chain:
         """A derivative of the pose in the axes of the start: 1 the Jacobian, 2 the Hessian, and so on.
 
         Args:
-            q: Joint coordinates (n,) [rad or m].
+            q: Joint coordinates (n,) or (m, n) [rad or m].
             order: Order of the derivative.
 
         Returns:
-            Array (n, ..., n, 6, n).
+            Array (n, ..., n, 6, n), or (m, n, ..., n, 6, n).
         """
         from ulna.algorithms import jacobian_partials
 
-        return jacobian_partials(np.asarray(self.jacob0(q)), order)
+        J = np.asarray(self.jacob0(q))
+        if J.ndim == 2:
+            return jacobian_partials(J, order)
+        return np.array([jacobian_partials(one, order) for one in J])
 
     def jacob0_dot(self, q: Any, qd: Any) -> Floats:
         """The time derivative of the Jacobian in the axes of the start.
@@ -210,6 +216,8 @@ class Chain:
             Jacobian (..., 6, n).
         """
         known_angles(representation)
+        if self.n == 0:
+            return np.zeros((6, 0))
         return self.arm.analytical_jacobian(self.q(q), representation).view(Jacobian)
 
     def manipulability(self, q: Any, method: str, axes: Any) -> Any:

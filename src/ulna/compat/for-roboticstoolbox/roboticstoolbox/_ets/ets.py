@@ -8,7 +8,7 @@ import numpy as np
 
 from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._common.errors import UnknownOption, WrongShape
-from roboticstoolbox._common.poses import matrix, pose, to_planar, to_spatial
+from roboticstoolbox._common.poses import matrices, matrix, pose, to_planar, to_spatial
 from roboticstoolbox._common.symbols import shortened
 from roboticstoolbox._ets.dh_split import STEPS, split_by_convention
 from roboticstoolbox._ets.elementary_transform import ET, ET2
@@ -232,7 +232,7 @@ class ETS2(BaseETS):
         """The joint coordinates for a pose in the plane.
 
         Args:
-            Tep: Pose of the end, an SE2 or (3, 3).
+            Tep: Pose of the end, an SE2, (3, 3) or (m, 3, 3).
             mask: Weights of the errors of x, y and the angle, (3,); 1 by default.
 
         Returns:
@@ -247,7 +247,7 @@ class ETS2(BaseETS):
             raise WrongShape("mask", weights.shape, "(3,): weights of x, y and the angle")
         x, y, turn = weights.tolist()
         six = (x, y, 0.0, 0.0, 0.0, turn)
-        T = to_spatial(matrix(Tep, 3))
+        T = to_spatial(matrices(Tep, 3))
         return solve(self._compiled(None), T, "LM", q0, ilimit, slimit, tol, six, joint_limits, k, seed=seed)
 
 

@@ -19,9 +19,11 @@ from typing import Any, Literal
 import numpy as np
 
 from roboticstoolbox._common.errors import WrongShape
+from roboticstoolbox._common.numbers import number
 from roboticstoolbox._common.poses import matrices
 from roboticstoolbox._ets.compiled_chain import Chain
 from roboticstoolbox._ets.ik_solution import IKSolution
+from ulna.control import p_servo
 from ulna.errors import InputError
 from ulna.typing import Floats
 
@@ -54,6 +56,7 @@ def solve(
     seed: int | None = None,
     verbose: bool = False,
     pinv: bool = True,
+    pinv_damping: float | None = 0.0,
 ) -> IKSolution:
     """The solution for poses `Tep`, (4, 4) or (m, 4, 4), of the chain's end in its start.
 
@@ -78,6 +81,7 @@ def solve(
         seed: Seed of the random starts.
         verbose: Whether to print what the search found.
         pinv: Whether "NR" and "GN" may take the pseudoinverse; a Jacobian that is not square has no other.
+        pinv_damping: Damping d of that pseudoinverse, J^T (J J^T + d^2 I)^-1 [-]; 0 for none.
 
     Returns:
         Joint coordinates (n,) or (m, n), success, and figures of the search.
@@ -89,10 +93,11 @@ def solve(
     chain = chain if joint_limits else chain.unlimited
     starts = None if q0 is None else _starting_rows(q0, chain.n, slimit)
     settings = Settings(
-        kind, ilimit, tol, _weights(mask, chain.n), k, damping_name(method), kq, km, ps, pi, kj, ks, seed
-    )
+        kind, ilimit, tol, _weights(mask, chain.n), k, damping_name(method), kq, km, ps, pi, kj, ks, seed,
+        0.0 if pinv_damping is None else number("pinv_damping", pinv_damping),
+    )  # fmt: skip
     if not pinv and chain.n != _SQUARE:
-        result = _without_inverse(chain, T, starts, slimit)
+        result = _without_inverse(chain, T, starts, slimit, settings)
     elif starts is None or len(starts) == 1:
         result = _search(chain, T, None if starts is None else starts[0], slimit, settings)
     else:
@@ -119,6 +124,12 @@ class Settings:
     kj: float
     ks: float
     seed: int | None
+    pinv_damping: float = 0.0
+
+    @property
+    def solver(self) -> Any:
+        """The name of Ulna's solver; steps by a damped pseudoinverse are Wampler's."""
+        return "wampler" if self.pinv_damping else _KINDS.get(self.kind, self.method)
 
     @property
     def is_default(self) -> bool:
@@ -129,6 +140,8 @@ class Settings:
     @property
     def damping(self) -> float | None:
         """The damping of Ulna's solver."""
+        if self.pinv_damping:
+            return self.pinv_damping**2
         return self.k if self.kind == "LM" else self.kj / self.ks if self.kind == "QP" else None
 
     def null_motion(self) -> dict[str, float]:
@@ -166,7 +179,7 @@ def _search(chain: Chain, T: Floats, start: Any, slimit: int, settings: Settings
         null_motion: dict[str, Any] = dict(settings.null_motion())
         result = chain.arm.ik_classic(
             T,
-            _KINDS.get(settings.kind, settings.method),  # type: ignore[arg-type]
+            settings.solver,
             start,
             mask=settings.weights,
             damping=settings.damping,
@@ -211,8 +224,36 @@ def _searches_from_rows(
                 break
         one.iterations, one.searches = iterations, searches
         solutions.append(one)
-    if T.ndim == 2:
-        return solutions[0]
+    return solutions[0] if T.ndim == 2 else _joined(solutions)
+
+
+def _without_inverse(
+    chain: Chain, T: Floats, starts: Floats | None, slimit: int, settings: Settings
+) -> IKSolution:
+    """What a solver returns that inverts a Jacobian which is not square: a start that meets the pose, if one does."""
+    reason = f"the Jacobian is 6 x {chain.n}, so that it has no inverse; pass pinv=True"
+    rows = np.zeros((1, chain.n)) if starts is None else starts
+    solutions = []
+    for goal in T.reshape(-1, 4, 4):
+        residuals = [_residual(chain.fk(row), goal, settings.weights) for row in rows]
+        met = [i for i, residual in enumerate(residuals) if residual < settings.tol]
+        at = met[0] if met else 0
+        solutions.append(
+            IKSolution(
+                rows[at], bool(met), 0, at + 1 if met else slimit, residuals[at], "" if met else reason
+            )
+        )
+    return solutions[0] if T.ndim == 2 else _joined(solutions)
+
+
+def _residual(T: Floats, goal: Floats, weights: tuple[float, ...] | None) -> float:
+    """E = e^T W e / 2 from one pose to another."""
+    e = p_servo(T, goal, 1.0, 0.0, "angle-axis")[0]
+    return float(0.5 * (e if weights is None else np.array(weights) * e) @ e)
+
+
+def _joined(solutions: list[IKSolution]) -> IKSolution:
+    """The solutions for several poses as one."""
     missed = [i for i, one in enumerate(solutions) if not one.success]
     return IKSolution(
         np.array([one.q for one in solutions]),
@@ -222,14 +263,6 @@ def _searches_from_rows(
         max(one.residual for one in solutions),
         f"no solution for the poses {missed}" if missed else "",
     )
-
-
-def _without_inverse(chain: Chain, T: Floats, starts: Floats | None, slimit: int) -> IKSolution:
-    """What a solver returns that inverts a Jacobian which is not square."""
-    q = np.zeros(chain.n) if starts is None else starts[0]
-    rows = q if T.ndim == 2 else np.tile(q, (len(T), 1))
-    reason = f"the Jacobian is 6 x {chain.n}, so that it has no inverse; pass pinv=True"
-    return IKSolution(rows, False, 0, slimit, math.inf, reason)
 
 
 def one_row(q0: Any, n: int) -> Any:
@@ -248,15 +281,6 @@ def one_row(q0: Any, n: int) -> Any:
     if q0 is not None and np.shape(q0) != (n,):
         raise WrongShape("q0", np.shape(q0), f"({n},), a number for each joint of the chain")
     return q0
-
-
-def check_pinv_damping(pinv_damping: float) -> None:
-    """Raises InputError for a damping of the pseudoinverse, which the solvers of Newton and Gauss have not here."""
-    if pinv_damping:
-        raise InputError(
-            f"`pinv_damping` is {pinv_damping}; a damped pseudoinverse is not offered: take ik_LM(..., k=..., "
-            "method='wampler'), whose steps are those of that damping."
-        )
 
 
 def damping_name(method: Any) -> Damping:

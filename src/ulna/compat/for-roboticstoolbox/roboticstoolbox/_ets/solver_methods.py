@@ -11,7 +11,7 @@ from typing import Any, final
 from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._ets.compiled_chain import Chain
 from roboticstoolbox._ets.ik_solution import IKSolution
-from roboticstoolbox._ets.inverse_kinematics import check_pinv_damping, one_row, solve
+from roboticstoolbox._ets.inverse_kinematics import one_row, solve
 
 
 @describe_arguments
@@ -64,9 +64,10 @@ class ChainSolvers:
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
-        check_pinv_damping(pinv_damping)
         chain = self._compiled(None)
-        return solve(chain, Tep, "NR", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits)
+        start = one_row(q0, chain.n)
+        more = {"pinv_damping": pinv_damping}
+        return solve(chain, Tep, "NR", start, ilimit, slimit, tol, mask, joint_limits, **more)
 
     def ik_GN(
         self,
@@ -88,9 +89,10 @@ class ChainSolvers:
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
-        check_pinv_damping(pinv_damping)
         chain = self._compiled(None)
-        return solve(chain, Tep, "GN", one_row(q0, chain.n), ilimit, slimit, tol, mask, joint_limits)
+        start = one_row(q0, chain.n)
+        more = {"pinv_damping": pinv_damping}
+        return solve(chain, Tep, "GN", start, ilimit, slimit, tol, mask, joint_limits, **more)
 
     def ikine_LM(
         self,

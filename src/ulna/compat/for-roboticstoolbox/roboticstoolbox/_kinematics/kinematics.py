@@ -9,6 +9,7 @@ import numpy as np
 
 from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._common.errors import UnknownKey, WrongType
+from roboticstoolbox._common.numbers import numbers
 from roboticstoolbox._common.poses import matrix, pose, to_spatial
 from roboticstoolbox._ets.compiled_chain import Chain, known_angles
 from roboticstoolbox._ets.ets import ETS
@@ -136,7 +137,7 @@ class Kinematics(RobotSolvers):
     def _complete_configuration(self, q: Any) -> Floats:
         """The configuration of arm and grippers."""
         gripper_positions = [gripper.q for gripper in self._grippers]
-        return np.concatenate([np.asarray(q, dtype=float).ravel(), *gripper_positions])
+        return np.concatenate([numbers("q", q).ravel(), *gripper_positions])
 
     def jacob0(self, q: Any, end: Any = None, start: Any = None, tool: Any = None) -> Floats:
         """The Jacobian in the axes of the start, linear rows first.

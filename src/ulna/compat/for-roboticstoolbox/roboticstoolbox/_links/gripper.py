@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.errors import WrongIndex, WrongType
+from roboticstoolbox._common.numbers import numbers
 from roboticstoolbox._common.poses import matrix, pose
 from roboticstoolbox._links.link import Link
 from roboticstoolbox._links.link_tree import links_from
@@ -41,7 +42,7 @@ class Gripper:
 
     @q.setter
     def q(self, q: Any) -> None:
-        values = np.array(q, dtype=float).ravel()
+        values = np.array(numbers("q", q)).ravel()
         if values.shape != (self.n,):
             raise ShapeError("q", np.shape(q), f"({self.n},)")
         self._q = values
@@ -78,4 +79,4 @@ class Gripper:
         return f'Gripper("{self.name}", connected to {carrier}, {self.n} joints, {len(self.links)} links)'
 
     def __repr__(self) -> str:
-        return f'Gripper({[str(link) for link in self.links]}, name="{self.name}", tool={self._tool!r})'
+        return f'Gripper({[repr(link) for link in self.links]}, name="{self.name}", tool={self._tool!r})'

@@ -66,7 +66,7 @@ class Link(LinkNode, DynamicParameters):
             collision: Shapes to check.
         """
         self.robot: Any = None
-        self.number: int | None = None
+        self.number: int | None = 0
         self.name = name
         if not isinstance(parent, Link | str | None):
             raise WrongType(f"`parent` of a link is {parent!r}; expected a link, or its name.")

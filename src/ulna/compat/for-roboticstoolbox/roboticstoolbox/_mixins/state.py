@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from roboticstoolbox._common.errors import WrongShape
+from roboticstoolbox._common.errors import UnknownOption, WrongShape
 from roboticstoolbox._common.numbers import numbers
 from roboticstoolbox._common.poses import array
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
@@ -92,7 +92,12 @@ class State(RobotMixin):
             name: Its name.
             q: The configuration (n,).
             unit: Of angles in `q`, "rad" or "deg".
+
+        Raises:
+            UnknownOption: Another unit.
         """
+        if unit not in ("rad", "deg"):
+            raise UnknownOption("unit", unit, ("rad", "deg"))
         values = self._state(name, q)
         self._configs[name] = self.toradians(values) if unit == "deg" else values
         setattr(self, name, self._configs[name])

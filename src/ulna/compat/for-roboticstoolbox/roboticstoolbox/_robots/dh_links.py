@@ -30,7 +30,7 @@ class _DHParameter:
             raise InputError(
                 f"`{self._name[1:]}` is {value!r}; it is this link's joint coordinate: expected 0; set `offset`."
             )
-        link.__dict__[self._name] = value
+        link.__dict__[self._name] = int(value) if self._name == "_mdh" else value
         link._parameters_changed()
 
 
@@ -62,6 +62,7 @@ class DHLink(Link):
             _d=d, _alpha=alpha, _theta=theta, _a=a, _sigma=sigma, _mdh=int(mdh), _offset=offset
         )
         super().__init__(self._transforms(ET("tz" if sigma else "Rz", flip=flip, qlim=qlim)), **more)
+        self.number = None
 
     def _transforms(self, joint: Any) -> ETS:
         """The transforms of the present parameters around a joint."""

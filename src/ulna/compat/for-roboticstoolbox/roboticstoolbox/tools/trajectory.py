@@ -10,6 +10,7 @@ from typing import Any, final
 import numpy as np
 
 from roboticstoolbox._common.errors import UnknownOption, WrongShape, WrongType
+from roboticstoolbox._common.numbers import number
 from roboticstoolbox._plot.curves import xplot
 from roboticstoolbox.tools.sampled import Trajectory
 from roboticstoolbox.tools.via_points import mstraj
@@ -18,11 +19,11 @@ from ulna.errors import InputError, ShapeError
 from ulna.typing import Floats
 
 
-def _times(t: Any) -> tuple[Any, bool]:
-    """Steps 0 ... t - 1 of a count, or the times given."""
+def _times(t: Any, least: int = 2) -> tuple[Any, bool]:
+    """Steps 0 ... t - 1 of a count of at least `least`, or the times given."""
     if isinstance(t, (int, np.integer)):
-        if t < 2:
-            raise InputError(f"`t` is {t}; expected at least 2 steps, or times.")
+        if t < least:
+            raise InputError(f"`t` is {t}; expected at least {least} steps, or times.")
         return np.arange(t), False
     try:
         out = np.asarray(t, dtype=float)
@@ -49,13 +50,13 @@ def jtraj(q0: Any, qf: Any, t: Any, qd0: Any = None, qd1: Any = None) -> Traject
     Raises:
         InputError: A time is below 0.
     """
-    rows, is_time = _times(t)
+    rows, is_time = _times(t, 1)
     if is_time and rows.min() < 0.0:
         raise InputError(
             f"`t` begins at {rows.min()}; expected times from 0 on: jtraj counts them from its start."
         )
     duration = float(rows.max()) if is_time else 1.0
-    at = rows if is_time else rows / (len(rows) - 1)
+    at = rows if is_time else rows / max(len(rows) - 1, 1)
     q, v, a = trajectory.quintic_states(q0, qf, duration, at, qd0, qd1)
     return Trajectory("jtraj", rows if is_time else at * float(t), q, v, a, istime=True)
 
@@ -88,7 +89,7 @@ def quintic_func(
 def _scalar(name: str, value: Any) -> float:
     if np.ndim(value):
         raise WrongShape(name, np.shape(value), "a number; mtraj takes several coordinates")
-    return float(value)
+    return number(name, value)
 
 
 @final
@@ -170,7 +171,8 @@ def quintic(q0: float, qf: float, t: Any, qd0: float = 0, qdf: float = 0) -> Tra
     Returns:
         Position, velocity and acceleration, (m,) each.
     """
-    return _one("quintic", lambda T: trajectory.quintic(float(q0), float(qf), T, float(qd0), float(qdf)), t)
+    ends = [_scalar(name, x) for name, x in (("q0", q0), ("qf", qf), ("qd0", qd0), ("qdf", qdf))]
+    return _one("quintic", lambda T: trajectory.quintic(ends[0], ends[1], T, ends[2], ends[3]), t)
 
 
 def trapezoidal(q0: float, qf: float, t: Any, V: float | None = None) -> Trajectory:

@@ -1,0 +1,142 @@
+"""Behaviour of the Robotics Toolbox that generated calls found different, each with the value or the error of the toolbox."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.shelf import worn
+
+pytest.importorskip("spatialmath")
+Q = np.array([0.1, -0.4, 0.2, -2.0, 0.3, 1.9, 0.6])
+
+
+@pytest.fixture(scope="module")
+def rtb() -> Iterator[Any]:
+    with worn("roboticstoolbox"):
+        yield importlib.import_module("roboticstoolbox")
+
+
+@pytest.fixture(scope="module")
+def panda(rtb: Any) -> Any:
+    return rtb.models.Panda()
+
+
+@pytest.fixture(scope="module")
+def puma(rtb: Any) -> Any:
+    return rtb.models.DH.Puma560()
+
+
+def test_a_search_that_starts_at_the_goal_succeeds_without_a_pseudoinverse(panda: Any) -> None:
+    T = panda.fkine(Q)
+    for solve in (panda.ikine_NR, panda.ikine_GN, panda.ets().ikine_NR):
+        solution = solve(T, q0=Q)
+        assert solution.success and solution.iterations == 0 and (solution.q == Q).all()
+        assert solve(T, q0=np.vstack([Q + 0.1, Q])).searches == 2
+        missed = solve(T, q0=Q + 0.1)
+        assert not missed.success and "pinv=True" in missed.reason
+    both = panda.ikine_NR(panda.fkine(np.vstack([Q, Q + 0.1])), q0=Q)
+    assert both.q.shape == (2, 7) and not both.success and "[1]" in both.reason
+
+
+def test_pinv_damping_changes_the_steps(panda: Any) -> None:
+    T, start = panda.fkine(Q), Q + 0.1
+    plain, damped = panda.ik_NR(T, q0=start), panda.ik_NR(T, q0=start, pinv_damping=0.2)
+    assert plain.success and damped.success
+    assert damped.iterations > plain.iterations
+    with pytest.raises(TypeError, match="pinv_damping"):
+        panda.ik_GN(T, pinv_damping="x")
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda arm, q: arm.gravload(),
+        lambda arm, q: arm.gravload("x"),
+        lambda arm, q: arm.gravload_x(),
+        lambda arm, q: arm.inertia_x(),
+        lambda arm, q: arm.coriolis_x(q, None),
+        lambda arm, q: arm.accel_x(q, np.zeros(6), None),
+        lambda arm, q: arm.accel(q, q, "x"),
+        lambda arm, q: arm.rne(q, q, "x"),
+        lambda arm, q: arm.payload_capacity("x", np.ones(6), np.ones(6)),
+        lambda arm, q: arm.fkine_all("x"),
+        lambda arm, q: arm.links[0].A("x"),
+    ],
+)
+def test_what_is_no_configuration_is_a_type_error_that_names_it(puma: Any, call: Any) -> None:
+    with pytest.raises(TypeError, match=r"`\w+` is ('x'|None); expected numbers"):
+        call(puma, Q[:6])
+
+
+def test_a_single_row_among_vectors_is_one_configuration(puma: Any) -> None:
+    q = Q[:6]
+    tau = puma.rne(q, q, q)
+    for arguments in ((q, q, q[None]), (q[None], q, q), (q, q[None], q[None])):
+        np.testing.assert_allclose(puma.rne(*arguments), tau, atol=1e-12)
+    assert puma.accel(q, q[None], q).shape == puma.itorque(q, q[None]).shape == (6,)
+    assert puma.inertia_x(q[None]).shape == puma.coriolis_x(q[None], q[None]).shape == (6, 6)
+    assert puma.rne(np.vstack([q, q]), q, q).shape == (2, 6)
+
+
+def test_derivatives_of_rows_of_configurations_are_stacked(panda: Any) -> None:
+    rows = np.vstack([Q, Q + 0.1])
+    expected = [panda.partial_fkine0(q, 2) for q in rows]
+    np.testing.assert_allclose(panda.partial_fkine0(rows, 2), expected, atol=1e-12)
+
+
+def test_screws_make_a_base_joints_and_an_end(rtb: Any) -> None:
+    from spatialmath import SE3
+
+    joints = [rtb.PoERevolute([0, 0, 2], [0, 0, 0]), rtb.PoERevolute([0, 1, 0], [0.4, 0, 0.2])]
+    robot = rtb.PoERobot([*joints, rtb.PoEPrismatic([1, 0, 0], name="slide")], SE3(0.5, 0, 0.2))
+    assert [link.name for link in robot.links] == ["link-0", "link-1", "link-2", "slide", "link-4"]
+    assert str(robot.links[2]) == 'PoERevolute[twist=(-0.2 0 0.4; 0 1 0), name="link-2"]'
+    assert str(robot.ets()).startswith("Rz(q0) ⊕ tx(0.4) ⊕ tz(0.2) ⊕ Ry(-26.57°) ⊕ Rx(-90°) ⊕ Rz(q1) ⊕ ")
+    assert repr(robot).startswith("PoERobot([\n    PoELink([0.,0.,0.,0.,0.,0.]") and len(joints) == 2
+    np.testing.assert_allclose(robot.T0.A, SE3(0.5, 0, 0.2).A)
+    q = [0.3, -0.2, 0.1]
+    expected = SE3(0.5, 0, 0.2)
+    for link, angle in zip(robot.links[3:0:-1], q[::-1], strict=True):
+        expected = link.S.exp(angle) * expected
+    np.testing.assert_allclose(robot.fkine(q).A, expected.A, atol=1e-12)
+    with pytest.raises(TypeError, match="no PoE link"):
+        rtb.PoERobot([rtb.Link()], SE3())
+
+
+def test_small_calls(rtb: Any, panda: Any) -> None:
+    one = rtb.jtraj([1, 2], [3, 4], 1, qd0=[1, 1])
+    assert (one.q == [[1, 2]]).all() and (one.qd == [[1, 1]]).all() and (one.t == [0]).all()
+    with pytest.raises(ValueError, match="q0"):
+        rtb.quintic([1, 2], 1, 5)
+    with pytest.raises(ValueError, match="unit"):
+        panda.addconfiguration_attr("home", Q, unit="foo")
+    assert rtb.Link().number == 0
+    link = rtb.RevoluteDH()
+    link.mdh = True
+    assert link.mdh == 1 and not isinstance(link.mdh, bool)
+
+
+def test_chains_without_joints_have_empty_jacobians_and_rows_of_poses(rtb: Any, panda: Any) -> None:
+    last, chain = panda.links[-1], rtb.ETS(rtb.ET.tx(2))
+    assert panda.jacob0_analytical(Q, start=last, end=last).shape == (6, 0)
+    assert panda.hessian0(Q, end=panda.links[0]).shape == (0, 6, 0)
+    assert len(chain.fkine(np.zeros((3, 2)))) == 3 and chain.fkine(None).t == pytest.approx([2, 0, 0])
+
+
+def test_robots_in_the_plane_reach_several_poses_and_have_no_friction(rtb: Any) -> None:
+    chain = rtb.ET2.R() * rtb.ET2.tx(1) * rtb.ET2.R() * rtb.ET2.tx(0.5)
+    goals = chain.fkine(np.array([[0.1, 0.2], [0.3, 0.4]]))
+    solution = chain.ikine_LM(goals)
+    assert solution.success and solution.q.shape == (2, 2)
+    np.testing.assert_allclose(np.array(chain.fkine(solution.q).A), np.array(goals.A), atol=1e-5)
+    assert (rtb.models.ETS.Planar2().friction([1, 2]) == 0).all()
+
+
+def test_jointdynamics_takes_one_configuration(panda: Any) -> None:
+    with pytest.raises(ValueError, match=r"`q` has shape \(2, 7\)"):
+        panda.jointdynamics(np.vstack([Q, Q]))

@@ -1,0 +1,47 @@
+"""Where documented differences call the toolbox wrong, its results contradict each other: shown with the toolbox itself."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+pytest.importorskip("roboticstoolbox")
+SCRIPT = """
+import json
+import numpy as np, roboticstoolbox as rtb
+from spatialmath import SE3
+q = np.array([0.2, -0.4, 0.3, -1.8, 0.4, 1.7])
+p, h = np.array([0.2, -0.4, 0.3, -1.8, 0.4, 1.7, 0.5]), 1e-6
+puma, tooled, panda = rtb.models.DH.Puma560(), rtb.models.DH.Puma560(), rtb.models.Panda()
+tooled.tool = SE3(0.1, 0, 0.2)
+def turned(robot):
+    R, H = robot.fkine(q).R.T, robot.hessian0(q)
+    return np.concatenate([R @ H[:, :3], R @ H[:, 3:]], axis=1)
+change = [(panda.hessian0(p + h * e) - panda.hessian0(p - h * e)) / (2 * h) for e in np.eye(7)]
+inertia = np.diag(puma.inertia(q)) / [link.G**2 for link in puma.links]
+jaco = rtb.models.DH.Jaco()
+print(json.dumps({
+    "start is ignored": np.array_equal(puma.hessian0(q, start=puma.links[3]), puma.hessian0(q)),
+    "hessiane is hessian0 turned": bool(np.allclose(puma.hessiane(q), turned(puma))),
+    "with a tool, too": bool(np.allclose(tooled.hessiane(q), turned(tooled))),
+    "error of third derivatives": float(np.abs(panda.partial_fkine0(p, 3) - change).max()),
+    "cinertia is None": puma.cinertia(q) is None,
+    "reach is less than a distance": bool(jaco.reach < np.linalg.norm(jaco.fkine(np.zeros(6)).t)),
+    "motors of jointdynamics": [d[1][0] for d in puma.jointdynamics(q)] / inertia - 1.0 > 0.2,
+}, default=lambda x: x.tolist()))
+"""
+
+
+@pytest.mark.slow
+def test_results_of_the_toolbox_contradict_each_other() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=300, check=True
+    )
+    found = json.loads(done.stdout.splitlines()[-1])
+    assert found["start is ignored"] and found["cinertia is None"] and found["reach is less than a distance"]
+    assert found["hessiane is hessian0 turned"] and not found["with a tool, too"]
+    assert found["error of third derivatives"] > 0.5
+    assert all(found["motors of jointdynamics"])
