@@ -18,17 +18,18 @@ from ulna.typing import Array, ArrayLike, Floats
 
 
 @lru_cache(maxsize=64)
-def limited_step(n: int) -> Callable[..., tuple[Floats, float]]:
+def limited_step(n: int) -> Callable[..., tuple[Floats, Floats, float]]:
     """A kernel that moves `n` coordinates for a time and holds them within limits.
 
-    It takes q (n,), v (n,), dt (), and the limits lower (n,), upper (n,), and returns the new q (n,) and a number
-    that is finite only if all of q and v are.
+    It takes q (n,), v (n,), dt (), and the limits lower (n,), upper (n,), and returns the new q (n,), a copy of
+    it, and a number that is finite only if all of q and v are.
     """
     return compile(_limited_step, q=(n,), v=(n,), dt=(), lower=(n,), upper=(n,))
 
 
-def _limited_step(q: Array, v: Array, dt: Any, lower: Array, upper: Array) -> tuple[Array, Any]:
-    return numeric.clip(q + dt * v, lower, upper), (q + v).sum()
+def _limited_step(q: Array, v: Array, dt: Any, lower: Array, upper: Array) -> tuple[Array, Array, Any]:
+    moved = numeric.clip(q + dt * v, lower, upper)
+    return moved, moved, (q + v).sum()
 
 
 @lru_cache(maxsize=1)

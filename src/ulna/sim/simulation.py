@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from typing import Any, Self, final
@@ -150,15 +151,17 @@ class Simulation:
         Raises:
             InputError: `dt` is not above zero, or a motion diverged.
         """
-        dt = checked_duration("dt", dt)
+        if dt.__class__ is not float or not 0.0 < dt < math.inf:
+            dt = checked_duration("dt", dt)
         for body in self._bodies:
             body.step(self._t, dt, self._substep)
         self._t += dt
         self._steps += 1
-        for body in self._bodies:
-            body.record_row(self._t)
-        for function in self._listeners:
-            function(self)
+        if self._bodies or self._listeners:
+            for body in self._bodies:
+                body.record_row(self._t)
+            for function in self._listeners:
+                function(self)
         if self._realtime:
             self._wait()
 

@@ -140,3 +140,14 @@ def test_robots_in_the_plane_reach_several_poses_and_have_no_friction(rtb: Any) 
 def test_jointdynamics_takes_one_configuration(panda: Any) -> None:
     with pytest.raises(ValueError, match=r"`q` has shape \(2, 7\)"):
         panda.jointdynamics(np.vstack([Q, Q]))
+
+
+def test_figures_step_by_times_above_zero_only(rtb: Any) -> None:
+    from roboticstoolbox.backends.PyPlot import PyPlot
+
+    env = PyPlot()
+    for dt in (0, -0.1, "x"):
+        with pytest.raises(ValueError, match="dt"):
+            env.step(dt)
+    env.step(0.1)
+    assert env.sim_time == pytest.approx(0.1)

@@ -28,8 +28,10 @@ class Controls:
         self.elements: dict[int, SwiftElement] = {}
         """The controls, by their number."""
         self._panel, self._count = panel, 0
-        self._named: dict[str, SwiftElement] = {}
-        self._events: deque[tuple[SwiftElement, Any]] = deque()
+        self.named: dict[str, SwiftElement] = {}
+        """Those with a name."""
+        self.events: deque[tuple[SwiftElement, Any]] = deque()
+        """Changes that no step has handled yet."""
         self._immediate = threading.Event()
 
     def add(self, element: SwiftElement, name: str | None) -> None:
@@ -47,13 +49,13 @@ class Controls:
             raise not_open()
         if element.shown:
             raise InputError(f"This {type(element).__name__} ({element.label!r}) is in the panel already.")
-        if name in self._named:
+        if name in self.named:
             raise InputError(f"There is a control named {name!r} already.")
         element.show(self._panel, self._count, self._enqueue)
         self.elements[self._count] = element
         self._count += 1
         if name is not None:
-            self._named[name] = element
+            self.named[name] = element
 
     def remove(self, element: SwiftElement) -> None:
         """Take a control out of the panel; it can be added again.
@@ -65,7 +67,7 @@ class Controls:
             present = (f"{number}: {type(e).__name__} {e.label!r}" for number, e in self.elements.items())
             raise UnknownName("control in the panel", f"{type(element).__name__} {element.label!r}", present)
         del self.elements[element.id]
-        self._named = {name: e for name, e in self._named.items() if e is not element}
+        self.named = {name: e for name, e in self.named.items() if e is not element}
         element.remove()
 
     def clear(self) -> None:
@@ -76,7 +78,7 @@ class Controls:
     @property
     def values(self) -> dict[str, Any]:
         """What the named ones show."""
-        return {name: element.state for name, element in self._named.items()} if self._named else {}
+        return {name: element.state for name, element in self.named.items()} if self.named else {}
 
     def handle(self, events: Mapping[Any, Any] | None = None) -> None:
         """Call the functions of changes in the page, and of `events`: values by the number of the control.
@@ -89,8 +91,8 @@ class Controls:
                 if int(number) not in self.elements:
                     raise UnknownName("control", number, map(str, self.elements))
                 self.elements[int(number)].choose(value)
-        while self._events:
-            element, value = self._events.popleft()
+        while self.events:
+            element, value = self.events.popleft()
             if element.shown:
                 element.choose(value)
 
@@ -107,10 +109,10 @@ class Controls:
     @property
     def waiting(self) -> int:
         """Number of changes that no step has handled yet."""
-        return len(self._events)
+        return len(self.events)
 
     def _enqueue(self, element: SwiftElement, value: Any) -> None:
         if self._immediate.is_set():
             element.choose(value)
         else:
-            self._events.append((element, value))
+            self.events.append((element, value))

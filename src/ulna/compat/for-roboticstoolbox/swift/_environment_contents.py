@@ -156,6 +156,7 @@ class Contents(LaunchedEnvironment):
 
     def _register(self, item: Any) -> Any:
         self._items[item.id] = item
+        self._in_order = tuple(self._items.values())
         self._number += 1
         return item
 
@@ -179,6 +180,7 @@ class Contents(LaunchedEnvironment):
             for body in bodies:
                 self._simulation.remove(body)
             del self._items[item.id]
+            self._in_order = tuple(self._items.values())
 
     def __getitem__(self, key: str | int) -> Any:
         """The handle of a robot or the shape of that name or number."""

@@ -45,6 +45,7 @@ class LaunchedEnvironment:
     def __init__(self, _dev: bool = False) -> None:
         self._viewer: Viewer | None = None
         self._items: dict[int, Item] = {}
+        self._in_order: tuple[Item, ...] = ()
         self._controls = Controls(None)
         self._recorder: Recorder | None = None
         self._printed = False
@@ -129,7 +130,8 @@ class LaunchedEnvironment:
             if page
             else Simulation(realtime, speed)
         )
-        self._items, self._controls, self._number = {}, Controls(self._viewer.panel), 0
+        self._items, self._in_order, self._number = {}, (), 0
+        self._controls = Controls(self._viewer.panel)
         self._axes = axes
         if axes:
             self._viewer.axes(0.3, name="world axes")

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from functools import partial
+from math import isfinite
 from types import SimpleNamespace
 from typing import Any
 
@@ -42,13 +41,17 @@ class RobotHandle(AssemblyHandle):
         self._viewer, self.robot, self._model = viewer, robot, robot.ulna
         self._complete = getattr(robot, "_complete_configuration", np.copy)
         self._low, self._high = _limits_of(robot)
+        start = self._configuration()
         self._limited_step = limited_step(len(self._low))
         base_pose = np.asarray(self._model.link_poses(self._model.neutral))[0]
         self._base, self._to_place = self._base_pose(), False
+        is_checked = {"_q", "_qd", "_control_mode"} <= vars(state).keys()  # as by robots of the toolbox
+        self._checked: dict[str, Any] | None = vars(state) if is_checked else None
         self._moved: Floats | None = None
+        self._shown, self._read_shown = start, self._shown_configuration
         # a model may have the base built in
         self._model_offset = np.linalg.inv(base_pose) if np.allclose(base_pose, self._base) else np.eye(4)
-        start, pose = self._configuration(), self._base @ self._model_offset
+        pose = self._base @ self._model_offset
         drawn = any(link.visuals for link in self._model.model.links)
         self.figures = tuple(
             viewer.add(self._model, start, pose=pose, opacity=alpha, show=what)
@@ -89,32 +92,45 @@ class RobotHandle(AssemblyHandle):
         Raises:
             InputError: `q` or `qd` is not as many finite numbers as there are joints.
         """
-        self._moved = None
-        if self._moves(t, values):
-            q, qd = self._joints(), np.asarray(self._state.qd, dtype=float)
-            if qd.shape == q.shape:
-                moved, sound = self._limited_step(q, qd, dt, self._low, self._high)
-                if math.isfinite(sound):
-                    self._state.q = moved
-                    is_same_array = self._state.q is moved  # then a script may write to it
-                    self._moved = moved.copy() if is_same_array else moved
-                    return
-            raise InputError(
-                f"{self._model.name!r} is at q = {q.tolist()} with qd = {qd.tolist()}; expected {len(q)} finite "
-                "numbers for each."
+        state, checked = self._state, self._checked
+        if checked and self.callback is None and not self.readonly and checked["_control_mode"] == "v":
+            state_q, moved, sound = self._limited_step(
+                checked["_q"], checked["_qd"], dt, self._low, self._high
             )
+            if isfinite(sound):
+                checked["_q"], self._moved = state_q, moved  # a script may write to the first
+                return
+        self._moved = None
+        if not self._moves(t, values):
+            return
+        q, qd = self._joints(), np.asarray(state.qd, dtype=float)
+        if qd.shape == q.shape:
+            state_q, moved, sound = self._limited_step(q, qd, dt, self._low, self._high)
+            if isfinite(sound):
+                state.q, self._moved = state_q, moved
+                return
+        raise InputError(
+            f"{self._model.name!r} is at q = {q.tolist()} with qd = {qd.tolist()}; expected {len(q)} finite "
+            "numbers for each."
+        )
 
     def show(self) -> None:
         """Show where it is."""
         q, self._moved = self._moved, None
-        for figure in self.figures:
-            if q is None:  # a script may have set the configuration
+        if q is None:  # a script may have set the configuration
+            for figure in self.figures:
                 figure.q = self._configuration()
-            else:
-                figure.set_checked_q(partial(self._complete, q))  # which is asked for when somebody looks
+        else:
+            self._shown = q
+            for figure in self.figures:
+                figure.set_checked_q(self._read_shown)
         if not self._to_place:  # a base seldom moves, and asking for it takes time: not before somebody looks
             self._to_place = True
             self._viewer.scene.later(self, self._place)
+
+    def _shown_configuration(self) -> Floats:
+        """The configuration of the model at the last step; figures ask for it when somebody looks."""
+        return self._complete(self._shown)
 
     def _place(self) -> None:
         self._to_place, base = False, self._base_pose()

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import time
 from typing import Any
 
 import numpy as np
 
+from swift._controls import not_open
 from swift._environment_contents import Contents
 from swift._recorder import Recorder
 from ulna.checks.arrays import finite_array
@@ -34,17 +36,25 @@ class Swift(Contents):
             InputError: `dt` is below zero.
             ViewerError: The environment was not launched.
         """
-        viewer, controls, simulation = self.viewer, self._controls, self._simulation
-        number("dt", dt, "a time of at least zero [s]", least=0.0)
-        controls.handle()
-        items = tuple(self._items.values())
+        viewer, controls = self._viewer, self._controls
+        if viewer is None:
+            raise not_open()
+        simulation = self._simulation
+        if dt.__class__ is not float or not 0.0 <= dt < math.inf:
+            dt = number("dt", dt, "a time of at least zero [s]", least=0.0)
+        if controls.events:
+            controls.handle()
+        items = self._in_order
         if dt > 0.0:
-            t, values = simulation.t + dt, controls.values
+            t, values = simulation.t + dt, controls.values if controls.named else {}
             for item in items:
                 item.advance(t, dt, values)
-        with viewer.scene.atomic():
-            for item in items:
-                item.show()
+        if len(items) == 1:  # which shows itself at once
+            items[0].show()
+        else:
+            with viewer.scene.atomic():
+                for item in items:
+                    item.show()
         if dt > 0.0:
             simulation.step(dt)
         if self._recorder is not None:

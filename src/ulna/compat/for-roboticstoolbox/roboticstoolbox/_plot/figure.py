@@ -10,6 +10,7 @@ import numpy as np
 
 from roboticstoolbox._common.errors import UnknownOption
 from roboticstoolbox._plot.background import Background
+from ulna.checks.values import number as checked_number
 from ulna.errors import InputError, MissingExtra, UlnaWarning
 from ulna.typing import Array, Floats
 
@@ -196,7 +197,12 @@ class PyPlot:
     getframe = picture
 
     def step(self, dt: float = 0.05) -> None:
-        """Moves what was added, and lets the window draw for `dt` seconds; at once where there is none."""
+        """Moves what was added, and lets the window draw for `dt` seconds; at once where there is none.
+
+        Raises:
+            InputError: `dt` is not above zero.
+        """
+        dt = checked_number("dt", dt, "a time above zero [s]", above=0.0)
         for number, robot in self._objects.items():
             if (
                 hasattr(robot, "_complete_robot")
