@@ -55,9 +55,10 @@ def results(folder: Path, part: int, chosen: list[dict[str, Any]], package: str 
     file = folder / f"{package or 'toolbox'}{part}.pickle"
     if not file.is_file():
         (folder / "part.json").write_text(json.dumps(chosen))
-        command = [sys.executable, str(HARNESS / "run_calls.py"), str(folder / "part.json"), str(file)]
+        files = [str((folder / "part.json").resolve()), str(file.resolve())]
+        command = [sys.executable, str(HARNESS / "run_calls.py"), *files]
         env = environment([package] if package else []) | {"MPLBACKEND": "agg"}
-        subprocess.run(command, env=env, check=True, timeout=3600)
+        subprocess.run(command, env=env, check=True, timeout=3600, cwd=folder)  # some calls write files
     return pickle.loads(file.read_bytes())[1]
 
 

@@ -38,7 +38,9 @@ def _run(script: str, *arguments: Path, package: str | None) -> None:
     env = environment([package] if package else [])
     env["MPLBACKEND"] = "agg"
     command = [sys.executable, str(HERE / script), *map(str, arguments)]
-    subprocess.run(command, env=env, check=True, timeout=900)
+    subprocess.run(
+        command, env=env, check=True, timeout=900, cwd=arguments[-1].parent
+    )  # some calls write files
 
 
 def results(folder: Path, every: int) -> tuple[dict[str, Any], dict[str, Any]]:

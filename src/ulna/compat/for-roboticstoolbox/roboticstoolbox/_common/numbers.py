@@ -40,7 +40,7 @@ def number(name: str, value: Any) -> float:
         value: What was passed.
 
     Returns:
-        The number.
+        The number [any].
 
     Raises:
         WrongType: It holds no numbers.

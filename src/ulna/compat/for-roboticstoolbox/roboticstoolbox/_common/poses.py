@@ -74,7 +74,7 @@ def matrices(T: Any, size: int = 4) -> Floats:
         size: 4 in space, 3 in the plane.
 
     Returns:
-        Matrix, or matrices.
+        Matrix (size, size), or matrices (m, size, size).
 
     Raises:
         WrongShape: It is neither.
