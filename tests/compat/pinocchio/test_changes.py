@@ -13,6 +13,8 @@ import pytest
 from support.shelf import worn
 from support.two_pythons import both
 
+pytestmark = pytest.mark.usefixtures("compiled_at_once")
+
 
 def test_after_many_changes_answers_are_pinocchios(tmp_path: Path) -> None:
     pytest.importorskip("pinocchio")

@@ -22,6 +22,12 @@ def pin() -> Iterator[Any]:
         yield pinocchio
 
 
+@pytest.fixture(autouse=True, params=["first", "never"])
+def _mode(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Everything is compiled, or everything is evaluated."""
+    monkeypatch.setenv("ULNA_COMPILE", request.param)
+
+
 @pytest.fixture
 def model(pin: Any) -> Any:
     made = pin.Model()

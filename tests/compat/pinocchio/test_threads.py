@@ -11,6 +11,8 @@ import pytest
 
 from support.shelf import worn
 
+pytestmark = pytest.mark.usefixtures("compiled_at_once")
+
 THREADS = 6
 
 

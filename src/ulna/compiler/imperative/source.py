@@ -8,6 +8,7 @@ import inspect
 import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NoReturn
 
 from ulna.errors import ProcedureError
@@ -81,6 +82,7 @@ class Source:
         return vars(builtins)[name]
 
 
+@lru_cache(maxsize=1024)
 def source_of(function: Callable[..., Any]) -> Source:
     """The source of a Python function.
 

@@ -26,8 +26,8 @@ from pinocchio._data.deferred_fields import (
     rows,
     stacked,
 )
+from pinocchio._data.evaluated_model import kernels_for
 from pinocchio._data.functions import algorithm, fast_path
-from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Force
 from ulna import algorithms
@@ -219,7 +219,7 @@ def getJacobianSubtreeCenterOfMass(model: Model, data: Data, subtree_root_joint_
 def _of_subtree(model: Model, data: Data, root: int, q: Floats) -> Floats:
     joint = index(root, model.njoints, "joint", "model.getJointId(name) returns one.")
     subtree = None if joint == 0 else model.names[joint]
-    return compiled_for(model, data).kernel("center_of_mass_jacobian", subtree=subtree)(q)
+    return kernels_for(model, data, "subtree Jacobian").kernel("center_of_mass_jacobian", subtree=subtree)(q)
 
 
 def computeTotalMass(model: Model, data: Data | None = None) -> float:

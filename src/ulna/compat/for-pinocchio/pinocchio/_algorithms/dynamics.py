@@ -26,6 +26,7 @@ from pinocchio._data.deferred_fields import (
     defer_joint_placements,
     split_forces,
 )
+from pinocchio._data.evaluated_model import EvaluatedModel, kernels_for
 from pinocchio._data.functions import algorithm, fast_path
 from pinocchio._model.compiled_model import CompiledModel
 from pinocchio._model.model import Model
@@ -64,7 +65,9 @@ def external(fext: Any, count: int) -> Floats:
     return np.array(checked_forces(fext, count)[1:], dtype=float).reshape(count - 1, 6)
 
 
-def under_forces(compiled: CompiledModel, function: Callable[..., Any], *arrays: Floats) -> Any:
+def under_forces(
+    compiled: CompiledModel | EvaluatedModel, function: Callable[..., Any], *arrays: Floats
+) -> Any:
     """One of Ulna's algorithms for a state and, the last of the arrays, forces on the joints; compiled once.
 
     Args:
@@ -179,7 +182,7 @@ def computeStaticTorque(model: Model, data: Data, q: Any, fext: Any) -> Floats:
     """
     F = external(fext, model.njoints)
     q = vector(q, model.nq, "q")
-    compiled, rest = data.attach(model), np.zeros(model.nv)
+    compiled, rest = kernels_for(model, data, "static torque"), np.zeros(model.nv)
     data.tau = tau = under_forces(compiled, algorithms.static_torque, q, F)
     defer_joint_placements(data, compiled, q)
     data.defer(BODY_FORCES["f"], tuple(BODY_FORCES), compiled, q.copy(), rest, rest, F)

@@ -33,6 +33,7 @@ from pinocchio._data.deferred_fields import (
     rows,
     split_forces,
 )
+from pinocchio._data.evaluated_model import kernels_for
 from pinocchio._data.functions import algorithm, fast_path
 from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
@@ -208,7 +209,7 @@ def computeStaticTorqueDerivatives(model: Model, data: Data, q: Any, fext: Any) 
     """
     q, rest, F = vector(q, model.nq, "q"), np.zeros(model.nv), external(fext, model.njoints)
     computeJointJacobians(model, data, q)
-    compiled = data.attach(model)
+    compiled = kernels_for(model, data, "static torque derivatives")
     data.tau = under_forces(compiled, algorithms.static_torque, q, F)
     data._arrays["oa_gf"][0] = -model.gravity.vector
     data.defer(BODIES["of"], ("of",), compiled, q.copy(), rest, rest, F)

@@ -10,17 +10,19 @@ import numpy as np
 from pinocchio._algorithms.frame_arguments import LOCAL, at_frame, at_frame_or_joint, at_joint, repeated_call
 from pinocchio._algorithms.kinematics import updateFramePlacement, updateFramePlacements
 from pinocchio._containers.arguments import check_model_and_data
-from pinocchio._containers.arrays import index
+from pinocchio._containers.arrays import exact, index
 from pinocchio._containers.enums import reference_of
 from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run_at_frame
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import JOINTS, VELOCITIES_IN_WORLD, rows, stacked
+from pinocchio._data.evaluated_model import kernels_for
+from pinocchio._data.first_evaluation import loaded_evaluator, store
 from pinocchio._data.functions import algorithm
-from pinocchio._data.states import compiled_for
 from pinocchio._model.bound_kernels import BoundKernel, not_applicable, not_read
 from pinocchio._model.model import Model
+from pinocchio._tables.frame_jacobians import frame_jacobian, frame_jacobian_rate
 from ulna import algorithms, spatial
 from ulna.algorithms.multibody.references import Reference
 from ulna.model import Frame
@@ -153,9 +155,17 @@ def _bind_at(
     """The Jacobian of a frame in a reference, the second of `place`, computed and bound for the next time."""
     reference = reference_of(binding_key[1])
     q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
+    if evaluator := loaded_evaluator(model, data, "J of frames"):
+        joint, placement = _carrier(model, key, fixed_frame)
+        J, _, T = frame_jacobian(evaluator, q, joint, placement, reference)
+        if fixed_frame is None:
+            data._arrays["oMf"][key] = T
+        return J
     watch = model.watched("structure" if fixed_frame is not None else "frame", key)  # first: see `run`
     compiled = data.attach(model)
     if model.nvExtended != model.nv:  # columns of mimic joints are not told apart in `data.J`
+        if fixed_frame is None:
+            updateFramePlacement(model, data, key)
         return _jacobian(model, data, reference, key, fixed_frame)(q)
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
@@ -206,6 +216,13 @@ def _at(
 ) -> Floats:
     """The Jacobian at q of a frame in a reference, the second of `place`, computed and bound for the next time."""
     reference = reference_of(binding_key[1])
+    record = _JACOBIAN if reference == "local" else _JACOBIAN_AND_PLACEMENTS
+    if binding_key not in data._bound_at and (evaluator := loaded_evaluator(model, data, "J at q")):
+        q = exact(q, model.nq, "q")
+        joint, placement = _carrier(model, key, fixed_frame)
+        J, oMi, _ = frame_jacobian(evaluator, q, joint, placement, reference)
+        store(model, data, record, [q], *([] if reference == "local" else [oMi]))
+        return J
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         frame = fixed_frame or frames[key]
@@ -216,12 +233,18 @@ def _at(
 
         return run
 
-    record = _JACOBIAN if reference == "local" else _JACOBIAN_AND_PLACEMENTS
     return run_at_frame(model, data, record, binding_key, key, build, q)
 
 
+def _carrier(model: Model, key: Any, fixed_frame: Frame | None) -> tuple[int, Floats]:
+    """The joint that carries a frame, and the placement of the frame there."""
+    if fixed_frame is None:
+        return model.frames[key].parentJoint, model.frames[key].placement._m
+    return fixed_frame.joint + 1, np.asarray(fixed_frame.placement.matrix())
+
+
 def _jacobian(model: Model, data: Data, reference: Reference, key: Any, fixed_frame: Frame | None) -> Any:
-    compiled = compiled_for(model, data)
+    compiled = kernels_for(model, data, "J at stored q")
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         frame = frames[key] if fixed_frame is None else fixed_frame
@@ -305,6 +328,8 @@ def _bind_dot(
     """The time derivative of the Jacobian of a frame, computed and bound for the next time; see `_bind_at`."""
     reference = reference_of(binding_key[1])
     read = data.require(data._qv_of_jacobians, "computeJointJacobiansTimeVariation(model, data, q, v)")
+    if evaluator := loaded_evaluator(model, data, "dJ of frames"):
+        return frame_jacobian_rate(evaluator, *read, *_carrier(model, key, fixed_frame), reference)
     watch = model.watched("placements") + ([] if fixed_frame is not None else model.watched("frame", key))
     compiled = data.attach(model)
 
@@ -370,5 +395,5 @@ def _hessian(model: Model, data: Data, reference: Reference, key: Any, fixed_fra
         frame = frames[key] if fixed_frame is None else fixed_frame
         return lambda q: algorithms.frame_hessian(core, q, frame, reference)
 
-    result = compiled_for(model, data).compile_at_frames(("H", key, reference), build, q=(model.nq,))(q)
+    result = kernels_for(model, data, "H").compile_at_frames(("H", key, reference), build, q=(model.nq,))(q)
     return np.ascontiguousarray(np.moveaxis(result, 0, 2))

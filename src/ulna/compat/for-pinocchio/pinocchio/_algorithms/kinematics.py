@@ -13,12 +13,14 @@ from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import ACCELERATIONS_IN_WORLD, JOINTS, VELOCITIES_IN_WORLD, rows, stacked
+from pinocchio._data.first_evaluation import TABLE_CALLS
 from pinocchio._data.functions import fast_path
 from pinocchio._data.states import check_frames
 from pinocchio._model.bound_kernels import not_applicable, not_read
 from pinocchio._model.kernel_parameters import pose_of
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3, se3_kernel
+from pinocchio._tables.fields import frames_at
 from ulna import algorithms
 from ulna.model import Frame
 from ulna.model import Model as CoreModel
@@ -114,6 +116,9 @@ def updateFramePlacements(model: Model, data: Data) -> None:
         check_model_and_data("updateFramePlacements", model, data)
         check_frames(model, data)
         data.require(data._q, "forwardKinematics(model, data, q)")
+        if model.first_calls.includes("oMf", TABLE_CALLS):
+            data._arrays["oMf"][...] = frames_at(model, data._arrays["oMi"])
+            return
         watch = model.watched("frames")  # first: see `run`
         compiled = data.attach(model)
         kernel = compiled.live(compiled.compile_at_frames("frames", _moved_frames, oMi=(model.njoints, 4, 4)))

@@ -13,7 +13,7 @@ from pinocchio._algorithms.kinematics import forwardKinematics, updateFramePlace
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._data.data import Data
-from pinocchio._data.states import compiled_for
+from pinocchio._data.evaluated_model import kernels_for
 from pinocchio._model.model import Model
 from ulna import algorithms
 from ulna.model import Frame
@@ -127,7 +127,9 @@ def _motions(model: Model, data: Data, key: Any, fixed_frame: Frame | None, rf: 
         return lambda q, v, a: algorithms.motion_derivatives(core, q, v, a, frame, reference)
 
     shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
-    kernel = compiled_for(model, data).compile_at_frames(("derivatives", key, reference), build, **shapes)
+    kernel = kernels_for(model, data, "motion derivatives").compile_at_frames(
+        ("derivatives", key, reference), build, **shapes
+    )
     V_q, V_v, *of_a = kernel(*state)
     if fixed_frame is None:
         updateFramePlacement(model, data, key)
@@ -176,7 +178,9 @@ def _point(model: Model, data: Data, joint_id: int, placement: Any, rf: Any) -> 
         return lambda q, v, a: algorithms.point_derivatives(core, q, v, a, frame, reference)
 
     shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
-    return compiled_for(model, data).compile_at_frames(("point", key, reference), build, **shapes)(*state)
+    return kernels_for(model, data, "point derivatives").compile_at_frames(
+        ("point", key, reference), build, **shapes
+    )(*state)
 
 
 def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:
@@ -189,4 +193,4 @@ def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:
         Matrix (3, nv).
     """
     q, v = data.require(data._qv, "computeForwardKinematicsDerivatives(model, data, q, v)")
-    return compiled_for(model, data).kernel("com_velocity_derivatives")(q, v)[0]
+    return kernels_for(model, data, "com derivatives").kernel("com_velocity_derivatives")(q, v)[0]

@@ -8,6 +8,7 @@ from pinocchio._algorithms.kinematics import forwardKinematics
 from pinocchio._containers.arrays import index, vector
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import BODIES, defer_joint_placements
+from pinocchio._data.evaluated_model import kernels_for
 from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Motion
@@ -34,7 +35,7 @@ def computeJointTorqueRegressor(model: Model, data: Data, q: Any, v: Any, a: Any
         Matrix (nv, 10 k), k = njoints - 1.
     """
     state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
-    compiled = data.attach(model)
+    compiled = kernels_for(model, data, "torque regressor")
     regressor = compiled.kernel("joint_torque_regressor")(*state)
     defer_joint_placements(data, compiled, *state[:2])
     data.defer(BODIES["f"], ("v", "ov", "a_gf", "oa_gf"), compiled, *(x.copy() for x in state))
@@ -48,7 +49,7 @@ def computeStaticRegressor(model: Model, data: Data, q: Any) -> Floats:
         Matrix (3, 4 k), k = njoints - 1.
     """
     forwardKinematics(model, data, q)
-    kernel = compiled_for(model, data).kernel("static_regressor")
+    kernel = kernels_for(model, data, "static").kernel("static_regressor")
     return _stored(data, "staticRegressor", kernel(vector(q, model.nq, "q")))
 
 
@@ -59,7 +60,7 @@ def computeKineticEnergyRegressor(model: Model, data: Data, q: Any, v: Any) -> F
         Vector (10 k,), k = njoints - 1.
     """
     forwardKinematics(model, data, q, v)
-    kernel = compiled_for(model, data).kernel("kinetic_energy_regressor")
+    kernel = kernels_for(model, data, "kinetic").kernel("kinetic_energy_regressor")
     return _stored(data, "kineticEnergyRegressor", kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v")))
 
 
@@ -70,7 +71,7 @@ def computePotentialEnergyRegressor(model: Model, data: Data, q: Any) -> Floats:
         Vector (10 k,), k = njoints - 1.
     """
     forwardKinematics(model, data, q)
-    kernel = compiled_for(model, data).kernel("potential_energy_regressor")
+    kernel = kernels_for(model, data, "potential").kernel("potential_energy_regressor")
     return _stored(data, "potentialEnergyRegressor", kernel(vector(q, model.nq, "q")))
 
 

@@ -36,16 +36,26 @@ def is_flag(value: Any) -> bool:
 
 def is_number(value: Any) -> bool:
     """Whether a value is one real number."""
+    if type(value) in (float, int):
+        return True
     return hasattr(value, "__float__") and np.ndim(value) == 0 and not isinstance(value, str)
 
 
 def is_index(value: Any) -> bool:
     """Whether a value is a whole number."""
-    return hasattr(value, "__index__") and np.ndim(value) == 0
+    return type(value) is int or (hasattr(value, "__index__") and np.ndim(value) == 0)
 
 
 def _has_class(name: str) -> Callable[[Any], bool]:
-    return lambda value: any(cls.__name__ == name for cls in type(value).__mro__)
+    known: dict[type, bool] = {}  # looking through base classes costs more than a product of placements
+
+    def accepts(value: Any) -> bool:
+        cls = type(value)
+        if cls not in known:
+            known[cls] = any(base.__name__ == name for base in cls.__mro__)
+        return known[cls]
+
+    return accepts
 
 
 _KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
@@ -124,11 +134,14 @@ def checked(function: Function) -> Function:
 
     @functools.wraps(function)
     def called(*args: Any, **named: Any) -> Any:
+        count = len(args)
         for check in checks:
-            if check.place < len(args):
-                check(title, args[check.place])
-            elif check.name in named:
-                check(title, named[check.name])
+            place, name, accepts, *_ = check
+            if place < count:
+                if not accepts(args[place]):
+                    check(title, args[place])
+            elif name in named:
+                check(title, named[name])
         if relation:
             pair = zip(relation, ("model", "data"), strict=True)
             check_layout(*(args[k] if k < len(args) else named.get(name) for k, name in pair))

@@ -136,10 +136,11 @@ def index(value: Any, count: int, what: str, fix: str) -> int:
 
 def text(array: Floats) -> str:
     """A matrix or a row as text: six significant digits, all entries equally wide."""
-    rows = np.atleast_2d(array)
+    entries = array.tolist()
+    rows = entries if array.ndim == 2 else [entries]
     texts = [[f"{x:.6g}" for x in row] for row in rows]
-    width = max((len(text_) for row in texts for text_ in row), default=0)
-    return "\n".join(" ".join(text_.rjust(width) for text_ in row) for row in texts)
+    width = max([len(text_) for row in texts for text_ in row], default=0)
+    return "\n".join([" ".join([text_.rjust(width) for text_ in row]) for row in texts])
 
 
 class StdVec(list[Item], Generic[Item]):

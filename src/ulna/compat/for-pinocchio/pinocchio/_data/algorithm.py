@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass, field
 from typing import Any, final
 
@@ -97,6 +97,10 @@ class Algorithm:
             if "v" in self.inputs and {"v", "ov"} & {*self.deferred, *self.fills}:
                 states.append("joint_velocities")
         return stored | {f"{state} {letter}": letter for state in states for letter in STATES[state]}
+
+    def has_fields_in(self, names: Container[str]) -> bool:
+        """Whether all that it fills is among some fields, or is a state that it stores."""
+        return all(name in names or (" " in name and name[-2] == " ") for name in self.fills)
 
     def known_states(self) -> set[str]:
         """The names of the states that it stores."""

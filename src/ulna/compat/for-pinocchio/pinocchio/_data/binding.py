@@ -8,6 +8,7 @@ import numpy as np
 
 from pinocchio._containers.arrays import exact
 from pinocchio._data.algorithm import PARAMETER_NAMES, Algorithm
+from pinocchio._data.first_evaluation import evaluated
 from pinocchio._data.states import FieldStates
 from pinocchio._model.bound_kernels import not_applicable, not_read
 from pinocchio._model.building import KinematicTree
@@ -31,6 +32,9 @@ def run(model: KinematicTree, data: FieldStates, algorithm: Algorithm, *args: An
     """
     arrays = _converted(model, algorithm, args)
     result = getattr(data._bound, algorithm.name)(*arrays) if data._model is model else NotImplemented
+    if result is not NotImplemented:
+        return result
+    result = evaluated(model, data, algorithm, arrays)
     if result is not NotImplemented:
         return result
     watch = model.watched(algorithm.depends_on)  # first: another thread may change a parameter meanwhile

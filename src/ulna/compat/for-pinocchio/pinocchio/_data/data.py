@@ -159,6 +159,7 @@ class Data(Saved, FieldStates):
         self._parameters_of: dict[int, CompiledModel] = {}
         self._constraint_sets: list[Any] = []
         self._lists = _Lists(self)
+        self._evaluator: Any = None  # of first calls
 
     oMi = _Placements("oMi", "For each joint its placement in the world, live references.")
     oMf = _Placements("oMf", "For each frame its placement in the world, live references.")

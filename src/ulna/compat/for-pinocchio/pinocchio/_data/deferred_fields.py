@@ -8,8 +8,12 @@ from typing import Any
 import numpy as np
 
 from pinocchio._data.algorithm import Deferred
+from pinocchio._data.evaluated_model import EvaluatedModel
 from pinocchio._data.states import FieldStates
 from pinocchio._model.compiled_model import CompiledModel
+from pinocchio._tables import deferred as by_table
+from pinocchio._tables.evaluation import TableEvaluator
+from pinocchio._tables.joint_table import UnknownKind
 from ulna import algorithms, spatial
 from ulna.model import Model as CoreModel
 from ulna.quantities.mass import with_mass
@@ -38,15 +42,21 @@ def split_forces(F: Array) -> list[spatial.Force | None]:
 
 
 def _compiled(
-    inputs: str, functions: Callable[..., dict[str, Any]], universe_is_filled: bool = False
+    inputs: str,
+    functions: Callable[..., dict[str, Any]],
+    by_table: Callable[..., dict[str, Floats]] | None = None,
+    universe_is_filled: bool = False,
 ) -> Deferred:
     """Fields that `functions(model, *inputs, forces)` computes: a function without arguments for each field.
 
-    The first row, of the universe, is set here, unless an algorithm fills it.
+    `by_table` computes them for a model that is evaluated. The first row, of the universe, is set here, unless an
+    algorithm fills it.
     """
     state_size = len(inputs.rstrip("f"))
 
-    def fill(data: FieldStates, compiled: CompiledModel, fields: tuple[str, ...], *state: Floats) -> None:
+    def fill(
+        data: FieldStates, compiled: CompiledModel | EvaluatedModel, fields: tuple[str, ...], *state: Floats
+    ) -> None:
         def build(core: CoreModel) -> Any:
             def run(*args: Array) -> tuple[Array, ...]:
                 forces = split_forces(args[-1]) if len(args) > state_size else None
@@ -55,8 +65,13 @@ def _compiled(
 
             return run
 
-        shapes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(state)}
-        results = compiled.compile((functions, fields, len(state)), build, **shapes)(*state)
+        evaluator = _evaluator(data, compiled) if by_table else None
+        if by_table and evaluator:
+            computed = by_table(evaluator, *state)
+            results = tuple(computed[field] for field in fields)
+        else:
+            shapes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(state)}
+            results = compiled.compile((functions, fields, len(state)), build, **shapes)(*state)
         for field, values in zip(fields, results, strict=True):
             data.target(field)[...] = values
             if field in BODIES and not universe_is_filled:
@@ -65,6 +80,14 @@ def _compiled(
                 data._arrays[field][0, :3] = -compiled.gravity
 
     return Deferred(inputs, fill)
+
+
+def _evaluator(data: FieldStates, compiled: Any) -> TableEvaluator | None:
+    """The evaluator for a model that is evaluated; None for others, and where a table does not have its joints."""
+    try:
+        return compiled.evaluator(data) if isinstance(compiled, EvaluatedModel) else None
+    except UnknownKind:
+        return None
 
 
 def defer_joint_placements(
@@ -187,6 +210,12 @@ def _subtree_centers(
     data: FieldStates, compiled: CompiledModel, fields: tuple[str, ...], *state: Floats
 ) -> None:
     """The centre of mass of the subtree of each joint, its velocity and acceleration, in the joint's frame."""
+    if evaluator := _evaluator(data, compiled):
+        centers = by_table.subtree_centers(evaluator, *state)
+        for field in fields:
+            has_mass = by_table.subtree_masses(evaluator)[1:] > 0.0
+            data._arrays[field][1:][has_mass] = centers[field][has_mass]
+        return
     core = compiled.model
     poses = algorithms.joint_poses(core, state[0])
     for field in fields:
@@ -199,15 +228,19 @@ def _subtree_centers(
 
 def _subtree_masses(data: FieldStates, compiled: CompiledModel, fields: tuple[str, ...]) -> None:
     """The mass of the subtree of each joint; that of the universe, first, leaves out its own body."""
+    if evaluator := _evaluator(data, compiled):
+        for i, mass in enumerate(by_table.subtree_masses(evaluator)):
+            list.__setitem__(data.mass, i, float(mass))
+        return
     core = compiled.model
     for i, name in enumerate((None, *core.joint_names)):
         list.__setitem__(data.mass, i, float(algorithms.total_mass(core, name)))
 
 
-JOINTS = {"liMi": _compiled("q", _joint_placements)}
-_BODY_DYNAMICS = _compiled("qva", _body_dynamics)
-_ACCELERATIONS = _compiled("qva", _body_accelerations)
-_VELOCITIES = _compiled("qv", _body_velocities)
+JOINTS = {"liMi": _compiled("q", _joint_placements, by_table.joint_placements)}
+_BODY_DYNAMICS = _compiled("qva", _body_dynamics, by_table.dynamics)
+_ACCELERATIONS = _compiled("qva", _body_accelerations, by_table.accelerations)
+_VELOCITIES = _compiled("qv", _body_velocities, by_table.velocities)
 VELOCITIES = dict.fromkeys(("v", "ov"), _VELOCITIES)
 VELOCITIES_IN_WORLD = {"ov": _VELOCITIES}
 BODY_MOMENTA_IN_WORLD = {"oh": _VELOCITIES}
@@ -215,13 +248,16 @@ ACCELERATIONS = dict.fromkeys(("a", "oa"), _ACCELERATIONS)
 ACCELERATIONS_IN_WORLD = {"oa": _ACCELERATIONS}
 BODY_FORCES = dict.fromkeys(("a_gf", "f", "oa_gf", "of"), _BODY_DYNAMICS)
 """Accelerations relative to free fall, and the forces through the joints."""
-BODY_FORCES_BELOW_TOTAL = {**BODY_FORCES, "f": _compiled("qva", _body_dynamics, universe_is_filled=True)}
+BODY_FORCES_BELOW_TOTAL = {
+    **BODY_FORCES,
+    "f": _compiled("qva", _body_dynamics, by_table.dynamics, universe_is_filled=True),
+}
 """The same, where `f[0]` is filled by the algorithm."""
 BODIES = {**VELOCITIES, **dict.fromkeys(("h", "oh"), _BODY_DYNAMICS), **BODY_FORCES}
 """The same, with velocities and momenta."""
-BODIES_UNDER_FORCES = dict.fromkeys(BODIES, _compiled("qvaf", _body_dynamics))
+BODIES_UNDER_FORCES = dict.fromkeys(BODIES, _compiled("qvaf", _body_dynamics, by_table.dynamics))
 """The same, where forces act on the joints."""
-_SUBTREE_MOMENTA = _compiled("qva", _subtree_momenta, universe_is_filled=True)
+_SUBTREE_MOMENTA = _compiled("qva", _subtree_momenta, by_table.subtree_momenta, universe_is_filled=True)
 SUBTREE_MOMENTA = {"h": _SUBTREE_MOMENTA}
 SUBTREE_MOMENTA_AND_RATES = dict.fromkeys(("h", "f"), _SUBTREE_MOMENTA)
 SUBTREE_MOMENTA_IN_WORLD = dict.fromkeys(("oh", "of"), _SUBTREE_MOMENTA)

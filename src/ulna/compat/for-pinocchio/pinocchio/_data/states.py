@@ -55,6 +55,7 @@ class FieldStates:
     _layout: Any
     _model: KinematicTree
     _compiled: CompiledModel | None
+    _evaluator: Any
     _bound: BoundAlgorithms
     _bound_at: dict[Any, Any]
     _parameters_of: dict[int, CompiledModel]

@@ -108,7 +108,7 @@ class KinematicTree(KernelCache):
         """
         check_text(name, "name")
         types = self._frame_type(type)
-        return any(f.name == name and f.type & types for f in self.frames)
+        return any([frame._name == name and frame._type & types for frame in self._frames])
 
     def existBodyName(self, name: str) -> bool:
         """Whether there is a body of that name."""
@@ -162,8 +162,12 @@ class KinematicTree(KernelCache):
         values = _limits(limits)
         for key, default in (*PER_Q.items(), *PER_V.items()):
             size = joint.nq if key in PER_Q else joint.nv
-            entries = np.full(size, default) if key not in values else np.broadcast_to(values[key], size)
-            self._arrays[key] = np.concatenate([self._arrays[key], numbers(entries, key)])
+            entries: Any = values.get(key)
+            if entries is None:
+                entries = np.full(size, default)
+            elif entries.shape != (size,) or entries.dtype != float:
+                entries = numbers(np.broadcast_to(entries, size), key)
+            self._arrays[key] = np.concatenate([self._arrays[key], entries])
         self.joints.append(joint)
         self.names.append(joint_name)
         self.parents.append(int(parent_id))
@@ -226,9 +230,10 @@ class KinematicTree(KernelCache):
         if frame_id < 0:
             parent = self.parents[joint_id]
             kinds = (FrameType.JOINT, FrameType.FIXED_JOINT)
-            frame_id = next(
-                (i for i, f in enumerate(self.frames) if f.parentJoint == parent and f.type in kinds), 0
-            )
+            matches = [
+                i for i, f in enumerate(self._frames) if f._parent_joint == parent and f._type in kinds
+            ]
+            frame_id = matches[0] if matches else 0
         return self.addFrame(Frame(self.names[joint_id], joint_id, frame_id, SE3(), FrameType.JOINT))
 
     def addBodyFrame(

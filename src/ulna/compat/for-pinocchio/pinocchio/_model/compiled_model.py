@@ -163,13 +163,6 @@ class CompiledModel:
         return [x for name, x in zip(self._block_names(), self.parameters, strict=True) if name in names]
 
     @cached_property
-    def structural(self) -> CompiledModel:
-        """For kernels that depend on the kinds of joints alone."""
-        if not self.parameter_names:
-            return self
-        return _once(self.cache, "structural", lambda: CompiledModel(self.source))
-
-    @cached_property
     def mass_pattern(self) -> bytes:
         """Where the mass matrix may have entries, a byte for each."""
         return joined(self._core).astype(bool).tobytes()
@@ -223,11 +216,16 @@ class _FrameKernels:
             return
         self.as_inputs = self._changes >= _MOST_FRAME_CHANGES
         self.cache = {}
-        identity = spatial.SE3.identity()
-        self.frames = tuple(
-            Frame(f"{i}:{f.name}", f.parentJoint - 1, snap_pose(f.placement._pose()), "user", "", identity)
-            for i, f in enumerate(source.frames)
-        )
+        self.frames = fixed_frames(source)
+
+
+def fixed_frames(source: LiveParameters) -> tuple[Frame, ...]:
+    """Ulna's frames of a Model, where they are now."""
+    identity = spatial.SE3.identity()
+    return tuple(
+        Frame(f"{i}:{f.name}", f.parentJoint - 1, snap_pose(f.placement._pose()), "user", "", identity)
+        for i, f in enumerate(source.frames)
+    )
 
 
 def placed(frames: Sequence[Frame], placements: Array) -> tuple[Frame, ...]:

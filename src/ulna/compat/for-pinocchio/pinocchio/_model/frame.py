@@ -121,10 +121,14 @@ class Frame(Placed):
 
     def copy(self) -> Frame:
         """A copy."""
+        return self._placed_at(self._placement.copy())
+
+    def _placed_at(self, placement: SE3) -> Frame:
+        """A copy that holds this placement."""
         out = object.__new__(Frame)
         out._name, out._type = self._name, self._type
         out._parent_joint, out._parent_frame = self._parent_joint, self._parent_frame
-        out._placement, out._inertia = self._placement.copy(), self._inertia.copy()
+        out._placement, out._inertia = placement, self._inertia.copy()
         out._counters = ()
         return out
 

@@ -8,12 +8,17 @@ import numpy as np
 
 from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.compiled_model import COMPILING, CompiledModel
+from pinocchio._model.first_calls import FirstCalls
 from pinocchio._model.kernel_parameters import PARAMETERS
 from pinocchio._model.live_parameters import LiveParameters
 from ulna.typing import Array
 
 _MOST_VARIANTS = 3
 """How many states of a model have kernels compiled for them; what differs among more becomes an input of kernels."""
+
+_MOST_STRUCTURES = 32
+"""How many kinds of trees have their kernels kept for other models."""
+_STRUCTURES: dict[Any, CompiledModel] = {}
 
 Dependence = Literal["structure", "placements", "parameters", "frame", "frames"]
 
@@ -23,10 +28,15 @@ class KernelCache(LiveParameters):
 
     _variants: dict[tuple[bytes, ...], CompiledModel]
     _with_inputs: CompiledModel | None
+    first_calls: FirstCalls
+    """How often its functions were called before they were compiled."""
+    joint_table: Any
+    """Its `JointTable`, made when first needed."""
 
     def _create_storage(self) -> None:
         super()._create_storage()
         self._version = np.zeros(1, np.int64)
+        self.first_calls = FirstCalls()
 
     def _changed(self) -> None:
         """Joints were added: kernels compiled before no longer apply, and Data made before do not fit."""
@@ -34,7 +44,8 @@ class KernelCache(LiveParameters):
         self._version[0] += 1
         self._store_joints()
         self._variants, self._with_inputs = {}, None
-        self._compiled_for, self._newest = (), None
+        self.joint_table = None
+        self._compiled_for, self._newest, self._structure = (), None, None
         self._integrate = self._difference = self._random = not_applicable
         self._narrowest = np.zeros(())
         self._frames_changed()
@@ -73,8 +84,14 @@ class KernelCache(LiveParameters):
         return general.with_values(tuple(block.copy() for block in general.live_parameters))
 
     def compiled_structure(self) -> CompiledModel:
-        """Kernels that depend on the kinds of joints alone, not on any parameter."""
-        return (self._newest or self.compiled()).structural
+        """Kernels that depend on the kinds of joints alone; models with the same joints share them."""
+        if self._structure is None:
+            key = tuple((j.kind, j.idx_q, j.idx_v, j.mimic) for j in self.joints[1:])
+            self._structure = _STRUCTURES.pop(key, None) or CompiledModel(self)
+            _STRUCTURES[key] = self._structure  # the newest last
+            while len(_STRUCTURES) > _MOST_STRUCTURES:
+                _STRUCTURES.pop(next(iter(_STRUCTURES)), None)
+        return self._structure
 
     def watched(self, on: Dependence, frame: Any = None) -> Any:
         """Pairs of an array that kernels depend on and a copy of it.

@@ -6,7 +6,8 @@ frame is added; a change of any is seen by comparing a few blocks of memory.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from operator import is_
 from typing import Any, Self, final
 
 import numpy as np
@@ -34,7 +35,7 @@ class RowStorage:
     def adopt(self, owners: list[Any]) -> bool:
         """Moves the arrays of new objects into rows; returns whether there were any."""
         known = len(self._owners)
-        same = len(owners) >= known and all(a is b for a, b in zip(owners, self._owners, strict=False))
+        same = len(owners) >= known and all(map(is_, owners, self._owners))
         if same and len(owners) == known:
             return False
         if not same:
@@ -50,9 +51,19 @@ class RowStorage:
             self._owners.append(owner)
         return True
 
+    def copied(self, make: Callable[[Floats], Any]) -> tuple[RowStorage, list[Any]]:
+        """A storage with copies of the rows, and new objects that `make` makes of them."""
+        out = RowStorage(self._slot)
+        out._blocks = [block.copy() for block in self._blocks]
+        out._owners = [make(row) for block in out.blocks_of(len(self._owners)) for row in block]
+        return out, [*out._owners]
+
     def blocks(self) -> list[Floats]:
         """The rows in use."""
-        count = len(self._owners)
+        return self.blocks_of(len(self._owners))
+
+    def blocks_of(self, count: int) -> list[Floats]:
+        """The first rows."""
         return [block[: count - k * _BLOCK_ROWS] for k, block in enumerate(self._blocks)]
 
 

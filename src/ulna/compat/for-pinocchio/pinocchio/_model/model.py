@@ -178,7 +178,23 @@ class Model(Saved, Supports, KinematicTree):
     def copy(self) -> Model:
         """A copy."""
         out = object.__new__(Model)
-        out.__setstate__(self.__getstate__())
+        out._create_storage()
+        self._store_joints()
+        self._store_frames()
+        rows, copies = self._rows, out._rows
+        copies["placements"], placements = rows["placements"].copied(SE3._of)
+        copies["inertias"], inertias = rows["inertias"].copied(Inertia._of)
+        copies["frames"], places = rows["frames"].copied(SE3._of)
+        out.name, out.names, out.parents = self.name, StdVec(self.names), StdVec(self.parents)
+        out.joints = StdVec([joint.copy() for joint in self.joints])
+        out._placements, out._inertias = StdVec(placements), StdVec(inertias)
+        out.frames = [frame._placed_at(place) for frame, place in zip(self._frames, places, strict=True)]
+        configurations = {key: q.copy() for key, q in self.referenceConfigurations.items()}
+        out._configurations = StdMap_String_VectorXd(configurations)
+        out._gravity = self._gravity.copy()
+        out._arrays = {key: values.copy() for key, values in self._arrays.items()}
+        out.nq, out.nv, out.nvExtended, out.nbodies = self.nq, self.nv, self.nvExtended, self.nbodies
+        out._changed()
         return out
 
     __copy__ = cast = copy

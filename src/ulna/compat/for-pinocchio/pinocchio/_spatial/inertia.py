@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -13,6 +14,7 @@ from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.motion_force import Force, Motion, skew
 from pinocchio._spatial.random_numbers import generator
 from pinocchio._spatial.se3 import SE3
+from pinocchio._spatial.small_kernels import small_kernel
 from pinocchio._spatial.symmetric3 import Symmetric3
 from ulna import spatial
 from ulna.typing import Floats
@@ -67,6 +69,13 @@ class Inertia:
         return Inertia._of(np.concatenate([[value.mass], value.com, np.ravel(value.inertia)]))
 
     @staticmethod
+    def _centred(mass: float, x: float, y: float, z: float) -> Inertia:
+        """A body about its centre, with these squared radii of gyration [m^2]."""
+        p = np.zeros(13)
+        p[0], p[4], p[8], p[12] = mass, mass * x, mass * y, mass * z
+        return Inertia._of(p)
+
+    @staticmethod
     def Zero() -> Inertia:
         """The inertia of nothing."""
         return Inertia()
@@ -80,10 +89,8 @@ class Inertia:
     def Random() -> Inertia:
         """That of a body that can exist, drawn at random."""
         rng = generator()
-        size = rng.uniform(0.1, 1.0, 3)
-        turn = spatial.SO3.random(rng)
-        body = spatial.Inertia.from_box(float(rng.uniform(0.1, 1.0)), size)
-        return Inertia._from(spatial.SE3.from_rotation(turn, rng.uniform(-1.0, 1.0, 3)).act(body))
+        draws = rng.random(3), rng.standard_normal(4), rng.random(4)
+        return Inertia._of(small_kernel("random inertia")(*draws))
 
     @staticmethod
     def FromSphere(mass: float, radius: float) -> Inertia:
@@ -96,7 +103,8 @@ class Inertia:
         Returns:
             The inertia about its centre.
         """
-        return Inertia._from(spatial.Inertia.from_sphere(mass, radius))
+        squared = 0.4 * real(radius, "radius") ** 2
+        return Inertia._centred(real(mass, "mass"), squared, squared, squared)
 
     @staticmethod
     def FromEllipsoid(mass: float, length_x: float, length_y: float, length_z: float) -> Inertia:
@@ -111,7 +119,8 @@ class Inertia:
         Returns:
             The inertia about its centre.
         """
-        return Inertia._from(spatial.Inertia.from_ellipsoid(mass, (length_x, length_y, length_z)))
+        a, b, c = length_x**2 / 5, length_y**2 / 5, length_z**2 / 5
+        return Inertia._centred(real(mass, "mass"), b + c, a + c, a + b)
 
     @staticmethod
     def FromCylinder(mass: float, radius: float, length: float) -> Inertia:
@@ -140,7 +149,8 @@ class Inertia:
         Returns:
             The inertia about its centre.
         """
-        return Inertia._from(spatial.Inertia.from_box(mass, (length_x, length_y, length_z)))
+        a, b, c = length_x**2 / 12, length_y**2 / 12, length_z**2 / 12
+        return Inertia._centred(real(mass, "mass"), b + c, a + c, a + b)
 
     @staticmethod
     def FromCapsule(mass: float, radius: float, height: float) -> Inertia:
@@ -159,9 +169,8 @@ class Inertia:
     @staticmethod
     def FromDynamicParameters(dynamic_parameters: Any) -> Inertia:
         """From m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin."""
-        return Inertia._from(
-            spatial.Inertia.from_parameters(vector(dynamic_parameters, 10, "dynamic_parameters"))
-        )
+        parameters = vector(dynamic_parameters, 10, "dynamic_parameters")
+        return Inertia._of(small_kernel("inertia of parameters")(parameters))
 
     @staticmethod
     def FromPseudoInertia(pseudo_inertia: Any) -> Inertia:
@@ -207,7 +216,7 @@ class Inertia:
 
     def matrix(self) -> Floats:
         """The 6x6 inertia about the origin."""
-        return self._value().matrix()
+        return small_kernel("inertia matrix")(self._p)
 
     @property
     def np(self) -> Floats:
@@ -216,11 +225,11 @@ class Inertia:
 
     def inverse(self) -> Floats:
         """The inverse of the 6x6 inertia."""
-        return np.asarray(np.linalg.inv(self.matrix()), dtype=float)
+        return small_kernel("inertia inverse")(self._p)
 
     def toDynamicParameters(self) -> Floats:
         """m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin."""
-        return self._value().parameters()
+        return small_kernel("inertia parameters")(self._p)
 
     def toPseudoInertia(self) -> PseudoInertia:
         """The pseudo-inertia."""
@@ -236,31 +245,37 @@ class Inertia:
 
     def se3Action(self, M: SE3) -> Inertia:
         """It, carried along by M."""
-        return Inertia._from(M._pose().act(self._value()))
+        return self._moved(M)
 
     def se3ActionInverse(self, M: SE3) -> Inertia:
         """It, carried along by the inverse of M."""
-        return Inertia._from(M._pose().act_inverse(self._value()))
+        return self._moved_back(M)
+
+    def _moved(self, M: SE3) -> Inertia:
+        return Inertia._of(small_kernel("inertia moved")(M._m, self._p))
+
+    def _moved_back(self, M: SE3) -> Inertia:
+        return Inertia._of(small_kernel("inertia back")(M._m, self._p))
 
     def vtiv(self, v: Motion) -> float:
         """Twice the kinetic energy at a velocity [J]."""
-        return 2.0 * float(self._value().kinetic_energy(v._value()))
+        return float(small_kernel("inertia energy")(self._p, v._v))
 
     def vxi(self, v: Motion) -> Floats:
         """The 6x6 matrix v x* I."""
-        return v.dualAction @ self.matrix()
+        return small_kernel("inertia v x I")(self._p, v._v)
 
     def ivx(self, v: Motion) -> Floats:
         """The 6x6 matrix I v x."""
-        return self.matrix() @ v.action
+        return small_kernel("inertia I v x")(self._p, v._v)
 
     def vxiv(self, v: Motion) -> Force:
         """The force v x* I v."""
-        return v.cross(self * v)
+        return Force._of(small_kernel("inertia force")(self._p, v._v))
 
     def variation(self, v: Motion) -> Floats:
         """The 6x6 rate of the inertia of a body that moves with v."""
-        return self.vxi(v) - self.ivx(v)
+        return small_kernel("inertia rate")(self._p, v._v)
 
     def setZero(self) -> None:
         """Makes it that of nothing."""
@@ -288,7 +303,8 @@ class Inertia:
         Returns:
             Whether they do.
         """
-        return bool(np.linalg.norm(self._p - other._p) <= prec * max(1.0, float(np.linalg.norm(self._p))))
+        own, gap = self._p, self._p - other._p
+        return math.sqrt(gap @ gap) <= prec * max(1.0, math.sqrt(own @ own))
 
     def copy(self) -> Inertia:
         """A copy."""
@@ -303,28 +319,30 @@ class Inertia:
         return Inertia, (self.mass, self.lever.copy(), self.inertia)
 
     def __add__(self, other: Inertia) -> Inertia:
-        return Inertia._from(self._value() + other._value()) if isinstance(other, Inertia) else NotImplemented
+        if not isinstance(other, Inertia):
+            return NotImplemented
+        return Inertia._of(small_kernel("inertia sum")(self._p, other._p))
 
     def __iadd__(self, other: Inertia) -> Inertia:
         self._assign(self + other)
         return self
 
     def __sub__(self, other: Inertia) -> Inertia:
-        difference = self.toDynamicParameters() - other.toDynamicParameters()
-        return Inertia.FromDynamicParameters(difference) if difference.any() else Inertia()
+        return Inertia._of(small_kernel("inertia difference")(self._p, other._p))
 
     def __mul__(self, motion: Any) -> Any:
         if not isinstance(motion, Motion):
             return self.matrix() @ vector(motion, 6, "motion")
-        return Force._from(self._value().apply(motion._value()))
+        return Force._of(small_kernel("inertia times")(self._p, motion._v))
 
     def __eq__(self, other: object) -> bool:
-        return bool((self._p == other._p).all()) if isinstance(other, Inertia) else NotImplemented
+        return self._p.tolist() == other._p.tolist() if isinstance(other, Inertia) else NotImplemented
 
     __hash__ = object.__hash__
 
     def __str__(self) -> str:
-        return f"  m = {self.mass:.6g}\n  c = {text(self.lever)}\n  I = \n{text(self.inertia)}"
+        p = self._p
+        return f"  m = {float(p[0]):.6g}\n  c = {text(p[1:4])}\n  I = \n{text(p[4:].reshape(3, 3))}"
 
     __repr__ = __str__
 

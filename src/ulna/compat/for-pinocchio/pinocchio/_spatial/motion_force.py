@@ -12,6 +12,7 @@ from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.random_numbers import generator
 from pinocchio._spatial.se3 import SE3
+from pinocchio._spatial.small_kernels import nearly, small_kernel
 from ulna import spatial
 from ulna.typing import Floats
 
@@ -23,6 +24,8 @@ class _Six:
     _names = ("linear", "angular")
     _signs = ("v", "w")
     _tower: Any
+    _forth: str
+    _back: str
 
     @by_name("linear angular", "array", "clone")
     def __init__(self, *parts: Any) -> None:
@@ -56,7 +59,7 @@ class _Six:
     @classmethod
     def Random(cls) -> Self:
         """Entries drawn evenly from [-1, 1]."""
-        return cls._of(generator().uniform(-1.0, 1.0, 6))
+        return cls._of(2.0 * generator().random(6) - 1.0)
 
     @property
     def linear(self) -> Floats:
@@ -115,7 +118,7 @@ class _Six:
 
     def isApprox(self, other: Self, prec: float = 1e-12) -> bool:
         """Whether both parts differ by at most `prec` times the smaller of their norms."""
-        return _close(self.linear, other.linear, prec) and _close(self.angular, other.angular, prec)
+        return nearly(small_kernel("gaps")(self._v, other._v), prec)
 
     def isZero(self, prec: float = 1e-12) -> bool:
         """Whether all entries are at most `prec`."""
@@ -123,11 +126,17 @@ class _Six:
 
     def se3Action(self, M: SE3) -> Self:
         """It, carried along by M."""
-        return self._of(M._carried(type(self).__name__, self._v))
+        return self._moved(M)
 
     def se3ActionInverse(self, M: SE3) -> Self:
         """It, carried along by the inverse of M."""
-        return self._of(M._carried(f"{type(self).__name__} back", self._v))
+        return self._moved_back(M)
+
+    def _moved(self, M: SE3) -> Self:
+        return self._of(M._carried(self._forth, self._v))
+
+    def _moved_back(self, M: SE3) -> Self:
+        return self._of(M._carried(self._back, self._v))
 
     def _value(self) -> Any:
         return self._tower(self._v[:3], self._v[3:])
@@ -154,7 +163,9 @@ class _Six:
         return self._of(-self._v)
 
     def __mul__(self, factor: Any) -> Any:
-        return self._of(self._v * factor) if np.ndim(factor) == 0 else NotImplemented
+        if type(factor) is float or np.ndim(factor) == 0:
+            return self._of(self._v * factor)
+        return NotImplemented
 
     __rmul__ = __mul__
 
@@ -162,7 +173,7 @@ class _Six:
         return self._of(self._v / float(divisor))
 
     def __eq__(self, other: object) -> bool:
-        return bool((self._v == other._v).all()) if isinstance(other, type(self)) else NotImplemented
+        return self._v.tolist() == other._v.tolist() if isinstance(other, type(self)) else NotImplemented
 
     __hash__ = object.__hash__
 
@@ -173,17 +184,13 @@ class _Six:
     __repr__ = __str__
 
 
-def _close(a: Floats, b: Floats, prec: float) -> bool:
-    gap = float(np.linalg.norm(a - b))
-    return gap <= prec * min(float(np.linalg.norm(a)), float(np.linalg.norm(b))) or gap == 0.0
-
-
 @final
 class Motion(_Six):
     """A spatial velocity or acceleration: linear part [m/s], angular part [rad/s]."""
 
     __slots__ = ()
     _tower = spatial.Motion
+    _forth, _back = "Motion", "Motion back"
 
     @reads_names("m", "f")
     def cross(self, other: Any = None, **named: Any) -> Any:
@@ -203,7 +210,8 @@ class Motion(_Six):
             other = the_one("Motion.cross", named, ("m", "f"))
         if not isinstance(other, (Motion, Force)):
             raise ArgumentError(f"Motion.cross was given {other!r}; expected a Motion or a Force.")
-        return type(other)._from(self._value().cross(other._value()))
+        kernel = small_kernel("cross motion" if isinstance(other, Motion) else "cross force")
+        return other._of(kernel(self._v, other._v))
 
     __xor__ = cross
 
@@ -214,12 +222,12 @@ class Motion(_Six):
     @property
     def action(self) -> Floats:
         """The 6x6 matrix of the cross product with motions."""
-        return self._value().cross_matrix()
+        return small_kernel("motion matrix")(self._v)
 
     @property
     def dualAction(self) -> Floats:
         """The 6x6 matrix of the cross product with forces."""
-        return -self._value().cross_matrix().T
+        return small_kernel("motion dual")(self._v)
 
     @property
     def homogeneous(self) -> Floats:
@@ -236,6 +244,7 @@ class Force(_Six):
     __slots__ = ()
     _signs = ("f", "tau")
     _tower = spatial.Force
+    _forth, _back = "Force", "Force back"
 
     def dot(self, m: Any) -> float:
         """The power at a velocity [W]."""

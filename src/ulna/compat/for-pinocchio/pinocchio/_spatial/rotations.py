@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import Any, final
 
@@ -10,9 +11,12 @@ import numpy as np
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import matrix, numbers, real, text, vector
 from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.small_kernels import small_kernel
 from ulna import spatial
 from ulna.compiler import compile as compile_function
 from ulna.typing import Floats
+
+_CONJUGATE = np.array([-1.0, -1.0, -1.0, 1.0])
 
 
 @final
@@ -42,6 +46,12 @@ class Quaternion:
     def _of(coefficients: Any) -> Quaternion:
         self = Quaternion.__new__(Quaternion)
         self._c = np.array(coefficients, dtype=float)
+        return self
+
+    @staticmethod
+    def _holding(storage: Floats) -> Quaternion:
+        self = Quaternion.__new__(Quaternion)
+        self._c = storage
         return self
 
     @staticmethod
@@ -94,13 +104,13 @@ class Quaternion:
 
     def matrix(self) -> Floats:
         """The rotation matrix (3, 3)."""
-        return np.array(spatial.quat_xyzw_to_matrix(self._c))
+        return small_kernel("quaternion matrix")(self._c)
 
     toRotationMatrix = matrix
 
     def norm(self) -> float:
         """Its length; 1 for a rotation."""
-        return float(np.linalg.norm(self._c))
+        return math.sqrt(self._c @ self._c)
 
     def squaredNorm(self) -> float:
         """Its squared length."""
@@ -112,15 +122,15 @@ class Quaternion:
 
     def normalized(self) -> Quaternion:
         """One like it of length 1."""
-        return Quaternion._of(self._c)._scaled()
+        return Quaternion._holding(self._c / math.sqrt(self._c @ self._c))
 
     def conjugate(self) -> Quaternion:
         """The rotation back, when of length 1."""
-        return Quaternion._of(spatial.quat_conjugate(self._c))
+        return Quaternion._holding(self._c * _CONJUGATE)
 
     def inverse(self) -> Quaternion:
         """The rotation back."""
-        return Quaternion._of(spatial.quat_conjugate(self._c) / self.squaredNorm())
+        return Quaternion._holding(self._c * (_CONJUGATE / (self._c @ self._c)))
 
     def dot(self, other: Quaternion) -> float:
         """The dot product of the coefficients."""
@@ -128,8 +138,7 @@ class Quaternion:
 
     def angularDistance(self, other: Quaternion) -> float:
         """The angle between two rotations [rad]."""
-        turn = spatial.quat_log(spatial.quat_multiply(spatial.quat_conjugate(self._c), other._c))
-        return float(np.linalg.norm(turn))
+        return float(small_kernel("quaternion angle")(self._c, other._c))
 
     def slerp(self, t: float, other: Quaternion) -> Quaternion:
         """The rotation between this one and another.
@@ -141,7 +150,7 @@ class Quaternion:
         Returns:
             The quaternion.
         """
-        return Quaternion._of(spatial.quat_slerp(self._c, other._c, t))
+        return Quaternion._holding(small_kernel("quaternion between")(self._c, other._c, np.float64(t)))
 
     def setIdentity(self) -> Quaternion:
         """Makes it the identity."""
@@ -168,8 +177,8 @@ class Quaternion:
 
     def __mul__(self, other: Any) -> Any:
         if isinstance(other, Quaternion):
-            return Quaternion._of(spatial.quat_multiply(self._c, other._c))
-        return self.matrix() @ vector(other, 3, "v")
+            return Quaternion._holding(small_kernel("quaternion product")(self._c, other._c))
+        return small_kernel("quaternion point")(self._c, vector(other, 3, "v"))
 
     def _transformVector(self, vector: Any) -> Floats:
         """The vector (3,) turned."""
@@ -263,7 +272,7 @@ class AngleAxis:
 
     def matrix(self) -> Floats:
         """The rotation matrix (3, 3)."""
-        return np.array(spatial.angle_axis_to_matrix(self.angle, self.axis))
+        return small_kernel("turn")(np.float64(self.angle), self.axis)
 
     toRotationMatrix = matrix
 

@@ -13,6 +13,7 @@ from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.random_numbers import generator
 from pinocchio._spatial.rotations import coefficients_of
+from pinocchio._spatial.small_kernels import nearly, small_kernel
 from ulna import spatial
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
@@ -55,6 +56,9 @@ _ITEMS = ("M", "motion", "force", "inertia", "point")
 """What a placement acts on, by the names of arguments."""
 
 
+_EYE = np.eye(4)
+
+
 @final
 class SE3:
     """A rigid displacement. `SE3()`, `SE3(R, p)`, `SE3(quaternion, p)`, `SE3(matrix 4x4)`, `SE3(other)`, `SE3(1)`."""
@@ -63,7 +67,7 @@ class SE3:
 
     @by_name("rotation translation", "quat translation", "array", "clone", "int")
     def __init__(self, *parts: Any) -> None:
-        self._m = np.eye(4)
+        self._m = _EYE.copy()
         if len(parts) == 2:
             turn = parts[0].matrix() if hasattr(parts[0], "matrix") else parts[0]
             self._m[:3, :3] = matrix(turn, (3, 3), "rotation")
@@ -100,12 +104,13 @@ class SE3:
     @staticmethod
     def Identity() -> SE3:
         """No displacement."""
-        return SE3()
+        return SE3._of(_EYE.copy())
 
     @staticmethod
     def Random() -> SE3:
         """A rotation drawn evenly over all, a translation from [-1, 1] m."""
-        return SE3._of(np.array(spatial.SE3.random(generator()).matrix()))
+        rng = generator()
+        return SE3._of(small_kernel("random pose")(rng.standard_normal(4), rng.random(3)))
 
     @staticmethod
     def Interpolate(A: SE3, B: SE3, alpha: float) -> SE3:
@@ -118,7 +123,7 @@ class SE3:
         Returns:
             The placement.
         """
-        return SE3._of(np.array(A._pose().interpolate(B._pose(), alpha).matrix()))
+        return SE3._of(small_kernel("pose interpolation")(A._m, B._m, np.float64(alpha)))
 
     @property
     def rotation(self) -> Floats:
@@ -194,8 +199,10 @@ class SE3:
         """
         if isinstance(item, SE3):
             return SE3._of(se3_kernel("product")(self._m, item._m))
-        if hasattr(item, "se3Action"):
-            return item.se3Action(self)
+        if hasattr(item, "_moved"):
+            return item._moved(self)
+        if type(item) is np.ndarray and item.shape == (3,) and item.dtype == float:
+            return small_kernel("pose point")(self._m, item)
         if item is None:
             return self.act(the_one("SE3.act", named, _ITEMS))
         return self._point(item, self._m[:3, :3], self._m[:3, 3])
@@ -213,8 +220,8 @@ class SE3:
         """
         if isinstance(item, SE3):
             return SE3._of(se3_kernel("quotient")(self._m, item._m))
-        if hasattr(item, "se3ActionInverse"):
-            return item.se3ActionInverse(self)
+        if hasattr(item, "_moved_back"):
+            return item._moved_back(self)
         if item is None:
             return self.actInv(the_one("SE3.actInv", named, _ITEMS))
         back = self.inverse()
@@ -223,6 +230,8 @@ class SE3:
     def __mul__(self, item: Any) -> Any:
         if isinstance(item, SE3):
             return SE3._of(se3_kernel("product")(self._m, item._m))
+        if type(item) is np.ndarray and item.shape == (3,) and item.dtype == float:
+            return small_kernel("pose point")(self._m, item)
         return self.act(item)
 
     __matmul__ = __mul__
@@ -230,7 +239,7 @@ class SE3:
 
     @staticmethod
     def _point(item: Any, rotation: Floats, translation: Floats) -> Floats:
-        points = numbers(item, "point")
+        points = item if type(item) is np.ndarray and item.dtype == float else numbers(item, "point")
         if points.shape[:1] != (3,) or points.ndim > 2:
             raise WrongShape("point", points.shape, "(3,) or (3, N)")
         return rotation @ points + (translation if points.ndim == 1 else translation[:, None])
@@ -245,11 +254,7 @@ class SE3:
         Returns:
             Whether they do.
         """
-        for a, b in ((self.rotation, other.rotation), (self.translation, other.translation)):
-            gap = float(np.linalg.norm(a - b))
-            if gap > prec * min(float(np.linalg.norm(a)), float(np.linalg.norm(b))) and gap != 0.0:
-                return False
-        return True
+        return nearly(small_kernel("pose gaps")(self._m, other._m), prec)
 
     def isIdentity(self, prec: float = 1e-12) -> bool:
         """Whether it is the identity, within `prec`."""
@@ -276,7 +281,7 @@ class SE3:
         return SE3, (self._m.copy(),)
 
     def __eq__(self, other: object) -> bool:
-        return bool((self._m == other._m).all()) if isinstance(other, SE3) else NotImplemented
+        return self._m.tolist() == other._m.tolist() if isinstance(other, SE3) else NotImplemented
 
     __hash__ = object.__hash__
 

@@ -1,0 +1,187 @@
+"""Compiled functions of small objects: products, sums, actions and random draws of poses, inertias and quaternions.
+
+An inertia is one array (13,): mass, lever, and the moments about the centre of mass row by row.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ulna import spatial
+from ulna.compiler import compile as compile_function
+from ulna.numeric import less, matrix, skew, sqrt, vector, where
+from ulna.typing import Array
+
+
+def pose(m: Array) -> spatial.SE3:
+    """The placement of a homogeneous matrix (4, 4)."""
+    return spatial.SE3(m[:3, :3], m[:3, 3])
+
+
+def _body(p: Array) -> spatial.Inertia:
+    xx, yy, zz = p[4], p[8], p[12]
+    xy, xz, yz = 0.5 * (p[5] + p[7]), 0.5 * (p[6] + p[10]), 0.5 * (p[9] + p[11])
+    moments: Any = matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return spatial.Inertia(p[0], p[1:4], moments)
+
+
+def _numbers(inertia: spatial.Inertia) -> Array:
+    return np.concatenate([[inertia.mass], inertia.com, np.reshape(inertia.inertia, 9)])
+
+
+def _motion(v: Array) -> spatial.Motion:
+    return spatial.Motion(v[:3], v[3:])
+
+
+def _dual(v: Array) -> Array:
+    return -_motion(v).cross_matrix().T
+
+
+def _lever(first_moment: Array, mass: Any) -> Array:
+    """The centre of mass, the origin where there is no mass."""
+    divisor = where(less(0.0, mass * mass), mass, 1.0)
+    return vector(*(x / divisor for x in first_moment))
+
+
+def _sum(p: Array, o: Array) -> Array:
+    a, b = _body(p), _body(o)
+    mass = a.mass + b.mass
+    divisor = where(less(0.0, mass * mass), mass, 1.0)
+    way, share = b.com - a.com, b.mass / divisor
+    com = vector(*((a.mass / divisor) * x + share * y for x, y in zip(a.com, b.com, strict=True)))
+    return _numbers(spatial.Inertia(mass, com, a.inertia + b.inertia + (a.mass * share) * spread(way)))
+
+
+def spread(d: Array) -> Array:
+    """|d|^2 I - d d^T: the moments of a unit mass at d."""
+    x, y, z = d
+    return matrix(
+        [[y * y + z * z, -x * y, -x * z], [-x * y, x * x + z * z, -y * z], [-x * z, -y * z, x * x + y * y]]
+    )
+
+
+def _difference(p: Array, o: Array) -> Array:
+    return _from_parameters(_body(p).parameters() - _body(o).parameters())
+
+
+def _from_parameters(d: Array) -> Array:
+    mass, (xx, xy, yy, xz, yz, zz) = d[0], d[4:]
+    com = _lever(d[1:4], mass)
+    about_origin: Any = matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return _numbers(spatial.Inertia(mass, com, about_origin - mass * spread(com)))
+
+
+def _inverse(p: Array) -> Array:
+    """The inverse of the 6x6 inertia; see Featherstone, eq. (2.74)."""
+    body = _body(p)
+    (a, b, c), (_, d, e), (_, _, f) = body.inertia
+    cofactors = [d * f - e * e, c * e - b * f, b * e - c * d, a * f - c * c, b * c - a * e, a * d - b * b]
+    det = a * cofactors[0] + b * cofactors[1] + c * cofactors[2]
+    xx, xy, xz, yy, yz, zz = (x / det for x in cofactors)
+    turn: Any = matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    lever: Any = skew(body.com)
+    corner = np.eye(3) / body.mass - lever @ turn @ lever
+    return np.concatenate(
+        [np.concatenate([corner, lever @ turn], axis=1), np.concatenate([-turn @ lever, turn], axis=1)]
+    )
+
+
+def _random_rotation(normal: Array) -> Array:
+    return spatial.quat_xyzw_to_matrix(spatial.quat_normalize(normal))
+
+
+def _random_pose(normal: Array, even: Array) -> Array:
+    return spatial.SE3(_random_rotation(normal), 2.0 * even - 1.0).matrix()
+
+
+def _random_inertia(sizes: Array, normal: Array, even: Array) -> Array:
+    a, b, c = ((0.1 + 0.9 * x) ** 2 for x in sizes)
+    mass = 0.1 + 0.9 * even[0]
+    moments = (mass / 12.0) * matrix([[b + c, 0.0, 0.0], [0.0, a + c, 0.0], [0.0, 0.0, a + b]])
+    R = _random_rotation(normal)
+    return _numbers(spatial.Inertia(mass, 2.0 * even[1:] - 1.0, R @ moments @ R.T))
+
+
+def _norm(x: Array) -> Any:
+    return sqrt(sum((y * y for y in x), 0.0))
+
+
+def _gaps(a: Array, b: Array) -> Array:
+    """Norms of the difference, and of each, of linear and of angular parts."""
+    return vector(
+        *(_norm(x) for part in (slice(0, 3), slice(3, 6)) for x in ((a - b)[part], a[part], b[part]))
+    )
+
+
+def _pose_gaps(a: Array, b: Array) -> Array:
+    parts = [(m[:3, :3].reshape(9), m[:3, 3]) for m in (a, b)]
+    return vector(*(_norm(x) for r, s in zip(*parts, strict=True) for x in (r - s, r, s)))
+
+
+def _angle(a: Array, b: Array) -> Array:
+    return _norm(spatial.quat_log(spatial.quat_multiply(spatial.quat_conjugate(a), b)))
+
+
+_M, _P, _V, _Q, _X = (4, 4), (13,), (6,), (4,), (3,)
+_FUNCTIONS: dict[str, tuple[Any, ...]] = {
+    "pose point": (lambda m, x: m[:3, :3] @ x + m[:3, 3], _M, _X),
+    "pose interpolation": (lambda a, b, t: pose(a).interpolate(pose(b), t).matrix(), _M, _M, ()),
+    "random pose": (_random_pose, _Q, _X),
+    "pose gaps": (_pose_gaps, _M, _M),
+    "gaps": (_gaps, _V, _V),
+    "motion matrix": (lambda v: _motion(v).cross_matrix(), _V),
+    "motion dual": (_dual, _V),
+    "cross motion": (lambda v, w: _motion(v).cross(_motion(w)).vector(), _V, _V),
+    "cross force": (lambda v, f: _motion(v).cross(spatial.Force(f[:3], f[3:])).vector(), _V, _V),
+    "inertia sum": (_sum, _P, _P),
+    "inertia difference": (_difference, _P, _P),
+    "inertia moved": (lambda m, p: _numbers(pose(m).act(_body(p))), _M, _P),
+    "inertia back": (lambda m, p: _numbers(pose(m).act_inverse(_body(p))), _M, _P),
+    "inertia times": (lambda p, v: _body(p).apply(_motion(v)).vector(), _P, _V),
+    "inertia matrix": (lambda p: _body(p).matrix(), _P),
+    "inertia inverse": (_inverse, _P),
+    "inertia energy": (lambda p, v: _motion(v).dot(_body(p).apply(_motion(v))), _P, _V),
+    "inertia force": (lambda p, v: _motion(v).cross(_body(p).apply(_motion(v))).vector(), _P, _V),
+    "inertia v x I": (lambda p, v: _dual(v) @ _body(p).matrix(), _P, _V),
+    "inertia I v x": (lambda p, v: _body(p).matrix() @ _motion(v).cross_matrix(), _P, _V),
+    "inertia rate": (
+        lambda p, v: _dual(v) @ _body(p).matrix() - _body(p).matrix() @ _motion(v).cross_matrix(),
+        _P,
+        _V,
+    ),
+    "inertia parameters": (lambda p: _body(p).parameters(), _P),
+    "inertia of parameters": (_from_parameters, (10,)),
+    "random inertia": (_random_inertia, _X, _Q, _Q),
+    "quaternion product": (spatial.quat_multiply, _Q, _Q),
+    "quaternion point": (lambda q, x: spatial.quat_xyzw_to_matrix(q) @ x, _Q, _X),
+    "quaternion matrix": (spatial.quat_xyzw_to_matrix, _Q),
+    "quaternion between": (spatial.quat_slerp, _Q, _Q, ()),
+    "quaternion angle": (_angle, _Q, _Q),
+    "turn": (spatial.angle_axis_to_matrix, (), _X),
+}
+
+
+@cache
+def small_kernel(name: str) -> Any:
+    """The compiled function of that name."""
+    function, *sizes = _FUNCTIONS[name]
+    shapes: dict[str, Any] = {f"x{k}": size for k, size in enumerate(sizes)}
+    return compile_function(function, **shapes)
+
+
+def nearly(gaps: Array, prec: float) -> bool:
+    """Whether differences are small: norms of a difference and of what differs, three for each part.
+
+    Args:
+        gaps: Norms of the difference, of the first and of the second, for each part (3 parts,).
+        prec: Largest difference, relative to the smaller norm [-].
+
+    Returns:
+        Whether all are at most `prec`, or 0.
+    """
+    values = gaps.tolist()
+    parts = zip(values[::3], values[1::3], values[2::3], strict=True)
+    return all(gap <= prec * min(a, b) or gap == 0.0 for gap, a, b in parts)

@@ -1,0 +1,148 @@
+"""Runs the procedures of `recursions` for the present parameters of a model."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._model.building import KinematicTree
+from pinocchio._model.kernel_parameters import PARAMETERS
+from pinocchio._tables import recursions as r
+from pinocchio._tables.joint_table import JointTable, matrices_of, rows_of
+from ulna.typing import Floats
+
+
+@final
+class TableEvaluator:
+    """A joint table with room for numbers and results; for one thread at a time.
+
+    Attributes:
+        steps: The joint table.
+        out: What the procedures computed last.
+    """
+
+    def __init__(self, steps: JointTable, nq: int, nv: int) -> None:
+        n, m = len(steps.table.parents), len(steps.table.entries)
+        self.steps = steps
+        self._nv = nv
+        self._numbers = r.Numbers(
+            steps.inner.copy(),
+            *map(np.zeros, ((n, 10), nv, 3, nq, nv, nv)),
+            np.zeros((n, 6)),
+            np.zeros(6, np.int64),
+        )
+        shapes = [(n, 12)] * 2 + [(n, 6)] * 4 + [(n, 10), (nv,), (nv, nv), (m, 6), (m, 6)]
+        self.out = r.Results(*map(np.zeros, shapes))
+        self._evaluate = r.evaluate.bind(steps.table, self._numbers, self.out).unguarded
+
+    def load(self, model: KinematicTree) -> None:
+        """Reads the parameters of a model."""
+        self.load_parameters(*(np.concatenate(model.parameter_blocks(name)) for name in PARAMETERS))
+
+    def load_parameters(
+        self, placements: Floats, inertias: Floats, gravity: Floats, armature: Floats
+    ) -> None:
+        """Reads parameters, as a model stores them.
+
+        Args:
+            placements: Placements of joints, the universe included (njoints, 4, 4) [m].
+            inertias: Mass, lever and moments (njoints, 13) [kg, m, kg m^2].
+            gravity: The acceleration of free fall (6,) [m/s^2].
+            armature: The armature (nv,) [kg m^2].
+        """
+        placements = placements[1:].copy()
+        for k, place in self.steps.leading.items():
+            placements[k] = placements[k] @ place
+        numbers = self._numbers
+        numbers.P[self.steps.first] = rows_of(placements)
+        numbers.B[self.steps.of_joint] = about_origin(inertias[1:])
+        numbers.gravity[...] = gravity[:3]
+        numbers.armature[...] = armature
+
+    def run(
+        self, tasks: r.Tasks, q: Floats, v: Floats | None = None, a: Floats | None = None, F: Any = None
+    ) -> r.Results:
+        """Computes at a state.
+
+        Args:
+            tasks: What.
+            q: Configuration (nq,) [rad or m].
+            v: Velocity (nv,) [rad/s or m/s]; None for rest.
+            a: Acceleration (nv,) [rad/s^2 or m/s^2]; None for none.
+            F: Forces on the joints (njoints - 1, 6) [N, N m]; None for none.
+
+        Returns:
+            The results, which the next run overwrites.
+        """
+        numbers = self._numbers
+        numbers.q[...] = q
+        numbers.v[...] = 0.0 if v is None else v
+        numbers.a[...] = 0.0 if a is None else a
+        numbers.forces[self.steps.of_joint] = 0.0 if F is None else F
+        numbers.tasks[:] = tasks
+        self._evaluate()
+        return self.out
+
+    @property
+    def inertias(self) -> Floats:
+        """Mass, mass times centre and moments about the frame's origin of each step, (steps, 10)."""
+        return self._numbers.B
+
+    @property
+    def gravity(self) -> Floats:
+        """The acceleration of free fall (3,)."""
+        return self._numbers.gravity
+
+    @property
+    def armature(self) -> Floats:
+        """The armature (nv,)."""
+        return self._numbers.armature
+
+    def placements(self) -> Floats:
+        """The placements of the joints in the world, (njoints - 1, 4, 4)."""
+        return matrices_of(self.out.T[self.steps.of_joint])
+
+    def of_joints(self, rows: Floats) -> Floats:
+        """The rows of the steps whose moving frames are the joints'."""
+        return rows[self.steps.of_joint]
+
+    def subtree_sums(self, rows: Floats) -> Floats:
+        """The sums of values of steps over all that each step moves, (steps, ...)."""
+        sums, parents = rows.copy(), self.steps.table.parents.tolist()
+        for i in reversed(range(len(parents))):
+            if parents[i] >= 0:
+                sums[parents[i]] += sums[i]
+        return sums
+
+    def supports(self, joint: int) -> Floats:
+        """1 for columns that move a joint, 0 for others, (columns,); joint 0 is the universe."""
+        table, out = self.steps.table, np.zeros(len(self.steps.table.entries))
+        step = self.steps.of_joint[joint - 1] if joint else -1
+        while step >= 0:
+            out[table.columns[step] : table.columns[step + 1]] = 1.0
+            step = table.parents[step]
+        return out
+
+    def by_entries(self, columns: Floats) -> Floats:
+        """Columns of the world, one a row, summed over what each entry of v moves: (6, nv)."""
+        out = np.zeros((6, self._nv))
+        np.add.at(out.T, self.steps.table.entries, columns)
+        return out
+
+
+def about_origin(parameters: Floats) -> Floats:
+    """Mass, mass times centre, and moments about the frame's origin (n, 10), of mass, lever and moments (n, 13).
+
+    Only the upper triangle of the moments is read.
+    """
+    mass, lever = parameters[:, 0], parameters[:, 1:4]
+    out = np.empty((len(parameters), 10))
+    out[:, 0] = mass
+    out[:, 1:4] = mass[:, None] * lever
+    out[:, 4:] = parameters[:, [4, 5, 6, 8, 9, 12]]
+    squares = out[:, 1:4, None] * lever[:, None, :]
+    trace = squares[:, 0, 0] + squares[:, 1, 1] + squares[:, 2, 2]
+    for k, (i, j) in enumerate(((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))):
+        out[:, 4 + k] += (trace if i == j else 0.0) - squares[:, i, j]
+    return out

@@ -1,0 +1,78 @@
+"""Jacobians of frames, and their rates, from the columns of all joints in the world."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pinocchio._tables import recursions as r
+from pinocchio._tables.evaluation import TableEvaluator
+from ulna.algorithms.multibody.references import Reference
+from ulna.typing import Floats
+
+
+def frame_jacobian(
+    evaluator: TableEvaluator, q: Floats, joint: int, placement: Floats, reference: Reference
+) -> tuple[Floats, Floats, Floats]:
+    """The Jacobian of a frame.
+
+    Args:
+        evaluator: The evaluator, whose parameters are loaded.
+        q: Configuration (nq,) [rad or m].
+        joint: The joint that carries the frame, 0 for the universe.
+        placement: The frame in the frame of the joint (4, 4) [m].
+        reference: Where the Jacobian is expressed.
+
+    Returns:
+        The Jacobian (6, nv), the placements of the joints (njoints - 1, 4, 4), that of the frame (4, 4).
+    """
+    out = evaluator.run(r.COLUMNS, q)
+    J = evaluator.by_entries(out.J * evaluator.supports(joint)[:, None])
+    T = _frame(evaluator, joint, placement)
+    return _seen_from(J, T, reference), evaluator.placements(), T
+
+
+def frame_jacobian_rate(
+    evaluator: TableEvaluator, q: Floats, v: Floats, joint: int, placement: Floats, reference: Reference
+) -> Floats:
+    """The time derivative of the Jacobian of a frame.
+
+    Args:
+        evaluator: The evaluator, whose parameters are loaded.
+        q: Configuration (nq,) [rad or m].
+        v: Velocity (nv,) [rad/s or m/s].
+        joint: The joint that carries the frame, 0 for the universe.
+        placement: The frame in the frame of the joint (4, 4) [m].
+        reference: Where the Jacobian is expressed.
+
+    Returns:
+        Matrix (6, nv).
+    """
+    out, carried = evaluator.run(r.RATES, q, v), evaluator.supports(joint)[:, None]
+    J, dJ = evaluator.by_entries(out.J * carried), evaluator.by_entries(out.dJ * carried)
+    T, (linear, turn) = _frame(evaluator, joint, placement), (J @ v).reshape(2, 3)
+    if reference == "local":
+        dJ[:3] -= _cross(turn, J[:3]) + _cross(linear, J[3:])
+        dJ[3:] -= _cross(turn, J[3:])
+    seen = _seen_from(dJ, T, reference)
+    if reference == "local_world_aligned":
+        seen[:3] -= _cross(linear + np.cross(turn, T[:3, 3]), J[3:])
+    return seen
+
+
+def _frame(evaluator: TableEvaluator, joint: int, placement: Floats) -> Floats:
+    return placement.copy() if joint == 0 else evaluator.placements()[joint - 1] @ placement
+
+
+def _seen_from(J: Floats, T: Floats, reference: Reference) -> Floats:
+    """Columns in the world, moved to the origin of a frame at T, and turned into its axes for "local"."""
+    if reference == "world":
+        return J
+    out = J.copy()
+    out[:3] -= _cross(T[:3, 3], J[3:])
+    return out if reference != "local" else np.concatenate([T[:3, :3].T @ out[:3], T[:3, :3].T @ out[3:]])
+
+
+def _cross(vector: Floats, columns: Any) -> Floats:
+    return np.cross(vector, columns, axisb=0, axisc=0)
