@@ -46,7 +46,13 @@ __all__ = [
 
 def neutral(model: Model) -> Floats:
     """The configuration (nq,) in which nothing is turned or slid."""
-    return np.array(algorithms.neutral(model.compiled_structure().model))
+    try:
+        return model._neutral.copy()
+    except AttributeError:  # asked for the first time, or of no model
+        if not isinstance(model, Model):
+            raise wrong_model("neutral", model) from None
+    model._neutral = np.array(algorithms.neutral(model.compiled_structure().model))
+    return model._neutral.copy()
 
 
 def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any = None) -> Floats:
@@ -183,9 +189,17 @@ def squaredDistance(model: Model, q1: Any, q2: Any) -> Floats:
     Returns:
         Squared lengths (njoints - 1,), joints that follow others left out.
     """
-    d = difference(model, q1, q2)
-    joints = [j for j in model.joints[1:] if not j.mimic]
-    return np.array([float(d[j.idx_v : j.idx_v + j.nv] @ d[j.idx_v : j.idx_v + j.nv]) for j in joints])
+    shapes: dict[str, Any] = {"q1": (model.nq,), "q2": (model.nq,)}
+    return model.compiled_structure().compile("squared", _squared_parts, **shapes)(*_pair(model, q1, q2))
+
+
+def _squared_parts(model: CoreModel) -> Any:
+    def run(q1: Array, q2: Array) -> Array:
+        d = algorithms.difference(model, q1, q2)
+        parts = [d[j.idx_v : j.idx_v + j.kind.nv] for j in model.joints if not j.mimic]
+        return np.stack([part @ part for part in parts]) if parts else np.zeros(0)
+
+    return run
 
 
 def normalize(model: Model, q: Any) -> Floats:

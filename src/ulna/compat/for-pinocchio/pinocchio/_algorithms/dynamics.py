@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.jacobians import JACOBIAN_RATES, JACOBIANS, columns, computeJointJacobians, rates
-from pinocchio._containers.arrays import vector
+from pinocchio._containers.arguments import check_model_and_data
 from pinocchio._containers.enums import Convention
 from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
@@ -19,14 +19,14 @@ from pinocchio._data.deferred_fields import (
     BODIES,
     BODIES_UNDER_FORCES,
     BODY_FORCES,
+    BODY_FORCES_AT_REST,
     BODY_MOMENTA_IN_WORLD,
     CENTERS,
     JOINTS,
     VELOCITIES_IN_WORLD,
-    defer_joint_placements,
     split_forces,
 )
-from pinocchio._data.evaluated_model import EvaluatedModel, kernels_for
+from pinocchio._data.evaluated_model import EvaluatedModel
 from pinocchio._data.functions import algorithm, fast_path
 from pinocchio._model.compiled_model import CompiledModel
 from pinocchio._model.model import Model
@@ -174,19 +174,32 @@ def computeGeneralizedGravity(model: Model, data: Data, q: Any) -> Floats:
     ...
 
 
+def _statics(model: CoreModel) -> Any:
+    return lambda q, F: algorithms.static_torque(model, q, split_forces(F))
+
+
+_STATIC_TORQUE = Algorithm(
+    "static_torque", "qf", ("tau",), _statics, (0,), deferred=JOINTS | BODY_FORCES_AT_REST
+)
+
+
 def computeStaticTorque(model: Model, data: Data, q: Any, fext: Any) -> Floats:
     """The torques that hold the robot against gravity and forces on its joints (nv,); kept in `data.tau`.
 
     Returns:
         Torques (nv,) [N m or N].
     """
-    F = external(fext, model.njoints)
-    q = vector(q, model.nq, "q")
-    compiled, rest = kernels_for(model, data, "static torque"), np.zeros(model.nv)
-    data.tau = tau = under_forces(compiled, algorithms.static_torque, q, F)
-    defer_joint_placements(data, compiled, q)
-    data.defer(BODY_FORCES["f"], tuple(BODY_FORCES), compiled, q.copy(), rest, rest, F)
-    return tau
+    try:
+        tau = data._bound.static_torque(q, *[f._v for f in fext]) if data._model is model else NotImplemented
+    except (AttributeError, TypeError):  # of what is no model, no data, or no list of forces
+        tau = NotImplemented
+    if tau is not NotImplemented:
+        return tau
+    check_model_and_data("computeStaticTorque", model, data)
+    return run(model, data, _STATIC_TORQUE, q, *checked_forces(fext, model.njoints))
+
+
+computeStaticTorque.arguments_checked = True  # type: ignore[attr-defined]
 
 
 _ABA = Algorithm(

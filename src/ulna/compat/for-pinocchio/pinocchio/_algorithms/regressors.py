@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from pinocchio._algorithms.kinematics import forwardKinematics
-from pinocchio._containers.arrays import index, vector
+from pinocchio._containers.arrays import index
 from pinocchio._data.data import Data
-from pinocchio._data.deferred_fields import BODIES, defer_joint_placements
-from pinocchio._data.evaluated_model import kernels_for
+from pinocchio._data.deferred_fields import BODIES, JOINTS, VELOCITIES_IN_WORLD, rows, stacked
+from pinocchio._data.functions import algorithm
 from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
 from ulna import algorithms
-from ulna.typing import Floats
+from ulna.model import Model as CoreModel
+from ulna.typing import Array, Floats
 
 __all__ = [
     "bodyRegressor",
@@ -27,6 +27,35 @@ __all__ = [
 ]
 
 
+def _torque_regressor(model: CoreModel) -> Any:
+    return lambda q, v, a: algorithms.joint_torque_regressor(model, q, v, a)
+
+
+def _static_regressor(model: CoreModel) -> Any:
+    return lambda q: (algorithms.static_regressor(model, q), stacked(algorithms.joint_poses(model, q)))
+
+
+def _kinetic_regressor(model: CoreModel) -> Any:
+    def run(q: Array, v: Array) -> tuple[Array, ...]:
+        row = algorithms.kinetic_energy_regressor(model, q, v)
+        return row, stacked(algorithms.joint_poses(model, q)), rows(algorithms.joint_velocities(model, q, v))
+
+    return run
+
+
+def _potential_regressor(model: CoreModel) -> Any:
+    def run(q: Array) -> tuple[Array, ...]:
+        return algorithms.potential_energy_regressor(model, q), stacked(algorithms.joint_poses(model, q))
+
+    return run
+
+
+@algorithm(
+    fills=("jointTorqueRegressor",),
+    kernel=_torque_regressor,
+    returns=(0,),
+    deferred=JOINTS | {name: BODIES[name] for name in ("v", "ov", "a_gf", "oa_gf")},
+)
 def computeJointTorqueRegressor(model: Model, data: Data, q: Any, v: Any, a: Any) -> Floats:
     """The matrix that multiplies the dynamic parameters of all bodies in the torques; kept in
     `data.jointTorqueRegressor`.
@@ -34,45 +63,44 @@ def computeJointTorqueRegressor(model: Model, data: Data, q: Any, v: Any, a: Any
     Returns:
         Matrix (nv, 10 k), k = njoints - 1.
     """
-    state = vector(q, model.nq, "q"), vector(v, model.nv, "v"), vector(a, model.nv, "a")
-    compiled = kernels_for(model, data, "torque regressor")
-    regressor = compiled.kernel("joint_torque_regressor")(*state)
-    defer_joint_placements(data, compiled, *state[:2])
-    data.defer(BODIES["f"], ("v", "ov", "a_gf", "oa_gf"), compiled, *(x.copy() for x in state))
-    return _stored(data, "jointTorqueRegressor", regressor)
+    ...
 
 
+@algorithm(fills=("staticRegressor", "oMi"), kernel=_static_regressor, returns=(0,), deferred=JOINTS)
 def computeStaticRegressor(model: Model, data: Data, q: Any) -> Floats:
     """The matrix that multiplies masses and first moments of all bodies in the centre of mass.
 
     Returns:
         Matrix (3, 4 k), k = njoints - 1.
     """
-    forwardKinematics(model, data, q)
-    kernel = kernels_for(model, data, "static").kernel("static_regressor")
-    return _stored(data, "staticRegressor", kernel(vector(q, model.nq, "q")))
+    ...
 
 
+@algorithm(
+    fills=("kineticEnergyRegressor", "oMi", "v"),
+    kernel=_kinetic_regressor,
+    returns=(0,),
+    deferred=JOINTS | VELOCITIES_IN_WORLD,
+)
 def computeKineticEnergyRegressor(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """The vector that multiplies the dynamic parameters of all bodies in the kinetic energy.
 
     Returns:
         Vector (10 k,), k = njoints - 1.
     """
-    forwardKinematics(model, data, q, v)
-    kernel = kernels_for(model, data, "kinetic").kernel("kinetic_energy_regressor")
-    return _stored(data, "kineticEnergyRegressor", kernel(vector(q, model.nq, "q"), vector(v, model.nv, "v")))
+    ...
 
 
+@algorithm(
+    fills=("potentialEnergyRegressor", "oMi"), kernel=_potential_regressor, returns=(0,), deferred=JOINTS
+)
 def computePotentialEnergyRegressor(model: Model, data: Data, q: Any) -> Floats:
     """The vector that multiplies the dynamic parameters of all bodies in the potential energy.
 
     Returns:
         Vector (10 k,), k = njoints - 1.
     """
-    forwardKinematics(model, data, q)
-    kernel = kernels_for(model, data, "potential").kernel("potential_energy_regressor")
-    return _stored(data, "potentialEnergyRegressor", kernel(vector(q, model.nq, "q")))
+    ...
 
 
 def bodyRegressor(velocity: Motion, acceleration: Motion) -> Floats:

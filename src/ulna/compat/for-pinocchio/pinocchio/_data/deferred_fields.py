@@ -158,6 +158,13 @@ def _body_dynamics(model: CoreModel, q: Array, v: Array, a: Array, forces: Any) 
     }
 
 
+def _body_statics(model: CoreModel, q: Array, forces: Any) -> dict[str, Any]:
+    """Accelerations relative to free fall, and forces, at rest under forces on the joints."""
+    rest = np.zeros(model.nv)
+    fields = _body_dynamics(model, q, rest, rest, forces)
+    return {name: fields[name] for name in ("a_gf", "f", "oa_gf", "of")}
+
+
 def _in_world(poses: Sequence[spatial.SE3], vectors: Sequence[Any]) -> Array:
     """From the joints' frames into the world's."""
     return rows([T.act(one) for T, one in zip(poses, vectors, strict=True)])
@@ -248,6 +255,8 @@ ACCELERATIONS = dict.fromkeys(("a", "oa"), _ACCELERATIONS)
 ACCELERATIONS_IN_WORLD = {"oa": _ACCELERATIONS}
 BODY_FORCES = dict.fromkeys(("a_gf", "f", "oa_gf", "of"), _BODY_DYNAMICS)
 """Accelerations relative to free fall, and the forces through the joints."""
+BODY_FORCES_AT_REST = dict.fromkeys(BODY_FORCES, _compiled("qf", _body_statics, by_table.statics))
+"""The same at rest, where forces act on the joints."""
 BODY_FORCES_BELOW_TOTAL = {
     **BODY_FORCES,
     "f": _compiled("qva", _body_dynamics, by_table.dynamics, universe_is_filled=True),

@@ -48,6 +48,7 @@ class KernelCache(LiveParameters):
         self._compiled_for, self._newest, self._structure = (), None, None
         self._integrate = self._difference = self._random = not_applicable
         self._narrowest = np.zeros(())
+        self.__dict__.pop("_neutral", None)
         self._frames_changed()
 
     def compiled(self) -> CompiledModel:

@@ -96,6 +96,20 @@ def dynamics(
     }
 
 
+def statics(evaluator: TableEvaluator, q: Floats, F: Floats) -> Fields:
+    """Accelerations relative to free fall and forces of joints at rest (njoints - 1, 6); see `dynamics`.
+
+    Args:
+        evaluator: The evaluator.
+        q: Configuration (nq,) [rad or m].
+        F: Forces on the joints (njoints - 1, 6) [N, N m].
+
+    Returns:
+        The fields.
+    """
+    return dynamics(evaluator, q, np.zeros(len(evaluator.armature)), None, F)
+
+
 def subtree_momenta(evaluator: TableEvaluator, q: Floats, v: Floats, a: Floats) -> Fields:
     """Momenta and their rates of all that each joint moves: `h`, `f`, `oh`, `of` (njoints - 1, 6).
 
