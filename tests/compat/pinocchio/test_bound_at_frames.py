@@ -204,3 +204,30 @@ def test_a_frame_is_watched_from_the_moment_it_is_added(pin: Any, model: Any, ad
     expected = data.oMi[1] * frame.placement
     assert np.allclose(pin.updateFramePlacement(model, data, at).homogeneous, expected.homogeneous)
     assert [f.name for f in pickle.loads(pickle.dumps(model.frames))] == [f.name for f in model.frames]
+
+
+def test_derivatives_of_motions_are_read_again_after_changes(pin: Any, model: Any) -> None:
+    data, rng = model.createData(), np.random.default_rng(4)
+    q = pin.integrate(model, pin.neutral(model), rng.uniform(-1.0, 1.0, model.nv))
+    v, a = rng.normal(size=(2, model.nv))
+    frame = model.nframes - 1
+
+    def derivatives(at: Any) -> list[Any]:
+        velocity = pin.getFrameVelocityDerivatives(model, at, frame, pin.LOCAL)
+        joint = pin.getJointVelocityDerivatives(model, at, model.njoints - 1, pin.WORLD)
+        return [*velocity, *pin.getFrameAccelerationDerivatives(model, at, frame, pin.WORLD), *joint]
+
+    for k in range(3):
+        if k == 2:
+            model.frames[frame].placement.translation[0] += 0.5
+        moved = pin.integrate(model, q, 0.2 * k * v)
+        pin.computeForwardKinematicsDerivatives(model, data, moved, v, a)
+        fresh = model.createData()
+        pin.computeForwardKinematicsDerivatives(model, fresh, moved, v, a)
+        for own, wanted in zip(derivatives(data), derivatives(fresh), strict=True):
+            np.testing.assert_allclose(own, wanted, atol=1e-12)
+    pin.rnea(model, data, q, v, a)  # leaves the accelerations of the state before
+    for own, wanted in zip(derivatives(data), derivatives(fresh), strict=True):
+        np.testing.assert_allclose(own, wanted, atol=1e-12)
+    with pytest.raises(TypeError):
+        pin.getJointVelocityDerivatives(model, data, 1)

@@ -51,12 +51,15 @@ def at_frame(
     return (joint, placement._m.tobytes()), fixed_frame
 
 
-def repeated_call(kind: str, motion: bool = False) -> Callable[[Function], Function]:
+def repeated_call(
+    kind: str, motion: bool = False, has_default: bool = True
+) -> Callable[[Function], Function]:
     """Repeats a call with the same arguments by one native call, and leaves all others to the function.
 
     Args:
         kind: The third of the key in `data._bound_at`, after the index and the reference frame.
         motion: Whether the result is a Motion.
+        has_default: Whether the reference frame may be left out.
 
     Returns:
         The decorator.
@@ -65,7 +68,8 @@ def repeated_call(kind: str, motion: bool = False) -> Callable[[Function], Funct
     def decorate(function: Any) -> Any:
         name = function.__name__
         place, reference, *rest = list(inspect.signature(function).parameters)[2:]
-        defaults = {reference: "None" if rest else "LOCAL"} | ({place: "None"} if rest else {})
+        defaults = {reference: "None" if rest else "LOCAL"} if has_default else {}
+        defaults |= {place: "None"} if rest else {}
         names = [place, reference, *rest]
         source = _TEMPLATE.format(
             name=name,

@@ -7,18 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._algorithms.frame_arguments import at_frame, at_frame_or_joint, at_joint
+from pinocchio._algorithms.frame_arguments import at_frame, at_frame_or_joint, at_joint, repeated_call
 from pinocchio._algorithms.jacobians import computeJointJacobiansTimeVariation
-from pinocchio._algorithms.kinematics import forwardKinematics, updateFramePlacement
+from pinocchio._algorithms.kinematics import forwardKinematics
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._data.data import Data
-from pinocchio._data.evaluated_model import kernels_for
+from pinocchio._data.evaluated_model import EvaluatedModel, kernels_for
+from pinocchio._model.bound_kernels import not_applicable, not_read
 from pinocchio._model.model import Model
 from ulna import algorithms
 from ulna.model import Frame
 from ulna.model import Model as CoreModel
-from ulna.typing import Floats
+from ulna.typing import Array, Floats
 
 __all__ = [
     "computeForwardKinematicsDerivatives",
@@ -43,6 +44,7 @@ def computeForwardKinematicsDerivatives(model: Model, data: Data, q: Any, v: Any
     computeJointJacobiansTimeVariation(model, data, q, v)
 
 
+@repeated_call("joint velocity derivatives", has_default=False)
 def getJointVelocityDerivatives(
     model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame
 ) -> tuple[Floats, Floats]:
@@ -55,9 +57,11 @@ def getJointVelocityDerivatives(
         Two matrices (6, nv).
     """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
-    return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, False)
+    place = joint_id, reference_frame, "joint velocity derivatives"
+    return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, False, place)
 
 
+@repeated_call("velocity derivatives")
 @at_frame_or_joint
 def getFrameVelocityDerivatives(
     model: Model,
@@ -77,9 +81,11 @@ def getFrameVelocityDerivatives(
         Two matrices (6, nv).
     """
     key, fixed_frame = at_frame(model, frame_id, joint_id, placement)
-    return _motions(model, data, key, fixed_frame, reference_frame, False)
+    place = frame_id, reference_frame, "velocity derivatives"
+    return _motions(model, data, key, fixed_frame, reference_frame, False, place)
 
 
+@repeated_call("joint acceleration derivatives", has_default=False)
 def getJointAccelerationDerivatives(
     model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame
 ) -> tuple[Floats, ...]:
@@ -92,9 +98,11 @@ def getJointAccelerationDerivatives(
         Four matrices (6, nv).
     """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
-    return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, True)
+    place = joint_id, reference_frame, "joint acceleration derivatives"
+    return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, True, place)
 
 
+@repeated_call("acceleration derivatives")
 @at_frame_or_joint
 def getFrameAccelerationDerivatives(
     model: Model,
@@ -114,26 +122,57 @@ def getFrameAccelerationDerivatives(
         Four matrices (6, nv).
     """
     key, fixed_frame = at_frame(model, frame_id, joint_id, placement)
-    return _motions(model, data, key, fixed_frame, reference_frame, True)
+    place = frame_id, reference_frame, "acceleration derivatives"
+    return _motions(model, data, key, fixed_frame, reference_frame, True, place)
 
 
-def _motions(model: Model, data: Data, key: Any, fixed_frame: Frame | None, rf: Any, with_a: bool) -> Any:
+def _motions(
+    model: Model,
+    data: Data,
+    key: Any,
+    fixed_frame: Frame | None,
+    rf: Any,
+    with_a: bool,
+    place: tuple[Any, ...],
+) -> tuple[Floats, ...]:
+    """The derivatives of a frame's motion; bound at `place` for the next time."""
     reference = reference_of(rf)
+    watch = model.watched("placements")  # first: see `run`
+    watch += [] if fixed_frame is not None else model.watched("frame", key)
     state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         frame = frames[key] if fixed_frame is None else fixed_frame
 
-        return lambda q, v, a: algorithms.motion_derivatives(core, q, v, a, frame, reference)
+        def run(q: Array, v: Array, a: Array) -> tuple[Array, ...]:
+            V_q, V_v, *of_a = algorithms.motion_derivatives(core, q, v, a, frame, reference)
+            results = (V_q, *of_a) if with_a else (V_q, V_v)
+            return *results, algorithms.frame_poses(core, q, (frame,))[0].matrix()
 
+        return run
+
+    kernels = kernels_for(model, data, "motion derivatives")
+    name = "acceleration derivatives" if with_a else "velocity derivatives"
     shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
-    kernel = kernels_for(model, data, "motion derivatives").compile_at_frames(
-        ("derivatives", key, reference), build, **shapes
+    kernel = kernels.compile_at_frames((name, key, reference), build, **shapes)
+    if isinstance(kernels, EvaluatedModel) or (fixed_frame is not None and place[0] is None):
+        *results, T = kernel(*state)
+        if fixed_frame is None:
+            data._arrays["oMf"][key] = T
+        return tuple(results)
+    live = kernels.live(kernel)
+    placed = data._arrays["oMf"][key] if fixed_frame is None else np.empty((4, 4))
+    outputs = [np.zeros(port.shape) for port in live.function.outputs[:-1]]
+    step = live.into(
+        *outputs,
+        placed,
+        returns=tuple(range(len(outputs))),
+        watch=[*not_read(live, watch), (data.mark_of("a"), np.zeros(()))],
+        otherwise=not_applicable,
+        last_inputs=state,
     )
-    V_q, V_v, *of_a = kernel(*state)
-    if fixed_frame is None:
-        updateFramePlacement(model, data, key)
-    return (V_q, *of_a) if with_a else (V_q, V_v)
+    data._bound_at[place] = step, place[1]
+    return step()
 
 
 def getPointVelocityDerivatives(
