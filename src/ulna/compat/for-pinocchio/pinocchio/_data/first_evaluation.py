@@ -27,7 +27,7 @@ def evaluated(model: KinematicTree, data: FieldStates, algorithm: Algorithm, arr
         model: The model.
         data: Its data, which is filled.
         algorithm: The algorithm.
-        arrays: Its inputs, converted.
+        arrays: Its inputs, converted: q (nq,), v (nv,) and so on.
 
     Returns:
         What a call returns, or NotImplemented where it is to be compiled.
@@ -87,7 +87,7 @@ def store(
         model: The model.
         data: Its data, which is filled.
         algorithm: The algorithm.
-        arrays: Its inputs, converted.
+        arrays: Its inputs, converted: q (nq,), v (nv,) and so on.
         *outputs: What it fills.
     """
     _store(model, data, algorithm, _inputs(algorithm, arrays), list(outputs))

@@ -144,7 +144,7 @@ def subtree_centers(evaluator: TableEvaluator, *state: Floats) -> Fields:
 
     Args:
         evaluator: The evaluator.
-        *state: q, then v, then a, as far as they are known.
+        *state: q (nq,), then v (nv,), then a (nv,), as far as they are known.
 
     Returns:
         The fields that follow from the state.

@@ -50,7 +50,15 @@ class TableFields:
         return WorldSums(self._evaluator, self._q, self._v, self._a)
 
     def torques(self, v: Floats | None, a: Floats | None) -> Floats:
-        """Inverse dynamics under the forces (nv,)."""
+        """Inverse dynamics under the forces.
+
+        Args:
+            v: Velocity (nv,) [rad/s or m/s]; None for rest.
+            a: Acceleration (nv,) [rad/s^2 or m/s^2]; None for none.
+
+        Returns:
+            Torques (nv,) [N m or N].
+        """
         return self._evaluator.run(r.DYNAMICS, self._q, v, a, self._forces).tau
 
     @cached_property

@@ -424,7 +424,13 @@ def _column_rates(table, out):
 
 @procedure
 def evaluate(table: Table, numbers: Numbers, out: Results) -> None:
-    """X and T of every step, and what `numbers.tasks` asks for; see `Tasks`."""
+    """X and T of every step, and what `numbers.tasks` asks for; see `Tasks`.
+
+    Args:
+        table: The steps.
+        numbers: Parameters, state and tasks.
+        out: What is computed.
+    """
     _place(table, numbers, out)
     if numbers.tasks[0] == 1:
         _move(table, numbers, out, numbers.tasks[1])

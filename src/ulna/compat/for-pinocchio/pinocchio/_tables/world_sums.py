@@ -153,21 +153,45 @@ class WorldSums:
 
 
 def in_world(T: Floats, twists: Floats) -> Floats:
-    """Twists of moving frames (n, 6), in the world; T holds their placements, (n, 12)."""
+    """Twists of moving frames, in the world.
+
+    Args:
+        T: Placements of the moving frames, rotation by rows and translation (n, 12).
+        twists: Twists (n, 6).
+
+    Returns:
+        Twists (n, 6).
+    """
     R, p = T[:, :9].reshape(-1, 3, 3), T[:, 9:]
     linear, angular = _times(R, twists[:, :3]), _times(R, twists[:, 3:])
     return np.concatenate([linear + np.cross(p, angular), angular], axis=1)
 
 
 def wrenches_in_world(T: Floats, wrenches: Floats) -> Floats:
-    """Wrenches of moving frames (n, 6), in the world; T holds their placements, (n, 12)."""
+    """Wrenches of moving frames, in the world.
+
+    Args:
+        T: Placements of the moving frames, rotation by rows and translation (n, 12).
+        wrenches: Wrenches (n, 6).
+
+    Returns:
+        Wrenches (n, 6).
+    """
     R, p = T[:, :9].reshape(-1, 3, 3), T[:, 9:]
     linear, angular = _times(R, wrenches[:, :3]), _times(R, wrenches[:, 3:])
     return np.concatenate([linear, angular + np.cross(p, linear)], axis=1)
 
 
 def inertias_in_world(T: Floats, inertias: Floats) -> Floats:
-    """Inertias of moving frames (n, 10), as matrices about the world's origin (n, 6, 6)."""
+    """Inertias of moving frames, as matrices about the world's origin.
+
+    Args:
+        T: Placements of the moving frames, rotation by rows and translation (n, 12).
+        inertias: Mass, mass times centre, and moments about each frame's origin (n, 10).
+
+    Returns:
+        Matrices (n, 6, 6).
+    """
     R, p = T[:, :9].reshape(-1, 3, 3), T[:, 9:]
     mass, moments = inertias[:, 0], inertias[:, [4, 5, 6, 5, 7, 8, 6, 8, 9]].reshape(-1, 3, 3)
     rotated = _times(R, inertias[:, 1:4])
@@ -199,12 +223,28 @@ def cross_matrices(twists: Floats) -> Floats:
 
 
 def twist_rates_of_momenta(twists: Floats, momenta: Floats) -> Floats:
-    """The rates of momenta (n, 6) of bodies with constant inertia and these twists (n, 6): V x* h."""
+    """V x* h: how momenta change as their bodies move.
+
+    Args:
+        twists: Twists V (n, 6).
+        momenta: Momenta h (n, 6).
+
+    Returns:
+        Rates (n, 6).
+    """
     return -spatial_products(np.swapaxes(cross_matrices(twists), 1, 2), momenta)
 
 
 def spatial_products(matrices: Floats, vectors: Floats) -> Floats:
-    """Products of matrices (n, 6, 6) with vectors (n, 6)."""
+    """Products of matrices with vectors.
+
+    Args:
+        matrices: Matrices (n, 6, 6).
+        vectors: Vectors (n, 6).
+
+    Returns:
+        Vectors (n, 6).
+    """
     return _times(matrices, vectors)
 
 
