@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import ulna
+from support.compat_packages import using
 from support.script_pages import OPACITIES, PLACE, near, tab_at, wait
-from support.shelf import worn
 
 pytest.importorskip("spatialmath")
 pytestmark = pytest.mark.browser
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.browser
 
 @pytest.fixture(scope="module")
 def toolbox() -> Iterator[None]:
-    with worn("roboticstoolbox"):
+    with using("roboticstoolbox"):
         yield
 
 

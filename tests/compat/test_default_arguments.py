@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 
 MODULES = {
     "roboticstoolbox": ("roboticstoolbox", "roboticstoolbox.tools", "spatialgeometry", "spatialmath"),
@@ -64,7 +64,7 @@ def test_defaults_are_those_of_the_original(package: str) -> None:
     for module in MODULES[package]:
         pytest.importorskip(module)
     theirs = defaults(MODULES[package])
-    with worn(package):
+    with using(package):
         ours = defaults(MODULES[package])
     plain = (int, float, str, type(None))
     compared = {

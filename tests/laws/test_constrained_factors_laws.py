@@ -78,7 +78,7 @@ def test_batches_are_stacks_of_singles() -> None:
         np.testing.assert_allclose(wanted, y, atol=1e-9 * np.abs(y).max())
 
 
-def test_what_is_not_unique_is_told() -> None:
+def test_what_is_not_unique_is_reported() -> None:
     model = tree(0)
     M, J, mu = given(model, 0)
     twice, none = np.concatenate([J[:3], J[:3]]), np.zeros(6)

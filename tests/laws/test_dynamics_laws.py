@@ -248,7 +248,7 @@ def test_compiled_equals_plain(tree: str, name: str) -> None:
         close(compile(traced)(*arrays), expected, 1e-9)
 
 
-def test_both_roads_of_forward_dynamics_and_the_articulated_bodies_agree_when_traced() -> None:
+def test_both_methods_of_forward_dynamics_agree_when_traced() -> None:
     made = Case("sliding")
     arrays = (made.q, made.v, made.a)
     shapes = {n: x.shape[-1:] for n, x in zip("qva", arrays, strict=True)}

@@ -37,7 +37,7 @@ def test_the_jacobian_is_the_derivative() -> None:
         np.testing.assert_allclose(J[..., k], slope, rtol=1e-6, atol=1e-6)
 
 
-def test_flat_bodies_are_refused_and_mended() -> None:
+def test_flat_bodies_are_refused_with_the_nearest_body() -> None:
     point = Inertia.from_point(1.0, (0.1, 0.2, 0.3)).parameters()
     with pytest.raises(InputError, match="nearest_physical"):
         log_cholesky(point)

@@ -69,7 +69,7 @@ def close(actual: Any, expected: Any, tolerance: float = 1e-10) -> None:
 
 
 @pytest.mark.parametrize("quantity", kernels.QUANTITIES)
-def test_every_kernel_with_the_models_own_numbers_is_the_baked_one(quantity: str) -> None:
+def test_kernels_with_the_models_parameters_as_inputs_are_the_constant_ones(quantity: str) -> None:
     model = tree("mimics")
     options: dict[str, Any] = {"friction": True} if quantity in DYNAMIC else {}
     if "damping" in kernels.QUANTITIES[quantity].options:
@@ -116,7 +116,7 @@ def test_each_number_alone_is_another_model(name: str, key: str) -> None:
 
 
 @pytest.mark.parametrize("key", EVERY)
-def test_its_own_numbers_leave_a_model_as_it_is(key: str) -> None:
+def test_its_present_parameters_leave_a_model_unchanged(key: str) -> None:
     model = tree("mimics")
     assert with_parameters(model, {key: parameters(model, key)}) == model
 
@@ -231,7 +231,7 @@ def test_what_is_off_is_written_in_the_axes_of_the_frame() -> None:
     )
 
 
-def test_users_own_functions_take_models_with_traced_numbers() -> None:
+def test_functions_of_users_take_models_with_traced_parameters() -> None:
     model = tree("mimics")
 
     def power(q: Any, v: Any, p: Any, g: Any) -> Any:
@@ -246,7 +246,7 @@ def test_users_own_functions_take_models_with_traced_numbers() -> None:
     close(made(q, v, p, g), expected)
 
 
-def test_the_order_in_which_numbers_are_told_does_not_matter() -> None:
+def test_the_order_of_parameters_does_not_matter() -> None:
     model = tree("revolute")
     values = {name: others(model, name) for name in ("tool", "offset", "placement", "base", "shift")}
     changed = with_parameters(model, values)

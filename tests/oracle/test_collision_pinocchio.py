@@ -31,7 +31,7 @@ def verdicts(twin: Any, geometry: Any, q: Any) -> tuple[list[bool], list[float]]
 
 
 @pytest.mark.parametrize(("name", "link"), [("panda", "panda_link0"), ("ur5", "base_link")])
-def test_same_verdicts_and_distances_in_a_scene(name: str, link: str) -> None:
+def test_same_collisions_and_distances_in_a_scene(name: str, link: str) -> None:
     model = load_model(name)
     checker, twin = Checker(model, table(link)), to_pinocchio(model)
     rng = np.random.default_rng(0)

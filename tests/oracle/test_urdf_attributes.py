@@ -84,7 +84,7 @@ def _same(key: str, one: Any, two: Any) -> bool:
 
 
 @pytest.mark.parametrize("row", TABLE, ids=lambda row: row.name)
-def test_an_attribute_has_its_verdict(row: Row) -> None:
+def test_an_attribute_is_read_or_reported(row: Row) -> None:
     model, said = loaded(row.source)
     listed = [text for text in said if "parts of this file" in text]
     if row.verdict == "warned":

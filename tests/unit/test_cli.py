@@ -49,7 +49,7 @@ def test_help_of_every_command(capsys: pytest.CaptureFixture[str], monkeypatch: 
         assert usage == " ".join(["usage: ulna", command, "[-h]", *arguments])
 
 
-def test_without_a_command_it_tells_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_a_command_all_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
     said = capsys.readouterr().out
     for command in ("list", "info", "show", "demo", "cache"):
@@ -128,7 +128,7 @@ def test_show_does_not_wait_where_nobody_can_look(headless: Path, capsys: pytest
     assert "--headless" in said
 
 
-def test_the_cache_is_told_about_and_cleared(
+def test_the_cache_is_described_and_cleared(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("ULNA_CACHE", str(tmp_path / "kernels"))
@@ -159,7 +159,7 @@ def test_the_cache_is_told_about_and_cleared(
         (["show", "panda", "--headless", "--output", "/dev/null/a.png"], "a.png"),
     ],
 )
-def test_errors_are_one_line_that_mends(
+def test_errors_are_one_line_with_the_fix(
     headless: Path, capsys: pytest.CaptureFixture[str], words: list[str], expected: str
 ) -> None:
     assert main(words) == 2

@@ -67,7 +67,7 @@ def test_two_frames_of_one_name_are_two_goals(robot: ulna.Robot) -> None:
     assert solution.success and np.allclose(solution.q, q, atol=1e-5)
 
 
-def test_every_own_robot_has_one_order() -> None:
+def test_every_robot_of_the_catalogue_has_one_order() -> None:
     for name in ("panda", "panda_fingers", "ur5"):
         robot = ulna.load(name)
         q = robot.random_configuration(seed=2)

@@ -135,7 +135,7 @@ def test_pseudoinverse_is_as_good_as_by_singular_values(condition: float) -> Non
         assert condition <= told <= 6.0 * condition * (1.0 + 1e-3)
 
 
-def test_pseudoinverse_tells_where_the_rank_is_lost() -> None:
+def test_pseudoinverse_reports_where_the_rank_is_lost() -> None:
     rng, kernel = np.random.default_rng(8), compile(linalg.pseudoinverse, a=(6, 7))
     whole = rng.standard_normal((6, 7))
     poor = [

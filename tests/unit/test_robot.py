@@ -274,7 +274,7 @@ def test_arguments_with_defaults_keep_them() -> None:
     assert ulna.compile(lambda x, k=2.0: x * k, x=(3,), k=())(np.ones(3), 5.0).tolist() == [5.0, 5.0, 5.0]
 
 
-def test_asada_is_the_roundness_of_the_inertia_felt_at_the_tool(panda: ulna.Robot) -> None:
+def test_asada_is_the_roundness_of_the_inertia_at_the_tool(panda: ulna.Robot) -> None:
     Q = panda.random_configuration(5, seed=5)
     got = panda.manipulability(Q, "asada", "trans")
     for q, value in zip(Q, got, strict=True):

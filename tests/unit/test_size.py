@@ -77,7 +77,7 @@ def test_the_limit_can_be_set(monkeypatch: pytest.MonkeyPatch) -> None:
         kernels.function(model, "gravity_forces")
 
 
-def test_a_function_of_ones_own_ends_at_the_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_function_of_the_user_ends_at_the_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ULNA_MOST_OPERATIONS", "1000")
 
     def endless(q):

@@ -136,7 +136,7 @@ def test_long_lists_of_names_end_with_their_number() -> None:
         raise UnknownName("thing", "#", [])
 
 
-def test_the_first_of_two_of_a_name_is_told_with_its_place() -> None:
+def test_the_first_of_two_of_a_name_is_named_with_its_place() -> None:
     builder = ModelBuilder("twice")
     builder.add_link("a", where="file.urdf:3")
     with pytest.raises(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 
 pytestmark = pytest.mark.usefixtures("compiled_at_once")
 
@@ -18,7 +18,7 @@ REFERENCES = ("LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED")
 
 @pytest.fixture(scope="module")
 def pin() -> Iterator[Any]:
-    with worn("pinocchio"):
+    with using("pinocchio"):
         import pinocchio
 
         yield pinocchio
@@ -76,7 +76,7 @@ def test_a_velocity_that_is_computed_late_is_that_of_the_last_call(pin: Any, mod
         assert slow.isApprox(pin.getFrameVelocity(model, data, frame, pin.LOCAL))
 
 
-def test_references_are_told_by_their_names_when_bound_too(pin: Any, model: Any) -> None:
+def test_references_are_distinguished_by_their_names_when_bound_too(pin: Any, model: Any) -> None:
     data, q = model.createData(), np.zeros(6)
     for _ in range(2):
         pin.computeFrameJacobian(model, data, q, 3, pin.WORLD)

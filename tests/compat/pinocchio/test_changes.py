@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 from support.two_pythons import both
 
 pytestmark = pytest.mark.usefixtures("compiled_at_once")
@@ -27,7 +27,7 @@ def test_after_many_changes_answers_are_pinocchios(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def pin() -> Iterator[Any]:
-    with worn("pinocchio"):
+    with using("pinocchio"):
         import pinocchio
 
         yield pinocchio

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 from support.two_pythons import both
 from ulna.errors import InputError, ShapeError
 from ulna.robots.example_robot_data import share_folder
@@ -54,7 +54,7 @@ def _close(own: Any, wanted: Any) -> bool:
 
 @pytest.fixture(scope="module")
 def pin() -> Iterator[Any]:
-    with worn("pinocchio"):
+    with using("pinocchio"):
         import pinocchio
 
         yield pinocchio

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 from ulna.errors import FormatError, InputError
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
 
 
 @pytest.fixture(scope="module")
 def pin() -> Iterator[Any]:
-    with worn("pinocchio"):
+    with using("pinocchio"):
         import pinocchio
 
         yield pinocchio
@@ -184,7 +184,7 @@ def test_pickle_keeps_a_mesh_made_in_memory(pin: Any) -> None:
         ("Ellipsoid", (0.1, 0.2, 0.3), Ellipsoid((0.1, 0.2, 0.3))),
     ],
 )
-def test_shapes_of_coal_are_drawn_and_told_apart(
+def test_shapes_of_coal_are_drawn_and_distinguished(
     pin: Any, name: str, sizes: tuple[float, ...], shape: Shape
 ) -> None:
     coal = pytest.importorskip("coal")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 from ulna.errors import InputError
 
 DATA = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
@@ -20,7 +20,7 @@ P, V = np.array([0.3, -0.5, 0.7]), np.array([[0, -0.7, -0.5], [0.7, 0, -0.3], [0
 
 @pytest.fixture(scope="module")
 def pin() -> Iterator[Any]:
-    with worn("pinocchio"):
+    with using("pinocchio"):
         import pinocchio
 
         yield pinocchio

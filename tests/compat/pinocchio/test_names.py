@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 from ulna.errors import InputError
 
 ROOT = Path(__file__).parents[3]
@@ -33,7 +33,7 @@ MODULES = (
 
 @pytest.fixture(scope="module")
 def pin() -> Iterator[Any]:
-    with worn("pinocchio"):
+    with using("pinocchio"):
         import pinocchio
 
         yield pinocchio

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 from ulna.errors import InputError, UnknownName
 
 
 @pytest.fixture(scope="module")
 def pin() -> Iterator[Any]:
-    with worn("pinocchio"):
+    with using("pinocchio"):
         import pinocchio
 
         yield pinocchio
@@ -173,7 +173,7 @@ def test_data_of_other_pairs_are_refused(pin: Any, arm: Any) -> None:
         pin.CollisionPair(-1, 1)
 
 
-def test_a_request_of_ones_own_and_arguments_by_name(pin: Any, arm: Any) -> None:
+def test_a_request_that_is_passed_and_arguments_by_name(pin: Any, arm: Any) -> None:
     _, _, geometries, places = arm
     near = pin.coal.CollisionRequest()
     near.security_margin = 9.0

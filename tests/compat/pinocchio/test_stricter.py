@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 from ulna.errors import InputError, ModelError, ShapeError, UnknownName
 
 ARM = """
@@ -31,7 +31,7 @@ ARM = """
 
 @pytest.fixture(scope="module")
 def pin() -> Iterator[Any]:
-    with worn("pinocchio"):
+    with using("pinocchio"):
         import pinocchio
 
         yield pinocchio

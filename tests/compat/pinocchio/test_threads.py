@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 
 pytestmark = pytest.mark.usefixtures("compiled_at_once")
 
@@ -18,7 +18,7 @@ THREADS = 6
 
 @pytest.fixture(scope="module")
 def pin() -> Iterator[Any]:
-    with worn("pinocchio"):
+    with using("pinocchio"):
         import pinocchio
 
         yield pinocchio

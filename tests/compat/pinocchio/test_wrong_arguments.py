@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 from ulna.errors import InputError
 
 MODEL = (
@@ -69,7 +69,7 @@ FLAGS = (
 
 @pytest.fixture(scope="module")
 def names() -> Iterator[dict[str, Any]]:
-    with worn("pinocchio"):
+    with using("pinocchio"):
         import pinocchio as pin
 
         m = pin.buildSampleModelManipulator()

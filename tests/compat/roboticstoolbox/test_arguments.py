@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 
 pytest.importorskip("spatialmath")
 Q = np.array([0.1, -0.4, 0.2, -2.0, 0.3, 1.9, 0.6])
@@ -18,7 +18,7 @@ ELSEWHERE = Q + 0.2
 
 @pytest.fixture(scope="module")
 def rtb() -> Iterator[Any]:
-    with worn("roboticstoolbox"):
+    with using("roboticstoolbox"):
         yield importlib.import_module("roboticstoolbox")
 
 
@@ -147,7 +147,7 @@ def test_a_chain_with_joints_needs_coordinates(rtb: Any, panda: Any) -> None:
     assert rtb.ETS(rtb.ET.tx(2)).fkine(None).t == pytest.approx([2, 0, 0])
 
 
-def test_robots_in_the_plane_begin_and_end_where_told(rtb: Any) -> None:
+def test_robots_in_the_plane_begin_and_end_at_the_links_passed(rtb: Any) -> None:
     """Planar2: two links of 1 m; `link1` begins at the end of the first, `start` before the transforms of its link."""
     flat, q = rtb.models.ETS.Planar2(), np.array([0.3, -0.8])
     c, s = np.cos(q[0]), np.sin(q[0])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 from ulna.errors import ModelError
 
 pytest.importorskip("spatialmath")
@@ -16,7 +16,7 @@ pytest.importorskip("spatialmath")
 
 @pytest.fixture(scope="module")
 def rtb() -> Iterator[Any]:
-    with worn("roboticstoolbox"):
+    with using("roboticstoolbox"):
         import roboticstoolbox
 
         yield roboticstoolbox

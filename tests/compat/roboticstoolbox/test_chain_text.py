@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("spatialmath")
 
-from support.shelf import worn
+from support.compat_packages import using
 from ulna.errors import FormatError, UnknownName
 
 DEEP = 100_000
@@ -29,7 +29,7 @@ DEEP = 100_000
     ids=range(10),
 )
 def test_expressions_without_a_value_are_refused(text: str, said: str) -> None:
-    with worn("roboticstoolbox"):
+    with using("roboticstoolbox"):
         from roboticstoolbox.tools.chains import trchain
 
         with pytest.raises((FormatError, UnknownName), match=said) as refused:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 from support.two_pythons import both
 from ulna.errors import InputError
 
@@ -20,7 +20,7 @@ pytest.importorskip("spatialmath")
 
 @pytest.fixture(scope="module")
 def rtb() -> Iterator[Any]:
-    with worn("roboticstoolbox"):
+    with using("roboticstoolbox"):
         yield importlib.import_module("roboticstoolbox")
 
 

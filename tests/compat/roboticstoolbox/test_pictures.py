@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("spatialmath")
 matplotlib = pytest.importorskip("matplotlib")
 
-from support.shelf import worn  # noqa: E402
+from support.compat_packages import using  # noqa: E402
 
 
 def _drawn_anew(env: Any) -> Any:
@@ -20,7 +20,7 @@ def _drawn_anew(env: Any) -> Any:
 
 def test_pictures_are_those_of_a_full_drawing(monkeypatch: pytest.MonkeyPatch) -> None:
     matplotlib.use("agg")
-    with matplotlib.rc_context(), worn("roboticstoolbox"):
+    with matplotlib.rc_context(), using("roboticstoolbox"):
         matplotlib.rcdefaults()  # other tests leave styles, under which grid lines lie above the robot
         matplotlib.use("agg")
         import roboticstoolbox as rtb

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 from ulna.compat.packages import environment
 from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.viewer.viewer import Viewer
@@ -23,7 +23,7 @@ pytest.importorskip("spatialmath")
 
 @pytest.fixture(scope="module")
 def sg() -> Iterator[Any]:
-    with worn("roboticstoolbox"):
+    with using("roboticstoolbox"):
         import spatialgeometry
 
         yield spatialgeometry

@@ -9,12 +9,12 @@ import pytest
 pytest.importorskip("spatialmath")
 pytest.importorskip("viser")
 
-from support.shelf import worn
+from support.compat_packages import using
 
 
 @pytest.mark.parametrize("arguments", [{"browser": "notebook"}, {"notebook": True}])
 def test_the_page_is_shown_in_a_cell(arguments: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
-    with worn("roboticstoolbox"):
+    with using("roboticstoolbox"):
         import swift
         from swift import _launch
 

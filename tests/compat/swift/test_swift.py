@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import ulna
-from support.shelf import worn
+from support.compat_packages import using
 from ulna.errors import InputError, UlnaWarning, UnknownName, ViewerError
 
 pytest.importorskip("spatialmath")
@@ -21,7 +21,7 @@ QD = [0.1, 0, 0, 0, 0, 0, 0.1]
 
 @pytest.fixture(scope="module")
 def swift() -> Iterator[Any]:
-    with worn("roboticstoolbox"):
+    with using("roboticstoolbox"):
         import swift
 
         yield swift
@@ -294,7 +294,7 @@ def test_controls_change_and_go_at_any_time(env: Any, swift: Any) -> None:
     assert env.values["gain"] == 3.0 and sorted(env.elements) == [1, 2, 3]
 
 
-def test_controls_are_told_as_swift_tells_them(swift: Any) -> None:
+def test_controls_are_described_as_in_swift(swift: Any) -> None:
     assert swift.Slider(None, 0, 10, 1, 3, label="L", unit="m").to_dict() == {
         "element": "slider", "id": None, "builtin": False, "min": 0.0, "max": 10.0, "step": 1.0, "value": 3.0,
         "label": "L", "unit": "m", "precision": 3,

@@ -79,7 +79,7 @@ def test_an_unknown_package_is_named(folder):
         packages.use("minipear")
 
 
-def test_the_doctor_tells_what_is_missing(folder, tmp_path):
+def test_the_doctor_lists_what_is_missing(folder, tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
         "import minipeer as mp\nfrom minipeer import Arm, Leg\nimport numpy\n"

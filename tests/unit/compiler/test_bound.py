@@ -335,7 +335,7 @@ def test_bound_kernels_are_not_copied(kernel, targets, attempt):
         attempt(kernel.into(*targets))
 
 
-def test_without_the_fast_door_everything_is_the_same(tmp_path):
+def test_without_the_fast_call_everything_is_the_same(tmp_path):
     """The tests of this file in an interpreter whose fast door is shut."""
     import os
 

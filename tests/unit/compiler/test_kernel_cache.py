@@ -107,7 +107,7 @@ def test_another_process_compiles_nothing_and_hashes_do_not_depend_on_its_seed(p
 
 
 @pytest.mark.parametrize("damage", ["flip", "cut", "empty", "head", "longer"])
-def test_a_damaged_entry_is_compiled_anew_and_mended(place, compilations, damage):
+def test_a_damaged_entry_is_compiled_and_written_again(place, compilations, damage):
     use()
     good = {p: p.read_bytes() for p in entries(place)}
     for path, data in good.items():

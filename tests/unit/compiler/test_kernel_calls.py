@@ -107,7 +107,7 @@ def test_what_is_not_an_array_of_doubles_is_converted(kernel):
         check(kernel, q.tolist(), m.astype(np.longdouble))
 
 
-def test_doubles_that_the_fast_door_cannot_read(kernel):
+def test_doubles_that_the_fast_call_cannot_read(kernel):
     """Each of these equals float64 or looks contiguous, and still needs the general path, without end or harm."""
     q, m = data()
     marked = np.dtype("f8", metadata={"unit": "rad"})
@@ -268,7 +268,7 @@ def test_subclasses_of_arrays_keep_their_kind(double):
     assert type(double(np.ones((20, 3)).view(Tagged))) is Tagged
 
 
-def test_arrays_of_other_libraries_take_part_through_their_own_ufunc_hook(double):
+def test_arrays_of_other_libraries_take_part_through_array_ufunc(double):
     class Lazy:
         def __array_ufunc__(self, ufunc, method, *inputs, **kwargs):
             return (ufunc.signature, method)
@@ -494,7 +494,7 @@ def test_without_dask_the_extra_is_named(double, monkeypatch):
 
 
 @pytest.mark.parametrize("checked", [False, True])
-def test_numbers_of_python_and_numpy_take_the_fast_door(checked: bool) -> None:
+def test_numbers_of_python_and_numpy_take_the_fast_call(checked: bool) -> None:
     class Metres(float):
         pass
 

@@ -173,7 +173,7 @@ def test_equal_nodes_are_one_node_and_sums_commute():
     assert build(g, (Op.LT, X, Y)) != build(g, (Op.LT, Y, X))
 
 
-def test_constants_are_told_apart_by_their_bits():
+def test_constants_are_distinguished_by_their_bits():
     g = Graph()
     assert g.constant(0.0) != g.constant(-0.0)
     assert g.constant(1.0) != g.truth(True)

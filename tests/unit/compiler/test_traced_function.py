@@ -281,7 +281,7 @@ def test_operation_counts():
     assert dead.operations == 0
 
 
-def test_the_fingerprint_tells_what_is_computed_and_nothing_else():
+def test_the_fingerprint_is_that_of_what_is_computed():
     def made(f, **shapes):
         return trace(f, **shapes).fingerprint
 

@@ -229,7 +229,7 @@ def test_closed_loops_are_constraints_for_the_dynamics() -> None:
         ),
     ],
 )
-def test_broken_text_is_refused_with_a_mend(text: str, words: str) -> None:
+def test_broken_text_is_refused_with_the_fix(text: str, words: str) -> None:
     with pytest.raises(FormatError, match=words):
         ulna.load(text)
 

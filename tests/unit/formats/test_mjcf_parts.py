@@ -63,7 +63,7 @@ def test_what_is_not_active_or_disabled_is_no_loop() -> None:
     assert loaded(off)[1] == [] == loaded(coupled(weld.format("false")))[1]
 
 
-def test_actuators_with_several_controls_limit_their_own_joint() -> None:
+def test_actuators_with_several_controls_limit_the_joint_they_act_on() -> None:
     actuators = """<actuator><pid joint="a" input="pos vel ff" kp="1"/><motor joint="b" gear="2" forcerange="-3 3"/>
     <motor joint="c" ctrlrange="-1 1" gear="5"/></actuator>"""
     text = f"<mujoco><worldbody>{FOUR}</worldbody>{actuators}</mujoco>"

@@ -207,7 +207,7 @@ def test_meshes_and_textures_are_found(tmp_path):
     assert geometry.material.texture == str(tmp_path / "arm" / "urdf" / "t.png")
 
 
-def test_an_oddity_is_told_once():
+def test_an_unusual_thing_is_reported_once():
     visual = '<visual><geometry><box size="1 1 1"/></geometry><material name="{}">{}</material></visual>'
     colour = '<color rgba="3 0 0 1"/>'
     text = (

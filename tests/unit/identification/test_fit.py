@@ -72,7 +72,7 @@ def test_what_is_not_sought_is_the_models(robot: Robot, true: Robot) -> None:
     assert not found.physical and found.iterations == 1
 
 
-def test_what_the_log_does_not_tell_stays_at_the_prior(robot: Robot, true: Robot) -> None:
+def test_what_the_log_does_not_determine_stays_at_the_prior(robot: Robot, true: Robot) -> None:
     same = identify(robot, *log(robot))
     np.testing.assert_allclose(same.parameters, dynamic_parameters(robot.model), atol=1e-9)
     q, v, a, tau = log(robot)
@@ -110,7 +110,7 @@ def test_noise_of_the_joints_weighs_them(robot: Robot, true: Robot) -> None:
     assert errors[2] < 0.5 * errors[0]
 
 
-def test_deviations_tell_the_error(robot: Robot, true: Robot) -> None:
+def test_deviations_are_those_of_the_error(robot: Robot, true: Robot) -> None:
     found = identify(robot, *log(true, noise=0.05), **ALL)
     clean = identify(robot, *log(true), **ALL)
     score = (found.base_values - clean.base_values) / found.base_deviations

@@ -119,7 +119,7 @@ def test_a_redundant_arm_gives_way_to_a_moving_obstacle_and_stays_near(panda):
     assert np.linalg.norm(solution.q - q) < 1.3 * np.linalg.norm(free[0] - q)
 
 
-def test_what_cannot_be_reached_is_told_apart_from_what_collides(panda, ur5):
+def test_what_cannot_be_reached_is_distinguished_from_what_collides(panda, ur5):
     for robot in (panda, ur5):
         T = np.eye(4)
         T[0, 3] = 3.0

@@ -60,7 +60,7 @@ def test_a_batch_is_reached_like_its_goals_and_keeps_its_shape(panda, goals):
     np.testing.assert_array_equal(one.q, few.q[1, 0])
 
 
-def test_figures_are_what_is_told_one_by_one(panda, goals):
+def test_figures_are_the_attributes_one_by_one(panda, goals):
     T = goals[1][0]
     several = {"panda_hand": panda.fk(goals[0][0], frame="panda_hand"), "panda_link4": T}
     for solution in (panda.ik(T), panda.ik(goals[1][:3]), panda.ik(several, mask="position", attempts=8)):

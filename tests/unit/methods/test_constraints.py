@@ -95,7 +95,7 @@ def test_forces_and_friction_act_too(robot: ulna.Robot, state) -> None:
     np.testing.assert_allclose(motion.a, same, atol=1e-8)
 
 
-def test_every_choice_has_its_own_kernel(robot: ulna.Robot, state) -> None:
+def test_every_choice_has_another_kernel(robot: ulna.Robot, state) -> None:
     """Also when the choices are made of the same values."""
     q, v, tau = (x[0, 0] for x in state)
     tip = PointContact("tip")
@@ -198,7 +198,7 @@ def test_one_iteration_leaves_the_constraints_yielding(robot: ulna.Robot, state)
     assert soft.residual == pytest.approx(np.abs(left).max())
 
 
-def test_inside_ones_own_function(robot: ulna.Robot, state) -> None:
+def test_inside_a_function_of_the_user(robot: ulna.Robot, state) -> None:
     q, v, tau = (x[0, 0] for x in state)
     own = ulna.compile(lambda q, v, tau: robot.constrained_dynamics(q, v, tau, CONSTRAINTS).a, robot)
     np.testing.assert_allclose(

@@ -133,7 +133,7 @@ def test_mass_and_centre_of_parts(robot: ulna.Robot, state) -> None:
         robot.total_mass("nothing")
 
 
-def test_inside_ones_own_function(robot: ulna.Robot, state) -> None:
+def test_inside_a_function_of_the_user(robot: ulna.Robot, state) -> None:
     q, v, _ = (x[0, 0] for x in state)
     held = ulna.compile(
         lambda q, v, w: robot.static_torque(q, {"panda_hand": w}) - 3.0 * v, robot, w=(6,)

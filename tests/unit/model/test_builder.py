@@ -37,7 +37,7 @@ def pair() -> ModelBuilder:
 # -------- what comes out
 
 
-def test_joints_and_links_come_depth_first_in_the_order_told() -> None:
+def test_joints_and_links_come_depth_first_in_the_order_of_adding() -> None:
     b = ModelBuilder("tree")
     for name in ("tip2", "root", "a", "b", "a1", "tip1"):
         b.add_link(name)

@@ -60,7 +60,7 @@ def test_rebuilding_the_arm_changes_nothing_at_all() -> None:
 # -------- locking
 
 
-def test_locked_joints_stand_where_they_are_told() -> None:
+def test_locked_joints_stand_at_the_position_passed() -> None:
     m = arm()
     q = np.array([0.3, -0.2, 0.7, 0.02])
     small = lock_joints(m, {"j1": -0.2})

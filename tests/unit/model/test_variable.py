@@ -42,7 +42,7 @@ def test_unknown_names_offer_the_nearest(name: str) -> None:
             ask()
 
 
-def test_what_cannot_be_told_is_refused() -> None:
+def test_unknown_parameters_are_refused() -> None:
     model = arm()
     with pytest.raises(ShapeError, match=r"`placement` has shape \(30,\); expected .*5, 6\)"):
         with_parameters(model, {"placement": np.zeros(30)})

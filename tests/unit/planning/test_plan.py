@@ -214,7 +214,7 @@ def test_margins_are_kept() -> None:
         assert (checker.clearance(x + t * (y - x)) > 0.02 - 1e-9).all()
 
 
-def test_spheres_of_the_users_own_are_used() -> None:
+def test_spheres_that_the_user_passes_are_used() -> None:
     robot, world = panda(), shelf()
     a, b = left_and_right()
     fitted = robot.collision_spheres()

@@ -143,7 +143,7 @@ def test_wrong_input_is_refused() -> None:
         simulate(robot, [0.0], duration=1.0, friction=Friction([1.0, 2.0]))
 
 
-def test_a_motion_without_bounds_is_told() -> None:
+def test_a_diverging_motion_is_reported() -> None:
     with pytest.raises(InputError, match="diverged at t = 0.1 s"):
         simulate(flywheel(), [1.0], torque=[1e308], duration=1.0, dt=0.1)
 

@@ -86,7 +86,7 @@ def test_a_recording_grows_and_a_missing_note_is_nan() -> None:
         recording.q[0] = 1.0
 
 
-def test_a_recording_tells_where_the_robot_was(panda: ulna.Robot) -> None:
+def test_a_recording_has_where_the_robot_was(panda: ulna.Robot) -> None:
     recording = Recording()
     with pytest.raises(InputError, match="Nothing was recorded"):
         recording.at(0.0)

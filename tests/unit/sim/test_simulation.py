@@ -48,7 +48,7 @@ def test_all_limits_hold_where_asked(panda: ulna.Robot) -> None:
 
 
 @pytest.mark.parametrize("early", [True, False])
-def test_told_before_or_after_adding_means_the_same(panda: ulna.Robot, early: bool) -> None:
+def test_settings_before_or_after_adding_mean_the_same(panda: ulna.Robot, early: bool) -> None:
     sim, body = Simulation(), Body(panda)
     if not early:
         sim.add(body)
@@ -139,7 +139,7 @@ def test_effort_is_limited_where_asked(panda: ulna.Robot) -> None:
     np.testing.assert_array_equal(arm.recording["tau"][-1], panda.limits.effort)
 
 
-def test_steps_are_told_of_and_recorded(panda: ulna.Robot) -> None:
+def test_steps_are_reported_and_recorded(panda: ulna.Robot) -> None:
     seen = []
     sim = Simulation().each_step(lambda sim: seen.append((sim.steps, round(sim.t, 9))))
     arm, quiet = sim.add(panda), sim.add(panda, name="quiet", record=False)

@@ -73,7 +73,7 @@ def test_multiprocessing_forks_during_compilations():
     )
 
 
-def test_a_fork_within_what_is_told_of_a_compilation():
+def test_a_fork_within_the_report_of_a_compilation():
     run_script(
         """
         from ulna.compiler.runtime import jit

@@ -115,7 +115,7 @@ def test_it_fades(viewer: Viewer, kind: str, panda: ulna.Robot, tmp_path: Path) 
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_it_gets_a_colour_and_its_own_back(
+def test_it_gets_a_colour_and_the_former_one_back(
     viewer: Viewer, kind: str, panda: ulna.Robot, tmp_path: Path
 ) -> None:
     thing, without, before = made(viewer, kind, panda, tmp_path)

@@ -94,7 +94,7 @@ def test_a_film_that_fails_leaves_what_was_there(tmp_path: Path, suffix: str) ->
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no device that is always full")
 @pytest.mark.parametrize("suffix", [".gif", ".mp4", ".png", ".html"])
-def test_a_full_disk_is_told_of_and_leaves_nothing(
+def test_a_full_disk_is_reported_and_leaves_no_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
 ) -> None:
     if suffix == ".html":

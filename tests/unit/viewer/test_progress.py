@@ -66,7 +66,7 @@ def test_long_work_counts_and_is_gone_when_it_is_done(
     assert "Loading: 2 of 3" in terminal.getvalue() and terminal.getvalue().endswith("\r")
 
 
-def test_the_newest_of_quick_counts_is_told(
+def test_the_newest_of_quick_counts_is_reported(
     heard: list[Any], impatient: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "_INTERVAL", 0.05)

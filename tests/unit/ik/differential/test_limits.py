@@ -132,7 +132,7 @@ def test_plane(model: Model) -> None:
         PlaneLimit("link2", gain=2.0)
 
 
-def test_limits_of_your_own_take_part(model: Model) -> None:
+def test_limits_that_users_define_take_part(model: Model) -> None:
     from ulna.ik import DifferentialIK
 
     class OneWay(Limit):

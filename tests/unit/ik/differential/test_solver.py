@@ -77,7 +77,7 @@ def test_targets_go_by_place_or_by_name(ik: DifferentialIK, q, goal) -> None:
     np.testing.assert_array_equal(ik.step(q, DT, goal), q + DT * v)
 
 
-def test_defaults_are_told_last(panda: ulna.Robot, q, goal) -> None:
+def test_defaults_are_the_last_passed(panda: ulna.Robot, q, goal) -> None:
     ik = DifferentialIK(
         panda,
         [PostureTask(1e-3, target=dict.fromkeys(panda.joint_names, 0.1)), FrameTask(HAND)],
@@ -102,7 +102,7 @@ def test_costs_can_be_faded(panda: ulna.Robot, q, goal) -> None:
     np.testing.assert_array_equal(ik.velocity(q, DT, goal, other), v)
 
 
-def test_what_is_told_wrongly_is_refused(ik: DifferentialIK, q, goal) -> None:
+def test_wrong_targets_are_refused(ik: DifferentialIK, q, goal) -> None:
     with pytest.raises(InputError, match="Missing targets: 'panda_hand'"):
         ik.velocity(q, DT)
     with pytest.raises(UnknownName, match="Did you mean 'panda_hand'"):
@@ -309,7 +309,7 @@ def test_rows_need_daqp_only_where_they_matter(panda: ulna.Robot, q, goal, monke
 # ------------------------------------------------------------------------------------------------ rows, batches, kinds
 
 
-def test_a_matrix_that_is_told_need_not_be_a_rotation(panda: ulna.Robot, q) -> None:
+def test_a_matrix_that_is_passed_need_not_be_a_rotation(panda: ulna.Robot, q) -> None:
     ik = DifferentialIK(panda, [PostureTask()], [LinearLimit(4)], locked=panda.joint_names[4:])
     problem = ik.problem(q, DT, q, np.ones((4, 7)), np.ones(4))
     assert problem.status == problem.verdict == 0.0  # `verdict` is the former name
@@ -331,7 +331,7 @@ def test_rows_are_kept(panda: ulna.Robot, q, goal) -> None:
     np.testing.assert_allclose(ik.step(q, DT, goal, A, b), q + DT * v)
 
 
-def test_a_batch_is_mended_sample_by_sample(panda: ulna.Robot, q, goal) -> None:
+def test_a_batch_is_solved_again_sample_by_sample(panda: ulna.Robot, q, goal) -> None:
     ik = DifferentialIK(
         panda, [FrameTask(HAND)], [VelocityLimit(), PlaneLimit(HAND, height=0.2)], constraints=[]
     )

@@ -58,7 +58,9 @@ def closed(triangles: np.ndarray) -> bool:
 
 
 @pytest.mark.parametrize(("bound", "share"), [(1e-4, 0.95), (5e-4, 0.6), (3e-3, 0.2)])
-def test_no_point_of_either_surface_is_farther_from_the_other_than_told(bound: float, share: float) -> None:
+def test_no_point_of_either_surface_is_farther_from_the_other_than_the_bound(
+    bound: float, share: float
+) -> None:
     vertices, triangles = knot()
     points, faces = decimated(vertices, triangles, bound)
     assert len(faces) < share * len(triangles)

@@ -161,7 +161,7 @@ def test_a_camera_that_is_given_is_that_of_new_tabs_and_of_open_ones() -> None:
     }  # fmt: skip
 
 
-def test_a_gizmo_tells_where_it_was_dragged(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_gizmo_reports_where_it_was_dragged(monkeypatch: pytest.MonkeyPatch) -> None:
     pose = np.array([[0, -1, 0, 1], [1, 0, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1.0]])
     posted: list[Any] = []
     with Page(Scene(), port=0) as page:

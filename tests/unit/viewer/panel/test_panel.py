@@ -170,7 +170,9 @@ def test_a_folder_takes_all_within_along(panel: Panel) -> None:
     after.remove()
 
 
-def test_a_pendant_goes_with_its_robot_and_alone(viewer: Viewer, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_teach_panel_is_removed_with_its_robot_and_alone(
+    viewer: Viewer, capsys: pytest.CaptureFixture[str]
+) -> None:
     if viewer.url == "":
         with pytest.raises(InputError, match="no page"):
             viewer.pendant(viewer.add(ulna.load("panda", visuals="simple")))
