@@ -155,7 +155,7 @@ def _by_colour(colours: Array) -> list[tuple[tuple[float, float, float], Array]]
 def _points(geometry: Any, material: Any, kind: str) -> Drawn:
     """Points, or the lines that join them, as the kind of the object says."""
     at = np.array(geometry.position, dtype=float)
-    positions = shaped_array("position", at, 3, None).T
+    positions = shaped_array("position", at.reshape(3, 0) if at.size == 0 else at, 3, None).T
     colours = None if geometry.color is None else shaped_array("color", geometry.color, 3, len(positions)).T
     rgba = rgba_of(material)
     if kind == "Points":

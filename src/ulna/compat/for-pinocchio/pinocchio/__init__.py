@@ -91,7 +91,7 @@ else:
 
     def __getattr__(name: str) -> _Any:
         if name in _lazy_names():
-            return _load_lazy_name(name)
+            return globals().setdefault(name, _load_lazy_name(name))
         text = f"module 'pinocchio' (Ulna's) has no {name!r}. {_message(name, __dir__())}"
         if not name.startswith("_") and _imported():
             raise ImportError(text, name="pinocchio")

@@ -8,6 +8,7 @@ import numpy as np
 
 from pinocchio._algorithms import center_of_mass, configurations, dynamics, model_editing
 from pinocchio._containers.documentation import describe_arguments
+from pinocchio._containers.former_names import replacement_message
 from pinocchio._geometry.geometry_model import GeometryModel
 from pinocchio._model.model import Model
 from pinocchio._robot_wrapper.kinematics import Kinematic
@@ -266,9 +267,10 @@ class RobotWrapper(Kinematic, Viewed):
         if name.startswith("_") or name in ("viz", "model"):
             raise AttributeError(name)
         offered = [n for n in (*dir(type(self)), *self.__dict__) if n[0] != "_"]
-        raise AttributeError(
-            str(UnknownName("attribute of a RobotWrapper", name, offered)), name=name, obj=self
-        )
+        replaced = replacement_message("RobotWrapper", name)
+        kind = "attribute of a RobotWrapper"
+        text = f"No {kind} named {name!r}. {replaced}" if replaced else str(UnknownName(kind, name, offered))
+        raise AttributeError(text, name=name, obj=self)
 
     def __repr__(self) -> str:
         return f"<RobotWrapper of {self.model.name!r}: nq={self.nq}, nv={self.nv}>"

@@ -11,7 +11,7 @@ from pinocchio._containers.arrays import matrix, vector
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.motion_force import skew
-from ulna import spatial
+from ulna import numeric, spatial
 from ulna.compiler import compile as compile_function
 from ulna.errors import UnknownName
 from ulna.typing import Floats
@@ -24,13 +24,21 @@ def rpyToMatrix(*rpy: Any) -> Floats:
 
 
 def matrixToRpy(R: Any) -> Floats:
-    """Roll, pitch, yaw (3,) [rad] of a rotation matrix."""
+    """Roll, pitch, yaw (3,) [rad] of a rotation matrix; where pitch is +-pi/2 its first column divides the turn."""
     return _of_matrix()(matrix(R, (3, 3), "R"))
 
 
 @cache
 def _of_matrix() -> Any:
-    return compile_function(spatial.matrix_to_rpy, R=(3, 3))
+    return compile_function(_split, R=(3, 3))
+
+
+def _split(R: Any) -> Any:
+    """Source: Siciliano et al., Robotics, eq. (2.22), with roll by the matrix turned back by yaw."""
+    yaw = numeric.arctan2(R[1, 0], R[0, 0])
+    s, c = numeric.sincos(yaw)
+    pitch = numeric.arctan2(-R[2, 0], numeric.sqrt(R[2, 1] * R[2, 1] + R[2, 2] * R[2, 2]))
+    return numeric.vector(numeric.arctan2(s * R[0, 2] - c * R[1, 2], c * R[1, 1] - s * R[0, 1]), pitch, yaw)
 
 
 @cache

@@ -9,6 +9,7 @@ import numpy as np
 from pinocchio._spatial.motion_force import skew
 from pinocchio._spatial.random_numbers import generator
 from pinocchio._spatial.se3 import SE3ToXYZQUAT as se3ToXYZQUAT
+from pinocchio._spatial.se3 import SE3ToXYZQUATtuple as se3ToXYZQUATtuple
 from pinocchio._spatial.se3 import XYZQUATToSE3 as XYZQUATToSe3
 from pinocchio.rpy import matrixToRpy, rotate, rpyToMatrix
 from ulna.typing import Floats
@@ -119,6 +120,7 @@ __all__ = [
     "rotate",
     "rpyToMatrix",
     "se3ToXYZQUAT",
+    "se3ToXYZQUATtuple",
     "skew",
     "zero",
 ]

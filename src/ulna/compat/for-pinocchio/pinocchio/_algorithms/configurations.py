@@ -13,6 +13,7 @@ from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.building import FREE
 from pinocchio._model.model import Model
+from pinocchio._model.quaternion_signs import quaternion_starts, with_signs_kept
 from pinocchio._spatial.random_numbers import generator
 from ulna import algorithms
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
@@ -157,9 +158,23 @@ def _bound(model: Model, name: str, *state: Floats) -> Floats:
     """What the bound `integrate` or `difference` of a model says, which is bound where it does not apply."""
     result = getattr(model, f"_{name}")(*state)
     if result is NotImplemented:
-        setattr(model, f"_{name}", BoundKernel(model.compiled_structure().core_kernel(name)).call)
+        kernel = _integration(model) if name == "integrate" else model.compiled_structure().core_kernel(name)
+        setattr(model, f"_{name}", BoundKernel(kernel).call)
         result = getattr(model, f"_{name}")(*state)
     return result
+
+
+def _integration(model: Model) -> Any:
+    """The kernel of `integrate`; free flyers keep the signs of their quaternions, as in Pinocchio."""
+    compiled = model.compiled_structure()
+    starts = quaternion_starts((j.idx_q, j.kind) for j in compiled.model.joints if not j.mimic)
+    if not starts:
+        return compiled.core_kernel("integrate")
+
+    def build(core: CoreModel) -> Any:
+        return with_signs_kept(functools.partial(algorithms.integrate, core), starts)
+
+    return compiled.compile("integrate", build, q=(model.nq,), v=(model.nv,))
 
 
 def interpolate(model: Model, q1: Any, q2: Any, alpha: float) -> Floats:

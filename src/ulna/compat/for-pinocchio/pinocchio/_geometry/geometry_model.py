@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import NoReturn, final
 
 from pinocchio._containers.files import register
+from pinocchio._containers.former_names import replacement_message
 from pinocchio._geometry.geometry_collection import GeometryCollection
 from pinocchio._geometry.geometry_data import GeometryData
 
@@ -16,6 +17,12 @@ class GeometryModel(GeometryCollection):
     def createData(self) -> GeometryData:
         """What placements and results are written into."""
         return GeometryData(self)
+
+    def __getattr__(self, name: str) -> NoReturn:
+        text = (
+            f"'GeometryModel' object has no attribute {name!r}. {replacement_message('GeometryModel', name)}"
+        )
+        raise AttributeError(text.rstrip(), name=name, obj=self)
 
 
 register(GeometryModel)

@@ -13,6 +13,7 @@ import numpy as np
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import NO_INDEX, index, vector
 from pinocchio._containers.files import Saved, register
+from pinocchio._containers.former_names import replacement_message
 from pinocchio._containers.keywords import reads_names
 from pinocchio._geometry.materials import GeometryNoMaterial, PhysicsMaterial
 from pinocchio._spatial.se3 import SE3, Placed
@@ -201,6 +202,10 @@ class GeometryObject(Placed, Saved):
         )
 
     __hash__ = object.__hash__
+
+    def __getattr__(self, name: str) -> Any:
+        text = f"'GeometryObject' object has no attribute {name!r}. {replacement_message('GeometryObject', name)}"
+        raise AttributeError(text.rstrip(), name=name, obj=self)
 
     def __repr__(self) -> str:
         what = self.shape

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from pinocchio._model.joint_model import JointModel
 from pinocchio._model.kernel_cache import KernelCache
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
-from ulna.errors import InputError, ModelError
+from ulna.errors import InputError, ModelError, ModelWarning
 
 FREE = float(np.finfo(float).max)
 """What limits are where there is none."""
@@ -263,17 +264,18 @@ class KinematicTree(KernelCache):
             append_inertia: Whether to add its inertia.
 
         Returns:
-            Its index.
-
-        Raises:
-            ModelError: There is a frame of that name and type.
+            Its index; that of the frame of the same name and type where there is one, which stays as it is.
         """
         index(frame.parentJoint, self.njoints, "joint", f"It is the parent joint of frame {frame.name!r}.")
         index(frame.parentFrame, self.nframes, "frame", f"It is the parent frame of frame {frame.name!r}.")
         if self.existFrame(frame.name, frame.type):
-            raise ModelError(
-                f"There is a {frame.type.name} frame named {frame.name!r} already. Give another name."
-            )
+            present = int(self.getFrameId(frame.name, frame.type))
+            if frame != self.frames[present]:
+                warnings.warn(
+                    f"There is a {frame.type.name} frame named {frame.name!r} already, which is another one; it stays. "
+                    "Give another name.", ModelWarning, stacklevel=2,
+                )  # fmt: skip
+            return present
         self.frames.append(frame.copy())
         if append_inertia and not frame.inertia.isZero():
             self._inertias[frame.parentJoint] += frame.inertia.se3Action(frame.placement)

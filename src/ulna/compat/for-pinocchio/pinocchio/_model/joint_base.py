@@ -33,10 +33,10 @@ class JointBase:
         """Where its entries of q, of v, and of v with mimic joints counted begin."""
         self.kind: JointKind | None = None if other is None else other.kind
         """Ulna's kind of joint; None for the universe."""
-        self.nq = 0 if self.kind is None else self.kind.nq
-        """How many entries of q it has."""
-        self.nv = 0 if self.kind is None else self.kind.nv
-        """How many entries of v it has."""
+        self.nq = 1 if self.kind is None else self.kind.nq
+        """How many entries of q it has; 1 for the universe, as in Pinocchio, which has none."""
+        self.nv = 1 if self.kind is None else self.kind.nv
+        """How many entries of v it has; 1 for the universe, as in Pinocchio, which has none."""
         self._shortname = "JointModelRX" if other is None else other.shortname()
         self._wrapped = other
         self._mimic_shortname = ""
@@ -50,7 +50,7 @@ class JointBase:
     @property
     def nvExtended(self) -> int:
         """How many velocities it has of its own, also where it mimics."""
-        return 0 if self.kind is None else self.kind.nv
+        return 1 if self.kind is None else self.kind.nv
 
     @property
     def scaling(self) -> float:

@@ -11,6 +11,7 @@ from pinocchio._containers.arrays import exact, numbers, vector
 from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel, not_applicable
 from pinocchio._model.joint_base import JointBase
+from pinocchio._model.quaternion_signs import quaternion_starts, with_signs_kept
 from pinocchio._spatial.random_numbers import generator
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
@@ -245,7 +246,13 @@ class LieGroup:
         key = self._name, name
         if key not in _kernels:
             shapes: dict[str, Any] = {key: (size,) for key, size in sizes.items()}
-            _kernels[key] = BoundKernel(compile_function(getattr(self._nonempty_kind, name), **shapes)).call
+            function, starts = (
+                getattr(self._nonempty_kind, name),
+                quaternion_starts([(0, self._nonempty_kind)]),
+            )
+            if name == "integrate" and starts:
+                function = with_signs_kept(function, starts)
+            _kernels[key] = BoundKernel(compile_function(function, **shapes)).call
         setattr(self, f"_{name}", _kernels[key])
         return _kernels[key](*arrays)
 

@@ -72,8 +72,14 @@ class Model(Saved, Supports, KinematicTree):
 
     # sizes and the tree ---------------------------------------------------------------------------------
 
-    nqs = property(lambda self: StdVec(j.nq for j in self.joints), doc="For each joint its entries of q.")
-    nvs = property(lambda self: StdVec(j.nv for j in self.joints), doc="For each joint its entries of v.")
+    nqs = property(
+        lambda self: StdVec(j.nq if j.kind else 0 for j in self.joints),
+        doc="For each joint its entries of q.",
+    )
+    nvs = property(
+        lambda self: StdVec(j.nv if j.kind else 0 for j in self.joints),
+        doc="For each joint its entries of v.",
+    )
     idx_qs = property(
         lambda self: StdVec(max(j.idx_q, 0) for j in self.joints), doc="For each joint where its q begins."
     )
@@ -81,7 +87,8 @@ class Model(Saved, Supports, KinematicTree):
         lambda self: StdVec(max(j.idx_v, 0) for j in self.joints), doc="For each joint where its v begins."
     )
     nvExtendeds = property(
-        lambda self: StdVec(j.nvExtended for j in self.joints), doc="Like nvs, mimic joints counted."
+        lambda self: StdVec(j.nvExtended if j.kind else 0 for j in self.joints),
+        doc="Like nvs, mimic joints counted.",
     )
     idx_vExtendeds = property(
         lambda self: StdVec(max(j.idx_vExtended, 0) for j in self.joints),

@@ -7,6 +7,7 @@ import re
 import sys
 from collections.abc import Iterable
 
+from pinocchio._containers.former_names import replacement_message
 from ulna.errors import nearest
 
 _MESSAGES = (
@@ -42,6 +43,8 @@ def unsupported_name_message(name: str, offered: Iterable[str]) -> str:
     Returns:
         The message.
     """
+    if replaced := replacement_message("pinocchio", name):
+        return replaced
     message = next((message for pattern, message in _MESSAGES if re.fullmatch(pattern, name)), "")
     near = nearest(name, offered, 1, 0.9 if message else 0.7)
     hint = f"Did you mean {near[0]!r}?" if near else ""
