@@ -88,7 +88,7 @@ def transcript(calls: Iterable[str], names: dict[str, Any], scene: Any) -> str:
         try:
             result = words(eval(call, {"np": np}, names))
         except Exception as error:
-            text = re.sub(r"/\S*/", "", str(error))
+            text = re.sub(r"(?<=['\" ])/(?:[\w.-]+/)+", "", str(error))  # where this package lies
             result = f"{type(error).__name__}: {text}"
         lines.append(f"{call}\n    = {result}")
         after = scene_state(scene)
