@@ -36,7 +36,7 @@ class Finding:
 def examine(path: str | Path) -> list[Finding]:
     """The names of libraries that a script uses, in the order of their lines; the script is read, not run.
 
-    What is reached through an instance (`robot.fkine`) cannot be told from the text and is not listed.
+    What is reached through an instance (`robot.fkine`) cannot be known from the text and is not listed.
 
     Raises:
         InputError: If the file cannot be read.

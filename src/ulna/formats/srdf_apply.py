@@ -1,4 +1,4 @@
-"""Gives a model what an SRDF says about it: groups, named configurations, pairs without collision checks."""
+"""Adds what an SRDF says to a model: groups, named configurations, pairs without collision checks."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ class Palette:
         for link in root.children("link"):
             for visual in link.children("visual"):
                 for node in visual.children("material"):
-                    self._add(_material(node, quiet=True))  # its oddities are told when the visual is read
+                    self._add(_material(node, quiet=True))  # its warnings come when the visual is read
 
     def _add(self, material: UrdfMaterial) -> None:
         if material.name and (material.rgba or material.texture):

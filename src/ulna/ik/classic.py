@@ -101,16 +101,18 @@ def classic(problem: Problem, method: Method, has_null_motion: bool) -> Function
             at = errors(problem, q, goals, tolerances)
             is_met = at.is_met & _is_within(problem, q)
             over = (at.is_met | (age >= most)) & ~is_met
-            wish = None
+            null_velocity = None
             if has_null_motion:
                 # It fades near the goal, where what it does to e would keep the search from ending.
-                wish = _wish(problem, q, *settings[5:8]) * (at.squared / (at.squared + _NEAR))
+                null_velocity = _null_velocity(problem, q, *settings[5:8]) * (
+                    at.squared / (at.squared + _NEAR)
+                )
             if method == "qp":
-                dq = bounded_move(problem, q, at, damping, wish)
+                dq = bounded_move(problem, q, at, damping, null_velocity)
             else:
                 dq = move(at, method, damping)
-                if wish is not None:
-                    dq = dq + wish - solve_damped(at.J, at.J @ wish, _SINGULAR)
+                if null_velocity is not None:
+                    dq = dq + null_velocity - solve_damped(at.J, at.J @ null_velocity, _SINGULAR)
             moved = problem.moved(q, dq)
             anew = starting_point(problem, q0, shift, failed + 1.0, 1.0)
             following = numeric.where(is_met, q, numeric.where(over, anew, moved))
@@ -154,15 +156,15 @@ def move(at: Errors, method: Method, damping: Any) -> Array:
     return solve_spd(J.T @ J + (weight + _SINGULAR) * np.eye(J.shape[1]), J.T @ at.e)
 
 
-def bounded_move(problem: Problem, q: Array, at: Errors, damping: Any, wish: Array | None) -> Array:
-    """The step of "qp", which ends within the limits; with `wish` its objective also rewards motion along z.
+def bounded_move(problem: Problem, q: Array, at: Errors, damping: Any, null_velocity: Array | None) -> Array:
+    """The step of "qp", which ends within the limits; with `null_velocity` its objective also rewards motion along z.
 
     Args:
         problem: The problem, with the limits.
         q: Configuration (nq,) [rad or m].
         at: Errors and Jacobian there.
         damping: lambda of the table above.
-        wish: z, (n,); None for none.
+        null_velocity: z, (n,); None for none.
 
     Returns:
         dq (n,) [rad or m].
@@ -173,7 +175,7 @@ def bounded_move(problem: Problem, q: Array, at: Errors, damping: Any, wish: Arr
     )
     here = _of_velocities(problem, q, 0)
     weight = damping * 0.5 * at.squared + _SINGULAR
-    pull = at.J.T @ at.e if wish is None else at.J.T @ at.e + weight * wish
+    pull = at.J.T @ at.e if null_velocity is None else at.J.T @ at.e + weight * null_velocity
     H = at.J.T @ at.J + weight * np.eye(len(here))
     return solve_box(H, -pull, numeric.minimum(lower - here, 0.0), numeric.maximum(upper - here, 0.0)).x
 
@@ -188,10 +190,12 @@ def _of_velocities(problem: Problem, positions: Array, missing: float) -> Array:
     return np.array(out, dtype=getattr(positions, "dtype", float))
 
 
-def _wish(problem: Problem, q: Array, limit_gain: Any, influence: Any, manipulability_gain: Any) -> Array:
+def _null_velocity(
+    problem: Problem, q: Array, limit_gain: Any, influence: Any, manipulability_gain: Any
+) -> Array:
     """z."""
     lower, upper = problem.limits
-    wish = np.zeros(len(problem.velocities), dtype=object)
+    null_velocity = np.zeros(len(problem.velocities), dtype=object)
     place = {velocity: k for k, velocity in enumerate(problem.velocities)}
     for joint in (problem.model.joints[i] for i in problem.joints):
         if joint.nq != 1 or joint.nv != 1:
@@ -200,11 +204,11 @@ def _wish(problem: Problem, q: Array, limit_gain: Any, influence: Any, manipulab
         for bound, sign in ((lower[i], 1.0), (upper[i], -1.0)):
             if np.isfinite(bound):
                 short = numeric.minimum(sign * (q[i] - bound) - influence, 0.0) / influence
-                wish[k] = wish[k] + sign * limit_gain * short * short
+                null_velocity[k] = null_velocity[k] + sign * limit_gain * short * short
     for frame in problem.frames:
         gradient = algorithms.manipulability_gradient(problem.model, q, frame)
-        wish = wish + manipulability_gain * gradient[problem.velocities]
-    return wish
+        null_velocity = null_velocity + manipulability_gain * gradient[problem.velocities]
+    return null_velocity
 
 
 def _is_within(problem: Problem, q: Array) -> Any:

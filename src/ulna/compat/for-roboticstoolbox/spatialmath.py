@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
 def _installed() -> ModuleSpec | None:
     """Where the package is: the next on the path after this file."""
-    shelf = Path(__file__).resolve().parent
-    places = [place for place in sys.path if Path(place or ".").resolve() != shelf]
+    folder = Path(__file__).resolve().parent
+    places = [place for place in sys.path if Path(place or ".").resolve() != folder]
     finders: list[Any] = list(sys.meta_path)
     spec = (f.find_spec(__name__, places if f is PathFinder else None) for f in finders)
     return next((spec for spec in spec if spec is not None and spec.origin != __file__), None)

@@ -103,10 +103,10 @@ def _read_inputs(to: Writer, f: Function) -> None:
 
 def _write_steps(to: Writer, steps: Iterable[Step], slots: dict[int, int]) -> None:
     """Writes the steps of one part; what they need is fetched from the scratch, what is needed later is put there."""
-    g, lay = to.graph, to.layout
+    g, layout = to.graph, to.layout
 
     def kind(index: int) -> str:
-        return lay.truth if TABLE[g.op[index]].is_condition else lay.real
+        return layout.truth if TABLE[g.op[index]].is_condition else layout.real
 
     for step in steps:
         for index in used(g, step):

@@ -43,17 +43,17 @@ class Module:
         return "\n".join([*self.declarations, "", *self.definitions.values()]) + "\n"
 
 
-def _number(lay: Lanes, value: float) -> str:
+def _number(layout: Lanes, value: float) -> str:
     """The literal of a constant, rounded to the format."""
-    if lay.dtype == "float":
+    if layout.dtype == "float":
         with np.errstate(over="ignore"):
             value = float(np.float32(value))
-    return lay.constant(value)
+    return layout.constant(value)
 
 
-def _truth(lay: Lanes, value: bool) -> str:
+def _truth(layout: Lanes, value: bool) -> str:
     word = "true" if value else "false"
-    return word if lay.lanes == 1 else f"splat (i1 {word})"
+    return word if layout.lanes == 1 else f"splat (i1 {word})"
 
 
 class Writer(Instructions):
@@ -107,16 +107,16 @@ class Writer(Instructions):
 
     def node(self, index: int) -> None:
         """Writes one node; its arguments are written already."""
-        g, lay = self.graph, self.layout
+        g, layout = self.graph, self.layout
         op, args, data = g.op[index], g.args[index], g.data[index]
         if op == Op.CONST:
-            self.names[index] = _number(lay, data)
+            self.names[index] = _number(layout, data)
         elif op == Op.BOOL:
-            self.names[index] = _truth(lay, data)
+            self.names[index] = _truth(layout, data)
         elif op in (Op.SIN, Op.COS):
             self.sincos([args[0]])
         elif op == Op.LANE:
-            self.names[index] = lay.numbers()
+            self.names[index] = layout.numbers()
         elif op == Op.ANY:
             self.any_lane(index, self.names[args[0]])
         elif op == Op.LEAST:
@@ -138,53 +138,53 @@ class Writer(Instructions):
         Returns:
             The right side of the instruction; what it calls is declared in the module.
         """
-        lay, word = self.layout, TABLE[op].llvm
+        layout, word = self.layout, TABLE[op].llvm
         if op == Op.NOT:
-            return f"xor {lay.truth} {x[0]}, {_truth(lay, True)}"
+            return f"xor {layout.truth} {x[0]}, {_truth(layout, True)}"
         if op == Op.NEG:
-            return f"fneg {lay.real} {x[0]}"
+            return f"fneg {layout.real} {x[0]}"
         if op == Op.SELECT:
-            return f"select {lay.truth} {x[0]}, {lay.real} {x[1]}, {lay.real} {x[2]}"
+            return f"select {layout.truth} {x[0]}, {layout.real} {x[1]}, {layout.real} {x[2]}"
         if op in (Op.AND, Op.OR):
-            return f"{word} {lay.truth} {x[0]}, {x[1]}"
+            return f"{word} {layout.truth} {x[0]}, {x[1]}"
         if (name := TABLE[op].op.name.lower()) in OPERATIONS:
-            code = _elementary_ir(name, lay.lanes, lay.dtype)
+            code = _elementary_ir(name, layout.lanes, layout.dtype)
             self.module.use(code)
-            return f"call {lay.real} @{code.name}({', '.join(f'{lay.real} {v}' for v in x)})"
+            return f"call {layout.real} @{code.name}({', '.join(f'{layout.real} {v}' for v in x)})"
         if word.startswith("@"):
-            name = f"@llvm.{word[1:]}.{lay.suffix}"
-            self.module.declare(f"declare {lay.real} {name}({', '.join([lay.real] * len(x))})")
-            return f"call {lay.real} {name}({', '.join(f'{lay.real} {v}' for v in x)})"
+            name = f"@llvm.{word[1:]}.{layout.suffix}"
+            self.module.declare(f"declare {layout.real} {name}({', '.join([layout.real] * len(x))})")
+            return f"call {layout.real} {name}({', '.join(f'{layout.real} {v}' for v in x)})"
         flags = "" if word.startswith("fcmp") else self.contract
-        return f"{word}{flags} {lay.real} {x[0]}, {x[1]}"
+        return f"{word}{flags} {layout.real} {x[0]}, {x[1]}"
 
     def sincos(self, arguments: Sequence[int]) -> None:
         """Sine and cosine of each argument, named for every SIN and COS node; several at once where scalar."""
         packed = self.layout.lanes == 1 and len(arguments) > 1
         width = self.layout.lanes if not packed else 1 << (len(arguments) - 1).bit_length()
-        lay = Lanes(width, self.layout.dtype)
-        code = _sincos_ir(width, lay.dtype)
+        layout = Lanes(width, self.layout.dtype)
+        code = _sincos_ir(width, layout.dtype)
         self.module.use(code)
         if packed:
             x = "poison"
             for lane in range(width):
                 name = self.fresh()
                 value = self.names[arguments[min(lane, len(arguments) - 1)]]
-                self.write(f"{name} = insertelement {lay.real} {x}, {lay.dtype} {value}, i32 {lane}")
+                self.write(f"{name} = insertelement {layout.real} {x}, {layout.dtype} {value}, i32 {lane}")
                 x = name
         else:
             x = self.names[arguments[0]]
         result, s, c = self.fresh(), self.fresh("s"), self.fresh("c")
-        self.write(f"{result} = call {lay.pair} @{code.name}({lay.real} {x})")
-        self.write(f"{s} = extractvalue {lay.pair} {result}, 0")
-        self.write(f"{c} = extractvalue {lay.pair} {result}, 1")
+        self.write(f"{result} = call {layout.pair} @{code.name}({layout.real} {x})")
+        self.write(f"{s} = extractvalue {layout.pair} {result}, 0")
+        self.write(f"{c} = extractvalue {layout.pair} {result}, 1")
         for lane, argument in enumerate(arguments):
             for op, whole in ((Op.SIN, s), (Op.COS, c)):
                 node = self.graph.find(op, argument)
                 if node is None:
                     continue
                 if packed:
-                    self.assign(node, f"extractelement {lay.real} {whole}, i32 {lane}")
+                    self.assign(node, f"extractelement {layout.real} {whole}, i32 {lane}")
                 else:
                     self.names[node] = whole
 
@@ -195,18 +195,20 @@ class Writer(Instructions):
             index: The node that holds the answer.
             condition: The name of a truth value in each lane.
         """
-        lay, reduced = self.layout, self.fresh("any")
-        self.module.declare(f"declare i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth})")
-        self.write(f"{reduced} = call i1 @llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth} {condition})")
+        layout, reduced = self.layout, self.fresh("any")
+        self.module.declare(f"declare i1 @llvm.vector.reduce.or.v{layout.lanes}i1({layout.truth})")
+        self.write(
+            f"{reduced} = call i1 @llvm.vector.reduce.or.v{layout.lanes}i1({layout.truth} {condition})"
+        )
         self.names[index] = self.in_all_lanes("i1", reduced)
 
     def _least_lane(self, index: int, value: str) -> None:
         """The smallest number of all lanes, in all lanes."""
-        lay, reduced = self.layout, self.fresh("least")
-        name = f"@llvm.vector.reduce.fmin.{lay.suffix}"
-        self.module.declare(f"declare {lay.dtype} {name}({lay.real})")
-        self.write(f"{reduced} = call {lay.dtype} {name}({lay.real} {value})")
-        self.names[index] = self.in_all_lanes(lay.dtype, reduced)
+        layout, reduced = self.layout, self.fresh("least")
+        name = f"@llvm.vector.reduce.fmin.{layout.suffix}"
+        self.module.declare(f"declare {layout.dtype} {name}({layout.real})")
+        self.write(f"{reduced} = call {layout.dtype} {name}({layout.real} {value})")
+        self.names[index] = self.in_all_lanes(layout.dtype, reduced)
 
     def in_all_lanes(self, element: str, value: str) -> str:
         """A vector that holds a value in every lane.
@@ -232,9 +234,9 @@ class Writer(Instructions):
             loop: Condition and body.
             args: Nodes of the initial state, then of the values that the loop captures.
         """
-        lay, tag = self.layout, f"{self.prefix}L{index}"
+        layout, tag = self.layout, f"{self.prefix}L{index}"
         before, head, body, after = self.current_block, f"{tag}.head", f"{tag}.body", f"{tag}.after"
-        inner = Writer(self.module, loop.graph, lay, f"{tag}.", bool(self.contract))
+        inner = Writer(self.module, loop.graph, layout, f"{tag}.", bool(self.contract))
         state = [f"%{tag}.x{k}" for k in range(loop.size)]
         following = [f"%{tag}.y{k}" for k in range(loop.size)]
         self.write(f"br label %{head}")
@@ -252,7 +254,8 @@ class Writer(Instructions):
         inner.nodes(loop.graph.live([loop.condition, *loop.following]))
         for k, node in enumerate(loop.following):
             inner.write(
-                f"{following[k]} = select {lay.truth} {active}, {lay.real} {inner.names[node]}, {lay.real} {state[k]}"
+                f"{following[k]} = select {layout.truth} {active}, {layout.real} {inner.names[node]}, "
+                f"{layout.real} {state[k]}"
             )
         inner.write(f"%{tag}.n1 = add i64 %{tag}.n, 1")
         inner.write(f"br label %{head}")
@@ -260,10 +263,10 @@ class Writer(Instructions):
         self.lines += inner.lines
         phis = [
             f"%{tag}.n = phi i64 [ 0, %{before} ], [ %{tag}.n1, %{end} ]",
-            f"%{tag}.alive = phi {lay.truth} [ {_truth(lay, True)}, %{before} ], [ {active}, %{end} ]",
+            f"%{tag}.alive = phi {layout.truth} [ {_truth(layout, True)}, %{before} ], [ {active}, %{end} ]",
         ]
         for name, node, next_ in zip(state, args, following, strict=False):
-            phis.append(f"{name} = phi {lay.real} [ {self.names[node]}, %{before} ], [ {next_}, %{end} ]")
+            phis.append(f"{name} = phi {layout.real} [ {self.names[node]}, %{before} ], [ {next_}, %{end} ]")
         self.lines[place] = "\n".join("  " + line for line in phis)
         self.open_block(after)
         self.names[index] = " ".join(state)
@@ -280,11 +283,11 @@ class Writer(Instructions):
         Returns:
             The name of the truth values that say which lanes are active.
         """
-        lay = self.layout
-        active = self.let(f"{tag}.active", f"and {lay.truth} %{tag}.alive, {self.names[loop.condition]}")
+        layout = self.layout
+        active = self.let(f"{tag}.active", f"and {layout.truth} %{tag}.alive, {self.names[loop.condition]}")
         anyone = active
-        if lay.lanes > 1:
-            reduction = f"@llvm.vector.reduce.or.v{lay.lanes}i1({lay.truth}"
+        if layout.lanes > 1:
+            reduction = f"@llvm.vector.reduce.or.v{layout.lanes}i1({layout.truth}"
             self.module.declare(f"declare i1 {reduction})")
             anyone = self.let(f"{tag}.any", f"call i1 {reduction} {active})")
         self.let(f"{tag}.more", f"icmp ult i64 %{tag}.n, {loop.limit}")

@@ -89,11 +89,11 @@ def _loop(to: Writer, port: str, table: Sequence[Sequence[int]], zero: int | Non
 
 def _put(to: Writer, port: str, rows: Sequence[str], values: Sequence[str]) -> None:
     """Stores a chunk of each row."""
-    lay = to.layout
+    layout = to.layout
     for row, value in zip(rows, values, strict=True):
         pointer = to.fresh("p")
-        to.write(f"{pointer} = getelementptr {lay.dtype}, ptr {row}, i64 %{port}.column")
-        to.write(f"store {lay.real} {value}, ptr {pointer}, align {BYTES[lay.dtype]}")
+        to.write(f"{pointer} = getelementptr {layout.dtype}, ptr {row}, i64 %{port}.column")
+        to.write(f"store {layout.real} {value}, ptr {pointer}, align {BYTES[layout.dtype]}")
 
 
 def _fetched(to: Writer, place: int | str) -> str:

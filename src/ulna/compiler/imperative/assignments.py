@@ -71,7 +71,7 @@ class AssignmentReader(ExpressionReader):
         self.fail(node, f"{ast.unparse(target)} cannot be assigned to")
 
     def _variable(self, node: ast.stmt, name: str, value: t.Expression) -> t.Expression:
-        """Gives a variable a value; the first one settles its type."""
+        """Assigns a value to a variable; the first one decides its type."""
         scope = self.scope
         if name in scope.constants:
             self.fail(node, f"`{name}` is a constant here", "Use another name.")

@@ -157,7 +157,7 @@ def _summary(boxes: dict[Any, _Box]) -> dict[Any, _Box]:
 
 
 def _place(boxes: dict[Any, _Box]) -> None:
-    """Gives each box its height, near those it is connected with, without overlap in its layer."""
+    """Sets the height of each box, near those it is connected with, without overlap in its layer."""
     layers: dict[int, list[_Box]] = {}
     near: dict[int, list[_Box]] = {id(box): [] for box in boxes.values()}
     for box in boxes.values():
@@ -170,15 +170,15 @@ def _place(boxes: dict[Any, _Box]) -> None:
     for sweep in range(_SWEEPS):
         for depth in sorted(layers, reverse=bool(sweep % 2)):
             layer = layers[depth]
-            wish = {
+            wanted = {
                 id(b): sum(n.y for n in near[id(b)]) / len(near[id(b)]) if near[id(b)] else b.y for b in layer
             }
             if layer[0].kind not in ("input", "output"):  # those keep the order of their numbers
-                layer.sort(key=lambda b: wish[id(b)])
+                layer.sort(key=lambda b: wanted[id(b)])
             floor = float("-inf")
             for box in layer:
-                box.y = floor = max(wish[id(box)], floor + _STEP_Y)
-            shift = sum(wish[id(b)] - b.y for b in layer) / len(layer)
+                box.y = floor = max(wanted[id(box)], floor + _STEP_Y)
+            shift = sum(wanted[id(b)] - b.y for b in layer) / len(layer)
             for box in layer:
                 box.y += shift
     top = min((box.y for box in boxes.values()), default=0.0)

@@ -107,7 +107,7 @@ def _draw_layer(
 ) -> Array | None:
     """Draw the nearest of the chosen triangles over the picture, where they are before what is there already.
 
-    Gives how near they are, for what is drawn next.
+    Returns how near they are, for what is drawn next.
     """
     pieces, owner = clip_near(view.local(triangles.corners[chosen]), _NEAR)
     if not len(pieces):
@@ -155,7 +155,7 @@ def _draw_layer(
 def _samples_to_shade(triangle_of: Array, triangles: Triangles) -> tuple[Array, Array, Array]:
     """What to shade of pixels whose samples (n, k) show triangles, -1 for none: once for what looks alike in a pixel.
 
-    Gives the row, the sample, and the share of the pixel that it stands for.
+    Returns the row, the sample, and the share of the pixel that it stands for.
     """
     count, many = triangle_of.shape
     first = np.tile(np.arange(many, dtype=np.int8), (count, 1))

@@ -37,7 +37,7 @@ class Shape(SceneNode, abc.ABC):
 
     kind: ClassVar[str] = "shape"
     lengths: ClassVar[tuple[str, ...]] = ()
-    """Attributes that say how large it is, in the order in which it is told."""
+    """Attributes with its dimensions, in the order of its description."""
 
     def __init__(
         self, pose: Any = None, color: Any = None, stype: str | None = None, base: Any = None, **kwargs: Any

@@ -1,4 +1,4 @@
-"""Solids told by a few numbers: boxes, balls, cylinders, capsules, cones, ellipsoids."""
+"""Solids of a few dimensions: boxes, balls, cylinders, capsules, cones, ellipsoids."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The dynamics as felt at a robot's end, by position and angles.
+"""The dynamics of a robot's end, by position and angles.
 
 Source: Khatib 1987, A unified approach for motion and force control of robot manipulators.
 """
@@ -39,7 +39,7 @@ class OperationalSpace(RobotMixin):
         return body, body.tool
 
     def _operational_quantity(self, name: str, arrays: tuple[Any, ...], representation: str | None) -> Floats:
-        """What is felt at the end, by Ulna's operational space."""
+        """A quantity of the end, by Ulna's operational space."""
         if representation is not None:
             known_angles(representation)
         body, end = self._robot_and_end()
@@ -63,7 +63,7 @@ class OperationalSpace(RobotMixin):
     def inertia_x(
         self, q: Any = None, pinv: bool = False, representation: str = "rpy/xyz", Ji: Any = None
     ) -> Floats:
-        """The inertia felt at the end, by position and angles, (6, 6), or (m, 6, 6).
+        """The inertia at the end, by position and angles, (6, 6), or (m, 6, 6).
 
         Args:
             q: Configuration, (n,) or (m, n) [rad or m].
@@ -92,7 +92,7 @@ class OperationalSpace(RobotMixin):
         C: Any = None,
         Mx: Any = None,
     ) -> Floats:
-        """Coriolis and centrifugal effects felt at the end, (6, 6), or (m, 6, 6).
+        """Coriolis and centrifugal effects at the end, (6, 6), or (m, 6, 6).
 
         Args:
             q: Configuration, (n,) or (m, n) [rad or m].
