@@ -57,7 +57,7 @@ def certify(scene: Scene, points: Floats, margin: float = 0.0) -> Certificate:
     if len(points) == 1:  # a path that does not move is one edge of no length
         points = np.repeat(points, 2, axis=0)
     change = np.abs(np.diff(points, axis=0))
-    speeds = [change @ bounds.T for bounds in (scene.reach, scene.approach) if len(bounds)]
+    speeds = [change @ bounds.T for bounds in scene.moving.bounds_of_motion if len(bounds)]
     mu = np.concatenate(speeds, axis=1).max(axis=1)
     counts = np.maximum(np.ceil(mu / _FIRST), 1).astype(int)
     edge = np.repeat(np.arange(len(mu)), counts)

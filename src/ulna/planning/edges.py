@@ -3,113 +3,217 @@
 | symbol | meaning | shape | unit |
 |---|---|---|---|
 | a, b | the ends, q(t) = a + t (b - a) | (n,) | [rad, m] |
-| rho_lk | bound of how far a point of link l moves when joint k moves by one | (L, n) | [m/rad], [1] |
+| rho_lk | bound of how far a point of body l moves when joint k moves by one | (L, n) | [m/rad], [1] |
 | travel | max over l of sum over k of rho_lk abs(b_k - a_k) | () | [m] |
 | d | longest way that any point moves between two states that are checked | () | [m] |
 
 A state is checked with all spheres larger by d / 2, so between two free states, of which each point is at most d / 2
 away from one, nothing touches: two links that move towards each other are both larger. Source: Schwarzer, Saha and
-Latombe, Adaptive dynamic collision checking, IEEE Transactions on Robotics 21 (2005), for the bound.
+Latombe, Adaptive dynamic collision checking, IEEE Transactions on Robotics 21 (2005), for the bound. The lanes lie far
+apart on the motion, so that an obstacle in the middle is met early (Thomason, Kingston and Kavraki, ICRA 2024).
 """
 
 from __future__ import annotations
 
-from ulna.compiler.procedures import Array1, Array2, Kernel, broadcast, f32, lane_numbers, procedure
-from ulna.planning.touching import Tables, block_touches
+from typing import NamedTuple
+
+import numpy as np
+
+from ulna.compiler.procedures import (
+    Array1,
+    Array2,
+    Kernel,
+    broadcast,
+    f32,
+    greatest_of,
+    lane_numbers,
+    procedure,
+)
+from ulna.planning.touching import Tables, Work, block_touches
 
 
-@procedure
-def _travel_of(reach, a, b):
+class Proof(NamedTuple):
+    """How it is proved that nothing touches on an edge.
+
+    Attributes:
+        tables: What is checked against what, with spheres larger by half of `step`.
+        finer: The same with spheres larger by an eighth of it.
+        finest: The same with spheres larger by a thirty-second of it.
+        step: How far anything moves at most between states [m].
+    """
+
+    tables: Tables
+    finer: Tables
+    finest: Tables
+    step: f32
+
+
+@procedure(contract=True)
+def _travel_of(reach, a, b, W):
     """How far any point of the robot moves at most from a to b [m]."""
-    greatest = f32(0.0)
-    for link in range(reach.shape[0]):
-        total = f32(0.0)
-        for k in range(reach.shape[1]):
-            total += reach[link, k] * abs(b[k] - a[k])
-        greatest = max(greatest, total)
-    return greatest
+    greatest = broadcast(f32(0.0), W)
+    for i in range(0, reach.shape[1], W):
+        total = broadcast(f32(0.0), W)
+        for k in range(len(a)):
+            total = total + reach[k, i : i + W] * abs(b[k] - a[k])
+        greatest = np.maximum(greatest, total)
+    return greatest_of(greatest)
 
 
 @procedure
-def edge_touches(kernel, tables, reach, step, a, b, q, c, W):
+def edge_touches(kernel, tables, step, a, b, work, W):
     """Whether anything touches on the way from a to b; a itself is not checked, b is.
 
     Args:
-        kernel: From configurations to centres of spheres, in lanes.
+        kernel: From configurations to poses of the bodies, in lanes.
         tables: What is checked against what.
-        reach: rho, shape (L, n) [m/rad], [1].
         step: d, by half of which the spheres in the tables are larger [m].
         a: Where the motion begins, shape (n,) [rad, m].
         b: Where it ends, shape (n,) [rad, m].
-        q: Working storage, shape (n, W) [rad, m].
-        c: Working storage, shape (3 (L + S), W) [m].
+        work: Working storage.
         W: Lanes, a constant.
 
     Returns:
         The truth value.
     """
-    blocks = 1 + int(_travel_of(reach, a, b) / (step * f32(W)))
+    blocks = 1 + int(_travel_of(tables.reach, a, b, W) / (step * f32(W)))
     count = f32(blocks * W)
     for block in range(blocks):
-        # the lanes lie far apart, so that obstacles in the middle are met early
         t = (lane_numbers(W, f32) * f32(blocks) + f32(block + 1)) / count
         for k in range(len(a)):
-            q[k, 0:W] = a[k] + t * (b[k] - a[k])
-        kernel(q, c)
-        if block_touches(tables, c, W):
+            work.q[k, 0:W] = a[k] + t * (b[k] - a[k])
+        kernel(work.q, work.pose)
+        if block_touches(tables, work, W):
             return True
     return False
 
 
-@procedure(constants={"W": 8})
-def first_edge_that_touches(
-    kernel: Kernel, tables: Tables, reach: Array2[f32], step: f32, points: Array2[f32], q: Array2[f32],
-    c: Array2[f32], W: int,
-) -> int:  # fmt: skip
-    """The first edge of a path that touches anything; the first point is checked, too.
+@procedure
+def state_touches(kernel, tables, a, work, W):
+    """Whether anything touches in a configuration.
 
     Args:
-        kernel: From configurations to centres of spheres, in lanes.
+        kernel: From configurations to poses of the bodies, in lanes.
         tables: What is checked against what.
-        reach: rho, shape (L, n) [m/rad], [1].
-        step: d, by half of which the spheres in the tables are larger [m].
-        points: Configurations, shape (points, n) [rad, m].
-        q: Working storage, shape (n, W) [rad, m].
-        c: Working storage, shape (3 (L + S), W) [m].
+        a: The configuration, shape (n,) [rad, m].
+        work: Working storage.
         W: Lanes, a constant.
 
     Returns:
-        The number of the edge; -1 where nothing touches.
+        The truth value.
     """
-    for k in range(points.shape[1]):
-        q[k, 0:W] = broadcast(points[0, k], W)
-    kernel(q, c)
-    if block_touches(tables, c, W):
+    for k in range(len(a)):
+        work.q[k, 0:W] = broadcast(a[k], W)
+    kernel(work.q, work.pose)
+    return block_touches(tables, work, W)
+
+
+@procedure
+def _interval_touches(kernel, tables, a, b, t, width, work, W):
+    """Whether any of W states spread evenly over t to t + width, in the middles of its parts, touches anything."""
+    times = t + (lane_numbers(W, f32) + f32(0.5)) * (width / f32(W))
+    for k in range(len(a)):
+        work.q[k, 0:W] = a[k] + times * (b[k] - a[k])
+    kernel(work.q, work.pose)
+    return block_touches(tables, work, W)
+
+
+@procedure
+def _is_edge_proved(kernel, proof, a, b, work, W):
+    """Whether nothing can touch between a and b, both included."""
+    blocks = 1 + int(_travel_of(proof.tables.reach, a, b, W) / (proof.step * f32(W)))
+    width = f32(1.0) / f32(blocks)
+    for i in range(blocks):
+        t = f32(i) * width
+        if _interval_touches(kernel, proof.tables, a, b, t, width, work, W):
+            for j in range(4):
+                u = t + f32(j) * (width * f32(0.25))
+                if _interval_touches(kernel, proof.finer, a, b, u, width * f32(0.25), work, W):
+                    for k in range(4):
+                        v = u + f32(k) * (width * f32(0.0625))
+                        if _interval_touches(kernel, proof.finest, a, b, v, width * f32(0.0625), work, W):
+                            return False
+    return True
+
+
+@procedure(constants={"W": 8})
+def first_unproved_edge(
+    kernel: Kernel, proof: Proof, path: Array2[f32], first: int, count: int, work: Work, W: int
+) -> int:
+    """The first edge of a path of which it cannot be proved that nothing touches on it.
+
+    Intervals that touch by large spheres and long steps are divided into four, with spheres and steps of a fourth, and
+    these once more.
+
+    Args:
+        kernel: From configurations to poses of the bodies, in lanes.
+        proof: How it is proved.
+        path: The path; rows beyond it do not count, shape (room, n) [rad, m].
+        first: The edge to begin with.
+        count: How many points the path has; a single one counts as an edge.
+        work: Working storage.
+        W: Lanes, a constant.
+
+    Returns:
+        The number of the edge, or -1.
+    """
+    if count == 1 and not _is_edge_proved(kernel, proof, path[0], path[0], work, W):
         return 0
-    for i in range(len(points) - 1):
-        if edge_touches(kernel, tables, reach, step, points[i], points[i + 1], q, c, W):
+    for i in range(first, count - 1):
+        if not _is_edge_proved(kernel, proof, path[i], path[i + 1], work, W):
             return i
     return -1
 
 
+@procedure
+def _look_at_points(kernel, tables, points, touching, count, work, W):
+    """Writes 1 for each of the first points in which anything touches, else 0."""
+    for i in range(count):
+        touching[i] = f32(int(state_touches(kernel, tables, points[i], work, W)))
+
+
 @procedure(constants={"W": 8})
 def which_touch(
-    kernel: Kernel, tables: Tables, points: Array2[f32], touching: Array1[f32], q: Array2[f32], c: Array2[f32],
-    W: int,
-) -> None:  # fmt: skip
+    kernel: Kernel, tables: Tables, points: Array2[f32], touching: Array1[f32], count: int, work: Work, W: int
+) -> None:
     """Writes 1 for each configuration in which anything touches, else 0.
 
     Args:
-        kernel: From configurations to centres of spheres, in lanes.
+        kernel: From configurations to poses of the bodies, in lanes.
         tables: What is checked against what.
-        points: Configurations, shape (points, n) [rad, m].
-        touching: Receives the answers, shape (points,).
-        q: Working storage, shape (n, W) [rad, m].
-        c: Working storage, shape (3 (L + S), W) [m].
+        points: Configurations, shape (at least count, n) [rad, m].
+        touching: Receives the answers, shape (at least count,).
+        count: How many configurations there are.
+        work: Working storage.
         W: Lanes, a constant.
     """
-    for i in range(len(points)):
-        for k in range(points.shape[1]):
-            q[k, 0:W] = broadcast(points[i, k], W)
-        kernel(q, c)
-        touching[i] = f32(int(block_touches(tables, c, W)))
+    _look_at_points(kernel, tables, points, touching, count, work, W)
+
+
+@procedure(constants={"W": 8})
+def first_direct_goal(
+    kernel: Kernel, tables: Tables, step: f32, points: Array2[f32], touching: Array1[f32], count: int, work: Work,
+    W: int,
+) -> int:  # fmt: skip
+    """Looks which of a start and goals touch anything, and for the first goal that a straight motion reaches.
+
+    Args:
+        kernel: From configurations to poses of the bodies, in lanes.
+        tables: What is checked against what.
+        step: How far anything moves at most between checked states [m].
+        points: The start, then goals, shape (at least count, n) [rad, m].
+        touching: Receives 1 for points that touch, else 0, shape (at least count,).
+        count: How many points there are.
+        work: Working storage.
+        W: Lanes, a constant.
+
+    Returns:
+        The number of the goal among the points, or -1.
+    """
+    _look_at_points(kernel, tables, points, touching, count, work, W)
+    if touching[0] > 0:
+        return -1
+    for i in range(1, count):
+        if touching[i] == 0 and not edge_touches(kernel, tables, step, points[0], points[i], work, W):
+            return i
+    return -1

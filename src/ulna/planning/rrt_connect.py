@@ -1,12 +1,19 @@
 """RRT-Connect as a procedure: two trees of free motions grow towards samples and towards each other.
 
-Source: Kuffner and LaValle, RRT-Connect: an efficient approach to single-query path planning (ICRA 2000); the smaller
-tree grows, as in Thomason, Kingston and Kavraki, Motions in microseconds via vectorized sampling-based planning (ICRA
-2024). A tree lies in columns, (n, capacity), so that lanes hold nodes when the nearest one is searched; places that are
-not taken hold 1e15, whose squared distance stays finite.
+| symbol | meaning | shape | unit |
+|---|---|---|---|
+| nodes | both trees, a node a column: lanes hold nodes when the nearest is searched | (2, n, capacity) | [rad, m] |
+| radii | the domain of a node: it is not extended to samples farther away | (2, capacity) | [rad, m] |
+
+Source: Kuffner and LaValle, RRT-Connect: an efficient approach to single-query path planning (ICRA 2000). The smaller
+tree grows. Domains are those of Yershova, Jaillet, Simeon and LaValle, Dynamic-domain RRTs (ICRA 2005), which shrink
+and grow as in Jaillet et al., Adaptive tuning of the sampling domain for dynamic-domain RRTs (IROS 2005). The places
+of a tree that are not taken hold 1e15, whose squared distance stays finite.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,10 +30,54 @@ from ulna.compiler.procedures import (
     procedure,
 )
 from ulna.planning.edges import edge_touches
-from ulna.planning.touching import Tables
+from ulna.planning.touching import Tables, Work
 
 INT = np.int64
 FREE_PLACE = 1e15
+EVERYWHERE = 1e30
+"""The domain of a node from which no extension has failed."""
+
+
+class Trees(NamedTuple):
+    """Two trees; tree 0 grows from the start, tree 1 from the goals.
+
+    Attributes:
+        nodes: Configurations, (2, n, capacity) [rad, m].
+        radii: How far a sample may be from a node, (2, capacity) [rad, m].
+        parents: The node from which each was grown, -1 for roots, (2, capacity).
+        counts: How many nodes there are, (2,).
+        meeting: The nodes at which the trees met, (2,).
+        near: Working storage, (n,).
+        new: Working storage, (n,).
+        goal: Working storage, (n,).
+    """
+
+    nodes: Array3[f32]
+    radii: Array2[f32]
+    parents: Array2[INT]
+    counts: Array1[INT]
+    meeting: Array1[INT]
+    near: Array1[f32]
+    new: Array1[f32]
+    goal: Array1[f32]
+
+
+class Growth(NamedTuple):
+    """How trees grow.
+
+    Attributes:
+        step: How far anything moves at most between checked states [m].
+        longest: The longest edge [rad, m].
+        domain: The domain of a node once an extension has failed [rad, m].
+        least_domain: The least one [rad, m].
+        change: By which part a domain grows or shrinks [1].
+    """
+
+    step: f32
+    longest: f32
+    domain: f32
+    least_domain: f32
+    change: f32
 
 
 @procedure
@@ -48,13 +99,14 @@ def _nearest_node(nodes, tree, count, q, W):
 
 
 @procedure
-def _add_node(nodes, parents, counts, tree, q, parent):
+def _add_node(trees, tree, q, parent):
     """Appends a node to a tree; returns its number."""
-    number = counts[tree]
+    number = trees.counts[tree]
     for k in range(len(q)):
-        nodes[tree, k, number] = q[k]
-    parents[tree, number] = parent
-    counts[tree] = number + 1
+        trees.nodes[tree, k, number] = q[k]
+    trees.parents[tree, number] = parent
+    trees.radii[tree, number] = f32(1e30)
+    trees.counts[tree] = number + 1
     return number
 
 
@@ -66,70 +118,135 @@ def _read_node(nodes, tree, number, q):
 
 
 @procedure
-def _towards(a, b, distance, longest, result):
-    """The point on the way from a to b, at most `longest` from a."""
-    part = f32(1.0)
-    if distance > longest:
-        part = longest / distance
-    for k in range(len(a)):
-        result[k] = a[k] + part * (b[k] - a[k]) if part < 1.0 else b[k]
+def _extend(kernel, tables, growth, trees, tree, sample, work, W):
+    """Grows a tree towards a sample by one edge; the new node, or -1."""
+    nearest, distance = _nearest_node(trees.nodes, tree, trees.counts[tree], sample, W)
+    radius = trees.radii[tree, nearest]
+    if distance > radius:
+        return -1
+    _read_node(trees.nodes, tree, nearest, trees.near)
+    part = growth.longest / distance if distance > growth.longest else f32(1.0)
+    for k in range(len(trees.near)):
+        trees.new[k] = trees.near[k] + part * (sample[k] - trees.near[k])
+    if edge_touches(kernel, tables, growth.step, trees.near, trees.new, work, W):
+        shrunk = max(radius * (f32(1.0) - growth.change), growth.least_domain)
+        trees.radii[tree, nearest] = growth.domain if radius > f32(1e29) else shrunk
+        return -1
+    if radius < f32(1e29):
+        trees.radii[tree, nearest] = radius * (f32(1.0) + growth.change)
+    return _add_node(trees, tree, trees.new, nearest)
+
+
+@procedure
+def _connect(kernel, tables, growth, trees, tree, added, work, W):
+    """Grows a tree from its newest node to the nearest one of the other tree; whether it got there."""
+    other = 1 - tree
+    _read_node(trees.nodes, tree, added, trees.near)
+    target, distance = _nearest_node(trees.nodes, other, trees.counts[other], trees.near, W)
+    _read_node(trees.nodes, other, target, trees.goal)
+    pieces = max(int(np.ceil(distance / growth.longest)), 1)
+    last = added
+    for piece in range(pieces):
+        part = f32(1.0) / f32(pieces - piece)
+        is_last = piece == pieces - 1
+        for k in range(len(trees.near)):
+            trees.new[k] = (
+                trees.goal[k] if is_last else trees.near[k] + part * (trees.goal[k] - trees.near[k])
+            )
+        if edge_touches(kernel, tables, growth.step, trees.near, trees.new, work, W):
+            return False
+        if is_last:
+            trees.meeting[tree] = last
+            trees.meeting[other] = target
+            return True
+        last = _add_node(trees, tree, trees.new, last)
+        if trees.counts[tree] + W + 2 >= trees.nodes.shape[2]:
+            return False
+        for k in range(len(trees.near)):
+            trees.near[k] = trees.new[k]
+    return False
+
+
+@procedure
+def _plant(trees, points, touching, count):
+    """Begins both trees anew: one at the first point, the other at those of the rest that are free."""
+    for tree in range(2):
+        for number in range(trees.counts[tree]):
+            for k in range(trees.nodes.shape[1]):
+                trees.nodes[tree, k, number] = f32(1e15)
+        trees.counts[tree] = 0
+    for i in range(count):
+        if touching[i] == 0:
+            _add_node(trees, min(i, 1), points[i], -1)
 
 
 @procedure(constants={"W": 8})
 def grow(
-    kernel: Kernel, tables: Tables, reach: Array2[f32], step: f32, longest: f32, samples: Array2[f32],
-    nodes: Array3[f32], parents: Array2[INT], counts: Array1[INT], meeting: Array1[INT],
-    near: Array1[f32], new: Array1[f32], goal: Array1[f32], q: Array2[f32], c: Array2[f32], W: int,
+    kernel: Kernel, tables: Tables, growth: Growth, samples: Array2[f32], first: int, count: int,
+    points: Array2[f32], touching: Array1[f32], roots: int, trees: Trees, work: Work, W: int,
 ) -> int:  # fmt: skip
     """Grows both trees with one sample after the other until they meet, or the samples or places are used up.
 
     Args:
-        kernel: From configurations to centres of spheres, in lanes.
+        kernel: From configurations to poses of the bodies, in lanes.
         tables: What is checked against what.
-        reach: Bounds of motion, shape (L, n) [m/rad], [1].
-        step: How far anything moves at most between checked states [m].
-        longest: The longest edge [rad, m].
-        samples: Configurations, shape (samples, n) [rad, m].
-        nodes: Both trees, shape (2, n, capacity) [rad, m].
-        parents: The node that each node was grown from, -1 for roots, shape (2, capacity).
-        counts: How many nodes the trees have, shape (2,).
-        meeting: Receives the nodes of both trees at which they meet, shape (2,).
-        near: Working storage, shape (n,).
-        new: Working storage, shape (n,).
-        goal: Working storage, shape (n,).
-        q: Working storage, shape (n, W) [rad, m].
-        c: Working storage, shape (3 (L + S), W) [m].
+        growth: How trees grow.
+        samples: Configurations, shape (at least count, n) [rad, m].
+        first: The sample to begin with.
+        count: How many samples there are.
+        points: The start, then goals, shape (at least roots, n) [rad, m].
+        touching: Above 0 for points that are no roots, shape (at least roots,).
+        roots: How many points there are, with which both trees begin anew; 0 to go on with the trees.
+        trees: Both trees; they are changed.
+        work: Working storage.
         W: Lanes, a constant.
 
     Returns:
-        How many samples were used; where the trees met, minus that.
+        The number of the first sample that was not used; where the trees met, minus that.
     """
-    for s in range(len(samples)):
-        if max(counts[0], counts[1]) + 2 >= nodes.shape[2] - W:
+    if roots > 0:
+        _plant(trees, points, touching, roots)
+    tree = 1
+    for s in range(first, count):
+        if max(trees.counts[0], trees.counts[1]) + W + 2 >= trees.nodes.shape[2]:
             return s
-        tree = 0 if counts[0] <= counts[1] else 1
-        nearest, distance = _nearest_node(nodes, tree, counts[tree], samples[s], W)
-        _read_node(nodes, tree, nearest, near)
-        _towards(near, samples[s], distance, longest, new)
-        if edge_touches(kernel, tables, reach, step, near, new, q, c, W):
-            continue
-        added = _add_node(nodes, parents, counts, tree, new, nearest)
-        # the other tree comes as near as it can
-        other = 1 - tree
-        for k in range(len(new)):
-            goal[k] = new[k]
-        last, left = _nearest_node(nodes, other, counts[other], goal, W)
-        while True:
-            _read_node(nodes, other, last, near)
-            _towards(near, goal, left, longest, new)
-            if edge_touches(kernel, tables, reach, step, near, new, q, c, W):
-                break
-            if left <= longest:
-                meeting[tree] = added
-                meeting[other] = last
-                return -s - 1
-            if counts[other] + 2 >= nodes.shape[2] - W:
-                break
-            last = _add_node(nodes, parents, counts, other, new, last)
-            left = left - longest
-    return len(samples)
+        if trees.counts[1 - tree] < 2 * trees.counts[tree]:
+            tree = 1 - tree
+        added = _extend(kernel, tables, growth, trees, tree, samples[s], work, W)
+        if added >= 0 and _connect(kernel, tables, growth, trees, tree, added, work, W):
+            return -s - 1
+    return count
+
+
+@procedure
+def read_path(trees, path):
+    """Writes the nodes from the start to the goal at which the trees met.
+
+    Args:
+        trees: Both trees, which have met.
+        path: Receives the path, shape (room, n) [rad, m].
+
+    Returns:
+        How many there are; -1 if `path` has no room for them.
+    """
+    before = 0
+    node = trees.meeting[0]
+    while node >= 0:
+        before += 1
+        node = trees.parents[0, node]
+    count = before
+    node = trees.meeting[1]
+    while node >= 0:
+        count += 1
+        node = trees.parents[1, node]
+    if count > len(path):
+        return -1
+    node = trees.meeting[0]
+    for i in range(before):
+        _read_node(trees.nodes, 0, node, path[before - 1 - i])
+        node = trees.parents[0, node]
+    node = trees.meeting[1]
+    for i in range(before, count):
+        _read_node(trees.nodes, 1, node, path[i])
+        node = trees.parents[1, node]
+    return count

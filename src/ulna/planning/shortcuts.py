@@ -1,34 +1,23 @@
-"""Shortens a path of straight motions by shortcuts between random points on it, as a procedure.
+"""Shortens and rounds a path of straight motions, as a procedure.
 
-Source: Geraerts and Overmars, Creating high-quality paths for motion planning, International Journal of Robotics
-Research 26 (2007), section 5.
+Each point is joined to the farthest later one that a straight motion reaches; then corners are cut, and both are
+repeated while they change something. Source: Geraerts and Overmars, Creating high-quality paths for motion planning,
+International Journal of Robotics Research 26 (2007), section 5, for shortcuts; Pan, Zhang and Manocha, Collision-free
+and smooth trajectory computation in cluttered environments, same journal 31 (2012), section 4, for the corners: a
+subdivision step of a cubic B-spline where it is free.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from ulna.compiler.procedures import Array1, Array2, Kernel, f32, procedure
+from ulna.compiler.procedures import Array2, Kernel, f32, procedure
 from ulna.planning.edges import edge_touches
-from ulna.planning.touching import Tables
+from ulna.planning.rrt_connect import Trees, read_path
+from ulna.planning.touching import Tables, Work
 
-INT = np.int64
-
-
-@procedure
-def _between(points, i, part, result):
-    """The point a part of the way from point i to the next."""
-    for k in range(len(result)):
-        result[k] = points[i, k] + part * (points[i + 1, k] - points[i, k])
-
-
-@procedure
-def _length_between(a, b):
-    """The distance of two configurations."""
-    total = f32(0.0)
-    for k in range(len(a)):
-        total += (b[k] - a[k]) * (b[k] - a[k])
-    return np.sqrt(total)
+LEAST_CHANGE = 0.1
+"""Corners that would move by less than this stay [rad, m]."""
 
 
 @procedure
@@ -39,75 +28,99 @@ def _copy_row(points, to, source):
 
 
 @procedure
-def _without_points(kernel, tables, reach, step, points, count, q, c, W):
-    """Leaves out each point whose neighbours a straight motion can join; returns how many are left."""
-    left = count
+def _shortcuts(kernel, tables, step, points, count, work, W):
+    """Joins each point to the farthest later one that is in reach; returns how many points are left."""
     i = 0
-    while i < left - 2:
-        if edge_touches(kernel, tables, reach, step, points[i], points[i + 2], q, c, W):
-            i += 1
-        else:
-            for k in range(i + 1, left - 1):
-                _copy_row(points, k, k + 1)
-            left -= 1
-    return left
+    while i < count - 2:
+        j = count - 1
+        while j > i + 1 and edge_touches(kernel, tables, step, points[i], points[j], work, W):
+            j -= 1
+        removed = j - i - 1
+        if removed > 0:
+            for k in range(j, count):
+                _copy_row(points, k - removed, k)
+            count -= removed
+        i += 1
+    return count
+
+
+@procedure
+def _subdivide(points, count):
+    """Puts a point in the middle of each edge."""
+    for i in range(count - 1, 0, -1):
+        _copy_row(points, 2 * i, i)
+        for k in range(points.shape[1]):
+            points[2 * i - 1, k] = f32(0.5) * (points[i, k] + points[i - 1, k])
+    return 2 * count - 1
+
+
+@procedure
+def _cut_corners(kernel, tables, step, points, count, corner, work, W):
+    """Moves every second point to where a cubic B-spline passes, where that is free; whether any was moved."""
+    is_changed = False
+    for i in range(2, count - 1, 2):
+        change = f32(0.0)
+        for k in range(len(corner)):
+            middle = f32(0.5) * (points[i - 1, k] + points[i + 1, k])
+            corner[k] = f32(0.5) * (points[i, k] + middle)
+            change += (corner[k] - points[i, k]) * (corner[k] - points[i, k])
+        if np.sqrt(change) <= f32(0.1):
+            continue
+        if edge_touches(kernel, tables, step, points[i - 1], corner, work, W):
+            continue
+        if edge_touches(kernel, tables, step, corner, points[i + 1], work, W):
+            continue
+        for k in range(len(corner)):
+            points[i, k] = corner[k]
+        is_changed = True
+    return is_changed
+
+
+@procedure
+def _shorten(kernel, tables, step, points, count, rounds, corner, work, W):
+    """Shortens a path and cuts its corners; returns how many points there are."""
+    for _ in range(rounds):
+        if count < 3:
+            break
+        before = count
+        count = _shortcuts(kernel, tables, step, points, count, work, W)
+        is_changed = count < before
+        if count > 2 and 2 * count <= len(points):
+            count = _subdivide(points, count)
+            if _cut_corners(kernel, tables, step, points, count, corner, work, W):
+                is_changed = True
+        if not is_changed:
+            break
+    return count
 
 
 @procedure(constants={"W": 8})
-def shorten(
-    kernel: Kernel, tables: Tables, reach: Array2[f32], step: f32, points: Array2[f32], count: int,
-    draws: Array2[f32], left: Array1[f32], right: Array1[f32], q: Array2[f32], c: Array2[f32], W: int,
-) -> int:  # fmt: skip
-    """Replaces parts of a path by straight motions, one for each row of `draws` that is free and shorter.
-
-    Points that can be left out are left out before and after.
+def shortened_path(
+    kernel: Kernel,
+    tables: Tables,
+    step: f32,
+    trees: Trees,
+    path: Array2[f32],
+    rounds: int,
+    work: Work,
+    W: int,
+) -> int:
+    """The path at which trees met, shorter and with corners cut.
 
     Args:
-        kernel: From configurations to centres of spheres, in lanes.
+        kernel: From configurations to poses of the bodies, in lanes.
         tables: What is checked against what.
-        reach: Bounds of motion, shape (L, n) [m/rad], [1].
         step: How far anything moves at most between checked states [m].
-        points: The path, with room for a point more for each row of `draws`, shape (room, n) [rad, m].
-        count: How many points the path has.
-        draws: Where along the path, by segments, a shortcut begins and ends, shape (tries, 2), from 0 to 1.
-        left: Working storage, shape (n,).
-        right: Working storage, shape (n,).
-        q: Working storage, shape (n, W) [rad, m].
-        c: Working storage, shape (3 (L + S), W) [m].
+        trees: Both trees.
+        path: Receives the path, shape (room, n) [rad, m].
+        rounds: How often it is shortened at most.
+        work: Working storage.
         W: Lanes, a constant.
 
     Returns:
-        How many points there are.
+        How many points the path has; -1 if there is no room for it.
     """
-    count = _without_points(kernel, tables, reach, step, points, count, q, c, W)
-    for d in range(len(draws)):
-        if count < 3:
-            return count
-        low, high = min(draws[d, 0], draws[d, 1]), max(draws[d, 0], draws[d, 1])
-        at, until = low * f32(count - 1), high * f32(count - 1)
-        i, j = int(at), int(until)
-        if j <= i or j > count - 2:
-            continue
-        _between(points, i, at - f32(i), left)
-        _between(points, j, until - f32(j), right)
-        before = _length_between(left, points[i + 1]) + _length_between(points[j], right)
-        for k in range(i + 1, j):
-            before += _length_between(points[k], points[k + 1])
-        if _length_between(left, right) > before * 0.999:
-            continue
-        if edge_touches(kernel, tables, reach, step, left, right, q, c, W):
-            continue
-        # points i + 1 to j become left and right
-        if j == i + 1:
-            for k in range(count, j + 1, -1):
-                _copy_row(points, k, k - 1)
-            count += 1
-        else:
-            removed = j - i - 2
-            for k in range(j + 1, count):
-                _copy_row(points, k - removed, k)
-            count -= removed
-        for k in range(points.shape[1]):
-            points[i + 1, k] = left[k]
-            points[i + 2, k] = right[k]
-    return _without_points(kernel, tables, reach, step, points, count, q, c, W)
+    count = read_path(trees, path)
+    if count < 0:
+        return -1
+    return _shorten(kernel, tables, step, path, count, rounds, trees.new, work, W)

@@ -1,4 +1,4 @@
-"""The tables and the kernel that the procedures of planning read, from a robot's spheres and a world."""
+"""A robot in a world as the procedures of planning read it: one kernel of poses, and tables of numbers."""
 
 from __future__ import annotations
 
@@ -9,15 +9,21 @@ from typing import Any
 
 import numpy as np
 
-from ulna.algorithms.multibody.tree import Step, steps
-from ulna.collision import LinkSpheres, SphereChecker, Spheres
+from ulna.algorithms import joint_poses
+from ulna.collision import LinkPair, SphereChecker, Spheres, World
 from ulna.collision import clearance as gap
-from ulna.collision.spheres import sphere_centres
+from ulna.collision.mask import check_touches
+from ulna.collision.objects import Obstacle
+from ulna.collision.solids import Missing
 from ulna.compiler import trace
 from ulna.compiler.procedures import lanes_kernel
 from ulna.errors import InputError
+from ulna.geometry import Shape
 from ulna.model import Model, Prismatic, Revolute
-from ulna.planning.touching import Tables
+from ulna.planning.motion_bounds import Group, motion_bounds
+from ulna.planning.sphere_pairs import RESERVE, can_meet
+from ulna.planning.touching import Tables, Work
+from ulna.spatial import SE3
 from ulna.system.cached import cached_property
 from ulna.typing import Array, Floats
 
@@ -31,35 +37,156 @@ FARTHEST = 100.0
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
-    """A robot in a world, as machine code checks it.
+class Moving:
+    """What moves: a robot's links, and what they carry.
 
     Attributes:
-        checker: The robot, its spheres and the world.
-        kernel: From configurations to the centres of all spheres, in lanes.
-        reach: rho: how far a point of a link moves at most when a joint moves by one, (L, nq) [m/rad], [1].
-        approach: How far two links that are checked against each other approach at most likewise, (pairs, nq).
-        links: The moving links with spheres, in the order of the tables.
+        model: The robot.
+        groups: Spheres that move together.
+        pairs: Numbers of groups that are checked against each other, with the distances that they must keep [m].
+        standing: Parts of links that never move, each with the names of the groups that it is checked against.
+        kernel: From configurations to the poses of all joints, in lanes.
     """
 
-    checker: SphereChecker
+    model: Model
+    groups: tuple[Group, ...]
+    pairs: tuple[tuple[int, int, float], ...]
+    standing: tuple[tuple[gap.Part, frozenset[str]], ...]
     kernel: Any
-    reach: Floats
-    approach: Floats
-    links: tuple[str, ...]
 
-    @property
-    def lanes(self) -> int:
-        """How many configurations are checked at once."""
-        return self.kernel.lanes
+    @cached_property
+    def bounds_of_motion(self) -> tuple[Floats, Floats]:
+        """How far points of groups move at most when a joint moves by one, (G, nq), and pairs approach, (P, nq)."""
+        return motion_bounds(self.model, self.groups, [pair[:2] for pair in self.pairs])
 
     @cached_property
     def rounding(self) -> float:
         """By how much float32 may place a sphere wrongly, with room to spare [m]."""
-        model = self.checker.model
-        ends = np.maximum(np.abs(model.lower_position), np.abs(model.upper_position))
+        ends = np.maximum(np.abs(self.model.lower_position), np.abs(self.model.upper_position))
         turns = np.where(np.isfinite(ends), ends, 8.0 * np.pi)
-        return max(ROUNDING, _UNIT * (FARTHEST + float((self.reach @ turns).max())))
+        return max(ROUNDING, _UNIT * (FARTHEST + float((self.bounds_of_motion[0] @ turns).max())))
+
+    @cached_property
+    def tables(self) -> dict[str, Any]:
+        """The tables that do not depend on obstacles, by name; radii without a margin."""
+        lanes, reach = self.kernel.lanes, self.bounds_of_motion[0].T.astype(np.float32)
+        filled = np.zeros((self.model.nq, -(-len(self.groups) // lanes) * lanes), np.float32)
+        filled[:, : len(self.groups)] = np.nextafter(reach, np.float32(np.inf))
+        centres, radii = (
+            np.concatenate([getattr(g, name) for g in self.groups]) for name in ("centres", "radii")
+        )
+        return {
+            "bodies": np.array([12 * g.joint for g in self.groups], np.int64),
+            "bounds": np.array([_bounding_sphere(g) for g in self.groups]),
+            "first": np.cumsum([0, *(len(g.radii) for g in self.groups)]).astype(np.int64),
+            "spheres": np.column_stack([centres, radii]),
+            "reach": filled,
+        }
+
+    def pair_tables(self, margin: float) -> dict[str, Any]:
+        """The tables of groups that are checked against each other, by name.
+
+        Args:
+            margin: By how much spheres are larger [m].
+
+        Returns:
+            `pairs`, `pair_margins`, `rows` and `partners`.
+        """
+        greatest = max((pair[2] for pair in self.pairs), default=0.0)
+        return self._near_pairs if 2.0 * (margin + self.rounding) + greatest <= RESERVE else self._all_pairs
+
+    @cached_property
+    def _near_pairs(self) -> dict[str, Any]:
+        approach = self.bounds_of_motion[1]
+        return self._listed(
+            [
+                can_meet(self.model, self.groups[a], self.groups[b], bounds)
+                for (a, b, _), bounds in zip(self.pairs, approach, strict=True)
+            ]
+        )
+
+    @cached_property
+    def _all_pairs(self) -> dict[str, Any]:
+        sizes = [(len(self.groups[a].radii), len(self.groups[b].radii)) for a, b, _ in self.pairs]
+        return self._listed([np.ones(size, dtype=bool) for size in sizes])
+
+    def _listed(self, masks: Sequence[Any]) -> dict[str, Any]:
+        """Pairs of groups, for each its rows: a sphere of the first, and where its partners begin."""
+        starts = self.tables["first"]
+        pairs, margins, rows, partners = [], [], [], []
+        for (a, b, margin), mask in zip(self.pairs, masks, strict=True):
+            if not mask.any():
+                continue
+            begin = len(rows)
+            for i in np.flatnonzero(mask.any(axis=1)):
+                rows.append([starts[a] + i, len(partners)])
+                partners += (starts[b] + np.flatnonzero(mask[i])).tolist()
+            pairs.append([a, b, begin, len(rows)])
+            margins.append(margin)
+        rows.append([0, len(partners)])
+        return {
+            "pairs": np.array(pairs, np.int64).reshape(-1, 4),
+            "pair_margins": np.array(margins, np.float32),
+            "rows": np.array(rows, np.int64),
+            "partners": np.array(partners, np.int64),
+        }
+
+    def work(self) -> Work:
+        """Storage for one thread's checks."""
+        lanes, groups = self.kernel.lanes, len(self.groups)
+        return Work(
+            np.zeros((self.model.nq, lanes), np.float32),
+            np.zeros((self.kernel.sizes[1] // lanes, lanes), np.float32),
+            np.zeros((3 * (groups + len(self.tables["spheres"])), lanes), np.float32),
+            np.zeros(len(self.tables["spheres"]), np.int64),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A robot in a world, as machine code checks it.
+
+    Attributes:
+        robot: The robot alone.
+        spheres: Spheres of its links.
+        link_pairs: Pairs of links that are checked against each other.
+        world: The obstacles, which stand where the world has them, and what links carry.
+        missing: What to do about mesh files that are missing: "error", or "skip" them with a warning.
+    """
+
+    robot: Moving
+    spheres: Spheres
+    link_pairs: tuple[LinkPair, ...]
+    world: World
+    missing: Missing
+
+    @property
+    def lanes(self) -> int:
+        """How many configurations are checked at once."""
+        return self.robot.kernel.lanes
+
+    @cached_property
+    def checker(self) -> SphereChecker:
+        """The same check in float64."""
+        return SphereChecker(
+            self.robot.model, self.world, spheres=self.spheres, pairs=self.link_pairs, missing=self.missing
+        )
+
+    @cached_property
+    def moving(self) -> Moving:
+        """What moves: the links, and what they carry in this world."""
+        if not (self.world.attachments or self.world.margins):
+            return self.robot
+        checker, model = self.checker, self.robot.model
+        groups = list(self.robot.groups)
+        for name, balls in checker.attached.items():
+            link = model.link(checker.carriers[name])
+            groups.append(Group(name, link.joint, link.placement @ balls.centres, balls.radii))
+        pairs = (*self.link_pairs, *checker.attached_pairs)
+        return Moving(
+            model, tuple(groups), _numbered(groups, pairs, self.world), _standing(model, pairs, self.missing),
+            self.robot.kernel,
+        )  # fmt: skip
 
     def tables(self, margin: float) -> Tables:
         """The tables, with all spheres larger by a margin.
@@ -70,55 +197,76 @@ class Scene:
         Returns:
             Arrays of the types that the procedures take.
         """
-        larger = margin + self.rounding
-        bounds, radii = ((values + larger).astype(np.float32) for values in self._radii)
-        return self._tables._replace(bounds=bounds, radii=radii)
+        larger = np.array([0.0, 0.0, 0.0, margin + self.moving.rounding])
+        own = self.moving.tables
+        bounds, spheres = ((own[name] + larger).astype(np.float32) for name in ("bounds", "spheres"))
+        pairs = self.moving.pair_tables(margin)
+        return Tables(**{**own, **pairs, **self._obstacles, "bounds": bounds, "spheres": spheres})
 
     @cached_property
-    def _radii(self) -> tuple[Floats, Floats]:
-        """Radii of the links' bounding spheres, and of all spheres [m]."""
-        spheres = self.checker.spheres
-        bounds = [_bounding_sphere(spheres, name)[1] for name in self.links]
-        return np.array(bounds), np.concatenate([spheres.links[name].radii for name in self.links])
-
-    @cached_property
-    def _tables(self) -> Tables:
-        """The tables without a margin."""
-        spheres = self.checker.spheres
-        count = [len(spheres.links[name].radii) for name in self.links]
-        bounds, radii = (values.astype(np.float32) for values in self._radii)
-        groups = {kind: self._obstacles(kind) for kind in ("box", "cylinder", "plane")}
-        pairs = [[self.links.index(name) for name in pair] for pair in moving_pairs(self.checker, self.links)]
-        return Tables(
-            bounds=bounds,
-            radii=radii,
-            first=np.cumsum([0, *count]).astype(np.int64),
-            boxes=groups["box"][0],
-            box_links=groups["box"][1],
-            cylinders=groups["cylinder"][0],
-            cylinder_links=groups["cylinder"][1],
-            planes=groups["plane"][0],
-            plane_links=groups["plane"][1],
-            pairs=np.array(pairs, np.int64).reshape(-1, 2),
+    def _obstacles(self) -> dict[str, Any]:
+        """The tables of obstacles, by name."""
+        rows = self._rows()
+        boxes, cylinders, planes = (
+            np.array([row[1] for row in rows if row[0] == kind]).reshape(-1, gap.WIDTH[kind])
+            for kind in ("box", "cylinder", "plane")
         )
-
-    def _obstacles(self, kind: gap.Kind) -> tuple[Any, Any]:
-        """The rows of all obstacles of a kind, and the links that each is checked against."""
-        rows: list[Any] = []
-        masks: list[list[int]] = []
-        for group_kind, names, numbers, _ in self.checker.static_groups():
-            if group_kind == kind:
-                rows += list(numbers)
-                masks += [[int(link in names) for link in self.links]] * len(numbers)
-        width = gap.WIDTH[kind]
-        table = np.array(rows, float).reshape(-1, width)
-        places = {"box": slice(9, 12), "cylinder": slice(3, 6), "plane": slice(0, 0)}[kind]
-        if np.abs(table[:, places]).max(initial=0.0) > FARTHEST:
+        masks = {kind: [row[2] for row in rows if row[0] == kind] for kind in ("box", "cylinder", "plane")}
+        extents = np.concatenate([_box_extents(boxes), _cylinder_extents(cylinders)], axis=1)
+        farthest = max(np.abs(extents).max(initial=0.0), np.abs(planes[:, 3:]).max(initial=0.0))
+        if farthest > FARTHEST:
             raise InputError(
-                f"An obstacle is {np.abs(table[:, places]).max():.3g} m from the origin; planning takes at most "
-                f"{FARTHEST:g} m. Look at the units, or place the robot's base nearer to the origin."
+                f"An obstacle reaches {farthest:.3g} m from the origin; planning takes at most {FARTHEST:g} m. Look "
+                "at the units, or place the robot's base nearer to the origin; a floor can be a Plane."
             )
-        return table.astype(np.float32), np.array(masks, np.int64).reshape(-1, len(self.links))
+        groups, count = len(self.moving.groups), extents.shape[1]
+        columns = -(-count // self.lanes) * self.lanes
+        filled = np.full((6, columns), np.inf, np.float32)
+        filled[3:] = -np.inf
+        filled[:3, :count], filled[3:, :count] = extents[:3] - ROUNDING / 2.0, extents[3:] + ROUNDING / 2.0
+        padded = np.zeros((groups, columns), np.float32)
+        padded[:, :count] = np.array(masks["box"] + masks["cylinder"]).reshape(count, groups).T
+        return {
+            "boxes": boxes.astype(np.float32), "cylinders": cylinders.astype(np.float32), "extents": filled,
+            "masks": padded, "planes": planes.astype(np.float32),
+            "plane_masks": np.array(masks["plane"], np.float32).reshape(len(planes), groups).T.copy(),
+        }  # fmt: skip
+
+    def _rows(self) -> list[tuple[gap.Kind, Floats, list[bool]]]:
+        """By obstacle the formula, its numbers, and which groups it is checked against."""
+        names = [group.name for group in self.moving.groups]
+        rows = []
+        for part, partners in self.moving.standing:
+            rows += self._with_margins(part, SE3.identity(), names, [name in partners for name in names])
+        check_touches(self.robot.model, self.world)
+        for obstacle in self.world:
+            mask = [self._is_checked(obstacle, name) for name in names]
+            for part in _shape_parts(obstacle.shape, self.missing):
+                named = gap.Part(obstacle.name, part.kind, part.placement, part.sizes)
+                rows += self._with_margins(named, obstacle.pose, names, mask)
+        return rows
+
+    def _is_checked(self, obstacle: Obstacle, name: str) -> bool:
+        """Whether an obstacle is checked against a link or an attached object."""
+        if name in obstacle.touches:
+            return False
+        return not any(name == a.name and obstacle.name in a.touches for a in self.world.attachments)
+
+    def _with_margins(
+        self, part: gap.Part, pose: SE3, names: Sequence[str], mask: list[bool]
+    ) -> list[tuple[gap.Kind, Floats, list[bool]]]:
+        """A part, once for each distance that groups must keep from it."""
+        if not self.world.margins:
+            return [(part.kind, gap.row(part, pose), mask)]
+        margins = [self.world.margin(part.owner, name) for name in names]
+        return [
+            (
+                part.kind,
+                gap.row(part.grown(margin), pose),
+                [is_checked and m == margin for is_checked, m in zip(mask, margins, strict=True)],
+            )
+            for margin in sorted(set(margins))
+        ]
 
 
 def scene(checker: SphereChecker) -> Scene:
@@ -128,106 +276,97 @@ def scene(checker: SphereChecker) -> Scene:
         checker: The robot, its spheres and the world.
 
     Returns:
-        The scene; its kernel depends on robot and spheres alone, and is kept.
+        The scene; its kernel depends on the robot alone, and is kept.
 
     Raises:
         InputError: If a joint has a configuration that is not one number, or no link with spheres moves.
     """
-    model = checker.model
+    robot = links_of(checker.model, checker.spheres, checker.pairs, checker.missing)
+    return Scene(robot, checker.spheres, checker.pairs, checker.world, checker.missing)
+
+
+@lru_cache(maxsize=32)
+def links_of(model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...], missing: Missing) -> Moving:
+    """The links of a robot, as planning checks them.
+
+    Args:
+        model: The robot.
+        spheres: Spheres of its links.
+        pairs: Pairs of links to check against each other.
+        missing: What to do about mesh files that are missing: "error", or "skip" them with a warning.
+
+    Returns:
+        The links, with the kernel of poses.
+
+    Raises:
+        InputError: If a joint has a configuration that is not one number, or no link with spheres moves.
+    """
     for joint in model.joints:
         if not isinstance(joint.kind, Revolute | Prismatic):
             raise InputError(
                 f"Joint {joint.name!r} is {type(joint.kind).__name__}; planning takes revolute, continuous and "
                 "prismatic joints. Lock it where it stands: robot.lock({name: position})."
             )
-    links = tuple(name for name in checker.spheres.links if model.link(name).joint >= 0)
-    if not links:
+    groups = []
+    for name, balls in spheres.links.items():
+        link = model.link(name)
+        if link.joint >= 0:
+            groups.append(Group(name, link.joint, link.placement @ balls.centres, balls.radii))
+    if not groups:
         raise InputError(
             f"No link of {model.name!r} that moves has collision geometry; there is nothing to plan for."
         )
-    kernel = _centres_kernel(model, checker.spheres, links)
-    return Scene(checker, kernel, *motion_bounds(checker, links), links)
+    numbered = _numbered(groups, pairs, World())
+    return Moving(model, tuple(groups), numbered, _standing(model, pairs, missing), _pose_kernel(model))
 
 
-def moving_pairs(checker: SphereChecker, links: Sequence[str]) -> list[tuple[str, str]]:
-    """The pairs of links that are checked against each other and both move.
+def _numbered(
+    groups: Sequence[Group], pairs: Sequence[LinkPair], world: World
+) -> tuple[tuple[int, int, float], ...]:
+    """The pairs of which both move, by number, with the distances that they must keep [m]."""
+    number = {group.name: k for k, group in enumerate(groups)}
+    return tuple((number[a], number[b], world.margin(a, b)) for a, b in pairs if a in number and b in number)
 
-    Args:
-        checker: The robot and its pairs.
-        links: The links that move.
 
-    Returns:
-        Names.
-    """
-    return [(a, b) for a, b in checker.pairs if a in links and b in links]
+def _standing(
+    model: Model, pairs: Sequence[LinkPair], missing: Missing
+) -> tuple[tuple[gap.Part, frozenset[str]], ...]:
+    return tuple((part, frozenset(partners)) for part, partners in gap.standing(model, pairs, missing))
 
 
 @lru_cache(maxsize=32)
-def _centres_kernel(model: Model, spheres: Spheres, links: tuple[str, ...]) -> Any:
-    """From q to the centres of the bounding spheres of the links, then of all spheres, three numbers each."""
-    bounding = {name: _bounding_sphere(spheres, name) for name in links}
+def _pose_kernel(model: Model) -> Any:
+    """From q to the poses of all joints, twelve numbers each: the rotation by rows, and the position."""
 
-    def centres(q: Array) -> Array:
-        coarse = Spheres({name: _sphere(*bounding[name]) for name in links})
-        fine = Spheres({name: spheres.links[name] for name in links})
-        placed = [*sphere_centres(model, q, coarse).values(), *sphere_centres(model, q, fine).values()]
-        return np.concatenate([np.asarray(points, dtype=object) for points in placed])
+    def poses(q: Array) -> Array:
+        rows = [np.append(T.rotation.reshape(9), T.translation) for T in joint_poses(model, q)]
+        return np.concatenate([np.asarray(row, dtype=object) for row in rows])
 
-    return lanes_kernel(trace(centres, name="sphere_centres", q=(model.nq,)))
+    return lanes_kernel(trace(poses, name="joint_poses", q=(model.nq,)))
 
 
-def _sphere(centre: Floats, radius: float) -> Any:
-    return LinkSpheres(centre[None], np.array([radius]))
+def _bounding_sphere(group: Group) -> list[float]:
+    """Centre and radius of a sphere around spheres: about the middle of their bounding box."""
+    r = group.radii[:, None]
+    middle = ((group.centres - r).min(axis=0) + (group.centres + r).max(axis=0)) / 2.0
+    return [*middle, float((np.linalg.norm(group.centres - middle, axis=1) + group.radii).max())]
 
 
-def _bounding_sphere(spheres: Spheres, name: str) -> tuple[Floats, float]:
-    """A sphere around the spheres of a link: about the middle of their bounding box."""
-    c, r = spheres.links[name].centres, spheres.links[name].radii
-    middle = ((c - r[:, None]).min(axis=0) + (c + r[:, None]).max(axis=0)) / 2.0
-    return middle, float((np.linalg.norm(c - middle, axis=1) + r).max())
+@lru_cache(maxsize=4096)
+def _shape_parts(shape: Shape, missing: Missing) -> tuple[gap.Part, ...]:
+    """The parts of a shape that formulas know."""
+    return gap.parts(World().add("obstacle", shape), missing)
 
 
-def motion_bounds(checker: SphereChecker, links: Sequence[str]) -> tuple[Floats, Floats]:
-    """How far points of links move at most, and how far links approach each other, when a joint moves by one.
-
-    A point moves by at most its distance from the axis, which is no more than the lengths of all that lies between,
-    added. A joint that carries two links moves neither towards the other. Source: Schwarzer, Saha and Latombe (2005),
-    section 3.
-
-    Args:
-        checker: The robot; its spheres are among the points.
-        links: Names of links that move.
-
-    Returns:
-        Bounds of links, shape (links, nq), and of pairs, (pairs, nq) [m/rad] for turning joints, [1] for sliding ones.
-    """
-    model, tree = checker.model, steps(checker.model)
-    by_step = np.stack([_step_bounds(model, checker.spheres, tree, name) for name in links])
-    pairs = [[links.index(name) for name in pair] for pair in moving_pairs(checker, links)]
-    first, second = (by_step[[pair[k] for pair in pairs]].reshape(-1, len(tree)) for k in (0, 1))
-    apart = np.where((first > 0.0) != (second > 0.0), first + second, 0.0)
-    columns = np.zeros((len(tree), model.nq))
-    columns[np.arange(len(tree)), [step.joint.idx_q for step in tree]] = 1.0
-    return by_step @ columns, apart @ columns
+def _box_extents(boxes: Floats) -> Floats:
+    """Least and greatest coordinates of rounded boxes, shape (6, n) [m]."""
+    R, t, h, m = boxes[:, :9].reshape(-1, 3, 3), boxes[:, 9:12], boxes[:, 12:15], boxes[:, 15:]
+    half = (np.abs(R) @ h[:, :, None])[..., 0] + m
+    return np.concatenate([t - half, t + half], axis=1).T
 
 
-def _step_bounds(model: Model, spheres: Spheres, tree: Sequence[Step], name: str) -> Floats:
-    """How far a point of a link moves at most when a step's source moves by one, shape (steps,)."""
-    link, balls = model.link(name), spheres.links[name]
-    length = float((np.linalg.norm(link.placement @ balls.centres, axis=1) + balls.radii).max())
-    bounds = np.zeros(len(tree))
-    k = next(k for k, step in enumerate(tree) if step.is_last and step.joint is model.joints[link.joint])
-    while k >= 0:
-        step = tree[k]
-        turns = float(np.linalg.norm(step.subspace()[0].angular)) > 0.0
-        bounds[k] = abs(step.multiplier) * (length if turns else 1.0)
-        length += float(np.linalg.norm(step.placement.translation)) + (0.0 if turns else _travel(model, step))
-        k = step.parent
-    return bounds
-
-
-def _travel(model: Model, step: Step) -> float:
-    """How far a sliding joint can slide from its zero [m]."""
-    column, mimic = step.joint.idx_q, step.joint.mimic
-    farthest = max(abs(model.lower_position[column]), abs(model.upper_position[column]))
-    return farthest if mimic is None else abs(mimic.offset) + abs(mimic.multiplier) * farthest
+def _cylinder_extents(cylinders: Floats) -> Floats:
+    """Least and greatest coordinates of cylinders, shape (6, n) [m]."""
+    axis, t, r, half_length = cylinders[:, :3], cylinders[:, 3:6], cylinders[:, 6:7], cylinders[:, 7:8]
+    half = half_length * np.abs(axis) + r * np.sqrt(np.maximum(1.0 - axis**2, 0.0))
+    return np.concatenate([t - half, t + half], axis=1).T

@@ -3,15 +3,18 @@
 | symbol | meaning | shape | unit |
 |---|---|---|---|
 | W | lanes: configurations at once | | |
-| c | centres of spheres in the world, three rows each, the links' bounding spheres first | (3 (L + S), W) | [m] |
-| L, S | links with spheres, spheres in all | | |
+| G, S | groups of spheres on one body, spheres in all | | |
+| pose | R, by rows, and t of each body | (12 B, W) | [1], [m] |
+| c | centres in the world, three rows each: bounding spheres of the groups, then all spheres | (3 (G + S), W) | [m] |
 | box | R, t, half edges h and rounding m of an obstacle: m alone is a ball, h_z and m a capsule | (16,) | [m] |
 | cylinder | axis, centre, radius, half length | (8,) | [m] |
 | plane | normal, point | (6,) | [m] |
 
 A point p of an obstacle's frame is as far as the part of abs(p) - h above 0 (Ericson, Real-Time Collision Detection
-2005, section 5.1). Each link has a bounding sphere: only where that touches, its spheres are looked at. Radii include
-the margin, so that "free" holds with rounding in float32; see `tables`.
+2005, section 5.1). Three steps, each for what the one before leaves: the axis-aligned box around a group's bounding
+spheres in all lanes against those of the obstacles, with obstacles in lanes; the bounding spheres against the
+obstacle; the spheres, which are placed only now. Radii include the margin, so that "free" holds with rounding in
+float32; see `tables`.
 """
 
 from __future__ import annotations
@@ -20,7 +23,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ulna.compiler.procedures import Array1, Array2, any_of, f32, procedure
+from ulna.compiler.procedures import (
+    Array1,
+    Array2,
+    any_of,
+    f32,
+    first_of,
+    greatest_of,
+    lane_numbers,
+    least_of,
+    procedure,
+)
 
 INT = np.int64
 
@@ -29,28 +42,67 @@ class Tables(NamedTuple):
     """What is checked against what.
 
     Attributes:
-        bounds: Radii of the links' bounding spheres, (L,) [m].
-        radii: Radii of the spheres, (S,) [m].
-        first: Where the spheres of a link begin, (L + 1,).
+        bodies: The first row of the pose of each group's body, (G,).
+        bounds: Bounding spheres of the groups: centre on the body and radius, (G, 4) [m].
+        first: Where the spheres of a group begin, (G + 1,).
+        spheres: Centre on the body and radius, (S, 4) [m].
         boxes: Rounded boxes, (n, 16) [m].
-        box_links: Whether a box is checked against a link, (n, L).
-        cylinders: Cylinders, (n, 8) [m].
-        cylinder_links: Whether a cylinder is checked against a link, (n, L).
-        planes: Half spaces, (n, 6) [m].
-        plane_links: Whether a plane is checked against a link, (n, L).
-        pairs: Links that are checked against each other, (n, 2).
+        cylinders: Cylinders, (m, 8) [m].
+        extents: Least and greatest coordinates of boxes, then cylinders, filled up to whole registers, (6, K) [m].
+        masks: 1 where an obstacle is checked against a group, else 0, (G, K).
+        planes: Half spaces, (p, 6) [m].
+        plane_masks: The same for half spaces, (G, p).
+        pairs: Two groups that are checked against each other, and where their rows begin and end, (P, 4).
+        pair_margins: How far they must stay apart, (P,) [m].
+        rows: A sphere of the first group, and where its partners begin; one more row ends the last, (N + 1, 2).
+        partners: Spheres of the second group that it can meet.
+        reach: How far a point of a body moves at most when a joint moves by one, (nq, bodies filled up to whole
+            registers) [m/rad], [1].
     """
 
-    bounds: Array1[f32]
-    radii: Array1[f32]
+    bodies: Array1[INT]
+    bounds: Array2[f32]
     first: Array1[INT]
+    spheres: Array2[f32]
     boxes: Array2[f32]
-    box_links: Array2[INT]
     cylinders: Array2[f32]
-    cylinder_links: Array2[INT]
+    extents: Array2[f32]
+    masks: Array2[f32]
     planes: Array2[f32]
-    plane_links: Array2[INT]
+    plane_masks: Array2[f32]
     pairs: Array2[INT]
+    pair_margins: Array1[f32]
+    rows: Array2[INT]
+    partners: Array1[INT]
+    reach: Array2[f32]
+
+
+class Work(NamedTuple):
+    """Storage that checks write to.
+
+    Attributes:
+        q: Configurations, (nq, W) [rad, m].
+        pose: Poses of the bodies, (12 B, W) [1], [m].
+        c: Centres of bounding spheres and spheres, (3 (G + S), W) [m].
+        is_placed: Whether a sphere is placed, (S,).
+    """
+
+    q: Array2[f32]
+    pose: Array2[f32]
+    c: Array2[f32]
+    is_placed: Array1[INT]
+
+
+@procedure(contract=True)
+def _place(table, k, pose, body, c, row, W):
+    """Writes the centre of row k of a table of spheres to c, in lanes."""
+    for i in range(3):
+        c[row + i, 0:W] = (
+            pose[body + 3 * i, 0:W] * table[k, 0]
+            + pose[body + 3 * i + 1, 0:W] * table[k, 1]
+            + pose[body + 3 * i + 2, 0:W] * table[k, 2]
+            + pose[body + 9 + i, 0:W]
+        )
 
 
 @procedure(contract=True)
@@ -101,61 +153,107 @@ def _near_each_other(c, a, b, r, W):
 
 
 @procedure
-def _link_touches_world(tables, link, c, W):
-    """Whether a link touches an obstacle in any lane."""
-    links = len(tables.bounds)
-    bound = tables.bounds[link]
-    for k in range(len(tables.boxes)):
-        if tables.box_links[k, link] == 1 and any_of(_near_box(tables.boxes, k, c, 3 * link, bound, W)):
-            for s in range(tables.first[link], tables.first[link + 1]):
-                if any_of(_near_box(tables.boxes, k, c, 3 * (links + s), tables.radii[s], W)):
+def _placed_row(tables, g, s, work, W):
+    """The row of the centre of a sphere of a group, which is placed unless that was done."""
+    row = 3 * (len(tables.bodies) + s)
+    if work.is_placed[s] == 0:
+        work.is_placed[s] = 1
+        _place(tables.spheres, s, work.pose, tables.bodies[g], work.c, row, W)
+    return row
+
+
+@procedure
+def _group_touches(tables, g, k, work, W):
+    """Whether a group touches the obstacle of column k in any lane."""
+    boxes = len(tables.boxes)
+    if k < boxes:
+        if any_of(_near_box(tables.boxes, k, work.c, 3 * g, tables.bounds[g, 3], W)):
+            for s in range(tables.first[g], tables.first[g + 1]):
+                row = _placed_row(tables, g, s, work, W)
+                if any_of(_near_box(tables.boxes, k, work.c, row, tables.spheres[s, 3], W)):
                     return True
-    for k in range(len(tables.cylinders)):
-        if tables.cylinder_links[k, link] == 1 and any_of(
-            _near_cylinder(tables.cylinders, k, c, 3 * link, bound, W)
-        ):
-            for s in range(tables.first[link], tables.first[link + 1]):
-                if any_of(_near_cylinder(tables.cylinders, k, c, 3 * (links + s), tables.radii[s], W)):
+    else:
+        n = k - boxes
+        if any_of(_near_cylinder(tables.cylinders, n, work.c, 3 * g, tables.bounds[g, 3], W)):
+            for s in range(tables.first[g], tables.first[g + 1]):
+                row = _placed_row(tables, g, s, work, W)
+                if any_of(_near_cylinder(tables.cylinders, n, work.c, row, tables.spheres[s, 3], W)):
                     return True
+    return False
+
+
+@procedure
+def _group_touches_world(tables, g, work, W):
+    """Whether a group touches an obstacle in any lane."""
+    r = tables.bounds[g, 3]
+    least_x, greatest_x = least_of(work.c[3 * g, 0:W]) - r, greatest_of(work.c[3 * g, 0:W]) + r
+    least_y, greatest_y = least_of(work.c[3 * g + 1, 0:W]) - r, greatest_of(work.c[3 * g + 1, 0:W]) + r
+    least_z, greatest_z = least_of(work.c[3 * g + 2, 0:W]) - r, greatest_of(work.c[3 * g + 2, 0:W]) + r
+    for i in range(0, tables.extents.shape[1], W):
+        overlap = (
+            (tables.extents[0, i : i + W] <= greatest_x)
+            & (tables.extents[1, i : i + W] <= greatest_y)
+            & (tables.extents[2, i : i + W] <= greatest_z)
+            & (tables.extents[3, i : i + W] >= least_x)
+            & (tables.extents[4, i : i + W] >= least_y)
+            & (tables.extents[5, i : i + W] >= least_z)
+            & (tables.masks[g, i : i + W] > 0)
+        )
+        while any_of(overlap):
+            lane = first_of(overlap)
+            if _group_touches(tables, g, i + lane, work, W):
+                return True
+            overlap = overlap & (lane_numbers(W) != lane)
     for k in range(len(tables.planes)):
-        if tables.plane_links[k, link] == 1 and any_of(_near_plane(tables.planes, k, c, 3 * link, bound, W)):
-            for s in range(tables.first[link], tables.first[link + 1]):
-                if any_of(_near_plane(tables.planes, k, c, 3 * (links + s), tables.radii[s], W)):
+        if tables.plane_masks[g, k] > 0 and any_of(_near_plane(tables.planes, k, work.c, 3 * g, r, W)):
+            for s in range(tables.first[g], tables.first[g + 1]):
+                row = _placed_row(tables, g, s, work, W)
+                if any_of(_near_plane(tables.planes, k, work.c, row, tables.spheres[s, 3], W)):
                     return True
     return False
 
 
 @procedure
-def _links_touch(tables, a, b, c, W):
-    """Whether two links touch in any lane."""
-    links = len(tables.bounds)
-    if not any_of(_near_each_other(c, 3 * a, 3 * b, tables.bounds[a] + tables.bounds[b], W)):
+def _pair_touches(tables, k, work, W):
+    """Whether spheres of the groups of a pair touch, or come nearer than they may, in any lane."""
+    a, b = tables.pairs[k, 0], tables.pairs[k, 1]
+    bound = tables.bounds[b, 3] + tables.pair_margins[k]
+    if not any_of(_near_each_other(work.c, 3 * a, 3 * b, tables.bounds[a, 3] + bound, W)):
         return False
-    for i in range(tables.first[a], tables.first[a + 1]):
-        r = tables.radii[i]
-        if any_of(_near_each_other(c, 3 * (links + i), 3 * b, r + tables.bounds[b], W)):
-            for j in range(tables.first[b], tables.first[b + 1]):
-                if any_of(_near_each_other(c, 3 * (links + i), 3 * (links + j), r + tables.radii[j], W)):
+    for n in range(tables.pairs[k, 2], tables.pairs[k, 3]):
+        i = tables.rows[n, 0]
+        r = tables.spheres[i, 3]
+        row = _placed_row(tables, a, i, work, W)
+        if any_of(_near_each_other(work.c, row, 3 * b, r + bound, W)):
+            for m in range(tables.rows[n, 1], tables.rows[n + 1, 1]):
+                j = tables.partners[m]
+                reach = r + tables.spheres[j, 3] + tables.pair_margins[k]
+                other = _placed_row(tables, b, j, work, W)
+                if any_of(_near_each_other(work.c, row, other, reach, W)):
                     return True
     return False
 
 
 @procedure
-def block_touches(tables, c, W):
-    """Whether anything touches in any of the configurations whose spheres `c` holds.
+def block_touches(tables, work, W):
+    """Whether anything touches in any of the configurations whose poses are given.
 
     Args:
         tables: What is checked against what.
-        c: Centres, shape (3 (L + S), W) [m].
+        work: Holds the poses; the rest is overwritten.
         W: Lanes, a constant.
 
     Returns:
         The truth value.
     """
-    for link in range(len(tables.bounds)):
-        if _link_touches_world(tables, link, c, W):
+    for s in range(len(tables.spheres)):
+        work.is_placed[s] = 0
+    for g in range(len(tables.bodies)):
+        _place(tables.bounds, g, work.pose, tables.bodies[g], work.c, 3 * g, W)
+    for i in range(len(tables.bodies)):
+        if _group_touches_world(tables, len(tables.bodies) - 1 - i, work, W):
             return True
     for k in range(len(tables.pairs)):  # noqa: SIM110  # a loop of the language
-        if _links_touch(tables, tables.pairs[k, 0], tables.pairs[k, 1], c, W):
+        if _pair_touches(tables, k, work, W):
             return True
     return False

@@ -649,3 +649,27 @@ def test_random_procedures_equal_the_interpreter(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(1000, 1060))
 def test_many_random_procedures_equal_the_interpreter(seed: int) -> None:
     compare(seed)
+
+
+def test_numbers_that_were_bound_can_be_set() -> None:
+    @procedure
+    def scaled(a: Array1[f64], factor: f64, count: int) -> float:
+        total = 0.0
+        for k in range(count):
+            total += factor * a[k]
+        return total
+
+    bound = scaled.bind(np.arange(4.0), 2.0, 2, are_arrays_private=True)
+    assert bound() == 2.0
+    bound.set("count", 4)
+    assert bound() == 12.0
+    bound.set("factor", 0.5)
+    assert bound() == 3.0
+    bound.set("count", np.int64(3))
+    assert bound() == 1.5
+    with pytest.raises(InputError, match="expected a parameter that is a number: factor, count"):
+        bound.set("a", 1.0)
+    with pytest.raises(InputError, match="`count` is a float; expected int"):
+        bound.set("count", 1.0)
+    with pytest.raises(InputError, match="expected an integer of 64 bits"):
+        bound.set("count", 2**70)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,8 @@ from ulna.collision import LinkSpheres, Spheres, World
 from ulna.errors import InputError, ModelError, NonFiniteError, ShapeError
 from ulna.geometry import Box, Cylinder, Geometry, Plane, Sphere
 from ulna.model import Continuous, ModelBuilder, Prismatic, Spherical
-from ulna.planning import certify, edges, plan, scene
+from ulna.planning import Planner, certify, edges, plan, scene
+from ulna.planning.search import Search
 from ulna.spatial import SE3
 
 DOWN = np.array([[1.0, 0, 0, 0.5], [0, -1.0, 0, 0.25], [0, 0, -1.0, 0.35], [0, 0, 0, 1.0]])
@@ -247,15 +249,18 @@ def test_joints_without_limits_sliding_joints_and_followers() -> None:
 def checked_states(world: World, count: int = 600) -> tuple[Any, Any, Any]:
     """Random configurations, whether the machine code says touching, and their clearance in float64."""
     robot = panda()
-    place = scene(robot.collision_checker(world, method="spheres"))
     q = np.random.default_rng(7).uniform(robot.limits.lower, robot.limits.upper, size=(count, 7))
-    lanes = place.lanes
-    work = np.zeros((7, lanes), np.float32), np.zeros((place.kernel.sizes[1] // lanes, lanes), np.float32)
-    touching = np.zeros(count, np.float32)
-    edges.which_touch.specialized(W=lanes)(
-        place.kernel, place.tables(0.0), q.astype(np.float32), touching, *work
-    )
-    return q, touching > 0, place.checker.clearance(q)
+    place = scene(robot.collision_checker(world, method="spheres"))
+    return q, which_touch(place, q), place.checker.clearance(q)
+
+
+def which_touch(place: Any, q: Any, how: str = "__call__", margin: float = 0.0) -> Any:
+    """Which configurations touch, by machine code, by machine code with checks, or by the interpreter."""
+    touching = np.zeros(len(q), np.float32)
+    call = getattr(edges.which_touch.specialized(W=place.lanes), how)
+    tables = place.tables(margin)
+    call(place.robot.kernel, tables, q.astype(np.float32), touching, len(q), place.moving.work())
+    return touching > 0
 
 
 def test_machine_code_never_says_free_where_spheres_touch() -> None:
@@ -282,21 +287,7 @@ def test_interpreter_and_checked_code_agree_with_machine_code() -> None:
         .uniform(robot.limits.lower, robot.limits.upper, size=(4, 7))
         .astype(np.float32)
     )
-    lanes = place.lanes
-    which = edges.which_touch.specialized(W=lanes)
-    results = []
-    for call in (which, which.checked, which.interpret):
-        touching = np.zeros(4, np.float32)
-        rows = place.kernel.sizes[1] // lanes
-        call(
-            place.kernel,
-            place.tables(0.0),
-            q,
-            touching,
-            np.zeros((7, lanes), np.float32),
-            np.zeros((rows, lanes), np.float32),
-        )
-        results.append(touching)
+    results = [which_touch(place, q, how) for how in ("__call__", "checked", "interpret")]
     np.testing.assert_array_equal(results[0], results[1])
     np.testing.assert_array_equal(results[0], results[2])
 
@@ -313,9 +304,9 @@ def test_bounds_of_motion_hold() -> None:
         a = random.uniform(robot.limits.lower, robot.limits.upper)
         b = a + random.normal(scale=0.3, size=7)
         one, two = (sphere_centres(robot.model, q, spheres) for q in (a, b))
-        allowed = place.reach @ np.abs(b - a)
-        for link, most in zip(place.links, allowed, strict=True):
-            assert np.linalg.norm(two[link] - one[link], axis=1).max() <= most + 1e-12
+        allowed = place.moving.bounds_of_motion[0] @ np.abs(b - a)
+        for group, most in zip(place.moving.groups, allowed, strict=True):
+            assert np.linalg.norm(two[group.name] - one[group.name], axis=1).max() <= most + 1e-12
 
 
 def test_certificates_find_what_touches_between_free_points() -> None:
@@ -360,3 +351,117 @@ def test_random_problems_are_free_by_coal_between_samples(seed: int) -> None:
             assert not robot.collides(x + t * (y - x), world).any()
     assert solved >= 1
     assert isinstance(robot.collision_spheres().links["panda_hand"], LinkSpheres)
+
+
+# the tables -----------------------------------------------------------------------------------------------
+
+
+def random_world(random: Any, count: int = 20) -> World:
+    """Boxes, balls and cylinders about the robot."""
+    world = World()
+    for k in range(count):
+        T = SE3.from_translation(random.uniform([-0.9, -0.9, 0.0], [0.9, 0.9, 1.2])) @ SE3.from_rpy(
+            random.normal(size=3)
+        )
+        shape = [Box((0.1, 0.2, 0.05)), Sphere(0.08), Cylinder(0.04, 0.4)][k % 3]
+        world = world.add(f"o{k}", shape, T, touches=["panda_link1"] if k % 4 == 0 else ())
+    return world
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_links_carry_and_margins_of_pairs_count(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    world = random_world(random).attach(
+        "can", "panda_hand", (0.0, 0.0, 0.15), shape=Cylinder(0.03, 0.12),
+        touches=["panda_hand", "panda_leftfinger", "panda_rightfinger", "o1"],
+    )  # fmt: skip
+    world = world.set_margin("panda_link4", "o2", 0.05).set_margin("panda_link5", "panda_link1", 0.04)
+    world = world.set_margin("can", "o3", 0.1)
+    q, touching, clearance = checked_states(world, 400)
+    assert touching[clearance <= 0.0].all()
+    assert not touching[clearance > 3e-4].any()
+    bare = scene(panda().collision_checker(world.remove("can"), method="spheres"))
+    assert (which_touch(bare, q) != touching).any()  # or the can would make no difference
+
+
+def test_a_thousand_obstacles_are_checked_like_few() -> None:
+    random = np.random.default_rng(5)
+    world = World()
+    for k in range(1000):
+        place = random.uniform([-1.2, -1.2, 0.0], [1.2, 1.2, 1.5])
+        world = world.add(f"o{k}", Box((0.02, 0.02, 0.02)), place)
+    _, touching, clearance = checked_states(world, 60)
+    assert touching[clearance <= 0.0].all() and not touching[clearance > 3e-4].any()
+
+
+def test_spheres_that_are_left_out_never_meet() -> None:
+    """By thousands of configurations; and far more pairs than these can never be left out by luck."""
+    place = scene(panda().collision_checker(method="spheres"))
+    moving, random = place.moving, np.random.default_rng(1)
+    kept, every = (len(moving.pair_tables(margin)["partners"]) for margin in (0.0, 1.0))
+    assert 0 < kept < every
+    q = random.uniform(panda().limits.lower, panda().limits.upper, size=(3000, 7))
+    from ulna.algorithms import joint_poses
+    from ulna.planning.sphere_pairs import RESERVE, can_meet
+
+    poses = joint_poses(panda().model, q)
+    for (a, b, _), bounds in zip(moving.pairs, moving.bounds_of_motion[1], strict=True):
+        one, two = moving.groups[a], moving.groups[b]
+        x, y = (
+            g.centres @ np.swapaxes(poses[g.joint].rotation, -1, -2) + poses[g.joint].translation[:, None]
+            for g in (one, two)
+        )
+        apart = np.linalg.norm(x[:, :, None] - y[:, None], axis=-1).min(axis=0)
+        meets = apart < one.radii[:, None] + two.radii + RESERVE
+        assert can_meet(panda().model, one, two, bounds)[meets].all()
+
+
+def test_paths_that_touch_between_the_steps_of_the_search_are_repaired(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Grains that long steps jump over: every path is proved, by detours where the first one was not."""
+    robot, random = panda(), np.random.default_rng(3)
+    a, b = left_and_right()
+    world = World()
+    for k in range(60):
+        world = world.add(f"grain{k}", Sphere(0.002), random.uniform([0.1, -0.1, 0.2], [0.8, 0.1, 1.0]))
+    strict, run = [], Search.run
+
+    def counted(self: Any, q0: Any, goals: Any, options: Any) -> Any:
+        strict.append(options.is_strict)
+        return run(self, q0, goals, options)
+
+    monkeypatch.setattr(Search, "run", counted)
+    t = np.linspace(0.0, 1.0, 400)[:, None]
+    for seed in (0, 4, 5):
+        p = plan(robot, a, b, world, seed=seed)
+        assert p and p.is_certified
+        for x, y in pairwise(p.points):
+            assert not robot.collides(x + t * (y - x), world, method="spheres").any()
+    assert any(strict)
+
+
+def test_a_planner_is_the_same_as_the_function_and_serves_threads() -> None:
+    from concurrent.futures import ThreadPoolExecutor
+
+    robot, world = panda(), shelf()
+    a, b = left_and_right()
+    planner = Planner(robot, world)
+    one = plan(robot, a, b, world, seed=3)
+    with ThreadPoolExecutor(4) as pool:
+        plans = list(pool.map(lambda _: planner.plan(a, b, seed=3), range(16)))
+    for p in plans:
+        np.testing.assert_array_equal(p.points, one.points)
+    with pytest.raises(InputError, match=r"`iterations` is 1\.5; expected an integer of at least 1"):
+        planner.plan(a, b, iterations=1.5)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="`seed` is -1; expected an integer of at least 0"):
+        planner.plan(a, b, seed=-1)
+
+
+def test_more_goals_than_there_is_room_for() -> None:
+    robot, world = panda(), shelf()
+    a, b = left_and_right()
+    goals = np.repeat(b[None], 3000, axis=0) + np.linspace(0.0, 1e-3, 3000)[:, None]
+    p = plan(robot, a, goals, world)
+    assert p and p.is_certified
+    np.testing.assert_array_equal(p.points[-1], goals[p.goal])

@@ -31,6 +31,7 @@ from ulna.compiler.imperative.effects import written
 from ulna.compiler.imperative.interpreter import interpret
 from ulna.compiler.imperative.program import ProgramReader
 from ulna.compiler.imperative.source import Definition
+from ulna.compiler.imperative.types import INT, Number
 from ulna.compiler.runtime.jit import load_text, target
 from ulna.compiler.runtime.procedure_arguments import (
     check_count,
@@ -120,12 +121,17 @@ class Procedure(Definition):
             [python_number(r, v) for r, v in zip(instance.results, interpret(instance, values), strict=True)]
         )
 
-    def bind(self, *arguments: Any, is_checked: bool = False) -> BoundProcedure:
+    def bind(
+        self, *arguments: Any, is_checked: bool = False, are_arrays_private: bool = False
+    ) -> BoundProcedure:
         """Prepares calls with the same arrays: what it returns is called without arguments.
 
         Args:
-            *arguments: What a call takes; numbers keep their values, arrays are read and written where they lie.
+            *arguments: What a call takes; numbers keep their values until `set`, arrays are read and written where
+                they lie.
             is_checked: Whether every access to an array is checked.
+            are_arrays_private: Whether nobody but the caller has the arrays, who never changes their shape or memory:
+                calls do not look whether they are as they were, which takes two microseconds an array.
 
         Returns:
             The bound procedure, for one thread at a time.
@@ -134,11 +140,13 @@ class Procedure(Definition):
         check_count(instance, arguments)
         words: list[int] = []
         held: list[Any] = []
+        places: dict[str, int] = {}
         for (name, type_), value in zip(instance.parameters, arguments, strict=True):
             part, buffers = words_of(name, type_, value, name in self._writes)
+            places[name] = len(words)
             words += part
             held += buffers
-        return BoundProcedure(self, self._entry(is_checked), words, held)
+        return BoundProcedure(self, self._entry(is_checked), words, held, places, are_arrays_private)
 
     @property
     def instance(self) -> t.Instance:
@@ -196,12 +204,24 @@ class BoundProcedure:
         entry: The address of its machine code.
         words: The arguments as machine words.
         held: What must stay alive: the arrays among the arguments.
+        places: Where the words of each parameter begin.
+        are_arrays_private: Whether nothing can have happened to the arrays between calls.
     """
 
-    def __init__(self, procedure_: Procedure, entry: Any, words: Sequence[int], held: Sequence[Any]) -> None:
+    def __init__(
+        self,
+        procedure_: Procedure,
+        entry: Any,
+        words: Sequence[int],
+        held: Sequence[Any],
+        places: Mapping[str, int],
+        are_arrays_private: bool = False,
+    ) -> None:
         instance = procedure_.instance
         self._procedure, self._entry, self._held = procedure_, entry, held
-        self._arrays = [(a, layout(a)) for a in held if isinstance(a, np.ndarray)]
+        self._numbers = {name: (places[name], t) for name, t in instance.parameters if isinstance(t, Number)}
+        arrays = [] if are_arrays_private else [a for a in held if isinstance(a, np.ndarray)]
+        self._arrays = [(a, layout(a)) for a in arrays]
         self._first = len(words)
         size = len(words) + sum(result_words(r) for r in instance.results)
         self._words = np.zeros(max(size, 1), np.int64)
@@ -228,6 +248,23 @@ class BoundProcedure:
             results.append(result_from(result, self._words[position:]))
             position += result_words(result)
         return one_or_all(results)
+
+    def set(self, name: str, value: Number_) -> None:
+        """Gives a number that was bound another value.
+
+        Args:
+            name: The name of the parameter.
+            value: The number [any].
+
+        Raises:
+            InputError: If the procedure has no such parameter, or it is no number of the type.
+        """
+        if name not in self._numbers:
+            numbers = ", ".join(self._numbers) or "there are none"
+            raise InputError(f"`name` is {name!r}; expected a parameter that is a number: {numbers}.")
+        place, kind = self._numbers[name]
+        is_plain = kind == INT and type(value) is int and abs(value) < 2**62
+        self._words[place] = value if is_plain else words_of(name, kind, value, False)[0][0]
 
     def _raise(self, status: int) -> None:
         file = self._procedure.instances[status >> 32].file

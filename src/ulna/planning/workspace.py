@@ -1,0 +1,221 @@
+"""Storage of one thread for a scene, and the procedures of planning bound to it: calls cost about a microsecond."""
+
+from __future__ import annotations
+
+import threading
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from ulna.planning import edges, rrt_connect, shortcuts
+from ulna.planning.edges import Proof
+from ulna.planning.rrt_connect import EVERYWHERE, FREE_PLACE, Growth, Trees
+from ulna.planning.tables import Scene
+from ulna.typing import Floats
+
+SLICE = 512
+"""The most samples between two looks at the clock; Ctrl-C is raised there, too."""
+
+PARTS = (1.0, 0.25, 0.0625)
+"""The three steps of a proof, in parts of the longest."""
+
+_CAPACITY = 2048  # of a tree, at first
+_ROOM = 512  # points of a path, at first
+_POINTS = 16  # start and goals, at first
+_COARSER = 8.0  # the steps of a search that is not strict, in those of the proof; few paths touch in between
+_DOMAIN, _LEAST_DOMAIN, _CHANGE = 4.0, 1.0, 1e-4  # of nodes, in the longest edge but the last
+
+
+class Storage:
+    """Arrays that all scenes of a thread share, for configurations of one length; larger ones replace them.
+
+    Args:
+        nq: How many numbers a configuration has.
+    """
+
+    def __init__(self, nq: int) -> None:
+        self.nq = nq
+        self.samples = np.zeros((SLICE, nq), np.float32)
+        self.make_trees(_CAPACITY)
+        self.make_path(_ROOM)
+        self.make_points(_POINTS)
+
+    def make_trees(self, capacity: int) -> None:
+        """Makes empty trees with places for so many nodes."""
+        self.trees = Trees(
+            np.full((2, self.nq, capacity), FREE_PLACE, np.float32), np.full((2, capacity), EVERYWHERE, np.float32),
+            np.full((2, capacity), -1, np.int64), np.zeros(2, np.int64), np.zeros(2, np.int64),
+            *np.zeros((3, self.nq), np.float32),
+        )  # fmt: skip
+
+    def enlarge_trees(self) -> None:
+        """Makes trees of the same nodes with twice the places."""
+        fills = {"nodes": FREE_PLACE, "radii": EVERYWHERE, "parents": -1}
+        larger = {}
+        for name, fill in fills.items():
+            old = getattr(self.trees, name)
+            larger[name] = np.concatenate([old, np.full_like(old, fill)], axis=-1)
+        self.trees = self.trees._replace(**larger)
+
+    def make_path(self, room: int) -> None:
+        """Makes room for a path of so many points."""
+        self.path = np.zeros((room, self.nq), np.float32)
+
+    def make_points(self, room: int) -> None:
+        """Makes room for start and goals."""
+        self.points, self.touching = np.zeros((room, self.nq), np.float32), np.zeros(room, np.float32)
+
+
+class Workspace:
+    """A scene's tables, and procedures bound to them and to a thread's arrays.
+
+    Args:
+        scene: The robot and the world.
+        storage: The thread's arrays.
+        margin: How near everything may come at least [m].
+        step: How far any point moves at most between the states by which a path is proved free [m].
+        longest: The longest edge of the trees [rad, m].
+        part: Which of `PARTS` of the steps says by how much spheres are larger in the search.
+        is_strict: Whether the search takes steps so short that nothing can touch in between; else its paths may fail
+            the proof.
+    """
+
+    def __init__(
+        self, scene: Scene, storage: Storage, margin: float, step: float, longest: float, part: int, is_strict: bool
+    ) -> None:  # fmt: skip
+        self.step, self.storage = PARTS[part] * step if is_strict else _COARSER * step, storage
+        tables = [scene.tables(margin + size * step / 2.0) for size in PARTS]
+        self._tables, self._work = tables[part], scene.moving.work()
+        self._kernel, self._lanes = scene.robot.kernel, scene.lanes
+        self._proof = Proof(*tables, step)
+        self._growth = Growth(self.step, longest, _DOMAIN * longest, _LEAST_DOMAIN * longest, _CHANGE)
+        self._trees = self._path = self._points = None
+
+    def _bind(self) -> None:
+        """Binds the procedures to the thread's arrays, unless they are bound to these."""
+        s = self.storage
+        if self._trees is s.trees and self._path is s.path and self._points is s.points:
+            return
+        self._trees, self._path, self._points = s.trees, s.path, s.points
+        self._direct = self._bound(edges.first_direct_goal, self._tables, self.step, s.points, s.touching, 0)
+        self._grow = self._bound(
+            rrt_connect.grow, self._tables, self._growth, s.samples, 0, 0, s.points, s.touching, 0, s.trees
+        )
+        self._shorten = self._bound(shortcuts.shortened_path, self._tables, self.step, s.trees, s.path, 0)
+        self._check = self._bound(edges.first_unproved_edge, self._proof, s.path, 0, 0)
+
+    def _bound(self, procedure: Any, *arguments: Any) -> Any:
+        special = _specialized(procedure, self._lanes)
+        return special.bind(self._kernel, *arguments, self._work, are_arrays_private=True)
+
+    def examine(self, q0: Floats, goals: Floats) -> tuple[Any, int]:
+        """Which of start and goals are free, and the first goal straight ahead.
+
+        Args:
+            q0: The start, shape (nq,) [rad, m].
+            goals: Goals, shape (n, nq) [rad, m].
+
+        Returns:
+            Truth values, shape (1 + n,), and a number among the goals, or -1.
+        """
+        count = 1 + len(goals)
+        if count > len(self.storage.points):
+            self.storage.make_points(2 * count)
+        self._bind()
+        points = self.storage.points
+        points[0], points[1:count] = q0, goals
+        self._direct.set("count", count)
+        direct = self._direct()
+        return self.storage.touching[:count] == 0.0, max(direct - 1, -1)
+
+    def grow(self, first: int, count: int, roots: int) -> int:
+        """Grows the trees with samples; see `rrt_connect.grow`.
+
+        Args:
+            first: The sample to begin with.
+            count: How many samples there are.
+            roots: How many points that `examine` was given are roots of new trees; 0 to go on.
+
+        Returns:
+            The number of the first sample that was not used; where the trees met, minus that, minus 1.
+        """
+        if 2 * roots + 64 > self.storage.trees.nodes.shape[2]:
+            self.storage.make_trees(2 * roots + _CAPACITY)
+        self._bind()
+        self._grow.set("first", first)
+        self._grow.set("count", count)
+        self._grow.set("roots", roots)
+        result = self._grow()
+        if 0 <= result < count:  # no places are left
+            self.storage.enlarge_trees()
+        return result
+
+    def shortened(self, rounds: int) -> tuple[Floats, int]:
+        """The path at which the trees met, shorter, and the number of the goal among those that are free.
+
+        Args:
+            rounds: How often it is shortened at most.
+
+        Returns:
+            Points, shape (n, nq) [rad, m], in float64; the ends are those of float32.
+        """
+        count = -1
+        while count < 0:
+            self._bind()
+            self._shorten.set("rounds", rounds)
+            count = self._shorten()
+            if count < 0:
+                self.storage.make_path(2 * len(self.storage.path))
+        trees = self.storage.trees
+        node, parents = int(trees.meeting[1]), trees.parents[1]
+        while parents[node] >= 0:
+            node = int(parents[node])
+        return self.storage.path[:count].astype(float), node
+
+    def unproved(self, points: Floats) -> list[int]:
+        """The edges of a path, by number, of which machine code does not prove that nothing touches on them.
+
+        Args:
+            points: The path, shape (n, nq) [rad, m].
+
+        Returns:
+            The numbers.
+        """
+        if len(points) > len(self.storage.path):
+            self.storage.make_path(2 * len(points))
+        self._bind()
+        self.storage.path[: len(points)] = points
+        self._check.set("count", len(points))
+        numbers: list[int] = []
+        first = 0
+        while True:
+            self._check.set("first", first)
+            edge = self._check()
+            if edge < 0 or len(points) == 1:
+                return numbers if edge < 0 else [0]
+            numbers.append(edge)
+            first = edge + 1
+
+
+_STORAGE = threading.local()
+
+
+def thread_storage(nq: int) -> Storage:
+    """This thread's arrays for configurations of a length.
+
+    Args:
+        nq: The length.
+
+    Returns:
+        The arrays.
+    """
+    stores = _STORAGE.__dict__
+    if nq not in stores:
+        stores[nq] = Storage(nq)
+    return stores[nq]
+
+
+@lru_cache(maxsize=64)
+def _specialized(procedure: Any, lanes: int) -> Any:
+    return procedure.specialized(W=lanes)
