@@ -16,7 +16,7 @@ from ulna.geometry import HeightField, Plane, PointCloud, Shape
 from ulna.model import Model
 from ulna.spatial import SE3
 
-_TOLERANCE, _MOST = 0.006, 32  # of spheres around an object [m], and their number
+_TOLERANCE, _MOST = 0.004, 64  # of spheres around an object [m], and their number
 
 
 def attached_solids(model: Model, world: World, missing: Missing = "error") -> tuple[Solid, ...]:

@@ -12,7 +12,7 @@ import numpy as np
 from ulna.collision.point_grid import Clouds, grid_of, least_distances
 from ulna.collision.point_sets import surface_points
 from ulna.collision.solids import Solid
-from ulna.geometry import HeightField, PointCloud, Shape
+from ulna.geometry import HeightField, Mesh, PointCloud, Shape
 from ulna.system import forks
 from ulna.typing import Floats
 
@@ -24,7 +24,7 @@ _lock = forks.lock()
 
 def is_points(shape: Shape) -> bool:
     """Whether a shape is taken by points instead of by formulas."""
-    return isinstance(shape, PointCloud | HeightField)
+    return isinstance(shape, PointCloud | HeightField | Mesh)
 
 
 def point_grid(solid: Solid) -> Clouds:

@@ -20,7 +20,8 @@ from ulna.collision.attached import attached_pairs, attached_solids, attached_sp
 from ulna.collision.clouds import CloudCheck, is_points, point_grid
 from ulna.collision.mask import check_touches
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
-from ulna.collision.solids import Missing, solid_of
+from ulna.collision.point_grid import least_distances
+from ulna.collision.solids import Missing, obstacle_solid
 from ulna.collision.sphere_kernels import What, outer_kernel, own_kernel, sphere_kernel
 from ulna.collision.spheres import LinkSpheres, Spheres, fit
 from ulna.collision.world import World
@@ -173,6 +174,25 @@ class SphereChecker:
             for (kind, links, parts), rows in zip(self._groups, self._still, strict=True)
         ]
 
+    def cloud_distances(self, link: str, centres: Floats) -> list[tuple[str, float]]:
+        """How far the spheres of a link are from obstacles that are points, where these stand.
+
+        Args:
+            link: Name of the link or attached object.
+            centres: Centres of its spheres in the world, shape (n, 3) [m].
+
+        Returns:
+            By obstacle that is checked against the link its name and the distance, less the margin [m].
+        """
+        distances = []
+        for check in self._clouds:
+            obstacle = self.world[check.name]
+            if link in gap.checked_links(self.model, self.covering, obstacle, self.world):
+                local = (centres - obstacle.pose.translation) @ obstacle.pose.rotation
+                radii = self.covering.links[link].radii + self.world.margin(link, check.name)
+                distances.append((check.name, float(least_distances(check.grid, local, radii))))
+        return distances
+
     # evaluation --------------------------------------------------------------------------------------------
 
     def _evaluate(
@@ -313,7 +333,7 @@ class SphereChecker:
             links = gap.checked_links(self.model, self.covering, obstacle, self.world)
             if not is_points(obstacle.shape) or not links:
                 continue
-            solid = solid_of("", obstacle.name, obstacle.shape, -1, obstacle.pose, self.missing)
+            solid = obstacle_solid(obstacle, self.missing)
             if solid is not None:
                 radii = [self.covering.links[k].radii + self.world.margin(k, obstacle.name) for k in links]
                 chosen = self._chosen(tuple(links))

@@ -162,28 +162,28 @@ def nearest_square(clouds, k, x, y, z, far, enough, W):
 
 
 @procedure
-def cloud_touches(clouds, k, c, row, r, W):
-    """Whether spheres touch cloud k in any lane.
+def lane_touches(clouds, k, x, y, z, r, is_open, W):
+    """Whether a sphere touches cloud k in one of some lanes.
 
     Args:
         clouds: The clouds.
         k: Which.
-        c: Centres of spheres in the world, three rows each, (rows, W) [m].
-        row: The first row of the sphere.
-        r: Its radius [m].
+        x: Centres in the cloud's frame, lanes [m].
+        y: Likewise [m].
+        z: Likewise [m].
+        r: Their radius [m].
+        is_open: The lanes, a mask.
         W: Lanes, a constant.
 
     Returns:
         The truth value.
     """
-    x, y, z = in_cloud(clouds.poses, k, c, row, W)
-    open_lanes = maybe_near(clouds, k, x, y, z, r, W)
     reach = r + clouds.numbers[k, 6]
-    while any_of(open_lanes):
-        lane = first_of(open_lanes)
+    while any_of(is_open):
+        lane = first_of(is_open)
         if nearest_square(clouds, k, x[lane], y[lane], z[lane], reach, reach * reach, W) <= reach * reach:
             return True
-        open_lanes = open_lanes & (lane_numbers(W) != lane)
+        is_open = is_open & (lane_numbers(W) != lane)
     return False
 
 

@@ -10,6 +10,7 @@ from typing import Any, Literal, final
 
 import numpy as np
 
+from ulna.collision.objects import Obstacle
 from ulna.collision.point_sets import thinned
 from ulna.collision.world import World
 from ulna.errors import InputError, MissingExtra, ModelError, ModelWarning
@@ -134,8 +135,22 @@ def obstacle_solids(world: World, missing: Missing = "error") -> tuple[Solid, ..
     Returns:
         The solids, in the order of the obstacles.
     """
-    solids = (solid_of(f"obstacle {o.name!r}", o.name, o.shape, -1, o.pose, missing) for o in world.obstacles)
+    solids = (obstacle_solid(obstacle, missing) for obstacle in world)
     return tuple(solid for solid in solids if solid is not None)
+
+
+def obstacle_solid(obstacle: Obstacle, missing: Missing) -> Solid | None:
+    """An obstacle as a solid; see `solid_of`.
+
+    Args:
+        obstacle: The obstacle.
+        missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
+
+    Returns:
+        The solid; None where there is nothing to check.
+    """
+    name = obstacle.name
+    return solid_of(f"obstacle {name!r}", name, obstacle.shape, -1, obstacle.pose, missing)
 
 
 def solid_of(

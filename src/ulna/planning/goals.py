@@ -1,36 +1,170 @@
-"""Goals of planning: configurations, or poses that configurations are searched for."""
+"""Goals of planning: configurations, or poses, points and regions that configurations are searched for."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple, final
 
 import numpy as np
 
-from ulna.errors import InputError, ShapeError
+from ulna.checks.arrays import finite_array
+from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.model import Model
 from ulna.spatial import SE3
-from ulna.typing import Floats
+from ulna.typing import ArrayLike, Floats
 
 _ATTEMPTS = 12  # different starts from which a pose is solved
 _SEARCHES = 64  # from each, before it is given up
+_TURNS = ("none", "x", "y", "z", "any")
+
+Turns = Literal["none", "x", "y", "z", "any"]
 
 
-def goal_configurations(robot: Any, goal: Any, frame: str | None, q0: Floats, seed: int) -> Floats:
+@final
+@dataclass(frozen=True, eq=False)
+class Region:
+    """Poses that a goal allows: a box of positions, and turns about an axis of the frame or about all.
+
+    Args:
+        pose: T_world_middle, the middle and the axes of the box, and how the frame is turned: an SE3, (4, 4), or a
+            position (3,) [m].
+        size: Full edges of the box along these axes [m]; zeros for a point.
+        turns: About which of its own axes the frame may turn: "x", "y", "z", "any" for all, "none".
+    """
+
+    pose: SE3
+    size: Floats
+    turns: Turns
+
+    def __init__(
+        self, pose: SE3 | ArrayLike, size: ArrayLike = (0.0, 0.0, 0.0), turns: Turns = "none"
+    ) -> None:
+        matrix = pose.matrix() if isinstance(pose, SE3) else finite_array("pose", pose)
+        if matrix.shape not in ((3,), (4, 4)):
+            raise ShapeError("pose", matrix.shape, "an SE3, (4, 4), or a position (3,)")
+        edges = finite_array("size", size)
+        if edges.shape != (3,) or (edges < 0.0).any():
+            raise InputError(f"`size` is {size!r}; expected three edges of a box, not below 0 [m].")
+        if turns not in _TURNS:
+            raise UnknownName("value of `turns`", turns, _TURNS)
+        place = SE3.from_translation(matrix) if matrix.shape == (3,) else SE3.from_matrix(matrix)
+        for name, value in (("pose", place), ("size", edges), ("turns", turns)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def mask(self) -> Any:
+        """What inverse kinematics has to meet."""
+        return {"none": None, "any": "position"}.get(self.turns, f"position+{self.turns}")
+
+    def targets(self, count: int, seed: int) -> Floats:
+        """Poses whose positions fill the box, its middle first.
+
+        Args:
+            count: How many.
+            seed: Which.
+
+        Returns:
+            Poses, shape (count, 4, 4) [m].
+        """
+        poses = np.repeat(self.pose.matrix()[None], count, axis=0)
+        offsets = (np.random.default_rng([seed, 4]).random((count, 3)) - 0.5) * self.size
+        offsets[0] = 0.0
+        poses[:, :3, 3] += offsets @ self.pose.matrix()[:3, :3].T
+        return poses
+
+
+class Goals(NamedTuple):
+    """The configurations that goals allow.
+
+    Attributes:
+        configurations: Shape (n, nq) [rad, m].
+        numbers: The number of the goal that each reaches, (n,).
+    """
+
+    configurations: Floats
+    numbers: tuple[int, ...]
+
+
+def goal_configurations(
+    robot: Any,
+    goal: Any,
+    frame: str | None,
+    q0: Floats,
+    seed: int,
+    joints: Sequence[str] | None = None,
+) -> Goals:
     """The configurations that a goal allows.
 
     Args:
         robot: The robot.
-        goal: A configuration (nq,), several (n, nq), an SE3 or pose (4, 4), or several poses (n, 4, 4) [rad, m].
+        goal: A configuration (nq,), several (n, nq); a pose (SE3 or (4, 4)), several (n, 4, 4), a `Region`; a
+            dictionary from frames to poses and regions, all of which are to be met at once; or a list of poses and
+            regions, of which one is to be reached [rad, m].
         frame: Which frame a pose is for; None for the robot's tip.
         q0: Where the motion begins, shape (nq,) [rad, m].
         seed: Seed of the starts from which poses are solved.
+        joints: Names of the joints that may move; None for all.
 
     Returns:
-        Configurations, shape (n, nq), nearest to `q0` first; none where a pose cannot be reached.
+        The configurations, those of poses nearest to `q0` first; none where nothing can be reached.
 
     Raises:
         ShapeError: If the goal is none of these.
-        InputError: If it holds nan, or `frame` is given for configurations.
+        InputError: If it holds nan, `frame` is given for what names frames or needs none, or joints would have to move
+            that may not.
     """
+    moving = moving_columns(robot.model, joints)
+    if isinstance(goal, Mapping):
+        if frame is not None:
+            raise InputError("`frame` and a goal that names its frames are given; expected one of them.")
+        return _solved(robot, [goal], None, q0, seed, moving, joints)
+    if isinstance(goal, (list, tuple)) and any(isinstance(item, SE3 | Region) for item in goal):
+        return _solved(robot, [_single(item) for item in goal], frame, q0, seed, moving, joints)
+    if isinstance(goal, Region):
+        return _solved(robot, [goal], frame, q0, seed, moving, joints)
+    return _of_array(robot, goal, frame, q0, seed, moving, joints)
+
+
+def moving_columns(model: Model, joints: Sequence[str] | None) -> Any:
+    """Which numbers of a configuration may change.
+
+    Args:
+        model: The robot.
+        joints: Names of the joints that may move; None for all.
+
+    Returns:
+        Truth values, shape (nq,).
+
+    Raises:
+        UnknownName: If there is no such joint.
+        InputError: If `joints` is no list of names, or is empty.
+    """
+    if joints is None:
+        return np.ones(model.nq, dtype=bool)
+    if isinstance(joints, str) or not len(joints):
+        raise InputError(f"`joints` is {joints!r}; expected a list of names of joints that may move.")
+    moving = np.zeros(model.nq, dtype=bool)
+    for name in joints:
+        joint = model.joints[model.joint_index(name)]
+        moving[joint.idx_q : joint.idx_q + joint.kind.nq] = True
+    return moving
+
+
+def _single(item: Any) -> Any:
+    """One goal of a list: a region or a pose."""
+    if isinstance(item, Region):
+        return item
+    matrix = item.matrix() if isinstance(item, SE3) else finite_array("goal", item)
+    if matrix.shape != (4, 4):
+        raise ShapeError("goal", matrix.shape, "in a list of goals a Region, an SE3 or a pose (4, 4)")
+    return matrix
+
+
+def _of_array(
+    robot: Any, goal: Any, frame: str | None, q0: Floats, seed: int, moving: Any, joints: Sequence[str] | None
+) -> Goals:
+    """The configurations of a goal that is numbers."""
     nq = robot.model.nq
     poses = goal.matrix() if isinstance(goal, SE3) else np.asarray(goal, dtype=float)
     if not np.isfinite(poses).all():
@@ -42,32 +176,87 @@ def goal_configurations(robot: Any, goal: Any, frame: str | None, q0: Floats, se
             "for a pose; plan to the configurations one by one."
         )
     if is_pose:
-        return _solved(robot, poses.reshape(-1, 4, 4), frame, q0, seed)
+        return _solved(robot, list(poses.reshape(-1, 4, 4)), frame, q0, seed, moving, joints)
     if poses.shape not in ((nq,),) and not (poses.ndim == 2 and poses.shape[1] == nq and len(poses)):
         raise ShapeError(
             "goal",
             poses.shape,
-            f"a configuration ({nq},), several (n, {nq}), a pose (4, 4) or several (n, 4, 4)",
+            f"a configuration ({nq},), several (n, {nq}), a pose (4, 4), several (n, 4, 4), a Region, or a list of "
+            "poses and regions",
         )
     if frame is not None:
         raise InputError(
             "`frame` says whose pose the goal is; the goal here is a configuration. Leave it out."
         )
-    return poses.reshape(-1, nq)
+    flat = poses.reshape(-1, nq)
+    stray = (np.abs(flat - q0) > 1e-9) & ~moving
+    if stray.any():
+        column = int(np.argwhere(stray)[0][1])
+        raise InputError(
+            f"The goal has {flat[stray][0]:g} for joint {_joint_of(robot.model, column)!r}, which is at "
+            f"{q0[column]:g} and not among `joints`; expected the same value. Name it there, or leave it where it is."
+        )
+    return Goals(np.where(moving, flat, q0), tuple(range(len(flat))))
 
 
-def _solved(robot: Any, poses: Floats, frame: str | None, q0: Floats, seed: int) -> Floats:
+def _joint_of(model: Model, column: int) -> str:
+    return next(j.name for j in model.joints if j.idx_q <= column < j.idx_q + j.kind.nq)
+
+
+def _solved(
+    robot: Any,
+    goals: Sequence[Any],
+    frame: str | None,
+    q0: Floats,
+    seed: int,
+    moving: Any,
+    joints: Sequence[str] | None,
+) -> Goals:
     """Different configurations for poses, nearest to q0 first."""
     random = np.random.default_rng([seed, 2])
-    lower = np.maximum(robot.model.lower_position, q0 - np.pi)
-    upper = np.minimum(robot.model.upper_position, q0 + np.pi)
-    solutions: list[Floats] = []
-    for T in poses:
-        for k in range(_ATTEMPTS):
-            start = q0 if k == 0 else random.uniform(lower, upper)
-            solution = robot.ik(T, start, frame, seed=seed + k, attempts=_SEARCHES)
-            near = [np.abs(solution.q - q).max() for q in solutions]
-            if solution.success and min(near, default=1.0) > 1e-3:
-                solutions.append(np.asarray(solution.q))
-    solutions.sort(key=lambda q: float(np.linalg.norm(q - q0)))
-    return np.array(solutions).reshape(-1, robot.model.nq)
+    model = robot.model
+    lower, upper = np.maximum(model.lower_position, q0 - np.pi), np.minimum(model.upper_position, q0 + np.pi)
+    found: list[tuple[float, int, Floats]] = []
+    for number, goal in enumerate(goals):
+        free = moving & _carrying(model, goal, frame)
+        for k, (target, mask) in enumerate(_targets(goal, seed)):
+            start = q0 if k == 0 else np.where(free, random.uniform(lower, upper), q0)
+            options = {"seed": seed + k, "attempts": _SEARCHES, "mask": mask, "joints": joints}
+            solution = robot.ik(target, start, frame, **options)
+            q = np.asarray(solution.q)
+            if solution.success and all(np.abs(q - other).max() > 1e-3 for _, _, other in found):
+                found.append((float(np.linalg.norm(q - q0)), number, q))
+    found.sort(key=lambda item: item[:2])
+    configurations = np.array([q for _, _, q in found]).reshape(-1, model.nq)
+    return Goals(configurations, tuple(number for _, number, _ in found))
+
+
+def _carrying(model: Model, goal: Any, frame: str | None) -> Any:
+    """Which numbers of a configuration move the frames of a goal, shape (nq,)."""
+    names = list(goal) if isinstance(goal, Mapping) else [model.tool if frame is None else frame]
+    carrying = np.zeros(model.nq, dtype=bool)
+    for name in names:
+        for k in model.support(model.frame(name).joint):
+            joint = model.joints[k]
+            carrying[joint.idx_q : joint.idx_q + joint.kind.nq] = True
+    return carrying
+
+
+def _targets(goal: Any, seed: int) -> Iterator[tuple[Any, Any]]:
+    """What is asked of inverse kinematics, and what of it counts, once for each start."""
+    if isinstance(goal, Region):
+        for target in goal.targets(_ATTEMPTS, seed):
+            yield target, goal.mask
+        return
+    if not isinstance(goal, Mapping):
+        for _ in range(_ATTEMPTS):
+            yield goal, None
+        return
+    regions = {name: T if isinstance(T, Region) else None for name, T in goal.items()}
+    poses = {
+        name: T.targets(_ATTEMPTS, seed) if isinstance(T, Region) else [_single(T)] * _ATTEMPTS
+        for name, T in goal.items()
+    }
+    masks = {name: (region and region.mask) or "pose" for name, region in regions.items()}
+    for k in range(_ATTEMPTS):
+        yield {name: targets[k] for name, targets in poses.items()}, masks

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, final
 
@@ -12,7 +13,7 @@ from ulna.checks.arrays import finite_array
 from ulna.checks.values import number
 from ulna.collision import LinkPair, Spheres, World
 from ulna.errors import InputError, ShapeError
-from ulna.planning.goals import goal_configurations
+from ulna.planning.goals import goal_configurations, moving_columns
 from ulna.planning.result import Plan
 from ulna.planning.search import Options, Search
 from ulna.planning.tables import Scene, links_of
@@ -26,6 +27,7 @@ def plan(
     world: World | None = None,
     *,
     frame: str | None = None,
+    joints: Sequence[str] | None = None,
     spheres: Spheres | None = None,
     pairs: Iterable[LinkPair] | None = None,
     margin: float = 0.0,
@@ -44,10 +46,12 @@ def plan(
     Args:
         robot: The robot; its joints are revolute, continuous or prismatic.
         q0: Where it is, shape (nq,) [rad, m].
-        goal: A configuration (nq,), several of which one is to be reached (n, nq), a pose of a frame (SE3 or (4, 4)),
-            or several (n, 4, 4) [rad, m].
+        goal: A configuration (nq,), several of which one is to be reached (n, nq); a pose of a frame (SE3 or (4, 4)),
+            several (n, 4, 4), a `Region`, or a list of poses and regions; a dictionary from frames to poses and
+            regions that are to be met at once [rad, m].
         world: Obstacles; None for none. Moving ones stand where the world has them.
         frame: Whose pose the goal is; None for the robot's tip.
+        joints: Names of the joints that may move; the others stay where `q0` has them. None for all.
         spheres: Spheres of the links; None for those that are fitted.
         pairs: Pairs of links to check against each other; None for `link_pairs(model)`.
         margin: How near everything may come at least [m].
@@ -75,7 +79,14 @@ def plan(
     chosen = pairs if pairs is None else tuple(map(tuple, pairs))
     planner = _planner(robot, world, spheres, chosen, float(margin), float(step), float(longest))
     return planner.plan(
-        q0, goal, frame=frame, shorten=shorten, iterations=iterations, timeout=timeout, seed=seed
+        q0,
+        goal,
+        frame=frame,
+        joints=joints,
+        shorten=shorten,
+        iterations=iterations,
+        timeout=timeout,
+        seed=seed,
     )
 
 
@@ -126,6 +137,7 @@ class Planner:
         goal: Any,
         *,
         frame: str | None = None,
+        joints: Sequence[str] | None = None,
         shorten: int = 5,
         iterations: int = 100_000,
         timeout: float = 10.0,
@@ -135,9 +147,9 @@ class Planner:
 
         Args:
             q0: Where the robot is, shape (nq,) [rad, m].
-            goal: A configuration (nq,), several (n, nq), a pose of a frame (SE3 or (4, 4)), or several (n, 4, 4)
-                [rad, m].
+            goal: As for `ulna.planning.plan` [rad, m].
             frame: Whose pose the goal is; None for the robot's tip.
+            joints: Names of the joints that may move; None for all.
             shorten: How often at most the path is shortened and its corners are cut.
             iterations: The most samples.
             timeout: The longest time [s].
@@ -155,8 +167,12 @@ class Planner:
         q0 = finite_array("q0", q0)
         if q0.shape != (self.model.nq,):
             raise ShapeError("q0", q0.shape, f"({self.model.nq},)")
-        goals = goal_configurations(self.robot, goal, frame, q0, options.seed)
-        return self._search.run(q0, goals, options)
+        moving = moving_columns(self.model, joints)
+        goals = goal_configurations(self.robot, goal, frame, q0, options.seed, joints)
+        found = self._search.run(
+            q0, goals.configurations, replace(options, still=None if moving.all() else ~moving)
+        )
+        return replace(found, goal=goals.numbers[found.goal]) if found else found
 
 
 def _count(name: str, value: Any, least: int) -> int:

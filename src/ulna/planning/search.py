@@ -29,6 +29,7 @@ class Options:
         timeout: The longest time [s].
         seed: Seed of the samples.
         is_strict: Whether the search itself takes steps so short that nothing can touch in between.
+        still: Which numbers of a configuration stay where the start has them, shape (nq,); None for none.
     """
 
     shorten: int
@@ -36,6 +37,7 @@ class Options:
     timeout: float
     seed: int
     is_strict: bool = False
+    still: Any = None
 
 
 class _Run:
@@ -108,6 +110,8 @@ class Search:
             return self._failed(run, "iterations" if is_used else "time", reason)
         points, goal = run.workspace.shortened(options.shorten)
         points[0], points[-1] = q0, run.goals[goal]
+        if options.still is not None:
+            points[:, options.still] = q0[options.still]
         run.note("shorten")
         return self._solved(run, points, goal)
 
@@ -201,7 +205,7 @@ class Search:
     def _samples(self, run: _Run, count: int, low: Floats, high: Floats) -> Any:
         """The next samples, shape (count, nq); the first ones are kept."""
         key = run.used, count, run.options.seed
-        if not self._is_bounded or run.used >= 16 * SLICE:
+        if not self._is_bounded or run.options.still is not None or run.used >= 16 * SLICE:
             return samples(*key, low, high)
         if key not in self._blocks:
             if len(self._blocks) >= 64:
@@ -212,11 +216,13 @@ class Search:
     def _sampled_box(self, run: _Run) -> tuple[Floats, Floats]:
         """The limits; joints without limits turn up to a turn beyond start and goals."""
         low, high = self._model.lower_position, self._model.upper_position
-        if self._is_bounded:
-            return low, high
-        ends = np.vstack([run.q0, run.goals])
-        low = np.where(np.isfinite(low), low, ends.min(axis=0) - np.pi)
-        return low, np.where(np.isfinite(high), high, ends.max(axis=0) + np.pi)
+        if not self._is_bounded:
+            ends = np.vstack([run.q0, run.goals])
+            low = np.where(np.isfinite(low), low, ends.min(axis=0) - np.pi)
+            high = np.where(np.isfinite(high), high, ends.max(axis=0) + np.pi)
+        if run.options.still is not None:
+            low, high = (np.where(run.options.still, run.q0, limit) for limit in (low, high))
+        return low, high
 
     # results ----------------------------------------------------------------------------------------------
 

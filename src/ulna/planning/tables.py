@@ -12,9 +12,11 @@ import numpy as np
 from ulna.algorithms import joint_poses
 from ulna.collision import LinkPair, SphereChecker, Spheres, World
 from ulna.collision import clearance as gap
+from ulna.collision.clouds import is_points, point_grid
 from ulna.collision.mask import check_touches
 from ulna.collision.objects import Obstacle
-from ulna.collision.solids import Missing
+from ulna.collision.point_grid import joined
+from ulna.collision.solids import Missing, obstacle_solid
 from ulna.compiler import trace
 from ulna.compiler.procedures import lanes_kernel
 from ulna.errors import InputError
@@ -214,11 +216,7 @@ class Scene:
         masks = {kind: [row[2] for row in rows if row[0] == kind] for kind in ("box", "cylinder", "plane")}
         extents = np.concatenate([_box_extents(boxes), _cylinder_extents(cylinders)], axis=1)
         farthest = max(np.abs(extents).max(initial=0.0), np.abs(planes[:, 3:]).max(initial=0.0))
-        if farthest > FARTHEST:
-            raise InputError(
-                f"An obstacle reaches {farthest:.3g} m from the origin; planning takes at most {FARTHEST:g} m. Look "
-                "at the units, or place the robot's base nearer to the origin; a floor can be a Plane."
-            )
+        _refuse_far("", farthest)
         groups, count = len(self.moving.groups), extents.shape[1]
         columns = -(-count // self.lanes) * self.lanes
         filled = np.full((6, columns), np.inf, np.float32)
@@ -227,10 +225,31 @@ class Scene:
         padded = np.zeros((groups, columns), np.float32)
         padded[:, :count] = np.array(masks["box"] + masks["cylinder"]).reshape(count, groups).T
         return {
-            "boxes": boxes.astype(np.float32), "cylinders": cylinders.astype(np.float32), "extents": filled,
-            "masks": padded, "planes": planes.astype(np.float32),
+            **self._clouds, "boxes": boxes.astype(np.float32), "cylinders": cylinders.astype(np.float32),
+            "extents": filled, "masks": padded, "planes": planes.astype(np.float32),
             "plane_masks": np.array(masks["plane"], np.float32).reshape(len(planes), groups).T.copy(),
         }  # fmt: skip
+
+    @cached_property
+    def _clouds(self) -> dict[str, Any]:
+        """The tables of obstacles that are points, by name."""
+        names = [group.name for group in self.moving.groups]
+        placed, margins = [], []
+        for obstacle in self.world:
+            if not is_points(obstacle.shape):
+                continue
+            solid = obstacle_solid(obstacle, self.missing)
+            if solid is not None:
+                _refuse_far(obstacle.name, np.abs(obstacle.pose @ solid.vertices).max() + solid.rounding)
+                placed.append((point_grid(solid), obstacle.pose.matrix()))
+                margins.append(
+                    [
+                        self.world.margin(name, obstacle.name) if self._is_checked(obstacle, name) else -1.0
+                        for name in names
+                    ]
+                )
+        table = np.array(margins, np.float32).reshape(-1, len(names)).T.copy()
+        return {"clouds": joined(placed), "cloud_margins": table}
 
     def _rows(self) -> list[tuple[gap.Kind, Floats, list[bool]]]:
         """By obstacle the formula, its numbers, and which groups it is checked against."""
@@ -240,6 +259,8 @@ class Scene:
             rows += self._with_margins(part, SE3.identity(), names, [name in partners for name in names])
         check_touches(self.robot.model, self.world)
         for obstacle in self.world:
+            if is_points(obstacle.shape):
+                continue
             mask = [self._is_checked(obstacle, name) for name in names]
             for part in _shape_parts(obstacle.shape, self.missing):
                 named = gap.Part(obstacle.name, part.kind, part.placement, part.sizes)
@@ -356,6 +377,16 @@ def _bounding_sphere(group: Group) -> list[float]:
 def _shape_parts(shape: Shape, missing: Missing) -> tuple[gap.Part, ...]:
     """The parts of a shape that formulas know."""
     return gap.parts(World().add("obstacle", shape), missing)
+
+
+def _refuse_far(name: str, farthest: float) -> None:
+    """Raises where an obstacle is too far away for float32."""
+    if farthest > FARTHEST:
+        raise InputError(
+            f"{f'Obstacle {name!r}' if name else 'An obstacle'} reaches {farthest:.3g} m from the origin; planning "
+            f"takes at most {FARTHEST:g} m. Look at the units, or place the base nearer to the origin; a floor can "
+            "be a Plane, and of a scan keep what is near: points[np.linalg.norm(points, axis=1) < 5.0]."
+        )
 
 
 def _box_extents(boxes: Floats) -> Floats:

@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ulna.collision.point_grid import Clouds, in_cloud, lane_touches, maybe_near
 from ulna.compiler.procedures import (
     Array1,
     Array2,
@@ -52,6 +53,8 @@ class Tables(NamedTuple):
         masks: 1 where an obstacle is checked against a group, else 0, (G, K).
         planes: Half spaces, (p, 6) [m].
         plane_masks: The same for half spaces, (G, p).
+        clouds: Obstacles that are points.
+        cloud_margins: How far groups must stay from clouds, -1 where they are not checked, (G, clouds) [m].
         pairs: Two groups that are checked against each other, and where their rows begin and end, (P, 4).
         pair_margins: How far they must stay apart, (P,) [m].
         rows: A sphere of the first group, and where its partners begin; one more row ends the last, (N + 1, 2).
@@ -70,6 +73,8 @@ class Tables(NamedTuple):
     masks: Array2[f32]
     planes: Array2[f32]
     plane_masks: Array2[f32]
+    clouds: Clouds
+    cloud_margins: Array2[f32]
     pairs: Array2[INT]
     pair_margins: Array1[f32]
     rows: Array2[INT]
@@ -214,6 +219,27 @@ def _group_touches_world(tables, g, work, W):
 
 
 @procedure
+def _group_touches_clouds(tables, g, work, W):
+    """Whether a group touches a cloud in any lane."""
+    begin = tables.first[g]
+    for k in range(len(tables.clouds.poses)):
+        margin = tables.cloud_margins[g, k]
+        if margin >= 0:
+            for s in range(begin - 1, tables.first[g + 1]):  # first the bounding sphere
+                row, r = 3 * g, tables.bounds[g, 3] + margin
+                if s >= begin:
+                    row, r = _placed_row(tables, g, s, work, W), tables.spheres[s, 3] + margin
+                x, y, z = in_cloud(tables.clouds.poses, k, work.c, row, W)
+                is_open = maybe_near(tables.clouds, k, x, y, z, r, W)
+                if s < begin:
+                    if not any_of(is_open):
+                        break
+                elif lane_touches(tables.clouds, k, x, y, z, r, is_open, W):
+                    return True
+    return False
+
+
+@procedure
 def _pair_touches(tables, k, work, W):
     """Whether spheres of the groups of a pair touch, or come nearer than they may, in any lane."""
     a, b = tables.pairs[k, 0], tables.pairs[k, 1]
@@ -253,6 +279,10 @@ def block_touches(tables, work, W):
     for i in range(len(tables.bodies)):
         if _group_touches_world(tables, len(tables.bodies) - 1 - i, work, W):
             return True
+    if len(tables.clouds.poses) > 0:
+        for i in range(len(tables.bodies)):
+            if _group_touches_clouds(tables, len(tables.bodies) - 1 - i, work, W):
+                return True
     for k in range(len(tables.pairs)):  # noqa: SIM110  # a loop of the language
         if _pair_touches(tables, k, work, W):
             return True
