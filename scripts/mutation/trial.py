@@ -21,7 +21,7 @@ from mutation.mutant import Mutant
 
 _OPTIONS = ("-q", "-x", "--tb=no", "-rfE", "-p", "no:cacheprovider")
 _GONE = re.compile(r"^ERROR: (?:file or directory )?not found: (.+)$", re.MULTILINE)
-LIMIT = 150.0  # seconds a run of tests may take beyond the time expected
+LIMIT = 300.0  # seconds a run of tests may take beyond the time expected
 # Their results are kept under keys that say nothing of this code: with these mutated, the kernel cache starts empty.
 _CACHED = (
     "compiler/runtime/",
