@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.values import short_repr
 from ulna.errors import InputError, NonFiniteError
 from ulna.trajectory.base import Trajectory
 from ulna.trajectory.inputs import vector
@@ -42,8 +43,12 @@ def follow(
         The joint trajectory.
 
     Raises:
-        InputError: Inverse kinematics fails, or jumps to another branch; names the time.
+        InputError: `trajectory` is none of poses; inverse kinematics fails, or jumps to another branch; names the time.
     """
+    if not isinstance(trajectory, Trajectory):
+        raise InputError(
+            f"`trajectory` is {short_repr(trajectory)}; expected one of poses, such as pose_line(...)."
+        )
     if not isinstance(trajectory.space, Poses):
         raise InputError("`trajectory` moves joints already; expected one of poses, such as pose_line(...).")
     if not isinstance(samples, (int, np.integer)) or samples < 3:
