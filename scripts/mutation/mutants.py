@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import copy
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeGuard
 
 from mutation.mutant import Mutant
 
@@ -186,7 +186,12 @@ class _Finder(ast.NodeVisitor):
                 self._note_changed(
                     node, "comparison", lambda new, i=index, o=other: new.ops.__setitem__(i, o())
                 )
-        self.generic_visit(node)
+        self.visit(node.left)
+        for operator, value in zip(node.ops, node.comparators, strict=True):
+            if isinstance(operator, ast.In | ast.NotIn) and _is_letters(value):
+                self._note(value, "text", repr(value.value[:-1]))  # one letter more is never asked for
+            else:
+                self.visit(value)
 
     def visit_BoolOp(self, node: ast.BoolOp) -> None:
         other = ast.Or() if isinstance(node.op, ast.And) else ast.And()
@@ -268,6 +273,14 @@ def _swap_operands(node: ast.BinOp) -> None:
 
 def _swap_arguments(node: ast.Call, index: int) -> None:
     node.args[index : index + 2] = node.args[index : index + 2][::-1]
+
+
+def _is_letters(node: ast.expr) -> TypeGuard[ast.Constant]:
+    """Whether a node is a text of several letters, as the kinds of a NumPy type: `kind in "iuf"`."""
+    value = getattr(node, "value", None)
+    return (
+        isinstance(node, ast.Constant) and isinstance(value, str) and 1 < len(value) < 8 and value.isalnum()
+    )
 
 
 def _is_text(node: ast.expr) -> bool:

@@ -94,6 +94,21 @@ def test_every_kind_of_mutant_is_made(tools: Any) -> None:
     } <= changes(tools, "def g(a, b):\n f(a, b)\n a.x = b\n if a: return a and (not b)\n return 'é', a @ b\n")
 
 
+def test_letters_that_are_looked_up_lose_one(tools: Any) -> None:
+    """A letter more would change nothing."""
+    found = changes(tools, "def f(a):\n    return a.kind in 'iuf' or a in ('b', 'c')\n")
+    assert "text: 'iuf' -> 'iu'" in found and "text: 'iuf' -> 'iuf_'" not in found
+    assert "text: 'b' -> 'b_'" in found
+
+
+def test_lines_of_the_map_are_found_again_after_the_sources_changed(tools: Any, tmp_path: Path) -> None:
+    before, after = tmp_path / "before.py", tmp_path / "after.py"
+    before.write_text("a\nb\nc\nd\n")
+    after.write_text("new\na\nb\nchanged\nd\n")
+    assert tools["map"]._places(before, after) == {1: 2, 2: 3, 4: 5}
+    assert tools["map"]._places(tmp_path / "nothing.py", after) == {}
+
+
 def test_types_prose_and_what_has_no_effect_are_left_alone(tools: Any) -> None:
     source = '''"""Doc."""
 from typing import TYPE_CHECKING, Literal
