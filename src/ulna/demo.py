@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ulna.viewer.scene import Scene
 
 GAIN, THRESHOLD, DT = 1.0, 0.01, 0.01
+_LONGEST_WAIT = 15.0  # s for the browser
 _LONGEST_MOTION = 60.0  # simulated seconds after which a goal counts as out of reach
 _GHOST = (0.36, 0.47, 0.64, 0.26)
 _PIECE = 15  # steps
@@ -144,7 +145,7 @@ def demo(
         return demo(True, output, port, size)
     print(f"Servoing in the browser: {page.url}", flush=True)
     try:
-        _wait_for_eyes(page)
+        _wait_for_browser(page)
         result = _perform(robot, start, goal, page)
         print(report(robot, result))
         if output is not None:
@@ -211,9 +212,9 @@ def _perform(robot: Any, start: Floats, goal: Floats, page: Any) -> Servoing:
     return result
 
 
-def _wait_for_eyes(page: Any, patience: float = 15.0) -> None:
+def _wait_for_browser(page: Any) -> None:
     """Until the browser shows the page, so that the motion is seen from its beginning."""
-    due = time.monotonic() + patience
+    due = time.monotonic() + _LONGEST_WAIT
     while page.page.clients == 0 and time.monotonic() < due:
         time.sleep(0.05)
     time.sleep(1.5 if page.page.clients else 0.0)
@@ -225,22 +226,22 @@ def _set_up(scene: Scene, robot: Any, start: Floats, goal: Floats) -> None:
 
 
 def _picture(robot: Any, start: Floats, result: Servoing, output: str, size: tuple[int, int]) -> Path:
-    """The start as a ghost, the way of the tool, the goal and the robot at the end, into a PNG file."""
+    """The start as a ghost, the path of the tool, the goal and the robot at the end, into a PNG file."""
     from ulna.viewer.render.renderer import render, write_png
     from ulna.viewer.scene import Scene
 
     scene = Scene()
     _set_up(scene, robot, start, result.goal)
     scene.add_robot(robot, result.q)
-    way = np.concatenate([np.asarray(robot.fk(start))[None, :3, 3], result.recording["T"][:, :3, 3]])
-    scene.add_path("trace", way, _TRACE)
+    path_of_tool = np.concatenate([np.asarray(robot.fk(start))[None, :3, 3], result.recording["T"][:, :3, 3]])
+    scene.add_path("trace", path_of_tool, _TRACE)
     path = write_png(output, render(scene, *size, camera=_view(scene, 1.25)))
     print(f"  {'picture':<10} {path}")
     return path
 
 
 def _view(scene: Scene, margin: float, aside: float = 0.0) -> Camera:
-    """From the side to which the way of the tool is open."""
+    """From the side to which the path of the tool is open."""
     from ulna.viewer.graph.camera import camera_for
 
     return camera_for(scene, direction=(1.1, 2.0, 0.8), margin=margin, aside=aside)

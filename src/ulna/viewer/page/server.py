@@ -11,7 +11,8 @@ import contextlib
 import logging
 import socket
 import weakref
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from numbers import Integral
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,23 @@ _construction_lock = forks.lock()
 _serving: weakref.WeakKeyDictionary[Any, list[Any]] = weakref.WeakKeyDictionary()  # what opened the sockets
 _log = logging.getLogger("ulna.page")
 _log.setLevel(logging.CRITICAL)
+
+
+def _answer(
+    answer: Callable[[Any, Any], Any], files: Any, token: str, any_host: bool, connection: Any, request: Any
+) -> Any:
+    """The answer to a request for the page, or for its socket: none for whoever is not allowed to see it."""
+    headers = request.headers
+    if not guard.is_allowed(headers.get("Host"), headers.get("Origin"), any_host):
+        return connection.respond(403, "This page answers its own machine only.\n")
+    if not guard.has_token(token, request.path, headers.get("Cookie")):
+        return connection.respond(403, "This page answers those who know its token only.\n")
+    response = client.response_to(files, request) or answer(connection, request)
+    if response is not None:
+        response.headers["Content-Security-Policy"] = guard.frame_ancestors(headers["Host"])
+        if token:
+            response.headers["Set-Cookie"] = guard.token_cookie(token)
+    return response
 
 
 def serve(host: str, port: int, title: str, token: str = "") -> Any:
@@ -67,23 +85,9 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
     def guarded_serve(*args: Any, **options: Any) -> Any:
         answer: Any = options.get("process_request")
         if getattr(answer, "__module__", "").startswith("viser"):  # leave servers of other threads alone
-
-            def process_request(connection: Any, request: Any) -> Any:
-                headers = request.headers
-                if not guard.is_allowed(headers.get("Host"), headers.get("Origin"), any_host):
-                    return connection.respond(403, "This page answers its own machine only.\n")
-                if not guard.has_token(token, request.path, headers.get("Cookie")):
-                    return connection.respond(403, "This page answers those who know its token only.\n")
-                response = client.response_to(page_files, request) or answer(connection, request)
-                if response is not None:
-                    response.headers["Content-Security-Policy"] = guard.frame_ancestors(headers["Host"])
-                    if token:
-                        response.headers["Set-Cookie"] = guard.token_cookie(token)
-                return response
-
             if len(args) > 2 and args[2] > 65535:  # all ports from the one asked for to the last are in use
                 args = (*args[:2], 0, *args[3:])
-            options["process_request"] = process_request
+            options["process_request"] = partial(_answer, answer, page_files, token, any_host)
             options["logger"] = _log  # browsers open sockets that they may never use; that is no error
             guarded.append(original(*args, **options))
             return guarded[-1]

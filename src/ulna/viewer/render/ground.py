@@ -17,6 +17,7 @@ from ulna.viewer.render.zbuffer import rasterise
 _SHADOW_COLOUR = np.array(
     [0.20, 0.195, 0.185], dtype=np.float32
 )  # how much a full shadow takes from red, green, blue
+_OCCLUSION_PIXELS = 192  # of the picture of the scene from above, along each side
 _OCCLUSION_RADIUS = 0.25  # m around things that their nearness darkens
 
 
@@ -128,16 +129,15 @@ def _grid_coverage(
     return cover
 
 
-def _ambient_occlusion(casting: Floats, floor: float, points: Array, size: int = 192) -> Array:
+def _ambient_occlusion(casting: Floats, floor: float, points: Array) -> Array:
     """How much of the sky is hidden at points (n, 2) of the floor by things close above, from 0 to 1."""
     low, high = (np.array([f(casting[:, :, 0]), f(casting[:, :, 1])]) for f in (np.min, np.max))
     centre, half = (low + high) / 2, float((high - low).max()) / 2 + _OCCLUSION_RADIUS
-    scale = size / (2 * half)
+    scale = _OCCLUSION_PIXELS / (2 * half)
     top = float(casting[:, :, 2].max())
     screen = (casting[:, :, :2] - centre + half) * scale
-    nearness, _ = rasterise(
-        screen, top - casting[:, :, 2] + 1.0, np.zeros(len(casting), np.int64), size, size
-    )
+    owner, size = np.zeros(len(casting), np.int64), _OCCLUSION_PIXELS
+    nearness, _ = rasterise(screen, top - casting[:, :, 2] + 1.0, owner, size, size)
     height = np.where(nearness > 0, top + 1.0 - nearness - floor, np.inf)
     hidden = light.gaussian((1.0 / (1.0 + (height / 0.08) ** 2)).astype(np.float32), max(0.035 * scale, 1.0))
     x, y = ((points[:, k] - centre[k] + half) * scale - 0.5 for k in (0, 1))

@@ -24,6 +24,7 @@ from ulna.viewer.render.zbuffer import clip_near, rasterise
 
 __all__ = ["render", "write_png"]
 
+_SHADED_AT_ONCE = 400_000  # samples, for memory
 _NEAR = 0.02
 _MAX_SAMPLES = 2**28  # samples
 _SAME_SHADING_COSINE = 0.95  # cosine between triangles of one surface that a pixel shades as one
@@ -113,11 +114,7 @@ def _draw_layer(
     if not len(pieces):
         return before
     screen = view.screen(pieces)
-    # only the part of the picture that holds something is worked on, in whole pixels
-    size = np.array([view.width, view.height])
-    least, most = (np.array([f(screen[..., 0]), f(screen[..., 1])]) for f in (np.min, np.max))
-    low = np.clip(np.floor(least / samples) * samples, 0, size).astype(int)
-    high = np.clip(np.ceil(most / samples) * samples, 0, size).astype(int)
+    low, high = _covered(screen, view, samples)
     width, height = (high - low).tolist()
     if width <= 0 or height <= 0:
         return before
@@ -137,8 +134,8 @@ def _draw_layer(
     row = pixel[at] // (width // samples) * samples + sample // samples + low[1]
     column = pixel[at] % (width // samples) * samples + sample % samples + low[0]
     mixed = np.zeros((len(pixel), 4), dtype=np.float32)
-    for start in range(0, len(at), 400_000):
-        part = slice(start, start + 400_000)
+    for start in range(0, len(at), _SHADED_AT_ONCE):
+        part = slice(start, start + _SHADED_AT_ONCE)
         colours = _shaded_colours(
             view, triangles, triangle_of[at[part], sample[part]], column[part], row[part], shadows, samples
         )
@@ -150,6 +147,14 @@ def _draw_layer(
     depth = np.zeros((view.height, view.width), dtype=np.float32)
     depth[window] = near
     return depth
+
+
+def _covered(screen: Array, view: Projection, samples: int) -> tuple[Array, Array]:
+    """The corners of the part of the picture, in whole pixels, that holds points (..., 2 or more) on the screen."""
+    size = np.array([view.width, view.height])
+    least, most = (np.array([f(screen[..., 0]), f(screen[..., 1])]) for f in (np.min, np.max))
+    low = np.clip(np.floor(least / samples) * samples, 0, size).astype(int)
+    return low, np.clip(np.ceil(most / samples) * samples, 0, size).astype(int)
 
 
 def _samples_to_shade(triangle_of: Array, triangles: Triangles) -> tuple[Array, Array, Array]:
