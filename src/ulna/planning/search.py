@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -15,8 +15,11 @@ from ulna.planning.result import Outcome, Plan
 from ulna.planning.samples import samples
 from ulna.planning.tables import Scene
 from ulna.planning.touches import deepest_touch
-from ulna.planning.workspace import SLICE, Workspace, thread_storage
+from ulna.planning.workspace import COARSE, SLICE, Workspace, thread_storage
 from ulna.typing import Floats
+
+_Failure = tuple[Outcome, str]
+"""What stood in the way, and a sentence about it."""
 
 
 @dataclass(frozen=True)
@@ -28,16 +31,16 @@ class Options:
         iterations: The most samples.
         timeout: The longest time [s].
         seed: Seed of the samples.
-        is_strict: Whether the search itself takes steps so short that nothing can touch in between.
         still: Which numbers of a configuration stay where the start has them, shape (nq,); None for none.
+        coarse: The steps of the search, in those of the proof.
     """
 
     shorten: int
     iterations: int
     timeout: float
     seed: int
-    is_strict: bool = False
     still: Any = None
+    coarse: float = COARSE[0]
 
 
 class _Run:
@@ -91,55 +94,58 @@ class Search:
         Returns:
             The plan, or why there is none.
         """
-        self._workspace(2, False)  # compiles before the clock starts
+        self._workspace(options.coarse)  # compiles before the clock starts
         run = _Run(options, q0, goals)
-        stopped = self._prepare(run)
-        if stopped is not None:
-            return stopped
+        points, goal, failure = self._searched(run)
+        if failure is not None:
+            return self._result(run, *failure, np.zeros((0, self._model.nq)), None, -1)
+        points, certificate = self._proved(run, points)
+        run.note("certify")
+        reason = "" if certificate else f"edges {certificate.unproved} are not proved free"
+        return self._result(run, "solved", reason, points, certificate, run.numbers[goal])
+
+    def _searched(self, run: _Run) -> tuple[Floats, int, _Failure | None]:
+        """A path that is not proved yet and the number of its goal; or why there is none."""
+        failure = self._prepare(run)
+        if failure is not None:
+            return run.q0, -1, failure
         if run.direct >= 0:
-            same = (run.goals == q0).all(axis=1)
+            same = (run.goals == run.q0).all(axis=1)
             if same.any():
-                return self._solved(run, q0[None], int(same.argmax()))
-            return self._solved(run, np.stack([q0, run.goals[run.direct]]), run.direct)
+                return run.q0[None], int(same.argmax()), None
+            return np.stack([run.q0, run.goals[run.direct]]), run.direct, None
         is_met = self._grow(run)
         run.note("search")
         if not is_met:
-            is_used = run.used >= options.iterations
-            limit = f"{run.used} samples" if is_used else f"{options.timeout:g} s"
+            is_used = run.used >= run.options.iterations
+            limit = f"{run.used} samples" if is_used else f"{run.options.timeout:g} s"
             reason = f"no path was found within {limit}. Allow more, or another seed."
-            return self._failed(run, "iterations" if is_used else "time", reason)
-        points, goal = run.workspace.shortened(options.shorten)
-        points[0], points[-1] = q0, run.goals[goal]
-        if options.still is not None:
-            points[:, options.still] = q0[options.still]
+            return run.q0, -1, ("iterations" if is_used else "time", reason)
+        points, goal = run.workspace.shortened(run.options.shorten)
+        points[0], points[-1] = run.q0, run.goals[goal]
+        if run.options.still is not None:
+            points[:, run.options.still] = run.q0[run.options.still]
         run.note("shorten")
-        return self._solved(run, points, goal)
+        return points, goal, None
 
     # before the search ------------------------------------------------------------------------------------
 
-    def _prepare(self, run: _Run) -> Plan | None:
-        """Storage, and the goals that are free; a plan that says so where the search cannot begin."""
+    def _prepare(self, run: _Run) -> _Failure | None:
+        """Storage, and the goals that are free; why the search cannot begin, where it cannot."""
         outside = self._out_of_limits(run.q0)
         if outside:
-            return self._failed(run, "start", f"`q0` is out of limits: {outside}.")
+            return "start", f"`q0` is out of limits: {outside}."
         if not len(run.goals):
-            return self._failed(
-                run, "unreachable", "no configuration within the limits was found for the pose."
-            )
+            return "unreachable", "no configuration within the limits was found for the pose."
         low, high = self._limits
         inside = ((run.goals >= low) & (run.goals <= high)).all(axis=1).nonzero()[0]
         if not len(inside):
-            return self._failed(
-                run, "goal", f"the goal is out of limits: {self._out_of_limits(run.goals[0])}."
-            )
+            return "goal", f"the goal is out of limits: {self._out_of_limits(run.goals[0])}."
         if len(inside) < len(run.goals):
             run.goals = run.goals[inside]
-        for part in (1, 2) if run.options.is_strict else (2,):
-            run.workspace = self._workspace(part, run.options.is_strict)
-            free, run.direct = run.workspace.examine(run.q0, run.goals)
-            if free[0] and free[1:].any():
-                break
-        else:
+        run.workspace = self._workspace(run.options.coarse)
+        free, run.direct = run.workspace.examine(run.q0, run.goals)
+        if not (free[0] and free[1:].any()):
             return self._blocked(run, free)
         run.numbers, run.roots = inside.tolist(), len(free)
         if not free.all():
@@ -148,18 +154,16 @@ class Search:
         run.note("prepare")
         return None
 
-    def _workspace(self, part: int, is_strict: bool) -> Workspace:
-        """This thread's storage."""
-        storage, key = self._storage.__dict__, (part, is_strict)
-        if key not in storage:
+    def _workspace(self, coarse: float) -> Workspace:
+        """This thread's storage for a search with steps of a length."""
+        kept = self._storage.__dict__
+        if coarse not in kept:
             arrays = thread_storage(self._model.nq)
-            storage[key] = Workspace(
-                self._scene, arrays, self._margin, self._step, self._longest, part, is_strict
-            )
-        return storage[key]
+            kept[coarse] = Workspace(self._scene, arrays, self._margin, self._step, self._longest, coarse)
+        return kept[coarse]
 
-    def _blocked(self, run: _Run, free: Any) -> Plan:
-        """The plan that says what the start, or the nearest goal, touches."""
+    def _blocked(self, run: _Run, free: Any) -> _Failure:
+        """What the start, or the nearest goal, touches."""
         outcome: Outcome = "goal" if free[0] else "start"
         q = run.goals[0] if free[0] else run.q0
         distance, link, other = deepest_touch(self._scene.checker, q)
@@ -167,7 +171,7 @@ class Search:
         if distance > 0.0:
             what = f"comes within {1e3 * distance:.3g} mm of {other!r}"
         who = "the start" if outcome == "start" else "the goal" if len(run.goals) == 1 else "the first goal"
-        return self._failed(run, outcome, f"at {who} {link!r} {what}, by their covering spheres.")
+        return outcome, f"at {who} {link!r} {what}, by their covering spheres."
 
     def _out_of_limits(self, q: Floats) -> str:
         """Joints that are out of limits, by how much; empty where none is."""
@@ -226,50 +230,49 @@ class Search:
 
     # results ----------------------------------------------------------------------------------------------
 
-    def _solved(self, run: _Run, points: Floats, goal: int) -> Plan:
-        points, certificate = self._proved(run, points)
-        run.note("certify")
-        reason = "" if certificate else f"edges {certificate.unproved} are not proved free"
-        return self._result(run, "solved", reason, points, certificate, run.numbers[goal])
-
     def _proved(self, run: _Run, points: Floats) -> tuple[Floats, Certificate]:
         """A path with its certificate; edges that cannot be proved are replaced by detours where there are some."""
-        certificate = self._certificate(run, points)
-        if certificate or run.options.is_strict:
-            return points, certificate
-        pieces = []
-        for k, (a, b) in enumerate(pairwise(points)):
-            pieces.append(a[None])
-            if k in certificate.unproved:
-                rest = run.options.timeout - (time.perf_counter() - run.start_time)
-                options = replace(run.options, is_strict=True, timeout=max(rest, 0.0))
-                detour = self.run(a, b[None], options)
-                pieces.append(detour.points[1:-1])
-        repaired = np.concatenate([*pieces, points[-1:]])
-        if len(repaired) > len(points):
-            better = self._certificate(run, repaired)
-            if len(better.unproved) < len(certificate.unproved):
-                points, certificate = repaired, better
-        if certificate:
-            return points, certificate
-        rest = run.options.timeout - (time.perf_counter() - run.start_time)
-        whole = self.run(points[0], points[-1:], replace(run.options, is_strict=True, timeout=max(rest, 0.0)))
-        return (whole.points, whole.certificate) if whole.is_certified else (points, certificate)
-
-    def _certificate(self, run: _Run, points: Floats) -> Certificate:
         unproved = run.workspace.unproved(points)
-        if not unproved:
-            return Certificate((), self._margin, 0)
-        certificate = Certificate((), self._margin, 0)
-        for k in unproved:
-            edge = certify(self._scene, points[k : k + 2], self._margin)
-            failed = () if edge else (k,)
-            checks = certificate.checks + edge.checks
-            certificate = Certificate((*certificate.unproved, *failed), self._margin, checks)
-        return certificate
+        for coarse in COARSE[1:]:
+            if not unproved:
+                return points, Certificate((), self._margin, 0)
+            points = self._with_detours(run, points, unproved, coarse)
+            unproved = run.workspace.unproved(points)
+        certificate = self._certificate(points, unproved)
+        if certificate or run.is_late():
+            return points, certificate
+        whole = self._detour(run, points[0], points[-1], COARSE[-1])
+        rest = run.workspace.unproved(whole) if whole is not None else unproved
+        return (points, certificate) if rest else (whole, Certificate((), self._margin, 0))
 
-    def _failed(self, run: _Run, outcome: Outcome, reason: str) -> Plan:
-        return self._result(run, outcome, reason, np.zeros((0, self._model.nq)), None, -1)
+    def _with_detours(self, run: _Run, points: Floats, unproved: Sequence[int], coarse: float) -> Floats:
+        """The path with other motions for edges that are not proved, where there are some."""
+        pieces = []
+        for k, a in enumerate(points):
+            pieces.append(a[None])
+            if k in unproved and k + 1 < len(points):
+                detour = self._detour(run, a, points[k + 1], coarse)
+                if detour is not None:
+                    pieces.append(detour[1:-1])
+        return np.concatenate(pieces)
+
+    def _detour(self, run: _Run, a: Floats, b: Floats, coarse: float) -> Floats | None:
+        """A path that a search with shorter steps finds in the time that is left; None where it finds none."""
+        left = run.options.timeout - (time.perf_counter() - run.start_time)
+        options = replace(run.options, coarse=coarse, timeout=max(left, 0.0))
+        points, _, failure = self._searched(_Run(options, a, b[None]))
+        return points if failure is None else None
+
+    def _certificate(self, points: Floats, edges: Sequence[int]) -> Certificate:
+        """What float64 proves of edges that machine code has not proved."""
+        if len(points) == 1:
+            return certify(self._scene, points, self._margin)
+        unproved, checks = [], 0
+        for k in edges:
+            edge = certify(self._scene, points[k : k + 2], self._margin)
+            checks += edge.checks
+            unproved += [] if edge else [k]
+        return Certificate(tuple(unproved), self._margin, checks)
 
     def _result(
         self, run: _Run, outcome: Outcome, reason: str, points: Floats, certificate: Certificate | None, goal: int

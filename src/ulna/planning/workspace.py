@@ -20,10 +20,12 @@ SLICE = 512
 PARTS = (1.0, 0.25, 0.0625)
 """The three steps of a proof, in parts of the longest."""
 
+COARSE = (8.0, 2.0, 0.5)
+"""The steps of the search, and of searches for detours where its path touches in between, in those of the proof."""
+
 _CAPACITY = 2048  # of a tree, at first
 _ROOM = 512  # points of a path, at first
 _POINTS = 16  # start and goals, at first
-_COARSER = 8.0  # the steps of a search that is not strict, in those of the proof; few paths touch in between
 _DOMAIN, _LEAST_DOMAIN, _CHANGE = 4.0, 1.0, 1e-4  # of nodes, in the longest edge but the last
 
 
@@ -76,17 +78,15 @@ class Workspace:
         margin: How near everything may come at least [m].
         step: How far any point moves at most between the states by which a path is proved free [m].
         longest: The longest edge of the trees [rad, m].
-        part: Which of `PARTS` of the steps says by how much spheres are larger in the search.
-        is_strict: Whether the search takes steps so short that nothing can touch in between; else its paths may fail
-            the proof.
+        coarse: The steps of the search, in those of the proof.
     """
 
     def __init__(
-        self, scene: Scene, storage: Storage, margin: float, step: float, longest: float, part: int, is_strict: bool
+        self, scene: Scene, storage: Storage, margin: float, step: float, longest: float, coarse: float
     ) -> None:  # fmt: skip
-        self.step, self.storage = PARTS[part] * step if is_strict else _COARSER * step, storage
+        self.step, self.storage = coarse * step, storage
         tables = [scene.tables(margin + size * step / 2.0) for size in PARTS]
-        self._tables, self._work = tables[part], scene.moving.work()
+        self._tables, self._work = tables[-1], scene.moving.work()
         self._kernel, self._lanes = scene.robot.kernel, scene.lanes
         self._proof = Proof(*tables, step)
         self._growth = Growth(self.step, longest, _DOMAIN * longest, _LEAST_DOMAIN * longest, _CHANGE)
