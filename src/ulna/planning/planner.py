@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any, final
@@ -173,6 +175,44 @@ class Planner:
             q0, goals.configurations, replace(options, still=None if moving.all() else ~moving)
         )
         return replace(found, goal=goals.numbers[found.goal]) if found else found
+
+    def plan_all(
+        self, starts: ArrayLike, goals: Any, *, threads: int | None = None, **options: Any
+    ) -> list[Plan]:
+        """A path for each of many problems: what `plan` returns for each, in any number of threads.
+
+        Args:
+            starts: Where the robot is, shape (n, nq), or (nq,) for all problems [rad, m].
+            goals: One goal for each start, as `plan` takes them: configurations, shape (n, nq), poses, shape (n, 4, 4),
+                or a sequence [rad, m].
+            threads: How many threads; None for one.
+            **options: Of `plan`; the same for all.
+
+        Returns:
+            The plans, in order.
+
+        Raises:
+            ShapeError: If there are not as many starts as goals.
+            InputError: If `threads` makes no sense; what `plan` raises.
+        """
+        q0, wanted = finite_array("starts", starts), list(goals)
+        if q0.shape not in ((self.model.nq,), (len(wanted), self.model.nq)):
+            raise ShapeError("starts", q0.shape, f"({len(wanted)}, {self.model.nq}), one for each goal")
+        every = np.broadcast_to(q0, (len(wanted), self.model.nq))
+        workers = 1 if threads is None else _count("threads", threads, 1)
+        if workers == 1 or len(wanted) < 2:
+            return [self.plan(start, goal, **options) for start, goal in zip(every, wanted, strict=True)]
+        is_stopped = threading.Event()
+
+        def one(number: int) -> Plan | None:
+            return None if is_stopped.is_set() else self.plan(every[number], wanted[number], **options)
+
+        pool = ThreadPoolExecutor(min(workers, len(wanted)))
+        try:  # the search does not hold the interpreter's lock
+            return list(pool.map(one, range(len(wanted))))  # type: ignore[arg-type]
+        finally:  # Ctrl-C, too, waits for plans under way only
+            is_stopped.set()
+            pool.shutdown(cancel_futures=True)
 
 
 def _count(name: str, value: Any, least: int) -> int:

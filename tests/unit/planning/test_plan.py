@@ -458,6 +458,32 @@ def test_a_planner_is_the_same_as_the_function_and_serves_threads() -> None:
         planner.plan(a, b, seed=-1)
 
 
+def test_many_problems_have_the_same_plans_in_any_number_of_threads() -> None:
+    robot, world = panda(), shelf()
+    a, b = left_and_right()
+    planner, random = Planner(robot, world), np.random.default_rng(2)
+    goals = b + random.normal(scale=0.05, size=(12, 7))
+    goals[3] = 99.0
+    one = planner.plan_all(a, goals, seed=4)
+    for plans in (
+        planner.plan_all(np.tile(a, (12, 1)), goals, threads=3, seed=4),
+        [planner.plan(a, g, seed=4) for g in goals],
+    ):
+        assert [p.outcome for p in plans] == [p.outcome for p in one]
+        for p, q in zip(plans, one, strict=True):
+            np.testing.assert_array_equal(p.points, q.points)
+    assert one[3].outcome == "goal" and sum(map(bool, one)) >= 8
+    assert planner.plan_all(a, []) == []
+    poses = planner.plan_all(b, [DOWN, b], threads=2)
+    assert all(poses) and len(poses[1].points) == 1
+    with pytest.raises(ShapeError, match=r"`starts` has shape \(5, 7\)"):
+        planner.plan_all(np.tile(a, (5, 1)), goals)
+    with pytest.raises(InputError, match="`threads` is 0"):
+        planner.plan_all(a, goals, threads=0)
+    with pytest.raises(ShapeError, match="`goal` has shape"):
+        planner.plan_all(a, [b, b[:3]], threads=2)
+
+
 def test_more_goals_than_there_is_room_for() -> None:
     robot, world = panda(), shelf()
     a, b = left_and_right()
