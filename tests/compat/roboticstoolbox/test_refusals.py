@@ -1,0 +1,150 @@
+"""What the Robotics Toolbox package refuses, with a message that names it; former names that still work, with a warning."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Iterator
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.shelf import worn
+
+pytest.importorskip("spatialmath")
+
+
+@pytest.fixture(scope="module")
+def rtb() -> Iterator[Any]:
+    with worn("roboticstoolbox"):
+        yield importlib.import_module("roboticstoolbox")
+
+
+@pytest.fixture(scope="module")
+def named(rtb: Any) -> Any:
+    """What the calls below speak of."""
+    from spatialmath import SE3
+
+    E = rtb.ET
+    puma = rtb.models.DH.Puma560()
+    chain = E.Rz() * E.tx(1.0) * E.Ry() * E.tx(0.5)
+    bare = rtb.Robot([rtb.Link(E.Rz(), name="a"), rtb.Link(E.tx(1.0) * E.Rz(), name="b", parent="a")])
+    return SimpleNamespace(
+        rtb=rtb,
+        E=E,
+        E2=rtb.ET2,
+        SE3=SE3,
+        puma=puma,
+        q=np.zeros(6),
+        chain=chain,
+        bare=bare,
+        panda=rtb.models.Panda(),
+    )
+
+
+REFUSED: list[tuple[Callable[[Any], Any], str]] = [
+    (lambda n: n.E.Rz("q1", jindex=2), "says `jindex`"),
+    (lambda n: n.E.Rz("q0_"), "counts from 1"),
+    (lambda n: n.E.Rz(qlim=[1]), r"\(2,\)"),
+    (lambda n: setattr(n.E.SE3(n.SE3(1, 2, 3)), "param", 1.0), "whole pose"),
+    (lambda n: setattr(n.E.tx(1.0), "offset", 1.0), "no joint"),
+    (lambda n: n.E.Rz(jindex=-1), "0 or more"),
+    (lambda n: n.chain.hessian0([0, 0], J0=np.zeros((3, 3))), "6"),
+    (lambda n: n.chain.jacob0_analytical([0, 0], "nothing"), "nothing"),
+    (lambda n: n.chain.manipulability([0, 0], method="nothing"), "measure of manipulability"),
+    (lambda n: n.chain.manipulability([0, 0], axes="nothing"), "choice of axes"),
+    (lambda n: n.chain.manipulability([0, 0], axes=[True]), "six truth values"),
+    (lambda n: n.rtb.ETS([n.E.tx(1.0), 3]), "ET"),
+    (lambda n: n.rtb.ETS([n.E.Rz(jindex=1), n.E.Rz(), n.E.Rz(jindex=0)]), "`jindex`"),
+    (lambda n: n.rtb.ETS(n.E.tz()).qlim, "no limits"),
+    (lambda n: n.chain.insert(0, 3), "ET"),
+    (lambda n: n.rtb.ETS(n.E.Rz() * n.E.tx(1.0)).merged(5), "expected 0 to 0"),
+    (lambda n: n.puma.rne(n.q[:3], n.q, n.q), r"6"),
+    (lambda n: n.puma.rne(n.q, n.q, n.q, gravity=[1, 2]), r"\(3,\)"),
+    (lambda n: n.bare.rne([0, 0], [0, 0], [0, 0]), "mass|dynamics|inertia"),
+    (lambda n: n.puma.jacob0_dot(None, n.q), "`q`"),
+    (lambda n: n.puma.manipulability(), "Neither `q` nor `J`"),
+    (lambda n: n.puma.fdyn(1.0, np.zeros(3)), r"\(6,\)"),
+    (lambda n: n.puma.fdyn(1.0, np.zeros(6), solver="nothing"), "solver"),
+    (lambda n: n.puma.fkine(n.q, end="nothing"), "nothing"),
+    (lambda n: n.panda.fkine(n.panda.qr, end="nothing"), "No link|link"),
+    (lambda n: n.panda.fkine(n.panda.qr, end=3), "is no link"),
+    (lambda n: n.panda["nothing"], "nothing"),
+    (lambda n: n.panda.addconfiguration("a", [1, 2]), r"\(7,\)"),
+    (lambda n: setattr(n.panda, "control_mode", "x"), "'p', 'v' or 'a'"),
+    (lambda n: setattr(n.panda, "q", [1, 2]), r"\(7,\)"),
+    (lambda n: setattr(n.bare, "qlim", [[0], [1]]), r"\(2, 2\)"),
+    (lambda n: setattr(n.bare.links[0], "parent", 3), "expected a link, or its name"),
+    (lambda n: n.rtb.Link(n.E.tx(1.0), name="rigid").qlim.shape, "NoneType"),
+    (lambda n: n.rtb.Link(n.E.Rz(), I=np.arange(9.0).reshape(3, 3)), "not symmetric"),
+    (lambda n: n.rtb.Link(n.E.Rz(), I=[1, 2]), "Ixx"),
+    (lambda n: n.rtb.Link(n.E.Rz(), Tc=[-0.5, 0.5]), r"Tc\+"),
+    (lambda n: n.rtb.Link(n.E.Rz(), r=[1, 2]), r"\(3,\)"),
+    (lambda n: n.rtb.Link(n.E.Rz(), parent=3), "expected a link, or its name"),
+    (lambda n: n.rtb.Link(n.E.Rz() * n.E.tx(1.0)), "one joint at most, at the end"),
+    (lambda n: n.rtb.Robot([3]), "is no link"),
+    (lambda n: n.rtb.Robot([n.rtb.Link(name="a"), n.rtb.Link(name="a")]), "Two links are named 'a'"),
+    (lambda n: n.rtb.Robot([n.rtb.Link(name="a", parent="b")]), "'b'"),
+    (lambda n: n.rtb.Robot([n.rtb.Link(n.E.Rz(jindex=0), name="a"), n.rtb.Link(n.E.Rz(), name="b", parent="a")]), "`jindex`"),
+    (lambda n: n.rtb.Robot(3), "3"),
+    (lambda n: n.rtb.DHRobot([]), "at least one link"),
+    (lambda n: n.rtb.DHRobot([n.rtb.RevoluteDH(), n.rtb.RevoluteMDH()]), "one convention"),
+    (lambda n: n.rtb.DHRobot([n.rtb.RevoluteDH()], meshdir="there"), "`meshdir`"),
+    (lambda n: n.rtb.Gripper([]), "at least one link"),
+    (lambda n: n.rtb.Gripper([3]), "link"),
+    (lambda n: n.bare.ikine_LM(n.SE3(), mask=[1, 1]), r"\(6,\)"),
+    (lambda n: n.rtb.IK_LM(mask=[1, 1]), r"\(6,\)"),
+    (lambda n: n.bare.vellipse([0, 0], opt="nothing"), "'trans' or 'rot'"),
+    (lambda n: n.bare.plot([0, 0, 0]), r"\(2,\) or \(m, 2\)"),
+    (lambda n: n.bare.plot([0, 0], backend="nothing"), "backend"),
+    (lambda n: n.bare.plot_ellipse(3), "llipse"),
+    (lambda n: n.bare.dotfile("x", ets="nothing"), "'full' or 'brief'"),
+    (lambda n: n.rtb.models.catalog(mtype="nothing"), "kind of model"),
+    (lambda n: n.rtb.models.catalog(sorton="nothing"), "column"),
+    (lambda n: n.rtb.models.DH.Nothing, "Nothing"),
+    (lambda n: n.rtb.models.ETS.Nothing, "Nothing"),
+    (lambda n: n.rtb.models.URDF.Nothing, "Nothing"),
+    (lambda n: n.rtb.models.Nothing, "Nothing"),
+    (lambda n: n.rtb.nothing, "nothing"),
+    (lambda n: n.rtb.models.DH.Puma560(nothing=1), "nothing"),
+    (lambda n: n.rtb.quintic(0, 1, [[0, 1]]), "times"),
+    (lambda n: n.rtb.quintic(0, 1, 1), "at least 2 steps"),
+    (lambda n: n.rtb.quintic(0, 1, "a"), "a count, or times"),
+    (lambda n: n.rtb.mtraj(n.rtb.quintic, [0, 1], [1], 5), r"\(2,\)"),
+    (lambda n: n.rtb.jtraj([0, 1], [1], 5), "q"),
+    (lambda n: n.rtb.ctraj(n.SE3(), n.SE3(), t=5, s=[0, 1]), "one of them"),
+    (lambda n: n.rtb.ctraj(n.SE3(), n.SE3()), "one of them"),
+    (lambda n: n.rtb.mstraj([[0], [1]], 0.1, 0.2), "one of them"),
+    (lambda n: n.rtb.rtb_get_param("missing"), "missing"),
+    (lambda n: n.rtb.rtb_load_matfile("nothing.mat"), r"nothing\.mat"),
+    (lambda n: n.rtb.backends.nothing, "nothing"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("i", range(len(REFUSED)))
+def test_it_is_refused(named: Any, i: int) -> None:
+    call, text = REFUSED[i]
+    with pytest.raises((ValueError, TypeError, AttributeError, LookupError, FileNotFoundError), match=text):
+        call(named)
+
+
+def test_former_names_work_and_warn(named: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    rtb, puma, q = named.rtb, named.puma, named.q + 0.1
+    with pytest.warns(DeprecationWarning, match="inertia_x"):
+        np.testing.assert_array_equal(puma.cinertia(q), puma.inertia_x(q))
+    with pytest.warns(DeprecationWarning, match="DHRobot"):
+        assert rtb.SerialLink([rtb.RevoluteDH(a=1.0)]).n == 1
+    with pytest.warns(FutureWarning, match="trapezoidal"):
+        np.testing.assert_array_equal(rtb.lspb(0, 1, 5).q, rtb.trapezoidal(0, 1, 5).q)
+    with pytest.warns(FutureWarning, match=r"models\.catalog"):
+        rtb.models.list(mtype="ETS")
+    listed = capsys.readouterr().out
+    rtb.models.catalog(mtype="ETS")
+    assert capsys.readouterr().out == listed
+    with pytest.warns(DeprecationWarning, match="former name of ET.param"):
+        et = named.E.tx(1.0)
+        et.eta = 2.0
+    assert et.param == 2.0
+    with pytest.warns(DeprecationWarning, match="`eta` is the former name"):
+        assert named.E.tx(eta=3.0).param == 3.0
