@@ -22,9 +22,12 @@ from pinocchio._algorithms.kinematics import *
 from pinocchio._algorithms.kinematics_derivatives import *
 from pinocchio._algorithms.model_editing import *
 from pinocchio._algorithms.regressors import *
+from pinocchio._constraints.admm import *
+from pinocchio._constraints.admm_settings import *
 from pinocchio._constraints.anchors import *
 from pinocchio._constraints.cholesky import *
 from pinocchio._constraints.cones import *
+from pinocchio._constraints.constraint_model import *
 from pinocchio._constraints.contact_inverse_dynamics import *
 from pinocchio._constraints.conversion import *
 from pinocchio._constraints.delassus import *

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, final
 import numpy as np
 
 from pinocchio._constraints.cones import CoulombFrictionCone, FullSpaceCone
+from pinocchio._constraints.constraint_model import AnyConstraint, AnyConstraintData
 from pinocchio._constraints.frame_pair import ConstraintSelectionType, FramePair
 from pinocchio._constraints.kernels import core_constraints
 from pinocchio._containers.arguments import ArgumentError, WrongShape
@@ -39,7 +40,7 @@ ANCHOR_ORDERS = (
 )
 
 
-class _Known:
+class _Known(AnyConstraintData):
     """What is known of such a constraint at a state, after its `calc`."""
 
     __slots__ = (
@@ -61,12 +62,6 @@ class _Known:
         self.constraint_velocity_error = np.zeros(m)
         self.constraint_acceleration_error = np.zeros(m)
         self.constraint_force = np.zeros(m)
-
-    def shortname(self) -> str:
-        """The name of its class."""
-        return type(self).__name__
-
-    classname = shortname
 
 
 @final
@@ -90,7 +85,7 @@ class PointContactConstraintData(_Known):
     __slots__ = ()
 
 
-class _Anchor(FramePair):
+class _Anchor(FramePair, AnyConstraint):
     """`(model, joint1[, placement1[, joint2[, placement2]]])`: two frames, of which the second may be the world's."""
 
     __slots__ = (
@@ -100,6 +95,7 @@ class _Anchor(FramePair):
         "desired_constraint_velocity",
         "nv",
     )
+    _binds_always = False
     _rows: ClassVar[int] = 3
     _data: ClassVar[Any] = PointAnchorConstraintData
 
@@ -118,11 +114,8 @@ class _Anchor(FramePair):
         """How many rows it has."""
         return self._rows
 
-    def shortname(self) -> str:
-        """The name of its class."""
-        return type(self).__name__
-
-    classname = shortname
+    def _joints_of_row(self, row: int) -> tuple[int, ...]:
+        return self.joint1_id, self.joint2_id
 
     def createData(self) -> Any:
         """What is known of it at a state; filled by `calc`."""
@@ -246,6 +239,7 @@ class PointContactConstraintModel(_Anchor):
 
     __slots__ = ("_friction",)
     _data = PointContactConstraintData
+    _sides = 1
 
     @by_name(*ANCHOR_ORDERS)
     def __init__(self, model: Model, *places: Any) -> None:
@@ -260,9 +254,18 @@ class PointContactConstraintModel(_Anchor):
         """Sets the coefficient of friction."""
         self._friction = CoulombFrictionCone(friction).mu
 
-    def set(self, constraint_data: Any) -> CoulombFrictionCone:
-        """The cone that its forces belong to."""
+    @property
+    def set(self) -> CoulombFrictionCone:  # type: ignore[override]
+        """The cone that its forces belong to, also as `set(constraint_data)`; assigning one sets the friction."""
         return CoulombFrictionCone(self._friction)
+
+    @set.setter
+    def set(self, cone: CoulombFrictionCone) -> None:
+        if not isinstance(cone, CoulombFrictionCone):
+            raise ArgumentError(
+                f"The set of a contact is {cone!r}; expected a CoulombFrictionCone, or setFriction(coefficient)."
+            )
+        self._friction = cone.mu
 
 
 def _state(model: Model, data: Data) -> tuple[Floats, Floats, Floats]:

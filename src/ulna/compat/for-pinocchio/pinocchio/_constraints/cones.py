@@ -71,6 +71,10 @@ class _Friction(_Set):
     def _key(self) -> tuple[Any, ...]:
         return (self._mu,)
 
+    def __call__(self, constraint_data: Any) -> Any:
+        """Itself, for contacts whose set is asked as `constraint.set(constraint_data)`."""
+        return self
+
     @property
     def mu(self) -> float:
         """The coefficient of friction."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, final
+from typing import Any, ClassVar, final
 
 import numpy as np
 
@@ -83,6 +83,9 @@ class FramePair:
         "name",
     )
 
+    _binds_always: ClassVar[bool] = True
+    """Whether two places of one joint, which bind nothing, are refused."""
+
     def _attach(self, model: Model, given: Sequence[Any], named: dict[str, Any]) -> None:
         """Reads (joint, placement, joint, placement); placements may be left out, and the second joint."""
         self.name = ""
@@ -114,7 +117,7 @@ class FramePair:
         self._gains = BaumgarteCorrectorParameters()
         if named:
             raise InputError(f"{type(self).__name__} has no {', '.join(named)}.")
-        if self.joint1_id == self.joint2_id:
+        if self._binds_always and self.joint1_id == self.joint2_id:
             raise InputError(
                 f"{type(self).__name__} is between two places of joint {self.joint1_id}, so that it binds nothing; "
                 "give two joints, of which one may be 0, the world."

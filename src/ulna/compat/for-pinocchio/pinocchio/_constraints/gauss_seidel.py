@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, final
 
@@ -209,14 +210,12 @@ class PGSConstraintSolver:
                 "PGSSolverResult()."
             )
         settings.checkValidity()
-        operator = delassus if isinstance(delassus, DelassusOperator) else DelassusOperatorDense(delassus)
-        G = np.ascontiguousarray(DelassusOperator.matrix(operator), dtype=float)
-        m = operator.size()
+        kinds = tuple(
+            constraint_kind(*pair) for pair in zip(constraint_models, constraint_datas, strict=True)
+        )
+        G = delassus_matrix(delassus, kinds)
+        m = len(G)
         g = vector(g, m, "g")
-        kinds = tuple(_kind(*pair) for pair in zip(constraint_models, constraint_datas, strict=True))
-        rows = sum(kind.size for kind in kinds)
-        if rows != m:
-            raise WrongShape("delassus", (m, m), f"({rows}, {rows})", "The constraints have as many rows.")
         if not (np.diag(G) > 0.0).all():
             raise InputError(
                 "A row of the Delassus matrix is zero: no joint moves it. Leave the constraint out."
@@ -239,8 +238,36 @@ class PGSConstraintSolver:
         return result.converged
 
 
-def _kind(model: Any, data: Any) -> Kind:
-    """What a constraint is for the solver."""
+def delassus_matrix(delassus: Any, kinds: Sequence[Kind]) -> Floats:
+    """The matrix of a Delassus operator, whose size is checked.
+
+    Args:
+        delassus: Delassus operator, or matrix (m, m).
+        kinds: The constraints.
+
+    Returns:
+        Matrix (m, m).
+
+    Raises:
+        WrongShape: The constraints have not as many rows.
+    """
+    operator = delassus if isinstance(delassus, DelassusOperator) else DelassusOperatorDense(delassus)
+    m, rows = operator.size(), sum(kind.size for kind in kinds)
+    if rows != m:
+        raise WrongShape("delassus", (m, m), f"({rows}, {rows})", "The constraints have as many rows.")
+    return np.ascontiguousarray(DelassusOperator.matrix(operator), dtype=float)
+
+
+def constraint_kind(model: Any, data: Any) -> Kind:
+    """What a constraint is for solvers.
+
+    Args:
+        model: The constraint.
+        data: Its data, after `calc`.
+
+    Returns:
+        Its kind.
+    """
     if isinstance(model, PointContactConstraintModel):
         return Frictional(model.getFriction())
     if isinstance(model, JointLimitConstraintModel):

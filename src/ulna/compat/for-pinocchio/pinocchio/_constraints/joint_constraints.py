@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any, final
 
 import numpy as np
 
 from pinocchio._constraints.cones import BoxSet, NonNegativeOrthantCone
+from pinocchio._constraints.constraint_model import AnyConstraint, AnyConstraintData
 from pinocchio._constraints.frame_pair import BaumgarteCorrectorParameters, ConstraintSelectionType
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import index, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
+from pinocchio._model.building import FREE
 from pinocchio._model.model import Model
 from ulna.errors import InputError
 from ulna.typing import Floats
@@ -24,7 +27,7 @@ __all__ = [
 ]
 
 
-class _OfJoints:
+class _OfJoints(AnyConstraint):
     """Rows that are single velocities of joints, or their opposites."""
 
     __slots__ = ("_compliance", "_gains", "_joints", "name", "nv")
@@ -39,11 +42,12 @@ class _OfJoints:
             raise InputError(f"The joints are {self._joints}; expected indices from 1, each once.")
         self.name, self.nv, self._gains = "", model.nv, BaumgarteCorrectorParameters()
 
-    def shortname(self) -> str:
-        """The name of its class."""
-        return type(self).__name__
-
-    classname = shortname
+    def copy(self) -> Any:
+        """A copy."""
+        other = object.__new__(type(self))
+        for name in (name for cls in type(self).__mro__ for name in getattr(cls, "__slots__", ())):
+            setattr(other, name, copy.deepcopy(getattr(self, name)))
+        return other
 
     def _rows(self) -> list[tuple[int, float]]:
         """The index of the velocity of each active row, and its sign."""
@@ -75,7 +79,7 @@ class _OfJoints:
 
 
 @final
-class JointFrictionConstraintData:
+class JointFrictionConstraintData(AnyConstraintData):
     """Of a JointFrictionConstraintModel."""
 
     __slots__ = ("friction_impulse_lower_limit", "friction_impulse_upper_limit")
@@ -92,7 +96,8 @@ class JointFrictionConstraintModel(_OfJoints):
     Without bounds they are those of the model, `lowerDryFrictionLimit` and `upperDryFrictionLimit`.
     """
 
-    __slots__ = ("_dofs", "_lb", "_step", "_ub")
+    __slots__ = ("_dofs", "_joint_of_row", "_lb", "_step", "_ub")
+    _sides = 2
 
     @by_name("model m_active_joints lb ub", "model joints lb ub")
     def __init__(self, model: Any, joints: Any = None, lb: Any = None, ub: Any = None) -> None:
@@ -102,6 +107,7 @@ class JointFrictionConstraintModel(_OfJoints):
             for j in self._joints
             for k in range(model.joints[j].idx_v, model.joints[j].idx_v + model.joints[j].nv)
         ]
+        self._joint_of_row = [j for j in self._joints for _ in range(model.joints[j].nv)]
         lower, upper = (
             model.lowerDryFrictionLimit if lb is None else lb,
             model.upperDryFrictionLimit if ub is None else ub,
@@ -111,6 +117,9 @@ class JointFrictionConstraintModel(_OfJoints):
 
     def _rows(self) -> list[tuple[int, float]]:
         return [(k, 1.0) for k in self._dofs]
+
+    def _joints_of_row(self, row: int) -> tuple[int, ...]:
+        return (self._joint_of_row[row],)
 
     def createData(self) -> JointFrictionConstraintData:
         """What is known of it at a state."""
@@ -163,41 +172,39 @@ class JointFrictionConstraintModel(_OfJoints):
 
 
 @final
-class JointLimitConstraintData:
+class JointLimitConstraintData(AnyConstraintData):
     """Of a JointLimitConstraintModel."""
 
-    __slots__ = ("constraint_residual",)
+    __slots__ = ("_J", "constraint_residual")
 
     def __init__(self, constraint_model: JointLimitConstraintModel) -> None:
         self.constraint_residual = np.zeros(constraint_model.residualSize())
+        self._J: Floats | None = None
 
 
 @final
 class JointLimitConstraintModel(_OfJoints):
     """`JointLimitConstraintModel(model[, joints[, lb, ub[, margin]]])`: joints stay within their limits.
 
-    Each finite limit is a row, the lower ones first; active are all, or, after makeSelectionFilteredByLimitProximity,
-    those nearer than their margin. Without them limits and margins are the model's.
+    Each limit of an angle or a length is a row, the lower ones first; active are all, or, after
+    makeSelectionFilteredByLimitProximity, those nearer than their margin. They are the model's by default.
     """
 
-    __slots__ = ("_active", "_limits", "_margins", "_nq", "_places")
+    __slots__ = ("_active", "_limits", "_margins", "_nq", "_places", "_sizes")
+    _sides = 1
 
     @by_name("model activable_joints lb ub margin", "model joints lb ub margin")
     def __init__(
         self, model: Any, joints: Any = None, lb: Any = None, ub: Any = None, margin: Any = None
     ) -> None:
         self._choose(model, joints)
-        for joint in self._joints:
-            if model.joints[joint].nq != model.joints[joint].nv:
-                raise InputError(
-                    f"Joint {joint}, {model.names[joint]!r}, has {model.joints[joint].nq} entries of q and "
-                    f"{model.joints[joint].nv} of v, so that limits of q are none of its motion; leave it out."
-                )
         self._nq = model.nq
+        self._sizes = {joint: (model.joints[joint].nq, model.joints[joint].nv) for joint in self._joints}
         self._places = [
-            (model.joints[joint].idx_q + k, model.joints[joint].idx_v + k)
+            (model.joints[joint].idx_q + k, joint)
             for joint in self._joints
-            for k in range(model.joints[joint].nv)
+            for k, means_something in enumerate(model.joints[joint].hasConfigurationLimit)
+            if means_something and not model.joints[joint].mimic
         ]
         self.setPositionLimitAndMargin(
             model.lowerPositionLimit if lb is None else lb,
@@ -214,8 +221,8 @@ class JointLimitConstraintModel(_OfJoints):
             margin: Margins (nq,) [rad or m].
         """
         low, high, near = (vector(x, self._nq, n) for x, n in ((lb, "lb"), (ub, "ub"), (margin, "margin")))
-        rows = [(q, v, 1.0, low[q]) for q, v in self._places if np.isfinite(low[q])]
-        rows += [(q, v, -1.0, high[q]) for q, v in self._places if np.isfinite(high[q])]
+        rows = [(q, joint, 1.0, low[q]) for q, joint in self._places if low[q] > -FREE]
+        rows += [(q, joint, -1.0, high[q]) for q, joint in self._places if high[q] < FREE]
         self._limits = rows
         self._margins = [float(near[q]) for q, *_ in rows]
         self._compliance = np.zeros(len(rows))
@@ -234,8 +241,42 @@ class JointLimitConstraintModel(_OfJoints):
         """How far each limit is."""
         return [sign * float(q[place] - limit) for place, _, sign, limit in self._limits]
 
-    def _rows(self) -> list[tuple[int, float]]:
-        return [self._limits[i][1:3] for i in self._active]
+    def _joints_of_row(self, row: int) -> tuple[int, ...]:
+        return (self._limits[self._active[row]][1],)
+
+    def jacobian(self, model: Model, data: Any, constraint_data: Any) -> Floats:
+        """The rates of the limited entries of q, after `calc` at a configuration.
+
+        Returns:
+            Jacobian (residualSize, nv).
+
+        Raises:
+            InputError: The model is another one, or `calc` was not called for a floating joint.
+        """
+        if model.nv != self.nv:
+            raise InputError(
+                f"{self.shortname()} was made for a model of {self.nv} velocities, not {model.nv}."
+            )
+        if constraint_data._J is not None and len(constraint_data._J) == len(self._active):
+            return constraint_data._J.copy()
+        joints = (model.joints[self._limits[i][1]] for i in self._active)
+        if any(joint.nq != joint.nv for joint in joints):
+            raise InputError(
+                "The rates of a floating joint's entries of q depend on q. Call constraint.calc(model, data, its data) "
+                "first."
+            )
+        return self._rates(model, np.zeros(self._nq))
+
+    def _rates(self, model: Model, q: Floats) -> Floats:
+        """The rates of the limited entries at a configuration, by entries of v, their signs those of the limits."""
+        J = np.zeros((len(self._active), self.nv))
+        for row, (place, number, sign, _) in zip(J, (self._limits[i] for i in self._active), strict=True):
+            joint = model.joints[number]
+            at, k = q[joint.idx_q : joint.idx_q + joint.nq], place - joint.idx_q
+            for n in range(joint.nv) if joint.nq != joint.nv else (k,):
+                unit = np.eye(joint.nv)[n]
+                row[joint.idx_v + n] = sign * float(joint.kind.coordinate_rates(at, unit)[k])
+        return J
 
     def residualSize(self, sel: Any = ConstraintSelectionType.CURRENT) -> int:
         """How many rows are active, or (MAXIMAL) could be."""
@@ -259,8 +300,16 @@ class JointLimitConstraintModel(_OfJoints):
         return np.array([limit for *_, limit in self._limits])
 
     def getSelectedJoints(self) -> list[int]:
-        """The joints it holds."""
-        return list(self._joints)
+        """The joints that have limits."""
+        return sorted({joint for _, joint, *_ in self._limits})
+
+    def getNqReduce(self) -> int:
+        """How many entries of q these joints have."""
+        return sum(self._sizes[joint][0] for joint in self.getSelectedJoints())
+
+    def getMaxOfNvs(self) -> int:
+        """The most velocities that one of these joints has."""
+        return max((self._sizes[joint][1] for joint in self.getSelectedJoints()), default=0)
 
     @property
     def baumgarte_corrector_parameters(self) -> BaumgarteCorrectorParameters:
@@ -288,7 +337,8 @@ class JointLimitConstraintModel(_OfJoints):
         Args:
             data: Its data, after forwardKinematics.
         """
-        left = self._left(data.require(data._q, "forwardKinematics(model, data, q)"))
+        q = data.require(data._q, "forwardKinematics(model, data, q)")
+        left, constraint_data._J = self._left(q), self._rates(model, q)
         constraint_data.constraint_residual = np.array([left[i] for i in self._active])
 
     def set(self, constraint_data: Any) -> NonNegativeOrthantCone:

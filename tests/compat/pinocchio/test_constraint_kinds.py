@@ -1,0 +1,235 @@
+"""What constraints of all kinds share: variants, comparison, rows, and limits of floating joints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.shelf import worn
+
+
+@pytest.fixture(scope="module")
+def pin() -> Iterator[Any]:
+    with worn("pinocchio"):
+        import pinocchio
+
+        yield pinocchio
+
+
+@pytest.fixture(scope="module")
+def model(pin: Any) -> Any:
+    return pin.buildSampleModelHumanoid()
+
+
+def _all(pin: Any, model: Any) -> list[Any]:
+    here = pin.SE3.Identity()
+    return [
+        pin.PointContactConstraintModel(model, 3, here, 5, here),
+        pin.PointAnchorConstraintModel(model, 3, here),
+        pin.FrameAnchorConstraintModel(model, 3, here, 5, here),
+        pin.JointLimitConstraintModel(model, [3, 4]),
+        pin.JointFrictionConstraintModel(model, [3, 4]),
+    ]
+
+
+def test_a_constraint_of_any_kind_is_a_constraint_model(pin: Any, model: Any) -> None:
+    for one in _all(pin, model):
+        variant = pin.ConstraintModel(one)
+        assert isinstance(variant, pin.ConstraintModel) and variant is not one and variant == one
+        assert variant.shortname() == type(one).__name__ == type(one).classname()
+        assert str(variant) == f"{type(one).__name__}\n" and type(variant.extract()) is type(one)
+        data = variant.createData()
+        assert isinstance(data, pin.ConstraintData) and data == one.createData()
+        assert data.shortname() == type(one).__name__.replace("Model", "Data") == type(data).classname()
+        assert pin.ConstraintData(data).extract() == data
+    with pytest.raises(TypeError, match="nothing"):
+        pin.ConstraintData()
+    with pytest.raises(TypeError, match="expected one object"):
+        pin.ConstraintModel(model)
+
+
+def test_constraints_are_compared_by_what_they_hold(pin: Any, model: Any) -> None:
+    def contact() -> Any:
+        return pin.PointContactConstraintModel(model, 3)
+
+    assert contact() == contact() and contact() != pin.PointAnchorConstraintModel(model, 3)
+    for change in (
+        lambda c: c.setFriction(0.1),
+        lambda c: setattr(c, "name", "other"),
+        lambda c: c.setCompliance(np.ones(3)),
+        lambda c: setattr(c, "desired_constraint_offset", np.ones(3)),
+        lambda c: setattr(c, "joint1_placement", pin.SE3.Random()),
+        lambda c: setattr(c.baumgarte_corrector_parameters, "Kp", 2.0),
+    ):
+        other = contact()
+        change(other)
+        assert other != contact()
+    limits = pin.JointLimitConstraintModel(model, [3])
+    assert limits == limits.copy() and limits != pin.JointLimitConstraintModel(model, [4])
+
+
+def test_rows_say_which_velocities_move_them(pin: Any, model: Any) -> None:
+    data = model.createData()
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    sizes = {}
+    for one in _all(pin, model):
+        known = one.createData()
+        one.calc(model, data, known)
+        J = one.jacobian(model, data, known)
+        for row in range(one.residualSize()):
+            pattern = one.getRowSparsityPattern(model, data, known, row)
+            assert pattern.shape == (model.nv,) and pattern[J[row] != 0.0].all() and not pattern.all()
+            assert list(one.getRowIndexes(model, data, known, row)) == list(np.flatnonzero(pattern))
+        with pytest.raises(IndexError, match="residualSize"):
+            one.getRowSparsityPattern(model, data, known, one.residualSize())
+        sizes[one.shortname()[:10]] = one.symmetricConeResidualSize()
+    assert list(sizes.values()) == [3, 0, 0, 4, 4]  # Pinocchio's
+
+
+def test_the_set_of_a_contact_can_be_assigned(pin: Any, model: Any) -> None:
+    contact = pin.PointContactConstraintModel(model, 3)
+    contact.set = pin.CoulombFrictionCone(0.4)
+    assert contact.getFriction() == contact.set.mu == contact.set(contact.createData()).mu == 0.4
+    with pytest.raises(TypeError, match="CoulombFrictionCone"):
+        contact.set = 0.4
+
+
+def test_anchors_may_hold_nothing(pin: Any, model: Any) -> None:
+    data = model.createData()
+    pin.forwardKinematics(model, data, pin.neutral(model), np.ones(model.nv))
+    for kind in (
+        pin.PointAnchorConstraintModel,
+        pin.FrameAnchorConstraintModel,
+        pin.PointContactConstraintModel,
+    ):
+        anchor = kind(model, 0)
+        known = anchor.createData()
+        anchor.calc(model, data, known)
+        assert not anchor.jacobian(model, data, known).any() and not known.constraint_velocity_error.any()
+
+
+def test_limits_of_floating_joints_are_rates_of_their_positions(pin: Any) -> None:
+    model = pin.Model()
+    last = 0
+    for k, kind in enumerate(
+        (pin.JointModelFreeFlyer, pin.JointModelRX, pin.JointModelPlanar, pin.JointModelSpherical)
+    ):
+        last = model.addJoint(last, kind(), pin.SE3.Random(), f"joint {k}")
+    model.lowerPositionLimit[:], model.upperPositionLimit[:] = -1.0, 2.0
+    limits, data = pin.JointLimitConstraintModel(model), model.createData()
+    assert (limits.residualSize(), limits.lowerResidualSize(), limits.getSelectedJoints()) == (
+        12,
+        6,
+        [1, 2, 3],
+    )
+    assert (limits.getNqReduce(), limits.getMaxOfNvs()) == (12, 6)
+    known, q = limits.createData(), pin.randomConfiguration(model)
+    with pytest.raises(Exception, match="calc"):
+        limits.jacobian(model, data, known)
+    pin.forwardKinematics(model, data, q)
+    limits.calc(model, data, known)
+    J, before, v = (
+        limits.jacobian(model, data, known),
+        known.constraint_residual.copy(),
+        np.linspace(-1, 1, model.nv),
+    )
+    pin.forwardKinematics(model, data, pin.integrate(model, q, 1e-7 * v))
+    limits.calc(model, data, known)
+    np.testing.assert_allclose((known.constraint_residual - before) / 1e-7, J @ v, atol=1e-6)
+
+
+def test_limits_that_are_none_have_no_row(pin: Any, model: Any) -> None:
+    assert pin.JointLimitConstraintModel(model, [1]).residualSize() == 0
+    assert pin.JointLimitConstraintModel(model).residualSize() == 56  # as in Pinocchio
+
+
+def _problem(pin: Any, model: Any) -> tuple[Any, ...]:
+    """Two contacts, an anchor, a limit and a friction, with a Delassus matrix that couples all."""
+    kinds = [pin.PointContactConstraintModel(model, 8), pin.PointContactConstraintModel(model, 14)]
+    kinds += [pin.PointAnchorConstraintModel(model, 10), pin.JointLimitConstraintModel(model, [3])]
+    kinds.append(pin.JointFrictionConstraintModel(model, [5]))
+    kinds[0].setFriction(0.4)
+    kinds[4].setFrictionLowerLimit([-0.1])
+    kinds[4].setFrictionUpperLimit([0.2])
+    data = model.createData()
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    known = [one.createData() for one in kinds]
+    for one, its in zip(kinds, known, strict=True):
+        one.calc(model, data, its)
+    size = sum(one.residualSize() for one in kinds)
+    rng = np.random.default_rng(2)
+    A = rng.normal(size=(size, size))
+    g = rng.normal(size=size)
+    g[[2, 5]] = -1.0, -2.0
+    return A @ A.T + 0.1 * np.eye(size), g, kinds, known
+
+
+@pytest.mark.parametrize("sliding", [True, False])
+@pytest.mark.parametrize("rule", ["OSQP", "SPECTRAL", "LINEAR", "CONSTANT"])
+def test_alternating_directions_find_admissible_impulses(
+    pin: Any, model: Any, rule: str, sliding: bool
+) -> None:
+    G, g, kinds, known = _problem(pin, model)
+    settings, result = pin.ADMMSolverSettings(), pin.ADMMSolverResult()
+    settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = 1e-9
+    settings.relative_feasibility_tol = settings.relative_complementarity_tol = 0.0
+    settings.max_iterations, settings.solve_ncp, settings.stat_record = 20000, sliding, True
+    settings.admm_update_rule = getattr(pin.ADMMUpdateRule, rule)
+    solver = pin.ADMMConstraintSolver(len(g))
+    assert solver.solve(pin.DelassusOperatorDense(G), g, kinds, known, settings, result) and solver.isValid()
+    x, y, s = result.retrieveConstraintImpulses(), result.retrieveConstraintVelocities(), np.zeros(len(g))
+    result.retrieveDesaxceTerm(s)
+    np.testing.assert_allclose(y, G @ x + g, atol=1e-12)
+    for at, one in ((0, kinds[0]), (3, kinds[1])):
+        rows = slice(at, at + 3)
+        assert one.set.isInside(x[rows], 1e-7) and abs(x[rows] @ (y + s)[rows]) < 1e-8
+        assert one.set.dual().isInside((y + s)[rows], 1e-7)
+        shift = one.set.computeNormalCorrection(y[rows]) if sliding else np.zeros(3)
+        np.testing.assert_allclose(s[rows], shift, atol=1e-12)
+    np.testing.assert_allclose(y[6:9], 0.0, atol=1e-8)
+    assert x[9:11].min() >= 0.0 and (y[9:11] >= -1e-8).all() and np.abs(x[9:11] * y[9:11]).max() < 1e-8
+    assert -0.1 <= x[11] <= 0.2 and (abs(y[11]) < 1e-7 or x[11] in (-0.1, 0.2))
+    assert solver.stats.size() == result.iterations and solver.stats.rho[-1] == result.rho
+    assert (solver.stats.rho[0] == result.rho) == (
+        rule == "CONSTANT" or result.delassus_decomposition_update_count == 1
+    )
+
+
+def test_both_solvers_agree_and_start_from_guesses(pin: Any, model: Any) -> None:
+    G, g, kinds, known = _problem(pin, model)
+    impulses = []
+    for name in ("PGS", "ADMM"):
+        settings, result = getattr(pin, f"{name}SolverSettings")(), getattr(pin, f"{name}SolverResult")()
+        settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = 1e-9
+        settings.relative_feasibility_tol = settings.relative_complementarity_tol = 0.0
+        settings.max_iterations, settings.solve_ncp = 5000, True
+        solver = getattr(pin, f"{name}ConstraintSolver")()
+        assert solver.solve(G, g, kinds, known, settings, result)
+        impulses.append(result.retrieveConstraintImpulses())
+    np.testing.assert_allclose(*impulses, atol=1e-7)
+    iterations = result.iterations
+    result.setConstraintImpulseGuess(impulses[1])
+    settings.warmstart_rho_with_previous_result = True
+    assert solver.solve(G, g, kinds, known, settings, result) and result.iterations < iterations
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("tau", 0.7),
+        ("anderson_capacity", 3),
+        ("rho_min", 0.0),
+        ("rho_init", -1.0),
+        ("max_iterations", 0),
+        ("mu_prox", -1.0),
+    ],
+)
+def test_settings_that_have_no_meaning_are_refused(pin: Any, name: str, value: float) -> None:
+    settings = pin.ADMMSolverSettings()
+    settings.checkValidity()
+    setattr(settings, name, value)
+    with pytest.raises(Exception, match=name):
+        settings.checkValidity()
