@@ -34,7 +34,7 @@ TRUER = {
 """Where the truth is not what Pinocchio leaves: fields, and what the calls have in their names."""
 ELSEWHERE = {
     "oa lambda_c": "lcaba",  # there with gravity; none
-    "impulse_c": "onstraintDynamics",  # there, without an impact, whatever the memory held
+    "impulse_c": "onstraint Delassus lcaba",  # there, without an impact, whatever the memory held
     "joints": "Jacobian(",  # there along one branch alone
     "J dJ C oMf": "mimic",  # there columns of mimic joints are apart
 }
@@ -108,7 +108,10 @@ class _Judge:
 
 
 def _listed(table: dict[str, str], name: str, words: list[str]) -> bool:
-    return any(name in fields.split() and any(part in w for w in words) for fields, part in table.items())
+    return any(
+        name in fields.split() and any(part in word for part in parts.split(" ") for word in words)
+        for fields, parts in table.items()
+    )
 
 
 def _near(own: Any, wanted: Any, tolerance: float) -> bool:
