@@ -48,4 +48,4 @@ def test_spheres_never_say_free_where_coal_says_touching(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["panda", "ur5"])
 def test_spheres_never_say_free_in_a_long_sweep(name: str) -> None:
-    check(name, 100_000, 1)
+    check(name, 50_000, 1)
