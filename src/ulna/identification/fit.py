@@ -93,7 +93,7 @@ def identify(
     W = extended_regressor(robot, log.q, log.v, log.a, **sought, width=width)
     known = _known(model, log, sought, width)
     y = log.tau - known
-    nominal = _own(model, sought)
+    nominal = _present_parameters(model, sought)
     p0 = nominal.copy()
     if prior is not None:
         p0[: 10 * len(model.joints)] = _prior(model, prior)
@@ -101,19 +101,18 @@ def identify(
     if ridge is not None and not (np.isfinite(ridge) and ridge >= 0.0):
         raise InputError(f"`ridge` is {ridge}; expected a finite number of zero or more.")
     sizes = _sizes(model, p0)
-    rounds = 2 if isinstance(noise, str) else 1
-    p, count = p0, 0
-    for _ in range(rounds):
+
+    def fitted(sigma: Floats) -> tuple[Floats, int]:
         R, z = _reduced(W / sigma[:, None], y / sigma)
         weight = (1e-6 * float(z @ z) if physical else 0.0) if ridge is None else ridge
         if physical:
-            p, count = _physical(R, z, p0, sizes, weight, len(model.joints), progress)
-        else:
-            p, count = _linear(R, z, p0, sizes, weight)
-        if rounds == 2:
-            sigma = np.maximum(
-                np.sqrt(((y - W @ p) ** 2).mean(axis=0)), 1e-12 + 1e-9 * np.abs(y).max(initial=0.0)
-            )
+            return _physical(R, z, p0, sizes, weight, len(model.joints), progress)
+        return _linear(R, z, p0, sizes, weight)
+
+    p, count = fitted(sigma)
+    if isinstance(noise, str):
+        p, count = fitted(_deviations(y - W @ p, y))
+        sigma = _deviations(y - W @ p, y)
     return _result(model, log, W, known, p, nominal, sought, physical, sigma, count)
 
 
@@ -151,8 +150,13 @@ def _known(model: Model, log: _Log, sought: dict[str, bool], width: float) -> Fl
     return drives - friction_torque(log.v, law)
 
 
-def _own(model: Model, sought: dict[str, bool]) -> Floats:
-    """The model's values of what is sought."""
+def _deviations(residuals: Floats, y: Floats) -> Floats:
+    """The standard deviation of the residuals of each joint, (nv,)."""
+    return np.maximum(np.sqrt((residuals**2).mean(axis=0)), 1e-12 + 1e-9 * np.abs(y).max(initial=0.0))
+
+
+def _present_parameters(model: Model, sought: dict[str, bool]) -> Floats:
+    """The model's values of the parameters that are estimated."""
     return np.concatenate(
         [dynamic_parameters(model), *(getattr(model, n) for n, wanted in sought.items() if wanted)]
     )

@@ -276,13 +276,7 @@ def multi_start(problem: Problem) -> Function:
 
         state = numeric.loop(go_on, body, (*first.flat(problem), 0.0), 2**30)
         last, steps = Attempt.of(problem, home, state[:-1]), state[-1]
-        is_met = last.is_met > 0.5
-        rank = numeric.where(
-            in_any_lane(is_met), numeric.where(is_met, near * offset(last.best), _FAR), last.least
-        )
-        rank = numeric.where(descends, number, rank)  # lane 0 alone sets out from q0
-        winner = least(numeric.where(rank <= least(rank), number, float(LANES)))
-        chosen = number == winner
+        chosen = number == _best_lane(last, near * offset(last.best), number, descends)
         q = problem.replaced(home, [choose(chosen, x) for x in last.best[problem.positions]])
         q = unwound(problem, q, home, near)
         return numeric.vector(
@@ -291,6 +285,14 @@ def multi_start(problem: Problem) -> Function:
 
     shapes: dict[str, Any] = {**problem.shapes, "shift": (len(problem.drawn),), "settings": (4,)}
     return trace(search, name="ik", lanes=LANES, **shapes)
+
+
+def _best_lane(last: Attempt, cost: Any, number: Any, descends: Any) -> Any:
+    """The lane that meets the goals at the least cost, or has the least error; lane 0 for a descent, which is there."""
+    is_met = last.is_met > 0.5
+    rank = numeric.where(in_any_lane(is_met), numeric.where(is_met, cost, _FAR), last.least)
+    rank = numeric.where(descends, number, rank)
+    return least(numeric.where(rank <= least(rank), number, float(LANES)))
 
 
 def batch_steps(problem: Problem) -> Function:
