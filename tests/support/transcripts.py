@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import warnings
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -81,21 +82,34 @@ def transcript(calls: Iterable[str], names: dict[str, Any], scene: Any) -> str:
         scene: The scene that they change.
 
     Returns:
-        For each call a line with its result or its error, then the nodes that are new, changed or gone.
+        For each call a line with its result or its error, its warnings, then the nodes that are new, changed or gone.
     """
     lines, before = [], scene_state(scene)
     for call in calls:
-        try:
-            result = words(eval(call, {"np": np}, names))
-        except Exception as error:
-            text = re.sub(r"(?<=['\" ])/(?:[\w.-]+/)+", "", str(error))  # where this package lies
-            result = f"{type(error).__name__}: {text}"
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            result = _result(call, names)
         lines.append(f"{call}\n    = {result}")
+        lines += [
+            f"    ! {warning.category.__name__}: {_without_folders(str(warning.message))}" for warning in said
+        ]
         after = scene_state(scene)
         lines += [f"    {name}: {state}" for name, state in after.items() if before.get(name) != state]
         lines += [f"    {name}: gone" for name in before if name not in after]
         before = after
     return "\n".join(lines) + "\n"
+
+
+def _result(call: str, names: dict[str, Any]) -> str:
+    try:
+        return words(eval(call, {"np": np}, names))
+    except Exception as error:
+        return f"{type(error).__name__}: {_without_folders(str(error))}"
+
+
+def _without_folders(text: str) -> str:
+    """A message without where this package lies."""
+    return re.sub(r"(?<=['\" ])/(?:[\w.-]+/)+", "", text)
 
 
 def compare(file: Path, text: str) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import warnings
 from pathlib import Path
 
 import ulna
@@ -149,9 +148,7 @@ g.nothing()
 def test_what_every_call_returns_and_draws() -> None:
     viewer = ulna.Viewer(page=False)
     names = {"g": Gui(viewer), "v": viewer, "red": (1.0, 0.0, 0.0, 1.0), "faint": (0.0, 1.0, 0.0, 0.5)}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        text = transcript(CALLS, names, viewer.scene)
+    text = transcript(CALLS, names, viewer.scene)
     compare(Path(__file__).parent / "transcript.txt", text)
 
 

@@ -146,5 +146,9 @@ def test_former_names_work_and_warn(named: Any, capsys: pytest.CaptureFixture[st
         et = named.E.tx(1.0)
         et.eta = 2.0
     assert et.param == 2.0
+    with pytest.warns(DeprecationWarning, match="former name of ET.param"):
+        assert et.eta == 2.0
+    with pytest.warns(DeprecationWarning, match="former name of ET.kind"):
+        assert et.axis == et.kind == "tx"
     with pytest.warns(DeprecationWarning, match="`eta` is the former name"):
         assert named.E.tx(eta=3.0).param == 3.0

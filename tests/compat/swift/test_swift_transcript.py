@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -214,7 +213,5 @@ def test_what_shapes_controls_and_environments_do(swift: Any, monkeypatch: pytes
     env.launch(headless=True)
     names = {"swift": swift, "sg": spatialgeometry, "SE3": SE3, "env": env, "arm": arm, "calls": []}
     names |= {"names": SimpleNamespace()}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        text = transcript(CALLS, names, env.viewer.scene)
+    text = transcript(CALLS, names, env.viewer.scene)
     compare(Path(__file__).parent / "transcript.txt", text)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -166,7 +165,5 @@ def test_what_every_call_draws_reads_and_refuses() -> None:
     names = {"v": viewer, "turned": turned, "arm": arm, "q": np.linspace(0.1, 0.6, 6), "copies": copies}
     names |= {"Box": Box, "Sphere": Sphere, "Points": Points, "Lines": Lines, "Text": Text, "Copies": Copies}
     names |= {"Camera": Camera, "camera_for": camera_for, "transforms": transforms}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        text = transcript(CALLS, names, viewer.scene)
+    text = transcript(CALLS, names, viewer.scene)
     compare(Path(__file__).parent / "scene_transcript.txt", text)
