@@ -35,6 +35,13 @@ def test_pictures_are_those_of_a_full_drawing(monkeypatch: pytest.MonkeyPatch) -
             shown.append(env.picture())
             assert (shown[-1] == _drawn_anew(env)).all()
         assert (shown[0] != shown[1]).any()
+        with monkeypatch.context() as context:  # from here on the background is that of the first picture
+            context.setattr(env.fig.canvas, "draw", lambda: pytest.fail("the background was drawn again"))
+            env.show(robot, np.array([0.2, 0.1, 0.4]), "t = 2")
+            shown.append(env.picture())
+        assert (shown[-1] == _drawn_anew(env)).all()
+        env.ax.set_title("beside", loc="left")
+        assert (env.picture() == _drawn_anew(env)).all() and (env.picture() != shown[-1]).any()
         env.ax.view_init(90, -90)
         assert (env.picture() == _drawn_anew(env)).all()
         env.close()

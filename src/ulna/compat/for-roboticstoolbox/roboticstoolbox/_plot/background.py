@@ -12,6 +12,7 @@ class Background:
     def __init__(self) -> None:
         self._key: Any = None
         self._pixels: Any = None
+        self._never_drawn: set[int] = set()  # such as empty titles, and spines of axes in three dimensions
 
     def draw(self, canvas: Any, ax: Any, moving: Sequence[Any]) -> None:
         """Draws a figure on its canvas, as `canvas.draw()` does.
@@ -24,15 +25,16 @@ class Background:
         still = [a for a in ax.get_children() if all(a is not b for b in moving)]
         view = [getattr(ax, name, None) for name in ("elev", "azim", "roll")]
         limits = [getattr(ax, f"get_{axis}lim")() for axis in "xyz" if hasattr(ax, f"get_{axis}lim")]
-        key = repr(
-            (id(canvas), canvas.get_width_height(), view, limits, list(map(id, still)), len(ax.figure.axes))
-        )
+        texts = [a.get_text() for a in still if hasattr(a, "get_text")]
+        number = len(ax.figure.axes)
+        key = repr((id(canvas), canvas.get_width_height(), view, limits, texts, list(map(id, still)), number))
         for artist in moving:
             artist.set_animated(True)
         try:
-            if key != self._key or any(a.stale for a in still):
+            if key != self._key or any(a.stale and id(a) not in self._never_drawn for a in still):
                 canvas.draw()
                 self._key, self._pixels = key, canvas.copy_from_bbox(ax.figure.bbox)
+                self._never_drawn = {id(a) for a in still if a.stale}
             canvas.restore_region(self._pixels)
             renderer = canvas.get_renderer()
             for artist in sorted(moving, key=lambda a: (hasattr(a, "get_offsets"), a.get_zorder())):

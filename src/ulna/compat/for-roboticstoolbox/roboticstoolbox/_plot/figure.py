@@ -172,6 +172,7 @@ class PyPlot:
         for artist in self._moving:
             if artist.axes is not None:
                 artist.remove()
+        drawn = [artist for artist in self.ax.get_children() if not artist.stale]
         before = {id(artist) for artist in self.ax.get_children()}
         for robot, q in robots:
             stick_figure(robot._complete_robot(), robot._complete_configuration(q), self.ax)
@@ -181,7 +182,13 @@ class PyPlot:
             limits = [self.limits[0:2], self.limits[2:4], self.limits[4:6]]
         if limits is not None:
             self.ax.set(xlim=limits[0], ylim=limits[1], zlim=limits[2])
-        self.ax.set_title(title, fontsize=9)
+        if self._moving:
+            self.ax.title.set_text(title)  # where the first one was placed
+        else:
+            self.ax.set_title(title, fontsize=9)
+        if limits is not None:  # the axes are scaled as before, so that what was drawn is still right
+            for artist in drawn:
+                artist.stale = False
         self._moving = [artist for artist in self.ax.get_children() if id(artist) not in before]
 
     def picture(self) -> Array:
