@@ -286,7 +286,7 @@ def _doctor(chosen: argparse.Namespace) -> int:
 
     findings = examine(chosen.path)
     print(report(chosen.path, findings))
-    return int(any(not f.offered for f in findings))
+    return int(any(f.offered is False for f in findings))
 
 
 def _cache(chosen: argparse.Namespace) -> None:

@@ -10,7 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
+from ulna.compat.members import missing_keywords, offered_member, refused
 from ulna.compat.packages import FOLDERS, modules
+from ulna.compat.script_names import expressions
+from ulna.compat.script_objects import Objects, ObjectsOf
 from ulna.errors import FormatError, InputError
 from ulna.files import read_regular
 
@@ -23,20 +26,21 @@ class Finding:
     Attributes:
         line: Where it does so first.
         name: The dotted name, from the package on.
-        offered: Whether the compatibility package has it.
+        offered: Whether the compatibility package has it; None where the text does not say what the name belongs to.
         hint: What to use instead, if it does not.
     """
 
     line: int
     name: str
-    offered: bool
+    offered: bool | None
     hint: str = ""
 
 
 def examine(path: str | Path) -> list[Finding]:
     """The names of libraries that a script uses, in the order of their lines; the script is read, not run.
 
-    What is reached through an instance (`robot.fkine`) cannot be known from the text and is not listed.
+    Attributes and keywords of objects are examined where assignments, classes and annotations say what the object is.
+    A finding with `offered` None is a name whose attributes could not be examined.
 
     Raises:
         InputError: If the file cannot be read.
@@ -58,7 +62,69 @@ def examine(path: str | Path) -> list[Finding]:
     for folder in FOLDERS.values():
         if str(folder) not in sys.path:
             sys.path.insert(0, str(folder))
-    return [Finding(line, name, *_is_offered(name)) for name, line in used.items()]
+    found = [Finding(line, name, *_is_offered(name)) for name, line in used.items()]
+    objects = _of_objects(tree, frozenset(known_modules))
+    return sorted({one.name: one for one in [*reversed(objects), *found]}.values(), key=lambda one: one.line)
+
+
+def _of_objects(tree: ast.Module, known_modules: frozenset[str]) -> list[Finding]:
+    """Attributes and keywords of objects of libraries, and names that were not examined."""
+
+    def load(name: str) -> Any:
+        if name.split(".", maxsplit=1)[0] not in known_modules:
+            return None
+        offered, hint = _is_offered(name)
+        if not offered:
+            raise AttributeError(hint)
+        return _value(name)
+
+    objects_of, findings, added = ObjectsOf(load), [], _added(tree)
+    for node, scope in expressions(tree):
+        if isinstance(node, ast.Call):
+            findings += _of_keywords(node, objects_of(node.func, scope))
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load):
+            findings += _of_attribute(node, objects_of(node.value, scope), added)
+    return findings
+
+
+def _added(tree: ast.Module) -> frozenset[str]:
+    """Attributes that the script itself makes: by assignment, or as a named configuration."""
+    names = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            names.add(node.attr)
+        elif isinstance(node, ast.Call) and getattr(node.func, "attr", "").startswith("addconfiguration"):
+            names |= {word.value for word in node.args[:1] if isinstance(word, ast.Constant)}
+    return frozenset(names)
+
+
+def _of_attribute(node: ast.Attribute, base: Objects, added: frozenset[str]) -> list[Finding]:
+    if base is None:
+        root = node.value
+        return [Finding(node.lineno, root.id, None)] if isinstance(root, ast.Name) else []
+    instances = [one.value for one in base if one.is_instance]
+    if not instances or len(instances) < len(base) or node.attr in added:
+        return []
+    answers = [offered_member(kind, node.attr) for kind in instances]
+    hint = next((hint for offered, hint in answers if not offered), "")
+    return [Finding(node.lineno, f"{_full_name(instances[0])}.{node.attr}", any(o for o, _ in answers), hint)]
+
+
+def _of_keywords(node: ast.Call, called: Objects) -> list[Finding]:
+    keywords = [one.arg for one in node.keywords if one.arg is not None]
+    if not keywords or not called or any(one.is_instance for one in called):
+        return []
+    missing = [missing_keywords(one.value, keywords) for one in called]
+    owner = called[0].owner
+    name = f"{_full_name(owner)}.{called[0].value.__name__}" if owner else _full_name(called[0].value)
+    everywhere = [keyword for keyword in missing[0] if all(keyword in other for other in missing)]
+    return [Finding(node.lineno, f"{name}({keyword}=)", False) for keyword in everywhere]
+
+
+def _full_name(value: Any) -> str:
+    """The name of a class or function, from its package on, without private modules."""
+    parts = [part for part in value.__module__.split(".") if not part.startswith("_")]
+    return ".".join([*parts[:1], value.__qualname__])
 
 
 def _used(tree: ast.AST, known_modules: frozenset[str]) -> Iterator[tuple[int, str]]:
@@ -89,24 +155,32 @@ def _used(tree: ast.AST, known_modules: frozenset[str]) -> Iterator[tuple[int, s
 
 
 def _is_offered(name: str) -> tuple[bool, str]:
+    try:
+        value = _value(name)
+    except (AttributeError, ImportError) as error:
+        return False, str(error)
+    refusal = refused(value)
+    return refusal is None, refusal or ""
+
+
+def _value(name: str) -> Any:
+    """What a dotted name of a library stands for.
+
+    Raises:
+        AttributeError, ImportError: There is no such thing.
+    """
     parts = name.split(".")
-    value: Any = None
     for count in range(len(parts), 0, -1):
         try:
             value = importlib.import_module(".".join(parts[:count]))
             break
         except ModuleNotFoundError:
             continue
-        except ImportError as error:
-            return False, str(error)
-    if value is None:
-        return False, ""
+    else:
+        raise ImportError("")
     for part in parts[count:]:
-        try:
-            value = getattr(value, part)
-        except AttributeError as error:
-            return False, str(error)
-    return True, ""
+        value = getattr(value, part)
+    return value
 
 
 def report(path: str | Path, findings: Sequence[Finding]) -> str:
@@ -119,7 +193,13 @@ def report(path: str | Path, findings: Sequence[Finding]) -> str:
     Returns:
         Lines of text.
     """
-    missing = [f for f in findings if not f.offered]
-    head = f"{path}: {len(findings)} names of libraries, {len(findings) - len(missing)} offered."
+    examined = [f for f in findings if f.offered is not None]
+    missing = [f for f in examined if not f.offered]
+    head = f"{path}: {len(examined)} names of libraries, {len(examined) - len(missing)} offered."
     lines = [f"  line {f.line}: {f.name} is not offered. {f.hint}".rstrip() for f in missing]
+    unknown = [f"{f.name} (line {f.line})" for f in findings if f.offered is None]
+    if unknown:
+        lines.append(
+            f"  Not examined, since the text does not say what they are: attributes of {', '.join(unknown)}."
+        )
     return "\n".join([head, *lines])

@@ -1,0 +1,95 @@
+"""Members of classes of libraries: which there are, and which refuse to do anything."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import textwrap
+from functools import cache
+from typing import Any
+
+
+def offered_member(kind: type, name: str) -> tuple[bool, str]:
+    """Whether instances of a class have a member that does something, and what to use instead.
+
+    A member is known by the class, by an assignment to `self` in its methods, or by an instance, where one can be
+    made without arguments.
+
+    Args:
+        kind: The class.
+        name: The member.
+
+    Returns:
+        Whether it is offered, and a hint if it is not.
+    """
+    static = inspect.getattr_static(kind, name, None)
+    if static is not None:
+        refusal = refused(static)
+        return refusal is None, refusal or ""
+    if name in _assigned(kind):
+        return True, ""
+    try:
+        getattr(_instance(kind), name)
+    except AttributeError as error:
+        return False, str(error)
+    except Exception:
+        return True, ""  # it is there, and needs more than this to be read
+    return True, ""
+
+
+def missing_keywords(function: Any, keywords: list[str]) -> list[str]:
+    """The keywords that a function has no parameter for; none where it takes any, or its parameters are not known."""
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return []
+    if any(p.kind is p.VAR_KEYWORD for p in parameters):
+        return []
+    names = {p.name for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
+    return [keyword for keyword in keywords if keyword not in names]
+
+
+def refused(function: Any) -> str | None:
+    """The message of a function that does nothing but raise NotImplementedError; None for others."""
+    if not inspect.isfunction(function):
+        return None
+    try:
+        definition = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+    except (OSError, SyntaxError, TypeError):
+        return None
+    body = getattr(definition, "body", [])
+    steps = [one for one in body if not (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))]
+    if len(steps) != 1 or not isinstance(steps[0], ast.Raise) or not isinstance(steps[0].exc, ast.Call):
+        return None
+    raised = steps[0].exc
+    if not isinstance(raised.func, ast.Name) or raised.func.id != "NotImplementedError":
+        return None
+    texts = [one.value for one in raised.args if isinstance(one, ast.Constant)]
+    return str(texts[0]) if texts else ""
+
+
+@cache
+def _assigned(kind: type) -> frozenset[str]:
+    """Names that methods of a class and of its bases assign to `self`, or that the classes declare."""
+    names: set[str] = set()
+    for base in kind.__mro__[:-1]:
+        names |= set(vars(base).get("__annotations__", ()))
+        try:
+            tree = ast.parse(textwrap.dedent(inspect.getsource(base)))
+        except (OSError, SyntaxError, TypeError):
+            continue
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+                names |= (
+                    {node.attr} if isinstance(node.value, ast.Name) and node.value.id == "self" else set()
+                )
+    return frozenset(names)
+
+
+@cache
+def _instance(kind: type) -> Any:
+    """An instance of a class, made without arguments if that can be done."""
+    try:
+        return kind()
+    except Exception:
+        return object.__new__(kind) if kind.__new__ is object.__new__ else kind
