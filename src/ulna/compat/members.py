@@ -38,7 +38,15 @@ def offered_member(kind: type, name: str) -> tuple[bool, str]:
 
 
 def missing_keywords(function: Any, keywords: list[str]) -> list[str]:
-    """The keywords that a function has no parameter for; none where it takes any, or its parameters are not known."""
+    """The keywords that a function has no parameter for.
+
+    Args:
+        function: A function or a class.
+        keywords: Keywords of a call.
+
+    Returns:
+        Those without a parameter; none where the function takes any, or its parameters are not known.
+    """
     try:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):

@@ -26,7 +26,12 @@ class Scope:
         self.names: dict[str, list[Binding]] = {}
 
     def bind(self, name: str, binding: Binding) -> None:
-        """Adds a binding of a name."""
+        """Adds a binding of a name.
+
+        Args:
+            name: The name.
+            binding: What it is bound to.
+        """
         self.names.setdefault(name, []).append(binding)
 
     def find(self, name: str) -> tuple[Scope, list[Binding]] | None:

@@ -59,7 +59,15 @@ class ObjectsOf:
         self._pending: set[int] = set()
 
     def __call__(self, node: ast.expr, scope: Scope) -> Objects:
-        """What an expression may be, in its scope."""
+        """What an expression may be.
+
+        Args:
+            node: The expression.
+            scope: Its scope.
+
+        Returns:
+            The objects, or None where they are not known.
+        """
         if isinstance(node, _OF_PYTHON):
             return ()
         if id(node) in self._pending:
