@@ -180,10 +180,10 @@ class Search:
             return ""
         texts = []
         for joint in self._model.joints:
-            k = joint.idx_q
-            if joint.nq and not low[k] <= q[k] <= high[k]:
-                limits = f"[{low[k] + 1e-9:.4g}, {high[k] - 1e-9:.4g}]"
-                texts.append(f"joint {joint.name!r} is at {q[k]:.4g}, its limits are {limits}")
+            for k in range(joint.idx_q, joint.idx_q + joint.nq):
+                if not low[k] <= q[k] <= high[k]:
+                    limits = f"[{low[k] + 1e-9:.4g}, {high[k] - 1e-9:.4g}]"
+                    texts.append(f"joint {joint.name!r} is at {q[k]:.4g}, its limits are {limits}")
         return "; ".join(texts)
 
     # search -----------------------------------------------------------------------------------------------

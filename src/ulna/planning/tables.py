@@ -21,7 +21,8 @@ from ulna.compiler import trace
 from ulna.compiler.procedures import lanes_kernel
 from ulna.errors import InputError
 from ulna.geometry import Shape
-from ulna.model import Model, Prismatic, Revolute
+from ulna.model import Model, Planar
+from ulna.model.joints.base import VectorKind
 from ulna.planning.motion_bounds import Group, motion_bounds
 from ulna.planning.sphere_pairs import RESERVE, can_meet
 from ulna.planning.touching import Tables, Work
@@ -323,10 +324,13 @@ def links_of(model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...], missin
         InputError: If a joint has a configuration that is not one number, or no link with spheres moves.
     """
     for joint in model.joints:
-        if not isinstance(joint.kind, Revolute | Prismatic):
+        if not isinstance(joint.kind, VectorKind):
+            advice = "Lock it where it stands: robot.lock({name: position})."
+            if isinstance(joint.kind, Planar):
+                advice = "Make a planar base of two prismatic joints and a continuous one, or lock it."
             raise InputError(
-                f"Joint {joint.name!r} is {type(joint.kind).__name__}; planning takes revolute, continuous and "
-                "prismatic joints. Lock it where it stands: robot.lock({name: position})."
+                f"Joint {joint.name!r} is {type(joint.kind).__name__}; planning takes joints whose positions are plain "
+                f"numbers: revolute, continuous, prismatic, helical, universal, translation. {advice}"
             )
     groups = []
     for name, balls in spheres.links.items():

@@ -201,7 +201,7 @@ def test_robots_that_cannot_be_planned_for_are_refused() -> None:
     b = ModelBuilder("ball")
     b.add_link("base").add_link("arm", collisions=[Geometry("", Box((0.1, 0.1, 0.1)))])
     b.add_joint("shoulder", Spherical(), "base", "arm")
-    with pytest.raises(InputError, match=r"Joint 'shoulder' is Spherical; planning takes revolute"):
+    with pytest.raises(InputError, match=r"Joint 'shoulder' is Spherical; planning takes joints whose"):
         plan(ulna.Robot(b.build()), [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0])
 
 
