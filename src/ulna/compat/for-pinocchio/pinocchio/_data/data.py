@@ -11,8 +11,9 @@ import numpy as np
 from pinocchio._containers.arrays import StdVec, matrix, views
 from pinocchio._containers.files import Saved, register
 from pinocchio._data.algorithm import ALGORITHMS
-from pinocchio._data.states import BoundAlgorithms, FieldStates, Waiting
+from pinocchio._data.states import BoundAlgorithms, Waiting
 from pinocchio._data.storage import CENTRES, FORCES, MATRICES, MOTIONS, FieldArrays
+from pinocchio._data.tree_fields import TreeFields
 from pinocchio._model.building import KinematicTree
 from pinocchio._model.compiled_model import CompiledModel
 from pinocchio._model.joint_data import states
@@ -84,7 +85,7 @@ class _Placements:
 
 
 @final
-class Data(Saved, FieldStates):
+class Data(Saved, TreeFields):
     """Working memory of algorithms for one model: `model.createData()`."""
 
     if TYPE_CHECKING:  # made below, by their names

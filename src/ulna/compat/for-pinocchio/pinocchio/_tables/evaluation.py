@@ -146,3 +146,14 @@ def about_origin(parameters: Floats) -> Floats:
     for k, (i, j) in enumerate(((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))):
         out[:, 4 + k] += (trace if i == j else 0.0) - squares[:, i, j]
     return out
+
+
+def about_center(inertias: Floats) -> Floats:
+    """Mass, lever and moments about it (n, 13), of what `about_origin` returns (n, 10)."""
+    mass, first = inertias[:, 0], inertias[:, 1:4]
+    lever = first / np.where(mass == 0.0, 1.0, mass)[:, None]
+    squares = first[:, :, None] * lever[:, None, :]
+    trace = np.einsum("nii->n", squares)
+    moments = inertias[:, [4, 5, 6, 5, 7, 8, 6, 8, 9]].reshape(-1, 3, 3)
+    moments = moments - trace[:, None, None] * np.eye(3) + squares
+    return np.concatenate([mass[:, None], lever, moments.reshape(-1, 9)], axis=1)

@@ -1,0 +1,69 @@
+"""Fields of a Data that follow from the tree, from the last configuration, and from the mass matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.shelf import worn
+from ulna.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def pin() -> Iterator[Any]:
+    with worn("pinocchio"):
+        import pinocchio
+
+        yield pinocchio
+
+
+def _inertia(pin: Any, model: Any, data: Any, joints: Any, at: Any) -> Any:
+    total = pin.Inertia.Zero()
+    for i in joints:
+        total += at.actInv(data.oMi[i]).act(model.inertias[i])
+    return total.matrix()
+
+
+def test_inertias_of_what_joints_move(pin: Any) -> None:
+    model = pin.buildSampleModelHumanoidRandom()
+    data, q = model.createData(), pin.neutral(model)
+    with pytest.raises(InputError, match="crba"):
+        _ = data.Ycrb
+    pin.crba(model, data, q)
+    local, world = data.Ycrb, data.oYcrb
+    pin.forwardKinematics(model, data, q)
+    for i, moved in enumerate(model.subtrees):
+        if i:
+            np.testing.assert_allclose(
+                local[i].matrix(), _inertia(pin, model, data, moved, data.oMi[i]), atol=1e-11
+            )
+        wanted = _inertia(pin, model, data, moved if i else range(1, model.njoints), pin.SE3.Identity())
+        np.testing.assert_allclose(world[i].matrix(), wanted, atol=1e-11)
+    assert local[0].isZero() and world[0].mass == pytest.approx(pin.computeTotalMass(model))
+
+
+def test_rows_follow_each_other_as_joints_do(pin: Any) -> None:
+    model = pin.buildSampleModelHumanoid()
+    data = model.createData()
+    assert list(data.lastChild) == [max(moved, default=29) for moved in [[29], *list(model.subtrees)[1:]]]
+    M = pin.crba(model, data, pin.neutral(model) + 0.01)
+    for row, support in enumerate(data.supports_fromRow):
+        assert support[-1] == row and set(np.flatnonzero(M[row, : row + 1])) <= set(support)
+        assert list(support[:-1]) == (list(data.supports_fromRow[data.parents_fromRow[row]]) if row else [])
+        assert data.start_idx_v_fromRow[row] <= row <= data.end_idx_v_fromRow[row]
+        assert data.nvSubtree_fromRow[row] == sum(row in other for other in data.supports_fromRow)
+    assert data.nvSubtree[1] == model.nv
+
+
+def test_factors_of_the_mass_matrix(pin: Any) -> None:
+    model = pin.buildSampleModelHumanoid()
+    data = model.createData()
+    with pytest.raises(InputError, match="crba"):
+        _ = data.U
+    M = pin.crba(model, data, pin.neutral(model))
+    np.testing.assert_allclose(data.U @ np.diag(data.D) @ data.U.T, M, atol=1e-12)
+    np.testing.assert_allclose(pin.cholesky.decompose(model, data), data.U, atol=1e-11)
+    assert np.array_equal(data.U, np.triu(data.U)) and (np.diag(data.U) == 1.0).all()
