@@ -32,6 +32,7 @@ from ulna.compiler.imperative.interpreter import interpret
 from ulna.compiler.imperative.program import ProgramReader
 from ulna.compiler.imperative.source import Definition
 from ulna.compiler.imperative.types import INT, Number
+from ulna.compiler.runtime import procedure_cache
 from ulna.compiler.runtime.jit import load_text, target
 from ulna.compiler.runtime.procedure_arguments import (
     check_count,
@@ -42,6 +43,7 @@ from ulna.compiler.runtime.procedure_arguments import (
     result_from,
     words_of,
 )
+from ulna.compiler.runtime.procedure_cache import Compiled
 from ulna.errors import DivisionByZero, InputError, OutOfBounds
 
 Number_ = bool | int | float
@@ -80,7 +82,9 @@ class Procedure(Definition):
             )
         self._instances: tuple[t.Instance, ...] = ()
         self._writes: frozenset[str] = frozenset()
+        self._functions: set[Callable[..., Any]] = set()
         self._entries: dict[bool, Any] = {}
+        self._kept: dict[bool, Compiled] = {}
 
     def __repr__(self) -> str:
         return f"<procedure {self.__name__}({', '.join(self.parameters)})>"
@@ -112,7 +116,7 @@ class Procedure(Definition):
     def interpret(self, *arguments: Any) -> Any:
         """Runs the interpreter, the reference: takes and returns what a call does, with every access checked."""
         instance = self.instance
-        check_count(instance, arguments)
+        check_count(self.__name__, instance.parameters, arguments)
         values = []
         for (name, type_), value in zip(instance.parameters, arguments, strict=True):
             words_of(name, type_, value, name in self._writes)
@@ -136,17 +140,17 @@ class Procedure(Definition):
         Returns:
             The bound procedure, for one thread at a time.
         """
-        instance = self.instance
-        check_count(instance, arguments)
+        compiled = self._compiled(is_checked)
+        check_count(self.__name__, compiled.parameters, arguments)
         words: list[int] = []
         held: list[Any] = []
         places: dict[str, int] = {}
-        for (name, type_), value in zip(instance.parameters, arguments, strict=True):
-            part, buffers = words_of(name, type_, value, name in self._writes)
+        for (name, type_), value in zip(compiled.parameters, arguments, strict=True):
+            part, buffers = words_of(name, type_, value, name in compiled.writes)
             places[name] = len(words)
             words += part
             held += buffers
-        return BoundProcedure(self, self._entry(is_checked), words, held, places, are_arrays_private)
+        return BoundProcedure(compiled, self._entry(is_checked), words, held, places, are_arrays_private)
 
     @property
     def instance(self) -> t.Instance:
@@ -159,6 +163,7 @@ class Procedure(Definition):
         if not self._instances:
             reader = ProgramReader(self.constants)
             self._writes = written(reader.entry(self))
+            self._functions = {key[0] for key in reader.instances}
             self._instances = tuple(reader.instances.values())
         return self._instances
 
@@ -184,9 +189,29 @@ class Procedure(Definition):
         """
         return Procedure(self.function, {**self.constants, **constants}, self.contract)
 
+    def _compiled(self, is_checked: bool) -> Compiled:
+        """What calls need to know, from the disk where it is there."""
+        if is_checked in self._kept:
+            return self._kept[is_checked]
+        width = target().register_bytes
+        key = procedure_cache.key_of(
+            self.function, sorted(self.constants.items()), self.contract, is_checked, width
+        )
+        compiled = procedure_cache.read(key) if key is not None else None
+        if compiled is None:
+            instance = self.instance
+            compiled = Compiled(
+                instance.parameters, instance.results, self._writes, tuple(i.file for i in self.instances),
+                procedure_cache.numbers_of(self._functions), self.ir(is_checked),
+            )  # fmt: skip
+            if key is not None and all(map(procedure_cache.is_from_package, self._functions)):
+                procedure_cache.write(key, compiled)
+        self._kept[is_checked] = compiled
+        return compiled
+
     def _entry(self, is_checked: bool) -> Any:
         if is_checked not in self._entries:
-            code = load_text(self.ir(is_checked), ("entry",))
+            code = load_text(self._compiled(is_checked).ir, ("entry",))
             function = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(
                 code.address("entry")
             )
@@ -200,7 +225,7 @@ class BoundProcedure:
     """A procedure with its arguments: calling it runs the machine code on what the arrays hold now.
 
     Args:
-        procedure_: The procedure.
+        compiled: The procedure.
         entry: The address of its machine code.
         words: The arguments as machine words.
         held: What must stay alive: the arrays among the arguments.
@@ -210,20 +235,19 @@ class BoundProcedure:
 
     def __init__(
         self,
-        procedure_: Procedure,
+        compiled: Compiled,
         entry: Any,
         words: Sequence[int],
         held: Sequence[Any],
         places: Mapping[str, int],
         are_arrays_private: bool = False,
     ) -> None:
-        instance = procedure_.instance
-        self._procedure, self._entry, self._held = procedure_, entry, held
-        self._numbers = {name: (places[name], t) for name, t in instance.parameters if isinstance(t, Number)}
+        self._compiled, self._entry, self._held = compiled, entry, held
+        self._numbers = {name: (places[name], t) for name, t in compiled.parameters if isinstance(t, Number)}
         arrays = [] if are_arrays_private else [a for a in held if isinstance(a, np.ndarray)]
         self._arrays = [(a, layout(a)) for a in arrays]
         self._first = len(words)
-        size = len(words) + sum(result_words(r) for r in instance.results)
+        size = len(words) + sum(result_words(r) for r in compiled.results)
         self._words = np.zeros(max(size, 1), np.int64)
         self._words[: len(words)] = words
         self._fault = np.zeros(2, np.int64)
@@ -244,7 +268,7 @@ class BoundProcedure:
         if status:
             self._raise(status)
         results, position = [], self._first
-        for result in self._procedure.instance.results:
+        for result in self._compiled.results:
             results.append(result_from(result, self._words[position:]))
             position += result_words(result)
         return one_or_all(results)
@@ -267,7 +291,7 @@ class BoundProcedure:
         self._words[place] = value if is_plain else words_of(name, kind, value, False)[0][0]
 
     def _raise(self, status: int) -> None:
-        file = self._procedure.instances[status >> 32].file
+        file = self._compiled.files[status >> 32]
         line = status & 0xFFFFFF
         if status >> 24 & 0xFF == DIVISION_BY_ZERO:
             raise DivisionByZero(file, line)

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from ulna.compiler.imperative import tree as t
 from ulna.compiler.imperative.types import (
     BOOL,
     F32,
@@ -28,21 +27,21 @@ def layout(array: Any) -> tuple[Any, ...]:
     return (*array.__array_interface__["data"], array.shape)
 
 
-def check_count(instance: t.Instance, arguments: Sequence[Any]) -> None:
+def check_count(procedure: str, parameters: Sequence[tuple[str, Type]], arguments: Sequence[Any]) -> None:
     """Refuses a call with too many or too few arguments.
 
     Args:
-        instance: The procedure.
+        procedure: Its name.
+        parameters: Names and types of its parameters.
         arguments: What was passed.
 
     Raises:
         TypeError: If there are not as many as parameters.
     """
-    names = [name for name, _ in instance.parameters]
+    names = [name for name, _ in parameters]
     if len(arguments) != len(names):
         raise TypeError(
-            f"{instance.name.partition('.')[0]}({', '.join(names)}) takes {len(names)} arguments; "
-            f"{len(arguments)} were given."
+            f"{procedure}({', '.join(names)}) takes {len(names)} arguments; {len(arguments)} were given."
         )
 
 
