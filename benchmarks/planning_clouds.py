@@ -19,7 +19,7 @@ from planning_vamp import Problem, problems
 
 import ulna
 from ulna.collision import World
-from ulna.collision.point_grid import grid_of
+from ulna.collision.grids import grid_of
 from ulna.geometry import Box, Capsule, PointCloud
 from ulna.planning import Planner
 

@@ -1,8 +1,8 @@
 """Collision of robots with themselves and with worlds: exact through coal, and compiled by covering spheres."""
 
-from ulna.collision.clearance import sphere_clearance
 from ulna.collision.compiled import SphereChecker
 from ulna.collision.exact import Checker
+from ulna.collision.objective import sphere_clearance
 from ulna.collision.objects import Attachment, Obstacle
 from ulna.collision.pairs import LinkPair, link_pairs
 from ulna.collision.result import Distance, Proximity

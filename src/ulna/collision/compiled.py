@@ -17,13 +17,13 @@ from ulna import kernels
 from ulna.checks.arrays import batched_array
 from ulna.collision import clearance as gap
 from ulna.collision.attached import attached_pairs, attached_solids, attached_spheres
-from ulna.collision.clouds import CloudCheck, is_points, point_grid
+from ulna.collision.clouds import cloud_checks
+from ulna.collision.groups import grouped, pairs_apart
 from ulna.collision.mask import check_touches
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
-from ulna.collision.point_grid import least_distances
-from ulna.collision.solids import Missing, obstacle_solid
+from ulna.collision.solids import Missing
 from ulna.collision.sphere_kernels import What, outer_kernel, own_kernel, sphere_kernel
-from ulna.collision.spheres import LinkSpheres, Spheres, fit
+from ulna.collision.spheres import Spheres, fit
 from ulna.collision.world import World
 from ulna.errors import InputError
 from ulna.model import Model
@@ -34,10 +34,6 @@ TOUCH = 1e-6
 """What is this near counts as touching [m]: the tolerance that coal's own distances have."""
 
 _CHUNK = 512  # configurations whose spheres fit the second cache
-
-
-_Group = tuple[gap.Kind, tuple[str, ...], list[tuple[gap.Part, SE3, str]]]
-"""A formula, links, and the pieces checked by it against their spheres: each with its pose, and whose pose that is."""
 
 
 @final
@@ -100,9 +96,11 @@ class SphereChecker:
         self._places = {
             k: range(a, b) for k, a, b in zip(self.covering.links, starts, starts[1:], strict=False)
         }
-        self._apart = self._checked_apart()
-        self._groups = self._grouped()
-        self._clouds = self._cloud_checks()
+        self._apart = pairs_apart(model, self.world, self.covering, self.pairs, self.attached_pairs)
+        self._groups = grouped(
+            model, self.world, self.covering, self.attached, (*self.pairs, *self.attached_pairs), missing
+        )
+        self._clouds = cloud_checks(self.model, self.world, self.covering, self._chosen, self.missing)
         self._still = [self._rows(parts, {}) for _, _, parts in self._groups]
         self._kernels: dict[Any, Any] = {}
         self._scratch = threading.local()
@@ -184,14 +182,13 @@ class SphereChecker:
         Returns:
             By obstacle that is checked against the link its name and the distance, less the margin [m].
         """
-        distances = []
-        for check in self._clouds:
-            obstacle = self.world[check.name]
-            if link in gap.checked_links(self.model, self.covering, obstacle, self.world):
-                local = (centres - obstacle.pose.translation) @ obstacle.pose.rotation
-                radii = self.covering.links[link].radii + self.world.margin(link, check.name)
-                distances.append((check.name, float(least_distances(check.grid, local, radii))))
-        return distances
+        poses = {check.name: self.world[check.name].pose for check in self._clouds}
+        radii = self.covering.links[link].radii
+        return [
+            (check.name, check.link_distance(link, centres, radii, poses[check.name]))
+            for check in self._clouds
+            if link in check.margins
+        ]
 
     # evaluation --------------------------------------------------------------------------------------------
 
@@ -288,57 +285,6 @@ class SphereChecker:
             turned = balls.centres @ np.swapaxes(T[..., :3, :3], -1, -2)
             centres.append(turned + T[..., None, :3, 3])
         return np.concatenate(centres, axis=-2), placed[1]
-
-    def _checked_apart(self) -> list[tuple[str, str, Floats]]:
-        """Pairs that the kernel of the links' spheres does not know, each with the least distances of their centres."""
-        still = {link.name for link in self.model.links if link.joint < 0}
-        with_margins = [pair for pair in self.pairs if self.world.margin(*pair)]
-        balls: Mapping[str, LinkSpheres] = self.covering.links
-        return [
-            (a, b, balls[a].radii[:, None] + balls[b].radii + self.world.margin(a, b))
-            for a, b in (*self.attached_pairs, *with_margins)
-            if a not in still and b not in still
-        ]
-
-    def _grouped(self) -> list[_Group]:
-        """What spheres are checked against, by formula and by the links: fixed links, and the world's obstacles."""
-        groups: dict[tuple[gap.Kind, tuple[str, ...]], list[tuple[gap.Part, SE3, str]]] = {}
-
-        def put(part: gap.Part, links: Sequence[str], pose: SE3, name: str) -> None:
-            """Attached objects have groups of their own, and so have links that keep another distance."""
-            held = [(link,) for link in links if link in self.attached]
-            margins = {link: self.world.margin(part.owner, link) for link in links}
-            rest = [
-                tuple(link for link in links if link not in self.attached and margins[link] == margin)
-                for margin in sorted(set(margins.values()))
-            ]
-            for chosen in (*rest, *held):
-                if chosen:
-                    members = groups.setdefault((part.kind, chosen), [])
-                    members.append((part.grown(margins[chosen[0]]), pose, name))
-
-        for part, links in gap.standing(self.model, (*self.pairs, *self.attached_pairs), self.missing):
-            put(part, links, SE3.identity(), "")
-        formulas = World(tuple(o for o in self.world if not is_points(o.shape)))
-        for part in gap.parts(formulas, self.missing):
-            obstacle = self.world[part.owner]
-            links = gap.checked_links(self.model, self.covering, obstacle, self.world)
-            put(part, links, obstacle.pose, part.owner)
-        return [(kind, links, members) for (kind, links), members in groups.items()]
-
-    def _cloud_checks(self) -> list[CloudCheck]:
-        """The obstacles that are points, with the spheres that are checked against them."""
-        checks = []
-        for obstacle in self.world:
-            links = gap.checked_links(self.model, self.covering, obstacle, self.world)
-            if not is_points(obstacle.shape) or not links:
-                continue
-            solid = obstacle_solid(obstacle, self.missing)
-            if solid is not None:
-                radii = [self.covering.links[k].radii + self.world.margin(k, obstacle.name) for k in links]
-                chosen = self._chosen(tuple(links))
-                checks.append(CloudCheck(obstacle.name, point_grid(solid), chosen, np.concatenate(radii)))
-        return checks
 
     def _rows(self, parts: Sequence[tuple[gap.Part, SE3, str]], poses: Mapping[str, SE3]) -> Floats:
         rows = [gap.row(part, poses.get(name, pose)) for part, pose, name in parts]

@@ -13,9 +13,9 @@ from ulna.algorithms import joint_poses
 from ulna.collision import LinkPair, SphereChecker, Spheres, World
 from ulna.collision import clearance as gap
 from ulna.collision.clouds import is_points, point_grid
+from ulna.collision.grids import joined
 from ulna.collision.mask import check_touches
 from ulna.collision.objects import Obstacle
-from ulna.collision.point_grid import joined
 from ulna.collision.solids import Missing, obstacle_solid
 from ulna.compiler import trace
 from ulna.compiler.procedures import lanes_kernel

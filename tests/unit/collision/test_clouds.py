@@ -10,7 +10,8 @@ import pytest
 
 import ulna
 from ulna.collision import World, sphere_clearance
-from ulna.collision.point_grid import Clouds, clearances, grid_of, joined, least_distances
+from ulna.collision.grids import grid_of, joined, least_distances
+from ulna.collision.point_grid import Clouds, clearances
 from ulna.collision.point_sets import MOST_POINTS, surface_points, thinned
 from ulna.errors import InputError, ModelError, ShapeError
 from ulna.geometry import Box, Cone, Geometry, HeightField, PointCloud, Sphere
