@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import builtins
 import inspect
+import linecache
 import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -38,6 +39,7 @@ class Source:
         file: The file.
         lines: The lines of the definition.
         first: The number of the first one.
+        stored: The names that it assigns to.
     """
 
     function: Callable[..., Any]
@@ -45,6 +47,7 @@ class Source:
     file: str
     lines: tuple[str, ...]
     first: int
+    stored: frozenset[str]
 
     def fail(self, line: int, text: str, fix: str = "") -> NoReturn:
         """Refuses what stands in a line.
@@ -91,8 +94,11 @@ def source_of(function: Callable[..., Any]) -> Source:
     """
     name = getattr(function, "__name__", repr(function))
     try:
-        lines, first = inspect.getsourcelines(function)
         file = inspect.getsourcefile(function) or "<unknown>"
+        node = _in_file(file, function)
+        if node is not None:
+            return _source(function, node, file, linecache.getlines(file))
+        lines, first = inspect.getsourcelines(function)
     except (OSError, TypeError):
         raise ProcedureError(
             name,
@@ -109,4 +115,43 @@ def source_of(function: Callable[..., Any]) -> Source:
     if not isinstance(node, ast.FunctionDef):
         raise ProcedureError(name, file, first, "", "a procedure is a function made with `def`")
     ast.increment_lineno(node, first - 1)
-    return Source(function, node, file, tuple(line.rstrip("\n") for line in lines), first)
+    return Source(function, node, file, tuple(line.rstrip("\n") for line in lines), first, _stored(function))
+
+
+def _in_file(file: str, function: Any) -> ast.FunctionDef | None:
+    """The definition of a function in its file, which is parsed once for all; None where it is not found there."""
+    code = getattr(function, "__code__", None)
+    lines = linecache.getlines(file)
+    if code is None or not lines:
+        return None
+    node = _definitions("".join(lines)).get(code.co_firstlineno)
+    return node if node is not None and node.name == code.co_name else None
+
+
+@lru_cache(maxsize=16)
+def _definitions(text: str) -> dict[int, ast.FunctionDef]:
+    """The functions of a file, by the number of their first line, decorators included."""
+    try:
+        tree = ast.parse(text)
+    except SyntaxError:
+        return {}
+    found, waiting = {}, list[Any](tree.body)
+    while waiting:
+        node = waiting.pop()
+        waiting += (
+            [*getattr(node, "body", ()), *getattr(node, "orelse", ())] if isinstance(node, ast.stmt) else ()
+        )
+        if isinstance(node, ast.FunctionDef):
+            found[min([node.lineno, *(d.lineno for d in node.decorator_list)])] = node
+    return found
+
+
+def _source(function: Callable[..., Any], node: ast.FunctionDef, file: str, lines: list[str]) -> Source:
+    first = function.__code__.co_firstlineno
+    text = textwrap.dedent("".join(lines[first - 1 : node.end_lineno])).splitlines()
+    return Source(function, node, file, tuple(text), first, _stored(function))
+
+
+def _stored(function: Any) -> frozenset[str]:
+    """The names that a function assigns to, and its parameters."""
+    return frozenset((*function.__code__.co_varnames, *function.__code__.co_cellvars))

@@ -39,10 +39,7 @@ class ProcedureReader(AssignmentReader):
     ) -> None:
         source = source_of(definition.function)
         ordered = {name: types[name] for name in definition.parameters if name in types}
-        names = {
-            n.id for n in ast.walk(source.tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
-        }
-        everything = frozenset((*names, *definition.parameters))
+        everything = source.stored | {*definition.parameters}
         super().__init__(Scope(source, dict(constants), dict(ordered), instance_of, everything))
         self._parameters = tuple(ordered.items())
         self._results: tuple[Number | Lanes, ...] | None = None
