@@ -203,3 +203,19 @@ def test_models_of_the_same_joints_share_what_depends_on_them_alone(pin: Any) ->
     assert one.compiled_structure() is other.compiled_structure()
     assert one.copy().compiled_structure() is one.compiled_structure()
     assert pin.buildSampleModelManipulator().compiled_structure() is not one.compiled_structure()
+
+
+def test_functions_of_configurations_take_lists_and_columns(pin: Any) -> None:
+    model = _tree(pin)
+    q, rest = _state(pin, model)["q"], pin.neutral(model)
+    column = np.stack([q, q], axis=1)[:, 0]
+    assert not column.flags.c_contiguous
+    for at in (q, list(q), column):
+        assert pin.distance(model, at, rest) == pytest.approx(np.linalg.norm(pin.difference(model, q, rest)))
+        np.testing.assert_allclose(pin.normalize(model, at), q, atol=1e-15)
+        assert pin.squaredDistance(model, at, rest).sum() == pytest.approx(pin.distance(model, q, rest) ** 2)
+    rest[0] = 5.0
+    assert pin.neutral(model)[0] == 0.0
+    for function in (pin.neutral, pin.normalize, pin.distance):
+        with pytest.raises(TypeError, match="expected a pinocchio.Model"):
+            function(3, q, q) if function is pin.distance else function(3, *[q] * (function is pin.normalize))

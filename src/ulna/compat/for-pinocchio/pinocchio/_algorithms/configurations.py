@@ -155,7 +155,7 @@ def difference(model: Model, q1: Any, q2: Any) -> Floats:
 
 
 def _bound(model: Model, name: str, *state: Floats) -> Floats:
-    """What the bound `integrate` or `difference` of a model says, which is bound where it does not apply."""
+    """What the bound function of a model says, such as `integrate`, which is bound where it does not apply."""
     result = getattr(model, f"_{name}")(*state)
     if result is NotImplemented:
         kernel = _integration(model) if name == "integrate" else model.compiled_structure().core_kernel(name)
@@ -195,7 +195,13 @@ def distance(model: Model, q1: Any, q2: Any) -> float:
     Returns:
         The length [rad or m].
     """
-    return float(model.compiled_structure().core_kernel("distance")(*_pair(model, q1, q2)))
+    try:
+        result = model._distance(q1, q2)
+    except AttributeError:
+        raise wrong_model("distance", model) from None
+    if result is NotImplemented:
+        result = _bound(model, "distance", exact(q1, model.nq, "q1"), exact(q2, model.nq, "q2"))
+    return float(result)
 
 
 def squaredDistance(model: Model, q1: Any, q2: Any) -> Floats:
@@ -223,7 +229,11 @@ def normalize(model: Model, q: Any) -> Floats:
     Returns:
         Configuration (nq,).
     """
-    return model.compiled_structure().core_kernel("normalize")(vector(q, model.nq, "q"))
+    try:
+        result = model._normalize(q)
+    except AttributeError:
+        raise wrong_model("normalize", model) from None
+    return _bound(model, "normalize", exact(q, model.nq, "q")) if result is NotImplemented else result
 
 
 def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:

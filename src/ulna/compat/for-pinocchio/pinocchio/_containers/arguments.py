@@ -182,14 +182,8 @@ def check_methods(classes: Iterable[Any]) -> None:
 
 
 CHECKING_THEMSELVES = {
-    *(
-        "integrate",
-        "difference",
-        "neutral",
-        "randomConfiguration",
-        "computeJointJacobian",
-        "computeFrameJacobian",
-    ),
+    *("distance", "neutral", "normalize"),
+    *("integrate", "difference", "randomConfiguration", "computeJointJacobian", "computeFrameJacobian"),
     *("updateFramePlacement", "updateFramePlacements", "exp3", "log3", "exp6", "log6", "checked_functions"),
 }
 """Functions called so often that they check their arguments only where the compiled kernel does not take them."""

@@ -47,6 +47,7 @@ class KernelCache(LiveParameters):
         self.joint_table = None
         self._compiled_for, self._newest, self._structure = (), None, None
         self._integrate = self._difference = self._random = not_applicable
+        self._distance = self._normalize = not_applicable
         self._narrowest = np.zeros(())
         self.__dict__.pop("_neutral", None)
         self._frames_changed()
