@@ -14,6 +14,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 from ulna.compat.packages import environment
@@ -131,6 +132,7 @@ def lines() -> str:
         missing = _listed([n for n in members if n not in there])
         out.append(f"| `{kind}` | {counts[0]} | {counts[1]} | {counts[2]} | {missing} |")
     out.append(f"| all | {whole[0]} | {whole[1]} ({100 * whole[1] / whole[0]:.0f} %) | {whole[2]} | |")
+    out += _overloads()
     for group in ordered:
         names = [n for n in said if group_of[n] == group]
         out += ["", f"## {group[0].upper()}{group[1:]}", ""]
@@ -151,6 +153,41 @@ def lines() -> str:
     return "\n".join(out) + "\n"
 
 
+def _overloads() -> list[str]:
+    """How many overloads there are, with how many names of arguments, and how many calls are generated of them."""
+    folder = ROOT / "tests" / "compat" / "pinocchio"
+    sys.path.insert(0, str(folder))
+    from differential import group_of
+    from generated_calls import calls
+
+    plain = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+    with tempfile.TemporaryDirectory() as out:
+        target = Path(out) / "overloads.json"
+        subprocess.run([sys.executable, str(folder / "overloads.py"), str(target)], env=plain, check=True)
+        found: dict[str, list[list[list[str | None]]]] = json.loads(target.read_text(encoding="utf-8"))
+    counts: dict[str, list[int]] = {}
+    for path, ways in found.items():
+        names = {str(name) for way in ways for name, *_ in way if not re.fullmatch(r"arg\d+|self", str(name))}
+        made = sum(1 for _ in calls({path: ways}))
+        row = counts.setdefault(group_of(path), [0, 0, 0, 0, 0])
+        for k, number in enumerate((1, len(ways), len(names), made, made > 0)):
+            row[k] += number
+    rows = [(group, *row) for group, row in sorted(counts.items())]
+    rows.append(("all", *(sum(row[k] for row in counts.values()) for k in range(5))))
+    head = [
+        "| of | functions | overloads | names of arguments | generated calls | of so many functions |",
+        "|---|---|---|---|---|---|",
+    ]
+    return [
+        "",
+        "## Overloads",
+        "",
+        OVERLOADS,
+        *head,
+        *("| " + " | ".join(map(str, row)) + " |" for row in rows),
+    ]
+
+
 ASIDE = ("constraints and contacts", "MJCF and SDF", "package and binding")
 TOTALS = (
     ("all but the three above", tuple(g for g, _ in GROUPS if g not in ASIDE)),
@@ -162,6 +199,10 @@ Written by `python benchmarks/compat_pinocchio_names.py --write`, which compares
 checks that it is up to date. "Asked of both" counts the names that stand in the lines which the tests put to the package and
 to real Pinocchio (`*asked*.py` in `tests/compat/pinocchio` and `seed1`), whose answers must be equal. What is not offered raises
 AttributeError (ImportError in `from pinocchio import ...`) with the word below.
+"""
+OVERLOADS = """What the documentation strings of Pinocchio's functions and methods list. `test_signatures.py` compares number, order, names and defaults
+of the arguments of every overload. `differential.py` puts the generated calls to both packages and compares types, shapes, values, printed text
+and classes of errors ([how](pinocchio.md#checked)). Calls are not generated for what reads files, draws, belongs to coal, or seeds random numbers.
 """
 MEMBERS = """Of the chief classes and modules; asked ones are counted by name, whatever object they were asked of.
 """

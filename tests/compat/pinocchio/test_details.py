@@ -52,6 +52,58 @@ def test_another_frame_of_the_same_name_warns(pin: Any) -> None:
     np.testing.assert_array_equal(model.frames[1].placement.translation, 0.0)
 
 
+def test_a_constraint_is_placed_after_the_first_call_of_a_model(pin: Any) -> None:
+    at = pin.SE3(np.eye(3), np.array([0.1, 0.2, 0.3]))
+    for call in (pin.forwardKinematics, pin.computeJointJacobians):
+        model = pin.buildSampleModelManipulator()
+        data = model.createData()
+        constraint = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, 3, at)
+        placed = constraint.createData()
+        with pytest.raises(InputError, match="forwardKinematics"):
+            constraint.calc(model, data, placed)
+        call(model, data, np.linspace(0.1, 0.6, 6))
+        constraint.calc(model, data, placed)
+        np.testing.assert_allclose(placed.oMc1.homogeneous, (data.oMi[3] * at).homogeneous, atol=1e-15)
+
+
+def test_wrong_arguments_are_refused_before_anything_else(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    geometries = pin.buildSampleGeometryModelManipulator(model)
+    here, six, R = pin.SE3.Identity(), np.arange(6.0), np.eye(3)
+    data, places = model.createData(), geometries.createData()
+    joint = (2, pin.JointModelRX(), here, "shoulder2_joint")
+    cases = (
+        lambda: model.addJoint(*joint, six, "a", six, six),
+        lambda: model.addJoint(*joint, six, None, six, six),
+        lambda: model.addJoint(*joint, R, R, R, R),
+        lambda: pin.appendModel(model, model, 2),
+        lambda: pin.appendModel(model, model, 3, geometries, 2, here),
+        lambda: pin.rpy.rotate("tool", 1j),
+        lambda: pin.rpy.rpyToMatrix(np.ones(3), 3),
+        lambda: pin.log3(R, 3),
+        lambda: pin.log3(R, six),
+        lambda: pin.removeCollisionPairs(model, geometries, None),
+        lambda: pin.Force(six).isApprox(None, 0.4),
+        lambda: pin.Motion(six).isApprox(3),
+        lambda: pin.Frame("tool", 2, 1, 3, pin.FrameType.BODY),
+        lambda: pin.JointModelPrismaticUnaligned(np.ones(3), 3),
+        lambda: pin.JointModelHelicalUnaligned(1.0, 0.0, 0.0, "a"),
+        lambda: pin.computeCollisions(model, data, geometries, places, six, True, 3),
+        lambda: places.setActiveCollisionPairs(geometries, np.eye(geometries.ngeoms)),
+        lambda: pin.printVersion(3),
+    )
+    for call in cases:
+        with pytest.raises(TypeError):
+            call()
+    with pytest.raises(ValueError, match="'tool'"):
+        pin.rpy.rotate("tool", 0.4)
+    with pytest.raises(InputError, match="come first"):
+        pin.transformJointIntoMimic(model, 2, 2, 1.0, 0.0)
+    theta = np.zeros(1)
+    pin.log3(pin.exp3(np.array([0.0, 0.3, 0.4])), theta)
+    np.testing.assert_allclose(theta, 0.5)
+
+
 def test_names_that_are_imported_when_first_used_stay_the_same(pin: Any) -> None:
     assert pin.computeCollisions is pin.computeCollisions
     assert vars(pin)["computeCollisions"] is pin.computeCollisions

@@ -42,6 +42,7 @@ from pinocchio._constraints.joint_constraints import *
 from pinocchio._constraints.proximal_settings import *
 from pinocchio._constraints.rigid_constraint import *
 from pinocchio._constraints.rigid_constraint_model import *
+from pinocchio._containers.arguments import ArgumentError as _ArgumentError
 from pinocchio._containers.arguments import check_methods as _check_methods
 from pinocchio._containers.arguments import check_size as _check_size
 from pinocchio._containers.arguments import checked_functions as _checked_functions
@@ -128,4 +129,6 @@ def checkVersionAtLeast(major: int, minor: int, patch: int) -> bool:
 
 def printVersion(delimiter: str = ".") -> str:
     """The version that this package follows."""
+    if not isinstance(delimiter, str):
+        raise _ArgumentError(f"printVersion: `delimiter` is {delimiter!r}; expected text.")
     return delimiter.join(__version__.split("."))

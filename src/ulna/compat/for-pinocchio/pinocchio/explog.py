@@ -72,22 +72,22 @@ def log3(R: Any, theta: Any = None) -> Floats:
 
     Args:
         R: Rotation matrix (3, 3), a Quaternion, or its coefficients x, y, z, w, (4,).
-        theta: An array of one entry that takes the angle [rad]; a number is ignored, as in Pinocchio.
+        theta: An array (1,) that takes the angle [rad]; None for none.
 
     Returns:
         Rotation vector (3,) [rad].
 
     Raises:
-        ArgumentError: `theta` is neither.
+        ArgumentError: `theta` is no such array.
     """
     turned = R.matrix() if isinstance(R, Quaternion) else numbers(R, "R")
     if turned.shape in ((4,), (4, 1)):
         turned = Quaternion(turned).matrix()
     turn = _compiled("log3")(matrix(turned, (3, 3), "R"))
-    if isinstance(theta, np.ndarray) and theta.dtype == float:
+    if isinstance(theta, np.ndarray) and theta.dtype == float and theta.size == 1:
         theta[...] = np.linalg.norm(turn)
-    elif theta is not None and not is_number(theta):
-        raise ArgumentError(f"`theta` is {theta!r}; expected an array of one entry.")
+    elif theta is not None:
+        raise ArgumentError(f"`theta` is {theta!r}; expected an array (1,) of floats, which takes the angle.")
     return turn
 
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arrays import matrix, vector
+from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arrays import matrix, real, vector
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.motion_force import skew
@@ -20,6 +21,10 @@ from ulna.typing import Floats
 @by_name("roll pitch yaw", "rpy")
 def rpyToMatrix(*rpy: Any) -> Floats:
     """The rotation matrix (3, 3) of roll, pitch, yaw [rad]: three numbers, or an array (3,)."""
+    if len(rpy) not in (1, 3):
+        raise ArgumentError(
+            f"rpyToMatrix was given {len(rpy)} arguments; expected three angles, or an array (3,)."
+        )
     return _to_matrix()(vector(rpy if len(rpy) == 3 else rpy[0], 3, "rpy"))
 
 
@@ -59,9 +64,14 @@ def rotate(axis: str, angle: float) -> Floats:
     Raises:
         UnknownName: Another axis.
     """
+    turn = real(angle, "angle")
     if axis not in ("x", "y", "z"):
-        raise UnknownName("axis", axis, ("x", "y", "z"))
-    return np.array(spatial.rotation_about("xyz".index(axis), float(angle)))
+        raise UnknownAxis("axis", axis, ("x", "y", "z"))
+    return np.array(spatial.rotation_about("xyz".index(axis), turn))
+
+
+class UnknownAxis(UnknownName, ValueError):
+    """An axis other than x, y and z."""
 
 
 def computeRpyJacobian(rpy: Any, reference_frame: ReferenceFrame = ReferenceFrame.LOCAL) -> Floats:

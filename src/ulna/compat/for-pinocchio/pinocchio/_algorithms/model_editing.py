@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, final
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import index, vector
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.keywords import by_name
@@ -160,7 +161,14 @@ def appendModel(modelA: Model, modelB: Model, *rest: Any) -> Any:
     Returns:
         The model, or (model, geometry model).
     """
+    if len(rest) not in (2, 4) or not isinstance(rest[-1], SE3):
+        raise ArgumentError(
+            f"appendModel was given {len(rest)} arguments after the models; expected two geometry models or none, the "
+            "index of a frame, and a placement SE3."
+        )
     *geometries, frame_id, aMb = rest
+    if not all(hasattr(g, "geometryObjects") for g in geometries):
+        raise ArgumentError(f"appendModel was given {geometries!r}; expected two geometry models.")
     at = index(frame_id, modelA.nframes, "frame", "model.getFrameId(name) returns one.")
     carrier = modelA.frames[at].parentJoint
     base = modelA.frames[at].placement * aMb
@@ -285,6 +293,11 @@ def transformJointIntoMimic(
     out = input_model.copy()
     for i in (index_mimicked, index_mimicking):
         index(i, out.njoints, "joint", _NAMES)
+    if not index_mimicked < index_mimicking:
+        raise InputError(
+            f"transformJointIntoMimic: joint {index_mimicking} cannot follow joint {index_mimicked}; expected the one "
+            "that is followed to come first."
+        )
     out.make_mimic(int(index_mimicked), int(index_mimicking), float(scaling), float(offset))
     return out
 

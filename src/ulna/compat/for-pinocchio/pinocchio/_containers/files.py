@@ -17,14 +17,33 @@ from xml.sax.saxutils import escape, unescape
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import StdVec
 from pinocchio._containers.keywords import by_name
-from ulna.errors import FormatError, InputError
+from ulna.errors import FormatError, InputError, excerpt
 from ulna.files import read_regular
 from ulna.system.storage import replacing
 
 _SIGN = b"ulna pinocchio 1\n"
 _FIX = "Files of other programs are not read: they belong to the classes of their version. Use URDF between both."
+
+
+def path_of(file: Any) -> str:
+    """The path of a file.
+
+    Args:
+        file: Text, or a path.
+
+    Returns:
+        The path as text.
+
+    Raises:
+        ArgumentError: It is neither.
+    """
+    try:
+        return os.fspath(file)
+    except TypeError:
+        raise ArgumentError(f"The file is {excerpt(repr(file))}; expected a path or its text.") from None
 
 
 class Saved:

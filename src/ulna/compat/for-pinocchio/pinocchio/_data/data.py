@@ -39,6 +39,9 @@ class _PerJoint(StdVec[Any]):
         return (self[i] for i in range(len(self)))
 
 
+_PerJoint.__name__ = "StdVec_Vector3"  # as scripts see it
+
+
 _ENERGIES = {
     "kinetic_energy": "energy K",
     "potential_energy": "energy P",

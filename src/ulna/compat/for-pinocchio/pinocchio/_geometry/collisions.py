@@ -115,6 +115,10 @@ def computeCollisions(*parts: Any) -> bool:
     if manager is not None:
         return manager.compute_collisions(*parts)
     geometry_model, geometry_data, rest = _placed(parts)
+    if len(rest) > 1:
+        raise ArgumentError(
+            f"computeCollisions was given {rest[1:]!r} after stop_at_first; nothing more is expected."
+        )
     hit = False
     for _, contacts in _answers(geometry_model, geometry_data, "collision"):
         hit |= contacts > 0

@@ -224,8 +224,10 @@ def pair_map(geometry_model: GeometryCollection, values: Any, upper: bool) -> Fl
         ArgumentError: It has another shape.
     """
     matrix, count = np.asarray(values), geometry_model.ngeoms
-    if matrix.shape != (count, count):
-        raise ArgumentError(f"The map has shape {matrix.shape}; expected {(count, count)}.")
+    if matrix.shape != (count, count) or matrix.dtype != bool:
+        raise ArgumentError(
+            f"The map has shape {matrix.shape} and dtype {matrix.dtype}; expected {(count, count)} and bool."
+        )
     return matrix if upper else matrix.T
 
 

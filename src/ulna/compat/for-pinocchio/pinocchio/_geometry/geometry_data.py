@@ -31,9 +31,7 @@ class GeometryData(Saved):
         self._pairs = StdVec(pairs)
         self.activeCollisionPairs: StdVec[bool] = StdVec([True] * len(pairs))
         """Whether each pair is checked."""
-        self.radius: StdVec[float] = StdVec(
-            [0.0] * (1 + max((g.parentJoint for g in self._objects), default=-1))
-        )
+        self.radius: StdVec[float] = StdVec()
         """For each joint, how far its geometries reach from it [m]; after `computeBodyRadius`."""
         self._of_coal: dict[str, StdVec[Any]] = {}
 

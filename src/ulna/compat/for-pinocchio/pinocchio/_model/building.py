@@ -150,6 +150,7 @@ class KinematicTree(KernelCache):
             ModelError: There is a joint of that name.
         """
         index(parent_id, self.njoints, "parent joint", "Parents are added before their children.")
+        values = _limits(limits)
         if joint_name in self.names:
             raise ModelError(f"There is a joint named {joint_name!r} already. Give another name.")
         if joint_model.kind is None:
@@ -160,7 +161,6 @@ class KinematicTree(KernelCache):
         follows = joint.mimic is not None
         place = (joint.idx_q, joint.idx_v) if follows else (self.nq, self.nv)
         joint.setIndexes(self.njoints, *place, self.nvExtended)
-        values = _limits(limits)
         for key, default in (*PER_Q.items(), *PER_V.items()):
             size = joint.nq if key in PER_Q else joint.nv
             entries: Any = values.get(key)
@@ -298,7 +298,11 @@ class KinematicTree(KernelCache):
 
 
 def _limits(limits: tuple[Any, ...]) -> dict[str, Any]:
-    """The limits given to addJoint, by the names of the model's arrays."""
+    """The limits given to addJoint, by the names of the model's arrays.
+
+    Raises:
+        ArgumentError: They are not vectors of numbers, or not as many as there are limits.
+    """
     if not limits:
         return {}
     if len(limits) == 4:
@@ -310,4 +314,9 @@ def _limits(limits: tuple[Any, ...]) -> dict[str, Any]:
     by_count = {6: [], 9: rest, 10: ["positionLimitMargin", *rest]}
     if len(limits) not in by_count:
         raise ArgumentError(f"addJoint was given {len(limits)} limits; expected 4, 9 or 10 after the name.")
-    return {key: np.atleast_1d(v) for key, v in zip(names + by_count[len(limits)], limits, strict=True)}
+    values = dict(zip(names + by_count[len(limits)], limits, strict=True))
+    arrays = {key: np.atleast_1d(numbers(value, key)) for key, value in values.items()}
+    for key, array in arrays.items():
+        if array.ndim > 1:
+            raise ArgumentError(f"addJoint: `{key}` has shape {array.shape}; expected (n,).")
+    return arrays

@@ -44,6 +44,8 @@ class Frame(Placed):
         self._name: str = name
         if not isinstance(type_, FrameType):
             raise ArgumentError(f"The type of a frame is {type_!r}; expected a FrameType, such as OP_FRAME.")
+        if not isinstance(placement, SE3):
+            raise ArgumentError(f"The placement of a frame is {placement!r}; expected an SE3.")
         self._parent_joint = index(joint, NO_INDEX + 1, "joint", "model.getJointId(name) returns one.")
         self._parent_frame = index(frame, NO_INDEX + 1, "frame", "model.getFrameId(name) returns one.")
         self._placement = SE3(placement)

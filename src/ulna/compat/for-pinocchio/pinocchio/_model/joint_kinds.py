@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arrays import vector
+from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arrays import real, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
 from pinocchio._model.joint_model import JointModel
@@ -82,6 +83,10 @@ class _Unaligned(JointModel):
 
     @by_name("axis", "x y z")
     def __init__(self, *axis: Any) -> None:
+        if len(axis) not in (0, 1, 3):
+            raise ArgumentError(
+                f"{type(self).__name__} was given {axis}; expected an axis (3,), or three numbers."
+            )
         direction = axis[0] if len(axis) == 1 else axis or _AXES["X"]
         self._axis: Axis = unit_axis(vector(direction, 3, "axis"))
         self._set_kind(type(self).__name__, type(self)._make(self._axis))
@@ -117,7 +122,7 @@ class JointModelHelicalUnaligned(JointModel):
     def __init__(self, *parts: Any) -> None:
         *axis, pitch = parts or (_AXES["X"], 0.0)
         self._axis: Axis = unit_axis(vector(axis[0] if len(axis) == 1 else axis, 3, "axis"))
-        self.pitch = float(pitch)
+        self.pitch = real(pitch, "pitch")
         """Advance per angle [m/rad]."""
         self._set_kind("JointModelHelicalUnaligned", Helical(self._axis, self.pitch))
 

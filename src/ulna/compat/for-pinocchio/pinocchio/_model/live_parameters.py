@@ -109,6 +109,9 @@ class FrameList(StdVec[Frame]):
         return FrameList, (list(self),)
 
 
+FrameList.__name__ = "StdVec_Frame"  # as scripts see it
+
+
 def _counted(name: str) -> Any:
     change = getattr(list, name)
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from typing import Any
 
 import numpy as np
 
 from pinocchio._algorithms.configurations import neutral
+from pinocchio._containers.files import path_of
 from pinocchio._containers.unknown_ids import known
 from pinocchio._geometry.geometry_model import GeometryModel
 from pinocchio._model.model import Model
@@ -26,7 +26,7 @@ def loadReferenceConfigurations(model: Model, srdf_filename: Any, verbose: bool 
     Raises:
         FormatError: The file is missing or broken. A state that does not fit a joint only warns.
     """
-    _postures(model, read_srdf(os.fspath(srdf_filename)))
+    _postures(model, read_srdf(path_of(srdf_filename)))
 
 
 def loadReferenceConfigurationsFromXML(model: Model, srdf_xml_stream: str, verbose: bool = False) -> None:
@@ -67,7 +67,7 @@ def loadRotorParameters(model: Model, srdf_filename: Any, verbose: bool = False)
     Returns:
         Whether it has any.
     """
-    rotors = read_srdf(os.fspath(srdf_filename)).rotors
+    rotors = read_srdf(path_of(srdf_filename)).rotors
     for name, (inertia, ratio) in rotors.items():
         if model.existJointName(name):
             place = model.joints[known(model.getJointId(name))].idx_v
@@ -85,7 +85,7 @@ def removeCollisionPairs(
         srdf_filename: The file.
         verbose: Accepted and ignored.
     """
-    _remove(model, geom_model, read_srdf(os.fspath(srdf_filename)))
+    _remove(model, geom_model, read_srdf(path_of(srdf_filename)))
 
 
 def removeCollisionPairsFromXML(

@@ -118,6 +118,9 @@ class _Six:
 
     def isApprox(self, other: Self, prec: float = 1e-12) -> bool:
         """Whether both parts differ by at most `prec` times the smaller of their norms."""
+        if not isinstance(other, type(self)):
+            kind = type(self).__name__
+            raise ArgumentError(f"{kind}.isApprox was given {other!r}; expected another {kind}.")
         return nearly(small_kernel("gaps")(self._v, other._v), prec)
 
     def isZero(self, prec: float = 1e-12) -> bool:
