@@ -145,7 +145,7 @@ DOCUMENTED = (
     (r"size|type", r"\(d\)\.(mass|joints)", "lists of another kind"),
     (
         r"refused|missing|error class",
-        r".*(JointModelMimic\(|pin\.JointData\w+Unaligned\(|__address__|fillInner|GeometryPool\.\w+\().*",
+        r"pin\.JointData\w+Unaligned\(.*|\(gd\)\.fillInnerOuterObjectMaps\(.*",
         "not offered",
     ),
 )

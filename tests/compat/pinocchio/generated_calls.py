@@ -77,6 +77,8 @@ CLASSES = {
     "JointModelComposite": "composite",
     "JointModelUniversal": "pin.JointModelUniversal(1, 0, 0, 0, 1, 0)",
     "JointModelMimic": "",
+    "JointDataMimic": "",
+    "JointDataMimicTpl": "",
     "RigidConstraintModel": "rigid",
     "RigidConstraintData": "rigid.createData()",
     "PointAnchorConstraintModel": "point",
@@ -139,9 +141,9 @@ LEFT_OUT = re.compile(
     r"Tridiag|graph|Ellipsoid|PGS|CallBack|Exception|Deprec|__(reduce|setstate|getstate|getinit|copy|deepcopy|hash|dir|"
     r"sizeof|init_sub|reduce_ex|instance|format|new|getattr|setattr|delattr|class)|.*Urdf|.*XML|.*MJCF|.*Sdf|.*Srdf|"
     r"loadReference|loadRotor|Symmetric3.*[rR]hs|sharedMemory|map_|eigen|.*InParallel|seed|.*IndexedBy|cast|ConstraintM"
-    r"odel\.|ConstraintData\.|hppfcl|coal).*"
+    r"odel\.|ConstraintData\.|hppfcl|coal|__address__|GeometryPool).*"
 )
-"""What reads files, draws, is coal's, or is not offered as a whole."""
+"""What reads files, draws, is coal's, ends Pinocchio's process, or is not offered as a whole."""
 OPERATORS = {"__add__": "+", "__sub__": "-", "__mul__": "*", "__xor__": "^", "__eq__": "==", "__ne__": "!="}
 
 
@@ -182,11 +184,7 @@ def _of_overload(path: str, parameters: list[list[Any]]) -> Iterator[str]:
     owner, _, name = path.rpartition(".")
     first = [kind for _, kind, _ in parameters][:1]
     constructor = name == "__init__"
-    bound = (
-        bool(owner)
-        and owner[0].isupper()
-        and (constructor or first == [owner] or (owner in CLASSES and first == [CLASSES.get(owner)]))
-    )
+    bound = bool(owner) and owner[0].isupper() and (constructor or first == [owner])
     taken = parameters[1:] if bound or constructor else parameters
     target = f"pin.{owner}" if constructor else f"pin.{path}"
     this = ""

@@ -7,7 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._containers.arguments import WrongShape
-from pinocchio._containers.arrays import numbers, vector
+from pinocchio._containers.arrays import numbers, real, vector
 from pinocchio._containers.keywords import by_name
 from ulna.algorithms.constraints import friction_cone
 from ulna.errors import InputError
@@ -63,7 +63,7 @@ class _Friction(_Set):
 
     @by_name("mu", "other")
     def __init__(self, mu: Any) -> None:
-        value = mu.mu if isinstance(mu, _Friction) else float(mu)
+        value = mu.mu if isinstance(mu, _Friction) else real(mu, "mu")
         if not (np.isfinite(value) and value >= 0.0):
             raise InputError(f"The friction coefficient is {mu!r}; expected a number that is not below zero.")
         self._mu = value

@@ -89,7 +89,7 @@ class JointModelComposite(JointModel):
 
     def getJointId(self, joint_name: str) -> int:
         """The place of the joint that was added under a name. Raises UnknownName with the nearest one."""
-        if joint_name not in self._names:
+        if not joint_name or joint_name not in self._names:
             raise UnknownName("part of this joint", joint_name, [n for n in self._names if n])
         return self._names.index(joint_name)
 
@@ -109,6 +109,11 @@ class JointModelMimic(JointModel):
 
     @by_name("joint_model scaling offset")
     def __init__(self, joint: JointModel, *rest: Any) -> None:
+        if len(rest) != (3 if rest and isinstance(rest[0], JointModel) else 2):
+            raise ArgumentError(
+                f"JointModelMimic was given {(joint, *rest)}; expected the joint (if it is of another kind), the joint "
+                "that is followed, scaling and offset."
+            )
         followed, scaling, offset = rest if rest and isinstance(rest[0], JointModel) else (joint, *rest)
         if joint.kind is None or followed.id == NOWHERE or (followed.nq, followed.nv) != (1, 1):
             raise InputError(
