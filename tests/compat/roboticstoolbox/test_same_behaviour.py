@@ -151,3 +151,40 @@ def test_figures_step_by_times_above_zero_only(rtb: Any) -> None:
             env.step(dt)
     env.step(0.1)
     assert env.sim_time == pytest.approx(0.1)
+
+
+def test_angles_that_are_singular_but_for_rounding_are_refused(puma: Any) -> None:
+    for representation in ("rpy/xyz", "rpy/zyx"):
+        with pytest.raises(ValueError, match="singular"):
+            puma.gravload_x(puma.qn, representation=representation)
+    expected = puma.gravload_x(puma.qn + 1e-6, representation="eul")
+    near = puma.gravload_x(puma.qn + 1e-6, representation="rpy/zyx")
+    np.testing.assert_allclose(near[:3], expected[:3], rtol=1e-6)  # forces do not depend on the angles
+    np.testing.assert_allclose(puma.gravload_x(puma.qn, representation="exp")[:3], expected[:3], atol=1e-3)
+
+
+def test_the_method_of_servoing_is_known_by_its_beginning(rtb: Any, panda: Any) -> None:
+    T = panda.fkine(Q)
+    goal = T * type(T).Rx(0.3) * type(T).Tx(0.1)
+    expected = rtb.p_servo(T, goal, method="angle-axis")[0]
+    for method in ("a", "angle"):
+        assert (rtb.p_servo(T, goal, method=method)[0] == expected).all()
+    for wrong in ("r", "RPY", "", 3):
+        with pytest.raises(LookupError):
+            rtb.p_servo(T, goal, method=wrong)
+
+
+def test_robots_and_links_are_tested_against_groups_of_shapes(panda: Any) -> None:
+    import spatialgeometry as sg
+    from spatialmath import SE3
+
+    far, near = sg.Sphere(0.1, pose=SE3(2, 0, 0)), sg.Cuboid([0.1] * 3, pose=panda.fkine(Q))
+    group = sg.CollisionShapeGroup([far, near])
+    assert panda.iscollided(Q, near) and panda.iscollided(Q, group) and not panda.iscollided(Q, far)
+    for inf_dist in (1.0, 3.0):
+        distance, at, _ = panda.closest_point(Q, group, inf_dist)
+        alone = panda.closest_point(Q, near, inf_dist)
+        assert distance == pytest.approx(alone[0]) and at == pytest.approx(alone[1])
+    panda.q = Q
+    touched = [link.name for link in panda.links if link.collision and link.iscollided(group)]
+    assert touched == [link.name for link in panda.links if link.collision and link.iscollided(near)]

@@ -20,6 +20,8 @@ from ulna.robot import Robot as Body
 from ulna.spatial import SE3
 from ulna.typing import Floats
 
+_SIX = 6
+_SINGULAR = 1e12  # condition of a Jacobian beyond which its inverse is rounding errors
 _NO_LOAD = 1e-10  # [N m] below which a wrench does not burden a joint
 
 
@@ -42,6 +44,7 @@ class OperationalSpace(RobotMixin):
         """A quantity of the end, by Ulna's operational space."""
         if representation is not None:
             known_angles(representation)
+            self._check_angles(arrays[0], representation)
         body, end = self._robot_and_end()
         try:
             value = getattr(body, name)(*arrays, frame=end, representation=representation)
@@ -52,13 +55,29 @@ class OperationalSpace(RobotMixin):
             ) from None
         return self._finite(value, representation)
 
+    def _check_angles(self, q: Any, representation: str) -> None:
+        """Refuses configurations where the Jacobian of the angles is singular but for rounding.
+
+        Raises:
+            InputError: It is.
+        """
+        J = np.asarray(self.jacob0_analytical(q, representation), dtype=float)
+        if J.shape[-1] < _SIX:
+            return
+        scale = np.linalg.norm(J, axis=(-2, -1))
+        if not np.isfinite(scale).all() or (np.linalg.cond(J) > _SINGULAR).any():
+            raise self._singular(representation)
+
     def _finite(self, value: Floats, representation: str | None) -> Floats:
         if not np.isfinite(value).all():
-            raise InputError(
-                f"{self.name!r} is at a configuration where the angles {representation!r}, or the arm, are singular; "
-                'take another `representation`, such as "exp", or another configuration.'
-            )
+            raise self._singular(representation)
         return value
+
+    def _singular(self, representation: str | None) -> InputError:
+        return InputError(
+            f"{self.name!r} is at a configuration where the angles {representation!r}, or the arm, are singular; "
+            'take another `representation`, such as "exp", or another configuration.'
+        )
 
     def inertia_x(
         self, q: Any = None, pinv: bool = False, representation: str = "rpy/xyz", Ji: Any = None

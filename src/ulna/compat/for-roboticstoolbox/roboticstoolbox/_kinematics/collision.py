@@ -30,9 +30,13 @@ class Collision(RobotMixin):
     """Contacts and distances."""
 
     def _nearby_links(self, q: Any, shape: Any, within: float, links: Any = None) -> list[Any]:
-        """The nearest pairs of links and a shape, one for each link within the distance."""
-        solid, T = obstacle(shape)
-        return self._links_near_solid(q, solid, T.matrix(), within, links)
+        """The nearest pairs of links and a shape or a group of shapes, one for each link within the distance."""
+        pairs = []
+        for part in shape._parts() if hasattr(shape, "_parts") else [shape]:
+            solid, T = obstacle(part)
+            pairs += self._links_near_solid(q, solid, T.matrix(), within, links)
+        nearest = {pair.names[0]: pair for pair in sorted(pairs, key=lambda pair: -pair.distance)}
+        return [nearest[name] for name in self.link_dict if name in nearest]
 
     def _links_near_solid(
         self, q: Any, solid: Shape, T: Floats, within: float, links: Any = None
@@ -63,7 +67,7 @@ class Collision(RobotMixin):
 
         Args:
             q: Configuration (n,) [rad or m]; None for the robot's.
-            shape: A shape of spatialgeometry, or the robot itself.
+            shape: A shape of spatialgeometry or a group of them, or the robot itself.
             skip: Whether to leave links where they are, at the robot's configuration, whatever `q` is.
 
         Returns:
@@ -100,7 +104,7 @@ class Collision(RobotMixin):
 
         Args:
             q: Configuration (n,) [rad or m]; None for the robot's.
-            shape: A shape of spatialgeometry.
+            shape: A shape of spatialgeometry, or a group of them.
             inf_dist: Greatest distance that counts [m].
             skip: Whether to leave links where they are, at the robot's configuration, whatever `q` is.
 

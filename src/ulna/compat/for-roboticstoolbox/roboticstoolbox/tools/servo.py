@@ -19,11 +19,14 @@ def p_servo(
         wTep: Where it should be.
         gain: One gain or six [1/s].
         threshold: Reached when the absolute errors add up to less [m and rad].
-        method: "rpy": in the end's axes, for `jacobe`; "angle-axis": in the base's axes, for `jacob0`.
+        method: "rpy": in the end's axes, for `jacobe`; "angle-axis" or its beginning, such as "a": in the base's axes,
+            for `jacob0`.
 
     Returns:
         Twist (6,) [m/s and rad/s], and whether the pose is reached.
     """
+    if method != "rpy" and isinstance(method, str) and method and "angle-axis".startswith(method):
+        method = "angle-axis"
     factor = float(gain) if isinstance(gain, (int, float)) else gain
     return _servo(array(wTe), array(wTep), factor, threshold, method)
 
