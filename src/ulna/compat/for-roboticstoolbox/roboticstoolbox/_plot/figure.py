@@ -10,6 +10,7 @@ import numpy as np
 
 from roboticstoolbox._common.errors import UnknownOption
 from roboticstoolbox._plot.background import Background
+from roboticstoolbox._plot.robot_plot import RobotPlot
 from ulna.checks.values import number as checked_number
 from ulna.errors import InputError, MissingExtra, UlnaWarning
 from ulna.typing import Array, Floats
@@ -64,7 +65,6 @@ class PyPlot:
         self._ax, self.limits, self._name = ax, None, name
         self._set_limits(limits)
         self._objects: dict[int, Any] = {}
-        self._readonly: set[int] = set()
         self._moving: list[Any] = []
         self._canvas: Any = None
         self._background = Background()
@@ -109,16 +109,20 @@ class PyPlot:
         """The figure."""
         return self.ax.figure
 
-    def add(self, ob: Any, readonly: bool = False, **options: Any) -> int:
+    def add(
+        self, ob: Any, readonly: bool = False, *, color: Any = None, options: Any = None, **more: Any
+    ) -> Any:
         """Adds a robot, or an ellipsoid.
 
         Args:
             ob: The robot or ellipsoid.
             readonly: Whether a robot is shown only, never moved.
-            **options: How the toolbox draws it; a warning says that pictures are Ulna's.
+            color: Colour of a robot's sticks, as matplotlib writes it.
+            options: Of a robot, see `RobotPlot`.
+            **more: Of a robot, arguments of `RobotPlot` such as `q`; a warning says which have no effect.
 
         Returns:
-            Its number.
+            The `RobotPlot` of a robot, whose `q` may be assigned; the number of an ellipsoid.
 
         Raises:
             InputError: It is neither.
@@ -127,20 +131,37 @@ class PyPlot:
             raise InputError(
                 f"{ob!r} cannot be drawn here; robots and ellipsoids can, shapes by swift.Swift()."
             )
-        _warn_of_options("add", options)
         number = max(self._objects, default=-1) + 1
-        self._objects[number] = ob
-        if readonly:
-            self._readonly.add(number)
-        self._draw()
-        return number
+        if hasattr(ob, "points"):
+            _warn_of_options("add", more)
+            self._objects[number] = ob
+        else:
+            looks = dict(options or {})
+            if color is not None:
+                looks["robot"] = {**looks.get("robot", {}), "color": color}
+            plot = RobotPlot(ob, self, readonly, options=looks, **more)
+            _warn_of_options("add", plot.without_effect)
+            self._objects[number] = plot
+        self.redraw()
+        return number if hasattr(ob, "points") else self._objects[number]
 
-    def remove(self, id: int) -> None:
-        """Takes out what has that number."""
-        if id not in self._objects:
+    @property
+    def robots(self) -> list[RobotPlot]:
+        """The drawings of robots."""
+        return [ob for ob in self._objects.values() if isinstance(ob, RobotPlot)]
+
+    @property
+    def ellipses(self) -> list[Any]:
+        """The ellipsoids."""
+        return [ob for ob in self._objects.values() if not isinstance(ob, RobotPlot)]
+
+    def remove(self, id: Any) -> None:
+        """Takes something out, by its number or its `RobotPlot`."""
+        number = next((key for key, ob in self._objects.items() if ob is id), id)
+        if number not in self._objects:
             raise UnknownOption("number of an object in the figure", id, map(str, self._objects))
-        del self._objects[id]
-        self._draw()
+        del self._objects[number]
+        self.redraw()
 
     def reset(self) -> None:
         """Takes everything out."""
@@ -149,10 +170,11 @@ class PyPlot:
 
     restart = reset
 
-    def _draw(self) -> None:
-        robots = [(ob, ob.q) for ob in self._objects.values() if hasattr(ob, "_complete_robot")]
+    def redraw(self) -> None:
+        """Draws everything where it is by now."""
+        robots = [(plot.robot, plot.q, plot.looks) for plot in self.robots if plot.display]
         title = f"t = {self.sim_time:.2f} s" if self.sim_time else ""
-        self._show(robots, title, [ob.points for ob in self._objects.values() if hasattr(ob, "points")])
+        self._show(robots, title, [ob.points for ob in self.ellipses])
 
     def show(self, robot: Any, q: Floats, title: str = "", ellipses: Any = ()) -> None:
         """Draws one robot.
@@ -163,7 +185,7 @@ class PyPlot:
             title: Title of the figure.
             ellipses: Ellipsoids to draw.
         """
-        self._show([(robot, q)], title, ellipses)
+        self._show([(robot, q, {})], title, ellipses)
 
     def _show(self, robots: Any, title: str, ellipses: Any) -> None:
         from ulna.viewer.robot.stick_figure import stick_figure
@@ -174,8 +196,8 @@ class PyPlot:
                 artist.remove()
         drawn = [artist for artist in self.ax.get_children() if not artist.stale]
         before = {id(artist) for artist in self.ax.get_children()}
-        for robot, q in robots:
-            stick_figure(robot._complete_robot(), robot._complete_configuration(q), self.ax)
+        for robot, q, looks in robots:
+            stick_figure(robot._complete_robot(), robot._complete_configuration(q), self.ax, **looks)
         for points in ellipses:
             self.ax.plot_wireframe(*points, color="#e08a1e", lw=0.4)
         if self.limits is not None:
@@ -210,17 +232,13 @@ class PyPlot:
             InputError: `dt` is not above zero.
         """
         dt = checked_number("dt", dt, "a time above zero [s]", above=0.0)
-        for number, robot in self._objects.items():
-            if (
-                hasattr(robot, "_complete_robot")
-                and number not in self._readonly
-                and robot.control_mode == "v"
-            ):
-                low, high = robot._joint_bounds
-                robot.q = np.clip(robot.q + dt * robot.qd, low, high)
+        moving = {id(p.robot): p.robot for p in self.robots if not p.readonly and p.robot.control_mode == "v"}
+        for robot in moving.values():
+            low, high = robot._joint_bounds
+            robot.q = np.clip(robot.q + dt * robot.qd, low, high)
         self.sim_time += dt
         if self._objects:
-            self._draw()
+            self.redraw()
         if has_window():
             pyplot().pause(dt)
 
