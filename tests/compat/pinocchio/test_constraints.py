@@ -18,10 +18,9 @@ from ulna.robots.example_robot_data import share_folder
 ROBOTS = {
     "ur5": ("ur_description/urdf/ur5_robot.urdf", "", "wrist_3_joint,elbow_joint"),
     "panda": ("panda_description/urdf/panda.urdf", "", "panda_joint7,panda_joint4"),
-    "solo12": ("solo_description/robots/solo12.urdf", "FreeFlyer", "FL_KFE,FR_KFE,HL_KFE,HR_KFE"),
-    "talos": ("talos_data/robots/talos_reduced.urdf", "FreeFlyer", "leg_left_6_joint,leg_right_6_joint"),
+    "solo12": ("solo_description/robots/solo12.urdf", "FreeFlyer", "FL_KFE,HR_KFE"),
 }
-SLOW = ("panda", "solo12", "talos")
+SLOW = ("panda", "solo12")
 
 
 @pytest.mark.parametrize("robot", [pytest.param(r, marks=[pytest.mark.slow] * (r in SLOW)) for r in ROBOTS])
