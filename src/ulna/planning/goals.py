@@ -28,7 +28,7 @@ class Region:
 
     Args:
         pose: T_world_middle, the middle and the axes of the box, and how the frame is turned: an SE3, (4, 4), or a
-            position (3,) [m].
+            position, shape (3,) [m].
         size: Full edges of the box along these axes, shape (3,) [m]; zeros for a point.
         turns: About which of its own axes the frame may turn: "x", "y", "z", "any" for all, "none".
 

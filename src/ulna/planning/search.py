@@ -52,7 +52,7 @@ class _Run:
         self.numbers: list[int] = []
         self.workspace: Any = None
         self.direct, self.roots, self.used, self.nodes = -1, 0, 0, 0
-        self.seconds = dict.fromkeys(("prepare", "search", "shorten", "certify"), 0.0)
+        self.seconds: dict[str, float] = dict.fromkeys(("prepare", "search", "shorten", "certify"), 0.0)
 
     def is_late(self) -> bool:
         """Whether the time is up."""
@@ -138,7 +138,7 @@ class Search:
         if not len(run.goals):
             return "unreachable", "no configuration within the limits was found for the pose."
         low, high = self._limits
-        inside = ((run.goals >= low) & (run.goals <= high)).all(axis=1).nonzero()[0]
+        inside = np.flatnonzero(((run.goals >= low) & (run.goals <= high)).all(axis=1))
         if not len(inside):
             return "goal", f"the goal is out of limits: {self._out_of_limits(run.goals[0])}."
         if len(inside) < len(run.goals):
@@ -156,7 +156,7 @@ class Search:
 
     def _workspace(self, coarse: float) -> Workspace:
         """This thread's storage for a search with steps of a length."""
-        kept = self._storage.__dict__
+        kept: dict[float, Workspace] = self._storage.__dict__.setdefault("by_steps", {})
         if coarse not in kept:
             arrays = thread_storage(self._model.nq)
             kept[coarse] = Workspace(self._scene, arrays, self._margin, self._step, self._longest, coarse)
@@ -242,8 +242,9 @@ class Search:
         if certificate or run.is_late():
             return points, certificate
         whole = self._detour(run, points[0], points[-1], COARSE[-1])
-        rest = run.workspace.unproved(whole) if whole is not None else unproved
-        return (points, certificate) if rest else (whole, Certificate((), self._margin, 0))
+        if whole is None or run.workspace.unproved(whole):
+            return points, certificate
+        return whole, Certificate((), self._margin, 0)
 
     def _with_detours(self, run: _Run, points: Floats, unproved: Sequence[int], coarse: float) -> Floats:
         """The path with other motions for edges that are not proved, where there are some."""

@@ -18,6 +18,7 @@ import numpy as np
 from ulna.algorithms import joint_poses
 from ulna.model import Model
 from ulna.planning.motion_bounds import Group
+from ulna.spatial import SE3
 from ulna.typing import Array, Floats
 
 RESERVE = 0.012
@@ -75,6 +76,6 @@ def _distances(model: Model, q: Floats, a: Group, b: Group) -> Floats:
     return np.linalg.norm(first[:, :, None] - second[:, None], axis=-1).reshape(len(q), -1)
 
 
-def _placed(T: Array, group: Group) -> Floats:
+def _placed(T: SE3, group: Group) -> Floats:
     """Centres in the world, shape (configurations, spheres, 3) [m]."""
     return group.centres @ np.swapaxes(T.rotation, -1, -2) + T.translation[..., None, :]

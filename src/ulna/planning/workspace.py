@@ -78,7 +78,7 @@ class Workspace:
         margin: How near everything may come at least [m].
         step: How far any point moves at most between the states by which a path is proved free [m].
         longest: The longest edge of the trees [rad, m].
-        coarse: The steps of the search, in those of the proof.
+        coarse: The steps of the search, in those of the proof [-].
     """
 
     def __init__(
@@ -88,8 +88,9 @@ class Workspace:
         tables = [scene.tables(margin + size * step / 2.0) for size in PARTS]
         self._tables, self._work = tables[-1], scene.moving.work()
         self._kernel, self._lanes = scene.robot.kernel, scene.lanes
-        self._proof = Proof(*tables, step)
-        self._growth = Growth(self.step, longest, _DOMAIN * longest, _LEAST_DOMAIN * longest, _CHANGE)
+        self._proof = Proof(tables[0], tables[1], tables[2], np.float32(step))
+        numbers = (self.step, longest, _DOMAIN * longest, _LEAST_DOMAIN * longest, _CHANGE)
+        self._growth = Growth._make(map(np.float32, numbers))
         self._trees = self._path = self._points = None
 
     def _bind(self) -> None:
@@ -210,7 +211,7 @@ def thread_storage(nq: int) -> Storage:
     Returns:
         The arrays.
     """
-    stores = _STORAGE.__dict__
+    stores: dict[int, Storage] = _STORAGE.__dict__.setdefault("by_length", {})
     if nq not in stores:
         stores[nq] = Storage(nq)
     return stores[nq]
