@@ -6,8 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, final
 
-import numpy as np
-
+from ulna.checks.values import number
 from ulna.collision.objects import Attachment, Obstacle, checked_object, checked_pose
 from ulna.collision.robot_poses import robot_poses
 from ulna.errors import InputError, UnknownName
@@ -204,12 +203,7 @@ class World:
             raise InputError(
                 f"The margin of {first!r} and itself has no meaning; expected two different names."
             )
-        try:
-            value = float(distance)
-        except (TypeError, ValueError):
-            value = np.nan
-        if not (np.isfinite(value) and value >= 0.0):
-            raise InputError(f"`distance` is {distance!r}; expected a finite length, not below 0 [m].")
+        value = number("distance", distance, "a finite length, not below 0 [m]", least=0.0)
         margins = {**self.margins, frozenset((first, second)): value}
         return replace(self, margins={pair: d for pair, d in margins.items() if d > 0.0})
 

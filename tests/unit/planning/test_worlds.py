@@ -124,6 +124,38 @@ def test_height_fields_meshes_and_cones_are_planned_around(tmp_path: Path) -> No
     assert p and p.is_certified and is_free(p, world)
 
 
+def test_a_mesh_that_is_not_closed_is_its_surface(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    corners = [[0.4, -0.01, 0.0], [0.7, -0.01, 0.0], [0.7, 0.01, 0.4], [0.4, 0.01, 0.4]]
+    trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]]).export(tmp_path / "sheet.stl")
+    robot, (a, b) = panda(), ends()
+    world = World().add("sheet", Mesh(str(tmp_path / "sheet.stl")))
+    p = plan(robot, a, b, world)
+    assert p and p.is_certified and is_free(p, world)
+    straight = a + np.linspace(0.0, 1.0, 50)[:, None] * (b - a)
+    assert robot.collides(straight, world).any()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+def test_random_worlds_with_clouds_and_held_objects_are_free_by_coal(seed: int) -> None:
+    robot, random = panda(), np.random.default_rng(seed)
+    points = random.uniform([-0.8, -0.8, 0.0], [0.8, 0.8, 1.0], (6, 1, 3)) + 0.06 * random.normal(
+        size=(6, 60, 3)
+    )
+    cloud = PointCloud(points[np.linalg.norm(points[:, 0, :2], axis=1) > 0.35].reshape(-1, 3), 0.01)
+    world = World().add("scan", cloud, touches=["panda_link0", "panda_link1"])
+    world = world.attach("rod", "panda_hand", (0.0, 0.0, 0.15), shape=Cylinder(0.015, 0.2), touches=FINGERS)
+    world = world.set_margin("scan", "rod", 0.02)
+    solved = 0
+    for k in range(12):
+        q = random.uniform(robot.limits.lower, robot.limits.upper, size=(2, 7))
+        p = plan(robot, q[0], q[1], world, seed=k, timeout=5.0)
+        solved += bool(p)
+        assert p.reason if not p else p.is_certified and is_free(p, world)
+    assert solved >= 1
+
+
 @pytest.mark.parametrize("lanes", [8, 16])
 def test_machine_code_never_says_free_where_clouds_touch(lanes: int) -> None:
     robot = panda()
