@@ -58,8 +58,8 @@ def documented(texts: Mapping[str, str]) -> Callable[[Described], Described]:
     """
 
     def decorate(described: Described) -> Described:
-        members = vars(described).values() if isinstance(described, type) else [described]
-        for member in members:
+        is_class = inspect.isclass(described)
+        for member in vars(described).values() if is_class else (described,):
             function = getattr(member, "__func__", member)
             names = argument_names(inspect.unwrap(function)) if isinstance(function, FunctionType) else []
             if len(names) > 1 and function.__doc__ and not texts.keys().isdisjoint(names):

@@ -53,8 +53,8 @@ class Region:
             raise InputError(f"`size` is {size!r}; expected three edges of a box, not below 0 [m].")
         if turns not in _TURNS:
             raise UnknownName("value of `turns`", turns, _TURNS)
-        place = SE3.from_translation(matrix) if matrix.shape == (3,) else SE3.from_matrix(matrix)
-        for name, value in (("pose", place), ("size", edges), ("turns", turns)):
+        goal_pose = SE3.from_translation(matrix) if matrix.shape == (3,) else SE3.from_matrix(matrix)
+        for name, value in (("pose", goal_pose), ("size", edges), ("turns", turns)):
             object.__setattr__(self, name, value)
 
     @property
@@ -221,7 +221,7 @@ def _solved(
     random = np.random.default_rng([seed, 2])
     model = robot.model
     lower, upper = np.maximum(model.lower_position, q0 - np.pi), np.minimum(model.upper_position, q0 + np.pi)
-    found: list[tuple[float, int, Floats]] = []
+    solutions: list[tuple[float, int, Floats]] = []
     for number, goal in enumerate(goals):
         free = moving & _carrying(model, goal, frame)
         for k, (target, mask) in enumerate(_targets(goal, seed)):
@@ -229,11 +229,11 @@ def _solved(
             options = {"seed": seed + k, "attempts": _SEARCHES, "mask": mask, "joints": joints}
             solution = robot.ik(target, start, frame, **options)
             q = np.asarray(solution.q)
-            if solution.success and all(np.abs(q - other).max() > 1e-3 for _, _, other in found):
-                found.append((float(np.linalg.norm(q - q0)), number, q))
-    found.sort(key=lambda item: item[:2])
-    configurations = np.array([q for _, _, q in found]).reshape(-1, model.nq)
-    return Goals(configurations, tuple(number for _, number, _ in found))
+            if solution.success and all(np.abs(q - other).max() > 1e-3 for _, _, other in solutions):
+                solutions.append((float(np.linalg.norm(q - q0)), number, q))
+    solutions.sort(key=lambda item: item[:2])
+    configurations = np.array([q for _, _, q in solutions]).reshape(-1, model.nq)
+    return Goals(configurations, tuple(number for _, number, _ in solutions))
 
 
 def _carrying(model: Model, goal: Any, frame: str | None) -> Any:

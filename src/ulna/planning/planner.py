@@ -195,21 +195,28 @@ class Planner:
             ShapeError: If there are not as many starts as goals.
             InputError: If `threads` makes no sense; what `plan` raises.
         """
-        q0, wanted = finite_array("starts", starts), list(goals)
-        if q0.shape not in ((self.model.nq,), (len(wanted), self.model.nq)):
-            raise ShapeError("starts", q0.shape, f"({len(wanted)}, {self.model.nq}), one for each goal")
-        every = np.broadcast_to(q0, (len(wanted), self.model.nq))
+        q0, goal_list = finite_array("starts", starts), list(goals)
+        if q0.shape not in ((self.model.nq,), (len(goal_list), self.model.nq)):
+            raise ShapeError("starts", q0.shape, f"({len(goal_list)}, {self.model.nq}), one for each goal")
+        start_of_each = np.broadcast_to(q0, (len(goal_list), self.model.nq))
         workers = 1 if threads is None else _count("threads", threads, 1)
-        if workers == 1 or len(wanted) < 2:
-            return [self.plan(start, goal, **options) for start, goal in zip(every, wanted, strict=True)]
+        if workers == 1 or len(goal_list) < 2:
+            return [
+                self.plan(start, goal, **options)
+                for start, goal in zip(start_of_each, goal_list, strict=True)
+            ]
         is_stopped = threading.Event()
 
         def one(number: int) -> Plan | None:
-            return None if is_stopped.is_set() else self.plan(every[number], wanted[number], **options)
+            return (
+                None
+                if is_stopped.is_set()
+                else self.plan(start_of_each[number], goal_list[number], **options)
+            )
 
-        pool = ThreadPoolExecutor(min(workers, len(wanted)))
+        pool = ThreadPoolExecutor(min(workers, len(goal_list)))
         try:  # the search does not hold the interpreter's lock
-            return list(pool.map(one, range(len(wanted))))  # type: ignore[arg-type]
+            return list(pool.map(one, range(len(goal_list))))  # type: ignore[arg-type]
         finally:  # Ctrl-C, too, waits for plans under way only
             is_stopped.set()
             pool.shutdown(cancel_futures=True)

@@ -201,10 +201,10 @@ class Scene:
             Arrays of the types that the procedures take.
         """
         larger = np.array([0.0, 0.0, 0.0, margin + self.moving.rounding])
-        own = self.moving.tables
-        bounds, spheres = ((own[name] + larger).astype(np.float32) for name in ("bounds", "spheres"))
+        tables = self.moving.tables
+        bounds, spheres = ((tables[name] + larger).astype(np.float32) for name in ("bounds", "spheres"))
         pairs = self.moving.pair_tables(margin)
-        return Tables(**{**own, **pairs, **self._obstacles, "bounds": bounds, "spheres": spheres})
+        return Tables(**{**tables, **pairs, **self._obstacles, "bounds": bounds, "spheres": spheres})
 
     @cached_property
     def _obstacles(self) -> dict[str, Any]:

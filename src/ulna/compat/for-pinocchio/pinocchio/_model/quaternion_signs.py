@@ -42,7 +42,7 @@ def with_signs_kept(
         starts: Where these quaternions begin.
 
     Returns:
-        The new integration.
+        The new integration, of the same arrays; its result is q (nq,).
     """
 
     def run(q: Array, v: Array) -> Array:

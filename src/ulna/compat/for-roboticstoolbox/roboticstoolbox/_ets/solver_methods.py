@@ -41,8 +41,8 @@ class ChainSolvers:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
         chain = self._compiled(None)
-        search = (ilimit, slimit, tol, mask, joint_limits)
-        return solve(chain, Tep, "LM", one_row(q0, chain.n), *search, k, method)
+        search: Any = (ilimit, slimit, tol, mask, joint_limits)
+        return solve(chain, Tep, "LM", one_row(q0, chain.n), *search, k=k, method=method)
 
     def ik_NR(
         self,
@@ -65,9 +65,8 @@ class ChainSolvers:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
         chain = self._compiled(None)
-        start = one_row(q0, chain.n)
-        more = {"pinv_damping": pinv_damping}
-        return solve(chain, Tep, "NR", start, ilimit, slimit, tol, mask, joint_limits, **more)
+        search: Any = (ilimit, slimit, tol, mask, joint_limits)
+        return solve(chain, Tep, "NR", one_row(q0, chain.n), *search, pinv_damping=pinv_damping)
 
     def ik_GN(
         self,
@@ -90,9 +89,8 @@ class ChainSolvers:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
         chain = self._compiled(None)
-        start = one_row(q0, chain.n)
-        more = {"pinv_damping": pinv_damping}
-        return solve(chain, Tep, "GN", start, ilimit, slimit, tol, mask, joint_limits, **more)
+        search: Any = (ilimit, slimit, tol, mask, joint_limits)
+        return solve(chain, Tep, "GN", one_row(q0, chain.n), *search, pinv_damping=pinv_damping)
 
     def ikine_LM(
         self,
@@ -120,8 +118,8 @@ class ChainSolvers:
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
-        search = (ilimit, slimit, tol, mask, joint_limits)
-        null_motion = {"kq": kq, "km": km, "ps": ps, "pi": pi}
+        search: Any = (ilimit, slimit, tol, mask, joint_limits)
+        null_motion: dict[str, Any] = {"kq": kq, "km": km, "ps": ps, "pi": pi}
         chain = self._compiled(None)
         return solve(chain, Tep, "LM", q0, *search, k=k, method=method, seed=seed, **null_motion, **more)
 
@@ -150,8 +148,8 @@ class ChainSolvers:
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
-        search = (ilimit, slimit, tol, mask, joint_limits)
-        null_motion = {"kq": kq, "km": km, "ps": ps, "pi": pi}
+        search: Any = (ilimit, slimit, tol, mask, joint_limits)
+        null_motion: dict[str, Any] = {"kq": kq, "km": km, "ps": ps, "pi": pi}
         chain = self._compiled(None)
         return solve(chain, Tep, "NR", q0, *search, pinv=bool(pinv), seed=seed, **null_motion, **more)
 
@@ -180,8 +178,8 @@ class ChainSolvers:
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
-        search = (ilimit, slimit, tol, mask, joint_limits)
-        null_motion = {"kq": kq, "km": km, "ps": ps, "pi": pi}
+        search: Any = (ilimit, slimit, tol, mask, joint_limits)
+        null_motion: dict[str, Any] = {"kq": kq, "km": km, "ps": ps, "pi": pi}
         chain = self._compiled(None)
         return solve(chain, Tep, "GN", q0, *search, pinv=bool(pinv), seed=seed, **null_motion, **more)
 
@@ -211,8 +209,8 @@ class ChainSolvers:
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
-        search = (ilimit, slimit, tol, mask, joint_limits)
-        null_motion = {"kq": kq, "km": km, "ps": ps, "pi": pi}
+        search: Any = (ilimit, slimit, tol, mask, joint_limits)
+        null_motion: dict[str, Any] = {"kq": kq, "km": km, "ps": ps, "pi": pi}
         chain = self._compiled(None)
         return solve(chain, Tep, "QP", q0, *search, kj=kj, ks=ks, seed=seed, **null_motion, **more)
 
