@@ -84,3 +84,21 @@ def test_a_step_moves_each_robot_once(env: Any, robot: Any) -> None:
     assert len(env.ellipses) == 1
     env.remove(ellipse)
     assert env.ellipses == []
+
+
+def test_ellipses_are_made_by_their_class_too(env: Any, robot: Any) -> None:
+    from roboticstoolbox.backends.PyPlot.EllipsePlot import EllipsePlot
+
+    q = np.array([0.1, 0.2, 0.3])
+    ours, made = (
+        robot.vellipse(np.degrees(q), unit="deg", scale=0.5),
+        EllipsePlot(robot, q, "v", centre="ee", scale=0.5),
+    )
+    assert isinstance(ours, EllipsePlot)
+    np.testing.assert_allclose(made.points, ours.points, atol=1e-12)
+    np.testing.assert_allclose(EllipsePlot(robot, q, "f", centre=[1, 2, 3]).centre, [1, 2, 3])
+    env.add(made)
+    assert env.ellipses == [made]
+    for wrong in ({"etype": "x"}, {"etype": "v", "opt": "both"}):
+        with pytest.raises(ValueError):
+            EllipsePlot(robot, q, **wrong)

@@ -64,7 +64,7 @@ PLACES: dict[str, dict[str, str]] = {
     "backends.PyPlot.PyPlot2": {"PyPlot2": _FIGURES["PyPlot2"]},
     "backends.PyPlot.RobotPlot": {"RobotPlot": "_plot.robot_plot:RobotPlot"},
     "backends.PyPlot.RobotPlot2": {"RobotPlot2": "_plot.robot_plot:RobotPlot"},
-    "backends.PyPlot.EllipsePlot": {"EllipsePlot": "_plot.ellipsoids:Ellipse"},
+    "backends.PyPlot.EllipsePlot": {"EllipsePlot": "_plot.ellipsoids:EllipsePlot"},
     "bin": {},
     "bin.rtbtool": {"main": "_common.console_tools:main"},
     "bin._bintools": {},

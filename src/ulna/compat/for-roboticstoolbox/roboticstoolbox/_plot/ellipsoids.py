@@ -13,6 +13,8 @@ from roboticstoolbox._plot.figure import PyPlot, pyplot
 from ulna.errors import InputError
 from ulna.typing import Floats
 
+_KINDS = {"v": "velocity", "f": "force"}
+
 
 class Ellipse:
     """An ellipsoid in the world: directions, half axes, centre."""
@@ -27,6 +29,38 @@ class Ellipse:
         u, v = np.meshgrid(np.linspace(0, np.pi, 17), np.linspace(0, 2 * np.pi, 33), indexing="ij")
         ball = np.stack([np.sin(u) * np.cos(v), np.sin(u) * np.sin(v), np.cos(u)])
         return np.tensordot(self.axes * self.radii, ball, axes=1) + self.centre[:, None, None]
+
+
+class EllipsePlot(Ellipse):
+    """The ellipsoid of a robot's end."""
+
+    def __init__(
+        self,
+        robot: Any,
+        q: Any,
+        etype: str,
+        opt: str = "trans",
+        centre: Any = (0.0, 0.0, 0.0),
+        scale: float = 1.0,
+    ) -> None:
+        """An ellipsoid.
+
+        Args:
+            robot: The robot.
+            q: Configuration, (n,) [rad or m]; None for the robot's.
+            etype: "v" for velocities, "f" for forces.
+            opt: "trans" for linear velocities or forces, "rot" for angular velocities or moments.
+            centre: Where it is drawn, (3,) [m]; "ee" for the end.
+            scale: Factor of its half axes [m s/m or m/N].
+
+        Raises:
+            UnknownOption: Another `etype`.
+        """
+        if etype not in _KINDS:
+            raise UnknownOption("etype", str(etype), _KINDS)
+        one = robot._ellipsoid(q, _KINDS[etype], opt, scale, centre)
+        super().__init__(one.axes, one.radii, one.centre)
+        self.robot, self.opt, self.scale, self.q = robot, opt, scale, robot.q if q is None else q
 
 
 class Ellipsoids(RobotMixin):
@@ -54,7 +88,7 @@ class Ellipsoids(RobotMixin):
         Returns:
             The ellipsoid.
         """
-        return self._ellipsoid(q, "velocity", opt, scale, centre, unit)
+        return EllipsePlot(self, self._radians(q, unit), "v", opt, centre, scale)
 
     def fellipse(
         self,
@@ -78,19 +112,20 @@ class Ellipsoids(RobotMixin):
         Returns:
             The ellipsoid.
         """
-        return self._ellipsoid(q, "force", opt, scale, centre, unit)
+        return EllipsePlot(self, self._radians(q, unit), "f", opt, centre, scale)
 
-    def _ellipsoid(
-        self, q: Any, kind: str, opt: str, scale: float, centre: Any = "ee", unit: str = "rad"
-    ) -> Ellipse:
+    def _radians(self, q: Any, unit: str) -> Any:
+        """A configuration that was passed in degrees or radians, in radians."""
+        if unit not in ("rad", "deg"):
+            raise UnknownOption("unit", unit, ("rad", "deg"))
+        return q if unit == "rad" or q is None else self.toradians(q)
+
+    def _ellipsoid(self, q: Any, kind: str, opt: str, scale: float, centre: Any = "ee") -> Ellipse:
         from ulna.viewer.robot.ellipsoids import manipulability_ellipsoid
 
         if opt not in ("trans", "rot"):
             raise InputError(f"`opt` is {opt!r}; expected 'trans' or 'rot'.")
-        if unit not in ("rad", "deg"):
-            raise UnknownOption("unit", unit, ("rad", "deg"))
         at = self.q if q is None else np.asarray(q, dtype=float)
-        at = at if unit == "rad" else self.toradians(at)
         chain, end = self._chain(None, None), to_spatial(self.fkine(at).A)
         J = end[:3, :3] @ np.split(chain.jacobe(at), 2)[0 if opt == "trans" else 1]
         axes, radii = manipulability_ellipsoid(J, kind)
@@ -222,4 +257,4 @@ class Ellipsoids(RobotMixin):
         return colormaps.get_cmap(linkcolors).resampled(self.n)
 
 
-__all__ = ["Ellipse", "Ellipsoids"]
+__all__ = ["Ellipse", "EllipsePlot", "Ellipsoids"]
