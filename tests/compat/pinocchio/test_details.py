@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 from support.two_pythons import both
 from ulna.errors import InputError, ModelWarning, UnknownName
 from ulna.robots.example_robot_data import files, share_folder
@@ -19,7 +19,7 @@ needs_robots = pytest.mark.skipif(share_folder() is None, reason="example-robot-
 
 @pytest.fixture(scope="module")
 def pin() -> Iterator[Any]:
-    with worn("pinocchio"):
+    with using("pinocchio"):
         import pinocchio
 
         yield pinocchio

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 from ulna.errors import InputError
 
 
 @pytest.fixture(scope="module")
 def pin() -> Iterator[Any]:
-    with worn("pinocchio"):
+    with using("pinocchio"):
         import pinocchio
 
         yield pinocchio

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 
 pytest.importorskip("spatialmath")
 
 
 @pytest.fixture(scope="module")
 def rtb() -> Iterator[Any]:
-    with worn("roboticstoolbox"):
+    with using("roboticstoolbox"):
         yield importlib.import_module("roboticstoolbox")
 
 

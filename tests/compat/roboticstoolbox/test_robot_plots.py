@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 
 pytest.importorskip("spatialmath")
 matplotlib = pytest.importorskip("matplotlib")
@@ -19,7 +19,7 @@ matplotlib = pytest.importorskip("matplotlib")
 @pytest.fixture
 def env() -> Iterator[Any]:
     matplotlib.use("agg")
-    with worn("roboticstoolbox"):
+    with using("roboticstoolbox"):
         figure = importlib.import_module("roboticstoolbox.backends.PyPlot").PyPlot()
         figure.launch(limits=[-3, 3])
         yield figure

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 
 pytest.importorskip("spatialmath")
 Q = np.array([0.1, -0.4, 0.2, -2.0, 0.3, 1.9, 0.6])
@@ -17,7 +17,7 @@ Q = np.array([0.1, -0.4, 0.2, -2.0, 0.3, 1.9, 0.6])
 
 @pytest.fixture(scope="module")
 def rtb() -> Iterator[Any]:
-    with worn("roboticstoolbox"):
+    with using("roboticstoolbox"):
         yield importlib.import_module("roboticstoolbox")
 
 

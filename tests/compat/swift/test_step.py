@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.shelf import worn
+from support.compat_packages import using
 
 pytest.importorskip("spatialmath")
 
@@ -16,7 +16,7 @@ pytest.importorskip("spatialmath")
 @pytest.fixture
 def scene() -> Iterator[tuple[Any, Any, Any]]:
     """An environment, a robot in it, and what the viewer has of the robot."""
-    with worn("roboticstoolbox"):
+    with using("roboticstoolbox"):
         import roboticstoolbox as rtb
         import swift
 

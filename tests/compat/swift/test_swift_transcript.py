@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import ulna
-from support.shelf import worn
+from support.compat_packages import using
 from support.transcripts import compare, transcript
 from ulna.robots.catalogue import build_own
 
@@ -195,7 +195,7 @@ sg.Mesh("nothing.stl").bounds()
 
 @pytest.fixture(scope="module")
 def swift() -> Iterator[Any]:
-    with worn("roboticstoolbox"):
+    with using("roboticstoolbox"):
         import swift
 
         yield swift

@@ -62,7 +62,7 @@ def rotate(axis: str, angle: float) -> Floats:
         Rotation matrix (3, 3).
 
     Raises:
-        UnknownName: Another axis.
+        UnknownAxis: Another axis.
     """
     turn = real(angle, "angle")
     if axis not in ("x", "y", "z"):

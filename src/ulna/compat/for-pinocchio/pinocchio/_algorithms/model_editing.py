@@ -160,6 +160,9 @@ def appendModel(modelA: Model, modelB: Model, *rest: Any) -> Any:
 
     Returns:
         The model, or (model, geometry model).
+
+    Raises:
+        ArgumentError: Arguments are too many, too few, or of other types.
     """
     if len(rest) not in (2, 4) or not isinstance(rest[-1], SE3):
         raise ArgumentError(
@@ -289,6 +292,9 @@ def transformJointIntoMimic(
 
     Returns:
         The new model.
+
+    Raises:
+        InputError: The joint that is followed comes after the other one.
     """
     out = input_model.copy()
     for i in (index_mimicked, index_mimicking):
