@@ -119,7 +119,7 @@ def test_labels_are_as_high_as_the_scene_says(server: Any) -> None:
 
 def test_labels_that_the_page_draws_are_meshes(server: Any) -> None:
     snapshot = snapshot_of(CONTENTS["text"]())
-    node = add_node(server, "thing", snapshot, 0, False, writes=True)
+    node = add_node(server, "thing", snapshot, 0, False, True)
     assert node.is_mesh and len(node.handles) == 1
     assert node.handles[0].cast_shadow is False
     assert node.update_content(snapshot_of(Text("foot", 0.25)), 0)
