@@ -150,7 +150,8 @@ class BroadPhase:
         near = broad.overlaps(poses.centre, poses.half, self._count, margin + margins)
         near &= self._mask[..., None]
         for k in self._planes:
-            near[:, k] &= self._over(poses, k) <= margin + (0.0 if self._margins is None else margins[:, k])
+            over = self._over(poses, k)
+            near[:, k] &= over <= (margin if self._margins is None else margin + self._margins[:, k, None])
         return near
 
     def bounds(self, poses: Poses, broad_phase: bool) -> Floats:
