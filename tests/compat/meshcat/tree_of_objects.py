@@ -98,6 +98,10 @@ def points_and_lines(viz: MeshcatVisualizer) -> None:
     tree["cloud"].set_object(mg.PointsGeometry(ends), mg.PointsMaterial(color=0x00FF00))
     np.testing.assert_allclose(object_of(viz, "cloud")[0].content.colours, [[0, 1, 0]] * 4)
     refused(lambda: tree["cloud"].set_object(mg.PointsGeometry(ends.T)), "(4, 3)")
+    tree["none"].set_object(
+        mg.LineSegments(mg.PointsGeometry([], np.array([])), material)
+    )  # a path without points
+    assert "none" in viz.viewer.gui.scene
 
 
 def placement(viz: MeshcatVisualizer) -> None:

@@ -112,7 +112,7 @@ class RobotLoader:
         """The SRDF file, or None."""
         if self.srdf_filename:
             self._read_srdf(os.path.join(self.model_path, self.path, self.srdf_subpath, self.srdf_filename))
-        self.robot.urdf = self.df_path
+        self.robot.__dict__["urdf"] = self.df_path
         if self.free_flyer:
             self.addFreeFlyerJointLimits()
 

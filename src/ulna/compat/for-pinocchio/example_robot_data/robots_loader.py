@@ -58,7 +58,8 @@ def _loader(name: str, prefix: str) -> type[RobotLoader]:
     return type(f"{prefix}Loader", (RobotLoader,), _attributes(name) | {"__module__": __name__})
 
 
-_NAMED = dict(pair.split() for pair in _CLASS_NAMES.replace("\n", " ").split(","))
+_WORDS = _CLASS_NAMES.replace(",", " ").split()
+_NAMED = dict(zip(_WORDS[::2], _WORDS[1::2], strict=True))
 ROBOTS: dict[str, type[RobotLoader]] = {name: _loader(name, prefix) for name, prefix in _NAMED.items()}
 """The class that loads each robot."""
 
@@ -83,6 +84,7 @@ class PandaLoaderCollision(ROBOTS["panda"]):  # type: ignore[misc]
         from ulna.geometry import Capsule, Cylinder, Sphere
 
         model, count = self.robot.collision_model, dict[str, int]()
+        assert model is not None
         for geometry in list(model.geometryObjects):
             base, shape = geometry.name.rpartition("_")[0], geometry.shape
             if isinstance(shape, Cylinder):
@@ -113,6 +115,7 @@ class TalosLegsLoader(ROBOTS["talos"]):  # type: ignore[misc]
         robot.model = _first_joints(robot.model, count)
         robot.data = robot.model.createData()
         looks = pin.GeometryModel()
+        assert robot.visual_model is not None
         for geometry in robot.visual_model.geometryObjects:
             if geometry.parentJoint < count:
                 looks.addGeometryObject(geometry)

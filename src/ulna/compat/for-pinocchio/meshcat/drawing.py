@@ -152,11 +152,16 @@ def _by_colour(colours: Array) -> list[tuple[tuple[float, float, float], Array]]
     ]
 
 
+def _columns(name: str, values: Any, count: int | None) -> Floats:
+    """Three rows of numbers; an empty array of any shape is none of them."""
+    array = np.array(values, dtype=float)
+    return shaped_array(name, array.reshape(3, 0) if array.size == 0 else array, 3, count)
+
+
 def _points(geometry: Any, material: Any, kind: str) -> Drawn:
     """Points, or the lines that join them, as the kind of the object says."""
-    at = np.array(geometry.position, dtype=float)
-    positions = shaped_array("position", at.reshape(3, 0) if at.size == 0 else at, 3, None).T
-    colours = None if geometry.color is None else shaped_array("color", geometry.color, 3, len(positions)).T
+    positions = _columns("position", geometry.position, None).T
+    colours = None if geometry.color is None else _columns("color", geometry.color, len(positions)).T
     rgba = rgba_of(material)
     if kind == "Points":
         shown = np.tile(rgba[:3], (len(positions), 1)) if colours is None else colours

@@ -99,8 +99,9 @@ def _plane(normal: Floats, offset: float) -> tuple[Floats, Array]:
     length = np.linalg.norm(normal)
     n = normal / length
     helper = np.eye(3)[int(np.argmin(np.abs(n)))]
-    u = np.cross(n, helper)
+    u: Floats = np.cross(n, helper).astype(float)
     u /= np.linalg.norm(u)
-    v, half = np.cross(n, u), PLANE_SIZE / 2
+    v: Floats = np.cross(n, u).astype(float)
+    half = PLANE_SIZE / 2
     corners = [offset / length * n + half * (i * u + j * v) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-    return np.array(corners), np.array([[0, 1, 2], [0, 2, 3], [2, 1, 0], [3, 2, 0]])
+    return np.array(corners, dtype=float), np.array([[0, 1, 2], [0, 2, 3], [2, 1, 0], [3, 2, 0]])
