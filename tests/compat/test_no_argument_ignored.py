@@ -37,7 +37,8 @@ UNUSED = {
     "the viewer runs in this process": {
         "Client.__init__ clients", "Client.__init__ host", "Client.__init__ port", "Client.__init__ url",
         "gui_client _", "gui_client __", "start_server _", "start_server __", "Tree.setRefreshIsSynchronous synchronous",
-        "GepettoVisualizer.initViewer open", "GepettoVisualizer.initViewer more", "MotionPictures.create_video_ctx _",
+        "GepettoVisualizer.initViewer open", "Visualizer.__init__ zmq_url", "Visualizer.__init__ server_args",
+        "MeshcatVisualizer.initViewer zmq_url", "GepettoVisualizer.initViewer more", "MotionPictures.create_video_ctx _",
         "BaseVisualizer.loadViewerModel _",
     },
     "the function warns that it is not offered": {
@@ -49,6 +50,8 @@ UNUSED = {
         "centerOfMass compute_subtree_coms", "computeCollisionsInParallel num_thread", "StreamBuffer.prepare n",
         "ConstraintCholeskyDecomposition.getInverseOperationalSpaceInertiaMatrix enforce_symmetry",
         "DelassusOperator.matrix enforce_symmetry", "log3 theta", "PGSConstraintSolver.__init__ problem_size",
+        "ADMMConstraintSolver.__init__ problem_size", "ADMMSolverResult.resize problem_size",
+        "ADMMSolverStats.__init__ max_iterations",
         "computeLargestEigenvector max_it", "computeLargestEigenvector rel_tol", "_BodyParameters.__init__ parts",
     },
     "the objects hold what these would tell": {
@@ -61,7 +64,12 @@ UNUSED = {
         "_OfJoints.setCompliance sel", "_OfJoints.jacobian data", "_OfJoints.jacobian constraint_data",
         "JointFrictionConstraintModel.calc model", "JointFrictionConstraintModel.calc data",
         "JointLimitConstraintModel.setBaumgarteCorrectorParameters sel", "JointLimitConstraintModel.calc model",
-        "JointLimitConstraintModel.set constraint_data", "RigidConstraint.residualSize sel",
+        "JointLimitConstraintModel.set constraint_data", "RigidConstraint.residualSize sel", "JointLimitConstraintModel.jacobian data",
+        "AnyConstraint.getRowSparsityPattern data", "AnyConstraint.getRowSparsityPattern constraint_data",
+    },
+    "quantities evaluated on numbers are not kept": {
+        f"EvaluatedModel.{method} {parameter}"
+        for method in ("compile", "compile_at_frames") for parameter in ("key", "echoed", "shapes")
     },
     "the page is served by this process, which never waits for it": {
         "LaunchedEnvironment.__init__ _dev", "LaunchedEnvironment.launch timeout",

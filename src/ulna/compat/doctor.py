@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import ast
 import importlib
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
 from ulna.compat.members import missing_keywords, offered_member, refused
-from ulna.compat.packages import FOLDERS, modules
+from ulna.compat.packages import FOLDERS, compatibility_imports, modules
 from ulna.compat.script_names import expressions
 from ulna.compat.script_objects import Objects, ObjectsOf
 from ulna.errors import FormatError, InputError
@@ -59,11 +58,9 @@ def examine(path: str | Path) -> list[Finding]:
     used: dict[str, int] = {}
     for line, name in sorted(_used(tree, frozenset(known_modules))):
         used.setdefault(name, line)
-    for folder in FOLDERS.values():
-        if str(folder) not in sys.path:
-            sys.path.insert(0, str(folder))
-    found = [Finding(line, name, *_is_offered(name)) for name, line in used.items()]
-    objects = _of_objects(tree, frozenset(known_modules))
+    with compatibility_imports(FOLDERS.values(), known_modules):
+        found = [Finding(line, name, *_is_offered(name)) for name, line in used.items()]
+        objects = _of_objects(tree, frozenset(known_modules))
     return sorted({one.name: one for one in [*reversed(objects), *found]}.values(), key=lambda one: one.line)
 
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+from types import ModuleType
 
 from ulna.errors import InputError, UnknownName
 
@@ -23,6 +25,43 @@ def modules(library: str) -> tuple[str, ...]:
     folder = FOLDERS[library]
     packages = (p for p in folder.iterdir() if (p / "__init__.py").is_file()) if folder.is_dir() else ()
     return tuple(sorted(p.name for p in packages))
+
+
+_LOADED: dict[str, ModuleType] = {}
+"""Modules of compatibility packages that `compatibility_imports` loaded."""
+
+
+@contextmanager
+def compatibility_imports(folders: Iterable[Path], packages: Iterable[str]) -> Iterator[None]:
+    """Within, `import` finds compatibility packages, even if the libraries are loaded; those come back after.
+
+    Args:
+        folders: Folders of compatibility packages.
+        packages: Names of the packages in them.
+
+    Returns:
+        A context manager.
+    """
+    roots, names, path = tuple(map(str, folders)), frozenset(packages), list(sys.path)
+
+    def removed() -> dict[str, ModuleType]:
+        return {name: sys.modules.pop(name) for name in list(sys.modules) if name.split(".")[0] in names}
+
+    def is_ours(module: ModuleType) -> bool:
+        return str(getattr(module, "__file__", None) or "").startswith(roots)
+
+    before = removed()
+    if all(map(is_ours, before.values())):
+        _LOADED.update(before)
+    sys.modules.update({name: module for name, module in _LOADED.items() if is_ours(module)})
+    sys.path[:0] = roots
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        _LOADED.clear()
+        _LOADED.update(removed())
+        sys.modules.update(before)
 
 
 def library_of(name: str) -> str:

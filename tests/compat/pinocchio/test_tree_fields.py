@@ -55,7 +55,13 @@ def test_rows_follow_each_other_as_joints_do(pin: Any) -> None:
         assert list(support[:-1]) == (list(data.supports_fromRow[data.parents_fromRow[row]]) if row else [])
         assert data.start_idx_v_fromRow[row] <= row <= data.end_idx_v_fromRow[row]
         assert data.nvSubtree_fromRow[row] == sum(row in other for other in data.supports_fromRow)
-    assert data.nvSubtree[1] == model.nv
+    assert data.nvSubtree[0] == data.nvSubtree[1] == model.nv
+    assert (
+        list(model.span_indexes_vector[0]) == []
+        and min(min(s) for s in list(model.span_indexes_vector)[1:]) == 0
+    )
+    with pytest.raises(Exception, match="one coordinate"):
+        pin.transformJointIntoMimic(model, 0, 3, 2.0, 0.1)
 
 
 def test_factors_of_the_mass_matrix(pin: Any) -> None:

@@ -125,6 +125,7 @@ def test_chains_without_joints_have_empty_jacobians_and_rows_of_poses(rtb: Any, 
     last, chain = panda.links[-1], rtb.ETS(rtb.ET.tx(2))
     assert panda.jacob0_analytical(Q, start=last, end=last).shape == (6, 0)
     assert panda.hessian0(Q, end=panda.links[0]).shape == (0, 6, 0)
+    assert len(chain.fkine(np.zeros((0, 1)))) == 1  # a column of no coordinates
     assert len(chain.fkine(np.zeros((3, 2)))) == 3 and chain.fkine(None).t == pytest.approx([2, 0, 0])
 
 

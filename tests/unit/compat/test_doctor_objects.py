@@ -102,8 +102,8 @@ def test_the_report_gives_hints_and_says_what_was_not_examined(examined: Any) ->
     assert "Not examined" in text and "x (line 5), a (line 7)" in text
 
 
-def test_methods_that_only_raise_are_refused(examined: Any) -> None:
-    examined("")
+def test_methods_that_only_raise_are_refused(examined: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(packages.FOLDERS["legs"])
     import legs  # pyright: ignore[reportMissingImports]
 
     assert refused(legs.Arm.light) == "Use the theme." and refused(legs.Arm.copy) is None
@@ -117,6 +117,17 @@ def test_names_are_found_in_the_innermost_scope() -> None:
     scopes = {node.value.id: scope for node, scope in expressions(tree) if isinstance(node, ast.Attribute)}
     assert scopes["a"].find("a")[1][0].value == 2 and scopes["b"].find("b")[1] == [None]
     assert scopes["c"].find("c")[1] == [None] and scopes["d"].find("d") is None
+
+
+def test_loaded_libraries_are_not_examined_in_place_of_the_packages(tmp_path: Path) -> None:
+    toolbox = pytest.importorskip("roboticstoolbox")
+    script = tmp_path / "lab.py"
+    script.write_text("import roboticstoolbox as rtb\np = rtb.models.DH.Puma560()\np.basemesh\n")
+    for _ in range(2):
+        assert "roboticstoolbox.Puma560.basemesh" in _missing({f.name: f for f in doctor.examine(script)})
+        import roboticstoolbox
+
+        assert roboticstoolbox is toolbox
 
 
 def test_scripts_of_the_toolbox(tmp_path: Path) -> None:

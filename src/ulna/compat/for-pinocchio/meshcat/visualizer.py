@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 import time
+from dataclasses import dataclass
 from typing import Any, NoReturn, final
 
 import numpy as np
@@ -24,6 +25,23 @@ from ulna.viewer.page.browser import open_browser, somebody_can_look
 
 _PROPERTIES = ("visible", "color", "opacity", "modulated_opacity", "position", "quaternion", "scale")
 _ROOT = ("meshcat",)
+
+
+@final
+@dataclass(frozen=True)
+class NotebookCell:
+    """A page in the cell of a notebook.
+
+    Attributes:
+        url: Address of the page.
+        height: Height [pixels].
+    """
+
+    url: str
+    height: int
+
+    def _repr_html_(self) -> str:
+        return f'<iframe src="{self.url}" width="100%" height="{self.height:d}" style="border:0"></iframe>'
 
 
 @final
@@ -223,12 +241,12 @@ class Visualizer:
         """The page, for the end of a notebook's cell.
 
         Args:
-            height: Accepted and ignored [pixels].
+            height: Height of the page [pixels].
 
         Returns:
-            The viewer, which a notebook shows.
+            What a notebook shows; None without a page.
         """
-        return self.viewer
+        return NotebookCell(self.url(), height) if self.url() else None
 
     def static_html(self) -> str:
         """The scene as one HTML file that can be viewed offline."""

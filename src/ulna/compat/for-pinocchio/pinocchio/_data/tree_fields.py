@@ -27,7 +27,7 @@ class TreeFields(FieldStates):
     @property
     def nvSubtree(self) -> StdVec[int]:
         """For each joint how many entries of v move what it moves, its own included."""
-        nvs = [joint.nv for joint in self._model.joints]
+        nvs = [0, *(joint.nv for joint in self._model.joints[1:])]
         return StdVec([sum(nvs[i] for i in moved) for moved in _moved(self._model)])
 
     @property

@@ -210,23 +210,26 @@ def _described(g: GeometryObject) -> str:
     return "".join(f"{key}: \t \n{value}\n" for key, value in parts.items()) + "\n"
 
 
-def pair_map(geometry_model: GeometryCollection, values: Any, upper: bool) -> Floats:
+def pair_map(
+    geometry_model: GeometryCollection, values: Any, upper: bool, kind: type[bool | float] = bool
+) -> Floats:
     """A matrix of pairs whose upper half counts.
 
     Args:
         values: Matrix (n, n) for n geometries.
         upper: Whether its upper half counts, else the lower one.
+        kind: What an entry is.
 
     Returns:
         Matrix (n, n).
 
     Raises:
-        ArgumentError: It has another shape.
+        ArgumentError: It has another shape or other entries.
     """
     matrix, count = np.asarray(values), geometry_model.ngeoms
-    if matrix.shape != (count, count) or matrix.dtype != bool:
+    if matrix.shape != (count, count) or not np.can_cast(matrix.dtype, kind):
         raise ArgumentError(
-            f"The map has shape {matrix.shape} and dtype {matrix.dtype}; expected {(count, count)} and bool."
+            f"The map has shape {matrix.shape} and dtype {matrix.dtype}; expected {(count, count)} and {kind.__name__}."
         )
     return matrix if upper else matrix.T
 

@@ -153,7 +153,7 @@ class GeometryData(Saved):
             upper: Whether entries above the diagonal count, else those below it.
             sync_distance_upper_bound: Whether distances beyond it are not computed.
         """
-        margins = pair_map(geometry_model, security_margin_map, upper)
+        margins = pair_map(geometry_model, security_margin_map, upper, float)
         for request, pair in zip(self.collisionRequests, self._pairs, strict=True):
             request.security_margin = float(margins[min(pair), max(pair)])
             if sync_distance_upper_bound:

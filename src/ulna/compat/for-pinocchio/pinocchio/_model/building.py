@@ -196,7 +196,7 @@ class KinematicTree(KernelCache):
             followed, ratio, shift = source.mimic
             scaling, offset = scaling * ratio, scaling * shift + offset
             source = self.joints[followed]
-        if (source.nq, source.nv) != (1, 1) or (joint.nq, joint.nv) != (1, 1):
+        if 0 in (followed, joint_id) or (source.nq, source.nv) != (1, 1) or (joint.nq, joint.nv) != (1, 1):
             names = f"{self.names[joint_id]!r} is to follow {self.names[followed]!r}"
             raise ModelError(f"{names}; only joints with one coordinate can follow and be followed.")
         for key in self._arrays:

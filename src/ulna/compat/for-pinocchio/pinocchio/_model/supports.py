@@ -24,6 +24,8 @@ class Supports:
         return StdVec(StdVec(span) for span in spans)
 
     def _entries(self, joint: int) -> range:
+        if joint == 0:  # the universe, whatever its joint says of itself
+            return range(0)
         start, size = self.joints[joint].idx_v, self.joints[joint].nv
         return range(start, start + size)
 

@@ -60,7 +60,7 @@ class ViserVisualizer(CameraVisualizer):
         collision_color: Sequence[float] | None = None,
         visual_color: Sequence[float] | None = None,
         frame_axis_length: float = 0.2,
-        frame_axis_radius: float | None = None,
+        frame_axis_radius: float = 0.01,
     ) -> None:
         """Loads the geometries into the viewer, below a node of that name.
 
@@ -69,13 +69,12 @@ class ViserVisualizer(CameraVisualizer):
             collision_color: Red, green, blue, opacity of the collision geometries; their own when not given.
             visual_color: Those of the visual geometries.
             frame_axis_length: Length of the axes that `displayFrames` shows [m].
-            frame_axis_radius: Radius of their shafts [m]; a fortieth of their length when not given.
+            frame_axis_radius: Radius of their shafts [m].
         """
-        width = 2.0 if frame_axis_radius is None else 80 * frame_axis_radius / frame_axis_length
-        self._axes = (frame_axis_length, width)
+        self._axes = (frame_axis_length, 80 * frame_axis_radius / frame_axis_length)
         super().loadViewerModel(rootNodeName, None, collision_color, visual_color)
 
-    _axes = (0.2, 2.0)
+    _axes = (0.2, 4.0)
 
     def displayFrames(
         self,

@@ -92,7 +92,7 @@ class Chain:
     def fk(self, q: Any) -> Floats:
         """The pose of the end in the start, (..., 4, 4)."""
         if self.n == 0:
-            rows = () if np.ndim(q) < 2 or len(q) == 1 else (len(q),)
+            rows = (len(q),) if np.ndim(q) > 1 and len(q) > 1 else ()
             return np.broadcast_to(self._constant, (*rows, 4, 4)).copy()
         try:
             return self._fk(self.q(q))
