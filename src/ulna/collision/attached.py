@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import lru_cache
 
-from ulna.collision.fit import cover
+from ulna.collision.cover import cover
 from ulna.collision.objects import Attachment
 from ulna.collision.pairs import LinkPair
 from ulna.collision.solids import Missing, Solid, solid_of

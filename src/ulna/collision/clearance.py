@@ -23,7 +23,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ulna.collision.fit import cover
+from ulna.collision.cover import cover
 from ulna.collision.objects import Obstacle
 from ulna.collision.pairs import LinkPair
 from ulna.collision.solids import Missing, Solid, link_solids, obstacle_solids

@@ -18,12 +18,13 @@ from ulna.checks.arrays import batched_array
 from ulna.collision import clearance as gap
 from ulna.collision.attached import attached_pairs, attached_solids, attached_spheres
 from ulna.collision.clouds import cloud_checks
+from ulna.collision.covering import fit
 from ulna.collision.groups import grouped, pairs_apart
 from ulna.collision.mask import check_touches
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.solids import Missing
 from ulna.collision.sphere_kernels import What, outer_kernel, own_kernel, sphere_kernel
-from ulna.collision.spheres import Spheres, fit
+from ulna.collision.spheres import Spheres
 from ulna.collision.world import World
 from ulna.errors import InputError
 from ulna.model import Model

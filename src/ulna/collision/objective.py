@@ -9,9 +9,10 @@ import numpy as np
 
 from ulna.collision.attached import attached_pairs, attached_solids, attached_spheres
 from ulna.collision.clearance import Part, checked_links, parts, root, row, self_pairs, signed, standing
+from ulna.collision.covering import fit
 from ulna.collision.mask import check_touches
 from ulna.collision.pairs import LinkPair, link_pairs
-from ulna.collision.spheres import Spheres, fit, sphere_centres
+from ulna.collision.spheres import Spheres, sphere_centres
 from ulna.collision.world import World
 from ulna.model import Model
 from ulna.numeric import exp, minimum

@@ -6,7 +6,7 @@ import functools
 import os
 import warnings
 from dataclasses import dataclass
-from typing import Any, Literal, final
+from typing import Literal, final
 
 import numpy as np
 
@@ -235,12 +235,3 @@ def hull(vertices: Floats) -> tuple[Floats, Array]:
     inward = (np.cross(b - a, c - a) * found.equations[:, :3]).sum(axis=1) < 0
     triangles[inward] = triangles[inward][:, ::-1]
     return vertices[corners], place[triangles]
-
-
-def half_spaces(solid: Solid) -> tuple[Floats, Floats]:
-    """Half spaces A x <= b, (m, 3) and (m,), whose intersection is the convex hull of a mesh."""
-    vertices, triangles = hull(solid.vertices)
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    normal: Any = np.cross(b - a, c - a)
-    normal /= np.sqrt((normal**2).sum(axis=1, keepdims=True))
-    return normal, (vertices @ normal.T).max(axis=0)  # every vertex is inside, whatever rounding does

@@ -1,4 +1,4 @@
-"""Spheres that cover a robot's links: fitted, kept, edited, written down."""
+"""Spheres that cover a robot's links: as values, as text, and placed in the world."""
 
 from __future__ import annotations
 
@@ -11,21 +11,12 @@ from typing import final
 import numpy as np
 
 from ulna import algorithms
-from ulna import disk_cache as cache
 from ulna.checks.arrays import finite_array
-from ulna.collision.fit import cover
-from ulna.collision.pairs import LinkPair, link_pairs
-from ulna.collision.solids import Missing, Solid, link_solids
 from ulna.errors import FormatError, InputError, ShapeError
-from ulna.geometry import Mesh
 from ulna.model import Model
 from ulna.model.content import fingerprint
 from ulna.system.cached import cached_property
 from ulna.typing import Array, ArrayLike, Floats
-
-_TRIALS = 64
-_SHARPEST = 8  # how much finer than asked for the spheres of links that pass each other closely may be
-_VERSION = 4  # of the fit: changed with every change to what it finds
 
 
 @final
@@ -36,7 +27,7 @@ class LinkSpheres:
     Attributes:
         centres: In the link's frame, (n, 3) [m].
         radii: (n,) [m].
-        excess: No point of them is farther from the link's geometry (meshes: convex hulls) than this [m]; None where
+        excess: No point of them is farther from the link's geometry than this [m]; None where
             that is not known, since they were edited.
     """
 
@@ -130,61 +121,6 @@ class Spheres:
         return f"<{self.count} spheres on {len(self.links)} links>"
 
 
-def fit(model: Model, tolerance: float = 0.012, most: int = 12, *, missing: Missing = "error") -> Spheres:
-    """Spheres that cover the collision geometry of every link; stored on disk, since computing them may take seconds.
-
-    Links whose spheres touch those of another in most configurations get finer ones, up to eight times.
-
-    Args:
-        model: The robot.
-        tolerance: How far spheres should stick out of curved surfaces [m]; of flat ones twice that.
-        most: The largest number of spheres for one shape; where they do not suffice, `excess` is larger.
-        missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
-
-    Returns:
-        The spheres of each link.
-
-    Raises:
-        InputError: If tolerance or count make no sense.
-        ModelError: If the robot has no collision geometry, or a mesh is missing.
-        MissingExtra: If scipy is not installed.
-    """
-    if not (np.isfinite(tolerance) and tolerance >= 1e-4):
-        raise InputError(f"`tolerance` is {tolerance!r}; expected a length of at least 0.0001 [m].")
-    if int(most) != most or most < 1:
-        raise InputError(f"`most` is {most!r}; expected a count, 1 or more.")
-    by_link: dict[str, list[Solid]] = {}
-    for solid in link_solids(model, missing):
-        by_link.setdefault(solid.owner, []).append(solid)
-    sharpness = dict.fromkeys(by_link, 1)
-    while True:
-        fitted = Spheres(
-            {k: _link(model, k, v, tolerance / sharpness[k], most * sharpness[k]) for k, v in by_link.items()}
-        )
-        blunt = {name for pair in _crowded(model, fitted) for name in pair if sharpness[name] < _SHARPEST}
-        if not blunt:
-            return fitted
-        for name in blunt:
-            sharpness[name] *= 2
-
-
-def _link(model: Model, name: str, solids: list[Solid], tolerance: float, most: int) -> LinkSpheres:
-    """The spheres of one link, from the disk where they are."""
-    base = model.link(name).placement.inverse()
-    places = [base @ solid.placement for solid in solids]
-    parts = [[s.shape, s.vertices if isinstance(s.shape, Mesh) else None] for s in solids]
-    key = cache.key("spheres", fingerprint([_VERSION, parts, places, float(tolerance), int(most)]))
-    stored = cache.read(key)
-    if stored is not None:
-        (same,) = Spheres.from_json(
-            stored.decode()
-        ).links.values()  # of a link of any name: shapes are the key
-        return same
-    fitted = LinkSpheres(*cover(solids, places, float(tolerance), int(most)))
-    cache.write(key, Spheres({name: fitted}).to_json().encode())
-    return fitted
-
-
 def sphere_centres(
     model: Model, q: Array, spheres: Spheres, carriers: Mapping[str, str] = MappingProxyType({})
 ) -> dict[str, Array]:
@@ -208,23 +144,3 @@ def sphere_centres(
             T = joints[link.joint]
             points[name] = points[name] @ np.swapaxes(T.rotation, -1, -2) + T.translation[..., None, :]
     return points
-
-
-def _crowded(model: Model, spheres: Spheres) -> list[LinkPair]:
-    """Pairs of links whose spheres touch in more than half of some configurations: links that pass each other closely,
-    where blunt spheres would leave no room at all.
-    """
-    q = algorithms.random(model, np.random.default_rng(0), (_TRIALS,))
-    placed = {
-        name: np.broadcast_to(points, (_TRIALS, *points.shape[-2:]))
-        for name, points in sphere_centres(model, q, spheres).items()
-    }
-    crowded = []
-    for a, b in link_pairs(model):
-        if model.link(a).joint < 0 or model.link(b).joint < 0 or not {a, b} <= placed.keys():
-            continue  # fixed links need no spheres against others; what was skipped has none
-        apart = ((placed[a][:, :, None] - placed[b][:, None]) ** 2).sum(axis=-1)
-        reach = spheres.links[a].radii[:, None] + spheres.links[b].radii
-        if (apart <= reach**2).any(axis=(1, 2)).mean() > 0.5:
-            crowded.append((a, b))
-    return crowded

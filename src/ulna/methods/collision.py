@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Literal, final
 
 from ulna.errors import InputError, UnknownName
@@ -175,19 +175,26 @@ class Collision(Part):
         """
         return _checker(self, world, method=method, **options)
 
-    def spheres(self, tolerance: float = 0.012, most: int = 12) -> Spheres:
+    def spheres(
+        self,
+        tolerance: float = 0.01,
+        most: int | None = None,
+        *,
+        progress: Callable[[int, int], object] | None = None,
+    ) -> Spheres:
         """Spheres that cover the links; see `ulna.collision.fit`.
 
         Args:
-            tolerance: How far spheres may reach beyond a shape [m].
-            most: Greatest number of spheres of a shape.
+            tolerance: How far spheres may stick out at the tips [m]; farther where there are too few.
+            most: How many spheres a link has on average, at most; None for 60 and 5.5 more for each link.
+            progress: Called with the numbers of steps that are done, and of all.
 
         Returns:
             The spheres of all links.
         """
         from ulna import collision
 
-        return collision.fit(self.model, tolerance, most)
+        return collision.fit(self.model, tolerance, most, progress=progress)
 
 
 def _checker(part: Part, world: World | None = None, *, method: Method = "exact", **options: Any) -> Any:

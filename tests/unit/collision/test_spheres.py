@@ -10,7 +10,7 @@ import pytest
 import ulna
 from support.scenes import table
 from ulna.collision import LinkSpheres, SphereChecker, Spheres, World, fit, sphere_clearance
-from ulna.collision.fit import cover
+from ulna.collision.cover import cover
 from ulna.collision.solids import Solid
 from ulna.errors import (
     FormatError,
@@ -42,8 +42,10 @@ TETRAHEDRON = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.3, 0.0], [0.0,
 
 
 def solid(shape: Shape) -> Solid:
-    vertices = TETRAHEDRON if isinstance(shape, Mesh) else np.zeros((0, 3))
-    return Solid("x", shape, -1, SE3.identity(), vertices, np.zeros((0, 3), dtype=int))
+    if isinstance(shape, Mesh):
+        faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+        return Solid("x", shape, -1, SE3.identity(), TETRAHEDRON, faces)
+    return Solid("x", shape, -1, SE3.identity(), np.zeros((0, 3)), np.zeros((0, 3), dtype=int))
 
 
 def inside(shape: Shape, x: Floats) -> Floats:
@@ -206,20 +208,23 @@ def two_links(first: str, second: str, shape: Shape) -> Model:
     return builder.build()
 
 
-def test_links_of_equal_shape_share_what_is_kept_on_disk(
+def test_spheres_are_kept_on_disk_and_links_of_equal_shape_are_fitted_once(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
+    from ulna.collision import covering
+
     monkeypatch.setenv("ULNA_CACHE", str(tmp_path))
-    shape = Sphere(0.1234)
-    first = fit(two_links("left", "right", shape))
-    assert list(first.links) == ["left", "right"]
-    monkeypatch.setattr("ulna.collision.spheres.cover", lambda *_: pytest.fail("it is fitted again"))
-    again = fit(two_links("one", "other", shape))
-    assert list(again.links) == ["one", "other"]
-    np.testing.assert_array_equal(again.links["one"].centres, first.links["left"].centres)
-    np.testing.assert_array_equal(again.links["other"].radii, first.links["right"].radii)
-    with pytest.raises(pytest.fail.Exception, match="fitted again"):
-        fit(two_links("one", "other", Sphere(0.1235)))
+    made: list[str] = []
+    real = covering.link_task
+    monkeypatch.setattr(covering, "link_task", lambda m, name, s: made.append(name) or real(m, name, s))
+    model, steps = two_links("left", "right", Box((0.1, 0.1, 0.1234))), []
+    first = fit(model, progress=lambda *step: steps.append(step))
+    assert list(first.links) == ["left", "right"] and made == ["left"]
+    assert steps == sorted(steps) and steps[0][0] == 0 and steps[-1][0] == steps[-1][1]
+    np.testing.assert_array_equal(first.links["left"].centres, first.links["right"].centres)
+    assert fit(model) == first and fit(model).excess == first.excess and len(made) == 1
+    fit(two_links("left", "right", Box((0.1, 0.1, 0.1235))))
+    assert len(made) == 2
 
 
 def test_a_link_whose_mesh_is_skipped_is_not_asked_for_spheres() -> None:

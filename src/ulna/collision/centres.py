@@ -1,0 +1,209 @@
+"""Few spheres that cover a region and stick out of it as little as possible: a k-centre problem.
+
+| symbol | meaning | shape | unit |
+|---|---|---|---|
+| x | points to cover: of the surface, and of the inside | (n, 3) | [m] |
+| c, r | centres and radii of spheres | (k, 3), (k,) | [m] |
+| s | signed distance of a centre from the surface, negative inside | (k,) | [m] |
+| C | excess of a sphere about c that just covers x: abs(x - c) + s(c) | (n, m) | [m] |
+| e | the largest excess | | [m] |
+
+A point of a sphere is no farther from the region than abs(point - c) + s(c), for the ball about c with radius -s(c)
+is inside: so r + s(c) bounds how far the sphere sticks out. To cover all x with k spheres and the least e is to
+choose k centres with the least max over x of min over c of C. A greedy cover decides how many spheres an e takes;
+from there each point goes to the sphere with the least C, and each centre to where the largest C of its points is
+least, first among given candidates, then by shorter and shorter steps.
+
+Sources: Hochbaum and Shmoys, A best possible heuristic for the k-center problem, Mathematics of Operations Research 10
+(1985); Chvatal, A greedy heuristic for the set-covering problem, ibid. 4 (1979); Lloyd, Least squares quantization in
+PCM, IEEE Transactions on Information Theory 28 (1982), with the largest instead of the mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ulna.collision.problem import Problem, far
+from ulna.typing import Array, Floats
+
+_ROUNDS = 40
+_EXCHANGES, _FAILURES = 8, 2
+_CORNERS = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+_DIRECTIONS = np.vstack([np.eye(3), -np.eye(3), _CORNERS / np.sqrt(3.0)])
+
+
+def place(problem: Problem, count: int) -> Floats:
+    """Centres of spheres with a small largest excess.
+
+    Args:
+        problem: What to cover.
+        count: How many spheres.
+
+    Returns:
+        Centres, shape (k, 3) [m], k at most `count`.
+    """
+    if problem.is_empty:
+        return np.zeros((0, 3))
+    chosen = _settled(problem.cost, np.array(problem.start(count)))
+    c = _moved(problem, problem.candidates[chosen].copy())
+    while len(c) < count:
+        c = _moved(problem, _halved(problem, c))
+    return _exchanged(problem, c)
+
+
+def _halved(problem: Problem, c: Floats) -> Floats:
+    """Centres with two in place of the one with the largest excess."""
+    costs = far(problem.points, c) + problem.region.signed(c)
+    least = costs.min(axis=1)
+    largest = int(costs[least.argmax()].argmin())
+    half = (problem.points[least.argmax()] - c[largest]) / 2.0
+    return np.vstack([np.delete(c, largest, axis=0), c[largest] + half, c[largest] - half])
+
+
+def _settled(cost: Floats, chosen: Array) -> Array:
+    """Candidates, each the best for the samples that are nearest to it."""
+    best, least = chosen, np.inf
+    for _ in range(_ROUNDS):
+        costs = cost[:, chosen]
+        worst = float(costs.min(axis=1).max())
+        if worst >= least - 1e-6:
+            break
+        best, least = chosen, worst
+        owners = costs.argmin(axis=1)
+        mine = [cost[owners == k] for k in range(len(chosen))]
+        chosen = np.array([int(rows.max(axis=0).argmin()) for rows in mine if len(rows)])
+    return best
+
+
+def divided(problem: Problem, c: Floats, numbers: Sequence[int]) -> Floats:
+    """Centres with two in place of each of some, moved to where their excess is least.
+
+    Args:
+        problem: What to cover.
+        c: Centres, shape (k, 3) [m].
+        numbers: Which to divide.
+
+    Returns:
+        Centres, shape (n, 3) [m], n = k + the count of `numbers`.
+    """
+    owners = (far(problem.points, c) + problem.region.signed(c)).argmin(axis=1)
+    more = []
+    for k in numbers:
+        x = problem.points[owners == k]
+        if not len(x):
+            continue
+        a = x[((x - c[k]) ** 2).sum(axis=1).argmax()]
+        b = x[((x - a) ** 2).sum(axis=1).argmax()]
+        more.append(c[k] + (b - a) / 4.0)
+        c[k] = c[k] - (b - a) / 4.0
+    return _moved(problem, np.vstack([c, *more]))
+
+
+def _exchanged(problem: Problem, c: Floats) -> Floats:
+    """Centres of which the one that is missed least was moved to help the one with the largest excess, again and again.
+
+    Ends when that has not helped `_FAILURES` times in a row.
+    """
+    costs = far(problem.points, c) + problem.region.signed(c)
+    failed: list[tuple[int, int]] = []
+    for _ in range(_EXCHANGES if len(c) > 2 else 0):
+        owners = costs.argmin(axis=1)
+        least, second = np.partition(costs, 1, axis=1)[:, :2].T
+        largest = int(owners[least.argmax()])
+        missed = np.array([second[owners == k].max(initial=0.0) for k in range(len(c))])
+        missed[[largest, *(spare for other, spare in failed if other == largest)]] = np.inf
+        spare = int(missed.argmin())
+        trial, half = c.copy(), (problem.points[least.argmax()] - c[largest]) / 2.0
+        trial[spare], trial[largest] = c[largest] + half, c[largest] - half
+        trial = _moved(problem, trial)
+        found = far(problem.points, trial) + problem.region.signed(trial)
+        if found.min(axis=1).max() < least.max() - 1e-5:
+            c, costs, failed = trial, found, []
+        else:
+            failed.append((largest, spare))
+            if len(failed) == min(_FAILURES, len(c) - 1):
+                break
+    return c
+
+
+def _moved(problem: Problem, c: Floats) -> Floats:
+    """Centres moved by shorter and shorter steps while that makes the excess of their points less."""
+    region, x, step = problem.region, problem.points, 2.0 * problem.region.h
+    s, there = region.signed(c), np.zeros((len(c), len(_DIRECTIONS)))
+    stale = np.ones(len(c), dtype=bool)
+    for _ in range(_ROUNDS):
+        trials = c[:, None] + step * _DIRECTIONS
+        there[stale] = region.signed(trials[stale].reshape(-1, 3)).reshape(-1, len(_DIRECTIONS))
+        stale[:] = False
+        costs = far(x, c) + s
+        owners = costs.argmin(axis=1)
+        least = costs[np.arange(len(x)), owners]
+        for k in range(len(c)):
+            mine = np.flatnonzero(owners == k)
+            if not len(mine):
+                continue
+            most = float(least[mine].max())
+            near = x[mine[least[mine] > most - 2.0 * step]]  # no other can be the farthest after the step
+            e = np.sqrt(((near[:, None] - trials[k]) ** 2).sum(axis=-1).max(axis=0)) + there[k]
+            best = int(e.argmin())
+            if e[best] < most - 1e-5:
+                c[k], s[k], stale[k] = trials[k, best], there[k, best], True
+        if not stale.any():
+            step /= 2.0
+            stale[:] = True
+            if step < region.h / 8.0:
+                break
+    return c
+
+
+def covered(problem: Problem, c: Floats) -> tuple[Floats, Floats]:
+    """Radii with which spheres cover everything for sure.
+
+    A triangle whose corners are in a sphere is in it; each piece of the surface goes to the sphere whose excess it
+    makes least. Then hollows between the spheres that a flood from outside does not reach are filled.
+
+    Args:
+        problem: What to cover.
+        c: Centres, shape (k, 3) [m].
+
+    Returns:
+        Centres and radii of the spheres that are needed, shapes (n, 3), (n,) [m].
+    """
+    s = problem.region.signed(c)
+    lengths = np.stack([np.sqrt(((problem.pieces - p) ** 2).sum(axis=-1).max(axis=1)) for p in c], axis=1)
+    r = _grown(np.zeros(len(c)), lengths, s)
+    for _ in range(3):
+        hollows = _hollows(problem, c, r)
+        if not len(hollows):
+            break
+        lengths = np.stack([np.linalg.norm(hollows - p, axis=1) for p in c], axis=1)
+        r = _grown(r, lengths, s)
+    used = r > 0.0
+    return c[used], r[used] * (1.0 + 1e-12) + 1e-12
+
+
+def _grown(r: Floats, lengths: Floats, s: Floats) -> Floats:
+    """Radii not less than r with which each row of distances is within the sphere that it makes stick out least."""
+    owners = (np.maximum(lengths, r) + s).argmin(axis=1)
+    r = r.copy()
+    np.maximum.at(r, owners, lengths[np.arange(len(lengths)), owners])
+    return r
+
+
+def _hollows(problem: Problem, c: Floats, r: Floats) -> Floats:
+    """Centres of cells that no sphere holds and that cannot be reached from outside."""
+    from scipy import ndimage
+
+    region = problem.region
+    x = region.centres(np.ones_like(region.inside))
+    free = np.ones(len(x), dtype=bool)
+    for centre, radius in zip(c, r, strict=True):
+        free &= ((x - centre) ** 2).sum(axis=1) > radius**2
+    labels, count = ndimage.label(free.reshape(region.inside.shape))
+    if count < 2:
+        return np.zeros((0, 3))
+    rim = np.ones_like(region.inside)
+    rim[1:-1, 1:-1, 1:-1] = False
+    return region.centres((labels > 0) & ~np.isin(labels, np.unique(labels[rim])))
