@@ -423,7 +423,7 @@ def test_paths_that_touch_between_the_steps_of_the_search_are_repaired(
     robot, random = panda(), np.random.default_rng(3)
     a, b = left_and_right()
     world = World()
-    for k in range(60):
+    for k in range(120):
         world = world.add(f"grain{k}", Sphere(0.002), random.uniform([0.1, -0.1, 0.2], [0.8, 0.1, 1.0]))
     detours, detour = [], Search._detour
 
@@ -433,7 +433,7 @@ def test_paths_that_touch_between_the_steps_of_the_search_are_repaired(
 
     monkeypatch.setattr(Search, "_detour", counted)
     t = np.linspace(0.0, 1.0, 400)[:, None]
-    for seed in (0, 4, 5):
+    for seed in (1, 10, 15):
         p = plan(robot, a, b, world, seed=seed)
         assert p and p.is_certified
         for x, y in pairwise(p.points):
