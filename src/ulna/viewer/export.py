@@ -7,25 +7,39 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path as FilePath
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ulna.checks.values import MAX_LENGTH, number, short_repr, text
+import numpy as np
+
+from ulna.checks.values import MAX_LENGTH, number, text
 from ulna.checks.values import function as checked_function
 from ulna.errors import InputError
 from ulna.sim import Recording
-from ulna.typing import Array
+from ulna.trajectory import Samples, Trajectory
+from ulna.typing import Array, Floats
 from ulna.viewer.graph.camera import Camera, camera_for, checked_camera
 from ulna.viewer.graph.theme import Theme, theme_of
 from ulna.viewer.output.png import checked_png_path
 from ulna.viewer.output.video import checked_video_path, frame_times, write_video
 from ulna.viewer.page.html_file import checked_html_path, write_html
-from ulna.viewer.panel.timeline import RecordedMotion, Timeline
+from ulna.viewer.panel.timeline import Timeline
 from ulna.viewer.progress import progress
 from ulna.viewer.render.renderer import check_size, render, write_png
+from ulna.viewer.robot.handle_motion import HandleMotion, handle_motions
 from ulna.viewer.robot.robot_handle import RobotHandle
 from ulna.viewer.scene.objects import SceneMethods
 
-RecordedMotions = Recording | Mapping[RobotHandle, Recording] | None
+if TYPE_CHECKING:
+    from ulna.planning import Plan
+
+OneMotion: TypeAlias = "Recording | Trajectory | Plan | Samples | Floats"
+"""What can be played by one robot; arrays are configurations (n, nq) [rad, m]."""
+
+Playable: TypeAlias = "OneMotion | Mapping[Any, OneMotion] | None"
+"""What can be played: by the only robot, by each of several handles, or what was simulated."""
+
+_PAGE_ASPECT = 1.6  # width over height of a usual window [-]
+_CAMERA_TIMES = 8  # times of a motion that a camera which shows all of it looks at
 
 
 class ExportMethods(SceneMethods, abc.ABC):
@@ -44,8 +58,8 @@ class ExportMethods(SceneMethods, abc.ABC):
         self._camera, self._floor = checked_camera(camera), checked_floor(floor)
 
     @abc.abstractmethod
-    def _simulated(self) -> Sequence[RecordedMotion]:
-        """The robots that a simulation moves, and functions that return their recordings."""
+    def _simulated(self) -> Sequence[HandleMotion]:
+        """The motions of the robots that a simulation moves."""
 
     @property
     def robots(self) -> tuple[RobotHandle, ...]:
@@ -88,7 +102,7 @@ class ExportMethods(SceneMethods, abc.ABC):
     def film(
         self,
         path: str | os.PathLike[str],
-        recorded: RecordedMotions = None,
+        motion: Playable = None,
         *,
         fps: float = 25.0,
         speed: float = 1.0,
@@ -103,14 +117,16 @@ class ExportMethods(SceneMethods, abc.ABC):
 
         Args:
             path: The file.
-            recorded: A recording of the only robot, recordings by robot, or None for those of the simulation.
+            motion: A trajectory, recording, plan or configurations (n, nq) [rad, m] for the only robot, or
+                {handle: motion} for several; None for what was simulated. Other things move by trajectories of poses.
             fps: Pictures a second [1/s].
             speed: Seconds of what happened per second of film [-].
             width: Width [pixels].
             height: Height [pixels].
-            camera: The camera; a fixed one that shows the first and the last frame when not given.
+            camera: The camera; a fixed one that shows the whole motion when not given, or the first and the last
+                frame with `move`.
             samples: Samples along each edge of a pixel.
-            move: Brings the scene to a time [s], called before each picture; instead of `recorded`, with
+            move: Brings the scene to a time [s], called before each picture; instead of `motion`, with
                 `duration`.
             duration: How long it is that `move` shows [s].
 
@@ -124,14 +140,17 @@ class ExportMethods(SceneMethods, abc.ABC):
         """
         checked_video_path(path)
         check_size(width, height, samples)
-        show_time, length = self._motion(recorded, move, duration)
+        motions, show_time, length = self._motion(motion, move, duration)
         times = frame_times(length, fps, speed)
-        with self._restoring_configurations():
+        with self._restoring_state(motions):
             view = (
                 checked_camera(camera)
                 or self._camera
-                or self._camera_for_motion(show_time, times, width / height)
+                or self._camera_for_motion(
+                    show_time, times if move is None else times[[0, -1]], width / height
+                )
             )
+            self._clear_traces()
             floor = self.scene.floor() if self._floor is None else self._floor
             with progress(f"Drawing {os.path.basename(os.fspath(path))}") as report:
 
@@ -146,7 +165,7 @@ class ExportMethods(SceneMethods, abc.ABC):
     def html(
         self,
         path: str | os.PathLike[str],
-        recorded: RecordedMotions = None,
+        motion: Playable = None,
         *,
         fps: float = 30.0,
         camera: Camera | None = None,
@@ -155,7 +174,7 @@ class ExportMethods(SceneMethods, abc.ABC):
 
         Args:
             path: The file.
-            recorded: What moves, as for `film`; None for the simulation's recordings, or a scene at rest.
+            motion: What moves, as for `film`; None for what was simulated, or a scene at rest.
             fps: Poses a second [1/s].
             camera: The first camera.
 
@@ -167,76 +186,66 @@ class ExportMethods(SceneMethods, abc.ABC):
             InputError: It is not clear what to show, or the file cannot be written.
         """
         checked_html_path(path)
-        times, show_time = frame_times(0.0, fps), None
-        if recorded is not None or self._simulated():
-            show_time, length = self._motion(recorded, None, None)
+        times, show_time, motions = frame_times(0.0, fps), None, ()
+        if motion is not None or self._simulated():
+            motions, show_time, length = self._motion(motion, None, None)
             times = frame_times(length, fps)
         options: dict[str, Any] = {"title": self.title, "theme": self._theme, "floor": self._floor}
-        with self._restoring_configurations():
-            return write_html(
-                path,
-                self.scene,
-                times.tolist(),
-                show_time,
-                camera=checked_camera(camera) or self._camera,
-                **options,
-            )
+        view = checked_camera(camera) or self._camera
+        with self._restoring_state(motions):
+            if show_time is not None:
+                view = view or self._camera_for_motion(show_time, times, _PAGE_ASPECT)
+                self._clear_traces()
+            return write_html(path, self.scene, times.tolist(), show_time, camera=view, **options)
 
     def _motion(
-        self, recorded: RecordedMotions, move: Callable[[float], None] | None, duration: float | None
-    ) -> tuple[Callable[[float], None], float]:
-        if (move is None) != (duration is None) or (move is not None and recorded is not None):
-            raise InputError("Pass either a recording, or `move` with a `duration` [s].")
+        self, motion: Playable, move: Callable[[float], None] | None, duration: float | None
+    ) -> tuple[Sequence[HandleMotion], Callable[[float], None], float]:
+        if (move is None) != (duration is None) or (move is not None and motion is not None):
+            raise InputError("Pass either a motion, or `move` with a `duration` [s].")
         if move is not None and duration is not None:
-            return checked_function("move", move), duration
-        motions = self._motions(recorded)
+            return (), checked_function("move", move), duration
+        motions = self._motions(motion)
         timeline = Timeline(None, lambda: motions)
 
         def show_time(t: float) -> None:
             timeline.time = t
 
-        return show_time, timeline.duration
+        return motions, show_time, timeline.duration
 
     def _camera_for_motion(self, show_time: Callable[[float], None], times: Array, aspect: float) -> Camera:
-        show_time(float(times[-1]))
-        last = self.scene.points()
-        show_time(float(times[0]))
-        return camera_for(self.scene, aspect, also=last)
+        """A camera that sees the scene at some of these times, the last and the first among them."""
+        points = []
+        for k in np.unique(np.linspace(0, len(times) - 1, _CAMERA_TIMES).round().astype(int))[::-1]:
+            show_time(float(times[k]))
+            points.append(self.scene.points())
+        return camera_for(self.scene, aspect, also=np.concatenate(points))
+
+    def _clear_traces(self) -> None:
+        for robot in self.robots:
+            robot.traces = [()] * len(robot.traces)
 
     @contextmanager
-    def _restoring_configurations(self) -> Iterator[None]:
-        """Robots stand afterwards where they stood before."""
-        before = [(robot, robot.q) for robot in self.robots]
+    def _restoring_state(self, motions: Sequence[HandleMotion]) -> Iterator[None]:
+        """Afterwards robots, their paths, and what a motion moves are as before."""
+        before = [(robot, robot.q, robot.traces) for robot in self.robots]
+        poses = [(m.handle, m.handle.pose) for m in motions if not isinstance(m.handle, RobotHandle)]
         try:
             yield
         finally:
-            for robot, q in before:
+            for robot, q, traces in before:
                 robot.display(q)
+                robot.traces = traces
+            for handle, pose in poses:
+                handle.pose = pose
 
-    def _motions(self, recorded: RecordedMotions) -> Sequence[RecordedMotion]:
-        if recorded is None:
-            motions = self._simulated()
-            if not motions:
-                raise InputError("Nothing was simulated here; pass a recording.")
-            return motions
-        if isinstance(recorded, Recording):
-            if len(self.robots) != 1:
-                raise InputError(
-                    f"There are {len(self.robots)} robots here; expected {{handle: recording}}, so that each is named."
-                )
-            return [(self.robots[0], lambda: recorded)]
-        if not isinstance(recorded, Mapping):
-            raise InputError(
-                f"Cannot play {short_repr(recorded)}; expected a recording, or {{handle: recording}}."
-            )
-        for robot, recording in recorded.items():
-            if not isinstance(robot, RobotHandle) or not isinstance(recording, Recording):
-                raise InputError(
-                    f"Cannot play {{{short_repr(robot)}: {short_repr(recording)}}}; expected {{handle: recording}}."
-                )
-        if not recorded:
-            raise InputError("Cannot play {}; expected a recording, or {handle: recording}.")
-        return [(robot, lambda r=r: r) for robot, r in recorded.items()]
+    def _motions(self, played: Playable) -> Sequence[HandleMotion]:
+        if played is not None:
+            return handle_motions(played, self.robots)
+        motions = self._simulated()
+        if not motions:
+            raise InputError("Nothing was simulated here; pass a trajectory or a recording.")
+        return motions
 
 
 def checked_floor(floor: float | None) -> float | None:

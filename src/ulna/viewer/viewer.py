@@ -11,7 +11,7 @@ from ulna.errors import InputError, UnknownName
 from ulna.idioms import unknown_attribute
 from ulna.sim import Simulation
 from ulna.sim.body import BODY_OPTIONS, check_body_options
-from ulna.viewer.export import ExportMethods, RecordedMotions, checked_floor
+from ulna.viewer.export import ExportMethods, Playable, checked_floor
 from ulna.viewer.graph.camera import Camera, camera_for, checked_camera
 from ulna.viewer.graph.handles import Handle
 from ulna.viewer.graph.theme import LIGHT, Theme, theme_of
@@ -21,7 +21,8 @@ from ulna.viewer.page.browser import open_browser, somebody_can_look
 from ulna.viewer.page.keep_open import keep_open
 from ulna.viewer.panel import Panel
 from ulna.viewer.panel.teach_panel import TeachPanel
-from ulna.viewer.panel.timeline import SPEED_EXPECTED, RecordedMotion, Timeline
+from ulna.viewer.panel.timeline import SPEED_EXPECTED, Timeline
+from ulna.viewer.robot.handle_motion import HandleMotion, recorded_motion
 from ulna.viewer.robot.robot_handle import RobotHandle
 
 
@@ -228,6 +229,8 @@ class Viewer(ExportMethods):
             robot.set_body(None)
             self._simulate_robot(robot)
         sim.each_step(self._show_step)
+        if self._timeline is not None:
+            self._timeline.remove()
         self._timeline = Timeline(self._page, self._simulated, sim, speed)
         return sim
 
@@ -242,14 +245,16 @@ class Viewer(ExportMethods):
             for robot in self.robots:
                 robot.show_body_state()
 
-    def _simulated(self) -> Sequence[RecordedMotion]:
-        return [(r, lambda b=b: b.recording) for r in self.robots if (b := r.body) is not None]
+    def _simulated(self) -> Sequence[HandleMotion]:
+        return [recorded_motion(r, lambda b=b: b.recording) for r in self.robots if (b := r.body) is not None]
 
-    def play(self, recorded: RecordedMotions = None, speed: float = 1.0) -> Timeline:
-        """Play what was recorded in the page, with a time line to pause and scrub, and return at once.
+    def play(self, motion: Playable = None, speed: float = 1.0) -> Timeline:
+        """Play a motion in the page, with a time line to pause and scrub, and return at once.
 
         Args:
-            recorded: A recording of the only robot, recordings by robot, or None for those of the simulation.
+            motion: A trajectory, recording, plan or configurations (n, nq) [rad, m] for the only robot, or
+                {handle: motion} for several; None for what was simulated. Other things move by trajectories of poses.
+                Plans and configurations have no times: their fastest joint moves at 1 rad/s or 1 m/s.
             speed: Seconds of what happened per second [-].
 
         Returns:
@@ -257,15 +262,20 @@ class Viewer(ExportMethods):
 
         Raises:
             InputError: It is not clear what to play.
+            ShapeError: The configurations are not those of the robot.
         """
         number("speed", speed, SPEED_EXPECTED, above=0.0)
-        motions = self._motions(recorded)
-        timeline = self._timeline if recorded is None else None
-        if timeline is None:
-            timeline = self._timeline = Timeline(self._page, lambda: motions, None, speed)
-        timeline.time = 0.0
-        timeline.play(speed)
-        return timeline
+        motions = self._motions(motion)
+        if self._timeline is not None and (motion is not None or self._timeline.simulation is None):
+            self._timeline.remove()
+            self._timeline = None
+        if self._timeline is None:
+            live = motion is None and self._simulation is not None
+            source = self._simulated if live else lambda: motions
+            self._timeline = Timeline(self._page, source, self._simulation if live else None, speed)
+        self._timeline.time = 0.0
+        self._timeline.play(speed)
+        return self._timeline
 
 
 def _check_server(server: Any, page: bool) -> None:

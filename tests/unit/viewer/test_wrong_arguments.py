@@ -175,13 +175,13 @@ def cases(
         return call
 
     no_recording = (*OBJECTS, "x", 3)
-    out["film"] = (with_robot("film"), {"path": (folder / "a.gif", NO_PATH), "recorded": (recording(), no_recording), **film, **size, **seen})  # fmt: skip
+    out["film"] = (with_robot("film"), {"path": (folder / "a.gif", NO_PATH), "motion": (recording(), no_recording), **film, **size, **seen})  # fmt: skip
     out["film of a function"] = (
         lambda v, **k: v.film(folder / "a.gif", width=8, height=8, **k),
         {"move": (lambda t: None, NO_FUNCTION), "duration": (0.1, (*NO_RANGE, 1e300))},
     )
     out["html"] = (with_robot("html"), {"path": ("", NO_PATH), "fps": (10.0, (*NO_LENGTH, 500.0))})
-    out["play"] = (with_robot("play"), {"recorded": (recording(), no_recording), "speed": film["speed"]})
+    out["play"] = (with_robot("play"), {"motion": (recording(), no_recording), "speed": film["speed"]})
     out["time"] = (
         lambda v, value: setattr(_timeline(v, panda), "time", value),
         {"value": (0.1, (*NO_NUMBER, None))},

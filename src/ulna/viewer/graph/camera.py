@@ -66,7 +66,7 @@ def checked_camera(camera: Camera | None) -> Camera | None:
     """
     if camera is not None and not isinstance(camera, Camera):
         raise InputError(
-            f"`camera` is {short_repr(camera)}; expected an ulna.viewer.graph.camera.Camera, or None to see everything."
+            f"`camera` is {short_repr(camera)}; expected an ulna.viewer.Camera, or None to see everything."
         )
     return camera
 

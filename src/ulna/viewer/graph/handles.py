@@ -38,6 +38,11 @@ class Handle(FixedAttributes, metaclass=Explained):
         self._scene, self._name = scene, name
 
     @property
+    def scene(self) -> SceneGraph:
+        """The scene that contains it."""
+        return self._scene
+
+    @property
     def name(self) -> str:
         """Its name in the scene, with its groups."""
         return self._name

@@ -9,18 +9,16 @@ from typing import Any, final
 import numpy as np
 
 from ulna.checks.values import number
-from ulna.sim import Recording, Simulation
+from ulna.sim import Simulation
 from ulna.viewer.page import Page
 from ulna.viewer.panel import Panel
-from ulna.viewer.robot.robot_handle import RobotHandle
+from ulna.viewer.panel.controls import Folder
+from ulna.viewer.robot.handle_motion import HandleMotion
 
 SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "5")
 _UPDATE_INTERVAL = 1 / 15  # s between two updates of the panel
 SPEED_EXPECTED = "seconds of what happened per second, above zero"
 _IDLE_TIME = 0.5  # s without a step after which a simulation is not running
-
-RecordedMotion = tuple[RobotHandle, Callable[[], Recording]]
-"""A robot, and a function that returns its recording."""
 
 
 @final
@@ -37,20 +35,26 @@ class Timeline:
     def __init__(
         self,
         page: Page | None,
-        motions: Callable[[], Sequence[RecordedMotion]],
+        motions: Callable[[], Sequence[HandleMotion]],
         simulation: Simulation | None = None,
         speed: float = 1.0,
     ) -> None:
         self._motions, self._simulation = motions, simulation
         self._speed, self._playing, self._t = number("speed", speed, SPEED_EXPECTED, above=0.0), False, 0.0
         self._steps, self._last_step, self._updated_at, self._last_tick = -1, -np.inf, 0.0, time.monotonic()
+        self._page, self._folder = page, None
         if page is not None:
-            self._build(page)
+            self._folder = self._build(page)
+
+    @property
+    def simulation(self) -> Simulation | None:
+        """What is recording; None for a motion that is complete."""
+        return self._simulation
 
     @property
     def duration(self) -> float:
-        """Until when something was recorded [s]."""
-        return max((float(r.t[-1]) for _, get in self._motions() if len(r := get())), default=0.0)
+        """The last time of its motions [s]."""
+        return max((motion.end() for motion in self._motions()), default=0.0)
 
     @property
     def time(self) -> float:
@@ -60,10 +64,8 @@ class Timeline:
     @time.setter
     def time(self, t: float) -> None:
         self._t = float(np.clip(number("time", t, "a time [s]"), 0.0, self.duration))
-        for handle, get in self._motions():
-            recording = get()
-            if len(recording):
-                handle.display(recording.at(self._t, handle.robot))
+        for motion in self._motions():
+            motion.show(self._t)
 
     @property
     def playing(self) -> bool:
@@ -86,10 +88,23 @@ class Timeline:
         if self._simulation is not None and self._running():
             self._simulation.paused = True
 
-    def _build(self, page: Page) -> None:
+    def __repr__(self) -> str:
+        state = "running" if self._playing else "at rest"
+        return f"<time line at {self._t:.2f} s of {self.duration:.2f} s, {state}>"
+
+    def remove(self) -> None:
+        """Stop the time, and take the controls out of the panel."""
+        self._playing = False
+        if self._page is not None and self._folder is not None:
+            self._page.remove_tick(self._tick)
+            self._slider.remove()
+            self._folder.remove()
+            self._folder = None
+
+    def _build(self, page: Page) -> Folder:
         panel = Panel(page)
         gui = page.server.gui
-        with panel.folder("Time"):
+        with panel.folder("Time") as folder:
             self._clock = panel.text("")
             start = str(self._speed if self._speed % 1 else int(self._speed))
             panel.select("speed", SPEEDS, start if start in SPEEDS else "1", self._set_speed)
@@ -103,6 +118,7 @@ class Timeline:
 
         handle.on_update(scrubbed)
         page.add_tick(self._tick)
+        return folder
 
     def _set_speed(self, speed: str) -> None:
         self._speed = float(speed)

@@ -167,7 +167,7 @@ class RobotOverlays(Handle, abc.ABC):
         most: int = 2000,
         thickness: float = 0.006,
     ) -> Polyline:
-        """Draw the path of the origin of a frame from now on.
+        """Draw the path of the origin of a frame from now on. Played, filmed and exported motions draw their own.
 
         Args:
             frame: The frame; the tool when not given.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -13,7 +13,6 @@ from ulna.checks.values import one_of
 from ulna.sim import Body
 from ulna.system import forks
 from ulna.typing import ArrayLike, Floats
-from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.robot.configuration import checked_configuration
 from ulna.viewer.robot.link_surfaces import RobotDisplay
 from ulna.viewer.robot.overlays import RobotOverlays
@@ -34,11 +33,6 @@ class RobotHandle(RobotOverlays):
         self._lock = forks.lock()
         self._body: Body | None = None
         self._qd = np.zeros(figure.robot.nv)
-
-    @property
-    def scene(self) -> SceneGraph:
-        """The scene that contains it."""
-        return self._scene
 
     @property
     def lock(self) -> threading.RLock:
@@ -113,6 +107,26 @@ class RobotHandle(RobotOverlays):
     def tool(self) -> Floats:
         """Where its tool is, T_world_tool, shape (4, 4)."""
         return self.world_pose @ np.asarray(self.robot.fk(self.q))
+
+    @property
+    def has_traces(self) -> bool:
+        """Whether paths of its frames are drawn."""
+        return bool(self._paths)
+
+    @property
+    def traces(self) -> list[list[Floats]]:
+        """The positions [m] of each path that is drawn; assigning sets others."""
+        return [path.points for path in self._paths]
+
+    @traces.setter
+    def traces(self, traces: Sequence[Sequence[Floats]]) -> None:
+        for path, points in zip(self._paths, traces, strict=True):
+            path.points = points
+
+    def show_traces(self, q: Floats) -> None:
+        """Draw its paths through configurations (n, nq), until it moves on."""
+        for path in self._paths:
+            path.show(q)
 
     def set_body(self, body: Body | None) -> None:
         """Have its state be that of a simulated body, or its own again."""

@@ -10,9 +10,13 @@ import numpy as np
 
 from ulna.checks.arrays import finite_array
 from ulna.checks.values import checked_robot, fraction, short_repr
+from ulna.collision import World
 from ulna.errors import InputError
 from ulna.geometry import Mesh, Shape
 from ulna.idioms import check_keywords
+from ulna.model import Model
+from ulna.sim import Recording
+from ulna.trajectory import Trajectory
 from ulna.typing import ArrayLike
 from ulna.viewer.colours import Colour
 from ulna.viewer.graph.content import Copies, transforms
@@ -53,7 +57,7 @@ class SceneMethods(WorldMethods):
         show: RobotDisplay = "visual",
         detail: Detail = "seen",
     ) -> Any:
-        """Add a robot, a shape of `ulna.geometry`, a surface, or the path of a mesh file (dae, stl, obj, glb ...).
+        """Add a robot, a shape of `ulna.geometry`, a world of obstacles, a surface, or a mesh file (dae, stl, glb ...).
 
         Args:
             thing: What to add.
@@ -67,13 +71,18 @@ class SceneMethods(WorldMethods):
             detail: "full" for all triangles of mesh files, "seen" simplified within an error bound.
 
         Returns:
-            A `RobotHandle` for a robot, a `Handle` for all else.
+            A `RobotHandle` for a robot, for a world its handles by name (see `world`), a `Handle` for all else.
 
         Raises:
-            InputError: It is nothing that can be shown, or a mesh file cannot be read.
+            InputError: It is nothing that can be shown, `q` is for no robot, or a mesh file cannot be read.
             ShapeError, NonFiniteError, UnknownName: An argument is not what it should be.
         """
-        common = {"name": name, "pose": pose, "color": color, "opacity": opacity}
+        common: dict[str, Any] = {"name": name, "pose": pose, "color": color, "opacity": opacity}
+        if q is not None and not hasattr(thing, "link_poses"):
+            raise InputError(f"`q` is {short_repr(q)}, a configuration, but {short_repr(thing)} is no robot.")
+        if isinstance(thing, World):
+            common["name"] = self._unused_name("world") if name is None else name
+            return self.world(thing, **common)
         if isinstance(thing, Shape):
             if isinstance(thing, Mesh):
                 return self.mesh(thing.path or "", thing.scale, detail=detail, **common)
@@ -86,9 +95,7 @@ class SceneMethods(WorldMethods):
         if isinstance(thing, str | os.PathLike):
             return self.mesh(thing, detail=detail, **common)
         if not hasattr(thing, "link_poses"):
-            raise InputError(
-                f"Cannot show {short_repr(thing)}; expected a Robot, a shape, a Surface, or the path of a mesh file."
-            )
+            raise InputError(f"Cannot show {short_repr(thing)}; {_advice(thing)}")
         return self._robot(checked_robot(thing), q, show=show, detail=detail, **common)
 
     def _robot(
@@ -245,6 +252,17 @@ def _surfaces(thing: Any) -> tuple[Surface, ...]:
     if isinstance(thing, Shape):
         return (tessellate(thing, DEFAULT_SHAPE_COLOUR),)
     return load_mesh(_file(thing))
+
+
+def _advice(thing: Any) -> str:
+    """What to do with something that cannot be added."""
+    from ulna.planning import Plan
+
+    if isinstance(thing, Trajectory | Plan | Recording):
+        return "add its robot, then viewer.play(motion) moves it; film and html take a motion, too."
+    if isinstance(thing, Model):
+        return "expected a Robot, such as ulna.Robot(model)."
+    return "expected a Robot, a shape, a World, a Surface, or the path of a mesh file."
 
 
 def _file(path: Any) -> str:

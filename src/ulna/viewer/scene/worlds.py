@@ -9,6 +9,7 @@ from ulna.collision import World
 from ulna.errors import InputError
 from ulna.viewer.colours import Colour
 from ulna.viewer.graph.handles import Handle
+from ulna.viewer.graph.node import pose_or_position
 from ulna.viewer.robot.robot_handle import RobotHandle
 from ulna.viewer.scene.shapes import ShapeMethods
 
@@ -22,6 +23,7 @@ class WorldMethods(ShapeMethods):
         robot: RobotHandle | None = None,
         *,
         name: str = "world",
+        pose: Any = None,
         color: Colour | None = None,
         opacity: float = 1.0,
     ) -> dict[str, Handle]:
@@ -29,8 +31,9 @@ class WorldMethods(ShapeMethods):
 
         Args:
             world: The world, as `ulna.collision.World().add(...)` makes it.
-            robot: The handle of the robot that carries its attached objects; None where there are none.
+            robot: The handle of the robot that carries its attached objects; the only robot here when not given.
             name: Name of the group of the obstacles.
+            pose: T_group_world, the pose of the world in its group; it stays the identity when not given.
             color: One colour for all.
             opacity: From 0 to 1 [-].
 
@@ -45,6 +48,9 @@ class WorldMethods(ShapeMethods):
             raise InputError(
                 f"`world` is {short_repr(world)}; expected a World, as `World().add(...)` makes."
             )
+        robots = [h for h in self._handles.values() if isinstance(h, RobotHandle)]
+        if robot is None and len(robots) == 1:
+            robot = robots[0]
         if world.attachments and not isinstance(robot, RobotHandle):
             held = ", ".join(repr(item.name) for item in world.attachments)
             raise InputError(
@@ -53,6 +59,8 @@ class WorldMethods(ShapeMethods):
             )
         common: dict[str, Any] = {"color": color, "opacity": opacity}
         handles = {o.name: self.add(o.shape, name=f"{name}/{o.name}", pose=o.pose, **common) for o in world}
+        if pose is not None and len(world):
+            self.scene.set_pose(name, pose_or_position(pose))
         for item in world.attachments:
             assert robot is not None
             robot.robot.model.link_index(item.link)

@@ -15,6 +15,7 @@ from ulna.sim import Recording, Simulation
 from ulna.viewer import Viewer
 from ulna.viewer.panel import timeline as module
 from ulna.viewer.panel.timeline import Timeline
+from ulna.viewer.robot.handle_motion import recorded_motion
 
 pytest.importorskip("viser", reason="viser, which serves the page, is not installed")
 
@@ -36,7 +37,7 @@ class Bench:
             self.recording.add(t, np.full(6, t))
 
     def timeline(self, **options: Any) -> Timeline:
-        return Timeline(self.page, lambda: [(self.robot, lambda: self.recording)], **options)
+        return Timeline(self.page, lambda: [recorded_motion(self.robot, lambda: self.recording)], **options)
 
     def after(self, seconds: float) -> None:
         """Let time go by until the page calls again."""
@@ -153,7 +154,7 @@ def test_scrubbing_pauses_and_the_button_runs_and_pauses(bench: Bench) -> None:
 def test_a_running_simulation_is_followed_paused_and_resumed(bench: Bench) -> None:
     simulation = Simulation(substep=0.1)
     body = simulation.add(ulna.load("ur5"))
-    line = Timeline(bench.page, lambda: [(bench.robot, lambda: body.recording)], simulation)
+    line = Timeline(bench.page, lambda: [recorded_motion(bench.robot, lambda: body.recording)], simulation)
     simulation.step(0.1)
     line.play()
     bench.after(0.01)

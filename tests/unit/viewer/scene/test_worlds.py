@@ -25,8 +25,9 @@ def test_obstacles_stand_and_attached_objects_move_with_their_links() -> None:
         arm.q = q
         expected = robot.fk(q, "panda_hand") @ world.attached("can").pose.matrix()
         np.testing.assert_allclose(handles["can"].world_pose, expected, atol=1e-9)
+    assert viewer.world(world)["can"].name == handles["can"].name  # the only robot carries it
     with pytest.raises(InputError, match="links carry 'can'; expected the handle"):
-        viewer.world(world)
+        ulna.Viewer(page=False).world(world)
     with pytest.raises(InputError, match="expected a World"):
         viewer.world([world])  # type: ignore[arg-type]
     with pytest.raises(UnknownName, match="panda_hand"):
