@@ -24,14 +24,13 @@ from ulna.spatial import SO3 as SO3
 from ulna.spatial import Force as Force
 from ulna.spatial import Inertia as Inertia
 from ulna.spatial import Motion as Motion
+from ulna.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from ulna.control import p_servo as p_servo
     from ulna.sim import Simulation as Simulation
     from ulna.viewer.show import show as show
     from ulna.viewer.viewer import Viewer as Viewer
-
-__version__ = "0.1.0"
 
 _LATER = {
     "p_servo": "ulna.control",

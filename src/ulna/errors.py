@@ -19,6 +19,8 @@ UlnaError
 ├── DivisionByZero (ZeroDivisionError) a procedure divides an integer by zero: file, line
 ├── CompileError (RuntimeError)      LLVM refused a kernel (a bug in Ulna; please report it)
 ├── TooLargeError (RuntimeError)     a kernel would take more operations than the limit
+├── VersionMismatch (RuntimeError)   a task came from a process with another version of Ulna
+├── JobStopped (RuntimeError)        a job on a cluster ended before all of it was done; it can be continued
 └── ViewerError (RuntimeError)       the viewer cannot do what was asked
 
 UlnaWarning (UserWarning)
@@ -30,6 +32,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from typing import Any
 
 from ulna.extras import install_command
 
@@ -91,6 +94,16 @@ class UlnaError(Exception):
 
     def __init__(self, *args: object) -> None:
         super().__init__(*(excerpt(a, LONGEST_MESSAGE) if isinstance(a, str) else a for a in args))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (type(self), self.args, dict(self.__dict__))
+
+
+def _restored(kind: type[UlnaError], args: tuple[Any, ...], data: dict[str, Any]) -> UlnaError:
+    """An error as it was before it was pickled: its classes take other arguments than the message."""
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(data)
+    return error
 
 
 class InputError(UlnaError, ValueError):
@@ -373,6 +386,33 @@ class CompileError(UlnaError, RuntimeError):
 
 class TooLargeError(UlnaError, RuntimeError):
     """A kernel would take more operations than the limit, ULNA_MOST_OPERATIONS."""
+
+
+class VersionMismatch(UlnaError, RuntimeError):
+    """A task came from a process with another version of Ulna, NumPy or Python; names both and the machine."""
+
+
+class JobStopped(UlnaError, RuntimeError):
+    """A job ended before all of it was done; says why, what is missing, and how to continue.
+
+    Attributes:
+        done: How many of its parts are in the store.
+        parts: How many there are.
+
+    Args:
+        reason: Why it stopped, as a sentence.
+        done: How many parts are done.
+        parts: How many there are.
+        store: Where they are; empty for nowhere.
+    """
+
+    def __init__(self, reason: str, done: int, parts: int, store: str) -> None:
+        self.done, self.parts = done, parts
+        if store:
+            more = f"{done} of {parts} parts are in {store!r}; run the same job again to continue from there."
+        else:
+            more = f"{done} of {parts} parts were done and are lost: give `to` a folder, and they are kept."
+        super().__init__(f"{reason} {more}")
 
 
 class ViewerError(UlnaError, RuntimeError):

@@ -104,9 +104,27 @@ def kernel(
             if quantity.inverts_mass and not MASS_PARAMETERS & set(names):
                 check_mass(model, element_of(dtype).name)
             traced = function(model, name, parameters=names, **chosen)
-            compiled = _made[key] = compile(traced, dtype=dtype, checked=checked, unit_entries=unit)
+            named = labels(model, traced)
+            compiled = _made[key] = compile(traced, dtype, checked, unit_entries=unit, labels=named)
             _recent.append(compiled)
     return compiled
+
+
+def labels(model: Model, traced: Function) -> dict[str, Sequence[str]]:
+    """What the entries of configurations and velocities among the inputs of a function are called.
+
+    Args:
+        model: The robot.
+        traced: The function.
+
+    Returns:
+        The names of the coordinates, by input.
+    """
+    names = {"nq": model.position_names, "nv": model.velocity_names}
+    sizes = {name: argument.size for name, argument in ARRAYS.items()} | {"qd": "nv", "qdd": "nv"}
+    known = {port.name: names.get(sizes.get(port.name)) for port in traced.inputs}  # type: ignore[arg-type]
+    shapes = {port.name: port.shape for port in traced.inputs}
+    return {name: row for name, row in known.items() if row is not None and shapes[name] == (len(row),)}
 
 
 def _parameter_names(model: Model, parameters: str | Sequence[str]) -> tuple[str, ...]:
@@ -201,4 +219,4 @@ class CheckedKernels(dict[Any, Any]):
         return CheckedKernels, (self.model,)
 
 
-__all__ = ["QUANTITIES", "CheckedKernels", "frame_of", "function", "kernel", "shapes_for"]
+__all__ = ["QUANTITIES", "CheckedKernels", "frame_of", "function", "kernel", "labels", "shapes_for"]

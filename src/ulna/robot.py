@@ -15,6 +15,7 @@ from ulna.compiler import Function, trace
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import Explained, explained
+from ulna.lazy import is_deferred
 from ulna.methods.branches import Branching
 from ulna.methods.collision import Collision
 from ulna.methods.former_names import FormerNames
@@ -57,12 +58,13 @@ class Limits:
         Returns:
             Truth values, (...).
         """
-        q = np.asarray(q, dtype=float)
-        return ((q >= self.lower - tolerance) & (q <= self.upper + tolerance)).all(axis=-1)
+        x: Any = q if is_deferred(q) else np.asarray(q, dtype=float)
+        return ((x >= self.lower - tolerance) & (x <= self.upper + tolerance)).all(axis=-1)
 
     def clip(self, q: ArrayLike) -> Floats:
         """Configurations `q`, (..., nq), moved into the position limits."""
-        return np.clip(np.asarray(q, dtype=float), self.lower, self.upper)
+        x: Any = q if is_deferred(q) else np.asarray(q, dtype=float)
+        return np.clip(x, self.lower, self.upper)
 
 
 @final
@@ -81,8 +83,9 @@ class Robot(
     """A robot: its model, and its kernels compiled when first used.
 
     Every method takes configurations of shape (..., nq) and velocities of shape (..., nv), with any leading batch
-    axes, and returns NumPy arrays. Inputs are checked: a wrong shape, a name that does not exist, nan or inf raise an
-    error that says how to fix it. For hot loops take the bare kernel with `kernel`.
+    axes, and returns NumPy arrays; of Dask arrays it returns lazy Dask arrays, of xarray those of xarray. Inputs are
+    checked: a wrong shape, a name that does not exist, nan or inf raise an error that says how to fix it. For hot loops
+    take the bare kernel with `kernel`.
 
     What is used less often is in groups: `centroidal`, `collision`, `configuration_space`, `constraints`,
     `derivatives`, `operational_space`, `parameters`, `regressors`.
@@ -272,4 +275,6 @@ def compile(
             shapes,
             f"Give it: compile(f, {missing[0]}=(3,)), or pass the robot.",
         )
-    return compile_function(trace(f, **{name: shapes[name] for name in names}), dtype=dtype, checked=checked)
+    traced = trace(f, **{name: shapes[name] for name in names})
+    labels = {} if robot is None else kernels.labels(robot.model, traced)
+    return compile_function(traced, dtype, checked, labels=labels)

@@ -50,17 +50,10 @@ def test_tables_are_refused_with_the_way_to_an_array(
             call(table)
 
 
-def test_dask_arrays_are_refused_with_the_two_ways(robot: Robot) -> None:
-    da = pytest.importorskip("dask.array")
-    Q = robot.random_configuration(20, seed=0)
-    lazy = da.from_array(Q, chunks=(5, 7))
-    for call, name in ((robot.fk, "fk"), (robot.kernel("fk"), "fk"), (robot.mass_matrix, "mass_matrix")):
-        with pytest.raises(
-            InputError, match=rf'Dask array .*robot.kernel\("{name}"\).dask\(q\).* or pass q.compute\(\)'
-        ):
-            call(lazy)
-    np.testing.assert_array_equal(robot.kernel("fk").dask(lazy).compute(), robot.fk(Q))
-    np.testing.assert_array_equal(robot.fk(lazy.compute()), robot.fk(Q))
+def test_tables_of_dask_are_refused(robot: Robot) -> None:
+    table = type("DataFrame", (_Table,), {"__module__": "dask.dataframe.dask_expr._collection"})()
+    with pytest.raises(InputError, match=r"q\[list\(robot.joint_names\)\].to_dask_array\(lengths=True\)"):
+        robot.fk(table)
 
 
 def test_names_and_dictionaries_in_place_of_a_configuration(robot: Robot) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any, final
 
 import numpy as np
@@ -16,6 +17,7 @@ import numpy as np
 from ulna import kernels
 from ulna.checks.arrays import batched_array
 from ulna.collision import clearance as gap
+from ulna.collision import deferred
 from ulna.collision.attached import attached_pairs, attached_solids, attached_spheres
 from ulna.collision.clouds import cloud_checks
 from ulna.collision.covering import fit
@@ -66,6 +68,8 @@ class SphereChecker:
         pairs: Iterable[LinkPair] | None = None,
         missing: Missing = "error",
     ) -> None:
+        pairs = pairs if pairs is None else tuple(pairs)
+        self._options = {"spheres": spheres, "pairs": pairs, "missing": missing}
         self.missing: Missing = missing
         self.model, self.world = model, World() if world is None else world
         self.spheres = fit(model, missing=missing) if spheres is None else spheres
@@ -106,6 +110,9 @@ class SphereChecker:
         self._kernels: dict[Any, Any] = {}
         self._scratch = threading.local()
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(SphereChecker, **self._options), (self.model, self.world)
+
     def collides(
         self,
         q: ArrayLike,
@@ -132,6 +139,9 @@ class SphereChecker:
         """
         if not (np.isfinite(margin) and margin >= 0.0):
             raise InputError(f"`margin` is {margin!r}; expected a finite length, not below 0 [m].")
+        if deferred.is_lazy_question(q, moving):
+            options = {"margin": float(margin), "threads": threads}
+            return deferred.ask(self, "collides", np.bool_, q, moving, options)
         free = self._evaluate("free", q, moving, np.minimum, float(margin) + TOUCH, threads)
         return free < 0.5 if np.ndim(free) else bool(free < 0.5)
 
@@ -159,6 +169,8 @@ class SphereChecker:
             ShapeError, DtypeError, NonFiniteError: If `q` or a pose cannot be one.
             UnknownName: If `moving` names no obstacle.
         """
+        if deferred.is_lazy_question(q, moving):
+            return deferred.ask(self, "clearance", np.float64, q, moving, {"threads": threads})
         return self._evaluate("signed", q, moving, np.minimum, 0.0, threads)
 
     def static_groups(self) -> list[tuple[gap.Kind, tuple[str, ...], Floats, tuple[str, ...]]]:

@@ -7,12 +7,13 @@ those. Pairs are ruled out by lower bounds alone, so that the answers are those 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import partial
 from typing import Any, final
 
 import numpy as np
 
 from ulna import kernels
-from ulna.collision import narrow
+from ulna.collision import deferred, narrow
 from ulna.collision.attached import attached_solids
 from ulna.collision.broad_phase import BroadPhase
 from ulna.collision.mask import pair_margins, pair_mask
@@ -58,6 +59,8 @@ class Checker:
         missing: Missing = "error",
     ) -> None:
         narrow.coal()
+        pairs, without = pairs if pairs is None else tuple(pairs), tuple(without)
+        self._options = {"pairs": pairs, "without": without, "convex": convex, "missing": missing}
         self.model, self.world = model, World() if world is None else world
         links, obstacles = link_solids(model, missing), obstacle_solids(self.world, missing)
         attached = attached_solids(model, self.world, missing)
@@ -73,6 +76,9 @@ class Checker:
         self._carriers = {item.name: item.link for item in self.world.attachments}
         self._jacobians: dict[str, Any] = {}
         self.lock = forks.lock()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(Checker, **self._options), (self.model, self.world)
 
     # questions ---------------------------------------------------------------------------------------------
 
@@ -100,6 +106,9 @@ class Checker:
             UnknownName: If `moving` names no obstacle.
         """
         margin = _number("margin", margin)
+        if deferred.is_lazy_question(q, moving):
+            options = {"margin": margin, "broad_phase": broad_phase}
+            return deferred.ask(self, "collides", np.bool_, q, moving, options)
         with self.lock:
             batch, chunks = self._broad.chunks(q, moving)
             out = np.zeros(int(np.prod(batch)), dtype=bool)
@@ -127,6 +136,9 @@ class Checker:
         Returns:
             The distances, with their batch shape.
         """
+        if deferred.is_lazy_question(q, moving):
+            options = {"stop_below": stop_below, "broad_phase": broad_phase}
+            return deferred.distances(self, q, moving, options)
         enough = -np.inf if stop_below is None else _number("stop_below", stop_below)
         with self.lock:
             batch, chunks = self._broad.chunks(q, moving)
@@ -221,7 +233,15 @@ class Checker:
 
         Returns:
             Gradient, shape (..., nv) [m/rad, -]; 0 without pairs.
+
+        Raises:
+            InputError: `q` or a pose is a Dask array.
         """
+        if deferred.is_lazy_question(q, moving):
+            raise InputError(
+                "`q` or a pose is lazy; gradients of distances take NumPy arrays: pass q.compute(), or use "
+                "dask.array.map_blocks(checker.gradient, q, dtype=float)."
+            )
         nearest = self.distance(q, moving)
         batch = nearest.distance.shape
         rows = np.broadcast_to(np.asarray(q, dtype=float), (*batch, self.model.nq)).reshape(-1, self.model.nq)

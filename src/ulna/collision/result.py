@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
+from ulna.lazy import Collection
 from ulna.typing import Array, Floats
 
 
@@ -37,8 +38,10 @@ class Proximity:
 
 @final
 @dataclass(frozen=True, eq=False)
-class Distance:
+class Distance(Collection):
     """The least distances of a batch of configurations; `float(d)` where there is one.
+
+    Of configurations in a Dask array all of it is lazy, and `d.compute()` finds it.
 
     Attributes:
         distance: Signed distances [m], (...); negative is how deep two shapes overlap, inf where there is no pair.
@@ -70,6 +73,12 @@ class Distance:
             np.array([i.names for i in items], dtype=object).reshape(*batch, 2),
         )
 
+    def _arrays(self) -> tuple[Any, ...]:
+        return self.distance, self.points, self.normal, self.names
+
+    def _with_arrays(self, arrays: Sequence[Any]) -> Distance:
+        return Distance(*arrays)
+
     def flat(self) -> list[Proximity]:
         """One after the other, without gradients."""
         rows = zip(
@@ -85,6 +94,8 @@ class Distance:
         return float(self.distance)
 
     def __repr__(self) -> str:
+        if self.is_lazy:
+            return f"<lazy distances {self.distance.shape}; .compute() finds them>"
         if self.distance.ndim:
             return f"<distances {self.distance.shape}, least {self.distance.min(initial=np.inf):.6g} m>"
         a, b = self.names

@@ -26,6 +26,7 @@ from ulna.algorithms.multibody.tree import steps
 from ulna.collision.exact import Checker
 from ulna.collision.solids import Solid
 from ulna.errors import InputError
+from ulna.lazy import is_deferred
 from ulna.model import Model
 from ulna.typing import ArrayLike, Floats
 
@@ -72,6 +73,8 @@ def first_contact(
         )
     if not (np.isfinite(margin) and margin >= 0.0):
         raise InputError(f"`margin` is {margin!r}; expected a finite length, not below 0 [m].")
+    if is_deferred(q0) or is_deferred(q1):
+        raise InputError("`q0` or `q1` is lazy; first contacts are found of NumPy arrays: pass q0.compute().")
     model = checker.model
     v = kernels.kernel(model, "difference", checked=True)(q0, q1)
     start = np.broadcast_to(np.asarray(q0, dtype=float), (*v.shape[:-1], model.nq))

@@ -11,8 +11,10 @@ from ulna.checks.arrays import batched_array, batched_shape, real_array
 from ulna.checks.rotations import checked_rotation
 from ulna.checks.values import count
 from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.ik.deferred import goals_of_frames
 from ulna.ik.goal import Mask, mask_of
 from ulna.ik.problem import Problem
+from ulna.lazy import is_deferred
 from ulna.model import Model
 from ulna.numeric import is_symbolic
 from ulna.typing import Floats
@@ -44,12 +46,15 @@ def named_goals(
         if not T:
             raise InputError("`T` is an empty dictionary; expected a pose for at least one frame.")
         names = tuple(T)
+        if any(is_deferred(goal) for goal in T.values()):
+            T = goals_of_frames(T) if len(T) > 1 else T[names[0]]
+            return T, names, _masks(mask, names)
         T = _side_by_side(T, _masks(mask, names)) if len(T) > 1 else matrix_of(T[names[0]])
     elif isinstance(frame, (list, tuple, np.ndarray)):
         names = tuple(frame)
         if not names:
             raise InputError("`frame` is empty; expected the name of a frame, or several.")
-        if len(names) == 1:
+        if len(names) == 1 and not is_deferred(T):
             T = matrix_of(T)
             T = T[..., 0, :, :] if T.ndim > 2 and T.shape[-3] == 1 else T
     else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, final
 
 import numpy as np
@@ -12,8 +12,10 @@ import numpy as np
 from ulna.checks.arrays import batched_array
 from ulna.checks.masked import check_not_masked
 from ulna.errors import InputError, ShapeError
+from ulna.ik import deferred
 from ulna.ik.analytic.candidates import Source, between, source_of
 from ulna.ik.analytic.sift import Sift
+from ulna.lazy import Collection, is_deferred
 from ulna.model import Model
 from ulna.spatial import SE3
 from ulna.typing import ArrayLike, Floats
@@ -24,11 +26,13 @@ _ROWS = 100_000  # configurations processed together, which bounds memory
 
 @final
 @dataclass(frozen=True, eq=False)
-class Branches:
+class Branches(Collection):
     """The solutions of one pose, or of a batch of poses.
 
     Of one pose, the arrays hold exactly its solutions; of a batch, each pose has as many rows as the most any
     of them has, and unused rows are nan. `batch[i]` are the solutions of pose i.
+
+    Of a Dask array of poses all arrays are Dask arrays, with as many rows for each pose as it can have solutions.
 
     Attributes:
         q: Configurations, (..., k, nq) [rad or m], the nearest to `q0` first where it was given.
@@ -48,6 +52,15 @@ class Branches:
     complete: bool
     method: str
 
+    def _arrays(self) -> tuple[Any, ...]:
+        arrays = (self.q, self.position_error, self.rotation_error, self.total, self.miss)
+        return arrays if isinstance(self.complete, bool) else (*arrays, self.complete)
+
+    def _with_arrays(self, arrays: Sequence[Any]) -> Branches:
+        q, position_error, rotation_error, total, miss, complete = arrays
+        whole = complete if is_deferred(complete) else bool(complete)
+        return Branches(q, position_error, rotation_error, total, miss, whole, self.method)
+
     @property
     def count(self) -> Any:
         """How many solutions there are, (...)."""
@@ -61,6 +74,7 @@ class Branches:
     @property
     def reason(self) -> Any:
         """Why there is no solution, in words; "" where there is one. A list of such for a batch."""
+        self._require_numbers("reason")
         if self.q.ndim > 2:
             return [self[i].reason for i in range(len(self.q))]
         if self.count:
@@ -92,6 +106,10 @@ class Branches:
         return Branches(q, *details, self.complete, self.method)
 
     def __repr__(self) -> str:
+        if self.is_lazy:
+            return (
+                f"<lazy branches of poses {self.total.shape}, at most {self.q.shape[-2]} each; {self.method}>"
+            )
         what = "all" if self.complete else "found"
         if self.q.ndim > 2:
             return f"<branches of {self.total.size} poses, {int(self.count.sum())} {what}; {self.method}>"
@@ -136,6 +154,11 @@ def ik_all(
         InputError: If `T` is no pose, or an option does not fit the arm.
         UnknownName: If there is no such frame or joint.
     """
+    if is_deferred(T) or is_deferred(q0):
+        names = None if joints is None else tuple(joints)
+        options = {"limits": limits, "turns": turns, "seed": seed}
+        options |= {"position_tolerance": position_tolerance, "rotation_tolerance": rotation_tolerance}
+        return _deferred(model, T, frame, q0, names, free, samples, options)
     goals = _goals(T)
     batch = goals.shape[:-2]
     names = None if joints is None else tuple(joints)
@@ -152,6 +175,47 @@ def ik_all(
         complete = complete and whole
         poses += part
     return _packed(poses, batch, model.nq, complete, _method(source, values))
+
+
+def _deferred(
+    model: Model,
+    T: Any,
+    frame: str,
+    q0: Any,
+    joints: tuple[str, ...] | None,
+    free: str | None,
+    samples: int | ArrayLike,
+    options: dict[str, Any],
+) -> Branches:
+    """The solutions of poses in lazy or labelled arrays; the free joint has the same values in every block."""
+    held = between(model, frame, joints)
+    is_single = q0 is None or (not is_deferred(q0) and np.ndim(q0) == 1)
+    if held and not is_single:
+        raise InputError(
+            "`q0` is lazy or a batch, but the arm has another shape for each `q0`: joints between its own are held. "
+            "Pass one `q0` of shape (nq,), or NumPy arrays."
+        )
+    base = _start(model, q0 if is_single else None, ())
+    source = source_of(model, frame, joints, free, _held(base, held))
+    values = _values(model, source, samples, base if is_single and q0 is not None else None)
+    most = source.most * len(values) * (_turns(source) if options["turns"] else 1)
+    ask = partial(_ask, model, frame, joints, free, values, options)
+    found = deferred.branches(ask, T, q0, model.nq, model.position_names, most)
+    q, position_error, rotation_error, total, miss, complete = found
+    method = _method(source, values)
+    return Branches(q, position_error, rotation_error, total, miss, complete.all(), method)
+
+
+def _ask(model: Model, frame: str, joints: Any, free: Any, values: Any, options: Any, T: Any, q0: Any) -> Any:
+    """The branches of a block of poses."""
+    return ik_all(model, T, frame, q0, joints=joints, free=free, samples=values, **options)
+
+
+def _turns(source: Source) -> int:
+    """How often at most a solution is listed with whole turns added."""
+    widths = zip(source.lower, source.upper, source.periods, strict=True)
+    finite = [(high - low) / period for low, high, period in widths if np.isfinite([low, high, period]).all()]
+    return int(np.prod([np.floor(width + 1e-9) + 1 for width in finite]))
 
 
 def _goals(T: Any) -> Floats:

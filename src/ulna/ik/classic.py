@@ -29,6 +29,7 @@ from ulna import algorithms, numeric
 from ulna.checks.values import count as check_count
 from ulna.compiler import Function, compile, trace
 from ulna.errors import InputError, UnknownName
+from ulna.ik import deferred
 from ulna.ik.acceptance import acceptance, are_rotations, unwound
 from ulna.ik.arguments import (
     check_goal_shape,
@@ -45,6 +46,7 @@ from ulna.ik.problem import Errors, Problem, errors
 from ulna.ik.qp import solve_box
 from ulna.ik.result import IKSolution
 from ulna.ik.search import starting_point
+from ulna.lazy import is_deferred
 from ulna.linalg import solve_damped, solve_spd
 from ulna.model import Model
 from ulna.typing import Array
@@ -256,6 +258,10 @@ class ClassicSolver:
             classic(self.problem, method, has_null_motion), checked=True, unit_entries=unit
         )
         self._default_start = default_start(self.problem)
+        self._arguments = model, tuple(frames), masks, joints, method, has_null_motion
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return ClassicSolver, self._arguments
 
     def __call__(
         self, T: Any, q0: Any, settings: dict[str, Any], seed: int, threads: int | None
@@ -275,6 +281,9 @@ class ClassicSolver:
         Raises:
             InputError: A setting is out of range.
         """
+        if is_deferred(T) or is_deferred(q0):
+            options = (settings, seed, threads)
+            return IKSolution(self.problem, deferred.solve(self, self.problem, T, q0, options))
         check_tolerances(settings["position_tolerance"], settings["rotation_tolerance"])
         check_count("iterations", settings["iterations"])
         check_count("searches", settings["searches"])

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from ulna.idioms import Explained, explained
+from ulna.lazy import Collection
 from ulna.typing import Floats
 
 if TYPE_CHECKING:
@@ -18,10 +20,11 @@ _SHOWN = 4
 
 @final
 @explained("solution")
-class IKSolution(metaclass=Explained):
+class IKSolution(Collection, metaclass=Explained):
     """The answer of `robot.ik`, for one goal or a batch of them; it cannot be changed.
 
-    It counts as true when the goal is met, so `if solution:` works; a batch has no single truth value.
+    It counts as true when the goal is met, so `if solution:` works; a batch has no single truth value. Of goals in a
+    Dask array all parts are Dask arrays, and `solution.compute()` solves for all goals at once.
     """
 
     __slots__ = ("_problem", "_raw")
@@ -37,6 +40,12 @@ class IKSolution(metaclass=Explained):
         self._problem = problem
         self._raw = raw
 
+    def _arrays(self) -> tuple[Any, ...]:
+        return (self._raw,)
+
+    def _with_arrays(self, arrays: Sequence[Any]) -> IKSolution:
+        return IKSolution(self._problem, arrays[0])
+
     @property
     def q(self) -> Floats:
         """The configuration, (..., nq): the solution, or, where there is none, the nearest that was found."""
@@ -47,7 +56,7 @@ class IKSolution(metaclass=Explained):
     def success(self) -> Any:
         """Whether every goal is met, (...): errors within their tolerances, joints within their limits."""
         met = self._part(0) > 0.5
-        return bool(met) if self._raw.ndim == 1 else met
+        return bool(met) if type(met) is np.bool_ else met
 
     @property
     def position_error(self) -> Any:
@@ -72,6 +81,7 @@ class IKSolution(metaclass=Explained):
     @property
     def reason(self) -> Any:
         """Why there is no solution, in words; "" where there is one. A list of such for a batch."""
+        self._require_numbers("reason")
         if self._raw.ndim == 1:
             return self._reason_of(self._raw)
         rows = self._raw.reshape(-1, self._raw.shape[-1])
@@ -92,6 +102,7 @@ class IKSolution(metaclass=Explained):
         return IKSolution(self._problem, self._raw[index].reshape(*self._raw[..., 0][index].shape, width))
 
     def __bool__(self) -> bool:
+        self._require_numbers("success")
         if self._raw.ndim > 1:
             raise TypeError(
                 "A batch of solutions has no single truth; use `.success.all()` or `.success.any()`."
@@ -99,6 +110,8 @@ class IKSolution(metaclass=Explained):
         return self.success
 
     def __repr__(self) -> str:
+        if self.is_lazy:
+            return f"<lazy IK solutions {self._raw.shape[:-1]}; .compute() solves for them>"
         if self._raw.ndim > 1:
             return f"<{self._raw[..., 0].size} IK solutions, {int(self.success.sum())} of them met>"
         status = "solution" if self.success else f"no solution: {self.reason}"
@@ -107,7 +120,7 @@ class IKSolution(metaclass=Explained):
 
     def figures(self) -> tuple[Any, ...]:
         """(q, success, iterations, restarts, position_error, rotation_error) at once, where a microsecond counts."""
-        if self._raw.ndim > 1 or len(self._problem.frames) > 1:
+        if self._raw.ndim > 1 or len(self._problem.frames) > 1 or type(self._raw) is not np.ndarray:
             errors = self.position_error, self.rotation_error
             return (self.q, self.success, self.iterations, self.restarts, *errors)
         nq = self._problem.model.nq
@@ -120,13 +133,13 @@ class IKSolution(metaclass=Explained):
 
     def _whole(self, number: int) -> Any:
         part = self._part(number)
-        return int(part) if self._raw.ndim == 1 else part.astype(int)
+        return int(part) if type(part) is np.float64 else part.astype(int)
 
     def _errors(self, number: int) -> Any:
         out = self._raw[..., self._problem.model.nq + 3 + number :: 2]
         if len(self._problem.frames) > 1:
             return out
-        return float(out[0]) if self._raw.ndim == 1 else out[..., 0]
+        return float(out[0]) if type(out) is np.ndarray and out.ndim == 1 else out[..., 0]
 
     def _reason_of(self, row: Floats) -> str:
         nq = self._problem.model.nq

@@ -11,7 +11,7 @@ from ulna.checks.arrays import batched_array
 from ulna.checks.values import count as check_count
 from ulna.compiler import compile
 from ulna.errors import ShapeError
-from ulna.ik import search
+from ulna.ik import deferred, search
 from ulna.ik.acceptance import acceptance_kernel
 from ulna.ik.arguments import (
     check_batch_axes,
@@ -26,6 +26,7 @@ from ulna.ik.arguments import (
 )
 from ulna.ik.goal import Mask, squared_tolerances
 from ulna.ik.result import IKSolution
+from ulna.lazy import is_deferred
 from ulna.model import Model
 from ulna.system.cached import cached_property
 from ulna.typing import Floats
@@ -51,6 +52,7 @@ class Solver:
             masks: Which parts of each pose count; None for all.
             joints: Names of the joints that move; None for all.
         """
+        self._arguments = model, tuple(frames), masks, joints
         self.problem = problem_of(model, frames, masks, joints)
         unit = tuple((1, entries) for entries in model.quaternions)
         self._multi_start = compile(search.multi_start(self.problem), checked=True, unit_entries=unit)
@@ -58,6 +60,9 @@ class Solver:
         self._shifts: dict[Any, Floats] = {}
         self._default_start = default_start(self.problem)
         self._status, self._core = model.nq, len(self.problem.shapes["T"])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Solver, self._arguments
 
     def __call__(
         self,
@@ -89,7 +94,10 @@ class Solver:
         except (KeyError, TypeError):  # not seen before, or not a number
             settings = _remember(self._settings, key, _settings(*key))
             shift = _remember(self._shifts, seed, shift_of(seed, self.problem))
-        if type(T) is not np.ndarray:
+        if type(T) is not np.ndarray or (q0 is not None and type(q0) is not np.ndarray):
+            if is_deferred(T) or is_deferred(q0):
+                options = (position_tolerance, rotation_tolerance, seed, attempts, threads)
+                return IKSolution(self.problem, deferred.solve(self, self.problem, T, q0, options))
             T = matrix_of(T)
         try:
             if q0 is None and T.ndim > self._core and T.size >= _BATCH_FROM * 16 * len(self.problem.frames):

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, final
 
 import numpy as np
@@ -15,6 +15,8 @@ from ulna.checks.arrays import finite_array
 from ulna.checks.values import number
 from ulna.collision import LinkPair, Spheres, World
 from ulna.errors import InputError, ShapeError
+from ulna.lazy import is_deferred
+from ulna.planning import deferred
 from ulna.planning.goals import goal_configurations, moving_columns
 from ulna.planning.result import Plan
 from ulna.planning.search import Options, Search
@@ -47,7 +49,7 @@ def plan(
 
     Args:
         robot: The robot; positions of its joints are plain numbers: no planar, spherical or free-flying joints.
-        q0: Where it is, shape (nq,) [rad, m].
+        q0: Where it is, shape (nq,) [rad, m]; of a Dask array (..., nq) the result is a lazy array of plans.
         goal: A configuration (nq,), several of which one is to be reached (n, nq); a pose of a frame (SE3 or (4, 4)),
             several (n, 4, 4), a `Region`, or a list of poses and regions; a dictionary from frames to poses and
             regions that are to be met at once [rad, m].
@@ -127,11 +129,17 @@ class Planner:
         step = number("step", step, "a length of at least 0.001 [m]", least=1e-3)
         longest = number("longest", longest, "a distance of at least 0.001 [rad, m]", least=1e-3)
         self.robot, self.model = robot, robot.model
+        numbers = {"margin": margin, "step": step, "longest": longest}
+        self._arguments = (robot, world), {"spheres": spheres, "pairs": pairs, **numbers}
         checker = _self_checker(robot, spheres, pairs)
         robot_alone = links_of(checker.model, checker.spheres, checker.pairs, checker.missing)
         world = World() if world is None else world
         self.scene = Scene(robot_alone, checker.spheres, checker.pairs, world, checker.missing)
         self._search = Search(self.scene, margin, step, longest)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        arguments, options = self._arguments
+        return partial(Planner, **options), arguments
 
     def plan(
         self,
@@ -166,6 +174,10 @@ class Planner:
         """
         counts = _count("shorten", shorten, 0), _count("iterations", iterations, 1)
         options = Options(*counts, _seconds(timeout), _count("seed", seed, 0))
+        if is_deferred(q0) or is_deferred(goal):
+            chosen = {"frame": frame, "joints": joints, "timeout": timeout, "seed": seed}
+            chosen |= {"shorten": shorten, "iterations": iterations}
+            return deferred.plans(self, q0, goal, chosen)
         q0 = finite_array("q0", q0)
         if q0.shape != (self.model.nq,):
             raise ShapeError("q0", q0.shape, f"({self.model.nq},)")

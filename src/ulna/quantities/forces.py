@@ -12,6 +12,7 @@ from ulna import algorithms
 from ulna.algorithms import Friction
 from ulna.checks.masked import check_not_masked
 from ulna.errors import ShapeError
+from ulna.lazy import is_dask
 from ulna.model import Model
 from ulna.quantities.quantity import Arguments
 from ulna.typing import Array, ArrayLike
@@ -59,10 +60,14 @@ def stacked(forces: Mapping[str, ArrayLike]) -> Array:
     """The wrenches side by side, (..., k, 6)."""
     for name, wrench in forces.items():
         check_not_masked(f"forces[{name!r}]", wrench)
-    arrays = [np.asarray(wrench) for wrench in forces.values()]
+    arrays = [wrench if is_dask(wrench) else np.asarray(wrench) for wrench in forces.values()]
     for name, wrench in zip(forces, arrays, strict=True):
         if wrench.shape[-1:] != (6,):
             raise ShapeError(
                 f"forces[{name!r}]", wrench.shape, "(..., 6)", "Force first [N], then moment [N m]."
             )
+    if any(is_dask(wrench) for wrench in arrays):
+        import dask.array as da  # pyright: ignore[reportMissingImports]
+
+        return da.stack(da.broadcast_arrays(*map(da.asarray, arrays)), axis=-2)
     return np.stack(np.broadcast_arrays(*arrays), axis=-2)

@@ -11,12 +11,13 @@ import numpy as np
 
 from ulna import kernels
 from ulna.errors import InputError
+from ulna.lazy import Slot, apply, is_deferred
 from ulna.model import Model
 from ulna.trajectory.base import Trajectory
 from ulna.trajectory.inputs import positive
 from ulna.trajectory.peaks import greatest
 from ulna.trajectory.space import Poses, model_of, require_configurations
-from ulna.typing import ArrayLike, Floats
+from ulna.typing import Array, ArrayLike, Floats
 
 _CLOSE = 1e-8  # how close to the worst values their bounds come, in parts of the limits
 Limits = dict[str, tuple[Floats, Floats]]
@@ -109,7 +110,8 @@ def check(
 
     Args:
         robot: A Robot or a Model.
-        trajectory: A trajectory of its joints.
+        trajectory: A trajectory of its joints, or a Dask array (...) of such, for which the result is a lazy array of
+            reports.
         acceleration: Limits of acceleration, one or (nv,) [rad/s^2 or m/s^2]; None for no check.
         jerk: Limits of jerk, one or (nv,) [rad/s^3 or m/s^3]; None for no check.
         torque: Whether to check torques.
@@ -123,6 +125,10 @@ def check(
         InputError: The trajectory is none of that robot's joints, or tolerance and samples make no sense.
     """
     model = model_of(robot)
+    if is_deferred(trajectory):
+        limits = {"acceleration": acceleration, "jerk": jerk, "torque": torque}
+        run = partial(_checked, model, {**limits, "tolerance": tolerance, "samples": samples})
+        return apply(run, [trajectory], [Slot("trajectory", (), object)], [Slot("report", (), object)])
     if not isinstance(trajectory, Trajectory):
         raise InputError(f"`trajectory` is {trajectory!r}; expected one such as quintic(...) makes.")
     if not (isinstance(tolerance, (int, float)) and 0.0 <= tolerance < np.inf):
@@ -146,6 +152,14 @@ def check(
             worst[key] = float(over), column.breach(model, float(over), float(time))
     ranked = sorted(worst.values(), key=lambda pair: -pair[0])
     return Report(tuple(breach for _, breach in ranked), use, model.name)
+
+
+def _checked(model: Model, options: dict[str, Any], trajectories: Any) -> Array:
+    """The reports of an array of trajectories."""
+    reports = np.empty(trajectories.shape, dtype=object)
+    for index in np.ndindex(trajectories.shape):
+        reports[index] = check(model, trajectories[index], **options)
+    return reports
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, final
 
 import numpy as np
@@ -15,8 +16,9 @@ from ulna.compiler.language.function import Function
 from ulna.compiler.language.ports import Port
 from ulna.compiler.language.scalar import Value
 from ulna.compiler.runtime import entry_point, gufunc, jit
-from ulna.compiler.runtime.foreign import is_foreign, refuse_lazy, refuse_tables
+from ulna.compiler.runtime.foreign import is_foreign, refuse_tables
 from ulna.errors import DtypeError, InputError, ShapeError
+from ulna.lazy import Slot, apply, is_deferred
 from ulna.system import forks
 
 Unit = tuple[tuple[int, tuple[int, ...]], ...]
@@ -37,10 +39,19 @@ class ArrayCall:
         dtype: The type of numbers it computes with.
         checked: Whether arguments must be finite.
         unit: Which entries of inputs are unit quaternions.
+        labels: By input, what the entries of its last axis are called.
     """
 
-    def __init__(self, function: Function, dtype: np.dtype[Any], checked: bool, unit: Unit = ()) -> None:
+    def __init__(
+        self,
+        function: Function,
+        dtype: np.dtype[Any],
+        checked: bool,
+        unit: Unit = (),
+        labels: Mapping[str, Sequence[str]] | None = None,
+    ) -> None:
         self.function, self.dtype, self.checked, self.unit = function, dtype, checked, unit
+        self.labels = {} if labels is None else dict(labels)
         self.single: Callable[[], Any] = lambda: None  # the fast call, once there is one
         # NumPy's generalised ufuncs need an input, an output, axes longer than 0, and at most 64 arrays.
         ports = gufunc.ports_of(function)
@@ -49,6 +60,9 @@ class ArrayCall:
         )
         self._ufunc: np.ufunc | None = None
         self._lock = forks.lock(forks.KERNEL)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return ArrayCall, (self.function, self.dtype, self.checked, self.unit, self.labels)
 
     @property
     def element(self) -> DType:
@@ -95,13 +109,16 @@ class ArrayCall:
         if len(args) != len(f.inputs):
             names = ", ".join(p.name for p in f.inputs)
             raise TypeError(f"{f.name}({names}) takes {len(f.inputs)} arguments; {len(args)} were given.")
-        if not self.interpreted and any(is_foreign(a) for a in args):
+        is_foreign_call = any(is_foreign(a) for a in args)
+        if is_foreign_call and any(is_deferred(a) for a in args):
+            return self.deferred(args, out, threads)
+        if is_foreign_call and not self.interpreted:
             for a, port in zip(args, f.inputs, strict=True):
                 refuse_tables(port, a)
                 check_not_masked(port.name, a)
             if self.checked:
                 for a, port in zip(args, f.inputs, strict=True):
-                    if isinstance(a, (np.ndarray, list, tuple, int, float)):  # others, as Dask's, may be lazy
+                    if isinstance(a, (np.ndarray, list, tuple, int, float)):  # others may be lazy
                         check_finite(port.name, np.asarray(a, self.dtype))
             return self._apply(args, out)
         arrays = [self._array(a, port) for a, port in zip(args, f.inputs, strict=True)]
@@ -131,12 +148,33 @@ class ArrayCall:
         return self._apply(arrays, out)
 
     def _apply(self, args: Sequence[Any], out: Any) -> Any:
-        try:
-            result = self.ufunc(*args) if out is None else self.ufunc(*args, out=out)
-        except ValueError:
-            refuse_lazy(self.function, args)
-            raise
+        result = self.ufunc(*args) if out is None else self.ufunc(*args, out=out)
         return result if self.function.single or isinstance(result, tuple) else (result,)
+
+    def deferred(self, args: Sequence[Any], out: Any = None, threads: int | None = None) -> Any:
+        """Evaluates the function on arrays of Dask, block by block when asked for, or of xarray.
+
+        Args:
+            args: The arguments, (...).
+            out: Must be None.
+            threads: How many threads may work on a block; None for one.
+
+        Returns:
+            The lazy or labelled result, or a tuple of several.
+
+        Raises:
+            InputError: If `out` is given.
+        """
+        if out is not None:
+            raise InputError(
+                "`out` is given, but results for arrays of Dask and xarray are new; leave it out."
+            )
+        for a, port in zip(args, self.function.inputs, strict=True):
+            refuse_tables(port, a)
+        inputs = [Slot(p.name, p.shape, np.float64, self.labels.get(p.name)) for p in self.function.inputs]
+        outputs = [Slot("", p.shape, self.dtype) for p in self.function.outputs]
+        run = self if threads is None else partial(self, threads=threads)
+        return apply(run, args, inputs, outputs, is_single=self.function.single)
 
     def _bind(self, args: tuple[Any, ...], named: dict[str, Any]) -> tuple[Any, ...]:
         """The arguments in order where some are passed by name."""

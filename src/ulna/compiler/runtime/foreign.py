@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ulna.checks.arrays import batched_shape
-from ulna.compiler.language.function import Function
 from ulna.compiler.language.ports import Port
 from ulna.errors import InputError
+from ulna.lazy import is_deferred
 
-_TABLES = ("pandas", "polars", "xarray", "pyarrow")
+_TABLES = ("pandas", "polars", "xarray", "pyarrow", "dask", "dask_expr")
 
 
 def is_foreign(value: Any) -> bool:
@@ -34,36 +33,18 @@ def refuse_tables(port: Port, value: Any) -> None:
     Raises:
         InputError: If the value is one.
     """
-    if _library(value) not in _TABLES:
+    if _library(value) not in _TABLES or is_deferred(value):
         return
     name = type(value).__name__
     advice = "Take its columns in the order of the joints: q[list(robot.joint_names)].to_numpy()."
-    if name != "DataFrame":
+    if _library(value).startswith("dask"):
+        advice = "Take its columns in the order of the joints: q[list(robot.joint_names)].to_dask_array(lengths=True)."
+    elif name != "DataFrame":
         advice = "Take its numbers: q.to_numpy()."
     raise InputError(
         f"`{port.name}` is a {name} of {_library(value)}; expected an array {batched_shape(port.shape)}. "
         + advice.replace("q[", f"{port.name}[").replace("q.", f"{port.name}.")
     )
-
-
-def refuse_lazy(f: Function, args: Sequence[Any]) -> None:
-    """Says what to do with Dask arrays, of which ufuncs with core axes do not know the shapes.
-
-    Args:
-        f: The function.
-        args: What was passed for its inputs.
-
-    Raises:
-        InputError: If there is one among the arguments.
-    """
-    for a, port in zip(args, f.inputs, strict=True):
-        if _library(a) == "dask":
-            raise InputError(
-                f"`{port.name}` is a Dask array of shape {a.shape}; "
-                f"expected a NumPy array {batched_shape(port.shape)}. A kernel takes Dask arrays lazily: "
-                f'robot.kernel("{f.name}").dask({port.name}), with the last axis in one chunk; or pass '
-                f"{port.name}.compute()."
-            ) from None
 
 
 def _library(value: Any) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from ulna.compiler.runtime import bound_call, entry_point, gufunc, jit
 from ulna.compiler.runtime.array_call import ELEMENT, ArrayCall, Unit
 from ulna.errors import DtypeError, MissingExtra
 from ulna.idioms import unknown_attribute
+from ulna.lazy import is_deferred
 from ulna.system import forks
 from ulna.typing import Array
 
@@ -125,24 +126,13 @@ class KernelBase:
         return self.function.draw(path)
 
     def dask(self, *args: Any) -> Any:
-        """Applies the kernel to Dask arrays, lazily: `dask.array.apply_gufunc` with this kernel's signature."""
+        """The kernel on arrays of which none need be a Dask array, lazily; Dask arrays can be passed to any call."""
         try:
             import dask.array as da  # pyright: ignore[reportMissingImports]
         except ImportError:
             raise MissingExtra("dask", "cluster", "Applying a kernel to Dask arrays") from None
-        letters = iter("abcdefghijklmnopqrstuvwxyz")
-        names: list[str] = []
-        sizes: dict[str, int] = {}
-        for port in gufunc.ports_of(self.function):
-            axes = [next(letters) for _ in port.shape]
-            sizes.update(zip(axes, port.shape, strict=True))
-            names.append("(" + ",".join(axes) + ")")
-        count = len(self.function.inputs)
-        inside = {d for n in names[:count] for d in n.strip("()").split(",") if d}
-        signature = ",".join(names[:count]) + "->" + ",".join(names[count:])
-        kinds = self.dtype if self.function.single else [self.dtype] * len(self.function.outputs)
-        extra = {name: n for name, n in sizes.items() if name not in inside}
-        return da.apply_gufunc(self.gufunc, signature, *args, output_dtypes=kinds, output_sizes=extra)
+        lazy = args if any(is_deferred(a) for a in args) else (*map(da.asarray, args[:1]), *args[1:])
+        return self._array_call(*lazy)
 
     @property
     def __name__(self) -> str:
@@ -157,7 +147,8 @@ class KernelBase:
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return compile, (self.function, self.dtype.name, self._array_call.checked, self._array_call.unit)
+        call = self._array_call
+        return compile, (self.function, self.dtype.name, call.checked, call.unit, call.labels)
 
 
 class SlowKernel(KernelBase):
@@ -226,6 +217,7 @@ def compile(
     dtype: Any = np.float64,
     checked: bool = False,
     unit_entries: Unit = (),
+    labels: Mapping[str, Sequence[str]] | None = None,
     **shapes: tuple[int, ...] | int,
 ) -> Any:
     """Makes a kernel of a traced function.
@@ -236,12 +228,14 @@ def compile(
         checked: Whether nan or inf in an input raises NonFiniteError instead of passing through.
         unit_entries: With `checked`, what must be unit vectors, such as quaternions: (number of input, entries),
             ...
+        labels: By input, what the entries of its last axis are called: arrays of xarray are put in that order.
         **shapes: Shape of each argument, if `f` is not traced yet.
 
     Returns:
         A kernel: callable as `kernel(*arrays, out=None, threads=None)`. Arguments may have any leading batch axes,
         which broadcast; lists and other real types are converted. With `threads=n` a large batch is cut into n parts.
-        It is thread-safe, releases the GIL in batches, and can be pickled.
+        It is thread-safe, releases the GIL in batches, and can be pickled. Dask arrays are evaluated lazily, in
+        blocks; arrays of xarray keep their leading dimensions and coordinates.
 
     Raises:
         TraceError: If `f` cannot be traced.
@@ -252,7 +246,7 @@ def compile(
         f = trace(f, **dict[str, Any](shapes))
     elif shapes:
         raise TypeError("Shapes are given for a function that is traced already.")
-    array_call = ArrayCall(f, element_of(dtype), checked, unit_entries)
+    array_call = ArrayCall(f, element_of(dtype), checked, unit_entries, labels)
     native_type = _native_type()
     if "graph" in os.environ.get("ULNA_DEBUG", ""):
         print(f"[ulna] {f.name}{f.signature}: {f.operations} operations {f.operation_counts}")

@@ -68,6 +68,11 @@ class Source(ABC):
     def method(self) -> str:
         """How it works, in words."""
 
+    @property
+    @abstractmethod
+    def most(self) -> int:
+        """The largest number of candidates for a pose and a value of the free joint."""
+
     @abstractmethod
     def rows(
         self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
@@ -142,6 +147,11 @@ class ClosedForm(Source):
         words = self.plan.describe(self.arm.names)
         return words if self.plan.off <= EXACT else f"{words}, axes off by {self.plan.off:.1g}, refined"
 
+    @property
+    def most(self) -> int:
+        """The largest number of candidates; see `Source.most`."""
+        return len(self.numbers)
+
     def rows(
         self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
     ) -> tuple[Floats, Floats, bool]:
@@ -159,6 +169,11 @@ class Elimination(Source):
     def method(self) -> str:
         """How it works, in words."""
         return "six general axes: elimination to an eigenvalue problem, refined by Newton's method"
+
+    @property
+    def most(self) -> int:
+        """The largest number of candidates; see `Source.most`."""
+        return 32  # 16 solutions [Raghavan & Roth 1993], each at most twice where two nearly meet
 
     def rows(
         self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
@@ -214,6 +229,11 @@ class ManyStarts(Source):
     def method(self) -> str:
         """How it works, in words."""
         return f"Newton's method from {_STARTS} random starts"
+
+    @property
+    def most(self) -> int:
+        """The largest number of candidates; see `Source.most`."""
+        return _STARTS
 
     def rows(
         self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
