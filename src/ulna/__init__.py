@@ -28,11 +28,13 @@ from ulna.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from ulna.control import p_servo as p_servo
+    from ulna.exporting import export as export
     from ulna.sim import Simulation as Simulation
     from ulna.viewer.show import show as show
     from ulna.viewer.viewer import Viewer as Viewer
 
 _LATER = {
+    "export": "ulna.exporting",
     "p_servo": "ulna.control",
     "show": "ulna.viewer.show",
     "Simulation": "ulna.sim",
@@ -45,6 +47,7 @@ _PACKAGES = (
     "compat",
     "control",
     "diagnosis",
+    "exporting",
     "faces",
     "identification",
     "ik",
@@ -68,6 +71,7 @@ __all__ = [
     "__version__",
     "compile",
     "errors",
+    "export",
     "load",
     "load_model",
     "numeric",

@@ -95,7 +95,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _robot_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
-    """Adds info, show and demo."""
+    """Adds info, show, export and demo."""
     info = command(
         "info",
         _info,
@@ -126,6 +126,7 @@ def _robot_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
         name, metavar = option.split()
         show.add_argument(name, metavar=metavar, default=default, help=about)
     _picture_options(show, "ulna-NAME.png")
+    _export_command(command)
     demo = command(
         "demo",
         _demo,
@@ -133,6 +134,29 @@ def _robot_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
         "In the browser where there is a screen, else headless: a report and a picture.",
     )
     _picture_options(demo, "ulna-demo.png")
+
+
+def _export_command(command: Callable[..., argparse.ArgumentParser]) -> None:
+    """Adds export."""
+    export = command(
+        "export",
+        _export,
+        "write compiled functions of a robot as sources or objects for other programs",
+        "Options of targets and kernels are given as OPTION=VALUE: reference=local.",
+    )
+    export.add_argument("name", metavar="NAME", help=_ROBOT)
+    kernels = "names of quantities and ik, parted by commas: fk,jacobian,ik (default fk)"
+    export.add_argument("--kernel", nargs="+", default=["fk"], metavar="KERNEL", help=kernels)
+    export.add_argument("--to", default="c", metavar="TARGET", help="what to write: c (default), ...")
+    export.add_argument("--output", metavar="DIR", help="the folder to write (default: NAME_TARGET)")
+    export.add_argument("--frame", metavar="FRAME", help="the frame, for kernels of one (default: the tool)")
+    export.add_argument("--dtype", metavar="TYPE", help="float64 (default) or float32")
+    export.add_argument(
+        "--prefix", metavar="PREFIX", help="what names begin with (default: the robot's name)"
+    )
+    export.add_argument(
+        "--option", action="append", default=[], metavar="OPTION=VALUE", help="an option; may be repeated"
+    )
 
 
 def _script_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
@@ -229,6 +253,36 @@ def _write(robot: Any, q: Any, chosen: argparse.Namespace) -> None:
         print(viewer.film(chosen.film, joint_sweep(robot, q)))
     if chosen.html:
         print(viewer.html(chosen.html, joint_sweep(robot, q)))
+
+
+def _export(chosen: argparse.Namespace) -> None:
+    from ulna.exporting import export
+    from ulna.exporting.selection import identifier
+    from ulna.loading import load
+
+    options = _options(chosen.option)
+    if chosen.frame is not None:
+        options["frame"] = chosen.frame
+    names = [word for words in chosen.kernel for word in words.replace(",", " ").split()]
+    robot = load(chosen.name)
+    prefix = chosen.prefix or identifier(robot.name)
+    output = chosen.output or f"{prefix}_{chosen.to}"
+    print(export(robot, names, chosen.to, output, name=prefix, dtype=chosen.dtype, **options))
+
+
+def _options(words: Sequence[str]) -> dict[str, Any]:
+    """Options as typed, OPTION=VALUE: numbers and truth values as such, other values as texts."""
+    options: dict[str, Any] = {}
+    for word in words:
+        key, sign, text = word.partition("=")
+        if not (sign and key.isidentifier()):
+            raise InputError(
+                f"--option {word!r} has no value; expected OPTION=VALUE, such as reference=local."
+            )
+        options[key] = {"true": True, "false": False}.get(
+            text.lower(), float(text) if _is_number(text) else text
+        )
+    return options
 
 
 def _picture_of(name: str) -> str:

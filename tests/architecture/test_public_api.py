@@ -27,6 +27,7 @@ def test_every_name_is_there_and_documented(name: str) -> None:
         "compat",
         "control",
         "diagnosis",
+        "exporting",
         "faces",
         "identification",
         "ik",

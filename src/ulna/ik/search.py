@@ -233,7 +233,7 @@ def _draw_radius(number: Any, near: Any) -> Any:
     return numeric.where(number < 0.5, 0.0, 1.0 - near * (1.0 - widening))
 
 
-def multi_start(problem: Problem) -> Function:
+def multi_start(problem: Problem, lanes: int = LANES) -> Function:
     """The search of one goal in all lanes.
 
     Inputs: goals T, (4, 4) or for k > 1 frames (k, 4, 4), q0 (nq,), shift (d,) of the starting points, and settings
@@ -242,13 +242,20 @@ def multi_start(problem: Problem) -> Function:
 
     Output: (nq + 3 + 2 k,): q, whether it meets the goals (-1: a goal is no rotation), steps, number of the starting
     point, and for each frame the errors of position [m] and rotation [rad].
+
+    Args:
+        problem: The problem.
+        lanes: How many attempts are under way at once, a power of two.
+
+    Returns:
+        The search as a function, not compiled.
     """
 
     def search(T: Array, q0: Array, shift: Array, settings: Array) -> Array:
         goals, tolerances, near, limit = problem.goals(T), settings[:2], settings[2], abs(settings[3])
         descends = settings[3] < 0.0
         home = problem.clip(q0)
-        number = lane(LANES)
+        number = lane(lanes)
         first = Attempt.first(
             starting_point(problem, home, shift, number, _draw_radius(number, near)), number
         )
@@ -271,12 +278,12 @@ def multi_start(problem: Problem) -> Function:
 
         def body(*state: Any) -> tuple[Any, ...]:
             now = Attempt.of(problem, home, state[:-1])
-            then = advance(problem, now, home, goals, tolerances, shift, near, float(LANES), descends)
+            then = advance(problem, now, home, goals, tolerances, shift, near, float(lanes), descends)
             return (*then.flat(problem), state[-1] + 1.0)
 
         state = numeric.loop(go_on, body, (*first.flat(problem), 0.0), 2**30)
         last, steps = Attempt.of(problem, home, state[:-1]), state[-1]
-        chosen = number == _best_lane(last, near * offset(last.best), number, descends)
+        chosen = number == _best_lane(last, near * offset(last.best), number, descends, lanes)
         q = problem.replaced(home, [choose(chosen, x) for x in last.best[problem.positions]])
         q = unwound(problem, q, home, near)
         return numeric.vector(
@@ -284,15 +291,15 @@ def multi_start(problem: Problem) -> Function:
         )
 
     shapes: dict[str, Any] = {**problem.shapes, "shift": (len(problem.drawn),), "settings": (4,)}
-    return trace(search, name="ik", lanes=LANES, **shapes)
+    return trace(search, name="ik", lanes=lanes, **shapes)
 
 
-def _best_lane(last: Attempt, cost: Any, number: Any, descends: Any) -> Any:
+def _best_lane(last: Attempt, cost: Any, number: Any, descends: Any, lanes: int) -> Any:
     """The lane that meets the goals at the least cost, or has the least error; lane 0 for a descent, which is there."""
     is_met = last.is_met > 0.5
     rank = numeric.where(in_any_lane(is_met), numeric.where(is_met, cost, _FAR), last.least)
     rank = numeric.where(descends, number, rank)
-    return least(numeric.where(rank <= least(rank), number, float(LANES)))
+    return least(numeric.where(rank <= least(rank), number, float(lanes)))
 
 
 def batch_steps(problem: Problem) -> Function:

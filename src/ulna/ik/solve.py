@@ -92,7 +92,7 @@ class Solver:
         try:
             settings, shift = self._settings[key], self._shifts[seed]
         except (KeyError, TypeError):  # not seen before, or not a number
-            settings = _remember(self._settings, key, _settings(*key))
+            settings = _remember(self._settings, key, search_settings(*key))
             shift = _remember(self._shifts, seed, shift_of(seed, self.problem))
         if type(T) is not np.ndarray or (q0 is not None and type(q0) is not np.ndarray):
             if is_deferred(T) or is_deferred(q0):
@@ -182,10 +182,31 @@ class Solver:
         return compile(acceptance_kernel(self.problem), checked=True)
 
 
-def _settings(position_tolerance: float, rotation_tolerance: float, attempts: int, is_free: bool) -> Floats:
+def search_settings(
+    position_tolerance: float,
+    rotation_tolerance: float,
+    attempts: int,
+    is_free: bool,
+    lanes: int = search.LANES,
+) -> Floats:
+    """The settings that `search.multi_start` takes, (4,).
+
+    Args:
+        position_tolerance: Largest distance from the goal [m].
+        rotation_tolerance: Largest angle from the goal [rad].
+        attempts: About how many starting points are tried.
+        is_free: Whether the first solution met is taken, wherever it is, instead of one near the start.
+        lanes: How many attempts are under way at once.
+
+    Returns:
+        The settings, (4,).
+
+    Raises:
+        InputError: If a tolerance or the number of attempts means nothing.
+    """
     check_tolerances(position_tolerance, rotation_tolerance)
     check_count("attempts", attempts)
-    steps = -(-attempts // search.LANES) * search.MEAN_STEPS + search.ATTEMPT_STEPS
+    steps = -(-attempts // lanes) * search.MEAN_STEPS + search.ATTEMPT_STEPS
     squared = squared_tolerances(position_tolerance, rotation_tolerance)
     return np.array([*squared, float(not is_free), float(steps)])
 

@@ -15,9 +15,8 @@ from ulna.compiler.codegen.row_table import at, write_rows
 from ulna.compiler.codegen.rows import load, store
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.language.function import Function
-from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ops import TABLE, Op
-from ulna.compiler.language.scheduling import Sines, Step, Store, made, parts, used
+from ulna.compiler.language.scheduling import Sines, Step, Store, made, parts, scratch_places, used
 
 
 def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: int, contract: bool) -> None:
@@ -36,7 +35,7 @@ def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: in
     writes_rows_last = (
         layout.lanes > 1 and len(pieces) > 1
     )  # then the last part has the stores and nothing else
-    slots = _slots(f.graph, pieces, f.results if writes_rows_last else ())
+    slots = scratch_places(f.graph, pieces, f.results if writes_rows_last else ())
     bodies = []
     for number, steps in enumerate(pieces):
         body = Writer(module, f.graph, layout, "", contract, f.lanes > 1)
@@ -63,32 +62,6 @@ def _define(
 ) -> None:
     head = f"define internal void @{name}({', '.join(arguments)}) {attributes} {{"
     module.definitions[name] = "\n".join([head, "entry:", *lines, "  ret void", "}", ""])
-
-
-def _slots(graph: Graph, pieces: Sequence[Sequence[Step]], results: Sequence[int]) -> dict[int, int]:
-    """Where in the scratch the nodes lie that a later part needs; a place that is free again is taken again.
-
-    Constants are written anew in each part, but those among `results` are in the scratch, too.
-    """
-    constant = (Op.CONST, Op.BOOL)
-    handed = {index for index in results if graph.op[index] in constant}
-    last: dict[int, int] = {}
-    for number, steps in enumerate(pieces):
-        last.update((index, number) for step in steps for index in used(graph, step))
-    slots: dict[int, int] = {}
-    free: list[int] = []
-    ending: list[list[int]] = [[] for _ in pieces]
-    count = 0
-    for number, steps in enumerate(pieces):
-        for index in (index for step in steps for index in made(graph, step)):
-            if last.get(index, 0) > number and (graph.op[index] not in constant or index in handed):
-                if not free:
-                    free.append(count)
-                    count += 1
-                slots[index] = free.pop()
-                ending[last[index]].append(slots[index])
-        free += ending[number]
-    return slots
 
 
 def _read_inputs(to: Writer, f: Function) -> None:

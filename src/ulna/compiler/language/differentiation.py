@@ -76,7 +76,7 @@ def jacobian(graph: Graph, results: Sequence[int], wrt: range) -> Derivative:
 
 def _copy(graph: Graph, results: Sequence[int]) -> tuple[Graph, list[int], list[int]]:
     """A copy of the graph with all its inputs, its input nodes and the nodes of `results`."""
-    g = Graph(relaxed=graph.relaxed)
+    g = Graph(relaxed=graph.relaxed, lanes=graph.lanes)
     primals = [g.input() for _ in graph.inputs]
     return g, primals, copy_into(g, graph, results, primals)
 

@@ -182,7 +182,7 @@ def trace(
         doc: Text for the kernel's `__doc__`; default `f.__doc__`.
         rules: "relaxed" also uses simplifications that hold for finite numbers up to the sign of zero
             (x * 0 -> 0, x + 0 -> x, 0 - x -> -x, x - x -> 0); "exact" only those that hold bit for bit.
-        lanes: A power of two above 1 evaluates each sample in so many SIMD lanes; see
+        lanes: A power of two; above 1 it evaluates each sample in so many SIMD lanes; see
             `ulna.compiler.language.lanes`.
         **shapes: Shape of each argument in order, `q=(7,)`; `()` is a number.
 
@@ -195,7 +195,7 @@ def trace(
     """
     if rules not in ("relaxed", "exact"):
         raise ValueError(f"rules={rules!r}; expected 'relaxed' or 'exact'.")
-    graph = Graph(relaxed=rules == "relaxed")
+    graph = Graph(relaxed=rules == "relaxed", lanes=lanes)
     ports, arguments = [], []
     for key, shape in shapes.items():
         port = Port(key, _shape(key, shape))

@@ -77,17 +77,30 @@ class Graph:
     Args:
         relaxed: Whether rewrite rules apply that hold only for finite numbers up to the sign of zero.
         parent: The graph around the body of a loop; None for none.
+        lanes: In how many SIMD lanes a sample is evaluated; that of `parent`, if there is one.
     """
 
-    __slots__ = ("_captured", "_interned", "args", "data", "inputs", "most", "op", "parent", "relaxed")
+    __slots__ = (
+        "_captured",
+        "_interned",
+        "args",
+        "data",
+        "inputs",
+        "lanes",
+        "most",
+        "op",
+        "parent",
+        "relaxed",
+    )
 
-    def __init__(self, *, relaxed: bool = True, parent: Graph | None = None) -> None:
+    def __init__(self, *, relaxed: bool = True, parent: Graph | None = None, lanes: int = 1) -> None:
         self.op: list[int] = []
         self.args: list[tuple[int, ...]] = []
         self.data: list[Any] = []
         self.inputs: list[int] = []
         self.relaxed = relaxed
         self.parent = parent
+        self.lanes = lanes if parent is None else parent.lanes
         self._interned: dict[Any, int] = {}
         self._captured: dict[int, int] = {}
         self.most = most_operations()
@@ -96,7 +109,7 @@ class Graph:
         return len(self.op)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (self.op, self.args, self.data, self.inputs, self.relaxed)
+        return _rebuild, (self.op, self.args, self.data, self.inputs, self.relaxed, self.lanes)
 
     def input(self) -> int:
         """A new input; inputs are numbered in the order they are made."""
@@ -167,7 +180,9 @@ class Graph:
         return [self._append(Op.ITEM, (index,), k) for k in range(loop.size)]
 
     def lane(self, count: int) -> int:
-        """The node of the lane's number, 0 to `count` - 1."""
+        """The node of the lane's number, 0 to `count` - 1; a single lane has the number 0."""
+        if count == 1:
+            return self.constant(0.0)
         key = (Op.LANE, count)
         index = self._interned.get(key)
         if index is None:
@@ -244,9 +259,14 @@ class Graph:
 
 
 def _rebuild(
-    op: list[int], args: list[tuple[int, ...]], data: list[Any], inputs: list[int], relaxed: bool
+    op: list[int],
+    args: list[tuple[int, ...]],
+    data: list[Any],
+    inputs: list[int],
+    relaxed: bool,
+    lanes: int = 1,
 ) -> Graph:
-    graph = Graph(relaxed=relaxed)
+    graph = Graph(relaxed=relaxed, lanes=lanes)
     graph.op, graph.args, graph.data, graph.inputs = list(op), list(args), list(data), list(inputs)
     for index, (o, a, d) in enumerate(zip(op, args, data, strict=True)):
         if o == Op.CONST:

@@ -2,7 +2,8 @@
 
 `trace(f, lanes=8)` makes such a function. Its inputs are the same in every lane; the lanes differ by their number
 alone, go on together, and all must agree on the outputs in the end, since those of lane 0 are taken. So a search from
-eight starting points costs little more than one, and ends when the first has arrived.
+eight starting points costs little more than one, and ends when the first has arrived. With one lane the reductions
+are the values themselves.
 """
 
 from __future__ import annotations

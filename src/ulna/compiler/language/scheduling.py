@@ -101,6 +101,42 @@ def parts(f: Function, lanes: int, pack: int) -> list[list[Step]]:
     return [*_cut(f, rest, round(size / _SIZES[True])), stores]
 
 
+def scratch_places(
+    graph: Graph, pieces: Sequence[Sequence[Step]], results: Sequence[int] = ()
+) -> dict[int, int]:
+    """Where in the scratch the nodes lie that a later part needs; a place that is free again is taken again.
+
+    Constants are written anew in each part, but those among `results` are in the scratch, too.
+
+    Args:
+        graph: The graph.
+        pieces: The steps of each part.
+        results: Nodes that are in the scratch even if they are constants.
+
+    Returns:
+        The place of each node that has one.
+    """
+    constant = (Op.CONST, Op.BOOL)
+    handed = {index for index in results if graph.op[index] in constant}
+    last: dict[int, int] = {}
+    for number, steps in enumerate(pieces):
+        last.update((index, number) for step in steps for index in used(graph, step))
+    slots: dict[int, int] = {}
+    free: list[int] = []
+    ending: list[list[int]] = [[] for _ in pieces]
+    count = 0
+    for number, steps in enumerate(pieces):
+        for index in (index for step in steps for index in made(graph, step)):
+            if last.get(index, 0) > number and (graph.op[index] not in constant or index in handed):
+                if not free:
+                    free.append(count)
+                    count += 1
+                slots[index] = free.pop()
+                ending[last[index]].append(slots[index])
+        free += ending[number]
+    return slots
+
+
 def _cut(f: Function, steps: Sequence[Step], count: int) -> list[list[Step]]:
     """The inputs, then the other steps, in up to `count` parts that take equally long."""
     g = f.graph
@@ -155,7 +191,7 @@ def _order(f: Function, lanes: int, pack: int) -> Iterator[Step]:
         for value in set(store.values):
             waiting.setdefault(value, []).append(store)
     done: set[int] = set()
-    for step in _with_sines(f, pack):
+    for step in ordered(g, f.results, pack):
         new = [index for index in made(g, step) if index not in done]
         if not new:
             continue
@@ -168,13 +204,20 @@ def _order(f: Function, lanes: int, pack: int) -> Iterator[Step]:
                     yield store
 
 
-def _with_sines(f: Function, pack: int) -> Iterator[Step]:
+def ordered(g: Graph, results: Sequence[int], pack: int) -> Iterator[int | Sines]:
     """The nodes in the order of the trace, some again; with `pack` > 1 sines come together, `pack` at a time.
 
     One vector of sines costs a single call about as much as one scalar.
+
+    Args:
+        g: The graph.
+        results: The nodes that are wanted.
+        pack: How many sines are taken at once.
+
+    Yields:
+        Nodes, and groups of sines; a node may come again after the group that computes it.
     """
-    g = f.graph
-    live = g.live(f.results)
+    live = g.live(results)
     level: dict[int, int] = {}
     groups: dict[int, dict[int, None]] = {}
     for index in live:

@@ -24,6 +24,7 @@ class Graph(Protocol):
     args: list[tuple[int, ...]]
     data: list[Any]
     relaxed: bool
+    lanes: int
 
     def node(self, op: int, *args: int) -> int:
         """The node of `op` on `args`, simplified."""
@@ -221,6 +222,11 @@ def _select(g: Graph, c: int, a: int, b: int) -> int | None:
     return g.node(Op.SELECT, g.args[c][0], b, a) if g.op[c] == Op.NOT else None
 
 
+def _over_lanes(g: Graph, a: int) -> int | None:
+    """A reduction over a single lane is the value itself."""
+    return a if g.lanes == 1 else None
+
+
 _RULES: dict[int, Callable[..., int | None]] = {
     Op.NEG: _neg,
     Op.ABS: _abs,
@@ -239,4 +245,6 @@ _RULES: dict[int, Callable[..., int | None]] = {
     Op.OR: _or,
     Op.NOT: _not,
     Op.SELECT: _select,
+    Op.ANY: _over_lanes,
+    Op.LEAST: _over_lanes,
 }

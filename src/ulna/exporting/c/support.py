@@ -1,0 +1,158 @@
+"""The header that the sources share: refusals of compilers' options, minimum, maximum, sines and cosines.
+
+Sines and cosines are those of `ulna.compiler.codegen.sincos` without fused multiply-add: pi/2 is subtracted in four
+parts (Cody & Waite; Muller, Elementary Functions, 3rd ed., section 11.2), and there is no branch, so that a compiler
+can work on several angles at once. Angles beyond the bound go to the C library.
+"""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+
+from ulna.compiler.codegen import coefficients
+from ulna.compiler.codegen.ir_text import DType
+from ulna.exporting.c.expressions import number
+
+_BITS: dict[DType, tuple[int, int]] = {"double": (33, 53), "float": (11, 24)}
+"""Bits of the first three parts of pi/2, and of the last."""
+
+_BOUND: dict[DType, float] = {"double": 2.0**20, "float": 2.0**13}
+"""The largest angle whose multiples of pi/2 times a part are exact [rad]."""
+
+_ROUNDER: dict[DType, float] = {"double": 1.5 * 2.0**52, "float": 1.5 * 2.0**23}
+
+
+def half_pi_parts(real: DType) -> list[float]:
+    """pi/2 as a sum of four numbers, the first three of few bits."""
+    rest = sum((Fraction(part) for part in coefficients.HALF_PI["double"]), Fraction(0))
+    bits, last = _BITS[real]
+    made = []
+    for count in (bits, bits, bits, last):
+        scale = Fraction(2) ** (count - 1 - _exponent(rest))
+        part = Fraction(int(rest * scale)) / scale  # towards zero
+        made.append(float(part))
+        rest -= part
+    return made
+
+
+def _exponent(x: Fraction) -> int:
+    """The power of two at or below a positive number."""
+    e = x.numerator.bit_length() - x.denominator.bit_length()
+    return e if Fraction(2) ** e <= x else e - 1
+
+
+def support_header(name: str, real: DType) -> str:
+    """The text of the header that the sources share.
+
+    Args:
+        name: What names of functions of the export begin with.
+        real: "double" or "float".
+
+    Returns:
+        The text.
+    """
+    values = {f"P{k + 1}": number(part, real) for k, part in enumerate(half_pi_parts(real))}
+    values |= {
+        "SINE": _polynomial(coefficients.SIN[real], real),
+        "COSINE": _polynomial(coefficients.COS[real], real),
+    }
+    values["INVERSE"] = number(coefficients.TWO_OVER_PI[real][0], real)
+    values["BOUND"], values["ROUNDER"] = number(_BOUND[real], real), number(_ROUNDER[real], real)
+    suffix = "f" if real == "float" else ""
+    values |= {word: word + suffix for word in ("fabs", "sin", "cos", "0.5", "0.25", "1.0", "1.5")}
+    values |= {"name": name, "NAME": name.upper(), "real": real}
+    return re.sub("@([^@ ]+)@", lambda found: values[found[1]], _TEMPLATE)
+
+
+def _polynomial(c: tuple[float, ...], real: DType) -> str:
+    """Horner's form of a polynomial of z."""
+    numbers = [number(one, real) for one in c]
+    return "".join(f"({one} + z * " for one in numbers[:-1]) + numbers[-1] + ")" * (len(c) - 1)
+
+
+_TEMPLATE = """\
+/* What the sources of @name@ share; not for use elsewhere. */
+#ifndef @NAME@_SUPPORT_H
+#define @NAME@_SUPPORT_H
+
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "Compile without -ffast-math, -Ofast, -ffinite-math-only or /fp:fast: the order of sums and nan matter here."
+#endif
+
+#include <float.h>
+#include <math.h>
+
+#if defined(__GNUC__)
+#define @NAME@_PART static __attribute__((noinline))
+#elif defined(_MSC_VER)
+#define @NAME@_PART static __declspec(noinline)
+#else
+#define @NAME@_PART static
+#endif
+
+/* The smaller number; nan if one is. */
+static inline @real@ @name@_min(@real@ a, @real@ b)
+{
+    return a < b ? a : (b <= a ? b : a + b);
+}
+
+/* The greater number; nan if one is. */
+static inline @real@ @name@_max(@real@ a, @real@ b)
+{
+    return a > b ? a : (b >= a ? b : a + b);
+}
+
+/* Sines s and cosines c of n angles x [rad]. */
+static inline void @name@_sincos(int n, const @real@ *x, @real@ *s, @real@ *c)
+{
+    int i;
+#if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD == 0
+    int far = 0;
+    for (i = 0; i < n; i++) {
+        /* x = k pi/2 + (r - e), with an exact product k p for each part p of pi/2 but the last. */
+        const @real@ shifted = x[i] * @INVERSE@ + @ROUNDER@;
+        const @real@ k = shifted - @ROUNDER@;
+        const @real@ t2 = k * @P2@, t3 = k * @P3@;
+        const @real@ r1 = x[i] - k * @P1@;
+        const @real@ r2 = r1 - t2;
+        const @real@ b2 = r1 - r2;
+        const @real@ e2 = (r1 - (r2 + b2)) + (b2 - t2);
+        const @real@ r3 = r2 - t3;
+        const @real@ b3 = r2 - r3;
+        const @real@ e3 = (r2 - (r3 + b3)) + (b3 - t3);
+        const @real@ low = (e2 + e3) - k * @P4@;
+        const @real@ r = r3 + low;
+        const @real@ e = (r - r3) - low;
+        /* Polynomials of sin(r - e) and cos(r - e). */
+        const @real@ z = r * r;
+        const @real@ h = @0.5@ * z;
+        const @real@ w = @1.0@ - h;
+        const @real@ cosine = w + (((@1.0@ - w) - h) + (z * z * @COSINE@ + r * e));
+        const @real@ sine = r - (e * w - r * z * @SINE@);
+        /* m is k modulo 4, from -2 to 2. */
+        const @real@ quarter = k * @0.25@ + @ROUNDER@;
+        const @real@ m = k - 4 * (quarter - @ROUNDER@);
+        const @real@ turned_sine = m * m == 1 ? cosine : sine;
+        const @real@ turned_cosine = m * m == 1 ? sine : cosine;
+        s[i] = m < 0 || m > @1.5@ ? -turned_sine : turned_sine;
+        c[i] = m > 0 || m < -@1.5@ ? -turned_cosine : turned_cosine;
+        far |= !(@fabs@(x[i]) <= @BOUND@);
+    }
+    if (!far) {
+        return;
+    }
+#endif
+    for (i = 0; i < n; i++) {
+#if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD == 0
+        if (@fabs@(x[i]) <= @BOUND@) {
+            continue;
+        }
+#endif
+        s[i] = @sin@(x[i]);
+        c[i] = @cos@(x[i]);
+    }
+}
+
+#endif
+"""

@@ -1,0 +1,17 @@
+"""The table of the targets of `ulna.export`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from ulna.exporting.record import ExportTarget
+
+_C = ExportTarget(
+    name="c",
+    text="C99 sources with a header, a test program and a CMakeLists.txt",
+    module="ulna.exporting.c.folder",
+)
+
+TARGETS: Mapping[str, ExportTarget] = MappingProxyType({target.name: target for target in (_C,)})
+"""The targets by name."""
