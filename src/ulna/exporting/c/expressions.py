@@ -9,16 +9,14 @@ import numpy as np
 
 from ulna.compiler.language.ops import Op
 
-_WORDS = frozenset(
-    """
+_WORDS = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl complex const const_cast
     constexpr continue decltype default delete do double dynamic_cast else enum errno explicit export extern false
     float for friend goto if imaginary inline int long mutable namespace new noexcept not not_eq nullptr operator or
     or_eq private protected public register reinterpret_cast requires restrict return short signed sizeof static
     static_assert static_cast struct switch template this thread_local throw true try typedef typeid typename union
     unsigned using virtual void volatile wchar_t while xor xor_eq I unix linux NAN INFINITY NULL EOF
-    """.split()
-)
+"""
 """Words of C, C++ and their headers that no argument may have as its name."""
 
 _INFIX = {Op.ADD: "+", Op.SUB: "-", Op.MUL: "*", Op.DIV: "/"}
@@ -104,7 +102,7 @@ def argument_names(names: Iterable[str]) -> list[str]:
     for name in names:
         plain = "".join(c if c.isascii() and (c.isalnum() or c == "_") else "_" for c in name)
         is_value = plain[1:].isdigit() or plain in ("w", "n")
-        if plain in _WORDS or is_value or not plain[:1].isalpha():
+        if plain in _WORDS.split() or is_value or not plain[:1].isalpha():
             plain = f"arg_{plain}"
         while plain in made:
             plain += "_"
