@@ -137,6 +137,7 @@ def constants() -> dict[str, list[Any]]:
             report(f"{name}_{suffix}", worst)
     found["HALF_PI_F64"] = half_pi_parts((53, 31, 53))
     found["HALF_PI_F32"] = half_pi_parts((23, 24, 24))
+    found["SHORT_HALF_PI"] = half_pi_parts((29, 27, 29, 53))
     found["TWO_OVER_PI_F64"] = [float(round_to(2 / mp.pi, 53))]
     found["TWO_OVER_PI_F32"] = [float(round_to(2 / mp.pi, 24))]
     found["HALF_PI_PAIR"] = half_pi_parts((53, 53))
@@ -173,7 +174,9 @@ def committed(name: str) -> tuple[Any, ...]:
     from ulna.compiler.codegen import coefficients, payne_hanek
 
     kind = {"F64": "double", "F32": "float"}.get(name[-3:])
-    return getattr(payne_hanek, name) if kind is None else getattr(coefficients, name[:-4])[kind]
+    if kind is not None:
+        return getattr(coefficients, name[:-4])[kind]
+    return getattr(coefficients if hasattr(coefficients, name) else payne_hanek, name)
 
 
 def main(arguments: Sequence[str]) -> int:

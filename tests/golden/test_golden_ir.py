@@ -9,6 +9,7 @@ import pytest
 
 from ulna import numeric as nm
 from ulna.compiler import Function, trace
+from ulna.compiler.codegen.arithmetic import Arithmetic
 from ulna.compiler.codegen.module import emit_batch, emit_single
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.runtime.entry_point import entry_ir
@@ -37,7 +38,7 @@ TEXTS = {
     "affine_entry.ll": lambda: entry_ir(AFFINE, WIDE, checked=True),
     "choose_single_float.ll": lambda: emit_single(CHOOSE, WIDE, "float"),
     "choose_batch_2.ll": lambda: emit_batch(
-        CHOOSE, replace(WIDE, register_bytes=16, fused_multiply_add=False)
+        CHOOSE, replace(WIDE, register_bytes=16, arithmetic=Arithmetic(fused_multiply_add=False))
     ),
     "halve_single.ll": lambda: emit_single(HALVE, WIDE),
     "halve_batch_8.ll": lambda: emit_batch(HALVE, WIDE),

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from support.random_functions import functions, inputs
 from ulna.compiler import Function, Port, compile
+from ulna.compiler.codegen.arithmetic import Arithmetic
 from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.ops import TABLE
 
@@ -24,7 +25,7 @@ QUICK = settings(
 def without_contraction(monkeypatch, f: Function):
     """A kernel without fused multiplication and addition, whose every step rounds as NumPy's does."""
     jit = import_module("ulna.compiler.runtime.jit")
-    separate = dataclasses.replace(jit.target(), fused_multiply_add=False)
+    separate = dataclasses.replace(jit.target(), arithmetic=Arithmetic(fused_multiply_add=False))
     with monkeypatch.context() as patch:
         patch.setattr(jit, "target", lambda: separate)
         kernel = compile(f)
@@ -102,7 +103,7 @@ def test_any_graph_compiles_and_agrees_on_where_it_is_nan(f):
 def test_single_precision_equals_interpretation_in_single_precision(f):
     with pytest.MonkeyPatch.context() as monkeypatch:
         jit = import_module("ulna.compiler.runtime.jit")
-        separate = dataclasses.replace(jit.target(), fused_multiply_add=False)
+        separate = dataclasses.replace(jit.target(), arithmetic=Arithmetic(fused_multiply_add=False))
         monkeypatch.setattr(jit, "target", lambda: separate)
         kernel = compile(f, np.float32)
         columns = inputs(f, 18, dtype=np.float32)

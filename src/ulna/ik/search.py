@@ -24,6 +24,7 @@ import numpy as np
 from ulna import numeric
 from ulna.compiler import Function, trace
 from ulna.compiler.language.lanes import choose, in_any_lane, lane, least
+from ulna.errors import InputError
 from ulna.ik.acceptance import acceptance, are_rotations, unwound
 from ulna.ik.problem import Problem, errors, step
 from ulna.typing import Array, Floats
@@ -245,11 +246,16 @@ def multi_start(problem: Problem, lanes: int = LANES) -> Function:
 
     Args:
         problem: The problem.
-        lanes: How many attempts are under way at once, a power of two.
+        lanes: How many attempts are under way at once, 1, 2, 4 or 8.
 
     Returns:
         The search as a function, not compiled.
+
+    Raises:
+        InputError: For another number of lanes.
     """
+    if lanes not in (1, 2, 4, 8):
+        raise InputError(f"`lanes` is {lanes!r}; expected 1, 2, 4 or 8.")
 
     def search(T: Array, q0: Array, shift: Array, settings: Array) -> Array:
         goals, tolerances, near, limit = problem.goals(T), settings[:2], settings[2], abs(settings[3])

@@ -1,5 +1,6 @@
 """Races: one sample in all lanes, and lanes that look at each other."""
 
+import dataclasses
 import pickle
 
 import numpy as np
@@ -7,7 +8,9 @@ import pytest
 
 from ulna import numeric
 from ulna.compiler import compile, trace
+from ulna.compiler.codegen.arithmetic import Arithmetic
 from ulna.compiler.language.lanes import choose, in_any_lane, lane, least
+from ulna.compiler.runtime import jit
 from ulna.errors import TraceError
 
 LANES = 8
@@ -71,3 +74,32 @@ def test_what_a_function_with_lanes_cannot_do_raises():
     across = trace(lambda a: least(a[0] + lane(2)), lanes=2, a=(1,))
     with pytest.raises(TraceError, match="reductions across lanes"):
         across.jacobian()
+
+
+def test_a_single_lane_needs_no_reductions(samples):
+    def first_below(a):
+        x, n = numeric.loop(
+            lambda x, n: ~in_any_lane(x < a[1]), lambda x, n: (0.5 * x, n + 1.0), (a[0], 0.0), 60
+        )
+        return numeric.vector(choose(lane(1) == least(lane(1)), x), n)
+
+    function = trace(first_below, lanes=1, a=(2,))
+    assert not {"any", "least"} & set(function.operation_counts)
+    np.testing.assert_array_equal(compile(function)(samples), function(samples))
+    assert (function(samples)[:, 1] != function(samples)[0, 1]).any()  # each sample of a batch goes its way
+
+
+@pytest.mark.parametrize("lanes", [2, 4, 8])
+def test_the_least_number_without_an_instruction_for_it(lanes, monkeypatch):
+    target = dataclasses.replace(jit.target(), arithmetic=Arithmetic(minimum_number=False))
+    monkeypatch.setattr(jit, "target", lambda: target)
+
+    def f(a):
+        x = sum(numeric.where(lane(lanes) == float(k), a[k], 0.0) for k in range(lanes))
+        return numeric.vector(least(numeric.where(x > 0.0, x, float("nan"))), least(x))
+
+    kernel = compile(trace(f, lanes=lanes, a=(lanes,)))
+    assert "vector.reduce.fmin" not in kernel.ir()
+    for a in np.random.default_rng(lanes).normal(size=(20, lanes)):
+        positive = a[a > 0.0]
+        np.testing.assert_array_equal(kernel(a), [positive.min() if positive.size else np.nan, a.min()])

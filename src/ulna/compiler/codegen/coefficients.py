@@ -38,6 +38,11 @@ HALF_PI = _numbers(
 )
 """pi/2 in parts. For doubles the second is short enough for its product with any k in range to be exact."""
 
+SHORT_HALF_PI = tuple(
+    map(float.fromhex, ("0x1.921fb54p+0", "0x1.10b461p-30", "0x1.a626331p-58", "0x1.1701b839a252p-88"))
+)
+"""pi/2 in positive parts; products of all but the last with any k in range are exact without FMA."""
+
 TWO_OVER_PI = _numbers("0x1.45f306dc9c883p-1", "0x1.45f306p-1")
 """2/pi."""
 

@@ -12,14 +12,15 @@ from collections.abc import Callable
 from math import inf, nan, sqrt
 
 from ulna.compiler.codegen import coefficients
+from ulna.compiler.codegen.arithmetic import COMPLETE, Arithmetic
 from ulna.compiler.codegen.ir_text import Body, DType, IRFunction, Lanes, bits_of
-from ulna.compiler.codegen.sincos import ROUNDER, arc, reduced_function
+from ulna.compiler.codegen.sincos import ROUNDER, arc, by_double, reduced_function
 
 OPERATIONS = ("tan", "asin", "acos", "atan2", "exp", "log")
 """What `elementary_ir` offers."""
 
 
-def elementary_ir(op: str, lanes: int, dtype: DType) -> IRFunction:
+def elementary_ir(op: str, lanes: int, dtype: DType, arithmetic: Arithmetic = COMPLETE) -> IRFunction:
     """The IR of `T @ulna.<op>.<suffix>(T x)`, of `(T y, T x)` for atan2; T is `dtype` or `<lanes x dtype>`.
 
     The error stays below 1 ULP. No library is called: results are the same on every processor.
@@ -28,6 +29,7 @@ def elementary_ir(op: str, lanes: int, dtype: DType) -> IRFunction:
         op: one of `OPERATIONS`.
         lanes: the number of lanes; 1 for the scalar function.
         dtype: "double" or "float".
+        arithmetic: what the processor computes in one instruction.
 
     Returns:
         Name, text and declarations of the function.
@@ -38,11 +40,13 @@ def elementary_ir(op: str, lanes: int, dtype: DType) -> IRFunction:
     kind = Lanes(lanes, dtype)
     name = f"ulna.{op}.{kind.suffix}"
     if op == "tan":
-        return reduced_function(kind, name, _tan, results=1)
+        return reduced_function(kind, name, _tan, 1, arithmetic)
     if op not in _WRITERS:
         raise ValueError(f"no elementary function {op!r}: one of {', '.join(OPERATIONS)} expected")
     write, parameters = _WRITERS[op]
-    body = Body(kind)
+    if dtype == "float" and not arithmetic.fused_multiply_add:
+        return by_double(elementary_ir(op, lanes, "double", arithmetic), kind, name, parameters, 1)
+    body = Body(kind, "t", arithmetic)
     result = write(body, *parameters)
     signature = ", ".join(f"{kind.real} {p}" for p in parameters)
     text = [
@@ -67,7 +71,7 @@ def _tan(body: Body, r: str, s: str, quadrant: str) -> tuple[str, ...]:
     bottom, bottom_excess = body.select(odd, sine, cosine), body.select(odd, sine_excess, cosine_excess)
     reciprocal = body.div(1.0, bottom)
     quotient = body.mul(top, reciprocal)
-    excess = body.add(body.fma(quotient, bottom, body.neg(top)), top_excess)
+    excess = body.add(body.cancelling_fma(quotient, bottom, body.neg(top)), top_excess)
     excess = body.fma(body.neg(quotient), bottom_excess, excess)
     result = body.fma(body.neg(excess), reciprocal, quotient)
     return (body.flip_sign(result, body.integer_op("shl", quadrant, body.lanes.bits - 1)),)
@@ -83,7 +87,7 @@ def _half_arc(body: Body, x: str) -> tuple[str, str, str]:
     # The root's rounding error, to first order.
     twice = body.add(root, root)
     twice = body.select(body.compare("oeq", twice, 0.0), 1.0, twice)
-    missing = body.div(body.fma(body.neg(root), root, z), twice)
+    missing = body.div(body.cancelling_fma(body.neg(root), root, z), twice)
     z2 = body.mul(z, z)
     polynomial = body.polynomial(z, z2, coefficients.ASIN[body.lanes.dtype])
     p = body.fma(body.mul(t, z), polynomial, body.select(far, missing, 0.0))
@@ -134,7 +138,7 @@ def _atan2(body: Body, y: str, x: str) -> str:
     reciprocal = body.div(1.0, bottom_value)
     t = body.mul(top_value, reciprocal)
     minus_t = body.neg(t)
-    remainder = body.fma(minus_t, bottom_value, top_value)
+    remainder = body.cancelling_fma(minus_t, bottom_value, top_value)
     remainder = body.fma(minus_t, body.select(diagonal, total_missing, 0.0), remainder)
     missing = body.mul(remainder, reciprocal)
     z = body.mul(t, t)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import isnan
 from typing import Literal, final
 
+from ulna.compiler.codegen.arithmetic import COMPLETE, Arithmetic
 from ulna.compiler.codegen.instructions import Instructions
 
 DType = Literal["double", "float"]
@@ -130,12 +131,14 @@ class Body(Instructions):
     Args:
         lanes: The type of the values.
         prefix: What the names of values begin with.
+        arithmetic: What the processor computes in one instruction.
     """
 
-    def __init__(self, lanes: Lanes, prefix: str = "t") -> None:
+    def __init__(self, lanes: Lanes, prefix: str = "t", arithmetic: Arithmetic = COMPLETE) -> None:
         super().__init__()
         self.lanes = lanes
         self.prefix = prefix
+        self.is_fused = arithmetic.fused_multiply_add
         self.declarations: dict[str, None] = {}
         self._count = 0
 
@@ -218,7 +221,7 @@ class Body(Instructions):
         return self.emit(f"call {real} {name}({', '.join(f'{real} {self._float(a)}' for a in arguments)})")
 
     def fma(self, a: str | float, b: str | float, c: str | float) -> str:
-        """The sum a * b + c, rounded once.
+        """The sum a * b + c, rounded once, or twice where the processor has no such instruction.
 
         Args:
             a: The name of a value in all lanes, or a number.
@@ -228,7 +231,36 @@ class Body(Instructions):
         Returns:
             The name of the result.
         """
-        return self.call("fma", a, b, c)
+        return self.call("fma", a, b, c) if self.is_fused else self.add(self.mul(a, b), c)
+
+    def cancelling_fma(self, a: str, b: str, c: str) -> str:
+        """The sum a * b + c where c nearly cancels the product, whose rounding error matters therefore.
+
+        Without the instruction, for doubles, the error comes from halves of the factors (Dekker 1971).
+
+        Args:
+            a: The name of a value in all lanes.
+            b: The name of a value in all lanes.
+            c: The name of a value in all lanes.
+
+        Returns:
+            The name of the result.
+        """
+        if self.is_fused:
+            return self.call("fma", a, b, c)
+        product = self.mul(a, b)
+        a_high, a_low = self._halves(a)
+        b_high, b_low = self._halves(b)
+        error = self.sub(self.mul(a_high, b_high), product)
+        error = self.add(error, self.mul(a_high, b_low))
+        error = self.add(error, self.mul(a_low, b_high))
+        error = self.add(error, self.mul(a_low, b_low))
+        return self.add(self.add(product, c), error)
+
+    def _halves(self, a: str) -> tuple[str, str]:
+        """The upper half of a double's significand, by a mask so that nothing overflows, and the rest."""
+        high = self.from_bits(self.integer_op("and", self.to_bits(a), -(1 << 27)))
+        return high, self.sub(a, high)
 
     def fabs(self, a: str) -> str:
         """|a|."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from ulna.compiler.codegen.arithmetic import COMPLETE, Arithmetic
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.language.function import Function
 
 
-def lanes_kernel_ir(f: Function, lanes: int, element: DType, contract: bool = True) -> str:
+def lanes_kernel_ir(f: Function, lanes: int, element: DType, arithmetic: Arithmetic = COMPLETE) -> str:
     """The module of `void kernel(ptr inputs, ptr outputs)`.
 
     Element k of the input of lane j is number k * lanes + j of `inputs`, and likewise for the outputs. All inputs
@@ -17,13 +18,13 @@ def lanes_kernel_ir(f: Function, lanes: int, element: DType, contract: bool = Tr
         f: The function, without loops over lanes.
         lanes: How many samples.
         element: The type of the numbers.
-        contract: Whether a product and a sum may become one instruction that rounds once.
+        arithmetic: What the processor computes in one instruction.
 
     Returns:
         LLVM IR.
     """
     module, layout = Module(), Lanes(lanes, element)
-    body = Writer(module, f.graph, layout, "", contract)
+    body = Writer(module, f.graph, layout, "", arithmetic)
     width, kind = lanes * BYTES[element], layout.real
     order = f.graph.live(f.results)
     live = set(order)

@@ -19,7 +19,7 @@ from ulna.compiler.language.ops import TABLE, Op
 from ulna.compiler.language.scheduling import Sines, Step, Store, made, parts, scratch_places, used
 
 
-def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: int, contract: bool) -> None:
+def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: int, target: Target) -> None:
     """`void name(ptr in, i64 stride, ..., ptr out, i64 stride, ...)`: lane j has the rows j * stride [byte].
 
     A large graph becomes several functions that hand values on in a scratch.
@@ -38,7 +38,7 @@ def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: in
     slots = scratch_places(f.graph, pieces, f.results if writes_rows_last else ())
     bodies = []
     for number, steps in enumerate(pieces):
-        body = Writer(module, f.graph, layout, "", contract, f.lanes > 1)
+        body = Writer(module, f.graph, layout, "", target.arithmetic, f.lanes > 1)
         if number == 0:
             _read_inputs(body, f)
         if writes_rows_last and number == len(pieces) - 1:
@@ -50,11 +50,21 @@ def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: in
         _define(module, name, arguments, attributes, bodies[0])
         return
     arguments.append("ptr noalias %scratch")
-    calls = [f"  %scratch = alloca {layout.real}, i64 {max(slots.values(), default=0) + 1}"]
+    calls = _scratch(layout.real, max(slots.values(), default=0) + 1, target.stack_space)
     for number, lines in enumerate(bodies):
         _define(module, f"{name}.{number}", arguments, attributes, lines)
         calls.append(f"  call void @{name}.{number}({', '.join(arguments).replace('noalias ', '')})")
     _define(module, name, arguments[:-1], attributes, calls)
+
+
+def _scratch(kind: str, count: int, space: int) -> list[str]:
+    """Instructions that make `%scratch`, a local array; where it lies in a memory apart, with a general address."""
+    if space == 0:
+        return [f"  %scratch = alloca {kind}, i64 {count}"]
+    return [
+        f"  %scratch.local = alloca {kind}, i64 {count}, addrspace({space})",
+        f"  %scratch = addrspacecast ptr addrspace({space}) %scratch.local to ptr",
+    ]
 
 
 def _define(
@@ -125,7 +135,7 @@ def emit_single(f: Function, target: Target, element: DType = "double") -> str:
         The text of an LLVM module.
     """
     module = Module()
-    _write_block(module, f, "one", Lanes(1, element), target.packed_sines, target.fused_multiply_add)
+    _write_block(module, f, "one", Lanes(1, element), target.packed_sines, target)
     return module.text() + (_wide_registers(f.lanes, element) if f.lanes > 1 else "")
 
 
@@ -146,7 +156,7 @@ def emit_batch(f: Function, target: Target, element: DType = "double") -> str:
     """
     module = Module()
     lanes = 1 if f.lanes > 1 else target.lanes(element)  # or all lanes work on one sample
-    _write_block(module, f, "block", Lanes(lanes, element), 1, target.fused_multiply_add)
+    _write_block(module, f, "block", Lanes(lanes, element), 1, target)
     module.declare("declare i32 @feclearexcept(i32)")
     module.definitions["batch"] = batch_loop(f, element, lanes)
     return module.text() + _wide_registers(max(lanes, f.lanes), element)

@@ -11,6 +11,7 @@ from functools import cache
 
 import numpy as np
 
+from ulna.compiler.codegen.arithmetic import Arithmetic
 from ulna.compiler.codegen.elementary import OPERATIONS, elementary_ir
 from ulna.compiler.codegen.instructions import Instructions
 from ulna.compiler.codegen.ir_text import IRFunction, Lanes
@@ -64,7 +65,7 @@ class Writer(Instructions):
         graph: The graph.
         layout: The lanes of the values.
         prefix: What the names of values begin with.
-        contract: Whether products and sums may be fused.
+        arithmetic: What the processor computes in one instruction.
         one_sample: Whether all lanes work on one sample.
     """
 
@@ -74,13 +75,14 @@ class Writer(Instructions):
         graph: Graph,
         layout: Lanes,
         prefix: str,
-        contract: bool,
+        arithmetic: Arithmetic,
         one_sample: bool = False,
     ) -> None:
         super().__init__()
         self.module, self.graph, self.layout, self.prefix = module, graph, layout, prefix
         self.one_sample = one_sample  # whether all lanes work on one sample
-        self.contract = " contract" if contract else ""
+        self.arithmetic = arithmetic
+        self.contract = " contract" if arithmetic.fused_multiply_add else ""
         self.names: dict[int, str] = {}
         self.rows: dict[str, list[str]] = {}  # pointers to each lane's row of a port, once they are needed
         self._fresh = 0
@@ -148,7 +150,7 @@ class Writer(Instructions):
         if op in (Op.AND, Op.OR):
             return f"{word} {layout.truth} {x[0]}, {x[1]}"
         if (name := TABLE[op].op.name.lower()) in OPERATIONS:
-            code = _elementary_ir(name, layout.lanes, layout.dtype)
+            code = _elementary_ir(name, layout.lanes, layout.dtype, self.arithmetic)
             self.module.use(code)
             return f"call {layout.real} @{code.name}({', '.join(f'{layout.real} {v}' for v in x)})"
         if word.startswith("@"):
@@ -163,7 +165,7 @@ class Writer(Instructions):
         packed = self.layout.lanes == 1 and len(arguments) > 1
         width = self.layout.lanes if not packed else 1 << (len(arguments) - 1).bit_length()
         layout = Lanes(width, self.layout.dtype)
-        code = _sincos_ir(width, layout.dtype)
+        code = _sincos_ir(width, layout.dtype, self.arithmetic)
         self.module.use(code)
         if packed:
             x = "poison"
@@ -205,10 +207,30 @@ class Writer(Instructions):
     def _least_lane(self, index: int, value: str) -> None:
         """The smallest number of all lanes, in all lanes."""
         layout, reduced = self.layout, self.fresh("least")
+        if not self.arithmetic.minimum_number:
+            self.names[index] = self._least_by_comparisons(value)
+            return
         name = f"@llvm.vector.reduce.fmin.{layout.suffix}"
         self.module.declare(f"declare {layout.dtype} {name}({layout.real})")
         self.write(f"{reduced} = call {layout.dtype} {name}({layout.real} {value})")
         self.names[index] = self.in_all_lanes(layout.dtype, reduced)
+
+    def _least_by_comparisons(self, value: str) -> str:
+        """The smallest number of all lanes, in all lanes; each step compares with lanes further on."""
+        layout, n = self.layout, self.layout.lanes
+        distance = n // 2
+        while distance:
+            order = ", ".join(f"i32 {(k + distance) % n}" for k in range(n))
+            other, less, isnan, takes, least = (self.fresh("least") for _ in range(5))
+            self.write(
+                f"{other} = shufflevector {layout.real} {value}, {layout.real} poison, <{n} x i32> <{order}>",
+                f"{less} = fcmp olt {layout.real} {other}, {value}",
+                f"{isnan} = fcmp uno {layout.real} {value}, {value}",
+                f"{takes} = or {layout.truth} {less}, {isnan}",
+                f"{least} = select {layout.truth} {takes}, {layout.real} {other}, {layout.real} {value}",
+            )
+            value, distance = least, distance // 2
+        return value
 
     def in_all_lanes(self, element: str, value: str) -> str:
         """A vector that holds a value in every lane.
@@ -236,7 +258,7 @@ class Writer(Instructions):
         """
         layout, tag = self.layout, f"{self.prefix}L{index}"
         before, head, body, after = self.current_block, f"{tag}.head", f"{tag}.body", f"{tag}.after"
-        inner = Writer(self.module, loop.graph, layout, f"{tag}.", bool(self.contract))
+        inner = Writer(self.module, loop.graph, layout, f"{tag}.", self.arithmetic)
         state = [f"%{tag}.x{k}" for k in range(loop.size)]
         following = [f"%{tag}.y{k}" for k in range(loop.size)]
         self.write(f"br label %{head}")

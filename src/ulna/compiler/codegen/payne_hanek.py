@@ -8,6 +8,9 @@ arguments near a multiple of pi/2. `scripts/fit_sincos.py --check` verifies the 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+from ulna.compiler.codegen.arithmetic import COMPLETE, Arithmetic
 from ulna.compiler.codegen.instructions import Instructions
 from ulna.compiler.codegen.ir_text import Lanes
 
@@ -26,19 +29,25 @@ NAME = "ulna.reduce.huge"
 _DOUBLE = Lanes(1, "double")
 
 
+_FMA = "declare double @llvm.fma.f64(double, double, double)"
 _MODULE = (
-    "declare double @llvm.fma.f64(double, double, double)",
     "declare i64 @llvm.fshl.i64(i64, i64, i64)",
     "declare i64 @llvm.ctlz.i64(i64, i1)",
 )
 _RESULT = "{ double, double, i64 }"
 
 
-def huge_reduction() -> tuple[str, ...]:
+def huge_reduction(arithmetic: Arithmetic = COMPLETE) -> tuple[str, ...]:
     """Module-level texts: a table, declarations, and `{double, double, i64} @ulna.reduce.huge(double x)`.
 
     For |x| >= 2^16 the results are r, s and k of x = k pi/2 + (r - s), with |r| <= pi/4, |s| below an ULP
     of r, and k right modulo 4. An infinity or a NaN gives r = NaN.
+
+    Args:
+        arithmetic: What the processor computes in one instruction.
+
+    Returns:
+        The texts, each to be written once in a module.
     """
     # One word of zeros in front: the window of the smallest arguments begins above the binary point.
     table = ", ".join(f"i64 {word}" for word in (0, *TWO_OVER_PI_BITS))
@@ -46,14 +55,15 @@ def huge_reduction() -> tuple[str, ...]:
     w = Instructions()
     w.lines.append(f"define internal {_RESULT} @{NAME}(double %x) noinline cold nounwind {{")
     _window(w)
-    _product(w)
+    _product(w, _wide_product if arithmetic.wide_integers else _long_product)
     _distance(w)
     _scaled_distance(w)
-    _times_half_pi(w)
+    (_times_half_pi if arithmetic.fused_multiply_add else _times_half_pi_in_halves)(w)
     _signs_and_return(w)
     w.lines.append("}")
     return (
         f"@{NAME}.table = internal unnamed_addr constant [{size} x i64] [{table}], align 8",
+        *((_FMA,) if arithmetic.fused_multiply_add else ()),
         *_MODULE,
         w.text(),
     )
@@ -80,15 +90,9 @@ def _window(w: Instructions) -> None:
         w.let(f"t{k}", f"call i64 @llvm.fshl.i64(i64 %w{k}, i64 %w{k + 1}, i64 %shift)")
 
 
-def _product(w: Instructions) -> None:
+def _product(w: Instructions, multiply: Callable[[Instructions], None]) -> None:
     """The product m t modulo 2^192, words a0 (high), a1, low2; its value is a 2^-190 quarter turns."""
-    w.let("m.wide", "zext i64 %m to i128")
-    for k in (1, 2):
-        w.let(f"t{k}.wide", f"zext i64 %t{k} to i128")
-        w.let(f"product{k}", f"mul nuw i128 %m.wide, %t{k}.wide")
-        w.let(f"low{k}", f"trunc i128 %product{k} to i64")
-        w.let(f"high{k}.wide", f"lshr i128 %product{k}, 64")
-        w.let(f"high{k}", f"trunc i128 %high{k}.wide to i64")
+    multiply(w)
     w.write(
         "%low0 = mul i64 %m, %t0",
         "%a1 = add i64 %low1, %high2",
@@ -97,6 +101,40 @@ def _product(w: Instructions) -> None:
         "%a0.part = add i64 %low0, %high1",
         "%a0 = add i64 %a0.part, %carry.word",
     )
+
+
+def _wide_product(w: Instructions) -> None:
+    """The words low and high of m t1 and of m t2."""
+    w.let("m.wide", "zext i64 %m to i128")
+    for k in (1, 2):
+        w.let(f"t{k}.wide", f"zext i64 %t{k} to i128")
+        w.let(f"product{k}", f"mul nuw i128 %m.wide, %t{k}.wide")
+        w.let(f"low{k}", f"trunc i128 %product{k} to i64")
+        w.let(f"high{k}.wide", f"lshr i128 %product{k}, 64")
+        w.let(f"high{k}", f"trunc i128 %high{k}.wide to i64")
+
+
+def _long_product(w: Instructions) -> None:
+    """The same from products of 32-bit halves (Warren, Hacker's Delight, 2nd ed., section 8-2)."""
+    w.write("%m.low = and i64 %m, 4294967295", "%m.high = lshr i64 %m, 32")
+    for k in (1, 2):
+        w.write(
+            f"%low{k} = mul i64 %m, %t{k}",
+            f"%t{k}.low = and i64 %t{k}, 4294967295",
+            f"%t{k}.high = lshr i64 %t{k}, 32",
+            f"%p{k}.00 = mul i64 %m.low, %t{k}.low",
+            f"%p{k}.10 = mul i64 %m.high, %t{k}.low",
+            f"%p{k}.01 = mul i64 %m.low, %t{k}.high",
+            f"%p{k}.11 = mul i64 %m.high, %t{k}.high",
+            f"%p{k}.00.high = lshr i64 %p{k}.00, 32",
+            f"%p{k}.middle = add i64 %p{k}.10, %p{k}.00.high",
+            f"%p{k}.middle.low = and i64 %p{k}.middle, 4294967295",
+            f"%p{k}.middle.high = lshr i64 %p{k}.middle, 32",
+            f"%p{k}.sum = add i64 %p{k}.01, %p{k}.middle.low",
+            f"%p{k}.sum.high = lshr i64 %p{k}.sum, 32",
+            f"%p{k}.top = add i64 %p{k}.11, %p{k}.middle.high",
+            f"%high{k} = add i64 %p{k}.top, %p{k}.sum.high",
+        )
 
 
 def _distance(w: Instructions) -> None:
@@ -142,6 +180,35 @@ def _times_half_pi(w: Instructions) -> None:
         f"%r1 = call double @llvm.fma.f64(double %y, double {high}, double %r0.minus)",
         f"%r2 = call double @llvm.fma.f64(double %y, double {low}, double %r1)",
         f"%r3 = call double @llvm.fma.f64(double %y.low, double {high}, double %r2)",
+        "%r = fadd double %r0, %r3",
+        "%r4 = fsub double %r, %r0",
+        "%s = fsub double %r4, %r3",
+    )
+
+
+def _times_half_pi_in_halves(w: Instructions) -> None:
+    """The same without FMA: the error of the first product from halves of its factors (Dekker 1971)."""
+    high, low = HALF_PI_PAIR
+    upper = float.fromhex("0x1.921fb54p+0")
+    factor, factor_low, top, rest = map(_DOUBLE.constant, (high, low, upper, high - upper))
+    w.write(
+        f"%r0 = fmul double %y, {factor}",
+        "%y.bits = bitcast double %y to i64",
+        "%y.upper.bits = and i64 %y.bits, -134217728",
+        "%y.upper = bitcast i64 %y.upper.bits to double",
+        "%y.rest = fsub double %y, %y.upper",
+        f"%e0 = fmul double %y.upper, {top}",
+        "%e1 = fsub double %e0, %r0",
+        f"%e2 = fmul double %y.upper, {rest}",
+        "%e3 = fadd double %e1, %e2",
+        f"%e4 = fmul double %y.rest, {top}",
+        "%e5 = fadd double %e3, %e4",
+        f"%e6 = fmul double %y.rest, {rest}",
+        "%r1 = fadd double %e5, %e6",
+        f"%m2 = fmul double %y, {factor_low}",
+        "%r2 = fadd double %r1, %m2",
+        f"%m3 = fmul double %y.low, {factor}",
+        "%r3 = fadd double %r2, %m3",
         "%r = fadd double %r0, %r3",
         "%r4 = fsub double %r, %r0",
         "%s = fsub double %r4, %r3",

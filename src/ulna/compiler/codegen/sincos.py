@@ -1,10 +1,10 @@
 """Write the LLVM IR of a paired sine and cosine that runs in SIMD lanes without a library call.
 
 Method: k = round(2 x / pi); r = x - k pi/2 as an unevaluated sum of two floats, by a three-part reduction
-in the manner of Cody and Waite whose first step FMA makes exact; minimax polynomials of sin r and cos r;
-the quadrant k mod 4 swaps and negates them without a branch (Muller, Elementary Functions, 3rd ed.,
-chapters 3, 11). Arguments beyond `BOUND` leave by a branch to a function marked cold, which reduces them
-by the method of Payne and Hanek.
+in the manner of Cody and Waite whose first step FMA makes exact, or in four parts without FMA; minimax
+polynomials of sin r and cos r; the quadrant k mod 4 swaps and negates them without a branch (Muller, Elementary
+Functions, 3rd ed., chapters 3, 11). Arguments beyond `BOUND` leave by a branch to a function marked cold, which
+reduces them by the method of Payne and Hanek.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ulna.compiler.codegen import coefficients, payne_hanek
+from ulna.compiler.codegen.arithmetic import COMPLETE, Arithmetic
 from ulna.compiler.codegen.ir_text import Body, DType, IRFunction, Lanes
 
 BOUND: dict[DType, float] = {"double": 2.0**24, "float": 2.0**16}
@@ -21,7 +22,7 @@ BOUND: dict[DType, float] = {"double": 2.0**24, "float": 2.0**16}
 ROUNDER: dict[DType, float] = {"double": 1.5 * 2.0**52, "float": 1.5 * 2.0**23}
 
 
-def sincos_ir(lanes: int, dtype: DType) -> IRFunction:
+def sincos_ir(lanes: int, dtype: DType, arithmetic: Arithmetic = COMPLETE) -> IRFunction:
     """The IR of `{T, T} @ulna.sincos.<suffix>(T x)`, sine first; T is `dtype` or `<lanes x dtype>`.
 
     The error stays below 0.85 ULP for every x. sin(-0.0) is -0.0; inf and NaN give NaN. A lane's result does
@@ -31,12 +32,13 @@ def sincos_ir(lanes: int, dtype: DType) -> IRFunction:
     Args:
         lanes: the number of lanes; 1 for the scalar function.
         dtype: "double" or "float".
+        arithmetic: what the processor computes in one instruction.
 
     Returns:
         Name, text and declarations of the function.
     """
     kind = Lanes(lanes, dtype)
-    return reduced_function(kind, f"ulna.sincos.{kind.suffix}", _sincos, results=2)
+    return reduced_function(kind, f"ulna.sincos.{kind.suffix}", _sincos, 2, arithmetic)
 
 
 def _sincos(body: Body, r: str, s: str, quadrant: str) -> tuple[str, ...]:
@@ -65,6 +67,8 @@ def _reduce_near(body: Body, x: str) -> tuple[str, str, str]:
     (two_over_pi,) = coefficients.TWO_OVER_PI[dtype]
     shifted = body.fma(x, two_over_pi, ROUNDER[dtype])
     k = body.sub(shifted, ROUNDER[dtype])
+    if not body.is_fused:
+        return *_subtract_quarters(body, x, k), body.to_bits(shifted)
     first = body.fma(k, -part1, x)
     if dtype == "double":
         r = body.fma(k, -part2, first)
@@ -75,6 +79,18 @@ def _reduce_near(body: Body, x: str) -> tuple[str, str, str]:
         r = body.add(first, product)
         s = body.fma(k, part3, body.add(body.sub(body.sub(r, first), product), rest))
     return r, s, body.to_bits(shifted)
+
+
+def _subtract_quarters(body: Body, x: str, k: str) -> tuple[str, str]:
+    """(r, s): x - k pi/2 = r - s without FMA. Products of short parts are exact, and so is the first difference."""
+    first, second, third, last = coefficients.SHORT_HALF_PI
+    r, s = body.sub(x, body.mul(k, first)), body.mul(k, last)
+    for part in (second, third):
+        product = body.mul(k, part)
+        following = body.sub(r, product)
+        s = body.sub(s, body.sub(body.sub(r, following), product))  # what the difference was rounded by
+        r = following
+    return r, s
 
 
 def arc(body: Body, r: str, s: str) -> tuple[tuple[str, str], tuple[str, str]]:
@@ -137,7 +153,11 @@ def _reduce_far(body: Body, x: str, far: str, near: tuple[str, str, str]) -> tup
 
 
 def reduced_function(
-    kind: Lanes, name: str, finish: Callable[[Body, str, str, str], tuple[str, ...]], results: int
+    kind: Lanes,
+    name: str,
+    finish: Callable[[Body, str, str, str], tuple[str, ...]],
+    results: int,
+    arithmetic: Arithmetic,
 ) -> IRFunction:
     """A function of x = k pi/2 + (r - s): inlined where |x| <= BOUND in every lane, else a cold call.
 
@@ -146,17 +166,22 @@ def reduced_function(
         name: of the function, without the `@`.
         finish: writes the results from r, s and k.
         results: how many there are, 1 or 2.
+        arithmetic: what the processor computes in one instruction.
 
     Returns:
         Name, text and declarations of the function.
     """
+    if kind.dtype == "float" and not arithmetic.fused_multiply_add:
+        wide = Lanes(kind.lanes, "double")
+        function = reduced_function(wide, name.replace(kind.suffix, wide.suffix), finish, results, arithmetic)
+        return by_double(function, kind, name, ("%x",), results)
     real = kind.real
     returned = real if results == 1 else kind.pair
     test = Body(kind)
     far = test.any_lane(test.compare("ogt", test.fabs("%x"), BOUND[kind.dtype]))
-    fast = Body(kind, "fast")
+    fast = Body(kind, "fast", arithmetic)
     fast_results = finish(fast, *_reduce_near(fast, "%x"))
-    slow = Body(kind)
+    slow = Body(kind, "t", arithmetic)
     mask = slow.compare("ogt", slow.fabs("%x"), BOUND[kind.dtype])
     near = _reduce_near(slow, slow.select(mask, 0.0, "%x"))
     slow_results = finish(slow, *_reduce_far(slow, "%x", mask, near))
@@ -177,8 +202,35 @@ def reduced_function(
         f"  ret {returned} %slow.value",
         "}",
     ]
-    needed = dict.fromkeys((*slow.declarations, *payne_hanek.huge_reduction()))
+    needed = dict.fromkeys((*slow.declarations, *payne_hanek.huge_reduction(arithmetic)))
     return IRFunction(name, "\n".join(text), tuple(needed))
+
+
+def by_double(
+    function: IRFunction, kind: Lanes, name: str, parameters: tuple[str, ...], results: int
+) -> IRFunction:
+    """A function of floats by the same function of doubles, for processors without FMA.
+
+    Args:
+        function: The function of doubles, in the same lanes.
+        kind: The type of arguments and results.
+        name: Of the function, without the `@`.
+        parameters: Their names.
+        results: How many there are, 1 or 2.
+
+    Returns:
+        Name, text and declarations of the function.
+    """
+    wide, body = Lanes(kind.lanes, "double"), Body(kind)
+    returned, inner = (kind.real, wide.real) if results == 1 else (kind.pair, wide.pair)
+    arguments = [f"{wide.real} {body.emit(f'fpext {kind.real} {p} to {wide.real}')}" for p in parameters]
+    whole = body.emit(f"call {inner} @{function.name}({', '.join(arguments)})")
+    parts = [whole] if results == 1 else [body.emit(f"extractvalue {inner} {whole}, {k}") for k in range(2)]
+    values = tuple(body.emit(f"fptrunc {wide.real} {part} to {kind.real}") for part in parts)
+    signature = ", ".join(f"{kind.real} {p}" for p in parameters)
+    head = f"define internal {returned} @{name}({signature}) alwaysinline nounwind {{"
+    text = "\n".join([head, *body.lines, *_return(kind, values), "}"])
+    return IRFunction(name, text, (*function.declarations, function.text))
 
 
 def _return(kind: Lanes, values: tuple[str, ...]) -> list[str]:

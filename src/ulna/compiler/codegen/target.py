@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ulna.compiler.codegen.arithmetic import COMPLETE, Arithmetic
 from ulna.compiler.codegen.ir_text import BYTES, DType
 
 
@@ -17,8 +18,10 @@ class Target:
         features: Its extensions, as LLVM lists them: "+avx2,-avx512f".
         llvm: The version of LLVM.
         register_bytes: Width of the widest SIMD register [byte].
-        fused_multiply_add: Whether a product and a sum may become one instruction that rounds once.
+        arithmetic: What it computes in one instruction.
         packed_sines: In code for one sample, how many angles share one vector of sines and cosines.
+        search_lanes: In how many lanes a search for one goal runs: 1, 2, 4 or 8.
+        stack_space: The address space of local arrays; 0 where all memory is one.
     """
 
     triple: str
@@ -26,8 +29,10 @@ class Target:
     features: str
     llvm: str
     register_bytes: int
-    fused_multiply_add: bool = True
+    arithmetic: Arithmetic = COMPLETE
     packed_sines: int = 8
+    search_lanes: int = 8
+    stack_space: int = 0
 
     def lanes(self, element: DType) -> int:
         """How many values of a type the widest register holds, at least two."""

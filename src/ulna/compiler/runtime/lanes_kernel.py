@@ -106,7 +106,7 @@ def lanes_kernel(function: Function, lanes: int | None = None, dtype: Any = np.f
         raise InputError(
             f"{function.name} uses {function.lanes} lanes for one sample; expected a function without."
         )
-    ir = lanes_kernel_ir(function, count, element, target().fused_multiply_add)
+    ir = lanes_kernel_ir(function, count, element, target().arithmetic)
     inputs = sum(p.size for p in function.inputs) * count
     outputs = sum(p.size for p in function.outputs) * count
     return LanesKernel(function, count, kind, (inputs, outputs), load(function, ir, ("kernel",)))
