@@ -60,6 +60,7 @@ def words(things: dict[str, Any]) -> dict[str, Any]:
         "q0": q, "q1": q + 0.1, "T0": T.matrix(), "T1": robot.fk(q + 0.1), "rng": rng, "x": 1.0, "y": 1.0, "z": 1.0, "angle": 0.1,
         "rpy": [0.1, 0.2, 0.3], "quat": [0.0, 0.0, 0.0, 1.0], "vector": np.ones(3), "motion": ulna.Motion.zero(),
         "points": np.zeros((2, 3)) + [[0.0], [1.0]], "other": T, "s": 0.5, "t": np.zeros(3), "axis": [0.0, 0.0, 1.0],
+        "position": [0.4, 0.2, 0.3], "point": [0.0, 0.1, 0.5], "direction": [0.0, 0.0, -1.0],
         "angles": [0.1, 0.2, 0.3], "f": lambda q: 2 * q, "values": {"gravity": [0.0, 0.0, -9.0]},
         "forces": {"panda_hand": np.ones(6)}, "tail": np.zeros(3), "tip": np.ones(3), "target": np.zeros((4, 4)),
         "thing": ulna.geometry.Sphere(0.1), "gravity": [0.0, 0.0, -9.0], "recording": None,

@@ -111,6 +111,7 @@ POSE: dict[str, dict[str, str]] = {
         "Rz": "ulna.SE3.rz(angle)",
         "RPY": "ulna.SE3.from_rpy(rpy)",
         "Rt": "ulna.SE3(R, t)",
+        "OA": "ulna.SE3.pointing(position, direction)",
         "Rand": "ulna.SE3.random(rng)",
         "Exp": "ulna.SE3.exp(motion)",
         "Eul": 'ulna.SO3.from_euler(angles, "zyz")',
@@ -129,6 +130,9 @@ POSE: dict[str, dict[str, str]] = {
         "isApprox": "T.is_close(other)",
     },
     OTHERS: {
+        "look_at": "ulna.SE3.looking_at(position, point)",
+        "lookat": "ulna.SE3.looking_at(position, point)",
+        "down": "ulna.SE3.pointing_down(position)",
         "as_matrix": "T.matrix()",
         "get_matrix": "T.matrix()",
         "to_matrix": "T.matrix()",

@@ -8,14 +8,13 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar, final, overload
 import numpy as np
 
 from ulna.checks.arrays import batched_array
-from ulna.checks.rotations import ROTATION_TOLERANCE, checked_rotation
 from ulna.errors import InputError, ShapeError, UnknownOperation
 from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, is_symbolic, skew, sqrt, vector
 from ulna.spatial import angles, exponential, quaternion
 from ulna.spatial.batched import Batched, as_array, column, numbers
-from ulna.spatial.nearest import nearest_rotation
-from ulna.spatial.so3 import SO3, checked_quat
+from ulna.spatial.pose_constructors import PoseConstructors
+from ulna.spatial.so3 import SO3
 from ulna.spatial.vectors import Motion
 from ulna.typing import Array, ArrayLike
 
@@ -29,12 +28,17 @@ class Movable(Protocol):
 
 T = TypeVar("T", bound=Movable)
 
+_MATRIX, _VECTOR, _set = (3, 3), (3,), object.__setattr__
+
 
 @final
 @explained("SE3")
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class SE3(Batched, metaclass=Explained):
+@dataclass(frozen=True, slots=True, eq=False, repr=False, init=False)
+class SE3(PoseConstructors, metaclass=Explained):
     """A pose, or a batch of them: `T_a_b @ p_b` is p_a, `T_a_b @ T_b_c` is T_a_c.
+
+    `SE3(rotation, translation)` takes both parts, unchecked; `SE3(T)` a homogeneous matrix (..., 4, 4), which is
+    checked, or a pose; `SE3(x, y, z)` a translation [m]; `SE3()` is the identity.
 
     Attributes:
         rotation: orthogonal matrix (..., 3, 3) with determinant 1.
@@ -46,136 +50,13 @@ class SE3(Batched, metaclass=Explained):
 
     _ranks: ClassVar[dict[str, int]] = {"rotation": 2, "translation": 1}
 
-    def __post_init__(self) -> None:
-        if type(self.rotation) is not np.ndarray or type(self.translation) is not np.ndarray:
-            object.__setattr__(self, "rotation", as_array(self.rotation))
-            object.__setattr__(self, "translation", as_array(self.translation))
-
-    @classmethod
-    def identity(cls) -> SE3:
-        """The pose of a frame in itself."""
-        return cls(np.eye(3), np.zeros(3))
-
-    @classmethod
-    def from_matrix(cls, matrix: ArrayLike, check: bool = True) -> SE3:
-        """From a homogeneous matrix (..., 4, 4).
-
-        Args:
-            matrix: Rotation and translation [m], and a last row 0, 0, 0, 1, shape (..., 4, 4).
-            check: Whether its values are checked; without, only its shape is.
-
-        Returns:
-            The pose.
-
-        Raises:
-            InputError: wrong shape, nan or inf, not a rotation within 1e-6, or another last row.
-        """
-        if not check:
-            m = as_array(matrix)
-            return cls(m[..., :3, :3], m[..., :3, 3])
-        m = batched_array("matrix", matrix, (4, 4))
-        if m.dtype != object:
-            error = np.abs(m[..., 3, :] - np.array([0.0, 0.0, 0.0, 1.0])).max(initial=0.0)
-            if error > ROTATION_TOLERANCE:
-                raise InputError(
-                    f"`matrix` has a last row that differs from [0, 0, 0, 1] by {error:.3g}. "
-                    "Look whether it is transposed, or scaled."
-                )
-        return cls(checked_rotation("matrix[:3, :3]", m[..., :3, :3], "SE3.project(matrix)"), m[..., :3, 3])
-
-    @classmethod
-    def project(cls, matrix: ArrayLike) -> SE3:
-        """The pose with the rotation nearest to that of a matrix (..., 4, 4), and its translation."""
-        m = batched_array("matrix", matrix, (4, 4))
-        return cls(nearest_rotation(m[..., :3, :3]), m[..., :3, 3])
-
-    @classmethod
-    def from_quat_xyzw(cls, quat: ArrayLike, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SE3:
-        """From a quaternion and a translation.
-
-        Args:
-            quat: Quaternion x, y, z, w of any length but zero, shape (..., 4) [-].
-            translation: Translation, shape (..., 3) [m].
-
-        Returns:
-            The pose.
-
-        Raises:
-            InputError: wrong shape, nan or inf, or a quaternion of length zero.
-        """
-        return cls(
-            quaternion.quat_xyzw_to_matrix(checked_quat(quat)),
-            batched_array("translation", translation, (3,)),
-        )
-
-    @classmethod
-    def from_rpy(cls, rpy: ArrayLike, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SE3:
-        """From roll, pitch, yaw as in URDF, and a translation.
-
-        Args:
-            rpy: Angles about the fixed axes x, y, z, shape (..., 3) [rad].
-            translation: Translation, shape (..., 3) [m].
-
-        Returns:
-            The pose.
-
-        Raises:
-            InputError: wrong shape, nan or inf.
-        """
-        rotation = angles.rpy_to_matrix(batched_array("rpy", rpy, (3,)))
-        return cls(rotation, batched_array("translation", translation, (3,)))
-
-    @classmethod
-    def from_rotation(cls, rotation: ArrayLike | SO3, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SE3:
-        """From a rotation and a translation.
-
-        Args:
-            rotation: Rotation matrix, shape (..., 3, 3) [-], checked; or an SO3.
-            translation: Translation, shape (..., 3) [m].
-
-        Returns:
-            The pose.
-
-        Raises:
-            InputError: wrong shape, nan or inf, or not a rotation within 1e-6.
-        """
-        if isinstance(rotation, SO3):
-            r = rotation.matrix
-        else:
-            r = checked_rotation("rotation", rotation, "SO3.project(rotation)")
-        return cls(r, batched_array("translation", translation, (3,)))
-
-    @classmethod
-    def from_translation(cls, translation: ArrayLike) -> SE3:
-        """The translation by a vector (..., 3) [m]."""
-        return cls(np.eye(3), batched_array("translation", translation, (3,)))
-
-    @classmethod
-    def trans(cls, x: Any, y: Any, z: Any) -> SE3:
-        """A translation.
-
-        Args:
-            x, y, z: Its components, each of shape (...) [m].
-
-        Returns:
-            The pose, with the identity as rotation.
-        """
-        return cls(np.eye(3), vector(x, y, z))
-
-    @classmethod
-    def rx(cls, angle: Any) -> SE3:
-        """The rotation about x by `angle` (...) [rad]."""
-        return cls(angles.rotation_about(0, angle), np.zeros(3))
-
-    @classmethod
-    def ry(cls, angle: Any) -> SE3:
-        """The rotation about y by `angle` (...) [rad]."""
-        return cls(angles.rotation_about(1, angle), np.zeros(3))
-
-    @classmethod
-    def rz(cls, angle: Any) -> SE3:
-        """The rotation about z by `angle` (...) [rad]."""
-        return cls(angles.rotation_about(2, angle), np.zeros(3))
+    def __init__(self, rotation: Any = None, translation: Any = None, z: Any = None) -> None:
+        if type(rotation) is not np.ndarray or type(translation) is not np.ndarray or z is not None:
+            rotation, translation = _parts(rotation, translation, z)
+        if rotation.shape[-2:] != _MATRIX or translation.shape[-1:] != _VECTOR:
+            raise _wrong_parts(rotation, translation)
+        _set(self, "rotation", rotation)
+        _set(self, "translation", translation)
 
     @classmethod
     def exp(cls, twist: ArrayLike | Motion) -> SE3:
@@ -209,9 +90,9 @@ class SE3(Batched, metaclass=Explained):
     @overload
     def __matmul__(self, other: SE3) -> SE3: ...
     @overload
-    def __matmul__(self, other: ArrayLike) -> Array: ...
+    def __matmul__(self, other: ArrayLike) -> Any: ...
     def __matmul__(self, other: Any) -> Any:
-        """What is given in the inner frame, in the outer one: a pose, or points (..., 3) [m]."""
+        """What is given in the inner frame, in the outer one: a pose or matrix (..., 4, 4), or points (..., 3) [m]."""
         if isinstance(other, SE3):
             return SE3(
                 self.rotation @ other.rotation, apply(self.rotation, other.translation) + self.translation
@@ -219,9 +100,18 @@ class SE3(Batched, metaclass=Explained):
         if isinstance(other, Batched):
             return NotImplemented
         points = as_array(other)
+        if points.shape[-2:] == (4, 4):
+            return self @ SE3.from_matrix(points)
         if points.shape[-1:] != (3,):
-            raise ShapeError("points", points.shape, "(..., 3)", "A pose goes through SE3.from_matrix first.")
+            raise ShapeError("points", points.shape, "(..., 3), or a pose (..., 4, 4)")
         return apply(self.rotation, points) + self.translation
+
+    def __rmatmul__(self, other: ArrayLike) -> SE3:
+        """A matrix (..., 4, 4), such as `robot.fk(q)`, times this pose: a pose."""
+        matrix = as_array(other)
+        if matrix.shape[-2:] != (4, 4):
+            raise ShapeError("the matrix before `@`", matrix.shape, "(..., 4, 4), a pose")
+        return SE3.from_matrix(matrix) @ self
 
     def inverse(self) -> SE3:
         """The pose of the outer frame in this one."""
@@ -343,6 +233,41 @@ def se3_exp(twist: Array) -> SE3:
 def se3_log(pose: SE3) -> Motion:
     """The constant twist that leads from the identity to `pose` in one second, turning by at most pi."""
     return pose.log()
+
+
+def _parts(rotation: Any, translation: Any, z: Any) -> tuple[Array, Array]:
+    """Rotation and translation of what a pose was made of."""
+    if z is not None:
+        if np.ndim(rotation) > 1 and np.shape(rotation)[-2:] == (3, 3):
+            raise InputError(
+                "Expected SE3(rotation, translation) or SE3(x, y, z); three arguments with a matrix."
+            )
+        return np.eye(3), vector(rotation, 0.0 if translation is None else translation, z)
+    if translation is not None:
+        return as_array(rotation.matrix if isinstance(rotation, SO3) else rotation), as_array(translation)
+    if rotation is None:
+        return np.eye(3), np.zeros(3)
+    if isinstance(rotation, SE3):
+        return rotation.rotation, rotation.translation
+    if isinstance(rotation, SO3):
+        return rotation.matrix, np.zeros(3)
+    matrix = as_array(rotation)
+    if matrix.shape[-2:] != (4, 4):
+        raise ShapeError("T", matrix.shape, "(..., 4, 4)", _CONSTRUCTORS)
+    pose = SE3.from_matrix(matrix)
+    return pose.rotation, pose.translation
+
+
+_CONSTRUCTORS = (
+    "SE3(x, y, z), SE3.from_translation(p), SE3.from_rotation(R, p), SE3.from_quat_xyzw(quat, p), "
+    "SE3.from_rpy(rpy, p), SE3.pointing_down(p) make poses of other things."
+)
+
+
+def _wrong_parts(rotation: Array, translation: Array) -> ShapeError:
+    if rotation.shape[-2:] != (3, 3):
+        return ShapeError("rotation", rotation.shape, "(..., 3, 3)", _CONSTRUCTORS)
+    return ShapeError("translation", translation.shape, "(..., 3)", _CONSTRUCTORS)
 
 
 def _not_movable(item: object) -> InputError:

@@ -163,6 +163,13 @@ class SO3(Batched, metaclass=Explained):
             )
         return apply(self.matrix, vectors)
 
+    def __rmatmul__(self, other: ArrayLike) -> SO3:
+        """A rotation matrix (..., 3, 3) times this rotation: a rotation."""
+        matrix = as_array(other)
+        if matrix.shape[-2:] != (3, 3):
+            raise ShapeError("the matrix before `@`", matrix.shape, "(..., 3, 3), a rotation")
+        return SO3.from_matrix(matrix) @ self
+
     def quat_xyzw(self) -> Array:
         """The unit quaternion x, y, z, w (..., 4) with w >= 0."""
         return quaternion.matrix_to_quat_xyzw(self.matrix)

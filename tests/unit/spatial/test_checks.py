@@ -23,7 +23,7 @@ SKEWED = np.eye(3) + 1e-3 * np.ones((3, 3))
         (lambda: SE3.from_translation([0, 0]), "`translation`"),
         (lambda: Motion.from_vector(np.zeros(5)), r"`vector` has shape \(5,\); expected \(..., 6\)"),
         (lambda: SE3.exp(np.zeros(5)), "Linear part first"),
-        (lambda: SE3.identity() @ np.zeros(4), "SE3.from_matrix"),
+        (lambda: SE3.identity() @ np.zeros(4), r"\(\.\.\., 3\), or a pose"),
         (lambda: SO3.identity() @ np.zeros(4), "SO3.from_matrix"),
         (lambda: Inertia.from_com(1.0, np.zeros(3), np.zeros((2, 2))), "Six numbers"),
         (lambda: Inertia.from_parameters(np.zeros(6)), "parameters"),

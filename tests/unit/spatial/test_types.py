@@ -152,8 +152,7 @@ def test_numpy_leaves_products_to_the_types() -> None:
     batch = np.array([1.0, 2.0]) * m
     assert batch.batch_shape == (2,)
     assert batch[1] == 2.0 * m
-    with pytest.raises(TypeError):
-        np.eye(4) @ SE3.identity()  # type: ignore[operator]
+    assert np.eye(4) @ SE3.rx(1.0) == SE3.rx(1.0)
     for wrong in (lambda: m + Force.zero(), lambda: m * m, lambda: m / m, lambda: SE3.identity() @ m):
         with pytest.raises(TypeError):
             wrong()  # type: ignore[no-untyped-call]
