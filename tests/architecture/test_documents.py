@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
-DOCUMENTS = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")])
+sys.path.insert(0, str(ROOT / "scripts"))
+from docs_site import execution, pages  # noqa: E402
+
+DOCUMENTS = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")])
 SOURCES = sorted((ROOT / "src").rglob("*.py"))
 
 
@@ -18,21 +22,15 @@ def _name(path: Path) -> str:
 
 
 @pytest.mark.parametrize("path", DOCUMENTS, ids=_name)
-def test_python_blocks_run(
-    path: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)  # where blocks may write files
-    blocks = re.findall(r"```python\n(.*?)```", path.read_text(), re.S)
-    scope: dict[str, object] = {}
-    for number, block in enumerate(blocks):
-        exec(compile(block, f"{path.name} block {number + 1}", "exec"), scope)
+@pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
+def test_python_blocks_run_and_make_the_pictures(path: Path, tmp_path: Path) -> None:
+    outputs = execution.run(path, tmp_path)
+    assert not pages.missing_pictures(path, [name for output in outputs for name in output.files])
 
 
 @pytest.mark.parametrize("path", DOCUMENTS, ids=_name)
 def test_links_lead_somewhere(path: Path) -> None:
-    links = re.findall(r"\]\(([^)#]+?)(?:#[^)]*)?\)", path.read_text())
-    missing = [link for link in links if "://" not in link and not (path.parent / link).exists()]
-    assert not missing
+    assert not pages.broken_links(path)
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=_name)

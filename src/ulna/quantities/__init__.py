@@ -31,5 +31,6 @@ QUANTITIES: dict[str, Quantity] = {
     for method in vars(theme).values()
     if hasattr(method, "quantity")
 }
+"""Every quantity of a robot, by the name of its kernel."""
 
 __all__ = ["QUANTITIES", "THEMES", "Quantity"]
