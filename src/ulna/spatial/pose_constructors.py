@@ -19,7 +19,12 @@ from ulna.typing import Array, ArrayLike
 
 
 class PoseConstructors(Batched):
-    """Constructors of poses; a pose is made of a rotation (..., 3, 3) and a translation (..., 3) [m]."""
+    """Constructors of poses.
+
+    Args:
+        rotation: Rotation matrix, shape (..., 3, 3) [-].
+        translation: Translation, shape (..., 3) [m].
+    """
 
     __slots__ = ()
 

@@ -43,6 +43,14 @@ class SE3(PoseConstructors, metaclass=Explained):
     Attributes:
         rotation: orthogonal matrix (..., 3, 3) with determinant 1.
         translation: vector (..., 3) [m].
+
+    Args:
+        rotation: Rotation matrix, shape (..., 3, 3) [-], an SO3, a pose (..., 4, 4), or x [m], shape (...).
+        translation: Translation, shape (..., 3) [m], or y [m], shape (...).
+        z: z [m], shape (...), where the others are x and y.
+
+    Raises:
+        InputError: What is given makes no pose; the message says what does.
     """
 
     rotation: Array
