@@ -13,5 +13,11 @@ _C = ExportTarget(
     module="ulna.exporting.c.folder",
 )
 
-TARGETS: Mapping[str, ExportTarget] = MappingProxyType({target.name: target for target in (_C,)})
+_WASM = ExportTarget(
+    name="wasm",
+    text="a WebAssembly module and a typed JavaScript module around it, for web pages and node",
+    module="ulna.exporting.wasm.folder",
+)
+
+TARGETS: Mapping[str, ExportTarget] = MappingProxyType({target.name: target for target in (_C, _WASM)})
 """The targets by name."""

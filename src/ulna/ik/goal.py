@@ -31,7 +31,7 @@ from ulna.typing import Array
 _AXES = {"x": 0, "y": 1, "z": 2}
 _ONES, _ZEROS = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
 _HALF_TURN = 1e-9  # how close (1 + c)/2 may come to 0, where the direction of e_r is lost
-_ANY_CHORD, _ANY_LENGTH = 3.0, 1e100  # above all there are, with finite squares
+ANY_CHORD, ANY_LENGTH = 3.0, 1e100  # above all there are, with finite squares
 _NEARLY_HALF_TURN = -0.999  # c where the direction of e_w begins to be lost
 
 
@@ -199,5 +199,5 @@ def squared_tolerances(position: float, rotation: float) -> tuple[float, float]:
     Returns:
         Bounds [m^2] and [rad^2].
     """
-    chord = 2.0 * math.sin(0.5 * rotation) if rotation < math.pi else _ANY_CHORD
-    return min(position, _ANY_LENGTH) ** 2, chord**2
+    chord = 2.0 * math.sin(0.5 * rotation) if rotation < math.pi else ANY_CHORD
+    return min(position, ANY_LENGTH) ** 2, chord**2

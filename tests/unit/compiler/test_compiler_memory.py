@@ -18,8 +18,10 @@ STATUS = Path("/proc/self/statm")
 @pytest.mark.skipif(not STATUS.exists(), reason="reads the memory of the process as Linux has it")
 def test_compiling_kernels_with_loops_keeps_no_memory(monkeypatch):
     sources: list[str] = []
-    original = jit._optimised
-    monkeypatch.setattr(jit, "_optimised", lambda ir, loops: (sources.append(ir), original(ir, loops))[1])
+    original = jit.optimised
+    monkeypatch.setattr(
+        jit, "optimised", lambda ir, loops, machine: (sources.append(ir), original(ir, loops, machine))[1]
+    )
     monkeypatch.setenv("ULNA_CACHE", "0")
     kernel = compile(lambda x: nm.loop(lambda n: n < 10.0, lambda n: (n + 1.625,), (x,), 20)[0], x=())
     assert kernel(0.0) == 11.375
@@ -30,8 +32,8 @@ def test_compiling_kernels_with_loops_keeps_no_memory(monkeypatch):
         return int(STATUS.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
     for _ in range(20):
-        original(sources[0], True)
+        original(sources[0], True, jit._machine())
     before, count = used(), 100
     for _ in range(count):
-        original(sources[0], True)
+        original(sources[0], True, jit._machine())
     assert (used() - before) / count < 20e3  # bytes; it was 70,000

@@ -41,13 +41,13 @@ def place(tmp_path, monkeypatch):
 def compilations(monkeypatch):
     """The IR texts that LLVM really gets."""
     seen: list[str] = []
-    original = jit._optimised
+    original = jit.optimised
 
-    def spy(ir: str, has_loops: bool):
+    def spy(ir: str, has_loops: bool, machine):
         seen.append(ir)
-        return original(ir, has_loops)
+        return original(ir, has_loops, machine)
 
-    monkeypatch.setattr(jit, "_optimised", spy)
+    monkeypatch.setattr(jit, "optimised", spy)
     return seen
 
 
@@ -78,10 +78,10 @@ import sys
 from ulna.compiler import compile
 from ulna.compiler.runtime import jit, object_layout
 import numpy as np
-def refuse(ir, has_loops):
+def refuse(ir, has_loops, machine):
     raise SystemExit("compiled")
 if sys.argv[1] == "refuse":
-    jit._optimised = refuse
+    jit.optimised = refuse
 kernel = compile(lambda x: np.sin(x) * 3.0, x=(2,))
 print(repr(kernel(np.ones(2)).tolist()), repr(kernel(np.ones((20, 2)))[7].tolist()), kernel.function.fingerprint)
 """

@@ -139,6 +139,33 @@ def emit_single(f: Function, target: Target, element: DType = "double") -> str:
     return module.text() + (_wide_registers(f.lanes, element) if f.lanes > 1 else "")
 
 
+def emit_library(functions: Sequence[tuple[str, Function]], target: Target, element: DType = "double") -> str:
+    """IR of a library: for each function `void NAME(ptr in0, ..., ptr out0, ...)` on one contiguous sample.
+
+    Args:
+        functions: Pairs of a name and a function; names are identifiers.
+        target: The processor to write for.
+        element: Type of the array elements, "double" or "float".
+
+    Returns:
+        The text of an LLVM module; the functions share what they call.
+    """
+    module = Module()
+    for name, f in functions:
+        _write_block(module, f, f"{name}.one", Lanes(1, element), target.packed_sines, target)
+        ports = len(f.inputs) + len(f.outputs)
+        arguments = ", ".join(f"ptr %p{k}" for k in range(ports))
+        module.definitions[name] = "\n".join(
+            [
+                f"define void @{name}({arguments}) nounwind {{",
+                f"  call void @{name}.one({arguments})",
+                "  ret void",
+                "}\n",
+            ]
+        )
+    return module.text() + _wide_registers(max((f.lanes for _, f in functions), default=1), element)
+
+
 def emit_batch(f: Function, target: Target, element: DType = "double") -> str:
     """IR of the inner loop of a generalised ufunc over samples, as many at a time as the target has lanes.
 

@@ -20,7 +20,7 @@ from ulna.compiler.runtime.object_file import is_sound
 from ulna.errors import CompileError
 from ulna.system import forks
 
-# Part of the cache's key: change it with `_optimised` and `_machine`.
+# Part of the cache's key: change it with `optimised` and `_machine`.
 _RECIPE = "inlining or level 1, codegen 2"
 # How much IR text of one call and of a batch LLVM compiles, about [byte/s].
 _SPEED = {"entry": 4e6, "batch": 2e6, "kernel": 2e6}
@@ -34,7 +34,7 @@ at_end.append(lambda: _lock.acquire(timeout=60.0))
 
 
 @cache
-def _llvm() -> Any:
+def llvm_library() -> Any:
     """LLVM's library, which takes longer to load than all of Ulna; who only looks at models never waits for it."""
     with _lock:  # a fork while a module is imported leaves the child without it
         import llvmlite.binding
@@ -61,7 +61,7 @@ class Code:
 @cache
 def target() -> Target:
     """This machine."""
-    llvm = _llvm()
+    llvm = llvm_library()
     with _lock:
         llvm.initialize_native_target()
         llvm.initialize_native_asmprinter()
@@ -77,7 +77,7 @@ def target() -> Target:
 
 def _new_machine() -> Any:
     t = target()
-    llvm_target = _llvm().Target.from_triple(t.triple)
+    llvm_target = llvm_library().Target.from_triple(t.triple)
     return llvm_target.create_target_machine(
         cpu=t.cpu, features=t.features, opt=2, reloc="pic", codemodel="small", jit=True
     )
@@ -114,7 +114,7 @@ def load_text(ir: str, names: tuple[str, ...]) -> Code:
 
 
 def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[[], Any]) -> Code:
-    t, llvm = target(), _llvm()
+    t, llvm = target(), llvm_library()
     key = disk_cache.key(ir, t.triple, t.cpu, t.features, t.llvm, _RECIPE)
     start = time.perf_counter()
     content = _cached_object(key)
@@ -149,7 +149,7 @@ def _object(key: str, ir: str, has_loops: bool) -> bytes:
     with _lock:
         content = _cached_object(key)
         if content is None:
-            content = _machine().emit_object(_optimised(ir, has_loops))
+            content = _machine().emit_object(optimised(ir, has_loops, _machine()))
             disk_cache.write(key, content)
         return content
 
@@ -188,9 +188,21 @@ def announced(text: str, what: str, seconds: float) -> Iterator[None]:
             watcher(what, "")
 
 
-def _optimised(ir: str, has_loops: bool) -> Any:
-    """The module after inlining, which is enough for a folded and shared graph; with loops, after all of level 1."""
-    llvm = _llvm()
+def optimised(ir: str, has_loops: bool, machine: Any) -> Any:
+    """The module after inlining, which is enough for a folded and shared graph; with loops, after all of level 1.
+
+    Args:
+        ir: The text of an LLVM module.
+        has_loops: Whether it has loops.
+        machine: The target machine of LLVM that it is for.
+
+    Returns:
+        The module.
+
+    Raises:
+        CompileError: If LLVM refuses it.
+    """
+    llvm = llvm_library()
     try:
         module = llvm.parse_assembly(ir)
         module.verify()
@@ -198,12 +210,12 @@ def _optimised(ir: str, has_loops: bool) -> Any:
         raise CompileError(
             f"LLVM refused a kernel, which is a bug in Ulna; please report it.\n{error}"
         ) from None
-    module.triple = target().triple
-    module.data_layout = str(_machine().target_data)
+    module.triple = machine.triple
+    module.data_layout = str(machine.target_data)
     options = llvm.create_pipeline_tuning_options(speed_level=1)
     options.loop_vectorization = False  # lanes are explicit
     options.slp_vectorization = False
-    builder = llvm.create_pass_builder(_machine(), options)
+    builder = llvm.create_pass_builder(machine, options)
     if not has_loops:
         _inlining().run(module, builder)
         return module
@@ -217,7 +229,7 @@ def _optimised(ir: str, has_loops: bool) -> Any:
 
 def _free(passes: Any) -> None:
     """Frees a manager of passes. In llvmlite 0.46 to 0.50 its `close` does nothing: a base class hides `_dispose`."""
-    llvm = _llvm()
+    llvm = llvm_library()
     if type(passes)._dispose is llvm.ffi.ObjectRef._dispose:
         llvm.newpassmanagers.NewPassManager._dispose(passes)
         passes.detach()
@@ -228,7 +240,7 @@ def _free(passes: Any) -> None:
 @cache
 def _inlining() -> Any:
     """Inlining and what follows; made once."""
-    passes = _llvm().create_new_module_pass_manager()
+    passes = llvm_library().create_new_module_pass_manager()
     passes.add_always_inliner_pass()
     passes.add_global_dead_code_eliminate_pass()
     passes.add_simplify_cfg_pass()
@@ -247,4 +259,4 @@ def assembly(f: Function, ir: str) -> str:
         The text of the assembly.
     """
     with _lock:
-        return _machine().emit_assembly(_optimised(ir, f.has_loops))
+        return _machine().emit_assembly(optimised(ir, f.has_loops, _machine()))

@@ -1,0 +1,84 @@
+"""The files of the target "wasm"."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import final
+
+from ulna.errors import InputError
+from ulna.exporting.record import Export
+from ulna.exporting.wasm.code import module, places, traced
+from ulna.exporting.wasm.declarations import declarations
+from ulna.exporting.wasm.description import description
+from ulna.ik.search import DESCENT
+
+_TAKEN = ("description", "memory")
+
+
+@final
+@dataclass(frozen=True)
+class WebModule:
+    """Functions for web pages and node.
+
+    Attributes:
+        binary: The WebAssembly module.
+        javascript: The JavaScript module around it, with `load` and `loadSync`.
+        types: Its types, the text of a .d.ts file.
+    """
+
+    binary: bytes
+    javascript: str
+    types: str
+
+
+def web_module(export: Export) -> WebModule:
+    """Compiles what is exported to WebAssembly.
+
+    Args:
+        export: What is exported.
+
+    Returns:
+        The WebAssembly module and the JavaScript module around it.
+
+    Raises:
+        InputError: If a function has a name that is taken, or a search is to be computed in float32.
+        TooLargeError: If a function is larger than browsers accept.
+    """
+    functions = traced(export)
+    for name in _TAKEN:
+        if name in functions:
+            raise InputError(
+                f"The name of a kernel is {name!r}, which the JavaScript module uses itself; choose another name: "
+                f"kernels={{'my_{name}': ...}}."
+            )
+    offsets, room = places(functions, export.dtype.itemsize)
+    made = module(export, functions, room)
+    about = description(export, functions, offsets)
+    text = files("ulna.exporting.wasm").joinpath("runtime.js").read_text(encoding="utf-8")
+    for word, value in {
+        "__DESCRIPTION__": json.dumps(about, separators=(",", ":"), allow_nan=False),
+        "__FREE__": str(made.free),
+        "__NUMBERS__": "Float32Array" if export.dtype.name == "float32" else "Float64Array",
+        "__DESCENT__": str(DESCENT),
+        "__NAME__": export.name,
+    }.items():
+        text = text.replace(word, value)
+    return WebModule(made.binary, text, declarations(about))
+
+
+def write(export: Export, folder: Path) -> None:
+    """Writes the WebAssembly module, the JavaScript module and its types.
+
+    Args:
+        export: What is to be written.
+        folder: An empty folder.
+    """
+    made = web_module(export)
+    (folder / f"{export.name}.wasm").write_bytes(made.binary)
+    for suffix, text in ((".js", made.javascript), (".d.ts", made.types)):
+        (folder / f"{export.name}{suffix}").write_text(text, encoding="utf-8", newline="\n")
+    package = {"type": "module", "main": f"./{export.name}.js", "types": f"./{export.name}.d.ts"}
+    (folder / "package.json").write_text(json.dumps(package, indent=2) + "\n", encoding="utf-8")
