@@ -87,7 +87,7 @@ def _parsed(file: Path, text: str) -> Any:
         try:
             import yaml
         except ImportError as error:
-            raise MissingExtra("pyyaml", "xacro", "Reading spheres from YAML") from error
+            raise MissingExtra("pyyaml", "collision", "Reading spheres from YAML") from error
         try:
             return yaml.safe_load(text)
         except yaml.YAMLError as error:

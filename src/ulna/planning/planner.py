@@ -38,6 +38,7 @@ def plan(
     step: float = 0.01,
     longest: float = 1.0,
     shorten: int = 5,
+    improve: int = 0,
     iterations: int = 100_000,
     timeout: float = 10.0,
     seed: int = 0,
@@ -64,7 +65,9 @@ def plan(
             are tried. The search itself takes longer steps.
         longest: The longest edge of the trees, in joint space [rad, m].
         shorten: How often at most the path is shortened and its corners are cut.
-        iterations: The most samples.
+        improve: How many samples are spent on shorter paths once there is one; the path approaches the shortest with
+            their number. `timeout` ends this, too.
+        iterations: The most samples for the first path.
         timeout: The longest time [s].
         seed: Seed of the samples: the same seed, the same path, on processors of one kind.
 
@@ -88,6 +91,7 @@ def plan(
         frame=frame,
         joints=joints,
         shorten=shorten,
+        improve=improve,
         iterations=iterations,
         timeout=timeout,
         seed=seed,
@@ -149,6 +153,7 @@ class Planner:
         frame: str | None = None,
         joints: Sequence[str] | None = None,
         shorten: int = 5,
+        improve: int = 0,
         iterations: int = 100_000,
         timeout: float = 10.0,
         seed: int = 0,
@@ -161,7 +166,8 @@ class Planner:
             frame: Whose pose the goal is; None for the robot's tip.
             joints: Names of the joints that may move; None for all.
             shorten: How often at most the path is shortened and its corners are cut.
-            iterations: The most samples.
+            improve: How many samples are spent on shorter paths once there is one.
+            iterations: The most samples for the first path.
             timeout: The longest time [s].
             seed: Seed of the samples.
 
@@ -173,10 +179,12 @@ class Planner:
             InputError: If numbers make no sense.
         """
         counts = _count("shorten", shorten, 0), _count("iterations", iterations, 1)
-        options = Options(*counts, _seconds(timeout), _count("seed", seed, 0))
+        options = Options(
+            *counts, _seconds(timeout), _count("seed", seed, 0), improve=_count("improve", improve, 0)
+        )
         if is_deferred(q0) or is_deferred(goal):
             chosen = {"frame": frame, "joints": joints, "timeout": timeout, "seed": seed}
-            chosen |= {"shorten": shorten, "iterations": iterations}
+            chosen |= {"shorten": shorten, "improve": improve, "iterations": iterations}
             return deferred.plans(self, q0, goal, chosen)
         q0 = finite_array("q0", q0)
         if q0.shape != (self.model.nq,):

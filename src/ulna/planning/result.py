@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, final
 
-import numpy as np
-
 from ulna.errors import InputError
 from ulna.planning.certificate import Certificate
+from ulna.planning.path_length import length
 from ulna.trajectory import Retimed, straight_through, time_optimal
 from ulna.typing import ArrayLike, Floats
 
@@ -31,8 +30,10 @@ class Plan:
         iterations: Samples that the search took.
         nodes: Configurations in its two trees.
         step: The longest way that any point of the robot moves between states that the search checked [m].
-        seconds: How long each part took: "prepare", "search", "shorten", "certify" [s].
+        seconds: How long each part took: "prepare", "search", "shorten", "improve", "certify" [s].
         model: The robot's model.
+        improvements: Where `improve` asks for shorter paths: for the first path and each better one the time since the
+            call [s], and its length [rad, m], before it is certified.
     """
 
     outcome: Outcome
@@ -45,6 +46,7 @@ class Plan:
     step: float
     seconds: Mapping[str, float]
     model: Any = field(repr=False)
+    improvements: tuple[tuple[float, float], ...] = ()
 
     def __bool__(self) -> bool:
         return self.outcome == "solved"
@@ -57,7 +59,7 @@ class Plan:
     @property
     def cost(self) -> float:
         """The length of the path in joint space [rad, m]."""
-        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+        return length(self.points)
 
     def trajectory(
         self,

@@ -44,22 +44,26 @@ class Trees(NamedTuple):
     Attributes:
         nodes: Configurations, (2, n, capacity) [rad, m].
         radii: How far a sample may be from a node, (2, capacity) [rad, m].
+        costs: Lengths of the nodes' paths from their roots, where a search asks for them, (2, capacity) [rad, m].
         parents: The node from which each was grown, -1 for roots, (2, capacity).
         counts: How many nodes there are, (2,).
         meeting: The nodes at which the trees met, (2,).
         near: Working storage, (n,).
         new: Working storage, (n,).
         goal: Working storage, (n,).
+        aim: Working storage, (n,).
     """
 
     nodes: Array3[f32]
     radii: Array2[f32]
+    costs: Array2[f32]
     parents: Array2[INT]
     counts: Array1[INT]
     meeting: Array1[INT]
     near: Array1[f32]
     new: Array1[f32]
     goal: Array1[f32]
+    aim: Array1[f32]
 
 
 class Growth(NamedTuple):
@@ -99,8 +103,18 @@ def _nearest_node(nodes, tree, count, q, W):
 
 
 @procedure
-def _add_node(trees, tree, q, parent):
-    """Appends a node to a tree; returns its number."""
+def add_node(trees, tree, q, parent):
+    """Appends a node to a tree.
+
+    Args:
+        trees: Both trees; one is changed.
+        tree: Which one.
+        q: The node, shape (n,) [rad, m].
+        parent: The number of its parent; -1 for a root.
+
+    Returns:
+        Its number.
+    """
     number = trees.counts[tree]
     for k in range(len(q)):
         trees.nodes[tree, k, number] = q[k]
@@ -111,8 +125,15 @@ def _add_node(trees, tree, q, parent):
 
 
 @procedure
-def _read_node(nodes, tree, number, q):
-    """Copies a node into q."""
+def read_node(nodes, tree, number, q) -> None:
+    """Copies a node into q.
+
+    Args:
+        nodes: Both trees' nodes, shape (2, n, capacity) [rad, m].
+        tree: Which tree.
+        number: The node.
+        q: Receives it, shape (n,) [rad, m].
+    """
     for k in range(len(q)):
         q[k] = nodes[tree, k, number]
 
@@ -124,7 +145,7 @@ def _extend(kernel, tables, growth, trees, tree, sample, work, W):
     radius = trees.radii[tree, nearest]
     if distance > radius:
         return -1
-    _read_node(trees.nodes, tree, nearest, trees.near)
+    read_node(trees.nodes, tree, nearest, trees.near)
     part = growth.longest / distance if distance > growth.longest else f32(1.0)
     for k in range(len(trees.near)):
         trees.new[k] = trees.near[k] + part * (sample[k] - trees.near[k])
@@ -134,16 +155,16 @@ def _extend(kernel, tables, growth, trees, tree, sample, work, W):
         return -1
     if radius < f32(1e29):
         trees.radii[tree, nearest] = radius * (f32(1.0) + growth.change)
-    return _add_node(trees, tree, trees.new, nearest)
+    return add_node(trees, tree, trees.new, nearest)
 
 
 @procedure
 def _connect(kernel, tables, growth, trees, tree, added, work, W):
     """Grows a tree from its newest node to the nearest one of the other tree; whether it got there."""
     other = 1 - tree
-    _read_node(trees.nodes, tree, added, trees.near)
+    read_node(trees.nodes, tree, added, trees.near)
     target, distance = _nearest_node(trees.nodes, other, trees.counts[other], trees.near, W)
-    _read_node(trees.nodes, other, target, trees.goal)
+    read_node(trees.nodes, other, target, trees.goal)
     pieces = max(int(np.ceil(distance / growth.longest)), 1)
     last = added
     for piece in range(pieces):
@@ -159,7 +180,7 @@ def _connect(kernel, tables, growth, trees, tree, added, work, W):
             trees.meeting[tree] = last
             trees.meeting[other] = target
             return True
-        last = _add_node(trees, tree, trees.new, last)
+        last = add_node(trees, tree, trees.new, last)
         if trees.counts[tree] + W + 2 >= trees.nodes.shape[2]:
             return False
         for k in range(len(trees.near)):
@@ -168,8 +189,15 @@ def _connect(kernel, tables, growth, trees, tree, added, work, W):
 
 
 @procedure
-def _plant(trees, points, touching, count):
-    """Begins both trees anew: one at the first point, the other at those of the rest that are free."""
+def plant(trees, points, touching, count) -> None:
+    """Begins both trees anew: one at the first point, the other at those of the rest that are free.
+
+    Args:
+        trees: Both trees.
+        points: Configurations, shape (at least count, n) [rad, m].
+        touching: Above 0 for those that are not free, shape (at least count,).
+        count: How many there are.
+    """
     for tree in range(2):
         for number in range(trees.counts[tree]):
             for k in range(trees.nodes.shape[1]):
@@ -177,7 +205,7 @@ def _plant(trees, points, touching, count):
         trees.counts[tree] = 0
     for i in range(count):
         if touching[i] == 0:
-            _add_node(trees, min(i, 1), points[i], -1)
+            add_node(trees, min(i, 1), points[i], -1)
 
 
 @procedure(constants={"W": 8})
@@ -205,7 +233,7 @@ def grow(
         The number of the first sample that was not used; where the trees met, minus that.
     """
     if roots > 0:
-        _plant(trees, points, touching, roots)
+        plant(trees, points, touching, roots)
     tree = 1
     for s in range(first, count):
         if max(trees.counts[0], trees.counts[1]) + W + 2 >= trees.nodes.shape[2]:
@@ -243,10 +271,10 @@ def read_path(trees, path):
         return -1
     node = trees.meeting[0]
     for i in range(before):
-        _read_node(trees.nodes, 0, node, path[before - 1 - i])
+        read_node(trees.nodes, 0, node, path[before - 1 - i])
         node = trees.parents[0, node]
     node = trees.meeting[1]
     for i in range(before, count):
-        _read_node(trees.nodes, 1, node, path[i])
+        read_node(trees.nodes, 1, node, path[i])
         node = trees.parents[1, node]
     return count

@@ -29,6 +29,51 @@ def samples(first: int, count: int, seed: int, low: Floats, high: Floats) -> Any
     return (low + (unit - np.floor(unit)) * (high - low)).astype(np.float32)
 
 
+def informed_samples(
+    random: np.random.Generator, count: int, a: Floats, goals: Floats, bound: float, low: Floats, high: Floats
+) -> Any:
+    """Samples of what paths shorter than a bound can reach: ellipsoids whose foci are the start and a goal, in a box.
+
+    Source: Gammell, Srinivasa and Barfoot, Informed RRT* (IROS 2014), equations 3 to 5.
+
+    Args:
+        random: Draws them.
+        count: How many samples.
+        a: The start, shape (n,) [rad, m].
+        goals: Goals, shape (k, n), at least one nearer than the bound [rad, m].
+        bound: The length of the paths [rad, m].
+        low: The least coordinates of the box, shape (n,) [rad, m].
+        high: The greatest ones, shape (n,) [rad, m].
+
+    Returns:
+        Shape (count, n), float32. What lies outside of the box after some rounds is moved to its surface.
+    """
+    distances = np.linalg.norm(goals - a, axis=1)
+    foci = goals[distances < bound]
+    points = np.full((count, len(a)), np.inf)
+    for _ in range(8):
+        outside = np.flatnonzero(~((points >= low) & (points <= high)).all(axis=1))
+        if not len(outside):
+            break
+        points[outside] = _in_ellipsoids(
+            random, a, foci[random.integers(len(foci), size=len(outside))], bound, low < high
+        )
+    return np.clip(points, low, high).astype(np.float32)
+
+
+def _in_ellipsoids(random: np.random.Generator, a: Floats, b: Floats, length: float, moves: Any) -> Floats:
+    """For each of b, a point of which the distances to `a` and b add up to less than a length."""
+    directions = random.standard_normal(b.shape) * moves
+    ball = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    ball *= random.random((len(b), 1)) ** (1.0 / max(int(moves.sum()), 1))
+    way = b - a
+    distance = np.linalg.norm(way, axis=1, keepdims=True)
+    along = np.divide(way, distance, out=np.zeros_like(way), where=distance > 0.0)
+    part = (ball * along).sum(axis=1, keepdims=True)
+    across = 0.5 * np.sqrt(np.maximum(length**2 - distance**2, 0.0))
+    return 0.5 * (a + b) + across * ball + (0.5 * length - across) * part * along
+
+
 @lru_cache(maxsize=64)
 def halton(first: int, count: int, dimensions: int) -> Floats:
     """Points of the unit cube that fill it evenly; beyond twelve dimensions, where they would not, random numbers.

@@ -5,13 +5,15 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ulna.planning.certificate import Certificate, certify
+from ulna.planning.improvement import improved
 from ulna.planning.result import Outcome, Plan
+from ulna.planning.run import Options, Run
 from ulna.planning.samples import samples
 from ulna.planning.tables import Scene
 from ulna.planning.touches import deepest_touch
@@ -20,49 +22,6 @@ from ulna.typing import Floats
 
 _Failure = tuple[Outcome, str]
 """What stood in the way, and a sentence about it."""
-
-
-@dataclass(frozen=True)
-class Options:
-    """What one call asks for.
-
-    Attributes:
-        shorten: How often at most the path is shortened.
-        iterations: The most samples.
-        timeout: The longest time [s].
-        seed: Seed of the samples.
-        still: Which numbers of a configuration stay where the start has them, shape (nq,); None for none.
-        coarse: The steps of the search, in those of the proof.
-    """
-
-    shorten: int
-    iterations: int
-    timeout: float
-    seed: int
-    still: Any = None
-    coarse: float = COARSE[0]
-
-
-class _Run:
-    """What is known of one call while it runs."""
-
-    def __init__(self, options: Options, q0: Floats, goals: Floats) -> None:
-        self.options, self.q0, self.goals = options, q0, goals
-        self.start_time = self.last_time = time.perf_counter()
-        self.numbers: list[int] = []
-        self.workspace: Any = None
-        self.direct, self.roots, self.used, self.nodes = -1, 0, 0, 0
-        self.seconds: dict[str, float] = dict.fromkeys(("prepare", "search", "shorten", "certify"), 0.0)
-
-    def is_late(self) -> bool:
-        """Whether the time is up."""
-        return time.perf_counter() - self.start_time > self.options.timeout
-
-    def note(self, part: str) -> None:
-        """Adds the time since the last note to a part's."""
-        now = time.perf_counter()
-        self.seconds[part] += now - self.last_time
-        self.last_time = now
 
 
 class Search:
@@ -94,17 +53,22 @@ class Search:
         Returns:
             The plan, or why there is none.
         """
-        self._workspace(options.coarse)  # compiles before the clock starts
-        run = _Run(options, q0, goals)
+        for coarse in (options.coarse, COARSE[1])[: 2 if options.improve else 1]:
+            self._workspace(coarse).bind(coarse == COARSE[1])  # compiles before the clock starts
+        run = Run(options, q0, goals)
         points, goal, failure = self._searched(run)
         if failure is not None:
             return self._result(run, *failure, np.zeros((0, self._model.nq)), None, -1)
+        if options.improve:
+            run.workspace = self._workspace(COARSE[1])  # steps with which nearly every path can be proved
+            points, goal = improved(run, points, goal, *self._sampled_box(run))
+            run.note("improve")
         points, certificate = self._proved(run, points)
         run.note("certify")
         reason = "" if certificate else f"edges {certificate.unproved} are not proved free"
         return self._result(run, "solved", reason, points, certificate, run.numbers[goal])
 
-    def _searched(self, run: _Run) -> tuple[Floats, int, _Failure | None]:
+    def _searched(self, run: Run) -> tuple[Floats, int, _Failure | None]:
         """A path that is not proved yet and the number of its goal; or why there is none."""
         failure = self._prepare(run)
         if failure is not None:
@@ -121,16 +85,13 @@ class Search:
             limit = f"{run.used} samples" if is_used else f"{run.options.timeout:g} s"
             reason = f"no path was found within {limit}. Allow more, or another seed."
             return run.q0, -1, ("iterations" if is_used else "time", reason)
-        points, goal = run.workspace.shortened(run.options.shorten)
-        points[0], points[-1] = run.q0, run.goals[goal]
-        if run.options.still is not None:
-            points[:, run.options.still] = run.q0[run.options.still]
+        points, goal = run.shortened()
         run.note("shorten")
         return points, goal, None
 
     # before the search ------------------------------------------------------------------------------------
 
-    def _prepare(self, run: _Run) -> _Failure | None:
+    def _prepare(self, run: Run) -> _Failure | None:
         """Storage, and the goals that are free; why the search cannot begin, where it cannot."""
         outside = self._out_of_limits(run.q0)
         if outside:
@@ -162,7 +123,7 @@ class Search:
             kept[coarse] = Workspace(self._scene, arrays, self._margin, self._step, self._longest, coarse)
         return kept[coarse]
 
-    def _blocked(self, run: _Run, free: Any) -> _Failure:
+    def _blocked(self, run: Run, free: Any) -> _Failure:
         """What the start, or the nearest goal, touches."""
         outcome: Outcome = "goal" if free[0] else "start"
         q = run.goals[0] if free[0] else run.q0
@@ -188,7 +149,7 @@ class Search:
 
     # search -----------------------------------------------------------------------------------------------
 
-    def _grow(self, run: _Run) -> bool:
+    def _grow(self, run: Run) -> bool:
         """Grows both trees until they meet; whether they did."""
         workspace, roots = run.workspace, run.roots
         low, high = self._sampled_box(run)
@@ -206,7 +167,7 @@ class Search:
         run.nodes = int(workspace.storage.trees.counts.sum())
         return result < 0
 
-    def _samples(self, run: _Run, count: int, low: Floats, high: Floats) -> Any:
+    def _samples(self, run: Run, count: int, low: Floats, high: Floats) -> Any:
         """The next samples, shape (count, nq); the first ones are kept."""
         key = run.used, count, run.options.seed
         if not self._is_bounded or run.options.still is not None or run.used >= 16 * SLICE:
@@ -217,7 +178,7 @@ class Search:
             self._blocks[key] = samples(*key, low, high)
         return self._blocks[key]
 
-    def _sampled_box(self, run: _Run) -> tuple[Floats, Floats]:
+    def _sampled_box(self, run: Run) -> tuple[Floats, Floats]:
         """The limits; joints without limits turn up to a turn beyond start and goals."""
         low, high = self._model.lower_position, self._model.upper_position
         if not self._is_bounded:
@@ -230,7 +191,7 @@ class Search:
 
     # results ----------------------------------------------------------------------------------------------
 
-    def _proved(self, run: _Run, points: Floats) -> tuple[Floats, Certificate]:
+    def _proved(self, run: Run, points: Floats) -> tuple[Floats, Certificate]:
         """A path with its certificate; edges that cannot be proved are replaced by detours where there are some."""
         unproved = run.workspace.unproved(points)
         for coarse in COARSE[1:]:
@@ -246,7 +207,7 @@ class Search:
             return points, certificate
         return whole, Certificate((), self._margin, 0)
 
-    def _with_detours(self, run: _Run, points: Floats, unproved: Sequence[int], coarse: float) -> Floats:
+    def _with_detours(self, run: Run, points: Floats, unproved: Sequence[int], coarse: float) -> Floats:
         """The path with other motions for edges that are not proved, where there are some."""
         pieces = []
         for k, a in enumerate(points):
@@ -257,11 +218,11 @@ class Search:
                     pieces.append(detour[1:-1])
         return np.concatenate(pieces)
 
-    def _detour(self, run: _Run, a: Floats, b: Floats, coarse: float) -> Floats | None:
+    def _detour(self, run: Run, a: Floats, b: Floats, coarse: float) -> Floats | None:
         """A path that a search with shorter steps finds in the time that is left; None where it finds none."""
         left = run.options.timeout - (time.perf_counter() - run.start_time)
-        options = replace(run.options, coarse=coarse, timeout=max(left, 0.0))
-        points, _, failure = self._searched(_Run(options, a, b[None]))
+        options = replace(run.options, coarse=coarse, timeout=max(left, 0.0), improve=0)
+        points, _, failure = self._searched(Run(options, a, b[None]))
         return points if failure is None else None
 
     def _certificate(self, points: Floats, edges: Sequence[int]) -> Certificate:
@@ -276,9 +237,19 @@ class Search:
         return Certificate(tuple(unproved), self._margin, checks)
 
     def _result(
-        self, run: _Run, outcome: Outcome, reason: str, points: Floats, certificate: Certificate | None, goal: int
+        self, run: Run, outcome: Outcome, reason: str, points: Floats, certificate: Certificate | None, goal: int
     ) -> Plan:  # fmt: skip
         step = self._step if run.workspace is None else run.workspace.step
         return Plan(
-            outcome, reason, points, certificate, goal, run.used, run.nodes, step, run.seconds, self._model
+            outcome,
+            reason,
+            points,
+            certificate,
+            goal,
+            run.used,
+            run.nodes,
+            step,
+            run.seconds,
+            self._model,
+            tuple(run.improvements),
         )

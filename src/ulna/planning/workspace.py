@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.planning import edges, rrt_connect, shortcuts
+from ulna.planning import bounded_rrt, edges, rrt_connect, shortcuts
 from ulna.planning.edges import Proof
 from ulna.planning.rrt_connect import EVERYWHERE, FREE_PLACE, Growth, Trees
 from ulna.planning.tables import Scene
@@ -38,7 +38,7 @@ class Storage:
 
     def __init__(self, nq: int) -> None:
         self.nq = nq
-        self.samples = np.zeros((SLICE, nq), np.float32)
+        self.samples, self.parts = np.zeros((SLICE, nq), np.float32), np.zeros(SLICE, np.float32)
         self.make_trees(_CAPACITY)
         self.make_path(_ROOM)
         self.make_points(_POINTS)
@@ -47,13 +47,13 @@ class Storage:
         """Makes empty trees with places for so many nodes."""
         self.trees = Trees(
             np.full((2, self.nq, capacity), FREE_PLACE, np.float32), np.full((2, capacity), EVERYWHERE, np.float32),
-            np.full((2, capacity), -1, np.int64), np.zeros(2, np.int64), np.zeros(2, np.int64),
-            *np.zeros((3, self.nq), np.float32),
+            np.zeros((2, capacity), np.float32), np.full((2, capacity), -1, np.int64), *np.zeros((2, 2), np.int64),
+            *np.zeros((4, self.nq), np.float32),
         )  # fmt: skip
 
     def enlarge_trees(self) -> None:
         """Makes trees of the same nodes with twice the places."""
-        fills = {"nodes": FREE_PLACE, "radii": EVERYWHERE, "parents": -1}
+        fills = {"nodes": FREE_PLACE, "radii": EVERYWHERE, "costs": 0.0, "parents": -1}
         larger = {}
         for name, fill in fills.items():
             old = getattr(self.trees, name)
@@ -93,8 +93,21 @@ class Workspace:
         self._growth = Growth._make(map(np.float32, numbers))
         self._trees = self._path = self._points = None
 
+    def bind(self, with_bound: bool) -> None:
+        """Binds the procedures to the thread's arrays, unless they are bound to these; compiles them the first time.
+
+        Args:
+            with_bound: Whether `grow_below` will be called, too.
+        """
+        self._bind()
+        s = self.storage
+        if with_bound and self._grow_below is None:
+            self._grow_below = self._bound(
+                bounded_rrt.grow_below, self._tables, self._growth, s.samples, s.parts, 0, 0, s.points, s.touching, 0,
+                np.float32(0.0), s.trees,
+            )  # fmt: skip
+
     def _bind(self) -> None:
-        """Binds the procedures to the thread's arrays, unless they are bound to these."""
         s = self.storage
         if self._trees is s.trees and self._path is s.path and self._points is s.points:
             return
@@ -103,6 +116,7 @@ class Workspace:
         self._grow = self._bound(
             rrt_connect.grow, self._tables, self._growth, s.samples, 0, 0, s.points, s.touching, 0, s.trees
         )
+        self._grow_below = None  # only some searches need it
         self._shorten = self._bound(shortcuts.shortened_path, self._tables, self.step, s.trees, s.path, 0)
         self._check = self._bound(edges.first_unproved_edge, self._proof, s.path, 0, 0)
 
@@ -148,6 +162,26 @@ class Workspace:
         self._grow.set("count", count)
         self._grow.set("roots", roots)
         result = self._grow()
+        if 0 <= result < count:  # no places are left
+            self.storage.enlarge_trees()
+        return result
+
+    def grow_below(self, bound: float, first: int, count: int, roots: int) -> int:
+        """Grows the trees with samples until they meet by a path shorter than a bound; see `bounded_rrt.grow_below`.
+
+        Args:
+            bound: The bound [rad, m].
+            first: The sample to begin with.
+            count: How many samples there are.
+            roots: How many points that `examine` was given are roots of new trees; 0 to go on.
+
+        Returns:
+            The number of the first sample that was not used; where the trees met, minus that, minus 1.
+        """
+        self.bind(with_bound=True)
+        for name, value in (("first", first), ("count", count), ("roots", roots), ("bound", bound)):
+            self._grow_below.set(name, value)
+        result = self._grow_below()
         if 0 <= result < count:  # no places are left
             self.storage.enlarge_trees()
         return result

@@ -59,7 +59,7 @@ def test_a_path_around_a_wall_is_certified_and_free_when_sampled_densely() -> No
     straight = a + t * (b - a)
     assert robot.collides(straight, world).any()  # or there was nothing to plan
     assert p.cost == pytest.approx(np.linalg.norm(np.diff(p.points, axis=0), axis=1).sum())
-    assert set(p.seconds) == {"prepare", "search", "shorten", "certify"} and "certified" in repr(p)
+    assert set(p.seconds) == {"prepare", "search", "shorten", "improve", "certify"} and "certified" in repr(p)
 
 
 @pytest.mark.slow

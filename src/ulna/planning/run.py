@@ -1,0 +1,76 @@
+"""One call of a planner: what it asks for, and what is known while it runs."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from ulna.planning.workspace import COARSE
+from ulna.typing import Floats
+
+
+@dataclass(frozen=True)
+class Options:
+    """What one call asks for.
+
+    Attributes:
+        shorten: How often at most the path is shortened.
+        iterations: The most samples.
+        timeout: The longest time [s].
+        seed: Seed of the samples.
+        still: Which numbers of a configuration stay where the start has them, shape (nq,); None for none.
+        coarse: The steps of the search, in those of the proof.
+        improve: How many samples are spent on shorter paths once there is one.
+    """
+
+    shorten: int
+    iterations: int
+    timeout: float
+    seed: int
+    still: Any = None
+    coarse: float = COARSE[0]
+    improve: int = 0
+
+
+class Run:
+    """What is known of one call while it runs.
+
+    Args:
+        options: What it asks for.
+        q0: Where the robot is, shape (nq,) [rad, m].
+        goals: Where it may go, shape (n, nq) [rad, m].
+    """
+
+    def __init__(self, options: Options, q0: Floats, goals: Floats) -> None:
+        self.options, self.q0, self.goals = options, q0, goals
+        self.start_time = self.last_time = time.perf_counter()
+        self.numbers: list[int] = []
+        self.workspace: Any = None
+        self.direct, self.roots, self.used, self.nodes = -1, 0, 0, 0
+        self.improvements: list[tuple[float, float]] = []
+        self.seconds: dict[str, float] = dict.fromkeys(
+            ("prepare", "search", "shorten", "improve", "certify"), 0.0
+        )
+
+    def is_late(self) -> bool:
+        """Whether the time is up."""
+        return time.perf_counter() - self.start_time > self.options.timeout
+
+    def note(self, part: str) -> None:
+        """Adds the time since the last note to a part's."""
+        now = time.perf_counter()
+        self.seconds[part] += now - self.last_time
+        self.last_time = now
+
+    def shortened(self) -> tuple[Floats, int]:
+        """The path at which the trees met, shortened, and the number of its goal.
+
+        Returns:
+            Points, shape (n, nq), from the very start to the very goal [rad, m], and a number among `goals`.
+        """
+        points, goal = self.workspace.shortened(self.options.shorten)
+        points[0], points[-1] = self.q0, self.goals[goal]
+        if self.options.still is not None:
+            points[:, self.options.still] = self.q0[self.options.still]
+        return points, goal
