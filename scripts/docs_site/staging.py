@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import html
 import json
+import re
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,6 +18,7 @@ from docs_site import execution
 from docs_site.pages import DOCS, ROOT, Link, blocks, links
 
 PICTURES = (".png", ".gif", ".svg", ".jpg", ".webp")
+GUIDES = Path("guides.md")
 NOTEBOOKS = ("tutorials", "start")
 
 
@@ -100,6 +102,8 @@ class _Staged:
             The staged text.
         """
         text = self.source.read_text(encoding="utf-8")
+        if self.name == GUIDES:
+            text = _with_new_pages(text)
         if self.name.parts[0] in NOTEBOOKS and blocks(text):
             self._write_notebook(text, outputs)
         changes = [(link.start, link.end, self._link(link)) for link in links(text)]
@@ -184,3 +188,13 @@ class _Staged:
 def _printed(text: str) -> str:
     """What a block printed, as a block of text below it."""
     return f"\n\n````{{code-block}} text\n:class: output\n\n{text.rstrip()}\n````\n"
+
+
+def _with_new_pages(guides: str) -> str:
+    """The list of guides with the pages directly in docs/ that no list names yet."""
+    texts = [page.read_text(encoding="utf-8") for page in DOCS.rglob("*.md")]
+    lists = "\n".join(found for text in texts for found in re.findall(r"```{toctree}\n(.*?)```", text, re.DOTALL))
+    named = {Path(line.strip()).name for line in lists.splitlines()}
+    new = sorted(page.stem for page in DOCS.glob("*.md") if page.stem not in named and page.stem != "index")
+    end = guides.rindex("```")
+    return guides[:end] + "".join(f"{name}\n" for name in new) + guides[end:]
