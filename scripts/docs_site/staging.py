@@ -193,7 +193,9 @@ def _printed(text: str) -> str:
 def _with_new_pages(guides: str) -> str:
     """The list of guides with the pages directly in docs/ that no list names yet."""
     texts = [page.read_text(encoding="utf-8") for page in DOCS.rglob("*.md")]
-    lists = "\n".join(found for text in texts for found in re.findall(r"```{toctree}\n(.*?)```", text, re.DOTALL))
+    lists = "\n".join(
+        found for text in texts for found in re.findall(r"```{toctree}\n(.*?)```", text, re.DOTALL)
+    )
     named = {Path(line.strip()).name for line in lists.splitlines()}
     new = sorted(page.stem for page in DOCS.glob("*.md") if page.stem not in named and page.stem != "index")
     end = guides.rindex("```")
