@@ -131,7 +131,8 @@ def _robot_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
         "demo",
         _demo,
         "show a Panda servoing its tool to a goal",
-        "In the browser where there is a screen, else headless: a report and a picture.",
+        "In the browser where there is a screen; at a terminal without one the page waits at its address. "
+        "Elsewhere, and with --headless, it is a report and a picture.",
     )
     _picture_options(demo, "ulna-demo.png")
 

@@ -39,7 +39,7 @@ class Servoing:
             step's row holds what it led to.
         arrived: Whether the goal was reached.
         error: What is left over, as `p_servo` measures it: sum of absolute errors [m and rad].
-        seconds_a_step: How long computing a step took, on average [s].
+        seconds_a_step: How long computing a step took, on average and without compilation [s].
     """
 
     goal: Floats
@@ -87,18 +87,26 @@ def servo(
         Whether and how the goal was reached, with a recording of the motion.
     """
     recording = Recording()
+    _step(robot, q, goal, gain, threshold, dt)  # compiles or loads the kernels, which is not counted
     arrived, spent = False, 0.0
     while not arrived and len(recording) * dt < _LONGEST_MOTION:
         began = time.perf_counter()
-        v, arrived = p_servo(robot.fk(q), goal, gain, threshold)
-        velocity = np.linalg.pinv(robot.jacobian(q, None, "local")) @ v
-        q = kinematic_step(robot, q, velocity, dt)
+        q, velocity, arrived = _step(robot, q, goal, gain, threshold, dt)
         spent += time.perf_counter() - began
         recording.add((len(recording) + 1) * dt, q, v=velocity, T=robot.fk(q))
         if each_step is not None and each_step(recording.t[-1], q) is False:
             break
     error = float(np.abs(p_servo(robot.fk(q), goal)[0]).sum())
     return Servoing(goal, recording, arrived, error, spent / max(len(recording), 1))
+
+
+def _step(
+    robot: Any, q: Floats, goal: Floats, gain: float, threshold: float, dt: float
+) -> tuple[Floats, Floats, bool]:
+    """The configuration after a step, the velocity [rad/s, m/s], and whether the goal was reached before it."""
+    v, arrived = p_servo(robot.fk(q), goal, gain, threshold)
+    velocity = np.linalg.pinv(robot.jacobian(q, None, "local")) @ v
+    return kinematic_step(robot, q, velocity, dt), velocity, arrived
 
 
 def demo(
@@ -110,10 +118,11 @@ def demo(
     """Show the Panda servoing to a goal.
 
     With a screen a page opens, the motion runs in real time, and the page stays open at the end for sliders
-    and dragging. Without one the motion runs at once, its result is printed and a picture of it is written.
+    and dragging. Without a screen, at a terminal, the page waits until somebody opens its address, such as through
+    SSH. Where nobody can look the motion runs at once, its result is printed and a picture of it is written.
 
     Args:
-        headless: Whether to do without a page; None decides by whether there is a screen.
+        headless: Whether to do without a page; None decides by whether there is a screen or a terminal.
         output: File of the picture. Without a screen "ulna-demo.png" when not given; with one, none.
         port: Port of the page.
         size: Width and height of the picture [pixels].
@@ -122,13 +131,13 @@ def demo(
         The result of `servo`.
     """
     from ulna.loading import load
-    from ulna.viewer.page.browser import has_screen
+    from ulna.viewer.page.browser import somebody_can_look
     from ulna.viewer.scene import Scene
 
     robot = load("panda")
     start = np.array(robot.configurations["qr"], dtype=float)
     goal = np.asarray(robot.fk(start)) @ np.asarray(SE3.trans(0.2, 0.2, 0.35).matrix(), dtype=float)
-    headless = not has_screen() if headless is None else headless
+    headless = not somebody_can_look() if headless is None else headless
     if headless:
         result = servo(robot, start, goal)
         print(report(robot, result))
@@ -143,9 +152,9 @@ def demo(
     except MissingExtra as error:
         print(f"{error} Going on without a page.")
         return demo(True, output, port, size)
-    print(f"Servoing in the browser: {page.url}", flush=True)
     try:
-        _wait_for_browser(page)
+        if not _wait_for_browser(page):
+            return servo(robot, start, goal)
         result = _perform(robot, start, goal, page)
         print(report(robot, result))
         if output is not None:
@@ -184,7 +193,7 @@ def report(robot: Any, result: Servoing) -> str:
         ("fastest", f"{fastest:.3f} rad/s"),
         (
             "cost",
-            f"{1e6 * result.seconds_a_step:.0f} us a step (kinematics, Jacobian, pseudoinverse, checks)",
+            f"{1e6 * result.seconds_a_step:.0f} us a step (kinematics, Jacobian, NumPy's pseudoinverse), compiled before",
         ),
     )
     return "\n".join(f"  {name:<10} {text}" for name, text in rows)
@@ -212,12 +221,30 @@ def _perform(robot: Any, start: Floats, goal: Floats, page: Any) -> Servoing:
     return result
 
 
-def _wait_for_browser(page: Any) -> None:
-    """Until the browser shows the page, so that the motion is seen from its beginning."""
-    due = time.monotonic() + _LONGEST_WAIT
-    while page.page.clients == 0 and time.monotonic() < due:
-        time.sleep(0.05)
-    time.sleep(1.5 if page.page.clients else 0.0)
+def _wait_for_browser(page: Any) -> bool:
+    """Waits until a browser shows the page, so that the motion is seen from its beginning.
+
+    Returns:
+        False where Ctrl-C ended it before.
+    """
+    from ulna.viewer.page.browser import has_screen
+    from ulna.viewer.page.keep_open import print_address
+
+    print_address(page.page)
+    opened = has_screen()
+    if not opened:
+        print(
+            "The motion begins when a browser shows the page. `ulna demo --headless` writes a picture instead."
+        )
+    due = time.monotonic() + (_LONGEST_WAIT if opened else np.inf)
+    try:
+        while page.page.clients == 0 and time.monotonic() < due:
+            time.sleep(0.05)
+        time.sleep(1.5 if page.page.clients else 0.0)
+    except KeyboardInterrupt:
+        print()
+        return False
+    return True
 
 
 def _set_up(scene: Scene, robot: Any, start: Floats, goal: Floats) -> None:

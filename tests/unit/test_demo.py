@@ -1,6 +1,9 @@
 """First motion: the numbers recorded with the Robotics Toolbox and Swift, and a picture to look at."""
 
+import time
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -116,3 +119,61 @@ def test_without_viser_it_goes_on_without_a_page(
     demo(headless=False, output=str(tmp_path / "a.png"), size=(80, 50))
     assert "pip install 'viser<" in capsys.readouterr().out
     assert (tmp_path / "a.png").is_file()
+
+
+def test_the_cost_of_a_step_excludes_compilation(panda: ulna.Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The report said 364 us, most of which was the first call."""
+    original, calls = demo_module._step, []
+
+    def step(*args: Any) -> Any:
+        calls.append(args)
+        time.sleep(0.5 if len(calls) == 1 else 0.0)
+        return original(*args)
+
+    monkeypatch.setattr(demo_module, "_step", step)
+    result = servo(panda, panda.configurations["qr"], goal_of(panda))
+    assert len(calls) == STEPS + 1
+    assert result.seconds_a_step * STEPS < 0.5
+
+
+class Looked:
+    """A page that a browser opens when it is asked for the third time."""
+
+    url, port = "http://localhost:8123", 8123
+
+    def __init__(self, interrupted: bool = False) -> None:
+        self.asked, self.interrupted = 0, interrupted
+
+    @property
+    def clients(self) -> int:
+        self.asked += 1
+        if self.interrupted:
+            raise KeyboardInterrupt
+        return int(self.asked > 2)
+
+
+@pytest.mark.parametrize("interrupted", [False, True])
+def test_through_ssh_the_page_waits_at_its_address(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], interrupted: bool
+) -> None:
+    """Without a screen there was a picture only, while `ulna show` served its page."""
+    pytest.importorskip("viser")
+    monkeypatch.setattr("ulna.viewer.page.browser.has_screen", lambda: False)
+    monkeypatch.setenv("SSH_CONNECTION", "10.0.0.1 1 10.0.0.2 22")
+    monkeypatch.setattr(demo_module.time, "sleep", lambda seconds: None)
+    assert demo_module._wait_for_browser(SimpleNamespace(page=Looked(interrupted))) is not interrupted
+    words = capsys.readouterr().out
+    assert "http://localhost:8123" in words
+    assert "ssh -L 8123:localhost:8123" in words
+    assert "--headless" in words
+
+
+def test_at_a_terminal_without_a_screen_there_is_a_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("viser")
+    monkeypatch.setattr("ulna.viewer.page.browser.somebody_can_look", lambda: True)
+    monkeypatch.setattr("ulna.viewer.page.browser.open_browser", lambda url: False)
+    waited = []
+    monkeypatch.setattr(demo_module, "_wait_for_browser", lambda page: bool(waited.append(page.url)))
+    result = demo(port=0)
+    assert result.arrived
+    assert waited[0].startswith("http://localhost:")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import shlex
+import sys
 import tomllib
 from importlib import metadata
 from pathlib import Path
@@ -38,7 +39,8 @@ def test_the_command_names_what_the_extra_requires(extra: str) -> None:
     words = shlex.split(install_command(extra, "nothing"))
     assert words[:2] == ["pip", "install"]
     assert {parts(w) for w in words[2:]} == {parts(r) for r in EXTRAS[extra]}
-    assert {parts(r) for r in requirements("all")} >= {parts(r) for r in EXTRAS[extra]}
+    if extra != "docs":  # builds the site, which users do not
+        assert {parts(r) for r in requirements("all")} >= {parts(r) for r in EXTRAS[extra]}
 
 
 def test_without_metadata_the_package_stands_alone(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -82,3 +84,36 @@ def test_the_message() -> None:
         "The page in the browser needs the package 'viser'. Install it with: pip install 'viser"
     )
     assert (error.package, error.extra) == ("viser", "viewer")
+
+
+COMPARED = {"roboticstoolbox", "spatialmath", "spatialgeometry", "swift", "pinocchio", "coal", "meshcat"}
+"""Packages whose scripts `ulna run` runs without them, or that pages name beside ours."""
+
+HEAVY = {"torch", "jax"}
+"""Gigabytes: each has an extra of its own."""
+
+
+def imported_by_documents() -> dict[str, str]:
+    """The packages that code in the documents and examples imports, each with one place."""
+    out: dict[str, str] = {}
+    blocks = [(p.name, p.read_text()) for p in (ROOT / "examples").glob("*.py")]
+    for page in [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]:
+        blocks += [(page.name, b) for b in re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL)]
+    for place, code in blocks:
+        for name in re.findall(
+            r"^\s*(?:from|import) ([a-zA-Z_]\w*)[\w.]*(?: import| as|$)", code, re.MULTILINE
+        ):
+            out.setdefault(name, place)
+    return out
+
+
+def test_all_installs_what_the_documents_import() -> None:
+    """Pages imported SymPy, which `pip install '.[all]'` did not bring."""
+    distributions = metadata.packages_distributions()
+    extras = set(re.findall(r"[\w-]+", EXTRAS["all"][0].partition("[")[2]))
+    brought = {named(r) for extra in extras for r in EXTRAS[extra]} | {"numpy", "llvmlite", "lxml", "ulna"}
+    for name, place in imported_by_documents().items():
+        if name in sys.stdlib_module_names | COMPARED | HEAVY or (ROOT / "examples" / f"{name}.py").exists():
+            continue
+        homes = {d.lower().replace("_", "-") for d in distributions.get(name, [name])}
+        assert homes & brought, f"{place} imports {name}, which the extra `all` does not bring"

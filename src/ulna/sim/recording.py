@@ -82,6 +82,12 @@ class Recording:
         one_of("column", name, self._columns)
         return self._columns[name][: self._count].copy()
 
+    def __repr__(self) -> str:
+        if not self._count:
+            return "<recording without rows>"
+        columns = ", ".join(f"{name} {self._columns[name][: self._count].shape}" for name in self._columns)
+        return f"<recording from {self.t[0]:.6g} to {self.t[-1]:.6g} s: {columns}>"
+
     def _view(self, name: str) -> Floats:
         if not self._columns:
             return np.zeros((0,) if name == "t" else (0, 0))

@@ -10,9 +10,10 @@ import pytest
 
 from ulna.algorithms import Friction
 from ulna.errors import InputError, MissingExtra, NonFiniteError, ShapeError, UnknownName
+from ulna.loading import load
 from ulna.model import ModelBuilder, Prismatic, Revolute
 from ulna.robot import Robot
-from ulna.sim import Plant, dynamic_step, simulate
+from ulna.sim import Plant, Recording, dynamic_step, simulate
 from ulna.spatial import SE3, Inertia
 
 
@@ -159,3 +160,10 @@ def test_scipy_is_named_where_it_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(builtins, "__import__", refuse)
     with pytest.raises(MissingExtra, match=r"pip install .*'scipy>="):
         simulate(flywheel(), [0.0], duration=1.0, method="adaptive")
+
+
+def test_a_recording_says_what_it_holds() -> None:
+    robot = load("ur5")
+    recording = simulate(robot, robot.neutral, duration=0.02, dt=1e-2)
+    assert repr(recording) == "<recording from 0 to 0.02 s: t (3,), q (3, 6), v (3, 6), tau (3, 6)>"
+    assert repr(Recording()) == "<recording without rows>"

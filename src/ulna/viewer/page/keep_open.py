@@ -24,11 +24,7 @@ def keep_open(page: Page, seconds: float | None = None) -> None:
     if page.clients == 0 and not somebody_can_look():
         print(f"Nobody can look at {page.url} (no screen here), so it is not held open.", flush=True)
         return
-    print(f"Look at {page.url}. Ctrl-C ends it.", flush=True)
-    if "SSH_CONNECTION" in os.environ:
-        print(
-            f"From elsewhere: ssh -L {page.port}:localhost:{page.port} ... and open the same address there."
-        )
+    print_address(page)
     was_visited, without_tabs = page.visited, 0.0
     end = None if seconds is None else time.monotonic() + seconds
     try:
@@ -45,3 +41,13 @@ def keep_open(page: Page, seconds: float | None = None) -> None:
         print("", file=sys.stderr)
     finally:
         page.close()
+
+
+def print_address(page: Page) -> None:
+    """Print the address of a page, and how it is seen from elsewhere."""
+    print(f"Look at {page.url}. Ctrl-C ends it.", flush=True)
+    if "SSH_CONNECTION" in os.environ:
+        print(
+            f"From elsewhere: ssh -L {page.port}:localhost:{page.port} ... and open the same address there.",
+            flush=True,
+        )
