@@ -193,7 +193,7 @@ def report(robot: Any, result: Servoing) -> str:
         ("fastest", f"{fastest:.3f} rad/s"),
         (
             "cost",
-            f"{1e6 * result.seconds_a_step:.0f} us a step (kinematics, Jacobian, NumPy's pseudoinverse), compiled before",
+            f"{1e6 * result.seconds_a_step:.0f} us a step, after compilation (kinematics, Jacobian, pseudoinverse)",
         ),
     )
     return "\n".join(f"  {name:<10} {text}" for name, text in rows)
