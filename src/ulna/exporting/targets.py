@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from ulna.exporting.record import ExportTarget
+from ulna.exporting.record import ExportTarget, Option
 
 _C = ExportTarget(
     name="c",
     text="C99 sources with a header, a test program and a CMakeLists.txt",
     module="ulna.exporting.c.folder",
+    options={"test": Option(True, "whether to write a test program with recorded values")},
 )
 
 _WASM = ExportTarget(

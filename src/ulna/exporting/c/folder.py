@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ulna.errors import InputError
+from ulna.exporting.c import search
+from ulna.exporting.c.build import cmake_lists
 from ulna.exporting.c.header import comment, header, real_of
 from ulna.exporting.c.source import definition
 from ulna.exporting.c.support import support_header
-from ulna.exporting.record import Export
+from ulna.exporting.c.test_program import test_program
+from ulna.exporting.record import Export, ExportedFunction
 
 
 def write(export: Export, folder: Path) -> None:
@@ -17,27 +19,27 @@ def write(export: Export, folder: Path) -> None:
     Args:
         export: What is to be written.
         folder: An empty folder.
-
-    Raises:
-        InputError: If there are searches.
     """
-    if export.searches:
-        raise InputError("The target 'c' does not have 'ik' yet.")
-    name, real = export.name, real_of(export)
-    files = {f"{name}.h": header(export, []), f"{name}_support.h": support_header(name, real)}
-    for f in export.functions:
-        files[f"{name}_{f.name}.c"] = "\n".join(
-            [
-                comment(
-                    [
-                        f"{f.summary or f.name} {f.function.operations} operations. Written by Ulna; do not edit."
-                    ]
-                ),
-                f'#include "{name}.h"',
-                f'#include "{name}_support.h"',
-                "",
-                definition(f.function, f"{name}_{f.name}", real, name),
-            ]
-        )
+    name = export.name
+    sources = {f"{name}_{f.name}.c": _source(export, f) for f in export.functions}
+    sources |= {f"{name}_{s.name}.c": search.source(export, s) for s in export.searches}
+    test = f"test_{name}.c" if export.options["test"] else ""
+    files = {
+        f"{name}.h": header(export, [search.declaration(export, s) for s in export.searches]),
+        f"{name}_support.h": support_header(name, real_of(export)),
+        "CMakeLists.txt": cmake_lists(name, list(sources), test),
+        **sources,
+    }
+    if test:
+        files[test] = test_program(export)
     for file, text in files.items():
         (folder / file).write_text(text, encoding="utf-8", newline="\n")
+
+
+def _source(export: Export, f: ExportedFunction) -> str:
+    name = export.name
+    about = f"{f.summary or f.name} {f.function.operations} operations. Written by Ulna; do not edit."
+    includes = [f'#include "{name}.h"', f'#include "{name}_support.h"', ""]
+    return "\n".join(
+        [comment([about]), *includes, definition(f.function, f"{name}_{f.name}", real_of(export), name)]
+    )
