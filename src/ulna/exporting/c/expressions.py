@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -78,7 +79,7 @@ def number(value: float, real: str) -> str:
     if real == "float":
         with np.errstate(over="ignore"):
             single = np.float32(value)
-        value, text = float(single), np.format_float_scientific(single, trim="0")
+        value, text = float(single), str(single)
     else:
         text = repr(float(value))
     if math.isnan(value):
@@ -101,7 +102,7 @@ def argument_names(names: Iterable[str]) -> list[str]:
     made: list[str] = []
     for name in names:
         plain = "".join(c if c.isascii() and (c.isalnum() or c == "_") else "_" for c in name)
-        is_value = plain[1:].isdigit() or plain in ("w", "n")
+        is_value = re.fullmatch(r"[vcask]\d+|[win]", plain) is not None
         if plain in _WORDS.split() or is_value or not plain[:1].isalpha():
             plain = f"arg_{plain}"
         while plain in made:

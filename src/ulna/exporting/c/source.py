@@ -6,12 +6,15 @@ from collections.abc import Sequence
 
 from ulna.compiler import Function
 from ulna.compiler.language.ops import Op
-from ulna.compiler.language.scheduling import Step, parts, scratch_places, used
+from ulna.compiler.language.scheduling import Step, Store, parts, scratch_places, used
 from ulna.exporting.c.expressions import argument_names
 from ulna.exporting.c.writer import PACK, Writer
 
-ONE_PIECE = 1200
-"""Operations of a function that stays in one piece."""
+ONE_PIECE = 1500
+"""Operations and results of a function that stays in one piece."""
+
+_FILLED = 16
+"""Zeros of an output from which a loop writes them."""
 
 
 def parameters(function: Function, real: str) -> tuple[list[str], list[str]]:
@@ -47,30 +50,49 @@ def definition(function: Function, name: str, real: str, prefix: str, storage: s
     inputs, outputs = parameters(function, real)
     names = argument_names(p.name for p in (*function.inputs, *function.outputs))
     pieces = parts(function, 1, PACK)
-    if function.operations <= ONE_PIECE:
+    if function.operations + len(function.results) <= ONE_PIECE:
         pieces = [[step for piece in pieces for step in piece]]
-    if len(pieces) == 1:
-        body = _body(function, pieces[0], {}, real, prefix, names)
-        return _function(f"{storage}void {name}", [*inputs, *outputs], body)
     places = scratch_places(function.graph, pieces)
+    filled = _filled(function)
+    bodies = [
+        _body(function, steps, places, real, prefix, names, filled, not k) for k, steps in enumerate(pieces)
+    ]
+    if len(pieces) == 1:
+        unused = [n for n in names if not any(_mentions(line, n) for line in bodies[0])]
+        body = [*bodies[0], *(f"    (void){n};" for n in unused)]
+        return _function(f"{storage}void {name}", [*inputs, *outputs], body)
     texts, calls = [], []
-    for k, steps in enumerate(pieces):
-        body = _body(function, steps, places, real, prefix, names)
-        used_names = [n for n in names if any(_mentions(line, n) for line in body)]
-        declared = [p for p, n in zip([*inputs, *outputs], names, strict=True) if n in used_names]
-        part = f"{name}_part{k}"
-        texts.append(_function(f"{prefix.upper()}_PART void {part}", [*declared, f"{real} *w"], body))
-        calls.append(f"    {part}({', '.join([*used_names, 'w'])});")
-    size = max(places.values(), default=0) + 1
-    body = [f"    {real} w[{size}];", *calls]
-    unused = [n for n in names[: len(inputs)] if not any(_mentions(call, n) for call in calls)]
-    body += [f"    (void){n};" for n in unused]
+    for k, body in enumerate(one for one in bodies if one):
+        declared = dict(zip([*names, "w"], [*inputs, *outputs, f"{real} *w"], strict=True))
+        mine = [n for n in declared if any(_mentions(line, n) for line in body)]
+        texts.append(
+            _function(f"{prefix.upper()}_PART void {name}_part{k}", [declared[n] for n in mine], body)
+        )
+        calls.append(f"    {name}_part{k}({', '.join(mine)});")
+    head = (
+        [f"    {real} w[{max(places.values(), default=0) + 1}];"]
+        if any(_mentions(c, "w") for c in calls)
+        else []
+    )
+    unused = [n for n in names if not any(_mentions(call, n) for call in calls)]
+    body = [*head, *calls, *(f"    (void){n};" for n in unused)]
     return "\n".join([*texts, _function(f"{storage}void {name}", [*inputs, *outputs], body)])
+
+
+def _filled(function: Function) -> list[set[int]]:
+    """Which entries of each output are zero whatever the inputs, where these are so many that a loop writes them."""
+    g, start, filled = function.graph, 0, []
+    for port in function.outputs:
+        nodes = function.results[start : start + port.size]
+        zeros = {k for k, n in enumerate(nodes) if g.op[n] == Op.CONST and g.data[n].hex() == "0x0.0p+0"}
+        filled.append(zeros if len(zeros) >= _FILLED else set())
+        start += port.size
+    return filled
 
 
 def _mentions(line: str, name: str) -> bool:
     """Whether a line has a name as a word, before a bracket, a comma or a parenthesis."""
-    return any(sign + name + end in line for sign in " (" for end in "[,)")
+    return any(sign + name + end in line for sign in (" ", "(") for end in ("[", ",", ")"))
 
 
 def _function(head: str, arguments: Sequence[str], body: Sequence[str]) -> str:
@@ -88,21 +110,34 @@ def _body(
     real: str,
     prefix: str,
     names: Sequence[str],
+    filled: Sequence[set[int]],
+    is_first: bool,
 ) -> list[str]:
-    """The statements of one part."""
-    g, writer = function.graph, Writer(function.graph, real, prefix)
-    inputs = [step for step in steps if isinstance(step, int) and g.op[step] == Op.INPUT]
+    """The statements of one part; the first fills outputs with zeros once the inputs are read."""
+    g, writer, outputs = function.graph, Writer(function.graph, real, prefix), names[len(function.inputs) :]
     start, needed = 0, {index for step in steps for index in used(g, step)} | set(places)
     for port, name in zip(function.inputs, names, strict=False):
         nodes = g.inputs[start : start + port.size]
-        read = [(j, n) for j, n in enumerate(nodes) if n in inputs and n in needed]
+        read = [(j, n) for j, n in enumerate(nodes) if is_first and n in needed]
         for j, node in read:
             writer.assign(node, f"{name}[{j}]")
             if node in places:
                 writer.write(f"w[{places[node]}] = {writer.names[node]};")
-        if not read and not places:
-            writer.write(f"(void){name};")
         start += port.size
+    if is_first and any(filled):
+        writer.write("int i;")
+        for name, port, zeros in zip(outputs, function.outputs, filled, strict=True):
+            if zeros:
+                writer.write(f"for (i = 0; i < {port.size}; i++) {{")
+                writer.write(f"    {name}[i] = 0;")
+                writer.write("}")
     rest = [step for step in steps if not (isinstance(step, int) and g.op[step] == Op.INPUT)]
-    writer.steps(rest, places, names[len(function.inputs) :])
+    writer.steps([step for step in rest if not _is_filled(step, filled)], places, outputs)
     return writer.lines
+
+
+def _is_filled(step: Step, filled: Sequence[set[int]]) -> bool:
+    """Whether a step stores zeros that a loop has written already."""
+    return (
+        isinstance(step, Store) and set(range(step.start, step.start + len(step.values))) <= filled[step.port]
+    )

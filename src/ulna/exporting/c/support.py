@@ -103,12 +103,23 @@ static inline @real@ @name@_max(@real@ a, @real@ b)
     return a > b ? a : (b >= a ? b : a + b);
 }
 
-/* Sines s and cosines c of n angles x [rad]. */
-static inline void @name@_sincos(int n, const @real@ *x, @real@ *s, @real@ *c)
+/* Sines and cosines of the angles that the next function leaves to the C library. */
+@NAME@_PART void @name@_sincos_far(int n, const @real@ *x, @real@ *s, @real@ *c)
 {
     int i;
+    for (i = 0; i < n; i++) {
+        if (!(@fabs@(x[i]) <= @BOUND@)) {
+            s[i] = @sin@(x[i]);
+            c[i] = @cos@(x[i]);
+        }
+    }
+}
+
+/* Sines s and cosines c of n angles x [rad]; with n = 2, 4 or 8 the loop becomes vector instructions. */
+static inline void @name@_sincos(int n, const @real@ *x, @real@ *s, @real@ *c)
+{
 #if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD == 0
-    int far = 0;
+    int i, far = 0;
     for (i = 0; i < n; i++) {
         /* x = k pi/2 + (r - e), with an exact product k p for each part p of pi/2 but the last. */
         const @real@ shifted = x[i] * @INVERSE@ + @ROUNDER@;
@@ -139,19 +150,16 @@ static inline void @name@_sincos(int n, const @real@ *x, @real@ *s, @real@ *c)
         c[i] = m > 0 || m < -@1.5@ ? -turned_cosine : turned_cosine;
         far |= !(@fabs@(x[i]) <= @BOUND@);
     }
-    if (!far) {
-        return;
+    if (far) {
+        @name@_sincos_far(n, x, s, c);
     }
-#endif
+#else
+    int i;
     for (i = 0; i < n; i++) {
-#if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD == 0
-        if (@fabs@(x[i]) <= @BOUND@) {
-            continue;
-        }
-#endif
         s[i] = @sin@(x[i]);
         c[i] = @cos@(x[i]);
     }
+#endif
 }
 
 #endif

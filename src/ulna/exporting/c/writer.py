@@ -103,7 +103,7 @@ class Writer:
 
     def sines(self, arguments: Sequence[int]) -> None:
         """Writes sine and cosine of some nodes, in one call."""
-        g, count = self.graph, len(arguments)
+        g, count = self.graph, 1 << (len(arguments) - 1).bit_length()
         wanted = [(op, k, g.find(op, a)) for k, a in enumerate(arguments) for op in (Op.SIN, Op.COS)]
         new = [(op, k, node) for op, k, node in wanted if node is not None and node not in self.names]
         if not new:
@@ -111,8 +111,9 @@ class Writer:
         self._packs += 1
         angles, s, c = (f"{self.tag}{letter}{self._packs}" for letter in ("a", "s", "k"))
         self.write(f"{self.real} {angles}[{count}], {s}[{count}], {c}[{count}];")
-        for k, argument in enumerate(arguments):
-            self.write(f"{angles}[{k}] = {self.name_of(argument)};")
+        values = [self.name_of(argument) for argument in arguments]
+        for k, value in enumerate(values + values[-1:] * (count - len(values))):
+            self.write(f"{angles}[{k}] = {value};")
         self.write(f"{self.prefix}_sincos({count}, {angles}, {s}, {c});")
         for op, k, node in new:
             self.names[node] = f"{s if op == Op.SIN else c}[{k}]"

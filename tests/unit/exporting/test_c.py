@@ -1,0 +1,406 @@
+"""Exported C: clean for strict compilers, equal to the interpreter, safe under sanitizers, usable from C++ and CMake."""
+
+from __future__ import annotations
+
+import ctypes
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, seed, settings
+from hypothesis import strategies as st
+
+import ulna
+from support.c_library import STRICT, call, gcc, library, needs
+from support.random_functions import functions, inputs
+from ulna import numeric
+from ulna.compiler import Function, trace
+from ulna.exporting.c.support import half_pi_parts
+from ulna.quantities import QUANTITIES
+
+KERNELS = ("fk", "jacobian", "inverse_dynamics", "ik")
+
+
+@pytest.fixture(scope="module")
+def panda() -> ulna.Robot:
+    return ulna.load("panda")
+
+
+@pytest.fixture(scope="module", params=["float64", "float32"])
+def exported(panda: ulna.Robot, tmp_path_factory: pytest.TempPathFactory, request: Any) -> Path:
+    place = tmp_path_factory.mktemp("c") / request.param
+    return ulna.export(panda, KERNELS, to="c", path=place, dtype=request.param)
+
+
+def test_its_own_test_passes_with_sanitizers(exported: Path, tmp_path: Path) -> None:
+    checks = ["-O1", "-Wconversion", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    done = gcc(*STRICT, *checks, *exported.glob("*.c"), "-o", tmp_path / "test", "-lm")
+    assert done.returncode == 0, done.stderr[:4000]
+    ran = subprocess.run([tmp_path / "test"], capture_output=True, text=True, timeout=60, check=False)
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    assert ran.stdout.count("largest difference") == 3 and "ik: 8 of 8 goals met, 8 again" in ran.stdout
+
+
+def test_its_own_test_notices_a_wrong_number(exported: Path, tmp_path: Path) -> None:
+    for file in exported.iterdir():
+        text = file.read_text()
+        if file.name == "panda_fk.c":
+            assert "0.333" in text
+            text = text.replace("0.333", "0.334")
+        (tmp_path / file.name).write_text(text)
+    assert gcc(*STRICT, *tmp_path.glob("*.c"), "-o", tmp_path / "test", "-lm").returncode == 0
+    ran = subprocess.run([tmp_path / "test"], capture_output=True, text=True, timeout=60, check=False)
+    assert ran.returncode == 1 and "fk: largest difference" in ran.stdout
+    assert next(line for line in ran.stdout.splitlines() if "WRONG" in line).startswith("fk:")
+
+
+def test_there_is_no_state_and_nothing_is_allocated(exported: Path, tmp_path: Path) -> None:
+    needs("nm")
+    for file in exported.glob("panda_*.c"):
+        assert gcc(*STRICT, "-O2", "-c", file, "-o", tmp_path / "x.o").returncode == 0
+        symbols = subprocess.run(["nm", tmp_path / "x.o"], capture_output=True, text=True, check=True).stdout
+        kinds = [line.split()[-2:] for line in symbols.splitlines()]
+        assert not [name for kind, name in kinds if kind in "BbDdCcSsGg"]
+        undefined = {name for kind, name in kinds if kind == "U"} - {"_GLOBAL_OFFSET_TABLE_"}
+        assert undefined <= {f + s for f in ("sin", "cos", "atan2", "floor", "sqrt") for s in ("", "f")} | {
+            "memset"
+        }
+
+
+@pytest.mark.parametrize("flag", ["-ffast-math", "-Ofast", "-ffinite-math-only"])
+def test_fast_math_is_refused(exported: Path, tmp_path: Path, flag: str) -> None:
+    done = gcc("-std=c99", flag, "-c", exported / "panda_fk.c", "-o", tmp_path / "x.o")
+    assert done.returncode != 0 and "Compile without -ffast-math" in done.stderr
+
+
+def test_results_are_those_of_the_interpreter(panda: ulna.Robot, exported: Path) -> None:
+    lib = library(exported)
+    dtype, tolerance = (np.float64, 1e-13) if exported.name == "float64" else (np.float32, 2e-5)
+    rng = np.random.default_rng(5)
+    for name in KERNELS[:-1]:
+        f = panda.function(name)
+        arguments = [rng.uniform(-2.0, 2.0, p.shape).astype(dtype) for p in f.inputs]
+        expected = f(*arguments)
+        (out,) = call(getattr(lib, f"panda_{name}"), f, arguments, dtype)
+        assert abs(out - expected).max() <= tolerance * max(1.0, abs(expected).max())
+
+
+def test_outputs_may_be_inputs(panda: ulna.Robot, tmp_path: Path) -> None:
+    lib = library(ulna.export(panda, "inverse_dynamics", to="c", path=tmp_path / "x"))
+    q, v, a = np.random.default_rng(6).uniform(-1.0, 1.0, (3, 7))
+    expected = panda.function("inverse_dynamics")(q, v, a)
+    lib.panda_inverse_dynamics(*(ctypes.c_void_p(x.ctypes.data) for x in (q, v, a, q)))
+    assert abs(q - expected).max() < 1e-13 * abs(expected).max()
+
+
+class Report(ctypes.Structure):
+    """`panda_ik_report`."""
+
+    _fields_ = (
+        ("steps", ctypes.c_int),
+        ("start", ctypes.c_int),
+        ("position", ctypes.c_double),
+        ("rotation", ctypes.c_double),
+    )
+
+
+class Options(ctypes.Structure):
+    """`panda_ik_options`."""
+
+    _fields_ = (("position", ctypes.c_double), ("rotation", ctypes.c_double), ("attempts", ctypes.c_int))
+
+
+Solve = Callable[..., tuple[int, Any, Report]]
+
+
+@pytest.fixture(scope="module")
+def solve(panda: ulna.Robot, tmp_path_factory: pytest.TempPathFactory) -> Solve:
+    place = ulna.export(panda, "ik", to="c", path=tmp_path_factory.mktemp("c") / "ik")
+    lib = library(place)
+
+    def run(T: Any, q0: Any = None, options: Options | None = None) -> tuple[int, Any, Report]:
+        T, q, report = np.ascontiguousarray(T, dtype=float), np.full(7, np.nan), Report()
+        start = None if q0 is None else np.ascontiguousarray(q0, dtype=float)
+        code = lib.panda_ik(
+            ctypes.c_void_p(T.ctypes.data),
+            None if start is None else ctypes.c_void_p(start.ctypes.data),
+            None if options is None else ctypes.byref(options),
+            ctypes.c_void_p(q.ctypes.data),
+            ctypes.byref(report),
+        )
+        return code, q, report
+
+    return run
+
+
+def test_inverse_kinematics_finds_configurations_within_the_limits(panda: ulna.Robot, solve: Solve) -> None:
+    rng, limits = np.random.default_rng(8), panda.limits
+    for q in limits.lower + (limits.upper - limits.lower) * rng.random((100, 7)):
+        T = panda.fk(q)
+        code, found, report = solve(T)
+        assert code == 1 and limits.contains(found)
+        assert np.linalg.norm(panda.fk(found)[:3, 3] - T[:3, 3]) == pytest.approx(report.position, abs=1e-12)
+        assert report.position <= 1e-6 and report.rotation <= 1.01e-6 and report.steps >= 1
+
+
+def test_inverse_kinematics_stays_near_a_start(panda: ulna.Robot, solve: Solve) -> None:
+    q = panda.configurations["qr"]
+    for step in np.random.default_rng(9).uniform(-0.02, 0.02, (20, 7)):
+        code, found, report = solve(panda.fk(q + step), q)
+        assert code == 1 and report.start == 0 and abs(found - q).max() < 0.2
+
+
+def test_inverse_kinematics_out_of_reach_returns_the_nearest(panda: ulna.Robot, solve: Solve) -> None:
+    T = panda.fk(panda.configurations["qr"])
+    T[:3, 3] = (3.0, 0.0, 0.3)
+    code, found, report = solve(T, options=Options(1e-6, 1e-6, 50))
+    assert code == 0 and panda.limits.contains(found)
+    assert np.linalg.norm(panda.fk(found)[:3, 3] - T[:3, 3]) == pytest.approx(report.position, abs=1e-12)
+    assert report.position == pytest.approx(panda.ik(T).position_error, rel=0.05)
+
+
+def test_inverse_kinematics_refuses_what_is_no_pose(panda: ulna.Robot, solve: Solve) -> None:
+    T = panda.fk(panda.configurations["qr"])
+    endless = T.copy()
+    endless[0, 3] = np.inf
+    for wrong in (T * 2.0, T.T, np.zeros((4, 4)), np.full((4, 4), np.nan), endless):
+        code, q, _ = solve(wrong)
+        assert code == -1 and np.isnan(q).all()
+    for options in (
+        Options(0, 1, 9),
+        Options(1, -1, 9),
+        Options(1, np.nan, 9),
+        Options(1, 1, 0),
+        Options(np.inf, 1, 9),
+    ):
+        assert solve(T, None, options)[0] == -2
+    assert solve(T, np.full(7, np.inf))[0] == -2
+    assert solve(T, None, Options(1.0, 4.0, 1))[0] == 1
+
+
+def test_sines_are_precise_everywhere(tmp_path: Path) -> None:
+    f = trace(lambda x: (np.sin(x), np.cos(x)), name="waves", x=(8,))
+    rng = np.random.default_rng(1)
+    x = np.concatenate([rng.uniform(-10, 10, 800), rng.uniform(-1e6, 1e6, 800), rng.uniform(-1e15, 1e15, 80)])
+    x = np.concatenate([x, np.arange(-400, 400) * np.pi / 2, 10.0 ** rng.uniform(-300, 0, 80)]).reshape(-1, 8)
+    for dtype, bits, place in ((np.float64, 53, "d"), (np.float32, 24, "s")):
+        lib = library(ulna.export(None, f, to="c", path=tmp_path / place, name="w", dtype=dtype), ["-O2"])
+        worst = 0.0
+        for row in x.astype(dtype):
+            results = call(lib.w_waves, f, [row], dtype)
+            for out, exact in zip(results, (mpmath.sin, mpmath.cos), strict=True):
+                for value, angle in zip(out, row, strict=True):
+                    with mpmath.workprec(200):
+                        y = exact(mpmath.mpf(float(angle)))
+                        ulp = mpmath.mpf(2) ** (mpmath.floor(mpmath.log(abs(y), 2)) - bits + 1) if y else 1
+                        worst = max(worst, float(abs(mpmath.mpf(float(value)) - y) / ulp))
+        assert worst < 1.0
+    special = np.array([np.inf, -np.inf, np.nan, 0.0, -0.0, 1.0, 1e300, 5e-324])
+    lib = library(tmp_path / "d")
+    sines, cosines = call(lib.w_waves, f, [special])
+    assert np.isnan(sines[:3]).all() and np.isnan(cosines[:3]).all()
+    assert sines[7] == 5e-324 and (cosines[3:5] == 1.0).all() and abs(sines[6] - np.sin(1e300)) < 1e-15
+
+
+def test_the_parts_of_half_pi_add_up() -> None:
+    with mpmath.workprec(300):
+        for real, bits in (("double", 140), ("float", 50)):
+            rest = mpmath.pi / 2 - sum(mpmath.mpf(part) for part in half_pi_parts(real))  # type: ignore[arg-type]
+            assert abs(rest) < mpmath.mpf(2) ** -bits
+
+
+@seed(20261123)
+@settings(max_examples=1, deadline=None, suppress_health_check=list(HealthCheck), database=None)
+@given(st.lists(functions(exact=True), min_size=60, max_size=60))
+def test_random_functions_are_those_of_the_interpreter_bit_for_bit(
+    tmp_path_factory: pytest.TempPathFactory, made: list[Function]
+) -> None:
+    check_random(tmp_path_factory.mktemp("c"), made, exact=True)
+
+
+@seed(20261124)
+@settings(max_examples=1, deadline=None, suppress_health_check=list(HealthCheck), database=None)
+@given(st.lists(functions(), min_size=60, max_size=60))
+def test_random_functions_with_elementary_ones_agree(
+    tmp_path_factory: pytest.TempPathFactory, made: list[Function]
+) -> None:
+    check_random(tmp_path_factory.mktemp("c"), made, exact=False)
+
+
+def check_random(folder: Path, made: list[Function], exact: bool) -> None:
+    named = {f"f{k}": f for k, f in enumerate(made)}
+    lib = library(ulna.export(None, named, to="c", path=folder / "x", name="r"), ["-O1"], sources="r_*.c")
+    for name, f in named.items():
+        columns = inputs(f, 6, special=exact)
+        for k in range(6):
+            arguments = [np.asarray(c)[k] for c in columns]
+            for out, expected in zip(
+                call(getattr(lib, f"r_{name}"), f, arguments), f(*arguments), strict=True
+            ):
+                if exact:
+                    np.testing.assert_array_equal(out, expected)
+                else:
+                    np.testing.assert_allclose(out, expected, rtol=1e-9, atol=1e-9)
+
+
+def test_loops_and_branches(tmp_path: Path) -> None:
+    def swaps(x: Any) -> Any:
+        a, b, n = numeric.loop(
+            lambda a, b, n: n < x[2], lambda a, b, n: (b, a, n + 1.0), (x[0], x[1], 0.0), 100
+        )
+        return numeric.vector(
+            a, b, n, numeric.where(a < b, numeric.minimum(a, 0.0), numeric.maximum(b, x[0]))
+        )
+
+    f = trace(swaps, x=(3,))
+    lib = library(ulna.export(None, {"swaps": f}, to="c", path=tmp_path / "x", name="t"))
+    for x in ([1.0, 2.0, 3.0], [2.0, 1.0, 4.0], [5.0, -1.0, 0.0], [1.0, 2.0, 1e9], [np.nan, 1.0, 2.0]):
+        np.testing.assert_array_equal(call(lib.t_swaps, f, [x])[0], f(x))
+
+
+def test_names_of_arguments_that_mean_something_in_c(tmp_path: Path) -> None:
+    text = "def f(double, v1, out, w, NULL):\n return double * v1 + out - w * NULL"
+    names: dict[str, Any] = {}
+    exec(text, names)
+    f = trace(names["f"], double=(2,), v1=(2,), out=(2,), w=(2,), NULL=())
+    lib = library(ulna.export(None, f, to="c", path=tmp_path / "x", name="n"))
+    arguments = [*np.arange(8.0).reshape(4, 2), np.array(3.0)]
+    np.testing.assert_array_equal(call(lib.n_f, f, arguments)[0], f(*arguments))
+
+
+def test_comments_cannot_be_ended_by_documentation(tmp_path: Path) -> None:
+    def f(x: Any) -> Any:
+        """Ends */ #error and begins /* again; an é."""
+        return x + 1.0
+
+    library(ulna.export(None, trace(f, x=()), to="c", path=tmp_path / "x"))
+
+
+def test_large_functions_are_split_and_zeros_written_by_a_loop(tmp_path: Path) -> None:
+    g1 = ulna.load("g1")
+    place = ulna.export(g1, "mass_matrix", to="c", path=tmp_path / "x", name="g", test=False)
+    text = (place / "g_mass_matrix.c").read_text()
+    assert text.count("_PART void") >= 4 and "out[i] = 0;" in text and not list(place.glob("test_*"))
+    lib, f = library(place), g1.function("mass_matrix")
+    q = np.random.default_rng(2).uniform(-1, 1, g1.nq)
+    (out,) = call(lib.g_mass_matrix, f, [q])
+    assert abs(out - f(q)).max() < 1e-13 * abs(out).max()
+
+
+USER = """
+#include "panda.h"
+#include <array>
+#include <cstdio>
+int main()
+{
+    std::array<double, 7> q = {0.1, 0.2, 0.3, -1.2, 0.5, 1.6, 0.7}, found;
+    std::array<double, 16> T;
+    panda_fk(q.data(), T.data());
+    panda_ik_report report;
+    const int code = panda_ik(T.data(), nullptr, nullptr, found.data(), &report);
+    std::printf("%d %.17g\\n", code, T[3]);
+    return code == PANDA_IK_MET ? 0 : 1;
+}
+"""
+
+PROJECT = """
+cmake_minimum_required(VERSION 3.13)
+project(user LANGUAGES C CXX)
+if(FOUND)
+  find_package(panda REQUIRED)
+else()
+  add_subdirectory(${PANDA} panda)
+endif()
+add_executable(user main.cpp)
+target_link_libraries(user PRIVATE panda::panda)
+"""
+
+
+def test_the_header_is_one_of_cpp_too(exported: Path, tmp_path: Path) -> None:
+    needs("g++")
+    (tmp_path / "main.cpp").write_text('#include "panda.h"\nint main() { return 0; }\n')
+    for standard in ("c++98", "c++17"):
+        words = ["g++", f"-std={standard}", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only"]
+        done = subprocess.run(
+            [*words, f"-I{exported}", tmp_path / "main.cpp"], capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.slow
+def test_cmake_projects_use_the_folder(panda: ulna.Robot, tmp_path: Path) -> None:
+    for program in ("cmake", "g++", "make"):
+        needs(program)
+
+    def run(*words: str | Path) -> str:
+        done = subprocess.run([*words], capture_output=True, text=True, timeout=200, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    place = ulna.export(panda, ["fk", "ik"], to="c", path=tmp_path / "panda_c")
+    run("cmake", "-S", place, "-B", tmp_path / "alone", f"-DCMAKE_INSTALL_PREFIX={tmp_path / 'prefix'}")
+    run("cmake", "--build", tmp_path / "alone")
+    assert "100% tests passed" in run("ctest", "--test-dir", tmp_path / "alone")
+    run("cmake", "--install", tmp_path / "alone")
+    (tmp_path / "user").mkdir()
+    (tmp_path / "user" / "main.cpp").write_text(USER)
+    (tmp_path / "user" / "CMakeLists.txt").write_text(PROJECT)
+    q = [0.1, 0.2, 0.3, -1.2, 0.5, 1.6, 0.7]
+    for build, option in (("inside", f"-DPANDA={place}"), ("found", "-DFOUND=1")):
+        where = tmp_path / build
+        run(
+            "cmake",
+            "-S",
+            tmp_path / "user",
+            "-B",
+            where,
+            option,
+            f"-DCMAKE_PREFIX_PATH={tmp_path / 'prefix'}",
+        )
+        run("cmake", "--build", where)
+        code, x = run(where / "user").split()
+        assert code == "1" and float(x) == pytest.approx(panda.fk(q)[0, 3], abs=1e-15)
+
+
+def names_of(robot: ulna.Robot) -> list[str]:
+    """The quantities of a robot without constraints."""
+    return [n for n, quantity in QUANTITIES.items() if "constraints" not in quantity.options]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["panda", "g1"])
+def test_kernels_are_those_of_the_interpreter(name: str, tmp_path: Path) -> None:
+    robot = ulna.load(name)
+    names = (
+        names_of(robot)
+        if name == "panda"
+        else ["fk", "jacobian", "inverse_dynamics", "forward_dynamics", "com"]
+    )
+    names = [n for n in names if n in QUANTITIES]
+    lib = library(ulna.export(robot, names, to="c", path=tmp_path / "x", name="r", test=False), ["-O1"])
+    rng = np.random.default_rng(4)
+    for kernel in names:
+        f = robot.function(kernel)
+        arguments = [rng.uniform(-1.0, 1.0, p.shape) for p in f.inputs]
+        expected, *moved = (results(f, x) for x in (arguments, *neighbours(arguments, rng)))
+        for k, out in enumerate(call(getattr(lib, f"r_{kernel}"), f, arguments)):
+            right = expected[k]
+            np.testing.assert_array_equal(np.isnan(out), np.isnan(right))
+            sensitivity = max(np.nanmax(abs(m[k] - right), initial=0.0) for m in moved)
+            tolerance = 1e-13 * max(1.0, np.nanmax(abs(right), initial=0.0)) + 10.0 * sensitivity
+            assert np.nanmax(abs(out - right), initial=0.0) <= tolerance, kernel
+
+
+def results(f: Function, arguments: list[Any]) -> tuple[Any, ...]:
+    """What the interpreter computes, always as a tuple."""
+    out = f(*arguments)
+    return (out,) if f.single else out
+
+
+def neighbours(arguments: list[Any], rng: np.random.Generator) -> list[list[Any]]:
+    """The arguments with every number moved to a neighbour: how well a kernel is conditioned."""
+    return [[np.nextafter(a, rng.choice([-9.0, 9.0], a.shape)) for a in arguments] for _ in range(4)]
