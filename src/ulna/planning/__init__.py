@@ -3,9 +3,10 @@
 from ulna.planning.certificate import Certificate as Certificate
 from ulna.planning.certificate import certify as certify
 from ulna.planning.goals import Region as Region
+from ulna.planning.path_constraints import PathConstraint as PathConstraint
 from ulna.planning.planner import Planner as Planner
 from ulna.planning.planner import plan as plan
 from ulna.planning.result import Plan as Plan
 from ulna.planning.tables import scene as scene
 
-__all__ = ["Certificate", "Plan", "Planner", "Region", "certify", "plan", "scene"]
+__all__ = ["Certificate", "PathConstraint", "Plan", "Planner", "Region", "certify", "plan", "scene"]

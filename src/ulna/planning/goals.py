@@ -29,7 +29,8 @@ class Region:
     Args:
         pose: T_world_middle, the middle and the axes of the box, and how the frame is turned: an SE3, (4, 4), or a
             position, shape (3,) [m].
-        size: Full edges of the box along these axes, shape (3,) [m]; zeros for a point.
+        size: Full edges of the box along these axes, shape (3,) [m]; zeros for a point, inf where a `PathConstraint`
+            leaves the position free.
         turns: About which of its own axes the frame may turn: "x", "y", "z", "any" for all, "none".
 
     Raises:
@@ -48,8 +49,8 @@ class Region:
         matrix = pose.matrix() if isinstance(pose, SE3) else finite_array("pose", pose)
         if matrix.shape not in ((3,), (4, 4)):
             raise ShapeError("pose", matrix.shape, "an SE3, (4, 4), or a position (3,)")
-        edges = finite_array("size", size)
-        if edges.shape != (3,) or (edges < 0.0).any():
+        edges = np.array(size, dtype=float)
+        if edges.shape != (3,) or not (edges >= 0.0).all():
             raise InputError(f"`size` is {size!r}; expected three edges of a box, not below 0 [m].")
         if turns not in _TURNS:
             raise UnknownName("value of `turns`", turns, _TURNS)
@@ -71,7 +72,12 @@ class Region:
 
         Returns:
             Poses, shape (count, 4, 4) [m].
+
+        Raises:
+            InputError: If the box has no ends.
         """
+        if not np.isfinite(self.size).all():
+            raise InputError(f"The goal's `size` is {self.size.tolist()}; a goal needs finite edges.")
         poses = np.repeat(self.pose.matrix()[None], count, axis=0)
         offsets = (np.random.default_rng([seed, 4]).random((count, 3)) - 0.5) * self.size
         offsets[0] = 0.0

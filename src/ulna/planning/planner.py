@@ -17,7 +17,9 @@ from ulna.collision import LinkPair, Spheres, World
 from ulna.errors import InputError, ShapeError
 from ulna.lazy import is_deferred
 from ulna.planning import deferred
+from ulna.planning.constrained import ConstrainedSearch
 from ulna.planning.goals import goal_configurations, moving_columns
+from ulna.planning.path_constraints import Constraints, PathConstraint
 from ulna.planning.result import Plan
 from ulna.planning.search import Options, Search
 from ulna.planning.tables import Scene, links_of
@@ -42,6 +44,7 @@ def plan(
     iterations: int = 100_000,
     timeout: float = 10.0,
     seed: int = 0,
+    constraints: PathConstraint | Sequence[PathConstraint] = (),
 ) -> Plan:
     """A path from a configuration to a goal on which the robot touches neither itself nor the world.
 
@@ -70,6 +73,7 @@ def plan(
         iterations: The most samples for the first path.
         timeout: The longest time [s].
         seed: Seed of the samples: the same seed, the same path, on processors of one kind.
+        constraints: What frames keep on the whole way, start and goal included: `PathConstraint`, or several.
 
     Returns:
         The plan. It is false, with an outcome and a reason, where there is no path.
@@ -95,6 +99,7 @@ def plan(
         iterations=iterations,
         timeout=timeout,
         seed=seed,
+        constraints=constraints,
     )
 
 
@@ -139,7 +144,8 @@ class Planner:
         robot_alone = links_of(checker.model, checker.spheres, checker.pairs, checker.missing)
         world = World() if world is None else world
         self.scene = Scene(robot_alone, checker.spheres, checker.pairs, world, checker.missing)
-        self._search = Search(self.scene, margin, step, longest)
+        self._search, self._lengths = Search(self.scene, margin, step, longest), (margin, step)
+        self._constrained: dict[tuple[PathConstraint, ...], ConstrainedSearch] = {}
 
     def __reduce__(self) -> tuple[Any, ...]:
         arguments, options = self._arguments
@@ -157,6 +163,7 @@ class Planner:
         iterations: int = 100_000,
         timeout: float = 10.0,
         seed: int = 0,
+        constraints: PathConstraint | Sequence[PathConstraint] = (),
     ) -> Plan:
         """A path from a configuration to a goal; see `ulna.planning.plan`.
 
@@ -170,6 +177,7 @@ class Planner:
             iterations: The most samples for the first path.
             timeout: The longest time [s].
             seed: Seed of the samples.
+            constraints: What frames keep on the whole way.
 
         Returns:
             The plan. It is false, with an outcome and a reason, where there is no path.
@@ -184,17 +192,44 @@ class Planner:
         )
         if is_deferred(q0) or is_deferred(goal):
             chosen = {"frame": frame, "joints": joints, "timeout": timeout, "seed": seed}
-            chosen |= {"shorten": shorten, "improve": improve, "iterations": iterations}
+            chosen |= {
+                "shorten": shorten,
+                "improve": improve,
+                "iterations": iterations,
+                "constraints": constraints,
+            }
             return deferred.plans(self, q0, goal, chosen)
         q0 = finite_array("q0", q0)
         if q0.shape != (self.model.nq,):
             raise ShapeError("q0", q0.shape, f"({self.model.nq},)")
         moving = moving_columns(self.model, joints)
         goals = goal_configurations(self.robot, goal, frame, q0, options.seed, joints)
-        found = self._search.run(
+        found = self._search_along(constraints, options).run(
             q0, goals.configurations, replace(options, still=None if moving.all() else ~moving)
         )
         return replace(found, goal=goals.numbers[found.goal]) if found else found
+
+    def _search_along(self, constraints: Any, options: Options) -> Search:
+        """The search that keeps constraints."""
+        items = (constraints,) if isinstance(constraints, PathConstraint) else tuple(constraints)
+        if not items:
+            return self._search
+        for item in items:
+            if not isinstance(item, PathConstraint):
+                raise InputError(
+                    f"`constraints` holds {item!r}; expected PathConstraint(frame, Region(...)) or several."
+                )
+        if options.improve:
+            raise InputError(
+                "`improve` and `constraints` are given; paths with constraints are not improved yet."
+            )
+        if items not in self._constrained:
+            if len(self._constrained) >= 8:
+                self._constrained.clear()
+            self._constrained[items] = ConstrainedSearch(
+                self.scene, *self._lengths, Constraints(self.model, items)
+            )
+        return self._constrained[items]
 
     def plan_all(
         self, starts: ArrayLike, goals: Any, *, threads: int | None = None, **options: Any

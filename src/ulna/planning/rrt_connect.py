@@ -85,8 +85,19 @@ class Growth(NamedTuple):
 
 
 @procedure
-def _nearest_node(nodes, tree, count, q, W):
-    """The node of a tree that is nearest to q, and its distance."""
+def nearest_node(nodes, tree, count, q, W):
+    """The node of a tree that is nearest to q, and its distance.
+
+    Args:
+        nodes: Both trees' nodes, shape (2, n, capacity) [rad, m].
+        tree: Which tree.
+        count: How many nodes it has.
+        q: A configuration, shape (n,) [rad, m].
+        W: Lanes, a constant.
+
+    Returns:
+        Its number, and the distance [rad, m].
+    """
     best = broadcast(f32(1e38), W)
     where_best = broadcast(0, W)
     for i in range(0, count, W):
@@ -141,7 +152,7 @@ def read_node(nodes, tree, number, q) -> None:
 @procedure
 def _extend(kernel, tables, growth, trees, tree, sample, work, W):
     """Grows a tree towards a sample by one edge; the new node, or -1."""
-    nearest, distance = _nearest_node(trees.nodes, tree, trees.counts[tree], sample, W)
+    nearest, distance = nearest_node(trees.nodes, tree, trees.counts[tree], sample, W)
     radius = trees.radii[tree, nearest]
     if distance > radius:
         return -1
@@ -163,7 +174,7 @@ def _connect(kernel, tables, growth, trees, tree, added, work, W):
     """Grows a tree from its newest node to the nearest one of the other tree; whether it got there."""
     other = 1 - tree
     read_node(trees.nodes, tree, added, trees.near)
-    target, distance = _nearest_node(trees.nodes, other, trees.counts[other], trees.near, W)
+    target, distance = nearest_node(trees.nodes, other, trees.counts[other], trees.near, W)
     read_node(trees.nodes, other, target, trees.goal)
     pieces = max(int(np.ceil(distance / growth.longest)), 1)
     last = added

@@ -20,7 +20,7 @@ from ulna.planning.touches import deepest_touch
 from ulna.planning.workspace import COARSE, SLICE, Workspace, thread_storage
 from ulna.typing import Floats
 
-_Failure = tuple[Outcome, str]
+Failure = tuple[Outcome, str]
 """What stood in the way, and a sentence about it."""
 
 
@@ -68,7 +68,7 @@ class Search:
         reason = "" if certificate else f"edges {certificate.unproved} are not proved free"
         return self._result(run, "solved", reason, points, certificate, run.numbers[goal])
 
-    def _searched(self, run: Run) -> tuple[Floats, int, _Failure | None]:
+    def _searched(self, run: Run) -> tuple[Floats, int, Failure | None]:
         """A path that is not proved yet and the number of its goal; or why there is none."""
         failure = self._prepare(run)
         if failure is not None:
@@ -85,13 +85,13 @@ class Search:
             limit = f"{run.used} samples" if is_used else f"{run.options.timeout:g} s"
             reason = f"no path was found within {limit}. Allow more, or another seed."
             return run.q0, -1, ("iterations" if is_used else "time", reason)
-        points, goal = run.shortened()
+        points, goal = self._shortened(run)
         run.note("shorten")
         return points, goal, None
 
     # before the search ------------------------------------------------------------------------------------
 
-    def _prepare(self, run: Run) -> _Failure | None:
+    def _prepare(self, run: Run) -> Failure | None:
         """Storage, and the goals that are free; why the search cannot begin, where it cannot."""
         outside = self._out_of_limits(run.q0)
         if outside:
@@ -119,11 +119,18 @@ class Search:
         """This thread's storage for a search with steps of a length."""
         kept: dict[float, Workspace] = self._storage.__dict__.setdefault("by_steps", {})
         if coarse not in kept:
-            arrays = thread_storage(self._model.nq)
-            kept[coarse] = Workspace(self._scene, arrays, self._margin, self._step, self._longest, coarse)
+            kept[coarse] = self._new_workspace(coarse)
         return kept[coarse]
 
-    def _blocked(self, run: Run, free: Any) -> _Failure:
+    def _new_workspace(self, coarse: float) -> Workspace:
+        arrays = thread_storage(self._model.nq)
+        return Workspace(self._scene, arrays, self._margin, self._step, self._longest, coarse)
+
+    def _shortened(self, run: Run) -> tuple[Floats, int]:
+        """The path at which the trees met, shortened, and the number of its goal."""
+        return run.shortened()
+
+    def _blocked(self, run: Run, free: Any) -> Failure:
         """What the start, or the nearest goal, touches."""
         outcome: Outcome = "goal" if free[0] else "start"
         q = run.goals[0] if free[0] else run.q0

@@ -1,0 +1,192 @@
+"""The search along constraints: as that of a planner, with nodes, shortcuts and points of paths on the constraints."""
+
+from __future__ import annotations
+
+import threading
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from ulna.planning import projected_rrt
+from ulna.planning.certificate import Certificate
+from ulna.planning.path_constraints import Constraints
+from ulna.planning.path_length import length
+from ulna.planning.projected_rrt import Projection
+from ulna.planning.run import Run
+from ulna.planning.search import Failure, Search
+from ulna.planning.tables import Scene
+from ulna.planning.workspace import Workspace, thread_storage
+from ulna.typing import Floats
+
+STRIDE = 0.1
+"""How long motions between nodes are at most [rad, m]."""
+
+LEFT = 0.05
+"""What a projection leaves of the violation, in tolerances."""
+
+_ROUNDS = 20  # steps of a projection at most
+_REFINEMENTS = 6  # how often edges that leave the constraints are divided
+_SHORTCUTS = 20  # tries for each round of `shorten`
+
+
+class ConstrainedWorkspace(Workspace):
+    """A workspace whose trees grow along constraints.
+
+    Args:
+        scene: The robot and the world.
+        storage: The thread's arrays.
+        constraints: The constraints.
+        margin: How near everything may come at least [m].
+        step: How far any point moves at most between the states by which a path is proved free [m].
+        coarse: The steps of the search, in those of the proof [-].
+    """
+
+    def __init__(
+        self, scene: Scene, storage: Any, constraints: Constraints, margin: float, step: float, coarse: float
+    ) -> None:
+        super().__init__(scene, storage, margin, step, STRIDE, coarse)
+        model, self._step = constraints.model, constraints.step_kernel
+        inputs = np.concatenate([np.zeros(model.nq), np.ones(model.nq), constraints.numbers])
+        self.projection = Projection(
+            inputs.astype(np.float32)[:, None].copy(), np.zeros((model.nq + 1, 1), np.float32),
+            model.lower_position.astype(np.float32), model.upper_position.astype(np.float32),
+            np.float32(LEFT), _ROUNDS, np.float32(STRIDE),
+        )  # fmt: skip
+
+    def set_still(self, still: Any) -> None:
+        """Says which numbers of a configuration do not move.
+
+        Args:
+            still: Truth values, shape (nq,); None for none.
+        """
+        n = self.storage.nq
+        self.projection.inputs[n : 2 * n, 0] = 1.0 if still is None else ~still
+
+    def _bind(self) -> None:
+        s = self.storage
+        if self._trees is s.trees and self._path is s.path and self._points is s.points:
+            return
+        super()._bind()
+        self._grow = self._bound(
+            projected_rrt.grow_along, self._tables, self._growth, s.samples, 0, 0, s.points, s.touching, 0, s.trees,
+            self._step, self.projection,
+        )  # fmt: skip
+        self._walk = self._bound(
+            projected_rrt.walk_between, self._tables, self._growth, s.points, np.zeros(2, np.float32), s.trees,
+            self._step, self.projection,
+        )  # fmt: skip
+
+    def way(self, a: Floats, b: Floats) -> Floats | None:
+        """The way from one configuration to another along the constraints, as straight as they allow.
+
+        Args:
+            a: Shape (nq,) [rad, m].
+            b: Shape (nq,) [rad, m].
+
+        Returns:
+            Its points, both ends among them, shape (n, nq) [rad, m]; None if it does not get there.
+        """
+        self._bind()
+        points = self.storage.points
+        kept = points[:2].copy()
+        points[0], points[1] = a, b
+        is_there = self._walk()
+        points[:2] = kept
+        if not is_there:
+            return None
+        trees = self.storage.trees
+        inner = trees.nodes[0, :, 1 : int(trees.counts[0])].T.astype(float)
+        return np.concatenate([a[None], inner, b[None]])
+
+    def projected(self, points: Floats) -> tuple[Floats, Any]:
+        """Configurations, moved to the constraints.
+
+        Args:
+            points: Shape (n, nq) [rad, m].
+
+        Returns:
+            The same shape, and which of them got there, shape (n,).
+        """
+        q, done = np.ascontiguousarray(points, np.float32), np.zeros(len(points), np.float32)
+        projected_rrt.project_all(self._step, self.projection, q, done, len(q))
+        return q.astype(float), done > 0.0
+
+
+class ConstrainedSearch(Search):
+    """Searches for paths on which constraints are kept.
+
+    Args:
+        scene: The robot and the world.
+        margin: How near everything may come at least [m].
+        step: How far any point moves at most between the states by which paths are proved free [m].
+        constraints: The constraints.
+    """
+
+    def __init__(self, scene: Scene, margin: float, step: float, constraints: Constraints) -> None:
+        super().__init__(scene, margin, step, STRIDE)
+        self._constraints = constraints
+        self._storage = threading.local()
+
+    def _new_workspace(self, coarse: float) -> Workspace:
+        arrays = thread_storage(self._model.nq)
+        return ConstrainedWorkspace(self._scene, arrays, self._constraints, self._margin, self._step, coarse)
+
+    def _prepare(self, run: Run) -> Failure | None:
+        start, goals = self._constraints.violations(run.q0), self._constraints.violations(run.goals)
+        if start > 1.0:
+            return "start", f"`q0` violates the constraints: {start:.3g} times their tolerance."
+        kept = np.flatnonzero(goals <= 1.0)
+        if len(run.goals) and not len(kept):
+            return "goal", f"the goal violates the constraints: {goals.min():.3g} times their tolerance."
+        run.goals = run.goals[kept]
+        failure = super()._prepare(run)
+        run.numbers = kept[run.numbers].tolist()
+        if failure is None:
+            run.workspace.set_still(run.options.still)
+            if run.direct >= 0 and not (run.goals[run.direct] == run.q0).all():
+                run.direct = -1  # a straight way leaves the constraints
+        return failure
+
+    def _shortened(self, run: Run) -> tuple[Floats, int]:
+        """The path at which the trees met, with shortcuts along the constraints."""
+        points, goal = run.workspace.shortened(0)
+        points[0], points[-1] = run.q0, run.goals[goal]
+        random = np.random.default_rng([run.options.seed, 2])
+        for _ in range(_SHORTCUTS * run.options.shorten):
+            if len(points) < 3 or run.is_late():
+                break
+            i, j = np.sort(random.choice(len(points), 2, replace=False))
+            if j - i < 2:
+                continue
+            way = run.workspace.way(points[i], points[j])
+            if way is not None and length(way) < length(points[i : j + 1]) - 1e-3:
+                points = np.concatenate([points[:i], way, points[j + 1 :]])
+        if run.options.still is not None:
+            points[:, run.options.still] = run.q0[run.options.still]
+        return points, goal
+
+    def _proved(self, run: Run, points: Floats) -> tuple[Floats, Certificate]:
+        points, _ = super()._proved(run, self._refined(run, points))
+        points = self._refined(run, points)
+        certificate = self._certificate(points, run.workspace.unproved(points))
+        leaving = self._constraints.unproved_edges(points) if len(points) > 1 else []
+        unproved = tuple(sorted({*certificate.unproved, *leaving}))
+        return points, Certificate(unproved, certificate.clearance, certificate.checks)
+
+    def _refined(self, run: Run, points: Floats) -> Floats:
+        """The path, with more points on the constraints where it would leave them in between."""
+        for _ in range(_REFINEMENTS):
+            edges = self._constraints.unproved_edges(points) if len(points) > 1 else []
+            if not edges:
+                break
+            middles, is_there = run.workspace.projected(0.5 * (points[edges] + points[np.array(edges) + 1]))
+            inserted = dict(zip(edges, zip(middles, is_there, strict=True), strict=True))
+            pieces = [points[:1]]
+            for k, (_, b) in enumerate(pairwise(points)):
+                middle, ok = inserted.get(k, (b, False))
+                pieces += [middle[None], b[None]] if ok else [b[None]]
+            if len(pieces) == len(points):
+                break
+            points = np.concatenate(pieces)
+        return points

@@ -1,0 +1,256 @@
+"""Constraints that frames keep on the whole way, and the step that moves a configuration back to them.
+
+| symbol | meaning | shape | unit |
+|---|---|---|---|
+| T_c | T_world_middle of the region | SE3 | [m] |
+| e | how far the frame's origin is outside of the box, along its axes | (3,) | [m] |
+| phi | the turn that brings the frame's axis (or all axes) back, in the axes of the region | (2,) or (3,) | [rad] |
+| J | rows of the frame's Jacobian, in the axes of the region | (m, n) | |
+| v | violation: the greater of the length of e and the angle, each by its tolerance; at most 1 is allowed | () | [-] |
+
+A step is dq = -J^T (J J^T + d I)^-1 (e, -phi), the damped Gauss-Newton step towards e = 0, phi = 0. Source: Berenson,
+Srinivasa and Kuffner, Task space regions, IJRR 30 (2011), sections 4 and 5; Siciliano et al., section 3.5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, final
+
+import numpy as np
+
+from ulna.algorithms import frame_jacobian, frame_pose
+from ulna.algorithms.multibody.tree import chain
+from ulna.checks.values import number
+from ulna.compiler import compile, trace
+from ulna.compiler.procedures import lanes_kernel
+from ulna.errors import InputError
+from ulna.linalg import solve_damped
+from ulna.model import Frame, Model
+from ulna.numeric import apply, arctan2, clip, cross, maximum, sqrt, where
+from ulna.planning.goals import Region, Turns
+from ulna.planning.motion_bounds import Group, motion_bounds
+from ulna.typing import Array, Floats
+
+_DAMPING = 1e-6
+_FREE = 1e6  # half the edge of a box that bounds nothing [m]
+_AXES = ("x", "y", "z")
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class PathConstraint:
+    """What a frame keeps on the whole way: a region for its origin, and how it may turn.
+
+    `PathConstraint("hand", Region(T, size=(np.inf,) * 3, turns="z"))` keeps the z axis of the frame along that of T
+    and leaves its position free: an upright cup.
+
+    Args:
+        frame: The frame's name.
+        region: Where its origin may be, edges of inf bound nothing, and about which of its axes it may turn.
+        position_tolerance: How far the origin may be outside of the box [m].
+        rotation_tolerance: By which angle the frame may be turned otherwise [rad].
+
+    Raises:
+        InputError: If tolerances make no sense, or nothing is constrained.
+    """
+
+    frame: str
+    region: Region
+    position_tolerance: float = 0.005
+    rotation_tolerance: float = 0.02
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.region, Region):
+            raise InputError(f"`region` is {self.region!r}; expected a Region.")
+        number("position_tolerance", self.position_tolerance, "a length of at least 0.0001 [m]", least=1e-4)
+        number("rotation_tolerance", self.rotation_tolerance, "an angle of at least 0.001 [rad]", least=1e-3)
+        if self.region.turns == "any" and np.isinf(self.region.size).all():
+            raise InputError(f"The constraint of {self.frame!r} leaves position and rotation free.")
+
+    @property
+    def numbers(self) -> Floats:
+        """What the step depends on: rotation, translation, half edges, tolerances; shape (17,)."""
+        T = self.region.pose.matrix()
+        half = np.minimum(0.5 * self.region.size, _FREE)
+        return np.concatenate(
+            [T[:3, :3].ravel(), T[:3, 3], half, [self.position_tolerance, self.rotation_tolerance]]
+        )
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Constraints:
+    """Constraints of one robot.
+
+    Args:
+        model: The robot.
+        items: The constraints.
+
+    Raises:
+        UnknownName: If a frame is unknown.
+        InputError: If a frame does not move.
+    """
+
+    model: Model
+    items: tuple[PathConstraint, ...]
+
+    def __post_init__(self) -> None:
+        for item in self.items:
+            if self.model.frame(item.frame).joint < 0:
+                raise InputError(f"Frame {item.frame!r} does not move; expected a frame that a joint moves.")
+
+    @property
+    def _kinds(self) -> tuple[tuple[Frame, Turns, bool], ...]:
+        return tuple(
+            (self.model.frame(item.frame), item.region.turns, bool(np.isfinite(item.region.size).any()))
+            for item in self.items
+        )
+
+    @property
+    def numbers(self) -> Floats:
+        """What the step depends on beside the configuration, shape (17 for each constraint,)."""
+        return np.concatenate([item.numbers for item in self.items])
+
+    @property
+    def step_kernel(self) -> Any:
+        """From a configuration, weights of joints and `numbers` to a step and the violation, one sample, float32."""
+        return _step_kernel(self.model, self._kinds)
+
+    def violations(self, q: Floats) -> Floats:
+        """How much configurations violate the constraints, in tolerances.
+
+        Args:
+            q: Shape (..., nq) [rad, m].
+
+        Returns:
+            Shape (...,); at most 1 is allowed [-].
+        """
+        return _violation_kernel(self.model, self._kinds)(q, self.numbers)
+
+    def rates(self, change: Floats) -> Floats:
+        """How fast the violation grows at most while the configuration changes.
+
+        Args:
+            change: By how much each number changes, shape (n, nq) [rad, m].
+
+        Returns:
+            Shape (n,), for the whole change [-].
+        """
+        by_constraint = []
+        for item in self.items:
+            moving, turning = _frame_bounds(self.model, self.model.frame(item.frame))
+            if np.isfinite(item.region.size).any():
+                by_constraint.append(np.abs(change) @ moving / item.position_tolerance)
+            if item.region.turns != "any":
+                by_constraint.append(np.abs(change) @ turning / item.rotation_tolerance)
+        return np.max(by_constraint, axis=0)
+
+    def unproved_edges(self, points: Floats) -> list[int]:
+        """The edges of a path of straight motions of which it is not proved that they keep the constraints.
+
+        Intervals are halved until the violation in the middle, and how much it grows to the ends, are below 1.
+
+        Args:
+            points: The path, shape (n, nq) [rad, m].
+
+        Returns:
+            Their numbers.
+        """
+        rates = self.rates(np.diff(points, axis=0))
+        edge, start, width = np.arange(len(rates)), np.zeros(len(rates)), np.ones(len(rates))
+        failed: set[int] = set()
+        while len(edge):
+            middle = (start + width / 2.0)[:, None]
+            violation = self.violations(points[edge] * (1.0 - middle) + points[edge + 1] * middle)
+            half = rates[edge] * width / 2.0
+            is_open = ~(violation + half <= 1.0)
+            failed |= set(edge[is_open & ((violation > 0.98) | (half < 0.01))].tolist())
+            again = is_open & ~np.isin(edge, list(failed))
+            edge, width = np.repeat(edge[again], 2), np.repeat(width[again] / 2.0, 2)
+            start = np.repeat(start[again], 2)
+            start[1::2] += width[1::2]
+        return sorted(failed)
+
+
+def _rows(
+    model: Model, kinds: Sequence[tuple[Frame, Turns, bool]], q: Array, numbers: Array
+) -> tuple[list[Array], list[Any], Any]:
+    """Rows of Jacobians, what they have to change, and the violation."""
+    rows: list[Array] = []
+    changes: list[Any] = []
+    violation: Any = 0.0
+    for k, (frame, turns, is_bounded) in enumerate(kinds):
+        values = numbers[..., 17 * k : 17 * (k + 1)]
+        R_c = np.stack([values[..., 3 * i : 3 * i + 3] for i in range(3)], axis=-2)
+        T, J = frame_pose(model, q, frame), frame_jacobian(model, q, frame)
+        to_region = np.swapaxes(R_c, -1, -2)
+        if is_bounded:
+            p = apply(to_region, T.translation - values[..., 9:12])
+            half = values[..., 12:15]
+            outside = [p[..., i] - clip(p[..., i], -half[..., i], half[..., i]) for i in range(3)]
+            linear = to_region @ J[..., :3, :]
+            for i, e in enumerate(outside):
+                is_active = where(e * e > 0.0, 1.0, 0.0)
+                rows.append(linear[..., i, :] * np.asarray(is_active)[..., None])
+                changes.append(-e)
+            distance = sqrt(sum(e * e for e in outside))
+            violation = maximum(violation, distance / values[..., 15])
+        if turns != "any":
+            phi, angle = _turn_back(to_region @ T.rotation, turns)
+            angular = to_region @ J[..., 3:, :]
+            kept = [i for i in range(3) if turns == "none" or i != _AXES.index(turns)]
+            rows += [angular[..., i, :] for i in kept]
+            changes += [phi[..., i] for i in kept]
+            violation = maximum(violation, angle / values[..., 16])
+    return rows, changes, violation
+
+
+def _turn_back(R: Array, turns: Turns) -> tuple[Array, Any]:
+    """The turn by which a frame comes back, in the axes of the region (near it), and its angle."""
+    if turns == "none":
+        phi = 0.5 * np.stack(
+            [R[..., 1, 2] - R[..., 2, 1], R[..., 2, 0] - R[..., 0, 2], R[..., 0, 1] - R[..., 1, 0]], axis=-1
+        )
+        cosine = 0.5 * (R[..., 0, 0] + R[..., 1, 1] + R[..., 2, 2] - 1.0)
+    else:
+        k = _AXES.index(turns)
+        phi = cross(R[..., :, k], np.eye(3)[k])
+        cosine = R[..., k, k]
+    return phi, arctan2(sqrt(sum(phi[..., i] * phi[..., i] for i in range(3))), cosine)
+
+
+@lru_cache(maxsize=32)
+def _step_kernel(model: Model, kinds: tuple[tuple[Frame, Turns, bool], ...]) -> Any:
+    def step(q: Array, weights: Array, numbers: Array) -> Array:
+        rows, changes, violation = _rows(model, kinds, q, numbers)
+        J = np.stack([row * weights for row in rows])
+        dq = weights * solve_damped(J, np.stack(changes), _DAMPING)
+        return np.append(dq, violation)
+
+    return lanes_kernel(
+        trace(step, name="constraint_step", q=(model.nq,), weights=(model.nq,), numbers=(17 * len(kinds),)), 1
+    )
+
+
+@lru_cache(maxsize=32)
+def _violation_kernel(model: Model, kinds: tuple[tuple[Frame, Turns, bool], ...]) -> Any:
+    def violation(q: Array, numbers: Array) -> Any:
+        return _rows(model, kinds, q, numbers)[2]
+
+    return compile(violation, name="violation", q=(model.nq,), numbers=(17 * len(kinds),))
+
+
+@lru_cache(maxsize=64)
+def _frame_bounds(model: Model, frame: Frame) -> tuple[Floats, Floats]:
+    """How far a frame's origin moves at most, and how far it turns, when a number changes by one, (nq,) each."""
+    group = Group(frame.name, frame.joint, np.asarray(frame.placement.translation)[None], np.zeros(1))
+    turning = np.zeros(model.nq)
+    for step in chain(model, frame):
+        for c, motion in enumerate(step.subspace()):
+            turning[step.joint.idx_q + step.start_q + c] += abs(step.multiplier) * float(
+                np.linalg.norm(motion.angular)
+            )
+    return motion_bounds(model, [group], [])[0][0], turning

@@ -1,0 +1,198 @@
+"""Constraints on the way: kept between the points too, proved, repeatable, and named where they cannot be kept."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+import ulna
+from ulna.collision import World
+from ulna.errors import InputError, UnknownName
+from ulna.geometry import Box, Sphere
+from ulna.planning import PathConstraint, Planner, Region, plan, projected_rrt, scene
+from ulna.planning.constrained import ConstrainedSearch
+from ulna.planning.path_constraints import Constraints
+from ulna.planning.workspace import thread_storage
+from ulna.spatial import SE3
+
+ANYWHERE = (np.inf, np.inf, np.inf)
+
+
+@cache
+def panda() -> Any:
+    return ulna.load("panda")
+
+
+@cache
+def planner() -> Planner:
+    world = World().add("table", Box((1.2, 1.6, 0.04)), (0.5, 0.0, -0.02), touches=["panda_link0"])
+    world = world.add("wall", Box((0.3, 0.02, 0.4)), (0.55, 0.0, 0.2)).add(
+        "ball", Sphere(0.1), (0.3, -0.5, 0.6)
+    )
+    return Planner(panda(), world)
+
+
+def pose(y: float, z: float = 0.35) -> Any:
+    T = np.diag([1.0, -1.0, -1.0, 1.0])
+    T[:3, 3] = (0.5, y, z)
+    return T
+
+
+@cache
+def right() -> Any:
+    return panda().ik(pose(-0.25), panda().configurations["ready"], seed=1).q
+
+
+def upright(**tolerances: float) -> PathConstraint:
+    return PathConstraint(panda().model.tool, Region(pose(0.0), size=ANYWHERE, turns="z"), **tolerances)
+
+
+def between(points: Any, count: int = 300) -> Any:
+    t = np.linspace(0.0, 1.0, count)[:, None]
+    return np.concatenate([a + t * (b - a) for a, b in pairwise(points)])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_cup_stays_upright_between_the_points_too(seed: int) -> None:
+    p = planner().plan(right(), pose(0.25), constraints=upright(rotation_tolerance=0.005), seed=seed)
+    assert p and p.is_certified and len(p.points) > 3
+    states = between(p.points)
+    axis = panda().fk(states)[:, :3, 2]
+    assert np.arccos(np.clip(-axis[:, 2], -1.0, 1.0)).max() < 0.005
+    assert not panda().collides(states, planner().scene.world).any()
+    np.testing.assert_array_equal(p.points[0], right())
+    without = planner().plan(right(), pose(0.25), seed=seed)
+    assert np.arccos(np.clip(-panda().fk(between(without.points))[:, 2, 2], -1.0, 1.0)).max() > 0.05
+
+
+def test_the_same_seed_returns_the_same_path() -> None:
+    a, b = (
+        Planner(panda(), planner().scene.world).plan(right(), pose(0.25), constraints=upright())
+        for _ in range(2)
+    )
+    np.testing.assert_array_equal(a.points, b.points)
+
+
+def test_points_and_planes_that_the_tool_keeps() -> None:
+    robot, tool = panda(), panda().model.tool
+    plane = PathConstraint(
+        tool, Region(pose(0.0), size=(np.inf, np.inf, 0.1), turns="any"), position_tolerance=0.002
+    )
+    p = planner().plan(right(), pose(0.25), constraints=plane)
+    assert p and p.is_certified
+    z = robot.fk(between(p.points))[:, 2, 3]
+    assert (np.abs(z - 0.35) < 0.052).all() and np.ptp(z) > 0.01
+    line = PathConstraint(tool, Region(pose(0.0, 0.6), size=(0.0, np.inf, 0.0), turns="none"), 0.002, 0.01)
+    start = robot.ik(pose(-0.25, 0.6), right(), seed=1).q
+    p = robot.plan(start, pose(0.25, 0.6), constraints=[line])
+    assert p and p.is_certified
+    T = robot.fk(between(p.points))
+    assert np.hypot(T[:, 0, 3] - 0.5, T[:, 2, 3] - 0.6).max() < 0.002
+    turned = np.einsum("nij,ij->n", T[:, :3, :3], pose(0.0)[:3, :3])
+    assert np.arccos(np.clip((turned - 1.0) / 2.0, -1.0, 1.0)).max() < 0.01
+
+
+def test_joints_that_stay_and_two_constraints_at_once() -> None:
+    robot, tool = panda(), panda().model.tool
+    ends = {
+        "elbow": PathConstraint(
+            "panda_link4", Region(robot.fk(right(), "panda_link4"), (2.0, 2.0, 0.5), "any")
+        )
+    }
+    p = planner().plan(
+        right(), pose(0.25), constraints=[upright(), *ends.values()], joints=robot.joint_names[:7]
+    )
+    assert p and p.is_certified and (p.points[:, 7:] == right()[7:]).all()
+    height = robot.fk(between(p.points), "panda_link4")[:, 2, 3]
+    assert np.abs(height - robot.fk(right(), "panda_link4")[2, 3]).max() < 0.25 + 0.005
+    still = [name for name in robot.joint_names if name != "panda_joint3"]
+    level = PathConstraint(tool, Region(pose(0.0), size=ANYWHERE, turns="z"))
+    p = planner().plan(right(), right() + [0.9, 0, 0, 0, 0, 0, 0], constraints=level, joints=still)
+    assert p and (p.points[:, 2] == right()[2]).all()
+
+
+def test_starts_and_goals_that_violate_are_named() -> None:
+    tilted = SE3.from_matrix(pose(0.25)) @ SE3.from_rpy([0.3, 0.0, 0.0])
+    p = planner().plan(right(), tilted, constraints=upright())
+    assert p.outcome == "goal" and "violates the constraints: 15 times" in p.reason
+    q = panda().ik(tilted, right(), seed=1).q
+    p = planner().plan(q, pose(0.25), constraints=upright())
+    assert p.outcome == "start" and "violates" in p.reason
+    p = planner().plan(right(), [pose(0.25), tilted.matrix(), tilted], constraints=upright())
+    assert p and p.goal == 0
+    p = planner().plan(
+        right(), [SE3.from_matrix(tilted.matrix()), SE3.from_matrix(pose(0.25))], constraints=upright()
+    )
+    assert p and p.goal == 1
+    assert len(planner().plan(right(), right(), constraints=upright()).points) == 1
+
+
+def test_wrong_constraints_are_refused() -> None:
+    region = Region(pose(0.0), size=ANYWHERE, turns="z")
+    with pytest.raises(InputError, match="leaves position and rotation free"):
+        PathConstraint("panda_hand", Region(pose(0.0), size=ANYWHERE, turns="any"))
+    with pytest.raises(InputError, match="expected a Region"):
+        PathConstraint("panda_hand", pose(0.0))  # type: ignore[arg-type]
+    for name, value in (
+        ("position_tolerance", 0.0),
+        ("rotation_tolerance", np.nan),
+        ("rotation_tolerance", -1.0),
+    ):
+        with pytest.raises(InputError, match=name):
+            PathConstraint("panda_hand", region, **{name: value})
+    with pytest.raises(UnknownName, match="panda_hand"):
+        plan(panda(), right(), pose(0.25), constraints=PathConstraint("panda_hnd", region))
+    with pytest.raises(InputError, match="does not move"):
+        plan(panda(), right(), pose(0.25), constraints=PathConstraint("panda_link0", region))
+    with pytest.raises(InputError, match="holds"):
+        plan(panda(), right(), pose(0.25), constraints=[region])  # type: ignore[list-item]
+    with pytest.raises(InputError, match="not improved yet"):
+        plan(panda(), right(), pose(0.25), constraints=upright(), improve=100)
+    with pytest.raises(InputError, match="finite edges"):
+        plan(panda(), right(), Region(pose(0.0), size=ANYWHERE))
+    with pytest.raises(InputError, match="edges of a box"):
+        Region(pose(0.0), size=(np.nan, 0.0, 0.0))
+
+
+def test_violations_grow_no_faster_than_their_rates() -> None:
+    robot, random = panda(), np.random.default_rng(0)
+    for size, turns in ((ANYWHERE, "x"), ((np.inf, 0.2, 0.0), "none"), ((0.1, np.inf, np.inf), "any")):
+        region = Region(pose(0.2), size=size, turns=turns)  # type: ignore[arg-type]
+        constraints = Constraints(robot.model, (PathConstraint("panda_link6", region),))
+        q = random.uniform(robot.limits.lower, robot.limits.upper, (2_000, 7))
+        change = random.normal(size=q.shape) * 10.0 ** random.uniform(-5, -1, (2_000, 1))
+        grown = np.abs(constraints.violations(q + change) - constraints.violations(q))
+        assert (grown <= constraints.rates(change) * (1 + 1e-9)).all()
+        assert (grown > 0.2 * constraints.rates(change)).any()
+
+
+def test_the_interpreter_grows_the_same_trees() -> None:
+    robot = panda()
+    place = scene(robot.collision_checker(World(), method="spheres"))
+    constraints = Constraints(robot.model, (upright(),))
+    search, results = ConstrainedSearch(place, 0.0, 0.01, constraints), []
+    goal = robot.ik(pose(-0.15), right(), seed=1).q
+    random = np.random.default_rng(2)
+    samples = (right() + random.normal(size=(6, 7)) * 0.2).astype(np.float32)
+    for how in ("__call__", "checked", "interpret"):
+        storage = thread_storage(robot.nq)
+        storage.make_trees(256)
+        workspace: Any = search._workspace(8.0)
+        points = np.array([right(), goal], np.float32)
+        arguments: tuple[Any, ...] = (
+            place.robot.kernel, workspace._tables, workspace._growth, samples, 0, 6, points, np.zeros(2, np.float32), 2,
+            storage.trees, constraints.step_kernel, workspace.projection, workspace._work,
+        )  # fmt: skip
+        done = getattr(projected_rrt.grow_along.specialized(W=place.lanes), how)(*arguments)
+        results.append((done, storage.trees))
+    (done, trees), *others = results
+    assert trees.counts.sum() > 4
+    for other, same in others:
+        assert other == done
+        np.testing.assert_array_equal(same.counts, trees.counts)
+        np.testing.assert_array_equal(same.parents, trees.parents)
+        np.testing.assert_allclose(same.nodes, trees.nodes, atol=2e-5)
