@@ -122,3 +122,22 @@ def test_long_work_is_shown_and_gone_when_it_is_done(viewer: Viewer, tab: Any) -
         report(3, 7)
         assert wait(lambda: tab.get_by_text("3 of 7").count() == 1)
     assert wait(lambda: tab.get_by_text("Loading something").count() == 0)
+
+
+def test_the_panel_shows_no_address_and_no_switches_for_developers(chromium: Any) -> None:
+    with Viewer(port=0, browser=False) as viewer:
+        viewer.box((1, 1, 1))
+        context = chromium.new_context(viewport={"width": 900, "height": 900})
+        tab = context.new_page()
+        tab.goto(f"{viewer.url}/?fixedDpr=1")
+        assert wait(lambda: tab.get_by_text("Save Canvas").is_visible())
+        for words in ("Dev Settings", "Orbit Origin Tool"):
+            assert tab.get_by_text(words).count() == 1  # viser has it
+            assert not tab.get_by_text(words).is_visible()
+        address = tab.locator(f"input[value*='{viewer.url.rpartition('/')[2]}']")
+        assert address.count() == 1
+        assert not address.is_visible()
+        text = viewer.panel.text("words")
+        assert wait(lambda: tab.get_by_text("words", exact=True).count() == 1)
+        text.remove()
+        context.close()

@@ -22,10 +22,11 @@ from typing import Any
 
 from ulna.errors import UlnaWarning
 from ulna.system import forks
-from ulna.viewer.graph.camera import Camera, camera_for, checked_camera
+from ulna.viewer.graph.camera import Camera, checked_camera
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.graph.theme import LIGHT, Theme
 from ulna.viewer.page import access as guard
+from ulna.viewer.page.framing import Framing, framing_camera
 from ulna.viewer.page.notifications import ProgressNotifications
 from ulna.viewer.page.pose_channel import PoseChannel
 from ulna.viewer.page.publisher import Publisher
@@ -110,7 +111,8 @@ class Page:
         if self._owned:
             configure_scene(self.server, theme, self._viser_shadows)
             add_floor(self.server, theme, scene.floor() if floor is None else floor)
-            set_camera(self.server, camera or self._default_camera())
+            set_camera(self.server, camera or framing_camera(scene))
+        self._framing = Framing(scene, self.server)
         self.server.on_client_connect(self._on_connect)
         with self._tick_lock:
             self._publish()
@@ -172,19 +174,22 @@ class Page:
 
     def set_camera(self, camera: Camera | None = None) -> None:
         """Set the camera of every tab; one that shows the whole scene when not given."""
-        self._camera_chosen = True
-        set_camera(self.server, camera or self._default_camera())
+        self._camera_chosen = camera is not None
+        if camera is not None:
+            set_camera(self.server, camera)
+        else:
+            self._framing.update(moved_too=True)
 
     def request_framing(self) -> None:
-        """Show the whole scene above the floor soon, unless a camera or floor was chosen or a tab is open already."""
+        """Show the whole scene above the floor soon, where no camera or floor was chosen and nobody moved the view."""
         self._framing_requested = True
 
     def _frame_scene(self, now: float) -> None:
         self._framing_requested, self._framed_at = False, now
         if not self._owned:
             return
-        if not self._camera_chosen and (not self.visited or now < self._publisher.resend_until):
-            set_camera(self.server, self._default_camera())
+        if not self._camera_chosen:
+            self._framing.update()
         if self._floor is None:
             add_floor(self.server, self._theme, self.scene.floor(), self._grid)
 
@@ -234,10 +239,6 @@ class Page:
             self._events.pop(key, None)  # in the order of the newest
             self._events[key] = (function, value)
 
-    def _default_camera(self) -> Camera:
-        # robots reach further than they stand, and the panel covers the right
-        return camera_for(self.scene, margin=1.75, aside=0.10)
-
     # the thread --------------------------------------------------------------------------------------------
 
     def _run(self) -> None:
@@ -262,6 +263,7 @@ class Page:
 
     async def _on_connect(self, client: Any) -> None:
         self.visited = True
+        self.request_framing()  # as wide as its window is
         self.resend()
 
     def resend(self) -> None:

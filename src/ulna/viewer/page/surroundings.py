@@ -80,8 +80,8 @@ def add_floor(server: Any, theme: Theme, height: float, visible: bool = True) ->
     )
 
 
-def set_camera(server: Any, camera: Camera) -> None:
-    """Move the camera of all tabs, also of those to come.
+def set_initial_camera(server: Any, camera: Camera) -> None:
+    """Set the camera of tabs to come.
 
     Args:
         server: The viser server.
@@ -89,7 +89,27 @@ def set_camera(server: Any, camera: Camera) -> None:
     """
     first = server.initial_camera
     first.position, first.look_at, first.up, first.fov = camera.position, camera.target, camera.up, camera.fov
+
+
+def set_camera(server: Any, camera: Camera) -> None:
+    """Move the camera of all tabs, also of those to come.
+
+    Args:
+        server: The viser server.
+        camera: The camera.
+    """
+    set_initial_camera(server, camera)
     for client in server.get_clients().values():
-        view = client.camera
-        view.up_direction, view.position, view.look_at = camera.up, camera.position, camera.target
-        view.fov = camera.fov
+        set_tab_camera(client, camera)
+
+
+def set_tab_camera(client: Any, camera: Camera) -> None:
+    """Move the camera of a tab.
+
+    Args:
+        client: The tab, a `viser.ClientHandle`.
+        camera: The camera.
+    """
+    view = client.camera
+    view.up_direction, view.position, view.look_at = camera.up, camera.position, camera.target
+    view.fov = camera.fov

@@ -1,6 +1,10 @@
 // Runs before viser's program, written for viser 1.1: installs the hook before any message arrives, and lets a tab whose
-// program ended try to reconnect four times a second, without interrupting an attempt that is under way.
+// program ended try to reconnect four times a second, without interrupting an attempt that is under way. The panel shows
+// neither the address of the socket nor switches that help to develop viser.
 (() => {
+  const style = document.createElement("style"), address = ".mantine-TextInput-root:has(.mantine-Image-root)";
+  style.textContent = `${address}, ${address} ~ div:has(> .mantine-Checkbox-root) {display: none !important}`;
+  document.documentElement.append(style);
   let page;
   Object.defineProperty(window, "__viserMutable", {configurable: true, get: () => page, set: now => {
     page = now;
