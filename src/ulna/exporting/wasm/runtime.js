@@ -27,23 +27,23 @@ function expected(argument) {
 
 // Copies a number, an array, or an array of rows to the module's memory, after all checks.
 function put(memory, at, value, argument, where) {
-  const name = `${where}: \`${argument.name}\``;
   const flat = typeof value === "number" ? [value] : isArray(value) && Array.isArray(value[0]) ? value.flat(Infinity) : value;
   if (!isArray(flat) || flat.length !== argument.size) {
-    throw new TypeError(`${name} is ${describeValue(value)}; expected ${expected(argument)}.`);
+    throw new TypeError(`${where}: \`${argument.name}\` is ${describeValue(value)}; expected ${expected(argument)}.`);
   }
   for (let k = 0; k < flat.length; k++) {
     const x = flat[k];
     if (typeof x !== "number" || !Number.isFinite(x)) {
-      throw new RangeError(`${name}[${k}] is ${typeof x === "number" ? x : describeValue(x)}; expected a finite number.`);
+      throw new RangeError(`${where}: \`${argument.name}\`[${k}] is ${typeof x === "number" ? x : describeValue(x)}; expected a finite number.`);
     }
     memory[at + k] = x;
   }
-  for (const places of argument.quaternions ?? []) {
+  if (argument.quaternions === undefined) return;
+  for (const places of argument.quaternions) {
     let squared = 0;
     for (const k of places) squared += flat[k] * flat[k];
     if (Math.abs(squared - 1) > UNIT_TOLERANCE) {
-      throw new RangeError(`${name}[${places[0]}] to [${places[3]}] is no unit quaternion x, y, z, w: its length is ${Math.sqrt(squared)}.`);
+      throw new RangeError(`${where}: \`${argument.name}\`[${places[0]}] to [${places[3]}] is no unit quaternion x, y, z, w: its length is ${Math.sqrt(squared)}.`);
     }
   }
 }
@@ -76,20 +76,22 @@ function method(name, f, run, memory) {
   const { inputs, outputs, at } = f;
   const places = at.map(offset);
   const pointers = at.map((bytes) => BASE + bytes);
+  const [first, second, third, fourth] = pointers;
+  const count = inputs.length, most = count + outputs.length;
+  const call = { 2: () => run(first, second), 3: () => run(first, second, third), 4: () => run(first, second, third, fourth) }[most] ?? (() => run(...pointers));
+  function result(k, out) {
+    const { size, shape } = outputs[k], start = places[count + k], made = receiver(out, size, name);
+    for (let i = 0; i < size; i++) made[i] = memory[start + i];
+    return shape.length === 0 ? made[0] : made;
+  }
   return function (...values) {
-    if (values.length < inputs.length || values.length > inputs.length + outputs.length) {
+    if (values.length < count || values.length > most) {
       const names = inputs.map((a) => a.name).join(", ");
-      throw new TypeError(`${name}(${names}) takes ${inputs.length} arguments, and arrays for its results if wanted; ${values.length} were given.`);
+      throw new TypeError(`${name}(${names}) takes ${count} argument${count === 1 ? "" : "s"}, then arrays for its results where wanted; ${values.length} were passed.`);
     }
-    const made = outputs.map((a, k) => receiver(values[inputs.length + k], a.size, name));
-    inputs.forEach((a, k) => put(memory, places[k], values[k], a, name));
-    run(...pointers);
-    outputs.forEach((a, k) => {
-      const start = places[inputs.length + k];
-      for (let i = 0; i < a.size; i++) made[k][i] = memory[start + i];
-    });
-    const results = made.map((array, k) => (outputs[k].shape.length === 0 ? array[0] : array));
-    return results.length === 1 ? results[0] : results;
+    for (let k = 0; k < count; k++) put(memory, places[k], values[k], inputs[k], name);
+    call();
+    return outputs.length === 1 ? result(0, values[count]) : outputs.map((_, k) => result(k, values[count + k]));
   };
 }
 
