@@ -20,5 +20,24 @@ _WASM = ExportTarget(
     module="ulna.exporting.wasm.folder",
 )
 
-TARGETS: Mapping[str, ExportTarget] = MappingProxyType({target.name: target for target in (_C, _WASM)})
+_OBJECT = ExportTarget(
+    name="object",
+    text="an object file for a processor and system (triple=), with a C header and a test program",
+    module="ulna.exporting.objects.folder",
+    options={
+        "triple": Option(
+            "x86_64-linux-gnu", "the processor and system, a name of the table in docs/export.md"
+        ),
+        "cpu": Option("", "the processor, as LLVM names it; empty for that of the table"),
+        "features": Option("", 'extensions of the processor, as LLVM names them: "+avx2,+fma"'),
+        "lanes": Option(
+            0, "in how many lanes searches run; 0 for as many as suit the processor", (0, 1, 2, 4, 8)
+        ),
+        "test": Option(True, "whether to write a test program with recorded values"),
+    },
+)
+
+TARGETS: Mapping[str, ExportTarget] = MappingProxyType(
+    {target.name: target for target in (_C, _OBJECT, _WASM)}
+)
 """The targets by name."""

@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from ulna.compiler.codegen.batch_loop import batch_loop
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
@@ -139,13 +139,19 @@ def emit_single(f: Function, target: Target, element: DType = "double") -> str:
     return module.text() + (_wide_registers(f.lanes, element) if f.lanes > 1 else "")
 
 
-def emit_library(functions: Sequence[tuple[str, Function]], target: Target, element: DType = "double") -> str:
+def emit_library(
+    functions: Sequence[tuple[str, Function]],
+    target: Target,
+    element: DType = "double",
+    add: Callable[[Module], None] | None = None,
+) -> str:
     """IR of a library: for each function `void NAME(ptr in0, ..., ptr out0, ...)` on one contiguous sample.
 
     Args:
         functions: Pairs of a name and a function; names are identifiers.
         target: The processor to write for.
         element: Type of the array elements, "double" or "float".
+        add: Adds definitions to the module, which may call the functions as `NAME.one`.
 
     Returns:
         The text of an LLVM module; the functions share what they call.
@@ -163,6 +169,8 @@ def emit_library(functions: Sequence[tuple[str, Function]], target: Target, elem
                 "}\n",
             ]
         )
+    if add is not None:
+        add(module)
     return module.text() + _wide_registers(max((f.lanes for _, f in functions), default=1), element)
 
 

@@ -52,18 +52,19 @@ def huge_reduction(arithmetic: Arithmetic = COMPLETE) -> tuple[str, ...]:
     # One word of zeros in front: the window of the smallest arguments begins above the binary point.
     table = ", ".join(f"i64 {word}" for word in (0, *TWO_OVER_PI_BITS))
     size = len(TWO_OVER_PI_BITS) + 1
+    is_fused = arithmetic.fused_multiply_add and arithmetic.double_precision
     w = Instructions()
     w.lines.append(f"define internal {_RESULT} @{NAME}(double %x) noinline cold nounwind {{")
     _window(w)
     _product(w, _wide_product if arithmetic.wide_integers else _long_product)
     _distance(w)
-    _scaled_distance(w)
-    (_times_half_pi if arithmetic.fused_multiply_add else _times_half_pi_in_halves)(w)
+    _scaled_distance(w, arithmetic.wide_integers)
+    (_times_half_pi if is_fused else _times_half_pi_in_halves)(w)
     _signs_and_return(w)
     w.lines.append("}")
     return (
         f"@{NAME}.table = internal unnamed_addr constant [{size} x i64] [{table}], align 8",
-        *((_FMA,) if arithmetic.fused_multiply_add else ()),
+        *((_FMA,) if is_fused else ()),
         *_MODULE,
         w.text(),
     )
@@ -150,7 +151,7 @@ def _distance(w: Instructions) -> None:
     )
 
 
-def _scaled_distance(w: Instructions) -> None:
+def _scaled_distance(w: Instructions, converts_words: bool) -> None:
     """The distance in quarter turns, y + y.low = (top + next 2^-53) 2^(-53 - zeros)."""
     w.write(
         # No double is nearer than 2^-62 quarter turns to a multiple: the leading one lies in the first word.
@@ -160,8 +161,22 @@ def _scaled_distance(w: Instructions) -> None:
         "%top = lshr i64 %h0, 11",
         "%next.word = call i64 @llvm.fshl.i64(i64 %h0, i64 %h1, i64 53)",
         "%next = lshr i64 %next.word, 11",
-        "%top.float = uitofp i64 %top to double",
-        "%next.float = uitofp i64 %next to double",
+    )
+    for name in ("top", "next"):
+        if converts_words:
+            w.let(f"{name}.float", f"uitofp i64 %{name} to double")
+            continue
+        # In two exact parts, for processors of 32 bits, which would call a library.
+        w.write(
+            f"%{name}.low.word = trunc i64 %{name} to i32",
+            f"%{name}.high.long = lshr i64 %{name}, 32",
+            f"%{name}.high.word = trunc i64 %{name}.high.long to i32",
+            f"%{name}.low.float = uitofp i32 %{name}.low.word to double",
+            f"%{name}.high.float = uitofp i32 %{name}.high.word to double",
+            f"%{name}.high.scaled = fmul double %{name}.high.float, {_DOUBLE.constant(2.0**32)}",
+            f"%{name}.float = fadd double %{name}.high.scaled, %{name}.low.float",
+        )
+    w.write(
         "%exponent = sub i64 970, %zeros",
         "%scale.bits = shl i64 %exponent, 52",
         "%scale = bitcast i64 %scale.bits to double",

@@ -20,6 +20,7 @@ class Target:
         register_bytes: Width of the widest SIMD register [byte].
         arithmetic: What it computes in one instruction.
         packed_sines: In code for one sample, how many angles share one vector of sines and cosines.
+        abi: The calling convention, as LLVM names it, such as "lp64d"; empty for that of the system.
         search_lanes: In how many lanes a search for one goal runs: 1, 2, 4 or 8.
         stack_space: The address space of local arrays; 0 where all memory is one.
     """
@@ -33,6 +34,7 @@ class Target:
     packed_sines: int = 8
     search_lanes: int = 8
     stack_space: int = 0
+    abi: str = ""
 
     def lanes(self, element: DType) -> int:
         """How many values of a type the widest register holds, at least two."""

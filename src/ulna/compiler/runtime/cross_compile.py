@@ -15,10 +15,10 @@ from typing import Literal
 from ulna import disk_cache
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.runtime.jit import llvm_library, optimised
-from ulna.errors import CompileError
+from ulna.errors import CompileError, InputError
 
 Format = Literal["object", "assembly"]
-_RECIPE = "cross 1"
+_RECIPE = "cross 2"
 _START = "from ulna.compiler.runtime.cross_compile import compile_standard_input; compile_standard_input()"
 _TIMEOUT = 1800.0  # s; a guard against a back end that never ends
 
@@ -39,12 +39,14 @@ def cross_compile(
         The bytes of the file.
 
     Raises:
-        CompileError: If LLVM does not know the processor, or cannot generate the code.
+        InputError: If LLVM does not know the name of the processor or of an extension.
+        CompileError: If LLVM does not know the triple, or cannot generate the code.
     """
     order = {
         "triple": target.triple,
         "cpu": target.cpu,
         "features": target.features,
+        "abi": target.abi,
         "has_loops": has_loops,
         "output": output,
         "reloc": "pic" if position_independent else "static",
@@ -72,8 +74,14 @@ def _by_child(head: str, ir: str, target: Target) -> bytes:
         )
     except subprocess.TimeoutExpired:
         raise CompileError(f"LLVM did not end within {_TIMEOUT:.0f} s for {target.triple}.") from None
+    said = child.stderr.decode("utf-8", "replace").strip().splitlines()
+    unknown = next((line for line in said if "is not a recognized" in line), None)
+    if unknown is not None:
+        raise InputError(
+            f"LLVM does not know a name: {unknown}. Its names for {target.triple} are listed by "
+            f"`llc -mtriple={target.triple} -mcpu=help`."
+        )
     if child.returncode != 0 or not child.stdout:
-        said = child.stderr.decode("utf-8", "replace").strip().splitlines()
         reason = said[-1] if said else f"it ended with code {child.returncode}"
         raise CompileError(
             f"LLVM generates no code for the processor {target.triple!r} (cpu {target.cpu!r}, features "
@@ -91,7 +99,12 @@ def compile_standard_input() -> None:
     llvm.initialize_all_asmprinters()
     try:
         machine = llvm.Target.from_triple(order["triple"]).create_target_machine(
-            cpu=order["cpu"], features=order["features"], opt=2, reloc=order["reloc"], codemodel="default"
+            cpu=order["cpu"],
+            features=order["features"],
+            opt=2,
+            reloc=order["reloc"],
+            codemodel="default",
+            abiname=order["abi"],
         )
         module = optimised(ir, order["has_loops"], machine)
     except (RuntimeError, CompileError) as error:
