@@ -151,6 +151,9 @@ def _export_command(command: Callable[..., argparse.ArgumentParser]) -> None:
     export.add_argument("--to", default="c", metavar="TARGET", help="what to write: c (default), ...")
     export.add_argument("--output", metavar="DIR", help="the folder to write (default: NAME_TARGET)")
     export.add_argument("--frame", metavar="FRAME", help="the frame, for kernels of one (default: the tool)")
+    export.add_argument(
+        "--triple", metavar="TRIPLE", help="the processor of an object file: aarch64-linux-gnu, ..."
+    )
     export.add_argument("--dtype", metavar="TYPE", help="float64 (default) or float32")
     export.add_argument(
         "--prefix", metavar="PREFIX", help="what names begin with (default: the robot's name)"
@@ -262,8 +265,7 @@ def _export(chosen: argparse.Namespace) -> None:
     from ulna.loading import load
 
     options = _options(chosen.option)
-    if chosen.frame is not None:
-        options["frame"] = chosen.frame
+    options |= {key: value for key in ("frame", "triple") if (value := getattr(chosen, key)) is not None}
     names = [word for words in chosen.kernel for word in words.replace(",", " ").split()]
     robot = load(chosen.name)
     prefix = chosen.prefix or identifier(robot.name)

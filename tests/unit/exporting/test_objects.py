@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import ulna
+from ulna.cli import main
 from ulna.errors import InputError, UnknownName
 from ulna.exporting.objects.processors import PROCESSORS
 from ulna.exporting.objects.symbols import undefined_symbols
@@ -166,3 +167,29 @@ int main(void)
     return 0;
 }
 """
+
+
+def test_the_documentation_has_the_table() -> None:
+    text = (Path(__file__).parents[3] / "docs" / "export.md").read_text(encoding="utf-8")
+    for name, processor in PROCESSORS.items():
+        row = next(line for line in text.splitlines() if line.startswith(f"| `{name}` |"))
+        cells = [cell.strip() for cell in row.strip("|").split("|")]
+        assert cells[1:4] == [processor.text, f"`{processor.target.cpu}`", str(processor.target.search_lanes)]
+        for cell, names in zip(cells[4:], (processor.undefined, processor.undefined_float32), strict=True):
+            listed = {} if cell in ("nothing", "not offered") else set(cell.replace("`", "").split(", "))
+            assert set(listed) == set(names)
+
+
+def test_the_command_takes_a_triple(tmp_path: Path, capsys: Any) -> None:
+    words = [
+        "export",
+        "panda",
+        "--to",
+        "object",
+        "--triple",
+        "riscv64-linux-gnu",
+        "--output",
+        str(tmp_path / "x"),
+    ]
+    assert main(words) == 0
+    assert (tmp_path / "x" / "panda.o").read_bytes()[18] == 243  # the number of RISC-V in ELF
