@@ -103,3 +103,17 @@ def test_the_least_number_without_an_instruction_for_it(lanes, monkeypatch):
     for a in np.random.default_rng(lanes).normal(size=(20, lanes)):
         positive = a[a > 0.0]
         np.testing.assert_array_equal(kernel(a), [positive.min() if positive.size else np.nan, a.min()])
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_minimum_and_maximum_by_comparisons(monkeypatch, dtype):
+    target = dataclasses.replace(jit.target(), arithmetic=Arithmetic(minimum=False))
+    monkeypatch.setattr(jit, "target", lambda: target)
+    kernel = compile(lambda a, b: (numeric.minimum(a, b), numeric.maximum(a, b)), a=(4,), b=(4,), dtype=dtype)
+    assert "minimum" not in kernel.ir() and "maximum" not in kernel.ir(batch=True)
+    a, b = np.array([1.0, 2.0, np.nan, 3.0]), np.array([2.0, -np.inf, 1.0, np.nan])
+    for rows in ((), (9,)):
+        left, right = np.broadcast_to(a, (*rows, 4)), np.broadcast_to(b, (*rows, 4))
+        least, greatest = kernel(left.astype(dtype), right.astype(dtype))
+        np.testing.assert_array_equal(least, np.minimum(left, right))
+        np.testing.assert_array_equal(greatest, np.maximum(left, right))

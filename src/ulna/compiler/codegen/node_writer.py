@@ -153,12 +153,26 @@ class Writer(Instructions):
             code = _elementary_ir(name, layout.lanes, layout.dtype, self.arithmetic)
             self.module.use(code)
             return f"call {layout.real} @{code.name}({', '.join(f'{layout.real} {v}' for v in x)})"
+        if op in (Op.MIN, Op.MAX) and not self.arithmetic.minimum:
+            return self._extreme("olt" if op == Op.MIN else "ogt", x[0], x[1])
         if word.startswith("@"):
             name = f"@llvm.{word[1:]}.{layout.suffix}"
             self.module.declare(f"declare {layout.real} {name}({', '.join([layout.real] * len(x))})")
             return f"call {layout.real} {name}({', '.join(f'{layout.real} {v}' for v in x)})"
         flags = "" if word.startswith("fcmp") else self.contract
         return f"{word}{flags} {layout.real} {x[0]}, {x[1]}"
+
+    def _extreme(self, relation: str, a: str, b: str) -> str:
+        """The lesser or greater of two numbers by comparisons, NaN where one is; without a sign of zero."""
+        layout = self.layout
+        takes, one, isnan, total = (self.fresh("extreme") for _ in range(4))
+        self.write(
+            f"{takes} = fcmp {relation} {layout.real} {a}, {b}",
+            f"{one} = select {layout.truth} {takes}, {layout.real} {a}, {layout.real} {b}",
+            f"{isnan} = fcmp uno {layout.real} {a}, {b}",
+            f"{total} = fadd {layout.real} {a}, {b}",
+        )
+        return f"select {layout.truth} {isnan}, {layout.real} {total}, {layout.real} {one}"
 
     def sincos(self, arguments: Sequence[int]) -> None:
         """Sine and cosine of each argument, named for every SIN and COS node; several at once where scalar."""

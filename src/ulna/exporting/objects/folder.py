@@ -26,6 +26,11 @@ def write(export: Export, folder: Path) -> None:
     Args:
         export: What is to be written.
         folder: An empty folder.
+
+    Raises:
+        InputError: If an option is not what it should be, or the processor does not have the type of the numbers.
+        UnknownName: If the table has no such triple.
+        TooLargeError: If a function takes too many operations.
     """
     options = export.options
     for key in ("cpu", "features"):

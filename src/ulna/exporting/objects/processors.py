@@ -11,7 +11,7 @@ from ulna.compiler.codegen.arithmetic import COMPLETE, Arithmetic
 from ulna.compiler.codegen.target import Target
 from ulna.errors import UnknownName
 
-_SMALL = Arithmetic(wide_integers=False, minimum_number=False)
+_SMALL = Arithmetic(wide_integers=False, minimum_number=False, minimum=False)
 _PLAIN = Arithmetic(fused_multiply_add=False)
 
 
