@@ -15,9 +15,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from docs_site import execution
-from docs_site.pages import DOCS, ROOT, Link, blocks, links
+from docs_site.pages import DOCS, ROOT, Link, anchors, blocks, links
 
 PICTURES = (".png", ".gif", ".svg", ".jpg", ".webp")
+GALLERY = ("robots", "kinematics", "motion", "dynamics")
 GUIDES = Path("guides.md")
 NOTEBOOKS = ("tutorials", "start")
 
@@ -104,6 +105,7 @@ class _Staged:
         text = self.source.read_text(encoding="utf-8")
         if self.name == GUIDES:
             text = _with_new_pages(text)
+        text = text.replace("<!-- gallery -->", _gallery())
         if self.name.parts[0] in NOTEBOOKS and blocks(text):
             self._write_notebook(text, outputs)
         changes = [(link.start, link.end, self._link(link)) for link in links(text)]
@@ -200,3 +202,17 @@ def _with_new_pages(guides: str) -> str:
     new = sorted(page.stem for page in DOCS.glob("*.md") if page.stem not in named and page.stem != "index")
     end = guides.rindex("```")
     return guides[:end] + "".join(f"{name}\n" for name in new) + guides[end:]
+
+
+def _gallery() -> str:
+    """Cards for the pictures of the gallery's pages: each leads to its section."""
+    text = "::::{grid} 2 2 3 3\n:gutter: 2\n\n"
+    for page in GALLERY:
+        sections = re.split(r"^## ", (DOCS / "gallery" / f"{page}.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
+        for section in sections[1:]:
+            title = section.splitlines()[0]
+            picture = next(link for link in links(section) if link.is_picture)
+            address = f"{page}.html#{anchors('# ' + title).pop()}"
+            text += f":::{{grid-item-card}} {title}\n:img-top: ../_made/gallery/{page}/{picture.path}\n"
+            text += f":img-alt: {picture.text}\n:link: {address}\n:::\n\n"
+    return text + "::::\n"
