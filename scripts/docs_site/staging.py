@@ -208,7 +208,9 @@ def _gallery() -> str:
     """Cards for the pictures of the gallery's pages: each leads to its section."""
     text = "::::{grid} 2 2 3 3\n:gutter: 2\n\n"
     for page in GALLERY:
-        sections = re.split(r"^## ", (DOCS / "gallery" / f"{page}.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
+        sections = re.split(
+            r"^## ", (DOCS / "gallery" / f"{page}.md").read_text(encoding="utf-8"), flags=re.MULTILINE
+        )
         for section in sections[1:]:
             title = section.splitlines()[0]
             picture = next(link for link in links(section) if link.is_picture)
