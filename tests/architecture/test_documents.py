@@ -21,7 +21,17 @@ def _name(path: Path) -> str:
     return str(path.relative_to(ROOT))
 
 
-@pytest.mark.parametrize("path", DOCUMENTS, ids=_name)
+def _is_heavy(path: Path) -> bool:
+    """Whether a page draws films or many pictures."""
+    return path.parent.name == "gallery" or ".film(" in "".join(
+        b.code for b in pages.blocks(path.read_text())
+    )
+
+
+RUNS = [pytest.param(p, id=_name(p), marks=[pytest.mark.slow] if _is_heavy(p) else []) for p in DOCUMENTS]
+
+
+@pytest.mark.parametrize("path", RUNS)
 @pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
 def test_python_blocks_run_and_make_the_pictures(path: Path, tmp_path: Path) -> None:
     outputs = execution.run(path, tmp_path)
