@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 
+from ulna.compiler.codegen.ir_text import DType
 from ulna.exporting.c.expressions import argument_names
 from ulna.exporting.c.source import parameters
 from ulna.exporting.record import Argument, Export, ExportedFunction
@@ -17,7 +18,7 @@ _REFERENCES = {
 }
 
 
-def real_of(export: Export) -> str:
+def real_of(export: Export) -> DType:
     """The C type that numbers have."""
     return "float" if export.dtype.name == "float32" else "double"
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from ulna.exporting.c.source import definition
 from ulna.exporting.record import Export, ExportedSearch
 from ulna.ik.goal import squared_tolerances
 from ulna.ik.search import ATTEMPT_STEPS, DESCENT, MEAN_STEPS
+from ulna.typing import Floats
 
 TOLERANCE = {"double": 1e-6, "float": 1e-4}
 """Default tolerances of positions [m] and angles [rad]."""
@@ -93,7 +93,7 @@ def _filled(template: str, export: Export, search: ExportedSearch) -> str:
     return re.sub("@([A-Za-z]+)@", lambda found: str(values[found[1]]), template)
 
 
-def _array(values: Sequence[float], real: str) -> str:
+def _array(values: Floats, real: str) -> str:
     """Numbers as the content of an initialiser."""
     words = [f"{number(x, real)}," for x in values] or [f"{number(0.0, real)},"]
     return "\n".join(wrapped(words, "        ")).rstrip(",")
