@@ -53,7 +53,10 @@ def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), *
     quantity, chosen = _choose(name, options)
     names = _parameter_names(model, parameters)
     shapes: dict[str, Any] = {key: _shape(model, size) for key, size in quantity.arguments(chosen)}
-    doc = f"{quantity.summary} Returns {with_batch(quantity.result)}. Robot: {model.name}."
+    about = "".join(
+        f" {key.capitalize()}: {value}." for key, value in named_options(model, quantity, chosen).items()
+    )
+    doc = f"{quantity.summary} Returns {with_batch(quantity.result)}. Robot: {model.name}.{about}"
     if not names:
         with sized(model, quantity, chosen):
             return trace(quantity.build(model, **chosen), name=name, doc=doc, **shapes)
@@ -125,6 +128,22 @@ def labels(model: Model, traced: Function) -> dict[str, Sequence[str]]:
     known = {port.name: names.get(sizes.get(port.name)) for port in traced.inputs}  # type: ignore[arg-type]
     shapes = {port.name: port.shape for port in traced.inputs}
     return {name: row for name, row in known.items() if row is not None and shapes[name] == (len(row),)}
+
+
+def named_options(model: Model, quantity: Quantity, options: Mapping[str, Any]) -> dict[str, str]:
+    """Which frame, reference and other names a kernel has been made for.
+
+    Args:
+        model: The robot.
+        quantity: The quantity.
+        options: Its options; those that are missing have their default values.
+
+    Returns:
+        The names by option; the tool's where a frame is None.
+    """
+    given = {**quantity.options, **options}
+    names = {key: value for key, value in given.items() if isinstance(value, str)}
+    return {"frame": frame_of(model, given["frame"]).name, **names} if "frame" in given else names
 
 
 def _parameter_names(model: Model, parameters: str | Sequence[str]) -> tuple[str, ...]:
@@ -219,4 +238,13 @@ class CheckedKernels(dict[Any, Any]):
         return CheckedKernels, (self.model,)
 
 
-__all__ = ["QUANTITIES", "CheckedKernels", "frame_of", "function", "kernel", "labels", "shapes_for"]
+__all__ = [
+    "QUANTITIES",
+    "CheckedKernels",
+    "frame_of",
+    "function",
+    "kernel",
+    "labels",
+    "named_options",
+    "shapes_for",
+]

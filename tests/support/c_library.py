@@ -14,7 +14,17 @@ import pytest
 
 from ulna.compiler import Function
 
-STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror", "-fno-math-errno"]
+STRICT = [
+    "-std=c99",
+    "-Wall",
+    "-Wextra",
+    "-Wpedantic",
+    "-Wshadow",
+    "-Wdouble-promotion",
+    "-Wmissing-prototypes",
+    "-Werror",
+    "-fno-math-errno",
+]
 
 
 def needs(program: str) -> None:

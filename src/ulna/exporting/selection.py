@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ulna import kernels
+from ulna import model as models
 from ulna.checks.values import short_repr
 from ulna.compiler import Function, KernelBase
 from ulna.errors import InputError, UnknownName
@@ -23,6 +24,20 @@ SEARCH_OPTIONS = ("frame", "mask", "joints", "seed")
 
 SAMPLES = 8
 """For how many samples results are recorded."""
+
+_SYMBOLS = {
+    "fk": "T",
+    "jacobian": "J",
+    "jacobian_dot": "J_dot",
+    "inverse_dynamics": "tau",
+    "forward_dynamics": "a",
+    "mass_matrix": "M",
+    "inverse_mass_matrix": "M_inverse",
+    "coriolis_matrix": "C",
+    "bias_forces": "h",
+    "gravity_forces": "g",
+}
+"""The letters that results usually have; the others are called "out"."""
 
 Entry = tuple[str, Any, Mapping[str, Any]]
 """A name, a quantity's name or a function, and the options of this one alone."""
@@ -155,10 +170,8 @@ def options_of(item: Any) -> tuple[str, ...]:
 def _of_quantity(name: str, model: Model, item: str, options: Mapping[str, Any]) -> ExportedFunction:
     quantity, function = QUANTITIES[item], kernels.function(model, item, **options)
     summary, source = cited(quantity.summary)
-    given = {**quantity.options, **options}
-    choices = {key: str(value) for key, value in given.items() if value is not None and value != ()}
-    if "frame" in quantity.options:
-        choices["frame"] = kernels.frame_of(model, given["frame"]).name
+    given = {key: str(value) for key, value in options.items() if value is not None and value != ()}
+    choices = {**given, **kernels.named_options(model, quantity, options)}
     if source:
         choices["source"] = source
     inputs = tuple(
@@ -166,18 +179,32 @@ def _of_quantity(name: str, model: Model, item: str, options: Mapping[str, Any])
         for p in function.inputs
     )
     unit = quantity.result[quantity.result.find("[") + 1 :].rstrip("]") if "[" in quantity.result else ""
-    outputs = tuple(Argument(p.name, p.shape, unit) for p in function.outputs)
-    return ExportedFunction(name, function, inputs, outputs, summary, choices, _samples(function, model))
+    symbol = _SYMBOLS.get(item, "out") if function.single else ""
+    outputs = tuple(Argument(symbol or p.name, p.shape, unit) for p in function.outputs)
+    parameters = options.get("parameters", ())
+    fixed = (parameters,) if isinstance(parameters, str) else tuple(parameters)
+    samples = _samples(function, model, fixed)
+    return ExportedFunction(name, function, inputs, outputs, " ".join(summary.split()), choices, samples)
 
 
 def _about(name: str) -> tuple[str, str]:
     return (ARRAYS[name].unit, ARRAYS[name].text) if name in ARRAYS else ("", "")
 
 
+def _size(name: str) -> str:
+    """The size of a robot's array of that name: "nq", "nv", or empty."""
+    size = ARRAYS[name].size if name in ARRAYS else ""
+    return size if isinstance(size, str) else ""
+
+
 def _of_user(name: str, function: Function, model: Model | None) -> ExportedFunction:
-    inputs = tuple(Argument(p.name, p.shape) for p in function.inputs)
+    sizes = {} if model is None else {"nq": (model.nq,), "nv": (model.nv,)}
+    inputs = tuple(
+        Argument(p.name, p.shape, *_about(p.name if p.shape == sizes.get(_size(p.name)) else ""))
+        for p in function.inputs
+    )
     outputs = tuple(Argument(p.name, p.shape) for p in function.outputs)
-    summary = (function.doc or "").strip().split("\n\n", 1)[0]
+    summary = " ".join((function.doc or "").strip().split("\n\n", 1)[0].split())
     if function.lanes > 1:
         raise InputError(
             f"{name} evaluates one sample in {function.lanes} SIMD lanes, which cannot be exported. "
@@ -212,13 +239,15 @@ def _configurations(model: Model, count: int) -> Any:
     return q
 
 
-def _samples(function: Function, model: Model | None) -> tuple[Any, ...]:
-    """Inputs to record results for: configurations of the robot, and other numbers about 1."""
+def _samples(function: Function, model: Model | None, parameters: Sequence[str] = ()) -> tuple[Any, ...]:
+    """Inputs to record results for: configurations and parameters of the robot, and other numbers up to 1."""
     rng = np.random.default_rng(11)
     samples = []
     for port in function.inputs:
         if model is not None and port.name in ("q", "q0", "q1") and port.shape == (model.nq,):
             samples.append(_configurations(model, SAMPLES))
+        elif model is not None and port.name in parameters:
+            samples.append(np.stack([models.parameters(model, port.name)] * SAMPLES))
         else:
             samples.append(rng.uniform(-1.0, 1.0, (SAMPLES, *port.shape)))
     return tuple(samples)

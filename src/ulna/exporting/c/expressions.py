@@ -16,7 +16,7 @@ _WORDS = """
     float for friend goto if imaginary inline int long mutable namespace new noexcept not not_eq nullptr operator or
     or_eq private protected public register reinterpret_cast requires restrict return short signed sizeof static
     static_assert static_cast struct switch template this thread_local throw true try typedef typeid typename union
-    unsigned using virtual void volatile wchar_t while xor xor_eq I unix linux NAN INFINITY NULL EOF
+    unsigned using virtual void volatile wchar_t while xor xor_eq I unix linux NAN INFINITY HUGE_VAL HUGE_VALF NULL EOF
 """
 """Words of C, C++ and their headers that no argument may have as its name."""
 
@@ -83,9 +83,10 @@ def number(value: float, real: str) -> str:
     else:
         text = repr(float(value))
     if math.isnan(value):
-        return "NAN"
+        return "NAN" if real == "float" else "(double)NAN"
     if math.isinf(value):
-        return "INFINITY" if value > 0 else "(-INFINITY)"
+        infinity = "HUGE_VALF" if real == "float" else "HUGE_VAL"
+        return infinity if value > 0 else f"(-{infinity})"
     text += "f" if real == "float" else ""
     return f"({text})" if text.startswith("-") else text
 

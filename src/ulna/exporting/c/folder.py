@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ulna.exporting.c import search
+from ulna.errors import InputError
+from ulna.exporting.c import model, search
 from ulna.exporting.c.build import cmake_lists
 from ulna.exporting.c.header import comment, header, real_of
 from ulna.exporting.c.source import definition
@@ -19,13 +20,21 @@ def write(export: Export, folder: Path) -> None:
     Args:
         export: What is to be written.
         folder: An empty folder.
+
+    Raises:
+        InputError: If a function has the name of something else that is written.
     """
+    _refuse_taken_names(export)
     name = export.name
     sources = {f"{name}_{f.name}.c": _source(export, f) for f in export.functions}
     sources |= {f"{name}_{s.name}.c": search.source(export, s) for s in export.searches}
+    constants = ""
+    if export.model is not None:
+        constants = model.declarations(export, export.model)
+        sources[f"{name}_model.c"] = model.source(export, export.model)
     test = f"test_{name}.c" if export.options["test"] else ""
     files = {
-        f"{name}.h": header(export, [search.declaration(export, s) for s in export.searches]),
+        f"{name}.h": header(export, constants, [search.declaration(export, s) for s in export.searches]),
         f"{name}_support.h": support_header(name, real_of(export)),
         "CMakeLists.txt": cmake_lists(name, list(sources), test),
         **sources,
@@ -36,10 +45,29 @@ def write(export: Export, folder: Path) -> None:
         (folder / file).write_text(text, encoding="utf-8", newline="\n")
 
 
+def _refuse_taken_names(export: Export) -> None:
+    searches = [s.name for s in export.searches]
+    taken = {"model", "min", "max", "sincos", "sincos_far", "support", "joint_names", "part"}
+    taken |= {
+        f"{s}_{word}" for s in searches for word in ("search", "defaults", "options", "report", "are_finite")
+    }
+    taken |= set() if export.model is None else set(model.constants(export.model))
+    for name in (*searches, *(f.name for f in export.functions)):
+        if name in taken or name.upper() in ("NQ", "NV", "PART", "H", "SUPPORT_H"):
+            raise InputError(
+                f"A function has the name {name!r}, which the folder of C uses itself. "
+                f'Choose another: kernels={{"my_{name}": ...}}.'
+            )
+
+
 def _source(export: Export, f: ExportedFunction) -> str:
     name = export.name
     about = f"{f.summary or f.name} {f.function.operations} operations. Written by Ulna; do not edit."
     includes = [f'#include "{name}.h"', f'#include "{name}_support.h"', ""]
     return "\n".join(
-        [comment([about]), *includes, definition(f.function, f"{name}_{f.name}", real_of(export), name)]
+        [
+            comment([about]),
+            *includes,
+            definition(f.function, f.outputs, f"{name}_{f.name}", real_of(export), name),
+        ]
     )

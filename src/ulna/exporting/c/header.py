@@ -51,7 +51,7 @@ def prototype(export: Export, function: ExportedFunction) -> str:
     Returns:
         The text.
     """
-    inputs, outputs = parameters(function.function, real_of(export))
+    inputs, outputs = parameters(function.inputs, function.outputs, real_of(export))
     return f"void {export.name}_{function.name}({', '.join([*inputs, *outputs]) or 'void'})"
 
 
@@ -98,11 +98,12 @@ def coordinates(model: Model) -> list[str]:
     return lines
 
 
-def header(export: Export, searches: Sequence[str]) -> str:
+def header(export: Export, constants: str, searches: Sequence[str]) -> str:
     """The text of the header.
 
     Args:
         export: The export.
+        constants: Declarations of what is known of the robot; empty without one.
         searches: Declarations of the searches, with their types.
 
     Returns:
@@ -133,6 +134,7 @@ def header(export: Export, searches: Sequence[str]) -> str:
             'extern "C" {',
             "#endif",
             "",
+            *([constants] if constants else []),
             *declared,
             *searches,
             "#ifdef __cplusplus",

@@ -53,7 +53,14 @@ def source(export: Export, search: ExportedSearch) -> str:
             f'#include "{export.name}.h"',
             f'#include "{export.name}_support.h"',
             "",
-            definition(function, f"{name}_search", real, export.name, f"{export.name.upper()}_PART "),
+            definition(
+                function,
+                function.outputs,
+                f"{name}_search",
+                real,
+                export.name,
+                f"{export.name.upper()}_PART ",
+            ),
             _filled(_DEFINITION, export, search),
         ]
     )

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
-from ulna.compiler import Function
+from ulna.compiler import Function, Port
 from ulna.compiler.language.ops import Op
 from ulna.compiler.language.scheduling import Step, Store, parts, scratch_places, used
 from ulna.exporting.c.expressions import argument_names
 from ulna.exporting.c.writer import PACK, Writer
+from ulna.exporting.record import Argument
+
+Ports = Sequence[Argument] | Sequence[Port]
 
 ONE_PIECE = 1500
 """Operations and results of a function that stays in one piece."""
@@ -17,28 +21,32 @@ _FILLED = 16
 """Zeros of an output from which a loop writes them."""
 
 
-def parameters(function: Function, real: str) -> tuple[list[str], list[str]]:
+def parameters(inputs: Ports, outputs: Ports, real: str) -> tuple[list[str], list[str]]:
     """The parameters of the C function, inputs and outputs: "const double q[7]".
 
     Args:
-        function: The traced function.
+        inputs: The inputs.
+        outputs: The outputs.
         real: "double" or "float".
 
     Returns:
         Declarations of the inputs, and of the outputs.
     """
-    ports = [*function.inputs, *function.outputs]
+    ports = [*inputs, *outputs]
     names = argument_names(p.name for p in ports)
     made = [f"{real} {name}[{max(port.size, 1)}]" for name, port in zip(names, ports, strict=True)]
-    count = len(function.inputs)
+    count = len(inputs)
     return [f"const {one}" for one in made[:count]], made[count:]
 
 
-def definition(function: Function, name: str, real: str, prefix: str, storage: str = "") -> str:
+def definition(
+    function: Function, outputs: Ports, name: str, real: str, prefix: str, storage: str = ""
+) -> str:
     """The definition of the C function, after those of its parts.
 
     Args:
         function: The traced function.
+        outputs: Its outputs, with the names that they have in C.
         name: The name of the C function.
         real: "double" or "float".
         prefix: What names of functions of the export begin with.
@@ -47,8 +55,8 @@ def definition(function: Function, name: str, real: str, prefix: str, storage: s
     Returns:
         The text.
     """
-    inputs, outputs = parameters(function, real)
-    names = argument_names(p.name for p in (*function.inputs, *function.outputs))
+    heads = [*itertools.chain(*parameters(function.inputs, outputs, real))]
+    names = argument_names(p.name for p in (*function.inputs, *outputs))
     pieces = parts(function, 1, PACK)
     if function.operations + len(function.results) <= ONE_PIECE:
         pieces = [[step for piece in pieces for step in piece]]
@@ -60,10 +68,10 @@ def definition(function: Function, name: str, real: str, prefix: str, storage: s
     if len(pieces) == 1:
         unused = [n for n in names if not any(_mentions(line, n) for line in bodies[0])]
         body = [*bodies[0], *(f"    (void){n};" for n in unused)]
-        return _function(f"{storage}void {name}", [*inputs, *outputs], body)
+        return _function(f"{storage}void {name}", heads, body)
     texts, calls = [], []
     for k, body in enumerate(one for one in bodies if one):
-        declared = dict(zip([*names, "w"], [*inputs, *outputs, f"{real} *w"], strict=True))
+        declared = dict(zip([*names, "w"], [*heads, f"{real} *w"], strict=True))
         mine = [n for n in declared if any(_mentions(line, n) for line in body)]
         texts.append(
             _function(f"{prefix.upper()}_PART void {name}_part{k}", [declared[n] for n in mine], body)
@@ -76,7 +84,7 @@ def definition(function: Function, name: str, real: str, prefix: str, storage: s
     )
     unused = [n for n in names if not any(_mentions(call, n) for call in calls)]
     body = [*head, *calls, *(f"    (void){n};" for n in unused)]
-    return "\n".join([*texts, _function(f"{storage}void {name}", [*inputs, *outputs], body)])
+    return "\n".join([*texts, _function(f"{storage}void {name}", heads, body)])
 
 
 def _filled(function: Function) -> list[set[int]]:

@@ -131,7 +131,7 @@ static int test_@short@(void)
         met += status == @NAME@_MET;
         for (j = 0; status == @NAME@_MET && j < @k@; j++) {
             wrong += !(report.position_error[j] <= options.position_tolerance);
-            wrong += !(report.rotation_error[j] <= options.rotation_tolerance * 1.001);
+            wrong += !(report.rotation_error[j] <= options.rotation_tolerance * (@real@)1.001);
         }
         near += @name@(@short@_goals[i], q, &options, again, NULL) == status;
     }
