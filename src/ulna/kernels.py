@@ -143,7 +143,10 @@ def named_options(model: Model, quantity: Quantity, options: Mapping[str, Any]) 
     """
     given = {**quantity.options, **options}
     names = {key: value for key, value in given.items() if isinstance(value, str)}
-    return {"frame": frame_of(model, given["frame"]).name, **names} if "frame" in given else names
+    frame = given.get("frame", "")
+    if frame is None:
+        return {"frame": model.tool, **names}
+    return names if isinstance(frame, str) else {"frame": ", ".join(map(str, frame)), **names}
 
 
 def _parameter_names(model: Model, parameters: str | Sequence[str]) -> tuple[str, ...]:
