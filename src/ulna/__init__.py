@@ -19,6 +19,7 @@ from ulna.model import Model as Model
 from ulna.model import ModelBuilder as ModelBuilder
 from ulna.robot import Robot as Robot
 from ulna.robot import compile as compile
+from ulna.robot import set_notebook_display
 from ulna.spatial import SE3 as SE3
 from ulna.spatial import SO3 as SO3
 from ulna.spatial import Force as Force
@@ -78,6 +79,13 @@ __all__ = [
     "p_servo",
     "show",
 ]
+
+
+def _robot_html(robot: Robot) -> str:
+    return importlib.import_module("ulna.viewer.page.notebook").robot_html(robot)
+
+
+set_notebook_display(_robot_html)
 
 
 def __getattr__(name: str) -> Any:

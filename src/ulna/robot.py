@@ -34,6 +34,14 @@ from ulna.quantities.operational_space import OperationalSpace
 from ulna.quantities.regressors import Regressors
 from ulna.typing import ArrayLike, Floats
 
+_notebook_display: Callable[[Any], str] | None = None
+
+
+def set_notebook_display(function: Callable[[Any], str]) -> None:
+    """Have notebooks display robots by a function that returns HTML; the viewer, a layer above, has one."""
+    global _notebook_display
+    _notebook_display = function
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -146,6 +154,9 @@ class Robot(
 
     def __str__(self) -> str:
         return self.model.table()
+
+    def _repr_html_(self) -> str | None:
+        return None if _notebook_display is None else _notebook_display(self)
 
     @property
     def name(self) -> str:

@@ -163,7 +163,7 @@ def test_copies_and_tools_do_not_suffer(things: dict[str, Any], subject: str) ->
     shown = {name for name, _ in inspect.getmembers(thing)}
     assert not shown & set(IDIOMS[subject])
     for name in (
-        "_repr_html_",
+        "_repr_svg_",
         "__array_interface__",
         "_ipython_canary_method_should_not_exist_",
         "_ipython_display_",

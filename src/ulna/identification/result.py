@@ -11,6 +11,7 @@ import numpy as np
 from ulna.errors import MissingExtra
 from ulna.identification.base import BaseParameters
 from ulna.model import Model, with_dynamic_parameters, with_joint_dynamics
+from ulna.system.figures import displayed
 from ulna.system.storage import save_figure
 from ulna.typing import Floats
 
@@ -124,7 +125,7 @@ class Identification:
             raise MissingExtra("matplotlib", "plot", "Plotting an identification") from None
         rows, nv = self.measured.shape
         x = np.arange(rows) if t is None else np.asarray(t, dtype=float)
-        figure = Figure(figsize=(9.0, 1.6 * nv + 0.6), layout="constrained")
+        figure = displayed(Figure(figsize=(9.0, 1.6 * nv + 0.6), layout="constrained"))
         panels = figure.subplots(nv, 1, sharex=True, squeeze=False)[:, 0]
         for k, (panel, name) in enumerate(zip(panels, self.model.velocity_names, strict=True)):
             panel.plot(x, self.measured[:, k], color="0.6", linewidth=2.0, label="measured")

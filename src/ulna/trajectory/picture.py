@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ulna.errors import MissingExtra
+from ulna.system.figures import displayed
 from ulna.system.storage import save_figure
 from ulna.trajectory.base import Trajectory, register_operation
 from ulna.trajectory.space import Poses
@@ -22,7 +23,7 @@ def plot(trajectory: Trajectory, path: str | Path | None = None, samples: int = 
         samples: How many times to look at, besides the knots.
 
     Returns:
-        A `matplotlib.figure.Figure`.
+        A `matplotlib.figure.Figure`, which a notebook displays.
 
     Raises:
         MissingExtra: Matplotlib is not installed.
@@ -38,7 +39,7 @@ def plot(trajectory: Trajectory, path: str | Path | None = None, samples: int = 
     points = q[:, :3, 3] if poses else q
     labels = names[:3] if poses else list(trajectory.space.columns)
     titles = ("position [m]" if poses else "position [rad or m]", "velocity [1/s]", "acceleration [1/s^2]")
-    figure = Figure(figsize=(8.0, 7.5), layout="constrained")
+    figure = displayed(Figure(figsize=(8.0, 7.5), layout="constrained"))
     panels = figure.subplots(3, 1, sharex=True)
     for panel, rows, which, title in zip(panels, (points, v, a), (labels, names, names), titles, strict=True):
         for column, name in zip(np.atleast_2d(rows.T), which, strict=True):

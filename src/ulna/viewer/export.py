@@ -19,6 +19,7 @@ from ulna.trajectory import Samples, Trajectory
 from ulna.typing import Array, Floats
 from ulna.viewer.graph.camera import Camera, camera_for, checked_camera
 from ulna.viewer.graph.theme import Theme, theme_of
+from ulna.viewer.output.picture import as_picture
 from ulna.viewer.output.png import checked_png_path
 from ulna.viewer.output.video import checked_video_path, frame_times, write_video
 from ulna.viewer.page.html_file import checked_html_path, write_html
@@ -77,6 +78,8 @@ class ExportMethods(SceneMethods, abc.ABC):
     ) -> Array:
         """A picture of the scene (height, width, 3), uint8, drawn without a browser; written as a PNG file, too.
 
+        A notebook displays it.
+
         Args:
             path: The file; none is written when not given.
             width: Width [pixels].
@@ -97,7 +100,7 @@ class ExportMethods(SceneMethods, abc.ABC):
         image = render(self.scene, width, height, view, samples, self._theme, self._floor)
         if target is not None:
             write_png(target, image)
-        return image
+        return as_picture(image)
 
     def film(
         self,

@@ -19,6 +19,7 @@ from ulna.viewer.page import Page
 from ulna.viewer.page.access import checked_host
 from ulna.viewer.page.browser import open_browser, somebody_can_look
 from ulna.viewer.page.keep_open import keep_open
+from ulna.viewer.page.notebook import picture_html
 from ulna.viewer.panel import Panel
 from ulna.viewer.panel.teach_panel import TeachPanel
 from ulna.viewer.panel.timeline import SPEED_EXPECTED, Timeline
@@ -125,7 +126,9 @@ class Viewer(ExportMethods):
         self.close()
 
     def _repr_html_(self) -> str | None:
-        return None if self._page is None or self._page.closed else self._page._repr_html_()
+        if self._page is None:
+            return picture_html(self.scene, self._theme) if self.scene.names else None
+        return None if self._page.closed else self._page._repr_html_()
 
     def __getattr__(self, name: str) -> Any:
         raise unknown_attribute("viewer", name, dir(type(self)))
