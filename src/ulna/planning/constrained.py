@@ -10,7 +10,7 @@ import numpy as np
 
 from ulna.planning import projected_rrt
 from ulna.planning.certificate import Certificate
-from ulna.planning.path_constraints import Constraints
+from ulna.planning.path_constraints import SPARE, Constraints
 from ulna.planning.path_length import length
 from ulna.planning.projected_rrt import Projection
 from ulna.planning.run import Run
@@ -134,11 +134,13 @@ class ConstrainedSearch(Search):
 
     def _prepare(self, run: Run) -> Failure | None:
         start, goals = self._constraints.violations(run.q0), self._constraints.violations(run.goals)
-        if start > 1.0:
-            return "start", f"`q0` violates the constraints: {start:.3g} times their tolerance."
-        kept = np.flatnonzero(goals <= 1.0)
+        most = 1.0 - SPARE
+        limit = f"times their tolerance, more than the {most:g} that leave room for motions that cut corners."
+        if start > most:
+            return "start", f"`q0` violates the constraints: {start:.3g} {limit}"
+        kept = np.flatnonzero(goals <= most)
         if len(run.goals) and not len(kept):
-            return "goal", f"the goal violates the constraints: {goals.min():.3g} times their tolerance."
+            return "goal", f"the goal violates the constraints: {goals.min():.3g} {limit}"
         run.goals = run.goals[kept]
         failure = super()._prepare(run)
         run.numbers = kept[run.numbers].tolist()
@@ -173,6 +175,10 @@ class ConstrainedSearch(Search):
         leaving = self._constraints.unproved_edges(points) if len(points) > 1 else []
         unproved = tuple(sorted({*certificate.unproved, *leaving}))
         return points, Certificate(unproved, certificate.clearance, certificate.checks)
+
+    def _deviation_bounds(self) -> Floats | None:
+        bounds = super()._deviation_bounds()
+        return None if bounds is None else np.concatenate([bounds, self._constraints.rate_rows / SPARE])
 
     def _refined(self, run: Run, points: Floats) -> Floats:
         """The path, with more points on the constraints where it would leave them in between."""

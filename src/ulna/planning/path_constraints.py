@@ -34,6 +34,9 @@ from ulna.planning.goals import Region, Turns
 from ulna.planning.motion_bounds import Group, motion_bounds
 from ulna.typing import Array, Floats
 
+SPARE = 0.2
+"""What paths leave of the tolerances for motions that cut their corners."""
+
 _DAMPING = 1e-6
 _FREE = 1e6  # half the edge of a box that bounds nothing [m]
 _AXES = ("x", "y", "z")
@@ -139,19 +142,24 @@ class Constraints:
         Returns:
             Shape (n,), for the whole change [-].
         """
-        by_constraint = []
+        return (np.abs(change) @ self.rate_rows.T).max(axis=1)
+
+    @property
+    def rate_rows(self) -> Floats:
+        """How fast each part of the violation grows at most when a number of the configuration changes, (m, nq)."""
+        rows = []
         for item in self.items:
             moving, turning = _frame_bounds(self.model, self.model.frame(item.frame))
             if np.isfinite(item.region.size).any():
-                by_constraint.append(np.abs(change) @ moving / item.position_tolerance)
+                rows.append(moving / item.position_tolerance)
             if item.region.turns != "any":
-                by_constraint.append(np.abs(change) @ turning / item.rotation_tolerance)
-        return np.max(by_constraint, axis=0)
+                rows.append(turning / item.rotation_tolerance)
+        return np.array(rows)
 
     def unproved_edges(self, points: Floats) -> list[int]:
         """The edges of a path of straight motions of which it is not proved that they keep the constraints.
 
-        Intervals are halved until the violation in the middle, and how much it grows to the ends, are below 1.
+        Intervals are halved until the violation in the middle, and how much it grows to the ends, leave `SPARE`.
 
         Args:
             points: The path, shape (n, nq) [rad, m].
@@ -166,8 +174,8 @@ class Constraints:
             middle = (start + width / 2.0)[:, None]
             violation = self.violations(points[edge] * (1.0 - middle) + points[edge + 1] * middle)
             half = rates[edge] * width / 2.0
-            is_open = ~(violation + half <= 1.0)
-            failed |= set(edge[is_open & ((violation > 0.98) | (half < 0.01))].tolist())
+            is_open = ~(violation + half <= 1.0 - SPARE)
+            failed |= set(edge[is_open & ((violation > 0.98 - SPARE) | (half < 0.01))].tolist())
             again = is_open & ~np.isin(edge, list(failed))
             edge, width = np.repeat(edge[again], 2), np.repeat(width[again] / 2.0, 2)
             start = np.repeat(start[again], 2)

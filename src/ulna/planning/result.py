@@ -8,8 +8,9 @@ from typing import Any, Literal, final
 
 from ulna.errors import InputError
 from ulna.planning.certificate import Certificate
+from ulna.planning.motion_path import motion_path
 from ulna.planning.path_length import length
-from ulna.trajectory import Retimed, straight_through, time_optimal
+from ulna.trajectory import Retimed, time_optimal
 from ulna.typing import ArrayLike, Floats
 
 Outcome = Literal["solved", "start", "goal", "unreachable", "iterations", "time"]
@@ -34,6 +35,8 @@ class Plan:
         model: The robot's model.
         improvements: Where `improve` asks for shorter paths: for the first path and each better one the time since the
             call [s], and its length [rad, m], before it is certified.
+        deviation_bounds: Rows (m, nq) [1/rad, 1/m]: a motion that deviates from the path by d is certified, too, where
+            all of `deviation_bounds @ abs(d)` are at most 1; None where no deviation is, because `margin` was 0.
     """
 
     outcome: Outcome
@@ -47,6 +50,7 @@ class Plan:
     seconds: Mapping[str, float]
     model: Any = field(repr=False)
     improvements: tuple[tuple[float, float], ...] = ()
+    deviation_bounds: Any = field(default=None, repr=False)
 
     def __bool__(self) -> bool:
         return self.outcome == "solved"
@@ -67,25 +71,35 @@ class Plan:
         velocity: ArrayLike | None = None,
         acceleration: ArrayLike | None = None,
         torque: ArrayLike | None = None,
+        blend: bool = False,
     ) -> Retimed:
         """The fastest motion along the path under limits; it follows the path exactly and rests at its corners.
+
+        With `blend` it cuts the corners without resting there, and uses the margin that the plan kept.
 
         Args:
             velocity: Limits of speed, (), (nq,) or (2, nq) [rad/s, m/s]; None for the model's.
             acceleration: Limits of acceleration, (), (nq,) or (2, nq) [rad/s^2, m/s^2].
             torque: Limits of torque, (), (nq,) or (2, nq) [N m, N]; None for the model's.
+            blend: Whether corners are cut, by as much as is certified.
 
         Returns:
-            The trajectory; what is certified of the path holds for it.
+            The trajectory. What is certified of the path holds for it; of one that cuts corners, that it touches
+            nothing and keeps the constraints, but not the margin.
 
         Raises:
-            InputError: If there is no path, it has one point only, or no motion keeps the limits.
+            InputError: If there is no path, it has one point only, no motion keeps the limits, or corners are to be cut
+                and the plan kept no margin.
         """
         if not self:
             raise InputError(f"There is no path to move along: {self.reason}")
         if len(self.points) < 2:
             raise InputError("The start is the goal; there is nothing to move.")
-        path = straight_through(self.model, self.points, 1.0)
+        if blend and self.deviation_bounds is None:
+            raise InputError(
+                "`blend` is True, but the plan kept no margin that corners can be cut by; plan with margin=0.005 [m]."
+            )
+        path = motion_path(self.model, self.points, self.deviation_bounds if blend else None)
         return time_optimal(path, self.model, velocity=velocity, acceleration=acceleration, torque=torque)
 
     def __repr__(self) -> str:

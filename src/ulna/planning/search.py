@@ -243,6 +243,11 @@ class Search:
             unproved += [] if edge else [k]
         return Certificate(tuple(unproved), self._margin, checks)
 
+    def _deviation_bounds(self) -> Floats | None:
+        """What motions may deviate by without touching anything; see `Plan`."""
+        rows = [bounds for bounds in self._scene.moving.bounds_of_motion if len(bounds)]
+        return np.concatenate(rows) / (0.98 * self._margin) if self._margin > 0.0 else None
+
     def _result(
         self, run: Run, outcome: Outcome, reason: str, points: Floats, certificate: Certificate | None, goal: int
     ) -> Plan:  # fmt: skip
@@ -259,4 +264,5 @@ class Search:
             run.seconds,
             self._model,
             tuple(run.improvements),
+            self._deviation_bounds(),
         )

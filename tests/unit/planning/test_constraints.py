@@ -196,3 +196,23 @@ def test_the_interpreter_grows_the_same_trees() -> None:
         np.testing.assert_array_equal(same.counts, trees.counts)
         np.testing.assert_array_equal(same.parents, trees.parents)
         np.testing.assert_allclose(same.nodes, trees.nodes, atol=2e-5)
+
+
+def test_a_motion_that_cuts_corners_keeps_constraints_and_touches_nothing() -> None:
+    robot = panda()
+    p = planner_with_margin().plan(right(), pose(0.25), constraints=upright())
+    assert p.is_certified
+    resting, flowing = p.trajectory(acceleration=8.0), p.trajectory(acceleration=8.0, blend=True)
+    assert flowing.duration < 0.5 * resting.duration
+    states, v = flowing.state(np.linspace(0.0, flowing.duration, 20_000))[:2]
+    assert np.arccos(np.clip(-robot.fk(states)[:, 2, 2], -1.0, 1.0)).max() < 0.02
+    assert not robot.collides(states, planner().scene.world, method="spheres").any()
+    assert np.linalg.norm(v[500:-500], axis=1).min() > 0.01  # it does not stop on the way
+    np.testing.assert_allclose(states[[0, -1]], p.points[[0, -1]], atol=1e-9)
+    with pytest.raises(InputError, match="plan with margin"):
+        planner().plan(right(), pose(0.25)).trajectory(blend=True)
+
+
+@cache
+def planner_with_margin() -> Planner:
+    return Planner(panda(), planner().scene.world, margin=0.005)
