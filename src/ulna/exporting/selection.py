@@ -220,11 +220,13 @@ def _search(name: str, model: Model, options: Mapping[str, Any]) -> ExportedSear
     problem = problem_of(model, frames, masks, None if joints is None else tuple(joints))
     choices = {"frame": ", ".join(frames)}
     choices.update({key: str(options[key]) for key in ("mask", "joints") if options.get(key) is not None})
-    q = _configurations(model, SAMPLES)
+    start = default_start(problem)
+    q = np.tile(start, (SAMPLES, 1))  # joints that may not move stay where the search has them
+    q[:, problem.positions] = _configurations(model, SAMPLES)[:, problem.positions]
     poses = [np.stack([kernels.function(model, "fk", frame=f)(x) for f in frames]) for x in q]
     goals = np.stack(poses) if len(frames) > 1 else np.stack(poses)[:, 0]
     shift = shift_of(options.get("seed", 0), problem)
-    return ExportedSearch(name, problem, default_start(problem), shift, choices, goals)
+    return ExportedSearch(name, problem, start, shift, choices, goals)
 
 
 def _configurations(model: Model, count: int) -> Any:

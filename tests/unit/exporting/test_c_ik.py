@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import ctypes
+import subprocess
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import ulna
-from support.c_library import library
+from support.c_library import STRICT, gcc, library
 
 
 class Report(ctypes.Structure):
@@ -96,3 +98,31 @@ def test_inverse_kinematics_refuses_what_is_no_pose(panda: ulna.Robot, solve: So
         assert solve(T, None, options)[0] == -2
     assert solve(T, np.full(7, np.inf))[0] == -2
     assert solve(T, None, Options(1.0, 4.0, 1))[0] == 1
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"joints": ["panda_joint1", "panda_joint2", "panda_joint4"], "mask": "position"},
+        {"mask": "position+z"},
+    ],
+    ids=["some joints", "a direction"],
+)
+def test_searches_of_parts_of_a_pose_compile_without_warnings(
+    panda: ulna.Robot, tmp_path: Path, options: dict[str, Any]
+) -> None:
+    place = ulna.export(panda, "ik", to="c", path=tmp_path / "x", **options)
+    assert gcc(*STRICT, "-O1", *place.glob("*.c"), "-o", tmp_path / "test", "-lm").stderr == ""
+    ran = subprocess.run([tmp_path / "test"], capture_output=True, text=True, timeout=60, check=False)
+    assert ran.returncode == 0, ran.stdout
+
+
+def test_both_hands_of_a_humanoid(tmp_path: Path) -> None:
+    g1 = ulna.load("g1")
+    hands = ["left_rubber_hand", "right_rubber_hand"]
+    place = ulna.export(g1, "ik", to="c", path=tmp_path / "x", name="g", frame=hands)
+    header = (place / "g.h").read_text()
+    assert "frames left_rubber_hand, right_rubber_hand, in this order." in header and "T[32]" in header
+    assert gcc(*STRICT, "-O1", *place.glob("*.c"), "-o", tmp_path / "test", "-lm").stderr == ""
+    ran = subprocess.run([tmp_path / "test"], capture_output=True, text=True, timeout=60, check=False)
+    assert ran.returncode == 0, ran.stdout

@@ -88,6 +88,9 @@ class Writer:
                 if index in slots:
                     self.write(f"w[{slots[index]}] = {self.name_of(index)};")
 
+    def _is_constant(self, index: int) -> bool:
+        return self.graph.op[index] in (Op.CONST, Op.BOOL)
+
     def node(self, index: int) -> None:
         """Writes one node; its arguments are written already."""
         g = self.graph
@@ -127,20 +130,24 @@ class Writer:
             args: Nodes of the initial state, then of the values that the loop captures.
         """
         tag = f"{self.tag}L{index}_"
+        live = set(loop.graph.live([loop.condition, *loop.following]))
         inner = Writer(loop.graph, self.real, self.prefix, tag, self._depth + 1)
         state = [f"{tag}x{k}" for k in range(loop.size)]
         for name, node in zip(state, args, strict=False):
             self.write(f"{self.real} {name} = {self.name_of(node)};")
         self.write(f"long {tag}n;")
+        for node, outside in zip(loop.graph.inputs[loop.size :], args[loop.size :], strict=True):
+            inner.names[node] = self.name_of(outside)
+            if node not in live and not self._is_constant(
+                outside
+            ):  # captured, but simplified away in the loop
+                self.write(f"(void){inner.names[node]};")
         self.write(f"for ({tag}n = 0; {tag}n < {loop.limit}L; {tag}n++) {{")
-        live = set(loop.graph.live([loop.condition, *loop.following]))
         for node, name in zip(loop.graph.inputs, state, strict=False):
             if node in live:
                 inner.assign(node, name)
             else:
                 inner.write(f"(void){name};")
-        for node, outside in zip(loop.graph.inputs[loop.size :], args[loop.size :], strict=True):
-            inner.names[node] = self.name_of(outside)
         inner.steps(self._without_inputs(loop.graph, [loop.condition]), {})
         inner.write(f"if (!({inner.name_of(loop.condition)})) {{")
         inner.write("    break;")
