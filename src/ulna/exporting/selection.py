@@ -39,6 +39,19 @@ _SYMBOLS = {
 }
 """The letters that results usually have; the others are called "out"."""
 
+_OTHERS = {
+    "f_ext": ("N, N m", "Wrenches on the frames of `forces`, in their order, with the reference above"),
+    "gravity": ("m/s^2", "Acceleration of gravity, down for a robot on the ground"),
+    "armature": ("kg or kg m^2", "Inertia of the drives at the joints"),
+    "damping": ("N s/m or N m s/rad", "Viscous friction of the joints"),
+    "friction": ("N or N m", "Coulomb friction of the joints"),
+    "inertia": (
+        "",
+        "Dynamic parameters of the bodies, ten each; see parameters in the documentation of Ulna",
+    ),
+}
+"""Units and meaning of arguments that options add."""
+
 Entry = tuple[str, Any, Mapping[str, Any]]
 """A name, a quantity's name or a function, and the options of this one alone."""
 
@@ -170,14 +183,13 @@ def options_of(item: Any) -> tuple[str, ...]:
 def _of_quantity(name: str, model: Model, item: str, options: Mapping[str, Any]) -> ExportedFunction:
     quantity, function = QUANTITIES[item], kernels.function(model, item, **options)
     summary, source = cited(quantity.summary)
-    given = {key: str(value) for key, value in options.items() if value is not None and value != ()}
+    given = {key: _listed(value) for key, value in options.items() if value is not None and value != ()}
     choices = {**given, **kernels.named_options(model, quantity, options)}
+    if choices.get("frame") == "all":
+        choices["frame"] = ", ".join(model.frame_names)
     if source:
         choices["source"] = source
-    inputs = tuple(
-        Argument(p.name, p.shape, *_about(p.name if p.name in quantity.arrays else ""))
-        for p in function.inputs
-    )
+    inputs = tuple(Argument(p.name, p.shape, *_about(p.name)) for p in function.inputs)
     unit = quantity.result[quantity.result.find("[") + 1 :].rstrip("]") if "[" in quantity.result else ""
     symbol = _SYMBOLS.get(item, "out") if function.single else ""
     outputs = tuple(Argument(symbol or p.name, p.shape, unit) for p in function.outputs)
@@ -187,8 +199,13 @@ def _of_quantity(name: str, model: Model, item: str, options: Mapping[str, Any])
     return ExportedFunction(name, function, inputs, outputs, " ".join(summary.split()), choices, samples)
 
 
+def _listed(value: Any) -> str:
+    """A value in words: entries of lists with commas between them."""
+    return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+
+
 def _about(name: str) -> tuple[str, str]:
-    return (ARRAYS[name].unit, ARRAYS[name].text) if name in ARRAYS else ("", "")
+    return (ARRAYS[name].unit, ARRAYS[name].text) if name in ARRAYS else _OTHERS.get(name, ("", ""))
 
 
 def _size(name: str) -> str:
@@ -219,7 +236,7 @@ def _search(name: str, model: Model, options: Mapping[str, Any]) -> ExportedSear
     _, frames, masks = named_goals(blank, frame, options.get("mask"), model.tool)
     problem = problem_of(model, frames, masks, None if joints is None else tuple(joints))
     choices = {"frame": ", ".join(frames)}
-    choices.update({key: str(options[key]) for key in ("mask", "joints") if options.get(key) is not None})
+    choices.update({key: _listed(options[key]) for key in ("mask", "joints") if options.get(key) is not None})
     start = default_start(problem)
     q = np.tile(start, (SAMPLES, 1))  # joints that may not move stay where the search has them
     q[:, problem.positions] = _configurations(model, SAMPLES)[:, problem.positions]

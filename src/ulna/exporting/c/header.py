@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ulna.compiler.codegen.ir_text import DType
 from ulna.exporting.c.expressions import argument_names
-from ulna.exporting.c.source import parameters
+from ulna.exporting.c.source import parameters, prototype
 from ulna.exporting.record import Argument, Export, ExportedFunction
 from ulna.model import Model
 
@@ -41,8 +41,8 @@ def comment(paragraphs: Sequence[str]) -> str:
     return "\n".join([f"/* {lines[0]}", *(f" * {line}".rstrip() for line in lines[1:]), " */"])
 
 
-def prototype(export: Export, function: ExportedFunction) -> str:
-    """The head of a function's declaration, without a semicolon.
+def declaration(export: Export, function: ExportedFunction) -> str:
+    """The comment and the declaration of a function.
 
     Args:
         export: The export.
@@ -52,7 +52,8 @@ def prototype(export: Export, function: ExportedFunction) -> str:
         The text.
     """
     inputs, outputs = parameters(function.inputs, function.outputs, real_of(export))
-    return f"void {export.name}_{function.name}({', '.join([*inputs, *outputs]) or 'void'})"
+    head = prototype(f"void {export.name}_{function.name}", [*inputs, *outputs])
+    return f"{described(function)}\n{head};\n"
 
 
 def described(function: ExportedFunction) -> str:
@@ -60,12 +61,13 @@ def described(function: ExportedFunction) -> str:
     text = [function.summary or f"The function {function.name}."]
     choices = dict(function.choices)
     if "frame" in choices:
-        text.append(f"Frame: {choices.pop('frame')}.")
+        frame = choices.pop("frame")
+        text.append(f"Frames, in this order: {frame}." if ", " in frame else f"Frame: {frame}.")
     if "reference" in choices:
         reference = choices.pop("reference")
         text.append(f"Reference: {reference} ({_REFERENCES[reference]}).")
     source = choices.pop("source", "")
-    text += [f"{key}: {value}." for key, value in choices.items()]
+    text += [f"{key.capitalize()}: {value}." for key, value in choices.items()]
     text += [f"Source: {source}."] if source else []
     names = argument_names(p.name for p in (*function.inputs, *function.outputs))
     arguments = (*function.inputs, *function.outputs)
@@ -123,7 +125,7 @@ def header(export: Export, constants: str, searches: Sequence[str]) -> str:
     ]
     if export.model is not None:
         about += ["", *coordinates(export.model)]
-    declared = [f"{described(f)}\n{prototype(export, f)};\n" for f in export.functions]
+    declared = [declaration(export, f) for f in export.functions]
     return "\n".join(
         [
             comment(about),

@@ -103,12 +103,25 @@ def _mentions(line: str, name: str) -> bool:
     return any(sign + name + end in line for sign in (" ", "(") for end in ("[", ",", ")"))
 
 
-def _function(head: str, arguments: Sequence[str], body: Sequence[str]) -> str:
+def prototype(head: str, arguments: Sequence[str]) -> str:
+    """The head of a function, with its arguments one below the other where they are long.
+
+    Args:
+        head: What stands in front of them: "void panda_fk".
+        arguments: Declarations of the arguments.
+
+    Returns:
+        The text, without a semicolon.
+    """
     lead = ",\n" + " " * (len(head) + 1)
     joined = ", ".join(arguments)
     if len(head) + len(joined) > 100:
         joined = lead.join(arguments)
-    return "\n".join([f"{head}({joined or 'void'})", "{", *body, "}", ""])
+    return f"{head}({joined or 'void'})"
+
+
+def _function(head: str, arguments: Sequence[str], body: Sequence[str]) -> str:
+    return "\n".join([prototype(head, arguments), "{", *body, "}", ""])
 
 
 def _body(
