@@ -39,6 +39,13 @@ def _functions(x: Any) -> Any:
     )
 
 
+def _moved(x: Any) -> Any:
+    """Long rows of zeros and of inputs, which compilers write by calls of memset and memcpy."""
+    rows = np.zeros((40, 64), dtype=object)
+    rows[5], rows[6], rows[7, 3] = x, x, x[0] * 2.0
+    return rows
+
+
 def exported(robot: ulna.Robot, kernels: Any, path: Path, **options: Any) -> tuple[Path, bytes]:
     place = ulna.export(robot, kernels, to="object", path=path, **options)
     file = next(p for p in place.iterdir() if p.suffix in (".o", ".obj"))
@@ -65,7 +72,8 @@ def test_the_table_of_undefined_symbols(panda: ulna.Robot, tmp_path: Path, tripl
         pytest.skip("the processor has no float64")
     kernels = {k: k for k in ("fk", "ik")}
     own = ulna.compile(_functions, x=(3,), dtype=dtype)
-    _, content = exported(panda, {**kernels, "own": own}, tmp_path / "x", triple=triple, dtype=dtype)
+    own = {"own": own, "moved": ulna.compile(_moved, x=(64,), dtype=dtype)}
+    _, content = exported(panda, {**kernels, **own}, tmp_path / "x", triple=triple, dtype=dtype)
     expected = chosen.undefined if dtype == "float64" else chosen.undefined_float32
     assert undefined_symbols(content) == expected
 

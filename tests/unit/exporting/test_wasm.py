@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import ulna
+from ulna import numeric
 from ulna.compiler import compile
 from ulna.errors import InputError
 from ulna.exporting import TARGETS
@@ -162,6 +163,23 @@ def test_the_types_name_functions_units_and_frames(folder: Path) -> None:
     assert "fk(q: Numeric, out?: Float64Array): Float64Array;" in text
     assert "ik(T: Numeric, q0?: Numeric | null, options?: SearchOptions): Solution;" in text
     assert "[rad or m]" in text and "panda_hand_tcp" in text
+
+
+@needs_node
+def test_rows_of_equal_numbers_need_no_library(tmp_path: Path) -> None:
+    def moved(x: Any) -> Any:
+        rows = np.zeros((40, 64), dtype=object)
+        rows[5], rows[6], rows[7, 3] = x, x, x[0] * 2.0
+        return rows
+
+    def halve(x: Any) -> Any:  # with loops, all of level 1 is used
+        return numeric.loop(lambda v: v > 1.0, lambda v: (0.5 * v,), (x,), 40)[0]
+
+    kernels = {"moved": ulna.compile(moved, x=(64,)), "halve": ulna.compile(halve, x=())}
+    place = ulna.export(None, kernels, to="wasm", path=tmp_path, name="panda")
+    assert node(place, "show(robot.halve(5))") == 0.625
+    x = np.arange(64.0)
+    np.testing.assert_array_equal(node(place, "show(robot.moved(given[0]))", x.tolist()), moved(x).ravel())
 
 
 @needs_node

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 
 from ulna.compiler.codegen.batch_loop import batch_loop
@@ -171,7 +172,9 @@ def emit_library(
         )
     if add is not None:
         add(module)
-    return module.text() + _wide_registers(max((f.lanes for _, f in functions), default=1), element)
+    # Without this, LLVM calls memset and memcpy where rows of equal numbers are written or moved.
+    text = re.sub(r"^(define .*?)nounwind", r'\1nounwind "no-builtins"', module.text(), flags=re.MULTILINE)
+    return text + _wide_registers(max((f.lanes for _, f in functions), default=1), element)
 
 
 def emit_batch(f: Function, target: Target, element: DType = "double") -> str:
