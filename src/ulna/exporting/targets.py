@@ -18,6 +18,7 @@ _WASM = ExportTarget(
     name="wasm",
     text="a WebAssembly module and a typed JavaScript module around it, for web pages and node",
     module="ulna.exporting.wasm.folder",
+    options={"test": Option(True, "whether to write a test script with recorded values")},
 )
 
 _OBJECT = ExportTarget(

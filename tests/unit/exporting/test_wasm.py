@@ -137,6 +137,23 @@ def test_what_is_refused(folder: Path, call: str, error: str, message: str) -> N
 
 
 @needs_node
+def test_the_test_script_passes_and_sees_errors(folder: Path, tmp_path: Path) -> None:
+    command = [NODE, "test_panda.mjs"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (
+        "ik: 8 of 8 goals met, 8 again from their solutions" in done.stdout and "mass_matrix" in done.stdout
+    )
+    shutil.copytree(folder, tmp_path / "copy")
+    script = tmp_path / "copy" / "test_panda.mjs"
+    script.write_text(script.read_text().replace('"outputs":[[', '"outputs":[[9', 1))
+    done = subprocess.run(
+        command, cwd=script.parent, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 1 and "which is too much" in done.stdout
+
+
+@needs_node
 def test_results_go_into_arrays_that_are_given(folder: Path) -> None:
     script = "const T = new Float64Array(16); show(robot.fk(given[0], T) === T && T[15] === 1)"
     assert node(folder, script, [0.0] * 7) is True
@@ -193,6 +210,14 @@ def test_own_functions_numbers_and_float32(tmp_path: Path) -> None:
         "both(x: Numeric, y: number, out0?: Float32Array, out1?: Float32Array): [Float32Array, number];"
         in (place / "panda.d.ts").read_text()
     )
+
+
+def test_arguments_with_names_that_javascript_reserves(tmp_path: Path) -> None:
+    kernel = ulna.compile(lambda new, function: new + function, new=(2,), function=())
+    place = ulna.export(None, {"sum": kernel}, to="wasm", path=tmp_path / "x", name="panda", test=False)
+    text = (place / "panda.d.ts").read_text()
+    assert "sum(new_: Numeric, function_: number, out?: Float64Array): Float64Array;" in text
+    assert not (place / "test_panda.mjs").exists()
 
 
 def test_exports_that_are_refused(panda: ulna.Robot, tmp_path: Path) -> None:

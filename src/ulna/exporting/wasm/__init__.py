@@ -7,5 +7,6 @@
 | `description.py` | what the JavaScript module knows of functions and robot |
 | `declarations.py` | the types, for TypeScript and editors |
 | `runtime.js` | the JavaScript module: checks of arguments, calls, searches |
+| `test_program.py` | a script for node with recorded values |
 | `folder.py` | the files |
 """

@@ -107,13 +107,27 @@ def _comment(f: dict[str, Any]) -> list[str]:
         for a in arguments:
             shape = "(" + ", ".join(map(str, a["shape"])) + ")" if a["shape"] else "a number"
             unit = f" [{a['unit']}]" if a["unit"] else ""
-            name = f" {a['name']}" if word == "@param" else ""
+            name = f" {_parameter(a['name'])}" if word == "@param" else ""
             lines.append(f"   * {word}{name} {shape}{unit} {_plain(a['text'])}".rstrip())
     return ["  /**", *lines, "   */"]
 
 
+_RESERVED = (
+    "arguments", "await", "break", "case", "catch", "class", "const", "continue", "debugger", "default",
+    "delete", "do", "else", "enum", "eval", "export", "extends", "false", "finally", "for", "function",
+    "if", "implements", "import", "in", "instanceof", "interface", "let", "new", "null", "package",
+    "private", "protected", "public", "return", "static", "super", "switch", "this", "throw", "true", "try",
+    "typeof", "var", "void", "while", "with", "yield",
+)  # fmt: skip
+
+
+def _parameter(name: str) -> str:
+    """A name that a parameter may have in TypeScript."""
+    return f"{name}_" if name in _RESERVED else name
+
+
 def _signature(f: dict[str, Any], array: str) -> str:
-    inputs = [f"{a['name']}: {'Numeric' if a['shape'] else 'number'}" for a in f["inputs"]]
+    inputs = [f"{_parameter(a['name'])}: {'Numeric' if a['shape'] else 'number'}" for a in f["inputs"]]
     taken = {a["name"] for a in f["inputs"]}
     outputs = []
     for k, a in enumerate(f["outputs"]):

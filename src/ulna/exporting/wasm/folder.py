@@ -13,6 +13,7 @@ from ulna.exporting.record import Export
 from ulna.exporting.wasm.code import module, places, traced
 from ulna.exporting.wasm.declarations import declarations
 from ulna.exporting.wasm.description import description
+from ulna.exporting.wasm.test_program import test_program
 from ulna.ik.search import DESCENT
 
 _TAKEN = ("description", "memory")
@@ -70,7 +71,7 @@ def web_module(export: Export) -> WebModule:
 
 
 def write(export: Export, folder: Path) -> None:
-    """Writes the WebAssembly module, the JavaScript module and its types.
+    """Writes the WebAssembly module, the JavaScript module, its types, and a test with recorded values.
 
     Args:
         export: What is to be written.
@@ -80,5 +81,8 @@ def write(export: Export, folder: Path) -> None:
     (folder / f"{export.name}.wasm").write_bytes(made.binary)
     for suffix, text in ((".js", made.javascript), (".d.ts", made.types)):
         (folder / f"{export.name}{suffix}").write_text(text, encoding="utf-8", newline="\n")
+    if export.options["test"]:
+        text = test_program(export)
+        (folder / f"test_{export.name}.mjs").write_text(text, encoding="utf-8", newline="\n")
     package = {"type": "module", "main": f"./{export.name}.js", "types": f"./{export.name}.d.ts"}
     (folder / "package.json").write_text(json.dumps(package, indent=2) + "\n", encoding="utf-8")
