@@ -34,7 +34,7 @@ def write(export: Export, folder: Path) -> None:
         sources[f"{name}_model.c"] = model.source(export, export.model)
     test = f"test_{name}.c" if export.options["test"] else ""
     files = {
-        f"{name}.h": header(export, constants, [search.declaration(export, s) for s in export.searches]),
+        f"{name}.h": header(export, [search.declaration(export, s) for s in export.searches], constants),
         f"{name}_support.h": support_header(name, real_of(export)),
         "CMakeLists.txt": cmake_lists(name, list(sources), test),
         **sources,

@@ -100,13 +100,13 @@ def coordinates(model: Model) -> list[str]:
     return lines
 
 
-def header(export: Export, constants: str, searches: Sequence[str]) -> str:
+def header(export: Export, searches: Sequence[str], constants: str = "") -> str:
     """The text of the header.
 
     Args:
         export: The export.
-        constants: Declarations of what is known of the robot; empty without one.
         searches: Declarations of the searches, with their types.
+        constants: Declarations of constants of the robot; empty for none.
 
     Returns:
         The text.
