@@ -82,7 +82,7 @@ __all__ = [
 
 
 def _robot_html(robot: Robot) -> str:
-    return importlib.import_module("ulna.viewer.page.notebook").robot_html(robot)
+    return importlib.import_module("ulna.viewer.notebook").robot_html(robot)
 
 
 set_notebook_display(_robot_html)

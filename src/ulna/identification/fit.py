@@ -29,6 +29,7 @@ from ulna.identification.convex import Problem, Progress, minimised
 from ulna.identification.physical import pseudo_inertia
 from ulna.identification.result import Identification
 from ulna.model import Model, dynamic_parameters
+from ulna.system.progress import progress as task_progress
 from ulna.typing import ArrayLike, Floats
 
 
@@ -109,10 +110,11 @@ def identify(
             return _physical(R, z, p0, sizes, weight, len(model.joints), progress)
         return _linear(R, z, p0, sizes, weight)
 
-    p, count = fitted(sigma)
-    if isinstance(noise, str):
-        p, count = fitted(_deviations(y - W @ p, y))
-        sigma = _deviations(y - W @ p, y)
+    with task_progress("Fitting parameters"):
+        p, count = fitted(sigma)
+        if isinstance(noise, str):
+            p, count = fitted(_deviations(y - W @ p, y))
+            sigma = _deviations(y - W @ p, y)
     return _result(model, log, W, known, p, nominal, sought, physical, sigma, count)
 
 

@@ -29,11 +29,13 @@ from ulna.ik.result import IKSolution
 from ulna.lazy import is_deferred
 from ulna.model import Model
 from ulna.system.cached import cached_property
+from ulna.system.progress import progress
 from ulna.typing import Floats
 
 _BATCH_FROM = 64  # goals from which the lock-step batch beats one multi-start search after the other
 _SINGLE_BELOW = 16  # unmet goals of a batch below which each is searched for alone
 _ROUNDS = 12  # rounds of a batch before each unmet goal is searched for alone
+_PART = 2**16  # goals that are solved between two reports of progress
 _CACHED = 256  # seeds, and sets of tolerances, that are remembered
 
 
@@ -60,6 +62,7 @@ class Solver:
         self._shifts: dict[Any, Floats] = {}
         self._default_start = default_start(self.problem)
         self._status, self._core = model.nq, len(self.problem.shapes["T"])
+        self._batch_size = _BATCH_FROM * 16 * len(self.problem.frames)  # entries of T
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Solver, self._arguments
@@ -100,8 +103,8 @@ class Solver:
                 return IKSolution(self.problem, deferred.solve(self, self.problem, T, q0, options))
             T = matrix_of(T)
         try:
-            if q0 is None and T.ndim > self._core and T.size >= _BATCH_FROM * 16 * len(self.problem.frames):
-                raw = self._search_batch(T, shift, settings, threads)
+            if T.ndim > self._core and T.size >= self._batch_size:
+                raw = self._search_in_parts(T, q0, shift, settings, threads)
             else:
                 start = self._default_start if q0 is None else q0
                 if threads is None:
@@ -122,7 +125,37 @@ class Solver:
             raw = self._nearest(T, raw, shift, settings, threads)
         return IKSolution(self.problem, raw)
 
-    def _search_batch(self, T: Any, shift: Floats, settings: Floats, threads: int | None) -> Floats:
+    def _search_in_parts(
+        self, T: Any, q0: Any, shift: Floats, settings: Floats, threads: int | None
+    ) -> Floats:
+        """A large batch part by part, so that progress is shown and Ctrl-C is heard in between."""
+        solve = self._search_batch if q0 is None else self._search_near
+        core = self.problem.shapes["T"]
+        try:
+            start = np.zeros(self.problem.model.nq) if q0 is None else np.asarray(q0)
+            batch = np.broadcast_shapes(T.shape[: T.ndim - len(core)], start.shape[:-1])
+        except ValueError:
+            return solve(T, q0, shift, settings, threads)  # raises and says why
+        count = int(np.prod(batch))
+        if count <= _PART or T.shape[T.ndim - len(core) :] != core:
+            return solve(T, q0, shift, settings, threads)
+        goals = np.broadcast_to(T, (*batch, *core)).reshape(-1, *core)
+        starts = None if q0 is None else np.broadcast_to(start, (*batch, start.shape[-1])).reshape(count, -1)
+        out = np.empty((count, 0))
+        with progress("Inverse kinematics") as report:
+            for first in range(0, count, _PART):
+                part = slice(first, min(first + _PART, count))
+                raw = solve(goals[part], None if starts is None else starts[part], shift, settings, threads)
+                out = np.empty((count, raw.shape[-1])) if first == 0 else out
+                out[part] = raw
+                report(part.stop, count)
+        return out.reshape(*batch, -1)
+
+    def _search_near(self, T: Any, q0: Any, shift: Floats, settings: Floats, threads: int | None) -> Floats:
+        options = {} if threads is None else {"threads": threads}
+        return self._multi_start(T, q0, shift, settings, **options)
+
+    def _search_batch(self, T: Any, _: None, shift: Floats, settings: Floats, threads: int | None) -> Floats:
         """All goals advance in lock-step; those that are met are removed, the last few use multi-start."""
         core = self.problem.shapes["T"]
         T = batched_array("T", T, core)
@@ -168,7 +201,7 @@ class Solver:
         flat = raw.reshape(-1, raw.shape[-1]).copy()
         goals = np.broadcast_to(T, (*raw.shape[:-1], *core)).reshape(-1, *core)
         missed = flat[:, nq] < 0.5
-        nearest = self._multi_start(goals[missed], flat[missed, :nq], shift, descent, threads=threads)
+        nearest = self._search_in_parts(goals[missed], flat[missed, :nq], shift, descent, threads)
         nearest[:, effort] = flat[missed, effort]
         flat[missed] = nearest
         return flat.reshape(raw.shape)

@@ -23,6 +23,7 @@ from ulna.planning.path_constraints import Constraints, PathConstraint
 from ulna.planning.result import Plan
 from ulna.planning.search import Options, Search
 from ulna.planning.tables import Scene, links_of
+from ulna.system.progress import progress
 from ulna.typing import ArrayLike
 
 
@@ -255,11 +256,6 @@ class Planner:
             raise ShapeError("starts", q0.shape, f"({len(goal_list)}, {self.model.nq}), one for each goal")
         start_of_each = np.broadcast_to(q0, (len(goal_list), self.model.nq))
         workers = 1 if threads is None else _count("threads", threads, 1)
-        if workers == 1 or len(goal_list) < 2:
-            return [
-                self.plan(start, goal, **options)
-                for start, goal in zip(start_of_each, goal_list, strict=True)
-            ]
         is_stopped = threading.Event()
 
         def one(number: int) -> Plan | None:
@@ -269,12 +265,22 @@ class Planner:
                 else self.plan(start_of_each[number], goal_list[number], **options)
             )
 
-        pool = ThreadPoolExecutor(min(workers, len(goal_list)))
-        try:  # the search does not hold the interpreter's lock
-            return list(pool.map(one, range(len(goal_list))))  # type: ignore[arg-type]
-        finally:  # Ctrl-C, too, waits for plans under way only
-            is_stopped.set()
-            pool.shutdown(cancel_futures=True)
+        count, out = len(goal_list), []
+        with progress("Planning") as report:
+            if workers == 1 or count < 2:
+                for number in range(count):
+                    report(number, count)
+                    out.append(self.plan(start_of_each[number], goal_list[number], **options))
+                return out
+            pool = ThreadPoolExecutor(min(workers, count))
+            try:  # the search does not hold the interpreter's lock
+                for number, plan in enumerate(pool.map(one, range(count))):
+                    out.append(plan)
+                    report(number + 1, count)
+                return out
+            finally:  # Ctrl-C, too, waits for plans under way only
+                is_stopped.set()
+                pool.shutdown(cancel_futures=True)
 
 
 def _count(name: str, value: Any, least: int) -> int:

@@ -19,6 +19,7 @@ Sources: Hairer, Lubich & Wanner, Geometric Numerical Integration (2006), sectio
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Literal
@@ -36,6 +37,7 @@ from ulna.model.constraint import listed
 from ulna.robot import Robot
 from ulna.sim.plant import Plant, Torque, check_friction, checked_torques
 from ulna.sim.recording import Recording
+from ulna.system.progress import progress, silent
 from ulna.typing import ArrayLike, Floats
 
 Method = Literal["euler", "rk4", "adaptive"]
@@ -43,6 +45,7 @@ _METHODS = ("euler", "rk4", "adaptive")
 _SOLVERS = ("RK45", "RK23", "DOP853", "Radau", "BDF", "LSODA")
 _ERROR = "an error above zero, at most 1"
 _MOST_STEPS = 10**8  # more do not fit
+_LONG = 20_000  # steps from which progress is shown
 
 
 def dynamic_step(
@@ -151,17 +154,20 @@ def _equal_steps(
 ) -> Recording:
     """Steps of one length, of which each `every`-th is recorded."""
     recording, count = Recording(), len(times) - 1
-    duration = float(times[-1])
-    step = duration / count
-    for k in range(count):
-        t = float(times[k])
-        tau = checked_torques(law(t, q, v), plant.robot.nv)
-        if k % every == 0:
-            recording.add(t, q, v=v, tau=tau)
-        q, v = plant.euler(q, v, tau, step) if method == "euler" else plant.rk4(q, v, law, t, step)
-        if not np.isfinite(v).all():
-            raise _divergence_error(float(times[k + 1]), v)
-    recording.add(duration, q, v=v, tau=checked_torques(law(duration, q, v), plant.robot.nv))
+    step = float(times[-1]) / count
+    with progress("Simulating") if count >= _LONG else contextlib.nullcontext(silent) as report:
+        for k in range(count):
+            t = float(times[k])
+            tau = checked_torques(law(t, q, v), plant.robot.nv)
+            if k % every == 0:
+                recording.add(t, q, v=v, tau=tau)
+            q, v = plant.euler(q, v, tau, step) if method == "euler" else plant.rk4(q, v, law, t, step)
+            if not np.isfinite(v).all():
+                raise _divergence_error(float(times[k + 1]), v)
+            if k % 1000 == 0:
+                report(k, count)
+    end = float(times[-1])
+    recording.add(end, q, v=v, tau=checked_torques(law(end, q, v), plant.robot.nv))
     return recording
 
 

@@ -6,6 +6,7 @@ Nothing here is imported by `import ulna`, and the names below are imported when
 |---|---|
 | `viewer`, `show`, `export` | what users open: a viewer of a scene, the page of one robot; pictures, videos, HTML |
 | `panel` | controls beside the scene, plots, the teach panel of a robot, the time line |
+| `notebook` | what notebooks display |
 | `page` | the viser server, the messages to the browser, who may connect |
 | `render` | pictures with NumPy alone |
 | `scene` | adding robots, shapes, meshes and annotations by name |

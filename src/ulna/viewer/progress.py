@@ -1,117 +1,22 @@
-"""Progress of long tasks, reported after a short delay in the terminal and in open pages."""
+"""Progress of long tasks, compilations included, for open pages; see `ulna.system.progress`."""
 
 from __future__ import annotations
 
-import sys
-import threading
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import final
-
 from ulna.compiler.runtime import jit
-from ulna.system import forks
+from ulna.system import progress as tasks
+from ulna.system.progress import Report, Watcher, progress, silent
 
-Report = Callable[[int, int], None]
-"""Called with how many steps are done, and of how many."""
-
-Watcher = Callable[[str, str], None]
-"""Called with the name of a task and its progress; the progress is empty when the task is finished."""
-
-_DELAY = 0.7  # s
-_INTERVAL = 0.1  # s between two messages about one task
-
-_watchers: list[Watcher] = []
+__all__ = ["Report", "Watcher", "progress", "silent", "unwatch", "watch"]
 
 
 def watch(watcher: Watcher) -> None:
     """Call a watcher with the progress of long tasks of this process from now on, compilations included."""
-    _watchers.append(watcher)
+    tasks.watch(watcher)
     jit.watchers.append(watcher)
 
 
 def unwatch(watcher: Watcher) -> None:
     """Do not call a watcher any more."""
-    for watchers in (_watchers, jit.watchers):
-        if watcher in watchers:
-            watchers.remove(watcher)
-
-
-def silent(done: int, of: int) -> None:
-    """Reports nothing.
-
-    Args:
-        done: Number of parts that are done.
-        of: Number of all parts.
-    """
-
-
-@contextmanager
-def progress(what: str) -> Iterator[Report]:
-    """A report function for a task; reports are shown once the task takes longer than a short delay.
-
-    Args:
-        what: What is being done: "Loading meshes".
-    """
-    work = _Task(what)
-    try:
-        yield work.report
-    finally:
-        work.finish()
-
-
-@final
-class _Task:
-    def __init__(self, what: str) -> None:
-        self._what, self._count = what, ""
-        self._shown = self._finished = False
-        self._reported_at = 0.0
-        self._lock, self._output_lock = forks.lock(), forks.lock()
-        self._report_pending = True  # whether a word is on its way
-        self._timer = self._start_timer(_DELAY)
-
-    def report(self, done: int, of: int) -> None:
-        with self._lock:
-            self._count = f"{done} of {of}" if of > 1 else ""
-            if self._report_pending or self._finished:
-                return
-            self._report_pending, wait = True, self._reported_at + _INTERVAL - time.monotonic()
-            if wait > 0.0:
-                self._timer = self._start_timer(wait)
-                return
-        self._report_now()
-
-    def finish(self) -> None:
-        with self._lock:
-            self._finished = True
-            self._timer.cancel()
-        self._timer.join()
-        with self._output_lock:
-            if not self._shown:
-                return
-            if _terminal():
-                print(f"\r{' ' * (len(self._what) + 24)}\r", end="", file=sys.stderr, flush=True)
-            for watcher in tuple(_watchers):
-                watcher(self._what, "")
-
-    def _start_timer(self, seconds: float) -> threading.Timer:
-        timer = threading.Timer(seconds, self._report_now)
-        timer.daemon = True
-        timer.start()
-        return timer
-
-    def _report_now(self) -> None:
-        with self._output_lock:
-            with self._lock:
-                if self._finished:
-                    return
-                self._report_pending, self._shown = False, True
-                self._reported_at, count = time.monotonic(), self._count or "..."
-            if _terminal():
-                print(f"\r{self._what}: {count} ", end="", file=sys.stderr, flush=True)
-            for watcher in tuple(_watchers):
-                watcher(self._what, count)
-
-
-def _terminal() -> bool:
-    return sys.stderr is not None and sys.stderr.isatty()
+    tasks.unwatch(watcher)
+    if watcher in jit.watchers:
+        jit.watchers.remove(watcher)

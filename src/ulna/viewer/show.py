@@ -12,6 +12,7 @@ from ulna.system import forks
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.graph.camera import Camera
 from ulna.viewer.graph.theme import LIGHT, Theme, theme_of
+from ulna.viewer.notebook import page_html
 from ulna.viewer.page import Page
 from ulna.viewer.page.browser import open_browser
 from ulna.viewer.page.keep_open import keep_open
@@ -164,7 +165,7 @@ class Show:
         self.close()
 
     def _repr_html_(self) -> str:
-        return self.page._repr_html_()
+        return page_html(self.page)
 
     def __repr__(self) -> str:
         return f"<page of {self.robot.name!r} at {self.url}>"

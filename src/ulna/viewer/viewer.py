@@ -15,11 +15,11 @@ from ulna.viewer.export import ExportMethods, Playable, checked_floor
 from ulna.viewer.graph.camera import Camera, camera_for, checked_camera
 from ulna.viewer.graph.handles import Handle
 from ulna.viewer.graph.theme import LIGHT, Theme, theme_of
+from ulna.viewer.notebook import page_html, picture_html
 from ulna.viewer.page import Page
 from ulna.viewer.page.access import checked_host
 from ulna.viewer.page.browser import open_browser, somebody_can_look
 from ulna.viewer.page.keep_open import keep_open
-from ulna.viewer.page.notebook import picture_html
 from ulna.viewer.panel import Panel
 from ulna.viewer.panel.teach_panel import TeachPanel
 from ulna.viewer.panel.timeline import SPEED_EXPECTED, Timeline
@@ -128,7 +128,7 @@ class Viewer(ExportMethods):
     def _repr_html_(self) -> str | None:
         if self._page is None:
             return picture_html(self.scene, self._theme) if self.scene.names else None
-        return None if self._page.closed else self._page._repr_html_()
+        return None if self._page.closed else page_html(self._page, self._theme)
 
     def __getattr__(self, name: str) -> Any:
         raise unknown_attribute("viewer", name, dir(type(self)))

@@ -14,7 +14,7 @@ import pytest
 
 import ulna
 from ulna.compiler.runtime import jit
-from ulna.viewer import progress as module
+from ulna.system import progress as module
 from ulna.viewer.progress import progress, unwatch, watch
 
 

@@ -1,19 +1,10 @@
-"""What notebooks display: the page in a frame, or a picture and how to see the page; robots as picture and table."""
+"""The page in a frame of a notebook, and where the kernel of the notebook runs."""
 
 from __future__ import annotations
 
-import base64
-import html
 import os
 import sys
-from functools import lru_cache
-from typing import Any, Literal
-
-from ulna.viewer.graph.camera import camera_for
-from ulna.viewer.graph.scene_graph import SceneGraph
-from ulna.viewer.graph.theme import LIGHT, Theme
-from ulna.viewer.output.png import encode_png
-from ulna.viewer.render.renderer import render
+from typing import Literal
 
 Place = Literal["here", "hub", "colab", "vscode", "ssh"]
 
@@ -46,62 +37,37 @@ def place_of_kernel() -> Place:
     return "ssh" if "SSH_CONNECTION" in os.environ else "here"
 
 
-def page_html(scene: SceneGraph, url: str, port: int, theme: Theme = LIGHT) -> str:
-    """A page in a frame; a picture of its scene where the user's browser does not reach it; and a note on where it is.
+def is_reachable(place: Place) -> bool:
+    """Whether a user's browser can reach the port of a page where the kernel runs."""
+    return place not in ("hub", "colab")
+
+
+def note_html(url: str, port: int) -> str:
+    """Where a page is and how it is reached from elsewhere; empty where the kernel runs on the user's machine.
 
     Args:
-        scene: What the page shows.
-        url: Its address.
+        url: Address of the page.
         port: Its port.
-        theme: Colours of the picture.
 
     Returns:
         The HTML text.
     """
-    place = place_of_kernel()
     link = f'<a href="{url}" target="_blank">{url}</a>'
-    note = _NOTES[place].format(url=url, port=port, link=link)
-    below = f'<div style="font-size:smaller;opacity:0.8">{note}</div>' if note else ""
-    if place in ("hub", "colab"):
-        return picture_html(scene, theme) + below
-    return f'<iframe src="{url}" width="100%" height="560" style="border:0"></iframe>{below}'
+    note = _NOTES[place_of_kernel()].format(url=url, port=port, link=link)
+    return f'<div style="font-size:smaller;opacity:0.8">{note}</div>' if note else ""
 
 
-def picture_html(scene: SceneGraph, theme: Theme = LIGHT, width: int = 800, height: int = 500) -> str:
-    """A picture of a scene as HTML.
+def frame_html(url: str, port: int) -> str:
+    """A page in a frame, and a note on where it is; the note alone where the user's browser does not reach it.
 
     Args:
-        scene: The scene.
-        theme: Colours.
-        width: Width [pixels].
-        height: Height [pixels].
+        url: Address of the page.
+        port: Its port.
 
     Returns:
         The HTML text.
     """
-    image = render(scene, width, height, camera_for(scene, width / height), theme=theme)
-    data = base64.b64encode(encode_png(image)).decode("ascii")
-    return f'<img src="data:image/png;base64,{data}" width="{width}" alt="the scene"/>'
-
-
-@lru_cache(maxsize=16)
-def robot_html(robot: Any) -> str:
-    """A robot as a notebook displays it: a picture and its table.
-
-    Args:
-        robot: An `ulna.Robot`.
-
-    Returns:
-        The HTML text; the table alone where its meshes cannot be read.
-    """
-    from ulna.errors import UlnaError
-    from ulna.viewer.robot.configuration import configuration
-    from ulna.viewer.scene import Scene
-
-    table = f'<pre style="line-height:1.2;overflow-x:auto">{html.escape(str(robot))}</pre>'
-    scene = Scene()
-    try:
-        scene.add_robot(robot, configuration(robot, None))
-    except UlnaError as error:
-        return f"{table}<div>No picture: {html.escape(str(error))}</div>"
-    return picture_html(scene, width=480, height=360) + table
+    note = note_html(url, port)
+    if not is_reachable(place_of_kernel()):
+        return note
+    return f'<iframe src="{url}" width="100%" height="560" style="border:0"></iframe>{note}'

@@ -27,7 +27,7 @@ from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.graph.theme import LIGHT, Theme
 from ulna.viewer.page import access as guard
 from ulna.viewer.page.framing import Framing, framing_camera
-from ulna.viewer.page.notebook import page_html
+from ulna.viewer.page.notebook import frame_html
 from ulna.viewer.page.notifications import ProgressNotifications
 from ulna.viewer.page.pose_channel import PoseChannel
 from ulna.viewer.page.publisher import Publisher
@@ -171,7 +171,7 @@ class Page:
         self.close()
 
     def _repr_html_(self) -> str:
-        return page_html(self.scene, self.url, self.port, self._theme)
+        return frame_html(self.url, self.port)
 
     def set_camera(self, camera: Camera | None = None) -> None:
         """Set the camera of every tab; one that shows the whole scene when not given."""
