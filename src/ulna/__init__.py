@@ -52,6 +52,7 @@ _PACKAGES = (
     "faces",
     "identification",
     "ik",
+    "interop",
     "sim",
     "trajectory",
     "viewer",

@@ -10,7 +10,7 @@ import pytest
 
 import ulna
 
-HEAVY = ("viser", "trimesh", "matplotlib", "scipy", "xacro", "ulna.viewer", "dask", "sympy")
+HEAVY = ("viser", "trimesh", "matplotlib", "scipy", "xacro", "ulna.viewer", "dask", "sympy", "torch", "jax")
 
 
 @pytest.mark.parametrize("name", ulna.__all__)
@@ -31,6 +31,7 @@ def test_every_name_is_there_and_documented(name: str) -> None:
         "faces",
         "identification",
         "ik",
+        "interop",
         "sim",
         "trajectory",
         "viewer",

@@ -23,7 +23,7 @@ from ulna.system import forks
 # Part of the cache's key: change it with `optimised` and `_machine`.
 _RECIPE = "inlining or level 1, codegen 2"
 # How much IR text of one call and of a batch LLVM compiles, about [byte/s].
-_SPEED = {"entry": 4e6, "batch": 2e6, "kernel": 2e6}
+_SPEED = {"entry": 4e6, "batch": 2e6, "kernel": 2e6, "xla": 2e6}
 # Compilations that will take longer are announced; tracing took about as long already [s].
 _ANNOUNCE_FROM = 0.5
 watchers: list[Callable[[str, str], None]] = []
