@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 import os
 import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 from ulna import disk_cache
@@ -28,6 +29,9 @@ _SPEED = {"entry": 4e6, "batch": 2e6, "kernel": 2e6, "xla": 2e6}
 _ANNOUNCE_FROM = 0.5
 watchers: list[Callable[[str, str], None]] = []
 """Called with what is compiled and about how long it takes, where it is long, and with "" once it is done."""
+_library_numbers = itertools.count()
+# What LLVM keeps of an object file that was dropped, 10 kB, goes with the engine; making one takes 1.5 ms.
+_GROUP = 16
 _lock = forks.lock(forks.COMPILER)  # LLVM's contexts are not safe to share
 # Daemon threads may still compile: LLVM must not be torn down under them. Nobody compiles from then on.
 at_end.append(lambda: _lock.acquire(timeout=60.0))
@@ -124,18 +128,37 @@ def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[
             content = interruptible(lambda: _object(key, ir, has_loops))
     seconds = time.perf_counter() - start if is_new else 0.0
     with _lock:
-        machine = _new_machine()  # the engine takes it over
-        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
-        engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(content))
-        engine.finalize_object()
-        code = Code(engine, {name: engine.get_function_address(name) for name in names}, seconds)
+        code = _linked(content, names, seconds)
     if "time" in os.environ.get("ULNA_DEBUG", ""):
         print(
             f"[ulna] {', '.join(names)}: {1e3 * seconds:.1f} ms {'in LLVM' if is_new else '(from the cache)'}"
         )
-    if not all(code.addresses.values()):
-        raise CompileError(f"LLVM made no code for {[n for n, a in code.addresses.items() if not a]}.")
     return code
+
+
+def _linked(content: bytes, names: tuple[str, ...], seconds: float) -> Code:
+    """An object file in memory, all sections side by side, with the addresses of some of its definitions."""
+    library = llvm_library().JITLibraryBuilder().add_object_img(content).add_current_process()
+    for name in names:
+        library.export_symbol(name)
+    number = next(_library_numbers)
+    try:
+        tracker = library.link(_engine(number // _GROUP), f"ulna.{number}")
+    except RuntimeError as error:
+        raise CompileError(
+            f"LLVM cannot load a kernel, which is a bug in Ulna; please report it.\n{error}"
+        ) from None
+    return Code(tracker, {name: tracker[name] for name in names}, seconds)
+
+
+@lru_cache(maxsize=1)
+def _engine(group: int) -> Any:
+    """What the code of a group of object files is linked by; it lives as long as one of them.
+
+    JITLink takes one block of memory for an object file. LLVM's other linker takes one for each section, and ends the
+    process where the gaps of the address space leave them more than 2 GB apart, as large libraries do (PyTorch).
+    """
+    return llvm_library().create_lljit_compiler(_new_machine(), use_jit_link=sys.platform != "win32")
 
 
 def _cached_object(key: str) -> bytes | None:
