@@ -19,6 +19,7 @@ UlnaError
 ├── DivisionByZero (ZeroDivisionError) a procedure divides an integer by zero: file, line
 ├── CompileError (RuntimeError)      LLVM refused a kernel (a bug in Ulna; please report it)
 ├── TooLargeError (RuntimeError)     a kernel would take more operations than the limit
+├── DeviceError (RuntimeError)       there is no GPU, or no driver for it
 ├── VersionMismatch (RuntimeError)   a task came from a process with another version of Ulna
 ├── JobStopped (RuntimeError)        a job on a cluster ended before all of it was done; it can be continued
 └── ViewerError (RuntimeError)       the viewer cannot do what was asked
@@ -413,6 +414,10 @@ class JobStopped(UlnaError, RuntimeError):
         else:
             more = f"{done} of {parts} parts were done and are lost: give `to` a folder, and they are kept."
         super().__init__(f"{reason} {more}")
+
+
+class DeviceError(UlnaError, RuntimeError):
+    """There is no GPU that code can run on, or no driver for it."""
 
 
 class ViewerError(UlnaError, RuntimeError):

@@ -15,7 +15,7 @@ import numpy as np
 
 from ulna import model as models
 from ulna.algorithms.multibody.references import check_reference
-from ulna.compiler import Function, compile, element_of, trace
+from ulna.compiler import CudaKernel, Function, compile, element_of, trace
 from ulna.errors import InputError, UnknownName
 from ulna.model import Model
 from ulna.quantities import QUANTITIES, Quantity
@@ -27,6 +27,9 @@ from ulna.quantities.size import sized
 from ulna.system import forks
 
 _SEARCHES = ("ik", "ik_all", "ik_classic", "ik_free", "distance", "collides", "first_contact")
+
+DEVICES = ("cpu", "cuda")
+"""What kernels are compiled for."""
 
 _made: weakref.WeakValueDictionary[Any, Any] = weakref.WeakValueDictionary()
 _recent: deque[Any] = deque(
@@ -78,6 +81,7 @@ def kernel(
     checked: bool = False,
     *,
     parameters: str | Sequence[str] = (),
+    device: str = "cpu",
     **options: Any,
 ) -> Any:
     """The compiled kernel of a quantity for a model.
@@ -89,17 +93,20 @@ def kernel(
         checked: Whether nan and inf in the inputs raise NonFiniteError, and quaternions that are not unit InputError.
         parameters: Names of model parameters that become further arguments instead, in this order, after the
             others; see `ulna.model.parameters`. They broadcast like all arguments.
+        device: "cpu", or "cuda" for an NVIDIA GPU (experimental; see `ulna.compiler.CudaKernel`).
         **options: Options of the quantity, such as `frame` and `reference`.
 
     Returns:
         The kernel; see `ulna.compiler.compile`. Equal models share it.
 
     Raises:
-        UnknownName: For an unknown kernel, parameter, option, frame or reference; names the nearest.
+        UnknownName: For an unknown kernel, parameter, option, device, frame or reference; names the nearest.
+        InputError: If `checked` is asked for on a GPU.
     """
+    check_device(device, checked)
     quantity, chosen = _choose(name, options)
     names = _parameter_names(model, parameters)
-    key = (model.fingerprint, name, element_of(dtype).name, checked, names, tuple(chosen.items()))
+    key = (model.fingerprint, name, element_of(dtype).name, checked, names, device, tuple(chosen.items()))
     with _lock:
         compiled = _made.get(key)
         if compiled is None:
@@ -107,8 +114,12 @@ def kernel(
             if quantity.inverts_mass and not MASS_PARAMETERS & set(names):
                 check_mass(model, element_of(dtype).name)
             traced = function(model, name, parameters=names, **chosen)
-            named = labels(model, traced)
-            compiled = _made[key] = compile(traced, dtype, checked, unit_entries=unit, labels=named)
+            if device == "cuda":
+                compiled = CudaKernel(traced, dtype)
+            else:
+                named = labels(model, traced)
+                compiled = compile(traced, dtype, checked, unit_entries=unit, labels=named)
+            _made[key] = compiled
             _recent.append(compiled)
     return compiled
 
@@ -147,6 +158,26 @@ def named_options(model: Model, quantity: Quantity, options: Mapping[str, Any]) 
     if frame is None:
         return {"frame": model.tool, **names}
     return names if isinstance(frame, str) else {"frame": ", ".join(map(str, frame)), **names}
+
+
+def check_device(device: str, checked: bool) -> None:
+    """Refuses an unknown device, and checks on one that has none.
+
+    Args:
+        device: "cpu" or "cuda".
+        checked: Whether nan and inf in the inputs are to be refused.
+
+    Raises:
+        UnknownName: For another device.
+        InputError: If `checked` is asked for on a GPU.
+    """
+    if device not in DEVICES:
+        raise UnknownName("device", device, DEVICES)
+    if device == "cuda" and checked:
+        raise InputError(
+            "`checked` is True; expected False with device='cuda', since a GPU does not report what is wrong. "
+            "Check the arrays before the call."
+        )
 
 
 def _parameter_names(model: Model, parameters: str | Sequence[str]) -> tuple[str, ...]:
@@ -242,8 +273,10 @@ class CheckedKernels(dict[Any, Any]):
 
 
 __all__ = [
+    "DEVICES",
     "QUANTITIES",
     "CheckedKernels",
+    "check_device",
     "frame_of",
     "function",
     "kernel",

@@ -11,7 +11,7 @@ import numpy as np
 
 from ulna import kernels
 from ulna.checks.values import short_repr
-from ulna.compiler import Function, trace
+from ulna.compiler import CudaKernel, Function, trace
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import Explained, explained
@@ -203,7 +203,15 @@ class Robot(
         """The neutral configuration, (nq,): zeros, and unit quaternions."""
         return self.model.neutral
 
-    def kernel(self, name: str, *, dtype: Any = np.float64, checked: bool = False, **options: Any) -> Any:
+    def kernel(
+        self,
+        name: str,
+        *,
+        dtype: Any = np.float64,
+        checked: bool = False,
+        device: str = "cpu",
+        **options: Any,
+    ) -> Any:
         """The bare compiled kernel of a quantity, for hot loops: `fk = robot.kernel("fk", frame="panda_hand")`.
 
         Called with a contiguous array of the exact shape and type it costs about 100 ns. It lets nan through unless
@@ -216,15 +224,16 @@ class Robot(
             name: The quantity; `docs/quantities.md` lists them, `ulna.kernels.QUANTITIES` is their table.
             dtype: The type to compute in: float64 or float32.
             checked: Whether nan and inf in the inputs raise NonFiniteError.
+            device: "cpu", or "cuda" for arrays on an NVIDIA GPU (experimental; docs/gpu.md).
             **options: Options of the quantity, such as `frame` and `reference`; `parameters`.
 
         Returns:
             The kernel; see `ulna.compiler.compile`.
 
         Raises:
-            UnknownName: If there is no such kernel, option or frame.
+            UnknownName: If there is no such kernel, option, device or frame.
         """
-        return kernels.kernel(self.model, name, dtype=dtype, checked=checked, **options)
+        return kernels.kernel(self.model, name, dtype=dtype, checked=checked, device=device, **options)
 
     def function(self, name: str, **options: Any) -> Function:
         """The traced function of a quantity, before compilation.
@@ -248,6 +257,7 @@ def compile(
     *,
     dtype: Any = np.float64,
     checked: bool = False,
+    device: str = "cpu",
     **shapes: Any,
 ) -> Any:
     """Compiles your own function of arrays, alone or for a robot.
@@ -257,6 +267,7 @@ def compile(
         robot: Gives the shapes of arguments called q, q0, q1 (nq,) and v, a, tau, qd, qdd (nv,).
         dtype: The type to compute in: float64 or float32.
         checked: Whether nan and inf in the inputs raise NonFiniteError.
+        device: "cpu", or "cuda" for arrays on an NVIDIA GPU (experimental; docs/gpu.md).
         **shapes: Shapes of the other arguments: `target=(3,)`, `()` for a number. Arguments with a default value keep
             it unless their shape is given.
 
@@ -264,7 +275,7 @@ def compile(
         A kernel, called as `f` is, with any leading batch axes; `.jacobian()` is its derivative, compiled too.
 
     Raises:
-        UnknownName: If the shape of an argument is not known.
+        UnknownName: If the shape of an argument or the device is not known.
         TraceError: If `f` branches on a traced value.
         InputError: If `f` is no function, or `robot` no Robot.
     """
@@ -275,6 +286,7 @@ def compile(
             f"`f` is {short_repr(f)}; expected a function of arrays. Kernels with names come from "
             'robot.kernel("fk").'
         )
+    kernels.check_device(device, checked)
     names = [n for n, p in inspect.signature(f).parameters.items() if n in shapes or p.default is p.empty]
     if robot is not None:
         shapes = kernels.shapes_for(robot.model, names, shapes)
@@ -287,5 +299,7 @@ def compile(
             f"Give it: compile(f, {missing[0]}=(3,)), or pass the robot.",
         )
     traced = trace(f, **{name: shapes[name] for name in names})
+    if device == "cuda":
+        return CudaKernel(traced, dtype)
     labels = {} if robot is None else kernels.labels(robot.model, traced)
     return compile_function(traced, dtype, checked, labels=labels)

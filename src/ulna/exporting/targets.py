@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from ulna.compiler.runtime.ptx import ARCHITECTURES
 from ulna.exporting.record import ExportTarget, Option
 
 _C = ExportTarget(
@@ -38,7 +39,18 @@ _OBJECT = ExportTarget(
     },
 )
 
+_PTX = ExportTarget(
+    name="ptx",
+    text="CUDA kernels as assembly text for NVIDIA GPUs, one thread for each sample (experimental)",
+    module="ulna.exporting.ptx.folder",
+    options={
+        "architecture": Option(
+            ARCHITECTURES[0], "the oldest GPU that it is to run on, such as sm_75 (Turing)", ARCHITECTURES
+        )
+    },
+)
+
 TARGETS: Mapping[str, ExportTarget] = MappingProxyType(
-    {target.name: target for target in (_C, _OBJECT, _WASM)}
+    {target.name: target for target in (_C, _OBJECT, _WASM, _PTX)}
 )
 """The targets by name."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ulna.checks.values import short_repr
-from ulna.compiler import Function, KernelBase
+from ulna.compiler import CudaKernel, Function, KernelBase
 from ulna.errors import InputError, MissingExtra
 
 if TYPE_CHECKING:
@@ -17,8 +17,9 @@ def to_torch(kernel: Any) -> TorchFunction:
     """A function of PyTorch tensors that runs a kernel, and its compiled derivatives in `backward`.
 
     It takes float32 or float64 tensors of shape (..., n) with any leading batch axes, which broadcast; all must be of
-    one type, and on one device. Tensors on the CPU are read where they lie, and the result is not copied. It works with
-    `backward`, `torch.autograd.grad`, forward-mode derivatives, derivatives of derivatives, and `torch.func`.
+    one type, and on one device, the CPU or (experimental) an NVIDIA GPU. Tensors are read where they lie, and the
+    result is not copied. It works with `backward`, `torch.autograd.grad`, forward-mode derivatives, derivatives of
+    derivatives, and `torch.func`.
 
     Args:
         kernel: A kernel, as `robot.kernel("fk")` and `ulna.compile(f, robot)` return, or a traced `Function`.
@@ -70,7 +71,7 @@ def _missing(error: ModuleNotFoundError, package: str, purpose: str) -> Exceptio
 
 def _function_of(kernel: Any) -> Function:
     """The traced function behind a kernel, or that function."""
-    function = kernel.function if isinstance(kernel, KernelBase) else kernel
+    function = kernel.function if isinstance(kernel, KernelBase | CudaKernel) else kernel
     if not isinstance(function, Function):
         raise InputError(
             f"`kernel` is {short_repr(kernel)}; expected a kernel, such as robot.kernel('fk') or "

@@ -7,13 +7,15 @@ from typing import Any, final
 
 import torch  # pyright: ignore[reportMissingImports]
 
-from ulna.compiler import Function, compile
+from ulna.compiler import CudaKernel, Function, compile
 from ulna.errors import DtypeError, InputError
 from ulna.interop.arguments import batch_shape, check_count
 from ulna.interop.derivatives import derivatives_of
 from ulna.system import forks
 
 _DTYPES: dict[Any, str] = {torch.float64: "float64", torch.float32: "float32"}
+DEVICES = ("cpu", "cuda")
+"""Types of devices that tensors may be on."""
 _lock = forks.lock(forks.RECIPES)
 
 
@@ -91,13 +93,15 @@ class TorchFunction:
             InputError: If they are on a device that no kernels are made for.
         """
         device, dtype = tensors[0].device.type, _DTYPES[tensors[0].dtype]
-        if device != "cpu":
+        if device not in DEVICES:
             raise InputError(
-                f"`{self.function.inputs[0].name}` is on {tensors[0].device}; expected a tensor on the CPU. "
-                "tensor.cpu() copies it there."
+                f"`{self.function.inputs[0].name}` is on {tensors[0].device}; expected a tensor on the CPU, or on an "
+                "NVIDIA GPU. tensor.cpu() copies it there."
             )
-        results = self._kernel(device, dtype)(*(x.detach().numpy() for x in tensors))
-        results = (results,) if self.function.single else results
+        kernel = self._kernel(device, dtype)
+        if device == "cuda":
+            return _several(self.function, kernel(*(x.detach() for x in tensors)))
+        results = _several(self.function, kernel(*(x.detach().numpy() for x in tensors)))
         # A single number comes as a NumPy scalar, not as an array.
         return tuple(torch.from_numpy(r) if r.ndim else torch.as_tensor(r) for r in results)
 
@@ -125,8 +129,13 @@ class TorchFunction:
             with _lock:
                 kernel = self._kernels.get((device, dtype))
                 if kernel is None:
-                    kernel = self._kernels[device, dtype] = compile(self.function, dtype=dtype)
+                    made = CudaKernel if device == "cuda" else compile
+                    kernel = self._kernels[device, dtype] = made(self.function, dtype)
         return kernel
+
+
+def _several(f: Function, results: Any) -> tuple[Any, ...]:
+    return (results,) if f.single else results
 
 
 @final

@@ -143,7 +143,9 @@ def test_refusals_say_what_to_do() -> None:
         f(torch.zeros(7, dtype=torch.int64), Q, Q)
     with pytest.raises(DtypeError, match=r"`v` has dtype torch.float32; expected torch.float64 as `q` has"):
         f(Q, Q.float(), Q)
-    with pytest.raises(InputError, match=r"`q` is on meta; expected a tensor on the CPU. tensor.cpu\(\)"):
+    with pytest.raises(
+        InputError, match=r"`q` is on meta; expected a tensor on the CPU, or on an NVIDIA GPU. tensor.cpu\(\)"
+    ):
         f(*3 * (Q.to("meta"),))
     with pytest.raises(InputError, match=r"`v` is on meta; expected cpu, where `q` is"):
         f(Q, Q.to("meta"), Q)

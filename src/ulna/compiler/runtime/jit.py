@@ -24,7 +24,7 @@ from ulna.system import forks
 # Part of the cache's key: change it with `optimised` and `_machine`.
 _RECIPE = "inlining or level 1, codegen 2"
 # How much IR text of one call and of a batch LLVM compiles, about [byte/s].
-_SPEED = {"entry": 4e6, "batch": 2e6, "kernel": 2e6, "xla": 2e6}
+_SPEED = {"entry": 4e6, "batch": 2e6, "kernel": 2e6, "xla": 2e6, "f.all": 2e6}
 # Compilations that will take longer are announced; tracing took about as long already [s].
 _ANNOUNCE_FROM = 0.5
 watchers: list[Callable[[str, str], None]] = []
@@ -118,7 +118,7 @@ def load_text(ir: str, names: tuple[str, ...]) -> Code:
 
 
 def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[[], Any]) -> Code:
-    t, llvm = target(), llvm_library()
+    t = target()
     key = disk_cache.key(ir, t.triple, t.cpu, t.features, t.llvm, _RECIPE)
     start = time.perf_counter()
     content = _cached_object(key)

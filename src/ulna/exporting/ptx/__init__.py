@@ -1,0 +1,1 @@
+"""The target "ptx": CUDA kernels of one thread for each sample, as assembly text for NVIDIA GPUs."""

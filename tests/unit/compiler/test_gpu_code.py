@@ -1,0 +1,169 @@
+"""Code for GPUs: the same text run on the CPU equals the kernels, ptxas accepts it, bad targets are refused."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import ulna
+from ulna.compiler import trace
+from ulna.compiler.runtime.ptx import ptx, run_on_cpu
+from ulna.errors import DeviceError, InputError, MissingExtra, UnknownName
+from ulna.numeric import loop, where
+
+ROBOT = ulna.load("panda")
+Q = ROBOT.random_configuration(9, seed=1)
+V, A = np.random.default_rng(1).normal(size=(2, 9, 7))
+QUANTITIES = [
+    ("fk", 1),
+    ("jacobian", 1),
+    ("inverse_dynamics", 3),
+    ("forward_dynamics", 3),
+    ("mass_matrix", 1),
+    ("inverse_dynamics_derivatives", 3),
+]
+TOLERANCE = {"float64": 1e-13, "float32": 1e-5}
+
+
+def _close(found: Any, expected: Any, dtype: str) -> None:
+    size = max(1.0, float(np.abs(expected).max()))
+    np.testing.assert_allclose(found / size, expected / size, rtol=0, atol=TOLERANCE[dtype])
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+@pytest.mark.parametrize(("name", "count"), QUANTITIES)
+def test_the_code_of_the_threads_equals_the_kernel(name: str, count: int, dtype: str) -> None:
+    arrays = (Q, V, A)[:count]
+    expected = ROBOT.kernel(name)(*arrays)
+    found = run_on_cpu(ROBOT.function(name), arrays, dtype)
+    for a, b in zip(found, expected if isinstance(expected, tuple) else (expected,), strict=True):
+        assert a.dtype == dtype
+        _close(a, b, dtype)
+
+
+def test_any_strides_and_repeated_inputs() -> None:
+    f = ROBOT.function("inverse_dynamics")
+    columns = np.asfortranarray(Q)
+    (found,) = run_on_cpu(f, (columns, V[0], np.zeros(7)), "float64", rows=False)
+    np.testing.assert_allclose(found, ROBOT.inverse_dynamics(Q, V[0], np.zeros(7)), atol=1e-13)
+    (found,) = run_on_cpu(f, (Q[::3], V[::3], A[::3]), "float64")
+    np.testing.assert_allclose(found, ROBOT.inverse_dynamics(Q[::3], V[::3], A[::3]), atol=1e-12)
+
+
+def test_loops_branches_and_large_angles() -> None:
+    def f(x: Any) -> Any:
+        (y,) = loop(lambda y: abs(y) > 1.0, lambda y: (0.5 * y,), (x[0],), 60)
+        return np.stack(
+            [y, where(x[1] > 0.0, np.sin(x[1]), np.arctan2(x[0], x[1])), np.tan(x[1]), np.exp(y), 2.0]
+        )
+
+    traced = trace(f, x=(2,))
+    x = np.array([[5.0, 1e15], [-700.0, -0.5], [0.25, 1e300], [3.0, np.nan]])
+    (found,) = run_on_cpu(traced, (x,), "float64")
+    np.testing.assert_allclose(found, ulna.compile(f, x=(2,))(x), rtol=1e-15)
+
+
+def test_a_search_in_one_thread_meets_its_goals() -> None:
+    from ulna.exporting.selection import entries, records
+    from ulna.ik.solve import search_settings
+
+    ((), (search,)) = records(ROBOT.model, entries("ik"), {})
+    f, settings = search.function(1), search_settings(1e-6, 1e-6, 400, True, 1)
+    (found,) = run_on_cpu(f, (search.goals, search.start, search.shift, settings), "float64")
+    assert (found[:, 7] == 1.0).all()
+    np.testing.assert_allclose(ROBOT.fk(found[:, :7]), search.goals, atol=2e-6)
+
+
+def test_collisions_of_spheres() -> None:
+    from ulna.collision import World, sphere_clearance
+    from ulna.geometry import Sphere
+
+    world = World().add("ball", Sphere(0.1), (0.5, 0.0, 0.4))
+    clearance = sphere_clearance(ROBOT.model, world)
+    f = trace(clearance, q=(7,))
+    (found,) = run_on_cpu(f, (Q,), "float64")
+    np.testing.assert_allclose(found, ulna.compile(clearance, ROBOT)(Q), atol=1e-13)
+
+
+ASSEMBLER = shutil.which("ptxas")
+
+
+def _assembled(text: str, folder: Path) -> str:
+    """What ptxas says of PTX."""
+    assert ASSEMBLER is not None
+    source = folder / "code.ptx"
+    source.write_text(text)
+    command = [ASSEMBLER, "-v", "-arch=sm_90", str(source), "-o", str(folder / "code.cubin")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stderr
+
+
+@pytest.mark.skipif(ASSEMBLER is None, reason="ptxas is not installed")
+@pytest.mark.parametrize("name", ["fk", "jacobian", "inverse_dynamics", "forward_dynamics", "mass_matrix"])
+def test_the_assembler_accepts_it_and_registers_suffice(name: str, tmp_path: Path) -> None:
+    said = _assembled(ptx([("k", ROBOT.function(name))], "float32"), tmp_path)
+    assert re.findall(r"(\d+) bytes spill", said)
+    assert set(re.findall(r"(\d+) bytes spill", said)) == {"0"}
+
+
+@pytest.mark.skipif(ASSEMBLER is None, reason="ptxas is not installed")
+@pytest.mark.parametrize("name", ["fk", "forward_dynamics"])
+def test_the_assembler_accepts_doubles(name: str, tmp_path: Path) -> None:
+    assert "registers" in _assembled(ptx([("k", ROBOT.function(name))], "float64", "sm_90"), tmp_path)
+
+
+def test_the_text_has_entry_points_and_calls_no_library() -> None:
+    text = ptx([("first", ROBOT.function("fk")), ("second", ROBOT.function("jacobian"))], "float64")
+    assert re.findall(r"\.entry (\w+)", text) == ["first", "second"]
+    assert ".target sm_75" in text and ".extern" not in text
+    assert "ld.global" in text and "st.global" in text and "fma.rn.f64" in text
+    assert "//" not in text
+
+
+def test_refusals_say_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(UnknownName, match="No GPU architecture named 'sm_70'. Did you mean 'sm_"):
+        ptx([("k", ROBOT.function("fk"))], "float64", "sm_70")
+    with pytest.raises(UnknownName, match="No device named 'cudda'. Did you mean 'cuda'"):
+        ROBOT.kernel("fk", device="cudda")
+    with pytest.raises(UnknownName, match="No device named 'gpu'"):
+        ulna.compile(lambda q: q, ROBOT, device="gpu")
+    with pytest.raises(InputError, match="`checked` is True; expected False with device='cuda'"):
+        ROBOT.kernel("fk", device="cuda", checked=True)
+    kernel = ROBOT.kernel("fk", device="cuda")
+    assert repr(kernel) == "<CUDA kernel fk(7)->(4,4) float64, 147 operations>"
+    assert kernel is ROBOT.kernel("fk", device="cuda") and kernel is not ROBOT.kernel("fk")
+    with pytest.raises(TypeError, match="takes 1 arguments; 2 were given"):
+        kernel(Q, Q)
+
+
+def test_without_the_package_its_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    import builtins
+
+    original = builtins.__import__
+
+    def absent(name: str, *rest: Any) -> Any:
+        if name.partition(".")[0] == "cuda":
+            raise ImportError(name)
+        return original(name, *rest)
+
+    monkeypatch.setattr(builtins, "__import__", absent)
+    with pytest.raises(MissingExtra, match="needs the package 'cuda-core'"):
+        ROBOT.kernel("fk", device="cuda")(Q)
+
+
+def test_without_a_gpu_it_says_so() -> None:
+    core = pytest.importorskip("cuda.core")
+    try:
+        core.Device().set_current()
+    except Exception:
+        with pytest.raises(DeviceError, match=r"no usable NVIDIA GPU: .* leave out device=\"cuda\""):
+            ROBOT.kernel("fk", device="cuda")(Q)
+    else:
+        pytest.skip("there is a GPU")
