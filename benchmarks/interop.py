@@ -8,6 +8,7 @@ The Panda, float32, the same chain for all. The gradient is that of the squared 
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from typing import Any
 
@@ -19,7 +20,6 @@ import torch
 from _timing import medians, shown, table
 
 import ulna
-
 
 GOAL = np.array([0.4, 0.1, 0.5], np.float32)
 COUNTS = (1, 100, 10_000)
@@ -33,7 +33,7 @@ def placements(robot: ulna.Robot) -> list[np.ndarray]:
         *(robot.fk(np.zeros(7), f"panda_link{k}") for k in range(1, 8)),
         robot.fk(np.zeros(7)),
     ]
-    return [np.linalg.inv(a) @ b for a, b in zip(joints, joints[1:], strict=False)]
+    return [np.linalg.inv(a) @ b for a, b in itertools.pairwise(joints)]
 
 
 def rpy_of(T: np.ndarray) -> np.ndarray:
