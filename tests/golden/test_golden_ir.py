@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,9 @@ import pytest
 from ulna import numeric as nm
 from ulna.compiler import Function, trace
 from ulna.compiler.codegen.arithmetic import Arithmetic
+from ulna.compiler.codegen.elementary import OPERATIONS, elementary_ir
 from ulna.compiler.codegen.module import emit_batch, emit_single
+from ulna.compiler.codegen.sincos import sincos_ir
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.runtime.entry_point import entry_ir
 
@@ -48,6 +51,15 @@ TEXTS = {
 @pytest.mark.parametrize("name", TEXTS)
 def test_ir(golden, name):
     golden(name, TEXTS[name]())
+
+
+def test_elementary_functions(golden):
+    """What of this processor's elementary functions changes, every kernel changes with; hashes, as they are long."""
+    functions = [sincos_ir(n, dtype) for n, dtype in ((1, "double"), (8, "double"), (16, "float"))]
+    functions += [elementary_ir(op, 8, "double") for op in OPERATIONS]
+    texts = {f.name: "\n".join([*f.declarations, f.text]) for f in functions}
+    lines = [f"{name} {hashlib.sha256(text.encode()).hexdigest()}\n" for name, text in texts.items()]
+    golden("elementary.txt", "".join(lines))
 
 
 def test_fingerprints(golden):

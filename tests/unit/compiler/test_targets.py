@@ -13,7 +13,7 @@ import pytest
 from ulna import numeric as nm
 from ulna.compiler import compile, trace
 from ulna.compiler.codegen.module import emit_batch
-from ulna.compiler.codegen.target import Target
+from ulna.compiler.codegen.target import Target, arithmetic_of
 from ulna.compiler.runtime import jit
 from ulna.compiler.runtime.entry_point import entry_ir
 
@@ -75,6 +75,29 @@ def test_other_processors_accept_the_code(triple, lanes, element):
         assert called & {"ulna", "block", "feclearexcept", "one"} or len(assembly) > 5000
         library = {"sin", "cos", "tan", "asin", "acos", "atan2", "exp", "log"}
         assert not called & (library | {f"{name}f" for name in library})
+
+
+@pytest.mark.parametrize(
+    ("triple", "features", "fused"),
+    [
+        ("x86_64-unknown-linux-gnu", "+avx2,+fma,+sse4.2", True),
+        ("x86_64-unknown-linux-gnu", "+avx,-fma,+sse4.2", False),
+        ("aarch64-unknown-linux-gnu", "+neon", True),
+    ],
+)
+def test_what_this_processor_computes_in_one_instruction(triple, features, fused):
+    assert arithmetic_of(triple, features).fused_multiply_add is fused
+
+
+def test_a_processor_without_fused_products_computes_the_same(monkeypatch):
+    target = replace(jit.target(), arithmetic=arithmetic_of("x86_64-pc-windows-msvc", "+sse4.1"))
+    monkeypatch.setattr(jit, "target", lambda: target)
+    kernel = compile(FUNCTION)
+    assert "llvm.fma" not in kernel.ir() and "llvm.fma" not in kernel.ir(batch=True)
+    rng = np.random.default_rng(3)
+    q, x = rng.uniform(-1, 1, (9, 7)), rng.uniform(-1, 1, 9)
+    for got, expected in zip(kernel(q, x), FUNCTION(q, x), strict=True):
+        np.testing.assert_allclose(got, expected, rtol=1e-13, atol=1e-13)
 
 
 def test_a_scratch_too_large_for_the_stack_holds_one_row(monkeypatch):

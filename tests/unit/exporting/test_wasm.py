@@ -15,9 +15,12 @@ import pytest
 import ulna
 from ulna import numeric
 from ulna.compiler import compile
-from ulna.errors import InputError
+from ulna.compiler.codegen.module import emit_library
+from ulna.compiler.runtime.cross_compile import cross_compile
+from ulna.errors import CompileError, InputError, TooLargeError
 from ulna.exporting import TARGETS
-from ulna.exporting.wasm.code import LANES
+from ulna.exporting.wasm.code import LANES, TARGET
+from ulna.exporting.wasm.linking import linked
 from ulna.ik import search
 from ulna.ik.arguments import problem_of, shift_of
 from ulna.ik.solve import search_settings
@@ -126,6 +129,7 @@ def test_a_goal_out_of_reach_yields_the_nearest_configuration(panda: ulna.Robot,
         ("robot.ik([1])", "TypeError", "expected 16 numbers (4 x 4, row after row) or rows of them"),
         ("robot.ik(given[1], given[0], { tolerance: 1 })", "TypeError", 'ik has no option "tolerance"; its options'),
         ("robot.ik(given[1], null, { attempts: -1 })", "RangeError", "`attempts` is the number -1; expected"),
+        ("robot.ik(given[1], null, { attempts: 1.5 })", "RangeError", "expected a whole number above 0"),
         ("loadSync(new Uint8Array(8))", "CompileError", "WebAssembly.Module()"),
     ],
 )  # fmt: skip
@@ -218,6 +222,48 @@ def test_arguments_with_names_that_javascript_reserves(tmp_path: Path) -> None:
     text = (place / "panda.d.ts").read_text()
     assert "sum(new_: Numeric, function_: number, out?: Float64Array): Float64Array;" in text
     assert not (place / "test_panda.mjs").exists()
+
+
+def test_code_that_calls_others_and_code_that_is_too_large() -> None:
+    outside = "declare void @elsewhere()\ndefine void @f() {\n call void @elsewhere()\n ret void\n}\n"
+    with pytest.raises(CompileError, match="calls elsewhere"):
+        linked(cross_compile(outside, TARGET, False, position_independent=False), {"f": "f"}, 1024, 1024)
+    function = ulna.compile(lambda x: np.cumsum(np.sin(x)), x=(40,)).function
+    content = cross_compile(
+        emit_library([("f", function)], TARGET), TARGET, False, position_independent=False
+    )
+    assert linked(content, {"f": "f"}, 1024, 1024).pages == 1
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("ulna.exporting.wasm.linking._MOST_LOCALS", 10)
+        with pytest.raises(TooLargeError, match=r"variables and .* bytes; browsers accept 10 and"):
+            linked(content, {"f": "f"}, 1024, 1024)
+
+
+@needs_node
+def test_quaternions_of_a_floating_base_are_checked(tmp_path: Path) -> None:
+    robot = ulna.load("panda", root="free_flyer")
+    place = ulna.export(robot, "fk", to="wasm", path=tmp_path / "x", name="panda")
+    q = robot.random_configuration(seed=1)
+    np.testing.assert_allclose(
+        node(place, "show(robot.fk(given[0]))", q.tolist()), robot.fk(q).ravel(), atol=1e-14
+    )
+    q[3:7] *= 1.1
+    script = "try { robot.fk(given[0]) } catch (e) { show(e.message) }"
+    assert "`q`[3] to [6] is no unit quaternion x, y, z, w: its length is 1.1" in node(
+        place, script, q.tolist()
+    )
+
+
+@needs_node
+def test_names_in_a_model_cannot_end_the_script(tmp_path: Path) -> None:
+    def f(x: Any) -> Any:
+        """Ends </script> and has __NAME__ in it."""
+        return 2.0 * x
+
+    place = ulna.export(None, {"f": ulna.compile(f, x=(2,))}, to="wasm", path=tmp_path / "x", name="panda")
+    assert "</script>" not in (place / "panda.js").read_text()
+    summary = node(place, "show(description.functions.f.summary)")
+    assert summary == "Ends </script> and has __NAME__ in it."
 
 
 def test_exports_that_are_refused(panda: ulna.Robot, tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ulna.compiler.codegen.arithmetic import COMPLETE, Arithmetic
 from ulna.compiler.codegen.ir_text import BYTES, DType
@@ -39,6 +39,21 @@ class Target:
     def lanes(self, element: DType) -> int:
         """How many values of a type the widest register holds, at least two."""
         return max(self.register_bytes // BYTES[element], 2)
+
+
+def arithmetic_of(triple: str, features: str) -> Arithmetic:
+    """What a processor of 64 bits with these extensions computes in one instruction.
+
+    Args:
+        triple: Architecture, vendor and system, as LLVM names them.
+        features: Its extensions, as LLVM lists them.
+
+    Returns:
+        The arithmetic; x86-64 before Haswell (2013) has no fused product and sum.
+    """
+    is_x86 = triple.startswith(("x86_64", "amd64", "i386", "i686"))
+    enabled = {name[1:] for name in features.split(",") if name.startswith("+")}
+    return replace(COMPLETE, fused_multiply_add=not is_x86 or bool(enabled & {"fma", "fma4"}))
 
 
 def register_bytes(features: str) -> int:

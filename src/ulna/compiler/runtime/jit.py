@@ -14,7 +14,7 @@ from functools import cache, lru_cache
 from typing import Any
 
 from ulna import disk_cache
-from ulna.compiler.codegen.target import Target, register_bytes
+from ulna.compiler.codegen.target import Target, arithmetic_of, register_bytes
 from ulna.compiler.language.function import Function
 from ulna.compiler.runtime.interrupt import at_end, interruptible
 from ulna.compiler.runtime.object_file import is_sound
@@ -70,12 +70,14 @@ def target() -> Target:
         llvm.initialize_native_target()
         llvm.initialize_native_asmprinter()
         features = llvm.get_host_cpu_features().flatten()
+        triple = llvm.get_process_triple()
         return Target(
-            triple=llvm.get_process_triple(),
+            triple=triple,
             cpu=llvm.get_host_cpu_name(),
             features=features,
             llvm=".".join(map(str, llvm.llvm_version_info)),
             register_bytes=register_bytes(features),
+            arithmetic=arithmetic_of(triple, features),
         )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -16,7 +17,7 @@ from ulna.exporting.wasm.description import description
 from ulna.exporting.wasm.test_program import test_program
 from ulna.ik.search import DESCENT
 
-_TAKEN = ("description", "memory")
+_TAKEN = ("description", "memory", "then")  # an object with `then` is taken for a promise
 
 
 @final
@@ -59,14 +60,15 @@ def web_module(export: Export) -> WebModule:
     made = module(export, functions, room)
     about = description(export, functions, offsets)
     text = files("ulna.exporting.wasm").joinpath("runtime.js").read_text(encoding="utf-8")
-    for word, value in {
-        "__DESCRIPTION__": json.dumps(about, separators=(",", ":"), allow_nan=False),
-        "__FREE__": str(made.free),
-        "__NUMBERS__": "Float32Array" if export.dtype.name == "float32" else "Float64Array",
-        "__DESCENT__": str(DESCENT),
-        "__NAME__": export.name,
-    }.items():
-        text = text.replace(word, value)
+    values = {
+        # Safe inside a <script> of a page, whatever the robot's file says.
+        "DESCRIPTION": json.dumps(about, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
+        "FREE": str(made.free),
+        "NUMBERS": "Float32Array" if export.dtype.name == "float32" else "Float64Array",
+        "DESCENT": str(DESCENT),
+        "NAME": export.name,
+    }
+    text = re.sub(f"__({'|'.join(values)})__", lambda found: values[found[1]], text)
     return WebModule(made.binary, text, declarations(about))
 
 

@@ -61,6 +61,11 @@ function positive(value, name, where) {
   throw new RangeError(`${where}: \`${name}\` is ${describeValue(value)}; expected a number above 0.`);
 }
 
+function whole(value, name, where) {
+  if (Number.isInteger(value) && value > 0) return value;
+  throw new RangeError(`${where}: \`${name}\` is ${describeValue(value)}; expected a whole number above 0.`);
+}
+
 function optionsOf(options, known, where) {
   for (const name of Object.keys(options ?? {})) {
     if (!known.includes(name)) {
@@ -110,7 +115,7 @@ function search(name, f, run, memory) {
     memory[settings] = squaredLength(positive(positionTolerance, "positionTolerance", name));
     memory[settings + 1] = squaredChord(positive(rotationTolerance, "rotationTolerance", name));
     memory[settings + 2] = near ? 1 : 0;
-    memory[settings + 3] = Math.ceil(positive(attempts, "attempts", name) / f.lanes) * f.meanSteps + f.attemptSteps;
+    memory[settings + 3] = Math.ceil(whole(attempts, "attempts", name) / f.lanes) * f.meanSteps + f.attemptSteps;
     run(...pointers);
     if (memory[result + n] < -0.5) {
       throw new RangeError(`${name}: \`T\` is no pose; expected a rotation in its upper left and the last row 0, 0, 0, 1, row after row. Matrices of three.js are transposed: pass matrix.clone().transpose().elements.`);
