@@ -15,6 +15,7 @@ from ulna import numeric as numeric
 from ulna.idioms import unknown_attribute
 from ulna.loading import load as load
 from ulna.loading import load_model as load_model
+from ulna.methods.pages import register_page_writer as _register_page_writer
 from ulna.model import Model as Model
 from ulna.model import ModelBuilder as ModelBuilder
 from ulna.robot import Robot as Robot
@@ -87,6 +88,13 @@ def _robot_html(robot: Robot) -> str:
 
 
 set_notebook_display(_robot_html)
+
+
+def _write_page(*arguments: Any, **options: Any) -> Any:
+    return importlib.import_module("ulna.viewer.live").save_html(*arguments, **options)
+
+
+_register_page_writer(_write_page)
 
 
 def __getattr__(name: str) -> Any:

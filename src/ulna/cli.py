@@ -119,9 +119,14 @@ def _robot_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
     show.add_argument("-q", "--q", nargs="+", metavar="VALUE", help=configuration)
     for option, default, about in (
         ("--show WHAT", "visual", "visual (default), collision, both or skeleton"),
-        ("--theme THEME", "light", "light (default) or dark"),
+        ("--theme THEME", None, "light (default) or dark; with --live that of the browser where not given"),
         ("--film FILE", None, "write a film of its joints, .mp4 or .gif, and no picture"),
         ("--html FILE", None, "write a page of the same that plays offline, and no picture"),
+        (
+            "--live FILE",
+            None,
+            "write a page whose tool can be dragged in any browser, offline, and nothing else",
+        ),
     ):
         name, metavar = option.split()
         show.add_argument(name, metavar=metavar, default=default, help=about)
@@ -225,6 +230,10 @@ def _show(chosen: argparse.Namespace) -> None:
     from ulna.viewer.robot.link_surfaces import checked_display
     from ulna.viewer.show import configuration, show
 
+    if chosen.live:
+        _write_live_page(chosen)
+        return
+    chosen.theme = chosen.theme or "light"
     what, theme = checked_display(chosen.show), theme_of(chosen.theme)
     if chosen.output:
         checked_png_path(chosen.output)
@@ -240,6 +249,22 @@ def _show(chosen: argparse.Namespace) -> None:
             page.hold()
         if not (written or somebody_can_look()):
             print("`ulna show NAME --headless` writes a picture instead.")
+
+
+def _write_live_page(chosen: argparse.Namespace) -> None:
+    """Write the page of `robot.save_html`; with --theme it has that theme, without that of the browser."""
+    from ulna.loading import load
+
+    for option in ("output", "film", "html"):
+        if getattr(chosen, option):
+            raise InputError(
+                f"--live writes a page only; expected no --{option}. Run the command once for each file."
+            )
+    print(
+        load(chosen.name).save_html(
+            chosen.live, q=_values(chosen.q), show=chosen.show, theme=chosen.theme or "auto"
+        )
+    )
 
 
 def _write(robot: Any, q: Any, chosen: argparse.Namespace) -> None:

@@ -20,6 +20,7 @@ from ulna.methods.branches import Branching
 from ulna.methods.collision import Collision
 from ulna.methods.former_names import FormerNames
 from ulna.methods.free import FreeInverseKinematics
+from ulna.methods.pages import Pages
 from ulna.methods.parameters import Parameters
 from ulna.methods.planning import MotionPlanning
 from ulna.methods.variants import Variants
@@ -85,6 +86,7 @@ class Robot(
     MotionPlanning,
     Branching,
     Variants,
+    Pages,
     FormerNames,
     metaclass=Explained,
 ):

@@ -4,6 +4,7 @@ Nothing here is imported by `import ulna`, and the names below are imported when
 
 | package | content |
 |---|---|
+| `live` | a robot as one HTML file with its kinematics, which browsers open without a server |
 | `viewer`, `show`, `export` | what users open: a viewer of a scene, the page of one robot; pictures, videos, HTML |
 | `panel` | controls beside the scene, plots, the teach panel of a robot, the time line |
 | `notebook` | what notebooks display |

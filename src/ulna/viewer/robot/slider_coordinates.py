@@ -18,6 +18,18 @@ class SliderCoordinate:
     """One number of a configuration that a slider sets.
 
     `read` returns its value in a configuration; `write` returns the configuration with another value of it.
+
+    Attributes:
+        label: The joint's name, shortened, and the unit.
+        hint: The joint, its kind and its range in words.
+        low: Least value [rad or m].
+        high: Greatest value [rad or m].
+        step: Width of a step of the slider [rad or m].
+        joint: Index of the joint.
+        index: Its entry in q, or the first entry of the quaternion.
+        part: 0, 1 or 2 where it is roll, pitch or yaw of the quaternion; None where it is the entry itself.
+        unit: "rad" or "m".
+        bounded: Whether the joint has both limits.
     """
 
     label: str
@@ -25,6 +37,11 @@ class SliderCoordinate:
     low: float
     high: float
     step: float
+    joint: int
+    index: int
+    part: int | None
+    unit: str
+    bounded: bool
     read: Callable[[Floats], float]
     write: Callable[[Floats, float], Floats]
 
@@ -32,7 +49,7 @@ class SliderCoordinate:
 def slider_coordinates(robot: Any) -> list[SliderCoordinate]:
     """The numbers of a robot's configuration that sliders can set: coordinates, and angles for rotations."""
     out, model = [], robot.model
-    for joint in model.joints:
+    for number, joint in enumerate(model.joints):
         if joint.mimic is not None:
             continue
         short, entries = _without_common_prefix(joint.name, robot.joint_names), joint.kind.coordinates
@@ -40,16 +57,16 @@ def slider_coordinates(robot: Any) -> list[SliderCoordinate]:
         while k < len(entries):
             i = joint.idx_q + k
             if entries[k].unit == "":  # a quaternion, four entries
-                out += [_angle(short, joint, i, axis) for axis in range(3)]
+                out += [_angle(short, joint, number, i, axis) for axis in range(3)]
                 k += 4
             else:
                 label = short if len(entries) == 1 else f"{short} {entries[k].name}"
-                out.append(_coordinate(label, joint, i, entries[k].unit, model))
+                out.append(_coordinate(label, joint, number, i, entries[k].unit, model))
                 k += 1
     return out
 
 
-def _coordinate(label: str, joint: Any, i: int, unit: str, model: Any) -> SliderCoordinate:
+def _coordinate(label: str, joint: Any, number: int, i: int, unit: str, model: Any) -> SliderCoordinate:
     turning = unit == "rad"
     free = np.pi if turning else 1.0
     lower, upper = float(model.lower_position[i]), float(model.upper_position[i])
@@ -71,10 +88,11 @@ def _coordinate(label: str, joint: Any, i: int, unit: str, model: Any) -> Slider
         return q
 
     hint = f"{joint.name} ({joint.kind.describe()}), {span}"
-    return SliderCoordinate(f"{label} [{unit}]", hint, low, high, step, lambda q: float(q[i]), write)
+    place = number, i, None, unit, bool(bounded)
+    return SliderCoordinate(f"{label} [{unit}]", hint, low, high, step, *place, lambda q: float(q[i]), write)
 
 
-def _angle(label: str, joint: Any, i: int, axis: int) -> SliderCoordinate:
+def _angle(label: str, joint: Any, number: int, i: int, axis: int) -> SliderCoordinate:
     name = ("roll", "pitch", "yaw")[axis]
     reach = np.pi / 2 if axis == 1 else np.pi
 
@@ -88,8 +106,9 @@ def _angle(label: str, joint: Any, i: int, axis: int) -> SliderCoordinate:
         return q
 
     hint = f"{joint.name} ({joint.kind.describe()}), {name} of its rotation"
+    place = number, i, axis, "rad", False
     return SliderCoordinate(
-        f"{label} {name} [rad]", hint, -reach, reach, 0.001, lambda q: float(rpy(q)[axis]), write
+        f"{label} {name} [rad]", hint, -reach, reach, 0.001, *place, lambda q: float(rpy(q)[axis]), write
     )
 
 
