@@ -1,10 +1,10 @@
 """Exported C beside the C that CasADi generates for the same quantities, both compiled with gcc and timed in turns.
 
-    python -m pip install casadi; python benchmarks/export_c.py [panda g1 ...]
+    python -m pip install casadi; python benchmarks/export_c.py [panda g1 ...] [-O3 ...]
 
 CasADi is given the textbook form of each algorithm (`ulna.algorithms`, run on its SX symbols), as a user of CasADi would
-write it, and the graph that Ulna's kernel is made from; its best of the two counts. It simplifies and generates by
-itself. Both sides are called in a loop in C, with an angle that changes at each call, through function pointers.
+write it (its own derivatives, where there are some), and the graph that Ulna's kernel is made from; the better of the
+two counts. It simplifies and generates by itself. Both sides are called in a loop in C, with an angle that changes at each call, through function pointers.
 """
 
 from __future__ import annotations
@@ -23,7 +23,15 @@ import ulna
 from ulna import algorithms
 
 FLAGS = ["-O3", "-march=native", "-fno-math-errno"]
-KERNELS = ("fk", "jacobian", "inverse_dynamics", "forward_dynamics", "mass_matrix")
+KERNELS = (
+    "fk",
+    "jacobian",
+    "inverse_dynamics",
+    "forward_dynamics",
+    "mass_matrix",
+    "inverse_dynamics_derivatives",
+)
+LONGEST = 120.0  # s that gcc may take
 
 _MAIN = """
 #include <stdio.h>
@@ -41,9 +49,9 @@ static int ascending(const void *a, const void *b)
 {
     return (*(double *)a > *(double *)b) - (*(double *)a < *(double *)b);
 }
-static double q[@nq@], v[@nv@], a[@nv@], out[@most@], other[@most@], w[@w@];
+static double q[@nq@], v[@nv@], a[@nv@], out[3][@most@], other[3][@most@], w[@w@];
 static const double *args[3] = {q, v, a};
-static double *results[1] = {other};
+static double *results[3] = {other[0], other[1], other[2]};
 static long long iw[@iw@];
 @calls@
 typedef void (*call)(void);
@@ -71,63 +79,90 @@ int main(void)
 """
 
 
-def textbook(robot: ulna.Robot, name: str, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-    """The textbook algorithm of a quantity, on symbols."""
+def textbook(robot: ulna.Robot, name: str, q: casadi.SX, v: casadi.SX, a: casadi.SX) -> list[casadi.SX]:
+    """The textbook algorithm of a quantity, on symbols; derivatives are CasADi's."""
     model, frame = robot.model, robot.model.frame(robot.tool)
+    x = [np.array(casadi.vertsplit(s), dtype=object) for s in (q, v, a)]
     if name == "fk":
-        return algorithms.frame_pose(model, q, frame).matrix()
+        return [matrix(algorithms.frame_pose(model, x[0], frame).matrix())]
     if name == "jacobian":
-        return algorithms.frame_jacobian(model, q, frame, "local_world_aligned")
+        return [matrix(algorithms.frame_jacobian(model, x[0], frame, "local_world_aligned"))]
     if name == "inverse_dynamics":
-        return algorithms.rnea(model, q, v, a)
+        return [matrix(algorithms.rnea(model, *x))]
     if name == "forward_dynamics":
-        return algorithms.aba(model, q, v, a)
-    return algorithms.crba(model, q)
+        return [matrix(algorithms.aba(model, *x))]
+    if name == "mass_matrix":
+        return [matrix(algorithms.crba(model, x[0]))]
+    return [casadi.jacobian(matrix(algorithms.rnea(model, *x)), s) for s in (q, v, a)]
+
+
+def matrix(array: np.ndarray) -> casadi.SX:
+    """An array of symbols as CasADi has them."""
+    rows = np.atleast_1d(array)
+    return casadi.vertcat(*(casadi.horzcat(*row) for row in rows.reshape(len(rows), -1)))
 
 
 def casadi_function(robot: ulna.Robot, name: str, label: str, by_graph: bool) -> casadi.Function:
     """The function that CasADi generates C for."""
     f = robot.function(name)
-    symbols = {key: casadi.SX.sym(key, n) for key, n in (("q", robot.nq), ("v", robot.nv), ("a", robot.nv))}
-    arrays = [np.array(casadi.vertsplit(s), dtype=object) for s in symbols.values()]
-    out = f(*arrays[: len(f.inputs)]) if by_graph else textbook(robot, name, *arrays)
-    out = np.atleast_1d(out)
-    rows = out.reshape(out.shape[0], -1)
-    result = casadi.vertcat(*(casadi.horzcat(*row) for row in rows))
-    return casadi.Function(label, [*symbols.values()][: len(f.inputs)], [casadi.densify(result)])
+    symbols = [casadi.SX.sym(key, n) for key, n in (("q", robot.nq), ("v", robot.nv), ("a", robot.nv))]
+    arrays = [np.array(casadi.vertsplit(s), dtype=object) for s in symbols]
+    if by_graph:
+        out = f(*arrays[: len(f.inputs)])
+        results = [matrix(one) for one in ((out,) if f.single else out)]
+    else:
+        results = textbook(robot, name, *symbols)
+    return casadi.Function(label, symbols[: len(f.inputs)], [casadi.densify(one) for one in results])
 
 
-def built(folder: Path, source: str, flags: list[str]) -> float:
-    """Seconds that gcc takes for a source."""
+def built(folder: Path, source: str, flags: list[str]) -> float | None:
+    """Seconds that gcc takes for a source; None if it takes more than `LONGEST`."""
     start = time.perf_counter()
-    subprocess.run(["gcc", *flags, "-c", source, "-o", Path(source).stem + ".o"], cwd=folder, check=True)
+    command = ["gcc", *flags, "-c", source, "-o", Path(source).stem + ".o"]
+    try:
+        subprocess.run(command, cwd=folder, check=True, timeout=LONGEST)
+    except subprocess.TimeoutExpired:
+        return None
     return time.perf_counter() - start
 
 
-def measure(robot: ulna.Robot, folder: Path) -> list[list[str]]:
+def generated(f: casadi.Function, folder: Path) -> str:
+    """The file with the C code of a function of CasADi."""
+    generator = casadi.CodeGenerator(f"{f.name()}.c", {"with_header": False})
+    generator.add(f)
+    generator.generate(f"{folder}/")
+    return f"{f.name()}.c"
+
+
+def measure(robot: ulna.Robot, folder: Path, flags: list[str]) -> list[list[str]]:
     """A row for each kernel."""
     ulna.export(robot, KERNELS, to="c", path=folder / "c", name="own")
-    declared, calls, names, seconds = ['#include "c/own.h"'], [], [], {}
+    declared, calls, timed, seconds = ['#include "c/own.h"'], [], [], {}
     sizes = {"w": 1, "iw": 1, "most": 1}
     for name in KERNELS:
-        inputs = len(robot.function(name).inputs)
-        sizes["most"] = max(sizes["most"], robot.function(name).outputs[0].size)
-        calls.append(f"static void own_{name}_call(void) {{ own_{name}({', '.join('qva'[:inputs])}, out); }}")
-        names.append(f"own_{name}_call")
-        seconds[name, "own"] = built(folder, f"c/own_{name}.c", ["-std=c99", *FLAGS])
-        for kind in (False, True):
-            label = f"casadi_{name}_{int(kind)}"
-            f = casadi_function(robot, name, label, kind)
-            sizes["w"], sizes["iw"] = max(sizes["w"], f.sz_w() + 1), max(sizes["iw"], f.sz_iw() + 1)
-            generator = casadi.CodeGenerator(f"{label}.c", {"with_header": False})
-            generator.add(f)
-            generator.generate(f"{folder}/")
-            seconds[name, kind] = built(folder, f"{label}.c", FLAGS)
-            declared.append(f"int {label}(const double **, double **, long long *, double *, int);")
-            calls.append(f"static void {label}_call(void) {{ {label}(args, results, iw, w, 0); }}")
-            names.append(f"{label}_call")
-    values = {"nq": robot.nq, "nv": robot.nv, **sizes, "all": ", ".join(names)}
+        f = robot.function(name)
+        sizes["most"] = max(sizes["most"], *(p.size for p in f.outputs))
+        words = [*"qva"[: len(f.inputs)], *(f"out[{k}]" for k in range(len(f.outputs)))]
+        calls.append(f"static void own_{name}_call(void) {{ own_{name}({', '.join(words)}); }}")
+        timed.append((name, "own", f"own_{name}_call"))
+        seconds[name, "own"] = built(folder, f"c/own_{name}.c", ["-std=c99", *flags])
+        for kind in ("textbook", "graph"):
+            label = f"casadi_{name}_{kind}"
+            c = casadi_function(robot, name, label, kind == "graph")
+            sizes["w"], sizes["iw"] = max(sizes["w"], c.sz_w() + 1), max(sizes["iw"], c.sz_iw() + 1)
+            seconds[name, kind] = built(folder, generated(c, folder), flags)
+            if seconds[name, kind] is not None:
+                declared.append(f"int {label}(const double **, double **, long long *, double *, int);")
+                calls.append(f"static void {label}_call(void) {{ {label}(args, results, iw, w, 0); }}")
+                timed.append((name, kind, f"{label}_call"))
+    values = {"nq": robot.nq, "nv": robot.nv, **sizes, "all": ", ".join(call for _, _, call in timed)}
     values |= {"calls": "\n".join(calls), "declarations": "\n".join(declared)}
+    times = dict(zip([key[:2] for key in timed], run_main(folder, values), strict=True))
+    return [row(robot, name, times, seconds) for name in KERNELS]
+
+
+def run_main(folder: Path, values: dict[str, object]) -> list[float]:
+    """Compiles and runs the program that calls all functions; seconds of one call of each."""
     text = _MAIN
     for key, value in values.items():
         text = text.replace(f"@{key}@", str(value))
@@ -135,28 +170,30 @@ def measure(robot: ulna.Robot, folder: Path) -> list[list[str]]:
     objects = sorted(p.name for p in folder.glob("*.o"))
     subprocess.run(["gcc", "-O2", "-I.", "main.c", *objects, "-lm", "-o", "main"], cwd=folder, check=True)
     out = subprocess.run([folder / "main"], capture_output=True, text=True, check=True).stdout
-    times = iter(map(float, out.split()))
-    rows = []
-    for name in KERNELS:
-        own, book, graph = next(times), next(times), next(times)
-        best = min(book, graph)
-        rows.append(
-            [f"{robot.name}, {name}", str(robot.function(name).operations)]
-            + [f"{1e6 * t:.3f}" for t in (own, book, graph)]
-            + [f"{best / own:.1f}", f"{seconds[name, 'own']:.1f}", f"{seconds[name, False]:.1f}"]
-        )
-    return rows
+    return [float(x) for x in out.split()]
 
 
-def main(names: list[str]) -> None:
+def row(robot: ulna.Robot, name: str, times: dict, seconds: dict) -> list[str]:
+    """A row of the table."""
+    kinds = ("own", "textbook", "graph")
+    best = min(times[name, kind] for kind in kinds[1:] if (name, kind) in times)
+    shown = [f"{1e6 * times[name, kind]:.3f}" if (name, kind) in times else "-" for kind in kinds]
+    compiled = [seconds[name, kind] for kind in kinds[:2]]
+    ratio = f"{best / times[name, 'own']:.1f}"
+    gcc = [f"{s:.1f}" if s is not None else f"> {LONGEST:.0f}" for s in compiled]
+    return [f"{robot.name}, {name}", str(robot.function(name).operations), *shown, ratio, *gcc]
+
+
+def main(words: list[str]) -> None:
     """Prints the table."""
+    flags = [w for w in words if w.startswith("-")] or FLAGS
     rows = []
-    for name in names or ["panda", "g1"]:
+    for name in [w for w in words if not w.startswith("-")] or ["panda", "g1"]:
         with tempfile.TemporaryDirectory() as folder:
-            rows += measure(ulna.load(name), Path(folder))
+            rows += measure(ulna.load(name), Path(folder), flags)
     columns = ["kernel", "operations", "Ulna [us]", "CasADi, textbook [us]", "CasADi, Ulna's graph [us]"]
-    columns += ["best of CasADi / Ulna", "gcc, Ulna [s]", "gcc, CasADi [s]"]
-    print(table(f"C, gcc {' '.join(FLAGS)}, CasADi {casadi.__version__}", columns, rows))
+    columns += ["best of CasADi / Ulna", "gcc, Ulna [s]", "gcc, CasADi, textbook [s]"]
+    print(table(f"C, gcc {' '.join(flags)}, CasADi {casadi.__version__}", columns, rows))
 
 
 if __name__ == "__main__":

@@ -153,7 +153,12 @@ def _export_command(command: Callable[..., argparse.ArgumentParser]) -> None:
     export.add_argument("name", metavar="NAME", help=_ROBOT)
     kernels = "names of quantities and ik, parted by commas: fk,jacobian,ik (default fk)"
     export.add_argument("--kernel", nargs="+", default=["fk"], metavar="KERNEL", help=kernels)
-    export.add_argument("--to", default="c", metavar="TARGET", help="what to write: c (default), ...")
+    export.add_argument(
+        "--to",
+        default="c",
+        metavar="TARGET",
+        help="what to write: c (default), object, wasm, ...; a wrong one lists all",
+    )
     export.add_argument("--output", metavar="DIR", help="the folder to write (default: NAME_TARGET)")
     export.add_argument("--frame", metavar="FRAME", help="the frame, for kernels of one (default: the tool)")
     export.add_argument(
@@ -299,7 +304,7 @@ def _export(chosen: argparse.Namespace) -> None:
 
 
 def _options(words: Sequence[str]) -> dict[str, Any]:
-    """Options as typed, OPTION=VALUE: numbers and truth values as such, other values as texts."""
+    """Options as typed, OPTION=VALUE: numbers and truth values as such, other values as texts; with commas several."""
     options: dict[str, Any] = {}
     for word in words:
         key, sign, text = word.partition("=")
@@ -307,10 +312,18 @@ def _options(words: Sequence[str]) -> dict[str, Any]:
             raise InputError(
                 f"--option {word!r} has no value; expected OPTION=VALUE, such as reference=local."
             )
-        options[key] = {"true": True, "false": False}.get(
-            text.lower(), float(text) if _is_number(text) else text
-        )
+        parts = [_option(part) for part in text.split(",") if part]
+        options[key] = tuple(parts) if "," in text else _option(text)
     return options
+
+
+def _option(text: str) -> Any:
+    """A truth value, a number, or the text itself."""
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    if not _is_number(text):
+        return text
+    return int(text) if text.lstrip("+-").isdecimal() else float(text)
 
 
 def _picture_of(name: str) -> str:

@@ -232,6 +232,7 @@ def _of_user(name: str, function: Function, model: Model | None) -> ExportedFunc
 
 def _search(name: str, model: Model, options: Mapping[str, Any]) -> ExportedSearch:
     frame, joints = options.get("frame"), options.get("joints")
+    joints = (joints,) if isinstance(joints, str) else joints
     blank = np.eye(4)
     _, frames, masks = named_goals(blank, frame, options.get("mask"), model.tool)
     problem = problem_of(model, frames, masks, None if joints is None else tuple(joints))

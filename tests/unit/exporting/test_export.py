@@ -132,11 +132,20 @@ def test_the_command_writes_the_same(panda: ulna.Robot, tmp_path: Path, capsys: 
         assert (tmp_path / "a" / file.name).read_text() == file.read_text()
 
 
+def test_options_of_the_command_are_lists_numbers_or_texts(tmp_path: Path) -> None:
+    joints = "joints=panda_joint1,panda_joint2,panda_joint4"
+    words = ["--kernel", "ik", "--option", joints, "--option", "mask=1,1,0,0,0,0", "--option", "test=false"]
+    assert main(["export", "panda", *words, "--option", "seed=3", "--output", str(tmp_path / "x")]) == 0
+    text = (tmp_path / "x" / "panda.h").read_text()
+    assert "joints: panda_joint1, panda_joint2, panda_joint4." in text and not list(tmp_path.glob("x/test_*"))
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (["--kernel", "fkk"], "No kernel named 'fkk'. Did you mean 'fk'"),
         (["--to", "wsam"], "No export target named 'wsam'"),
+        (["--kernel", "ik", "--option", "joints=panda_joint"], "No joint named 'panda_joint'. Did you mean"),
         (["--option", "frame"], "--option 'frame' has no value; expected OPTION=VALUE"),
     ],
 )
