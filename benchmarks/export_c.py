@@ -79,6 +79,60 @@ int main(void)
 """
 
 
+_SEARCHES = """
+#include <stdio.h>
+#include <time.h>
+#include "ik/own.h"
+@tables@
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return t.tv_sec + 1e-9 * t.tv_nsec;
+}
+int main(void)
+{
+    @real@ q[@nq@];
+    int near, round, i, met;
+    for (near = 0; near < 2; near++) {
+        double best = 1.0;
+        for (round = 0; round < 15; round++) {
+            const double start = now();
+            double seconds;
+            for (i = met = 0; i < @count@; i++) met += own_ik(goals[i], near ? starts[i] : 0, 0, q, 0) == OWN_IK_MET;
+            seconds = (now() - start) / @count@;
+            best = seconds < best ? seconds : best;
+        }
+        printf("%d %.3e\\n", met, best);
+    }
+    return 0;
+}
+"""
+
+
+def searches(robot: ulna.Robot, folder: Path, flags: list[str], count: int = 1000) -> list[list[str]]:
+    """Rows of inverse kinematics: goals of random configurations, from rest and from 0.1 rad beside."""
+    rng, limits = np.random.default_rng(0), robot.limits
+    q = limits.lower + (limits.upper - limits.lower) * rng.random((count, robot.nq))
+    goals, starts = robot.fk(q).reshape(count, 16), q + rng.uniform(-0.1, 0.1, q.shape)
+    rows = []
+    for dtype, real in (("float64", "double"), ("float32", "float")):
+        ulna.export(robot, "ik", to="c", path=folder / "ik", name="own", dtype=dtype, test=False)
+        tables = [
+            f"static const {real} {name}[{count}][{x.shape[1]}] = {{{', '.join(map(repr, x.ravel().tolist()))}}};"
+            for name, x in (("goals", goals), ("starts", starts))
+        ]
+        text = _SEARCHES.replace("@tables@", "\n".join(tables)).replace("@real@", real)
+        (folder / "searches.c").write_text(text.replace("@nq@", str(robot.nq)).replace("@count@", str(count)))
+        sources = ["searches.c", "ik/own_ik.c", "ik/own_model.c"]
+        subprocess.run(["gcc", *flags, "-I.", *sources, "-lm", "-o", "searches"], cwd=folder, check=True)
+        out = subprocess.run([folder / "searches"], capture_output=True, text=True, check=True).stdout
+        for kind, line in zip(("from rest", "from 0.1 rad beside"), out.splitlines(), strict=True):
+            met, seconds = line.split()
+            rows.append([f"{robot.name}, {dtype}", kind, f"{met} of {count}", f"{1e6 * float(seconds):.2f}"])
+    return rows
+
+
 def textbook(robot: ulna.Robot, name: str, q: casadi.SX, v: casadi.SX, a: casadi.SX) -> list[casadi.SX]:
     """The textbook algorithm of a quantity, on symbols; derivatives are CasADi's."""
     model, frame = robot.model, robot.model.frame(robot.tool)
@@ -187,13 +241,15 @@ def row(robot: ulna.Robot, name: str, times: dict, seconds: dict) -> list[str]:
 def main(words: list[str]) -> None:
     """Prints the table."""
     flags = [w for w in words if w.startswith("-")] or FLAGS
-    rows = []
+    rows, found = [], []
     for name in [w for w in words if not w.startswith("-")] or ["panda", "g1"]:
         with tempfile.TemporaryDirectory() as folder:
+            found += searches(ulna.load(name), Path(folder), flags)
             rows += measure(ulna.load(name), Path(folder), flags)
     columns = ["kernel", "operations", "Ulna [us]", "CasADi, textbook [us]", "CasADi, Ulna's graph [us]"]
     columns += ["best of CasADi / Ulna", "gcc, Ulna [s]", "gcc, CasADi, textbook [s]"]
     print(table(f"C, gcc {' '.join(flags)}, CasADi {casadi.__version__}", columns, rows))
+    print(table("Inverse kinematics in C", ["robot", "start", "goals met", "mean [us]"], found))
 
 
 if __name__ == "__main__":
