@@ -52,6 +52,7 @@ html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_extra_path = ["_extra"]
 html_show_sourcelink = False
+html_show_copyright = False
 html_copy_source = False
 html_favicon = "_static/logo.svg"
 html_logo = "_static/logo.svg"

@@ -24,6 +24,7 @@ MODULES = {
     "ulna.control": "Control laws",
     "ulna.sim": "Simulation",
     "ulna.identification": "Identification of dynamic parameters",
+    "ulna.exporting": "Export to other languages and processors",
     "ulna.diagnosis": "What looks wrong with a description",
     "ulna.viewer": "The viewer, pictures and films",
     "ulna.formats.dh": "Denavit-Hartenberg tables",
@@ -36,6 +37,9 @@ MODULES = {
     "ulna.typing": "Names of types",
 }
 """The public modules and what each holds."""
+
+NUMPY = {"ArrayLike": "Whatever NumPy makes an array of: `numpy.typing.ArrayLike`."}
+"""Names of NumPy that are public here, too."""
 
 LARGE = ("Robot",)
 """Names of `ulna` with a page for each."""
@@ -137,6 +141,8 @@ def _summary(module: str, name: str, value: Any) -> str:
 
 def _data_docstring(module: str, name: str) -> str:
     """The string that stands below a value in the source of its module, or of one that the module imports it from."""
+    if name in NUMPY:
+        return NUMPY[name]
     for other in [module, *(n for n in sorted(sys.modules) if n.startswith("ulna."))]:
         file = getattr(sys.modules[other], "__file__", None)
         if file and hasattr(sys.modules[other], name):

@@ -8,6 +8,7 @@ from ulna.errors import InputError
 from ulna.model import FreeFlyer, Model
 
 LinkPair = tuple[str, str]
+"""The names of two links."""
 
 
 def link_pairs(
