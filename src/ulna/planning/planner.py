@@ -21,7 +21,9 @@ from ulna.planning.constrained import ConstrainedSearch
 from ulna.planning.goals import goal_configurations, moving_columns
 from ulna.planning.path_constraints import Constraints, PathConstraint
 from ulna.planning.result import Plan
-from ulna.planning.search import Options, Search
+from ulna.planning.roadmap import RoadmapSearch
+from ulna.planning.run import Options
+from ulna.planning.search import Search
 from ulna.planning.tables import Scene, links_of
 from ulna.system.progress import progress
 from ulna.typing import ArrayLike
@@ -116,10 +118,13 @@ class Planner:
         margin: How near everything may come at least [m].
         step: How far any point moves at most between the states by which paths are proved free [m].
         longest: The longest edge of the trees, in joint space [rad, m].
+        roadmap: How many samples a roadmap is made of, along which plans are searched first: for many plans in a world
+            of narrow passages; 0 for none.
 
     Raises:
         InputError: If numbers make no sense, or the robot has joints that cannot be planned for.
         ModelError: If the robot has no collision geometry.
+        MissingExtra: If a roadmap is asked for and scipy is not installed.
     """
 
     def __init__(
@@ -132,6 +137,7 @@ class Planner:
         margin: float = 0.0,
         step: float = 0.01,
         longest: float = 1.0,
+        roadmap: int = 0,
     ) -> None:
         if world is not None and not isinstance(world, World):
             raise InputError(f"`world` is {world!r}; expected a World, as `World().add(...)` makes.")
@@ -145,7 +151,9 @@ class Planner:
         robot_alone = links_of(checker.model, checker.spheres, checker.pairs, checker.missing)
         world = World() if world is None else world
         self.scene = Scene(robot_alone, checker.spheres, checker.pairs, world, checker.missing)
-        self._search, self._lengths = Search(self.scene, margin, step, longest), (margin, step)
+        size, self._lengths = _count("roadmap", roadmap, 0), (margin, step)
+        lengths = (self.scene, margin, step, longest)
+        self._search = RoadmapSearch(*lengths, size) if size else Search(*lengths)
         self._constrained: dict[tuple[PathConstraint, ...], ConstrainedSearch] = {}
 
     def __reduce__(self) -> tuple[Any, ...]:

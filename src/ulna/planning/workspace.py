@@ -124,6 +124,18 @@ class Workspace:
         special = _specialized(procedure, self._lanes)
         return special.bind(self._kernel, *arguments, self._work, are_arrays_private=True)
 
+    def call(self, procedure: Any, *arguments: Any) -> Any:
+        """Calls a procedure with the scene.
+
+        Args:
+            procedure: One that takes the kernel and the tables first, and working storage last.
+            *arguments: What it takes in between.
+
+        Returns:
+            What it returns.
+        """
+        return _specialized(procedure, self._lanes)(self._kernel, self._tables, *arguments, self._work)
+
     def examine(self, q0: Floats, goals: Floats) -> tuple[Any, int]:
         """Which of start and goals are free, and the first goal straight ahead.
 

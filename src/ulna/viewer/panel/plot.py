@@ -46,7 +46,7 @@ class Plot(LabelledControl):
     ) -> None:
         super().__init__(handle, label)
         self._names, self._seconds, self._unit, self._on_remove = names, seconds, unit, forget
-        self._rows: list[tuple[float, Floats]] = []
+        self._rows: list[tuple[float, ...]] = []  # the time, and the numbers
         self._lock = forks.lock()
         self._drawn_at, self._changed = 0.0, False
 
@@ -87,9 +87,9 @@ class Plot(LabelledControl):
         with self._lock:
             if self._rows and t < self._rows[-1][0]:  # time restarted
                 self._rows.clear()
-            self._rows.append((t, row))
+            self._rows.append((t, *row.tolist()))
             if len(self._rows) > self._MAX_ROWS or self._rows[0][0] < t - 2 * self._seconds:
-                first = next(k for k, (at, _) in enumerate(self._rows) if at >= t - self._seconds)
+                first = next(k for k, one in enumerate(self._rows) if one[0] >= t - self._seconds)
                 self._rows = self._rows[max(first, len(self._rows) - self._MAX_ROWS // 2) :]
             self._changed = True
 
@@ -104,8 +104,8 @@ class Plot(LabelledControl):
         """What it shows: rows of the time and the numbers, shape (n, 1 + lines)."""
         with self._lock:
             newest = self._rows[-1][0] if self._rows else 0.0
-            rows = [np.concatenate([[t], row]) for t, row in self._rows if t >= newest - self._seconds]
-        return np.array(rows).reshape(-1, 1 + len(self._names))
+            rows = [row for row in self._rows if row[0] >= newest - self._seconds]
+        return np.array(rows, dtype=float).reshape(-1, 1 + len(self._names))
 
     def remove(self) -> None:
         """Remove it from the panel. May be called twice."""
