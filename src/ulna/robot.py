@@ -15,6 +15,7 @@ from ulna.compiler import CudaKernel, Function, trace
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import Explained, explained
+from ulna.ik.thread_search import search_kernel
 from ulna.lazy import is_deferred
 from ulna.methods.branches import Branching
 from ulna.methods.collision import Collision
@@ -223,7 +224,8 @@ class Robot(
         one kernel serves a batch of robots; `robot.parameters["inertia"]` is what this robot has for them.
 
         Args:
-            name: The quantity; `docs/quantities.md` lists them, `ulna.kernels.QUANTITIES` is their table.
+            name: The quantity; `docs/quantities.md` lists them, `ulna.kernels.QUANTITIES` is their table. On a GPU also
+                "ik" (`ulna.ik.thread_search`).
             dtype: The type to compute in: float64 or float32.
             checked: Whether nan and inf in the inputs raise NonFiniteError.
             device: "cpu", or "cuda" for arrays on an NVIDIA GPU (experimental; docs/gpu.md).
@@ -235,6 +237,9 @@ class Robot(
         Raises:
             UnknownName: If there is no such kernel, option, device or frame.
         """
+        if name == "ik" and device == "cuda":
+            kernels.check_device(device, checked)
+            return search_kernel(self.model, dtype, options)
         return kernels.kernel(self.model, name, dtype=dtype, checked=checked, device=device, **options)
 
     def function(self, name: str, **options: Any) -> Function:

@@ -47,6 +47,13 @@ def test_out_streams_and_layouts() -> None:
     assert fk(q[:0]).shape == (0, 4, 4)
 
 
+def test_inverse_kinematics() -> None:
+    T = torch.tensor(ROBOT.fk(Q.numpy()), device="cuda")
+    q, is_met, *_ = ROBOT.kernel("ik", device="cuda")(T)
+    assert (is_met == 1.0).all()
+    np.testing.assert_allclose(ROBOT.fk(q.cpu().numpy()), T.cpu().numpy(), atol=2e-6)
+
+
 def test_derivatives_on_the_gpu() -> None:
     fk = to_torch(ROBOT.kernel("fk"))
     q = Q[:3].cuda().requires_grad_()

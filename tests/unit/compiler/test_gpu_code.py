@@ -14,7 +14,7 @@ import pytest
 import ulna
 from ulna.compiler import trace
 from ulna.compiler.runtime.ptx import ptx, run_on_cpu
-from ulna.errors import DeviceError, InputError, MissingExtra, UnknownName
+from ulna.errors import DeviceError, DtypeError, InputError, MissingExtra, UnknownName
 from ulna.numeric import loop, where
 
 ROBOT = ulna.load("panda")
@@ -78,6 +78,36 @@ def test_a_search_in_one_thread_meets_its_goals() -> None:
     (found,) = run_on_cpu(f, (search.goals, search.start, search.shift, settings), "float64")
     assert (found[:, 7] == 1.0).all()
     np.testing.assert_allclose(ROBOT.fk(found[:, :7]), search.goals, atol=2e-6)
+
+
+def test_the_kernel_of_a_search_is_for_one_goal_or_near_a_configuration() -> None:
+    from ulna.ik.thread_search import thread_search
+
+    T = ROBOT.fk(Q)
+    q, is_met, steps, position, rotation = run_on_cpu(thread_search(ROBOT.model), (T,), "float64")
+    assert (is_met == 1.0).all() and (steps >= 1.0).all() and position.max() < 1e-6 and rotation.max() < 1e-6
+    np.testing.assert_allclose(ROBOT.fk(q), T, atol=2e-6)
+    assert ROBOT.limits.contains(q).all()
+    near = thread_search(
+        ROBOT.model, near=True, frame=["panda_hand", "panda_link5"], mask=["pose", "position"]
+    )
+    goals = np.stack([ROBOT.fk(Q, "panda_hand"), ROBOT.fk(Q, "panda_link5")], axis=1)
+    start = ROBOT.limits.clip(Q + 0.02)
+    q, is_met, _, position, _ = run_on_cpu(near, (goals, start), "float64")
+    assert (is_met == 1.0).all() and position.max() < 1e-6
+    assert np.abs(q - start).max() < 0.2
+    far = ROBOT.fk(Q[0])
+    far[0, 3] += 3.0
+    _, is_met, *_ = run_on_cpu(thread_search(ROBOT.model, attempts=3), (far,), "float64")
+    assert is_met != 1.0
+    kernel = ROBOT.kernel("ik", device="cuda")
+    assert repr(kernel).startswith("<CUDA kernel ik(4,4)->(7),(),(),(),() float64")
+    with pytest.raises(UnknownName, match="No option of kernel 'ik' named 'frme'. Did you mean 'frame'"):
+        ROBOT.kernel("ik", device="cuda", frme="panda_hand")
+    with pytest.raises(DtypeError, match="has dtype float32; expected float64 for a search"):
+        ROBOT.kernel("ik", device="cuda", dtype="float32")
+    with pytest.raises(UnknownName, match="a method that searches"):
+        ROBOT.kernel("ik")
 
 
 def test_collisions_of_spheres() -> None:
