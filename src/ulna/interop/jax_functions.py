@@ -12,6 +12,7 @@ from typing import Any, final
 import jax  # pyright: ignore[reportMissingImports]
 import jax.extend  # pyright: ignore[reportMissingImports]
 import jax.numpy as jnp  # pyright: ignore[reportMissingImports]
+from jax.core import ShapedArray, Tracer  # pyright: ignore[reportMissingImports]
 from jax.interpreters import ad, batching, mlir  # pyright: ignore[reportMissingImports]
 
 from ulna.compiler import Function
@@ -72,7 +73,7 @@ class JaxFunction:
         x = jnp.asarray(value)
         if not (jnp.issubdtype(x.dtype, jnp.floating) or jnp.issubdtype(x.dtype, jnp.integer)):
             raise DtypeError(name, str(x.dtype), "real numbers", f"jnp.asarray({name}, float) converts it.")
-        if not isinstance(x, jax.core.Tracer):
+        if not isinstance(x, Tracer):
             device = next(iter(x.devices()))
             if device.platform != "cpu":
                 raise InputError(
@@ -97,7 +98,7 @@ def _shapes(*arrays: Any, function: Function, linear: int) -> list[Any]:
     """The shapes and types of the results."""
     first = arrays[0]
     batch = first.shape[: first.ndim - len(function.inputs[0].shape)]
-    return [jax.core.ShapedArray(batch + p.shape, first.dtype) for p in function.outputs]
+    return [ShapedArray(batch + p.shape, first.dtype) for p in function.outputs]
 
 
 def _native(*arrays: Any, function: Function, linear: int) -> list[Any]:

@@ -163,10 +163,8 @@ def cuda_core() -> Any:
     except ImportError:
         raise MissingExtra("cuda-core", "cuda", "Running a kernel on a GPU") from None
     try:
-        core.Device().set_current()
-    except (
-        Exception
-    ) as error:  # several classes: no library of the driver, no device, a driver that is too old
+        core.Device().set_current()  # pyright: ignore[reportAttributeAccessIssue]
+    except Exception as error:  # of several classes: no driver, one that is too old, no device
         raise DeviceError(
             f"There is no usable NVIDIA GPU: {str(error) or type(error).__name__} "
             'Install the NVIDIA driver, or leave out device="cuda" to run the kernel on the CPU.'
