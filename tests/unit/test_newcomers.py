@@ -5,13 +5,14 @@ from __future__ import annotations
 import copy
 import pickle
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import ulna
-from ulna.errors import UlnaError
+from ulna.errors import InputError, UlnaError
 
 R = ulna.load("panda", visuals="simple")
 Q = R.configurations["qr"]
@@ -76,3 +77,38 @@ def test_what_is_right_stays_as_it_was() -> None:
         T * ulna.Motion.zero()  # type: ignore[operator]
     assert R.jacobian(Q, "panda_hand", "local").shape == (6, 7)
     assert ulna.load("panda", root="free_flyer", visuals="simple").nv == 13
+
+
+def test_a_solution_of_inverse_kinematics_is_a_goal() -> None:
+    """`robot.plan(q, robot.ik(T))` raised ValueError: setting an array element with a sequence."""
+    robot = ulna.load("panda", visuals="simple")
+    q = robot.configurations["qr"]
+    solution = robot.ik(ulna.SE3.pointing_down((0.4, 0.2, 0.3)))
+    plan = robot.plan(q, solution)
+    assert plan
+    np.testing.assert_allclose(plan.points[-1], solution.q)
+    with pytest.raises(InputError, match="no configuration"):
+        robot.plan(q, robot.ik(ulna.SE3(4.0, 0.2, 0.3)))
+    with pytest.raises(InputError, match="expected a World"):
+        robot.plan(q, q, [1])
+
+
+def test_a_robot_that_was_not_loaded_is_no_mesh() -> None:
+    viewer = ulna.Viewer(page=False)
+    for path in ("panda", "arm.urdf"):
+        with pytest.raises(InputError, match=rf"viewer\.add\(ulna\.load\('{path}'\)\)"):
+            viewer.add(path)
+    with pytest.raises(InputError, match=r"table\.stl"):
+        viewer.add("table.stl")
+
+
+def test_a_missing_mesh_is_reported_once(tmp_path: Path) -> None:
+    from ulna.diagnosis import diagnose
+
+    file = tmp_path / "arm.urdf"
+    file.write_text(
+        '<robot name="arm"><link name="base"><visual><geometry><mesh filename="package://arm/base.stl"/></geometry>'
+        '</visual></link><link name="tip"/><joint name="j" type="continuous"><parent link="base"/><child link="tip"/>'
+        '<axis xyz="0 0 1"/></joint></robot>'
+    )
+    assert sum("base.stl" in f.message for f in diagnose(file)) == 1

@@ -57,6 +57,12 @@ def diagnose(robot: Any, **options: Any) -> tuple[Finding, ...]:
     findings = [
         f for f in findings if not any(name in f.message and "kg m^2" in f.message for name in impossible)
     ]
+    if any(
+        "file of its" in f.message for f in shapes.findings
+    ):  # these say which link needs it, and how to fix it
+        findings = [
+            f for f in findings if not (f.message.startswith("the mesh ") and "not found" in f.message)
+        ]
     findings += [*shapes.findings, *joint_findings(model), *bodies]
     lines = _lines(model.source)
     placed = [f if f.line else dataclasses.replace(f, line=lines.get(f.subject)) for f in findings]

@@ -142,6 +142,8 @@ MODULE: dict[str, dict[str, str]] = {
         "PseudoInverseIK": "robot.ik(T)",
     },
     OTHERS: {
+        "plan": "robot.plan(q0, q1)",
+        "Camera": "ulna.viewer.Camera()",
         "load_urdf": "ulna.load(path)",
         "loads": "ulna.load(path)",
         "load_robot": "ulna.load(path)",

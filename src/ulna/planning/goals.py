@@ -10,6 +10,7 @@ import numpy as np
 
 from ulna.checks.arrays import finite_array
 from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.ik.result import IKSolution
 from ulna.model import Model
 from ulna.spatial import SE3
 from ulna.typing import ArrayLike, Floats
@@ -177,9 +178,13 @@ def _of_array(
 ) -> Goals:
     """The configurations of a goal that is numbers."""
     nq = robot.model.nq
-    poses = goal.matrix() if isinstance(goal, SE3) else np.asarray(goal, dtype=float)
-    if not np.isfinite(poses).all():
-        raise InputError("`goal` holds nan or inf; expected finite numbers.")
+    if isinstance(goal, IKSolution):
+        if not np.all(goal.success):
+            raise InputError(
+                f"`goal` is no configuration: {goal!r}. Plan to the pose itself, or check `.success`."
+            )
+        goal = goal.q
+    poses = goal.matrix() if isinstance(goal, SE3) else finite_array("goal", goal)
     is_pose = poses.shape[-2:] == (4, 4) and poses.ndim in (2, 3)
     if is_pose and nq == 4 and poses.ndim == 2 and not isinstance(goal, SE3):
         raise InputError(

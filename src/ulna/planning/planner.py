@@ -12,7 +12,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna.checks.arrays import finite_array
-from ulna.checks.values import number
+from ulna.checks.values import number, short_repr
 from ulna.collision import LinkPair, Spheres, World
 from ulna.errors import InputError, ShapeError
 from ulna.lazy import is_deferred
@@ -90,6 +90,7 @@ def plan(
         raise InputError(
             f"`robot` is a {type(robot).__name__}; expected a Robot, as ulna.load(...) or Robot(model) makes."
         )
+    _check_world(world)
     chosen = pairs if pairs is None else tuple(map(tuple, pairs))
     planner = _planner(robot, world, spheres, chosen, float(margin), float(step), float(longest))
     return planner.plan(
@@ -139,8 +140,7 @@ class Planner:
         longest: float = 1.0,
         roadmap: int = 0,
     ) -> None:
-        if world is not None and not isinstance(world, World):
-            raise InputError(f"`world` is {world!r}; expected a World, as `World().add(...)` makes.")
+        _check_world(world)
         margin = number("margin", margin, "a length, not below 0 [m]", least=0.0)
         step = number("step", step, "a length of at least 0.001 [m]", least=1e-3)
         longest = number("longest", longest, "a distance of at least 0.001 [rad, m]", least=1e-3)
@@ -289,6 +289,11 @@ class Planner:
             finally:  # Ctrl-C, too, waits for plans under way only
                 is_stopped.set()
                 pool.shutdown(cancel_futures=True)
+
+
+def _check_world(world: Any) -> None:
+    if world is not None and not isinstance(world, World):
+        raise InputError(f"`world` is {short_repr(world)}; expected a World, as `World().add(...)` makes.")
 
 
 def _count(name: str, value: Any, least: int) -> int:

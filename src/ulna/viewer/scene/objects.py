@@ -93,6 +93,7 @@ class SceneMethods(WorldMethods):
             surface = thing if color is None else thing.coloured(colour(color))
             return self._add_node(name, "surface", (surface,), pose=pose, opacity=opacity)
         if isinstance(thing, str | os.PathLike):
+            _check_is_mesh(os.fspath(thing))
             return self.mesh(thing, detail=detail, **common)
         if not hasattr(thing, "link_poses"):
             raise InputError(f"Cannot show {short_repr(thing)}; {_advice(thing)}")
@@ -252,6 +253,16 @@ def _surfaces(thing: Any) -> tuple[Surface, ...]:
     if isinstance(thing, Shape):
         return (tessellate(thing, DEFAULT_SHAPE_COLOUR),)
     return load_mesh(_file(thing))
+
+
+def _check_is_mesh(path: str) -> None:
+    """Raises InputError for what is a robot's name or file, not a mesh file."""
+    suffix = os.path.splitext(path)[1]
+    if suffix.lower() in (".urdf", ".xacro", ".xml") or (not suffix and not os.path.exists(path)):
+        raise InputError(
+            f"{path!r} is no mesh file (dae, stl, obj, glb ...). A robot is loaded first: "
+            f"viewer.add(ulna.load({path!r}))."
+        )
 
 
 def _advice(thing: Any) -> str:
