@@ -50,6 +50,7 @@ toc_object_entries = False
 html_theme = "furo"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_js_files = ["live.js"]
 html_extra_path = ["_extra"]
 html_show_sourcelink = False
 html_show_copyright = False

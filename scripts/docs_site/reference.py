@@ -10,6 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import ulna
 from docs_site.docstrings import inline
 
 MODULES = {
@@ -37,6 +38,15 @@ MODULES = {
     "ulna.typing": "Names of types",
 }
 """The public modules and what each holds."""
+
+INTERNAL = {"ulna.compat", "ulna.faces"}
+"""Packages that `ulna.NAME` imports and that have no page: the compatibility packages have pages about them."""
+
+MODULES |= {
+    name: (importlib.import_module(name).__doc__ or name).splitlines()[0].rstrip(".")
+    for name in (f"ulna.{package}" for package in ulna._PACKAGES)
+    if name not in MODULES and name not in INTERNAL
+}
 
 NUMPY = {"ArrayLike": "Whatever NumPy makes an array of: `numpy.typing.ArrayLike`."}
 """Names of NumPy that are public here, too."""
@@ -71,7 +81,6 @@ def public_names(module: str) -> list[str]:
 
 def groups() -> dict[str, type]:
     """The groups of a robot's methods: names and classes."""
-    import ulna
     from ulna.quantities.part import Part
 
     robot = ulna.load("panda", visuals="simple")

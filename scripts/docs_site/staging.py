@@ -1,7 +1,7 @@
 """The pages as Sphinx reads them: with the outputs, pictures, films and notebooks that their code made.
 
 A page may show any file that its code writes: `![A Panda](arm.png)`. Pictures become pictures, `.mp4` a film, `.html`
-a frame with the page in it.
+a frame with the page in it: a click on the picture of the same name, where there is one, starts it.
 """
 
 from __future__ import annotations
@@ -183,8 +183,20 @@ class _Staged:
             options = 'controls loop muted playsinline preload="metadata"'
             return f'<video {options} title="{quoted}" src="{address}"></video>'
         if link.is_picture and suffix == ".html":
-            return f'<iframe loading="lazy" class="live" title="{quoted}" src="{address}"></iframe>'
+            return self._frame(path, address, quoted)
         return f'<a href="{address}" download>{quoted}</a>'
+
+    def _frame(self, path: str, address: str, title: str) -> str:
+        """A page in the page: a picture of the same name, where the code made one, until it is clicked."""
+        poster = Path(path).with_suffix(".png")
+        if not (self.made / poster).is_file():
+            return f'<iframe loading="lazy" class="live" title="{title}" src="{address}"></iframe>'
+        place = Path("_made") / self.name.with_suffix("") / poster
+        target = self.folder / "_extra" / place
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(self.made / poster, target)
+        image = f'<img src="{self._up()}{place.as_posix()}" alt="{title}">'
+        return f'<a class="live" href="{address}" title="{title}">{image}<span>Move it</span></a>'
 
 
 def _printed(text: str) -> str:
