@@ -28,6 +28,7 @@ extensions = [
     "sphinx_copybutton",
 ]
 root_doc = "index"
+smartquotes = False
 suppress_warnings = ["myst.xref_missing", "myst.header"]  # `built.py` checks every link of the result
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath", "attrs_inline"]
