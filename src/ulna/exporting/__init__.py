@@ -8,8 +8,9 @@ Read in this order:
 | `targets.py` | the table of targets; a new one is one entry and one module with a function `write` |
 | `selection.py` | names of quantities, and compiled functions, as records |
 | `folder.py` | a folder that is whole or absent |
+| `sensitivity.py` | how much results may differ from recorded ones |
 | `export.py` | the function `ulna.export` |
-| `c` | the target "c" |
+| `c`, `objects`, `wasm` | targets |
 """
 
 from ulna.exporting.export import export as export

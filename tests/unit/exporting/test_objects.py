@@ -18,6 +18,7 @@ from ulna.cli import main
 from ulna.errors import InputError, UnknownName
 from ulna.exporting.objects.processors import PROCESSORS
 from ulna.exporting.objects.symbols import undefined_symbols
+from ulna.quantities import QUANTITIES
 
 KERNELS = ["fk", "jacobian", "inverse_dynamics", "ik"]
 
@@ -209,3 +210,14 @@ def test_the_command_takes_a_triple(tmp_path: Path, capsys: Any) -> None:
     ]
     assert main(words) == 0
     assert (tmp_path / "x" / "panda.o").read_bytes()[18] == 243  # the number of RISC-V in ELF
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(
+    platform.machine() != "x86_64" or sys.platform != "linux", reason="links an object file of x86-64 Linux"
+)
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_every_quantity_of_the_panda(panda: ulna.Robot, tmp_path: Path, dtype: str) -> None:
+    names = [name for name, quantity in QUANTITIES.items() if "constraints" not in quantity.options]
+    place, _ = exported(panda, names, tmp_path / "x", triple="x86_64-linux-gnu", dtype=dtype)
+    assert run_test_program(place, "gcc").count("largest difference") == len(names)

@@ -24,6 +24,7 @@ from ulna.exporting.wasm.linking import linked
 from ulna.ik import search
 from ulna.ik.arguments import problem_of, shift_of
 from ulna.ik.solve import search_settings
+from ulna.quantities import QUANTITIES
 
 NODE = shutil.which("node")
 needs_node = pytest.mark.skipif(NODE is None, reason="node is not installed")
@@ -273,3 +274,15 @@ def test_exports_that_are_refused(panda: ulna.Robot, tmp_path: Path) -> None:
         ulna.export(panda, {"memory": "fk"}, to="wasm", path=tmp_path / "x")
     assert list(tmp_path.iterdir()) == []
     assert "wasm" in TARGETS
+
+
+@needs_node
+@pytest.mark.slow
+def test_every_quantity_of_the_panda(panda: ulna.Robot, tmp_path: Path) -> None:
+    names = [name for name, quantity in QUANTITIES.items() if "constraints" not in quantity.options]
+    place = ulna.export(panda, names, to="wasm", path=tmp_path / "x")
+    done = subprocess.run(
+        [str(NODE), "test_panda.mjs"], cwd=place, capture_output=True, text=True, timeout=300, check=False
+    )
+    assert done.returncode == 0, done.stdout
+    assert done.stdout.count("largest difference") == len(names) > 40

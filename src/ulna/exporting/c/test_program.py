@@ -10,9 +10,7 @@ import numpy as np
 from ulna.exporting.c.expressions import number, wrapped
 from ulna.exporting.c.header import comment, real_of
 from ulna.exporting.record import Export, ExportedFunction, ExportedSearch
-
-TOLERANCE = {"double": 1e-12, "float": 2e-4}
-"""The largest difference that passes, relative to the largest number of an output, or to 1 [-]."""
+from ulna.exporting.sensitivity import tolerance
 
 _MOST = 3000
 """Recorded numbers of a function."""
@@ -33,7 +31,7 @@ def test_program(export: Export) -> str:
     names = [*(f.name for f in export.functions), *(s.name for s in export.searches)]
     calls = [f"    failures += test_{name}();" for name in names]
     about = "Compares the functions with recorded values of Ulna's interpreter. Written by Ulna; do not edit."
-    compare = _COMPARE.replace("@real@", real).replace("@tolerance@", number(TOLERANCE[real], real))
+    compare = _COMPARE.replace("@real@", real)
     compare = compare.replace("@fabs@", "fabsf" if real == "float" else "fabs")
     head = [
         comment([about]),
@@ -65,6 +63,7 @@ def _function_test(export: Export, f: ExportedFunction) -> str:
     samples = [np.asarray(s[:count], dtype=export.dtype).astype(float) for s in f.samples]
     results: Sequence[Any] = [f.function(*[s[k] for s in samples]) for k in range(count)]
     each = [(r,) if f.function.single else r for r in results]
+    bound = number(tolerance(f, samples, export.dtype.name), real)
     lines: list[str] = []
     for j, sample in enumerate(samples):
         lines += _table(f"{name}_in{j}", sample, real)
@@ -84,7 +83,7 @@ def _function_test(export: Export, f: ExportedFunction) -> str:
         f"        {export.name}_{name}({', '.join(arguments)});",
     ]
     lines += [
-        f"        failures += differ(out{j}, {name}_expected{j}[i], {o.size}, &largest);"
+        f"        failures += differ(out{j}, {name}_expected{j}[i], {o.size}, {bound}, &largest);"
         for j, o in enumerate(f.outputs)
     ]
     lines += ["    }", f'    printf("{name}: largest difference %.1e%s\\n", (double)largest,']
@@ -103,7 +102,7 @@ def _search_test(export: Export, s: ExportedSearch) -> str:
 
 _COMPARE = """\
 /* Whether n numbers differ from those that are expected; also finds the largest difference. */
-static int differ(const @real@ *x, const @real@ *expected, int n, @real@ *largest)
+static int differ(const @real@ *x, const @real@ *expected, int n, @real@ tolerance, @real@ *largest)
 {
     @real@ scale = 1;
     int i, wrong = 0;
@@ -112,7 +111,7 @@ static int differ(const @real@ *x, const @real@ *expected, int n, @real@ *larges
     }
     for (i = 0; i < n; i++) {
         const @real@ difference = @fabs@(x[i] - expected[i]) / scale;
-        wrong |= !(difference <= @tolerance@) && !(isnan(x[i]) && isnan(expected[i]));
+        wrong |= !(difference <= tolerance) && !(isnan(x[i]) && isnan(expected[i]));
         *largest = difference > *largest ? difference : *largest;
     }
     return wrong;

@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 
 from ulna.exporting.record import Export, ExportedFunction, ExportedSearch
-
-TOLERANCE = {"float64": 1e-12, "float32": 2e-4}
-"""The largest difference that passes, relative to the largest number of an output, or to 1 [-]."""
+from ulna.exporting.sensitivity import tolerance
 
 _MOST = 3000
 """Recorded numbers of a function."""
@@ -25,18 +23,16 @@ def test_program(export: Export) -> str:
     Returns:
         The text.
     """
-    functions = {f.name: _recorded(f) for f in export.functions}
+    functions = {f.name: _recorded(f, export.dtype.name) for f in export.functions}
     searches = {s.name: _goals(s) for s in export.searches}
-    script = _SCRIPT.replace("__NAME__", export.name).replace(
-        "__TOLERANCE__", str(TOLERANCE[export.dtype.name])
-    )
+    script = _SCRIPT.replace("__NAME__", export.name)
     for word, values in (("__FUNCTIONS__", functions), ("__SEARCHES__", searches)):
         script = script.replace(word, json.dumps(values, separators=(",", ":")))
     return script
 
 
-def _recorded(f: ExportedFunction) -> list[dict[str, Any]]:
-    """Inputs and outputs of some samples."""
+def _recorded(f: ExportedFunction, dtype: str) -> dict[str, Any]:
+    """Inputs and outputs of some samples, and the largest difference that passes."""
     size = sum(a.size for a in (*f.inputs, *f.outputs))
     count = min(len(f.samples[0]) if f.samples else 1, max(1, _MOST // max(size, 1)))
     recorded = []
@@ -46,7 +42,8 @@ def _recorded(f: ExportedFunction) -> list[dict[str, Any]]:
         each = (results,) if f.function.single else results
         outputs = [[x if np.isfinite(x) else None for x in np.ravel(r).tolist()] for r in each]
         recorded.append({"inputs": [v.tolist() for v in values], "outputs": outputs})
-    return recorded
+    samples = [np.asarray(s[:count]) for s in f.samples]
+    return {"samples": recorded, "tolerance": tolerance(f, samples, dtype)}
 
 
 def _goals(s: ExportedSearch) -> list[Any]:
@@ -63,7 +60,7 @@ const searches = __SEARCHES__;
 const robot = await load();
 let failures = 0;
 
-for (const [name, samples] of Object.entries(functions)) {
+for (const [name, { samples, tolerance }] of Object.entries(functions)) {
   let largest = 0;
   for (const { inputs, outputs } of samples) {
     const results = robot[name](...inputs);
@@ -76,7 +73,7 @@ for (const [name, samples] of Object.entries(functions)) {
       });
     });
   }
-  const good = largest <= __TOLERANCE__;
+  const good = largest <= tolerance;
   failures += good ? 0 : 1;
   console.log(`${name}: largest difference ${largest.toExponential(1)}${good ? "" : ", which is too much"}`);
 }
