@@ -1,6 +1,6 @@
 """The header that the sources share: refusals of compilers' options, minimum, maximum, sines and cosines.
 
-Sines and cosines are those of `ulna.compiler.codegen.sincos` without fused multiply-add: pi/2 is subtracted in four
+Sines and cosines are those of `ulna.compiler.codegen.sincos` without fused multiply-add: pi/2 is subtracted in three
 parts (Cody & Waite; Muller, Elementary Functions, 3rd ed., section 11.2), and there is no branch, so that a compiler
 can work on several angles at once. Angles beyond the bound go to the C library.
 """
@@ -14,21 +14,22 @@ from ulna.compiler.codegen import coefficients
 from ulna.compiler.codegen.ir_text import DType
 from ulna.exporting.c.expressions import number
 
-_BITS: dict[DType, tuple[int, int]] = {"double": (33, 53), "float": (11, 24)}
-"""Bits of the first three parts of pi/2, and of the last."""
+_BITS: dict[DType, tuple[int, int]] = {"double": (40, 53), "float": (17, 24)}
+"""Bits of the first two parts of pi/2, and of the last."""
 
-_BOUND: dict[DType, float] = {"double": 2.0**20, "float": 2.0**13}
-"""The largest angle whose multiples of pi/2 times a part are exact [rad]."""
+_BOUND: dict[DType, float] = {"double": 2.0**13, "float": 2.0**7}
+"""The largest angle [rad]: up to it a part of pi/2 times the count of quarter turns is exact, and no floating-point
+number is so near to a multiple of pi/2 that the last part would not do."""
 
 _ROUNDER: dict[DType, float] = {"double": 1.5 * 2.0**52, "float": 1.5 * 2.0**23}
 
 
 def half_pi_parts(real: DType) -> list[float]:
-    """pi/2 as a sum of four numbers, the first three of few bits."""
+    """pi/2 as a sum of three numbers, the first two of few bits."""
     rest = sum((Fraction(part) for part in coefficients.HALF_PI["double"]), Fraction(0))
     bits, last = _BITS[real]
     made = []
-    for count in (bits, bits, bits, last):
+    for count in (bits, bits, last):
         scale = Fraction(2) ** (count - 1 - _exponent(rest))
         part = Fraction(int(rest * scale)) / scale  # towards zero
         made.append(float(part))
@@ -60,7 +61,9 @@ def support_header(name: str, real: DType) -> str:
     values["INVERSE"] = number(coefficients.TWO_OVER_PI[real][0], real)
     values["BOUND"], values["ROUNDER"] = number(_BOUND[real], real), number(_ROUNDER[real], real)
     suffix = "f" if real == "float" else ""
-    values |= {word: word + suffix for word in ("fabs", "sin", "cos", "0.5", "0.25", "1.0", "1.5")}
+    values |= {
+        word: word + suffix for word in ("fabs", "sin", "cos", "0.5", "0.25", "0.375", "1.0", "1.25", "1.5")
+    }
     values |= {"name": name, "NAME": name.upper(), "real": real}
     return re.sub("@([^@ ]+)@", lambda found: values[found[1]], _TEMPLATE)
 
@@ -124,30 +127,27 @@ static inline void @name@_sincos(int n, const @real@ *x, @real@ *s, @real@ *c)
         /* x = k pi/2 + (r - e), with an exact product k p for each part p of pi/2 but the last. */
         const @real@ shifted = x[i] * @INVERSE@ + @ROUNDER@;
         const @real@ k = shifted - @ROUNDER@;
-        const @real@ t2 = k * @P2@, t3 = k * @P3@;
+        const @real@ t = k * @P2@;
         const @real@ r1 = x[i] - k * @P1@;
-        const @real@ r2 = r1 - t2;
-        const @real@ b2 = r1 - r2;
-        const @real@ e2 = (r1 - (r2 + b2)) + (b2 - t2);
-        const @real@ r3 = r2 - t3;
-        const @real@ b3 = r2 - r3;
-        const @real@ e3 = (r2 - (r3 + b3)) + (b3 - t3);
-        const @real@ low = (e2 + e3) - k * @P4@;
-        const @real@ r = r3 + low;
-        const @real@ e = (r - r3) - low;
+        const @real@ r2 = r1 - t;
+        const @real@ b = r1 - r2;
+        const @real@ low = ((r1 - (r2 + b)) + (b - t)) - k * @P3@;
+        const @real@ r = r2 + low;
+        const @real@ e = (r - r2) - low;
         /* Polynomials of sin(r - e) and cos(r - e). */
         const @real@ z = r * r;
         const @real@ h = @0.5@ * z;
         const @real@ w = @1.0@ - h;
         const @real@ cosine = w + (((@1.0@ - w) - h) + (z * z * @COSINE@ + r * e));
         const @real@ sine = r - (e * w - r * z * @SINE@);
-        /* m is k modulo 4, from -2 to 2. */
-        const @real@ quarter = k * @0.25@ + @ROUNDER@;
-        const @real@ m = k - 4 * (quarter - @ROUNDER@);
-        const @real@ turned_sine = m * m == 1 ? cosine : sine;
-        const @real@ turned_cosine = m * m == 1 ? sine : cosine;
-        s[i] = m < 0 || m > @1.5@ ? -turned_sine : turned_sine;
-        c[i] = m > 0 || m < -@1.5@ ? -turned_cosine : turned_cosine;
+        /* m is k modulo 4, from 0 to 3. */
+        const @real@ m = k - 4 * ((k * @0.25@ - @0.375@ + @ROUNDER@) - @ROUNDER@);
+        const @real@ turned_sine = (m - 2) * (m - 2) == 1 ? cosine : sine;
+        const @real@ turned_cosine = (m - 2) * (m - 2) == 1 ? sine : cosine;
+        s[i] = m > @1.5@ ? -turned_sine : turned_sine;
+        c[i] = turned_cosine * ((m - @1.5@) * (m - @1.5@) - @1.25@);
+    }
+    for (i = 0; i < n; i++) { /* apart, so that the loop above becomes vector instructions everywhere */
         far |= !(@fabs@(x[i]) <= @BOUND@);
     }
     if (far) {
