@@ -13,6 +13,7 @@ import pytest
 
 import ulna
 from ulna.compiler import trace
+from ulna.compiler.runtime.cuda_kernel import cuda_core
 from ulna.compiler.runtime.ptx import ptx, run_on_cpu
 from ulna.errors import DeviceError, DtypeError, InputError, MissingExtra, UnknownName
 from ulna.numeric import loop, where
@@ -183,6 +184,7 @@ def test_without_the_package_its_extra_is_named(monkeypatch: pytest.MonkeyPatch)
             raise ImportError(name)
         return original(name, *rest)
 
+    cuda_core.cache_clear()
     monkeypatch.setattr(builtins, "__import__", absent)
     with pytest.raises(MissingExtra, match="needs the package 'cuda-core'"):
         ROBOT.kernel("fk", device="cuda")(Q)

@@ -147,6 +147,16 @@ def test_it_is_pickled_and_shown() -> None:
     assert repr(f) == "<JAX function fk(7)->(4,4)>"
 
 
+def test_kernels_take_arrays_and_say_which_function_is_for_transformations() -> None:
+    kernel = ROBOT.kernel("fk")
+    np.testing.assert_array_equal(kernel(jnp.asarray(Q)), ROBOT.fk(Q))
+    for call in (kernel, ROBOT.fk):
+        with pytest.raises(
+            InputError, match=r"`q` is a .*Tracer of jax that .* ulna.interop.to_jax\(kernel\)"
+        ):
+            jax.jit(call)(Q)
+
+
 def test_refusals_say_what_to_do() -> None:
     f = to_jax(ROBOT.kernel("inverse_dynamics"))
     with pytest.raises(ShapeError, match=r"`v` has shape \(5, 6\); expected \(\.\.\., 7\)"):

@@ -159,6 +159,21 @@ def test_refusals_say_what_to_do() -> None:
         to_torch(ROBOT.fk)
 
 
+def test_kernels_take_tensors_and_say_which_function_knows_derivatives() -> None:
+    kernel = ROBOT.kernel("fk")
+    np.testing.assert_array_equal(kernel(Q), ROBOT.fk(Q.numpy()))
+    np.testing.assert_array_equal(ROBOT.fk(Q[0]), ROBOT.fk(Q[0].numpy()))
+    for call in (kernel, ROBOT.fk):
+        with pytest.raises(
+            InputError, match=r"`q` is a Tensor of torch that .* requires grad.*ulna.interop.to_torch"
+        ):
+            call(Q.clone().requires_grad_())
+        with pytest.raises(
+            InputError, match=r"`q` is a Tensor of torch that .*ulna.interop.to_torch\(kernel\)"
+        ):
+            torch.func.vmap(call)(Q)
+
+
 def test_a_loop_has_no_derivative_and_says_so() -> None:
     from ulna.numeric import loop
 

@@ -16,7 +16,7 @@ from ulna.compiler.language.function import Function
 from ulna.compiler.language.ports import Port
 from ulna.compiler.language.scalar import Value
 from ulna.compiler.runtime import entry_point, gufunc, jit
-from ulna.compiler.runtime.foreign import is_foreign, refuse_tables
+from ulna.compiler.runtime.foreign import is_foreign, readable, refuse_tables
 from ulna.errors import DtypeError, InputError, ShapeError
 from ulna.lazy import Slot, apply, is_deferred
 from ulna.system import forks
@@ -256,6 +256,8 @@ class ArrayCall:
 
     def _array(self, value: Any, port: Port) -> Any:
         shape = batched_shape(port.shape)
+        if type(value) is not np.ndarray:
+            value = readable(port, value)
         array = real_array(port.name, value, shape=shape, dtype=self.dtype, is_symbol=_is_traced)
         check_core_shape(port.name, array, port.shape)
         return array

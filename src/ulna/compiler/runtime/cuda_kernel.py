@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, final
 
 import numpy as np
@@ -26,6 +27,7 @@ from ulna.system import forks
 BLOCK = 128
 """Threads of a block."""
 _NAME = "ulna_kernel"
+_LEGACY_STREAM = 1  # what DLPack calls the default stream, whose address is 0
 
 
 @final
@@ -94,7 +96,7 @@ class CudaKernel:
         device.set_current()
         queue = _stream(core, device, arrays[0], stream)
         for x, p in zip(arrays, f.inputs, strict=True):  # what other streams do to the arrays comes first
-            view_of(x, p.name, int(queue.handle))
+            view_of(x, p.name, int(queue.handle) or _LEGACY_STREAM)
         results = self._new(arrays[0], device, queue, batch) if out is None else self._checked(out, batch)
         made = [view_of(x, p.name) for x, p in zip(results, f.outputs, strict=True)]
         for port, array in zip(f.outputs, made, strict=True):
@@ -148,6 +150,7 @@ class CudaKernel:
         return tuple(_empty(like, device, queue, batch, port, self.dtype) for port in self.function.outputs)
 
 
+@cache
 def cuda_core() -> Any:
     """The package cuda-core, where there is a GPU.
 

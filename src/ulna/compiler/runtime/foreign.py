@@ -13,6 +13,12 @@ from ulna.lazy import is_deferred
 
 _TABLES = ("pandas", "polars", "xarray", "pyarrow", "dask", "dask_expr")
 
+_TENSORS = {
+    "torch": "ulna.interop.to_torch(kernel) makes a function of tensors, with derivatives.",
+    "jax": "ulna.interop.to_jax(kernel) makes a function for jax.jit, vmap and grad.",
+    "jaxlib": "ulna.interop.to_jax(kernel) makes a function of JAX arrays.",
+}
+
 
 def is_foreign(value: Any) -> bool:
     """Whether an argument brings its own meaning of ufuncs: subclasses of ndarray, Dask arrays and the like."""
@@ -45,6 +51,31 @@ def refuse_tables(port: Port, value: Any) -> None:
         f"`{port.name}` is a {name} of {_library(value)}; expected an array {batched_shape(port.shape)}. "
         + advice.replace("q[", f"{port.name}[").replace("q.", f"{port.name}.")
     )
+
+
+def readable(port: Port, value: Any) -> Any:
+    """An argument as NumPy can read it: tensors of PyTorch and arrays of JAX as arrays, all else as it is.
+
+    Args:
+        port: Name and shape of the input.
+        value: What was passed.
+
+    Returns:
+        The array over the tensor's memory, or the value.
+
+    Raises:
+        InputError: If the tensor records derivatives, is on a GPU, or stands for one in a transformation.
+    """
+    library = _library(value)
+    if library not in _TENSORS:
+        return value
+    try:
+        return np.asarray(value)
+    except (RuntimeError, TypeError) as error:
+        raise InputError(
+            f"`{port.name}` is a {type(value).__name__} of {library} that NumPy cannot read: "
+            f"{str(error).splitlines()[0]} {_TENSORS[library]}"
+        ) from None
 
 
 def _library(value: Any) -> str:
