@@ -26,6 +26,7 @@ MODULES = {
     "ulna.sim": "Simulation",
     "ulna.identification": "Identification of dynamic parameters",
     "ulna.exporting": "Export to other languages and processors",
+    "ulna.interop": "Kernels inside of PyTorch and JAX",
     "ulna.diagnosis": "What looks wrong with a description",
     "ulna.viewer": "The viewer, pictures and films",
     "ulna.formats.dh": "Denavit-Hartenberg tables",
