@@ -1,4 +1,4 @@
-"""Derivatives, code and formulas of a model of Pinocchio's face, as people use pinocchio.casadi for.
+"""Derivatives, code and formulas of a model of Ulna's Pinocchio package, as people use pinocchio.casadi for.
 
 You should see the gradient of a cost of one's own beside finite differences, the same for a thousand states at once,
 and the torque of gravity on the elbow of a UR5 as a formula, in C, and evaluated.

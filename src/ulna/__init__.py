@@ -50,15 +50,18 @@ _PACKAGES = (
     "control",
     "diagnosis",
     "exporting",
-    "faces",
     "identification",
     "ik",
     "interop",
+    "planning",
     "sim",
     "trajectory",
     "viewer",
 )
 """Packages that `ulna.NAME` imports when first used."""
+
+_FORMER_PACKAGES = ("faces",)
+"""The same under former names."""
 
 __all__ = [
     "SE3",
@@ -100,7 +103,7 @@ _register_page_writer(_write_page)
 def __getattr__(name: str) -> Any:
     if name in _LATER:
         return getattr(importlib.import_module(_LATER[name]), name)
-    if name in _PACKAGES:
+    if name in _PACKAGES or name in _FORMER_PACKAGES:
         return importlib.import_module(f"ulna.{name}")
     raise unknown_attribute("module ulna", name, __dir__())
 

@@ -119,13 +119,9 @@ class ShapeError(InputError):
         given: The shape it has.
         expected: What was expected.
         fix: How to correct it.
-        mend: The former name of `fix`.
     """
 
-    def __init__(
-        self, name: str, given: tuple[int, ...], expected: str, fix: str = "", *, mend: str = ""
-    ) -> None:
-        fix = fix or mend  # `mend` is the former name of the argument, here and below
+    def __init__(self, name: str, given: tuple[int, ...], expected: str, fix: str = "") -> None:
         self.name, self.given, self.expected = name, given, expected
         text = f"`{name}` has shape {given}; expected {expected}."
         super().__init__(f"{text} {fix}" if fix else text)
@@ -139,13 +135,9 @@ class DtypeError(InputError, TypeError):
         given: The type it has.
         expected: What was expected.
         fix: How to correct it.
-        mend: The former name of `fix`.
     """
 
-    def __init__(
-        self, name: str, given: str, expected: str = "real numbers", fix: str = "", *, mend: str = ""
-    ) -> None:
-        fix = fix or mend
+    def __init__(self, name: str, given: str, expected: str = "real numbers", fix: str = "") -> None:
         self.name, self.given, self.expected = name, given, expected
         text = f"`{name}` has dtype {given}; expected {expected}."
         super().__init__(f"{text} {fix}" if fix else text)
@@ -163,7 +155,6 @@ class NonFiniteError(InputError):
         index: Where the first such entry is.
         value: That entry [any].
         fix: How to correct it.
-        mend: The former name of `fix`.
     """
 
     def __init__(
@@ -172,10 +163,7 @@ class NonFiniteError(InputError):
         index: tuple[int, ...],
         value: float,
         fix: str = FIND_NAN,
-        *,
-        mend: str = "",
     ) -> None:
-        fix = mend or fix
         self.name, self.index, self.value = name, index, value
         where = f"[{', '.join(map(str, index))}]" if index else ""
         super().__init__(f"`{name}{where}` is {value}; expected finite numbers. {fix}")
@@ -189,13 +177,9 @@ class UnknownName(UlnaError, LookupError):
         given: The unknown name.
         choices: The valid names.
         fix: How to correct it.
-        mend: The former name of `fix`.
     """
 
-    def __init__(
-        self, kind: str, given: object, choices: Iterable[str], fix: str = "", *, mend: str = ""
-    ) -> None:
-        fix = fix or mend
+    def __init__(self, kind: str, given: object, choices: Iterable[str], fix: str = "") -> None:
         self.kind, self.given, self.choices = kind, given, tuple(choices)
         near = nearest(str(given), self.choices)
         self.nearest = near[0] if near else None
@@ -271,7 +255,6 @@ class FormatError(ModelError):
         line: The line in it; None where that is unknown.
         element: The element, in words; empty for none.
         fix: How to correct it.
-        mend: The former name of `fix`.
     """
 
     def __init__(
@@ -282,9 +265,7 @@ class FormatError(ModelError):
         line: int | None = None,
         element: str = "",
         fix: str = "",
-        mend: str = "",
     ) -> None:
-        fix = fix or mend
         self.message, self.file, self.line, self.element, self.fix = message, file, line, element, fix
         place = f"{file or '<string>'}" + (f":{line}" if line else "")
         parts = [f"{place}: {message}"]
@@ -293,11 +274,6 @@ class FormatError(ModelError):
         if fix:
             parts.append(fix)
         super().__init__(" ".join(parts))
-
-    @property
-    def mend(self) -> str:
-        """The former name of `fix`."""
-        return self.fix
 
 
 class InfeasibleError(UlnaError, ValueError):

@@ -108,7 +108,7 @@ def test_the_equations_of_motion_hold(seed: int, mu: float) -> None:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_too_many_constraints_are_kept_in_the_sense_of_least_squares(seed: int) -> None:
-    """What is left of them, no force can mend; and the forces that no motion feels are not there."""
+    """No force reduces what remains of the errors, and the forces have no part that causes no motion."""
     model = tree(seed)
     q, v, tau = state(model, seed)
     found = bonds(model, held(seed))

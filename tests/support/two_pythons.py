@@ -1,4 +1,4 @@
-"""Runs a script on a face and on the package it stands for, each in a Python of its own."""
+"""Runs a script on a compatibility package and on the package it stands for, each in its own interpreter."""
 
 from __future__ import annotations
 
@@ -12,24 +12,27 @@ from typing import Any
 from ulna.compat.packages import FOLDERS, environment
 
 
-def both(script: Path, folder: Path, *words: str, shelf: str = "pinocchio") -> tuple[Any, Any]:
-    """What a script answers on the face, and what on the real package.
+def both(script: Path, folder: Path, *arguments: str, package: str = "pinocchio") -> tuple[Any, Any]:
+    """What a script writes with Ulna's compatibility package, and what with the original.
 
     Args:
-        script: Called with the file to write its answers to, then `words`; it writes {"file": where the package
-            lies, "answers": anything}.
+        script: Called with the file to write its answers to, then `arguments`; it writes {"file": path of the
+            package, "answers": anything}.
         folder: For the two files.
-        words: What else the script is given.
-        shelf: Where the face lies.
+        arguments: Further arguments of the script.
+        package: Which compatibility package.
+
+    Returns:
+        The answers of both.
     """
     plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    found = []
-    for faced, variables in ((True, environment([shelf], plain)), (False, plain)):
-        target = folder / f"{'face' if faced else 'real'}.json"
-        command = [sys.executable, str(script), str(target), *words]
+    answers = []
+    for is_ours, variables in ((True, environment([package], plain)), (False, plain)):
+        target = folder / f"{'ulna' if is_ours else 'original'}.json"
+        command = [sys.executable, str(script), str(target), *arguments]
         done = subprocess.run(command, env=variables, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
-        told = json.loads(target.read_text(encoding="utf-8"))
-        assert (str(FOLDERS[shelf]) in told["file"]) == faced
-        found.append(told["answers"])
-    return found[0], found[1]
+        written = json.loads(target.read_text(encoding="utf-8"))
+        assert (str(FOLDERS[package]) in written["file"]) == is_ours
+        answers.append(written["answers"])
+    return answers[0], answers[1]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from ulna import errors
 from ulna.errors import NonFiniteError, UnknownName
 
 
@@ -35,18 +34,3 @@ def test_a_name_like_no_other_is_shown_what_there_is() -> None:
     error = UnknownName("reference", "xyz", ["world", "local"])
     assert error.nearest is None
     assert str(error) == "No reference named 'xyz'. There are: 'world', 'local'."
-
-
-def test_the_former_name_of_fix_still_works() -> None:
-    """`mend` is the former spelling of the argument and attribute `fix`."""
-    for kind, arguments in (
-        (errors.ShapeError, ("q", (3,), "(7,)")),
-        (errors.DtypeError, ("q", "object")),
-        (errors.NonFiniteError, ("q", (0,), float("nan"))),
-        (errors.UnknownName, ("joint", "elbow", ["a"])),
-        (errors.FormatError, ("it is empty.",)),
-    ):
-        new, old = kind(*arguments, fix="Do this."), kind(*arguments, mend="Do this.")
-        assert str(new) == str(old) and str(old).endswith("Do this.")
-    assert errors.FormatError("it is empty.", mend="Do this.").fix == "Do this."
-    assert errors.FormatError("it is empty.", fix="Do this.").mend == "Do this."

@@ -192,7 +192,7 @@ def _deferred(
     is_single = q0 is None or (not is_deferred(q0) and np.ndim(q0) == 1)
     if held and not is_single:
         raise InputError(
-            "`q0` is lazy or a batch, but the arm has another shape for each `q0`: joints between its own are held. "
+            "`q0` is lazy or a batch, but joints that are held at their values in `q0` change the arm. "
             "Pass one `q0` of shape (nq,), or NumPy arrays."
         )
     base = _start(model, q0 if is_single else None, ())

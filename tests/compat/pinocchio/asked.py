@@ -1,4 +1,4 @@
-"""What the face and Pinocchio are both asked, line by line, each in a Python of its own; answers go out as JSON.
+"""What Ulna's package and Pinocchio are both asked, line by line, each in its own interpreter; answers go out as JSON.
 
 `python asked.py out.json group robot`. A line that starts with `!` is a statement; every other one is an expression
 whose value is kept.

@@ -1,4 +1,4 @@
-"""What the face and Pinocchio are both asked with arguments by name."""
+"""What Ulna's package and Pinocchio are both asked with arguments by name."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-"""Asks an installed pinocchio, or the face, about a model whose numbers change at random before every call."""
+"""Asks an installed pinocchio, or Ulna's package, about a model whose numbers change at random before every call."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def asked() -> list[dict[str, Any]]:
     state = rng.normal(size=(3, model.nv))
     q = pin.integrate(model, pin.neutral(model), state[0])
     told = []
-    for what in ("mass", "inertia", "place", "gravity", "armature"):  # of which the face makes inputs
+    for what in ("mass", "inertia", "place", "gravity", "armature"):  # of which Ulna's package makes inputs
         change(model, what, rng)
         pin.rnea(model, data, q, *state[1:])
     for _ in range(ROUNDS):

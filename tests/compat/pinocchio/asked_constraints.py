@@ -1,4 +1,4 @@
-"""What the face and Pinocchio are both asked about constraints; see asked.py.
+"""What Ulna's package and Pinocchio are both asked about constraints; see asked.py.
 
 `python asked_constraints.py out.json robot file root joints`: the joints, separated by commas, are held one by one, and
 the first two to each other.
@@ -152,7 +152,7 @@ def cases(m, joints, M, N):
 
 
 def listed(things, what=""):
-    """The same as the vector that Pinocchio wants; for the face a list. Of no constraints, models and data."""
+    """The same as the vector that Pinocchio wants; for Ulna's package a list. Of no constraints, models and data."""
     if not things:
         return pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
     kind = type(things[0]).__name__.replace("Data", "").replace("Model", "")

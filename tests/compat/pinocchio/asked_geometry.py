@@ -1,4 +1,4 @@
-"""What the face and Pinocchio are both asked about geometries of files, of models put together, and of pairs."""
+"""What Ulna's package and Pinocchio are both asked about geometries of files, of models put together, and of pairs."""
 
 import json
 import sys

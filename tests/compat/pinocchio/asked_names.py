@@ -1,4 +1,4 @@
-"""What the face and Pinocchio are both asked beyond `asked.py`: rarer names, their classes' members, printed words.
+"""What Ulna's package and Pinocchio are both asked beyond `asked.py`: rarer names, their classes' members, printed words.
 
 `python asked_names.py out.json urdf srdf share urdf srdf`: a robot, where packages lie, and a robot with rotors; lines as
 in `asked.py`.

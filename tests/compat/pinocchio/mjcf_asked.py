@@ -1,4 +1,4 @@
-"""What the face and Pinocchio are both asked about MJCF files; answers go out as JSON.
+"""What Ulna's package and Pinocchio are both asked about MJCF files; answers go out as JSON.
 
 `python mjcf_asked.py out.json folder`. The files lie in the folder; the answers are by file and question.
 """

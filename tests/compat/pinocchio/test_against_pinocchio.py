@@ -1,4 +1,4 @@
-"""The face answers what Pinocchio answers: the same lines are run on both, each in a Python of its own."""
+"""Ulna's package answers what Pinocchio answers: the same lines are run on both, each in its own interpreter."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Constraints of the face: what Pinocchio answers, derivatives where it errs, and what is refused."""
+"""Constraints of Ulna's package: what Pinocchio answers, derivatives where it errs, and what is refused."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files of the face keep every number, and what they cannot be read from is said."""
+"""Files of Ulna's package keep every number, and what they cannot be read from is said."""
 
 from __future__ import annotations
 

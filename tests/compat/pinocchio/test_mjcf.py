@@ -1,4 +1,4 @@
-"""MJCF files through the face: the same models, numbers and geometries as Pinocchio reads out of them."""
+"""MJCF files through Ulna's package: the same models, numbers and geometries as Pinocchio reads out of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""pink, which stands on Pinocchio, takes the same way on the face."""
+"""pink, which stands on Pinocchio, takes the same way on Ulna's package."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where Pinocchio crashes, or goes on with nonsense, the face says what is wrong; lists and mimic joints work."""
+"""Where Pinocchio crashes, or goes on with nonsense, Ulna's package says what is wrong; lists and mimic joints work."""
 
 from __future__ import annotations
 

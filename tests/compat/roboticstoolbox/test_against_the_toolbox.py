@@ -1,4 +1,4 @@
-"""The face gives the toolbox's answers: each probe is asked of both, of the face in a Python of its own."""
+"""Ulna's package gives the toolbox's answers: each probe is asked of both, of Ulna's package in a Python of its own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Jacobians of the face are plain arrays to whoever looks, but their pseudoinverse comes from a kernel, good or not at all."""
+"""Jacobians of Ulna's package are plain arrays to whoever looks, but their pseudoinverse comes from a kernel, good or not at all."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def test_members_answer_and_refuse_as_in_the_toolbox(tmp_path: Path) -> None:
     pytest.importorskip("roboticstoolbox")
     pytest.importorskip("sympy")
     script = Path(__file__).parent / "asked_members.py"
-    ours, theirs = both(script, tmp_path, shelf="roboticstoolbox")
+    ours, theirs = both(script, tmp_path, package="roboticstoolbox")
     assert not [said for said in theirs if not _same(ours[said], theirs[said])]
 
 

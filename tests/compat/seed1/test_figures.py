@@ -1,4 +1,4 @@
-"""The face gives the recorded figures of Pinocchio 4.1 to their digits, through RobotWrapper and its algorithms."""
+"""Ulna's package has the recorded figures of Pinocchio 4.1 to their digits, through RobotWrapper and its algorithms."""
 
 from __future__ import annotations
 

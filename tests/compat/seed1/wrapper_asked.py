@@ -1,4 +1,4 @@
-"""Asks RobotWrapper and its geometries, of the faces or of real Pinocchio, for what both answer alike."""
+"""Asks RobotWrapper and its geometries, of Ulna's package or of Pinocchio, for what both answer alike."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Shapes of the face: sizes, colours, frames, collisions, and the same answers as spatialgeometry itself."""
+"""Shapes of Ulna's package: sizes, colours, frames, collisions, and the same answers as spatialgeometry itself."""
 
 from __future__ import annotations
 

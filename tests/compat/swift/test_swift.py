@@ -1,4 +1,4 @@
-"""The environment of the face without a page: what is stepped, and when, and that nothing waits for a browser."""
+"""The environment of Ulna's package without a page: what is stepped, and when, and that nothing waits for a browser."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a broken URDF is told: file, line, element, and the mend."""
+"""Errors of broken URDF files: file, line, element, and how to fix them."""
 
 from __future__ import annotations
 
