@@ -30,7 +30,7 @@ def test_kernels_header_and_description(tmp_path: Path) -> None:
         and ".f64" not in re.sub(r"\.func.*?\n}", "", text, flags=re.S).split(".entry")[1][:2000]
     )
     header = (folder / "panda.cuh").read_text()
-    assert "//   q: 7 [rad or m]" in header and "//   out: 4 x 4 [m]" in header
+    assert "//   q: 7 [rad or m]" in header and "//   T: 4 x 4 [m]" in header
     assert (
         'extern "C" __global__ void panda_fk(\n    int64_t count,\n    const float* q, int64_t q_sample'
         in header
