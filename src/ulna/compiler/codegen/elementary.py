@@ -13,7 +13,8 @@ from math import inf, nan, sqrt
 
 from ulna.compiler.codegen import coefficients
 from ulna.compiler.codegen.arithmetic import COMPLETE, Arithmetic
-from ulna.compiler.codegen.ir_text import Body, DType, IRFunction, Lanes, bits_of
+from ulna.compiler.codegen.function_body import Body
+from ulna.compiler.codegen.ir_text import DType, IRFunction, Lanes, bits_of
 from ulna.compiler.codegen.sincos import ROUNDER, arc, by_double, reduced_function
 
 OPERATIONS = ("tan", "asin", "acos", "atan2", "exp", "log")

@@ -12,6 +12,7 @@ from functools import cache
 import numpy as np
 
 from ulna.compiler.codegen.arithmetic import Arithmetic
+from ulna.compiler.codegen.comparisons import extreme, least_by_comparisons
 from ulna.compiler.codegen.elementary import OPERATIONS, elementary_ir
 from ulna.compiler.codegen.instructions import Instructions
 from ulna.compiler.codegen.ir_text import IRFunction, Lanes
@@ -80,8 +81,7 @@ class Writer(Instructions):
     ) -> None:
         super().__init__()
         self.module, self.graph, self.layout, self.prefix = module, graph, layout, prefix
-        self.one_sample = one_sample  # whether all lanes work on one sample
-        self.arithmetic = arithmetic
+        self.one_sample, self.arithmetic = one_sample, arithmetic
         self.contract = " contract" if arithmetic.fused_multiply_add else ""
         self.names: dict[int, str] = {}
         self.rows: dict[str, list[str]] = {}  # pointers to each lane's row of a port, once they are needed
@@ -154,25 +154,12 @@ class Writer(Instructions):
             self.module.use(code)
             return f"call {layout.real} @{code.name}({', '.join(f'{layout.real} {v}' for v in x)})"
         if op in (Op.MIN, Op.MAX) and not self.arithmetic.minimum:
-            return self._extreme("olt" if op == Op.MIN else "ogt", x[0], x[1])
+            return extreme(self, "olt" if op == Op.MIN else "ogt", x[0], x[1])
         if word.startswith("@"):
             name = f"@llvm.{word[1:]}.{layout.suffix}"
             self.module.declare(f"declare {layout.real} {name}({', '.join([layout.real] * len(x))})")
             return f"call {layout.real} {name}({', '.join(f'{layout.real} {v}' for v in x)})"
-        flags = "" if word.startswith("fcmp") else self.contract
-        return f"{word}{flags} {layout.real} {x[0]}, {x[1]}"
-
-    def _extreme(self, relation: str, a: str, b: str) -> str:
-        """The lesser or greater of two numbers by comparisons, NaN where one is; without a sign of zero."""
-        layout = self.layout
-        takes, one, isnan, total = (self.fresh("extreme") for _ in range(4))
-        self.write(
-            f"{takes} = fcmp {relation} {layout.real} {a}, {b}",
-            f"{one} = select {layout.truth} {takes}, {layout.real} {a}, {layout.real} {b}",
-            f"{isnan} = fcmp uno {layout.real} {a}, {b}",
-            f"{total} = fadd {layout.real} {a}, {b}",
-        )
-        return f"select {layout.truth} {isnan}, {layout.real} {total}, {layout.real} {one}"
+        return f"{word}{'' if word.startswith('fcmp') else self.contract} {layout.real} {x[0]}, {x[1]}"
 
     def sincos(self, arguments: Sequence[int]) -> None:
         """Sine and cosine of each argument, named for every SIN and COS node; several at once where scalar."""
@@ -220,31 +207,14 @@ class Writer(Instructions):
 
     def _least_lane(self, index: int, value: str) -> None:
         """The smallest number of all lanes, in all lanes."""
-        layout, reduced = self.layout, self.fresh("least")
         if not self.arithmetic.minimum_number:
-            self.names[index] = self._least_by_comparisons(value)
+            self.names[index] = least_by_comparisons(self, value)
             return
+        layout, reduced = self.layout, self.fresh("least")
         name = f"@llvm.vector.reduce.fmin.{layout.suffix}"
         self.module.declare(f"declare {layout.dtype} {name}({layout.real})")
         self.write(f"{reduced} = call {layout.dtype} {name}({layout.real} {value})")
         self.names[index] = self.in_all_lanes(layout.dtype, reduced)
-
-    def _least_by_comparisons(self, value: str) -> str:
-        """The smallest number of all lanes, in all lanes; each step compares with lanes further on."""
-        layout, n = self.layout, self.layout.lanes
-        distance = n // 2
-        while distance:
-            order = ", ".join(f"i32 {(k + distance) % n}" for k in range(n))
-            other, less, isnan, takes, least = (self.fresh("least") for _ in range(5))
-            self.write(
-                f"{other} = shufflevector {layout.real} {value}, {layout.real} poison, <{n} x i32> <{order}>",
-                f"{less} = fcmp olt {layout.real} {other}, {value}",
-                f"{isnan} = fcmp uno {layout.real} {value}, {value}",
-                f"{takes} = or {layout.truth} {less}, {isnan}",
-                f"{least} = select {layout.truth} {takes}, {layout.real} {other}, {layout.real} {value}",
-            )
-            value, distance = least, distance // 2
-        return value
 
     def in_all_lanes(self, element: str, value: str) -> str:
         """A vector that holds a value in every lane.

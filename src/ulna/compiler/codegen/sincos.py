@@ -13,7 +13,8 @@ from collections.abc import Callable
 
 from ulna.compiler.codegen import coefficients, payne_hanek
 from ulna.compiler.codegen.arithmetic import COMPLETE, Arithmetic
-from ulna.compiler.codegen.ir_text import Body, DType, IRFunction, Lanes
+from ulna.compiler.codegen.function_body import Body
+from ulna.compiler.codegen.ir_text import DType, IRFunction, Lanes
 
 BOUND: dict[DType, float] = {"double": 2.0**24, "float": 2.0**16}
 """The largest |x| that the branch-free path serves [rad]."""

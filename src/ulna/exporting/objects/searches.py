@@ -35,7 +35,8 @@ class SearchWriter(Instructions):
 
     def __init__(self, name: str, search: ExportedSearch, target: Target, element: DType) -> None:
         super().__init__()
-        self.name, self.search, self.target, self.element = name, search, target, element
+        self.name, self.search, self.target = name, search, target
+        self.element: DType = element
         self.nq, self.frames = search.problem.model.nq, len(search.problem.frames)
 
     def add_to(self, module: Module) -> None:
