@@ -54,6 +54,7 @@ _PACKAGES = (
     "ik",
     "interop",
     "planning",
+    "scale",
     "sim",
     "trajectory",
     "viewer",

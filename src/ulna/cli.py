@@ -72,6 +72,7 @@ _ROBOT = "a name from `ulna list`, or the path of a .urdf, .xacro or MJCF (.xml)
 
 def _parser() -> argparse.ArgumentParser:
     from ulna import __version__
+    from ulna.scale.commands import add_commands
 
     parser = argparse.ArgumentParser(prog="ulna", description=_ABOUT)
     parser.add_argument("--version", action="version", version=f"ulna {__version__}")
@@ -89,6 +90,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     _robot_commands(command)
     _script_commands(command)
+    add_commands(command)
     cache = command("cache", _cache, "show where compiled kernels are stored, and how many")
     cache.add_argument("--clear", action="store_true", help="remove them; they are compiled anew when needed")
     return parser

@@ -10,7 +10,21 @@ import pytest
 
 import ulna
 
-HEAVY = ("viser", "trimesh", "matplotlib", "scipy", "xacro", "ulna.viewer", "dask", "sympy", "torch", "jax")
+HEAVY = (
+    "viser",
+    "trimesh",
+    "matplotlib",
+    "scipy",
+    "xacro",
+    "ulna.viewer",
+    "dask",
+    "distributed",
+    "zarr",
+    "xarray",
+    "sympy",
+    "torch",
+    "jax",
+)
 
 
 @pytest.mark.parametrize("name", ulna.__all__)
@@ -31,7 +45,7 @@ def test_every_name_is_there_and_documented(name: str) -> None:
         "faces",
         "identification",
         "ik",
-        "interop",
+        "scale",
         "sim",
         "trajectory",
         "viewer",

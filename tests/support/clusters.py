@@ -25,4 +25,7 @@ def cluster(workers: int = 2, **options: Any) -> Iterator[Any]:
         warnings.simplefilter("ignore")
         settings = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": 50} | options
         with LocalCluster(n_workers=workers, **settings) as local, Client(local) as client:
+            local.adapt(
+                minimum=workers, maximum=workers, interval="1s"
+            )  # starts others in place of lost ones
             yield client

@@ -1,0 +1,40 @@
+"""Whole jobs on a Dask cluster, seeded by part, kept on the disk: reachability maps, and jobs of your own."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from ulna.idioms import unknown_attribute
+
+if TYPE_CHECKING:
+    from ulna.scale.engine import run as run
+    from ulna.scale.job import Job as Job
+    from ulna.scale.job import Samples as Samples
+    from ulna.scale.progress import Progress as Progress
+    from ulna.scale.reach_map import ReachMap as ReachMap
+    from ulna.scale.reachability import reach as reach
+
+_HOMES = {
+    "Job": "job",
+    "Progress": "progress",
+    "ReachMap": "reach_map",
+    "Samples": "job",
+    "reach": "reachability",
+    "run": "engine",
+}
+"""The modules of names that are imported when first used: the command line parses without them."""
+
+__all__ = ["Job", "Progress", "ReachMap", "Samples", "reach", "run"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise unknown_attribute("module ulna", name, __all__)
+    found = getattr(importlib.import_module(f"ulna.scale.{_HOMES[name]}"), name)
+    globals()[name] = found  # before the module of that name, which importing puts there
+    return found
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,98 @@
+"""Zarr groups as results of jobs: whole or absent, with the description of the job."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import InputError, MissingExtra
+from ulna.scale.store import check_same
+from ulna.typing import Array
+
+
+def zarr() -> Any:
+    """The package zarr.
+
+    Raises:
+        MissingExtra: If it is not installed.
+    """
+    try:
+        import zarr  # pyright: ignore[reportMissingImports]
+    except ImportError:
+        raise MissingExtra("zarr", "cluster", "Reading and writing Zarr groups") from None
+    return zarr
+
+
+def write(to: Path, arrays: Mapping[str, Array], attributes: Mapping[str, Any]) -> None:
+    """Writes arrays as a Zarr group, in place of an older one only when it is whole.
+
+    Args:
+        to: The folder.
+        arrays: Arrays (...) by name.
+        attributes: What is said of them, as JSON can write it.
+    """
+    beside = to.with_name(f".ulna-{secrets.token_hex(4)}{to.suffix}")
+    try:
+        group = zarr().create_group(str(beside), attributes=dict(attributes))
+        for name, array in arrays.items():
+            group.create_array(name, data=np.asarray(array))
+        if to.exists():
+            shutil.rmtree(to)
+        os.replace(beside, to)
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
+
+
+def check(path: Path, description: Mapping[str, Any]) -> Any:
+    """The Zarr group in `path`, if it is the result of the job of that description.
+
+    Args:
+        path: The folder.
+        description: What `Job.description` returned.
+
+    Returns:
+        The group, to read.
+
+    Raises:
+        InputError: If it is something else.
+    """
+    group = opened(path, description["kind"])
+    attributes = group.attrs.asdict()
+    check_same(
+        {name: attributes.get(name) for name in description}, json.loads(json.dumps(description)), path
+    )
+    return group
+
+
+def opened(path: str | os.PathLike[str], kind: str) -> Any:
+    """A Zarr group that a job of Ulna has written.
+
+    Args:
+        path: The folder.
+        kind: The kind of job that it must come from.
+
+    Returns:
+        The group, to read.
+
+    Raises:
+        InputError: If there is none, or it is of another kind.
+    """
+    try:
+        group = zarr().open_group(str(path), mode="r")
+    except (FileNotFoundError, ValueError) as error:
+        raise InputError(f"{str(path)!r} is no Zarr group: {error}.") from None
+    except NotADirectoryError:
+        raise InputError(f"{str(path)!r} is a file; expected a Zarr group, which is a folder.") from None
+    there = group.attrs.asdict().get("kind")
+    if there != kind:
+        raise InputError(
+            f"{str(path)!r} is the result of {there or 'no job of Ulna'}; expected that of {kind!r}."
+        )
+    return group

@@ -1,0 +1,90 @@
+"""A cluster of Dask to work on: the one at an address, or one of this machine that starts by itself."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from ulna.errors import InputError, JobStopped, MissingExtra, VersionMismatch
+from ulna.lazy import check_versions, versions
+
+_ANSWER = 15.0  # s to wait for a scheduler to answer
+_ENVIRONMENT = {"MALLOC_TRIM_THRESHOLD_": 2**28, "MALLOC_MMAP_THRESHOLD_": 2**28}
+"""Of the workers of a cluster of this machine: Dask's own setting has every array above 128 KiB begin on new pages."""
+
+
+@contextmanager
+def connected(scheduler: Any, workers: int | None, patience: float) -> Iterator[Any]:
+    """A client of a scheduler whose workers have the same version of Ulna.
+
+    Args:
+        scheduler: Its address ("tcp://host:8786"), a `distributed.Client`, or None for a cluster of this machine that
+            ends with the job.
+        workers: How many processes that cluster has; None for as many as there are processors.
+        patience: How long to wait for a first worker [s].
+
+    Yields:
+        The client.
+
+    Raises:
+        InputError: If no scheduler answers at the address.
+        JobStopped: If it has no workers.
+        VersionMismatch: If a worker has another version, or no Ulna.
+        MissingExtra: If Dask's scheduler is not installed.
+    """
+    try:
+        from distributed import Client, LocalCluster  # pyright: ignore[reportMissingImports]
+    except ImportError:
+        raise MissingExtra("distributed", "cluster", "Working on a cluster") from None
+    if isinstance(scheduler, Client):
+        _check_workers(scheduler, patience)
+        yield scheduler
+        return
+    if scheduler is not None:
+        if not isinstance(scheduler, str):
+            raise InputError(
+                f"`scheduler` is a {type(scheduler).__name__}; expected an address such as 'tcp://host:8786', a "
+                "distributed.Client, or None for a cluster of this machine."
+            )
+        try:
+            client = Client(scheduler, timeout=min(_ANSWER, max(patience, 0.1)), set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise InputError(
+                f"No scheduler answers at {scheduler!r} ({error}). `dask scheduler` starts one and prints its "
+                "address; without `scheduler` a cluster of this machine starts by itself."
+            ) from error
+        with client:
+            _check_workers(client, patience)
+            yield client
+        return
+    count = os.cpu_count() or 1 if workers is None else workers
+    settings = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": 50}
+    from dask import config  # pyright: ignore[reportMissingImports]
+
+    with (
+        config.set({"distributed.nanny.pre-spawn-environ": _ENVIRONMENT}),
+        LocalCluster(n_workers=count, processes=True, **settings) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
+        pool: Any = cluster
+        pool.adapt(minimum=count, maximum=count, interval="2s")  # starts others in place of lost ones
+        yield client
+
+
+def _check_workers(client: Any, patience: float) -> None:
+    try:
+        client.wait_for_workers(1, timeout=patience)
+    except TimeoutError:
+        raise JobStopped(
+            "The scheduler has no workers: `dask worker ADDRESS` starts one.", 0, 0, ""
+        ) from None
+    try:
+        client.run(check_versions, versions())
+    except VersionMismatch:
+        raise
+    except ImportError as error:
+        raise VersionMismatch(
+            f"A worker cannot import what this job needs: {error}. Install Ulna {versions()['Ulna']} there."
+        ) from error

@@ -1,0 +1,79 @@
+"""Jobs on the command line: `ulna reach`."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from typing import Any
+
+from ulna.errors import InputError
+
+
+def add_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
+    """Adds the commands of jobs to a parser.
+
+    Args:
+        command: Makes the parser of a command: `command(name, run, about, more)`.
+    """
+    more = "The same command continues a job that was stopped. Without --scheduler a cluster of this machine starts."
+    reach = command("reach", _reach, "map where a robot's tool can be, on a Dask cluster", more)
+    reach.add_argument("name", metavar="NAME", help="a name from `ulna list`, or the path of a robot's file")
+    reach.add_argument(
+        "--samples", type=float, default=1e7, metavar="N", help="how many configurations (default 1e7)"
+    )
+    reach.add_argument(
+        "--voxel", type=float, default=0.05, metavar="M", help="edge of a voxel [m] (default 0.05)"
+    )
+    reach.add_argument("--frame", metavar="FRAME", help="a frame instead of the tool")
+    reach.add_argument(
+        "--solutions", type=float, default=0, metavar="N", help="samples whose IK solutions are counted"
+    )
+    reach.add_argument(
+        "--chunk", type=float, default=1e6, metavar="N", help="samples of one task (default 1e6)"
+    )
+    reach.add_argument("--seed", type=int, default=0, help="of the configurations (default 0)")
+    reach.add_argument("--picture", metavar="PNG", help="write a picture of the map")
+    reach.add_argument("--page", metavar="HTML", help="write a page of the map that can be turned")
+    _cluster_options(reach)
+
+
+def _cluster_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--to", metavar="ZARR", help="where the result is written, and beside it the progress"
+    )
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler, such as tcp://host:8786")
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="processes of this machine; 0: none but this one"
+    )
+
+
+def _reach(chosen: argparse.Namespace) -> None:
+    from ulna.scale.reachability import reach
+
+    if not (chosen.to or chosen.picture or chosen.page):
+        raise InputError("Nothing is asked for: give --to, --picture or --page.")
+    found = reach(
+        chosen.name,
+        chosen.samples,
+        voxel=chosen.voxel,
+        frame=chosen.frame,
+        solutions=chosen.solutions,
+        chunk=_whole(chosen.chunk),
+        seed=chosen.seed,
+        to=chosen.to,
+        **_where(chosen),
+    )
+    print(found)
+    if chosen.picture:
+        found.picture(chosen.picture)
+        print(chosen.picture)
+    if chosen.page:
+        print(found.page(chosen.page))
+
+
+def _where(chosen: argparse.Namespace) -> dict[str, Any]:
+    return {"scheduler": chosen.scheduler, "workers": chosen.workers}
+
+
+def _whole(value: float) -> Any:
+    return int(value) if value == int(value) else value

@@ -1,0 +1,175 @@
+"""Runs jobs: parts on a cluster or in this process, put together in order, kept so that they can be continued."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from typing import Any, final
+
+from ulna.checks.values import count, number
+from ulna.errors import InputError, JobStopped
+from ulna.lazy import Portable
+from ulna.scale.cluster import connected
+from ulna.scale.job import Job, State
+from ulna.scale.progress import Progress, Reporter, reporter
+from ulna.scale.store import Store, job_folder
+from ulna.scale.tasks import Interrupted, Tasks, is_storage_error
+
+_CHECKPOINT = 15.0  # s between two writings of the state
+
+
+def run(
+    job: Job,
+    to: str | os.PathLike[str] | None = None,
+    *,
+    scheduler: Any = None,
+    workers: int | None = None,
+    progress: bool | Reporter = True,
+    retries: int = 30,
+    patience: float = 60.0,
+) -> Any:
+    """Does a job, or what is left of it.
+
+    Args:
+        job: The job.
+        to: Where its result is written, and beside it, in `TO.job`, its progress; None to keep all in memory. What is
+            there already is returned if it is the result of this very job.
+        scheduler: Address of a scheduler of Dask, or a `distributed.Client`; None for a cluster of this machine, which
+            starts and ends with the job.
+        workers: How many processes that cluster has; 0 for none: all is done in this process, without Dask. None for as
+            many as there are processors.
+        progress: Whether to say on standard error how far it is; or a function of a `Progress`.
+        retries: How often a part is done again whose worker was lost.
+        patience: How long to wait for workers, and for a scheduler that does not answer [s].
+
+    Returns:
+        What the job returns.
+
+    Raises:
+        JobStopped: If the job ended before all was done: the scheduler was lost, nothing can be written, or a part
+            failed again and again. It says what is missing; the same call continues.
+        InputError: If `to` holds another job, or an argument makes no sense.
+        VersionMismatch: If a worker has another version of Ulna.
+        MissingExtra: If Dask is not installed.
+    """
+    if workers is not None:
+        count("workers", workers, least=0)
+    count("retries", retries, least=0)
+    number("patience", patience, "seconds, not below 0", least=0.0)
+    if scheduler is not None and workers is not None:
+        raise InputError("`workers` is given beside `scheduler`; the scheduler has its own. Leave one out.")
+    place = None if to is None else Path(os.path.abspath(to))
+    try:
+        with ExitStack() as stack:
+            if place is not None and place.exists() and not job_folder(place).exists():
+                return job.existing(place)
+            store = None if place is None else Store(place, job.description())
+            if store is not None:
+                stack.callback(store.close)
+            return _Run(job, place, store, reporter(progress, job.kind)).do(
+                lambda parts: _results(job, parts, scheduler, workers, retries, patience)
+            )
+    except OSError as error:
+        if not is_storage_error(error):
+            raise
+        raise JobStopped(f"Nothing can be written: {error}.", 0, job.parts, str(place or "")) from error
+
+
+def _results(
+    job: Job, parts: list[int], scheduler: Any, workers: int | None, retries: int, patience: float
+) -> Iterator[tuple[int, State]]:
+    """The results of parts, as they come."""
+    if workers == 0:
+        yield from ((part, job.work(part)) for part in parts)
+        return
+    with connected(scheduler, workers, patience) as client:
+        yield from Tasks(client, Portable(job.work), parts, retries, patience).results()
+
+
+@final
+class _Run:
+    """One run of a job: what it has found, and when it was last written."""
+
+    def __init__(self, job: Job, to: Path | None, store: Store | None, report: Reporter) -> None:
+        self._job, self._to, self._store, self._report = job, to, store, report
+        known = store.load() if store is not None else None
+        if known is None:
+            job.prepare(to)
+        self._state, self._done = known or (job.start(), 0)
+        self._first, self._began = self._done, time.monotonic()
+        self._written = time.monotonic()
+        self._early: dict[int, State] = {}
+        self._is_whole = True  # not while a part is being added, where Ctrl-C may come
+
+    def do(self, results: Any) -> Any:
+        """All parts that are missing, and the result.
+
+        Args:
+            results: A function of the numbers of parts that yields their results.
+
+        Returns:
+            What the job returns.
+        """
+        missing = list(range(self._done, self._job.parts))
+        self._tell()
+        try:
+            if missing:
+                self._take(results(missing))
+        except Interrupted as error:
+            self._save_what_is_whole()
+            raise self._stopped(str(error)) from error
+        except KeyboardInterrupt:
+            self._save_what_is_whole()
+            print(f"\n{self._stopped('Stopped by Ctrl-C.')}", file=sys.stderr)
+            raise
+        except OSError as error:
+            if is_storage_error(error):
+                raise self._stopped(f"Nothing can be written: {error}.") from error
+            raise
+        except Exception:
+            self._save_what_is_whole()
+            raise
+        self._save()
+        result = self._job.finish(self._state, self._to)
+        if self._store is not None:
+            self._store.finished()
+        return result
+
+    def _take(self, results: Iterable[tuple[int, State]]) -> None:
+        for number_, result in results:
+            self._early[number_] = result
+            while self._done in self._early:
+                self._is_whole = False
+                self._job.fold(self._state, self._done, self._early.pop(self._done))
+                self._done += 1
+                self._is_whole = True
+            self._tell()
+            if time.monotonic() - self._written > _CHECKPOINT:
+                self._save()
+
+    def _save(self) -> None:
+        if self._store is not None:
+            self._store.save(self._state, self._done)
+            self._written = time.monotonic()
+
+    def _save_what_is_whole(self) -> None:
+        """Writes the state at the end of a job that stops, unless that is impossible or half a part is in it."""
+        if self._is_whole:
+            with suppress(OSError):
+                self._save()
+
+    def _tell(self) -> None:
+        seconds, here = time.monotonic() - self._began, self._done - self._first
+        self._report(Progress(self._done, self._job.parts, seconds, here))
+
+    def _stopped(self, reason: str) -> JobStopped:
+        """The error for the user: with as many parts as the store has."""
+        done = self._done
+        if self._store is not None:
+            known = self._store.load()
+            done = known[1] if known else 0
+        return JobStopped(reason, done, self._job.parts, "" if self._to is None else str(self._to))

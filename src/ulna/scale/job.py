@@ -1,0 +1,150 @@
+"""What a whole job is: parts that depend on nothing but their number, and how their results are put together."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, final
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.typing import Array
+
+State = dict[str, Array]
+"""What a job has found so far: arrays by name."""
+
+
+class Job(ABC):
+    """Work in numbered parts; each part has its own seed, so that any process can do it, again and again, bit for bit.
+
+    Results are put together in the order of their numbers, so that sums of floating-point numbers do not depend on
+    which worker was faster.
+    """
+
+    kind: ClassVar[str]
+    """The name of this kind of job."""
+
+    @property
+    @abstractmethod
+    def parts(self) -> int:
+        """How many parts there are."""
+
+    @abstractmethod
+    def description(self) -> dict[str, Any]:
+        """All that the results depend on, as JSON can write it; jobs of the same description have the same results."""
+
+    @abstractmethod
+    def start(self) -> State:
+        """The state before the first part."""
+
+    @abstractmethod
+    def work(self, part: int) -> State:
+        """The result of a part; called on a worker.
+
+        Args:
+            part: Its number.
+
+        Returns:
+            Arrays by name.
+        """
+
+    @abstractmethod
+    def fold(self, state: State, part: int, result: State) -> None:
+        """Adds the result of a part to the state, in place; parts come in order.
+
+        Args:
+            state: The state, which is changed.
+            part: The number of the part.
+            result: What `work` returned for it.
+        """
+
+    @abstractmethod
+    def finish(self, state: State, to: Path | None) -> Any:
+        """What the job is for, once all parts are done.
+
+        Args:
+            state: The final state.
+            to: Where to write it; None for nowhere.
+
+        Returns:
+            The result for the user.
+        """
+
+    @abstractmethod
+    def existing(self, to: Path) -> Any:
+        """The result that is in `to` already.
+
+        Args:
+            to: What is there.
+
+        Returns:
+            The result for the user.
+
+        Raises:
+            InputError: If it is something else than the result of this job.
+        """
+
+    def prepare(self, to: Path | None) -> None:
+        """Makes the files that parts write to, before the first part of a new job; most jobs need none.
+
+        Args:
+            to: Where; None for nowhere.
+        """
+        return
+
+
+@final
+@dataclass(frozen=True)
+class Samples:
+    """How many samples there are, in parts of which each has its own seed.
+
+    Attributes:
+        count: How many.
+        chunk: How many a part has; the last has what is left.
+        seed: The seed of the whole.
+    """
+
+    count: int
+    chunk: int
+    seed: int
+
+    @property
+    def parts(self) -> int:
+        """How many parts there are."""
+        return -(-self.count // self.chunk)
+
+    def size(self, part: int) -> int:
+        """How many samples a part has."""
+        return min(self.chunk, self.count - part * self.chunk)
+
+    def generator(self, part: int) -> np.random.Generator:
+        """The random numbers of a part: those of no other part, and the same wherever it is done."""
+        return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(part,)))
+
+
+def whole_number(name: str, value: Any, least: int = 1) -> int:
+    """A count that may be written as a float, such as 1e8.
+
+    Args:
+        name: The name of the argument.
+        value: What was passed.
+        least: The least value.
+
+    Returns:
+        The number.
+
+    Raises:
+        InputError: If it is no whole number, or below `least`.
+    """
+    try:
+        number = int(value)
+        is_whole = number == value
+    except (TypeError, ValueError, OverflowError):
+        is_whole, number = False, least
+    if not is_whole or number < least or isinstance(value, bool):
+        raise InputError(
+            f"`{name}` is {value!r}; expected a whole number from {least}, such as 100_000 or 1e8."
+        )
+    return number

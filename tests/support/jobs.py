@@ -1,0 +1,76 @@
+"""Small jobs for tests of the engine: exact answers, and parts that fail on demand."""
+
+from __future__ import annotations
+
+import errno
+import os
+import signal
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ulna.scale import Job
+
+
+@dataclass(frozen=True)
+class Sums(Job):
+    """Sums of random numbers, which depend on the order in which they are added.
+
+    Attributes:
+        count: How many parts.
+        folder: Where parts leave signs; empty for nowhere.
+        trouble: Parts that fail once, and how: "kill", "full" or "raise".
+        seconds: How long a part takes [s].
+    """
+
+    kind: ClassVar[str] = "sums"
+    count: int = 8
+    folder: str = ""
+    trouble: tuple[tuple[int, str], ...] = ()
+    seconds: float = 0.0
+
+    @property
+    def parts(self) -> int:
+        return self.count
+
+    def description(self) -> dict[str, Any]:
+        return {"kind": self.kind, "count": self.count}
+
+    def start(self) -> dict[str, Any]:
+        return {"sum": np.zeros(3), "parts": np.zeros(self.count, dtype=np.int64)}
+
+    def work(self, part: int) -> dict[str, Any]:
+        time.sleep(self.seconds)
+        for number, what in self.trouble:
+            if number == part:
+                self._fail(part, what)
+        return {"sum": np.random.default_rng([7, part]).standard_normal(3) * 1e8}
+
+    def _fail(self, part: int, what: str) -> None:
+        sign = Path(self.folder, f"{what}-{part}")
+        if what == "full" and not Path(self.folder, "room").exists():
+            raise OSError(errno.ENOSPC, "No space left on device", str(self.folder))
+        if sign.exists():
+            return
+        sign.touch()
+        if what == "kill":
+            os.kill(os.getpid(), signal.SIGKILL)
+        if what == "raise":
+            raise RuntimeError("a passing fault")
+
+    def fold(self, state: Any, part: int, result: Any) -> None:
+        state["sum"] += result["sum"]
+        state["parts"][part] += 1
+
+    def existing(self, to: Path) -> Any:
+        return np.load(to)
+
+    def finish(self, state: Any, to: Path | None) -> Any:
+        assert (state["parts"] == 1).all(), "each part counts once"
+        if to is not None:
+            with to.open("wb") as file:
+                np.save(file, state["sum"])
+        return state["sum"]

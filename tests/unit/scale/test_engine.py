@@ -1,0 +1,233 @@
+"""Jobs end with the same bits whatever happens to workers, disks and schedulers, or say what is missing."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.clusters import cluster
+from support.jobs import Sums
+from ulna import scale
+from ulna.errors import InputError, JobStopped, VersionMismatch
+
+pytest.importorskip("distributed")
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator[Any]:
+    with cluster() as client:
+        client.run(_find_tests)
+        yield client
+
+
+def _find_tests() -> None:
+    sys.path.insert(0, str(Path(__file__).parents[2]))
+
+
+def _expected(count: int) -> Any:
+    return scale.run(Sums(count), workers=0, progress=False)
+
+
+def test_parts_are_added_in_order_on_any_number_of_workers(client: Any) -> None:
+    seen: list[scale.Progress] = []
+    got = scale.run(Sums(40), scheduler=client, progress=seen.append)
+    np.testing.assert_array_equal(got, _expected(40))
+    assert seen[-1].done == seen[-1].parts == 40 and seen[0].done == 0
+    assert "40 of 40 parts, 100 %" in str(seen[-1])
+
+
+def test_killed_workers_and_passing_faults(client: Any, tmp_path: Path) -> None:
+    trouble = ((3, "kill"), (5, "raise"), (9, "kill"))
+    got = scale.run(Sums(12, str(tmp_path), trouble), scheduler=client, progress=False)
+    np.testing.assert_array_equal(got, _expected(12))
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_a_full_disk_stops_the_job_which_then_continues(client: Any, tmp_path: Path) -> None:
+    job = Sums(12, str(tmp_path), ((6, "full"),))
+    to = tmp_path / "sums.npy"
+    with pytest.raises(
+        JobStopped, match=r"cannot write: .*No space left.* of 12 parts are in .*run the same job again"
+    ):
+        scale.run(job, to, scheduler=client, progress=False)
+    assert not to.exists()
+    (tmp_path / "room").touch()
+    seen: list[scale.Progress] = []
+    got = scale.run(job, to, scheduler=client, progress=seen.append)
+    np.testing.assert_array_equal(got, _expected(12))
+    np.testing.assert_array_equal(np.load(to), got)
+    assert not (tmp_path / "sums.npy.job").exists()
+    np.testing.assert_array_equal(scale.run(job, to, workers=0), got)  # it is there: nothing is done again
+
+
+def test_a_state_that_cannot_be_written_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    to = tmp_path / "sums.npy"
+    with monkeypatch.context() as patch:
+        patch.setattr(np, "savez", _no_space)
+        with pytest.raises(JobStopped, match=r"Nothing can be written: .*No space left.* 0 of 5 parts"):
+            scale.run(Sums(5), to, workers=0, progress=False)
+    np.testing.assert_array_equal(scale.run(Sums(5), to, workers=0, progress=False), _expected(5))
+
+
+def _no_space(*_: Any, **__: Any) -> None:
+    raise OSError(28, "No space left on device")
+
+
+def test_ctrl_c_keeps_what_is_done(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    to = tmp_path / "sums.npy"
+
+    def stop(progress: scale.Progress) -> None:
+        if progress.done == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        scale.run(Sums(9), to, workers=0, progress=stop)
+    assert "Stopped by Ctrl-C. 4 of 9 parts are in" in capsys.readouterr().err
+    seen: list[scale.Progress] = []
+    np.testing.assert_array_equal(scale.run(Sums(9), to, workers=0, progress=seen.append), _expected(9))
+    assert [p.done for p in seen] == [4, 5, 6, 7, 8, 9]
+
+
+def test_another_job_in_the_store_is_not_continued(tmp_path: Path) -> None:
+    to = tmp_path / "sums.npy"
+
+    def stop(progress: scale.Progress) -> None:
+        if progress.done == 2:
+            raise RuntimeError("no more")
+
+    with pytest.raises(RuntimeError, match="no more"):
+        scale.run(Sums(9), to, workers=0, progress=stop)
+    with pytest.raises(InputError, match="holds another job: its count is 9, here it is 10"):
+        scale.run(Sums(10), to, workers=0, progress=False)
+    (tmp_path / "sums.npy.job" / "state.npz").write_bytes(b"PK damaged")
+    with pytest.raises(InputError, match="is damaged"):
+        scale.run(Sums(9), to, workers=0, progress=False)
+
+
+def test_two_processes_do_not_share_a_store(tmp_path: Path) -> None:
+    pytest.importorskip("fcntl")
+    to = tmp_path / "sums.npy"
+
+    def again(progress: scale.Progress) -> None:
+        with pytest.raises(InputError, match="Another process works on"):
+            scale.run(Sums(3), to, workers=0, progress=False)
+
+    scale.run(Sums(3), to, workers=0, progress=again)
+
+
+def test_wrong_arguments() -> None:
+    with pytest.raises(InputError, match=r"No scheduler answers at 'tcp://127.0.0.1:1'"):
+        scale.run(Sums(3), scheduler="tcp://127.0.0.1:1", progress=False, patience=0.5)
+    with pytest.raises(InputError, match="`workers` is given beside `scheduler`"):
+        scale.run(Sums(3), scheduler="tcp://127.0.0.1:1", workers=2)
+    with pytest.raises(InputError, match="`workers` is -1"):
+        scale.run(Sums(3), workers=-1)
+    with pytest.raises(InputError, match="`scheduler` is a int"):
+        scale.run(Sums(3), scheduler=3, progress=False)
+
+
+def _pretend(version: str) -> None:
+    from ulna import version as module
+
+    module.__version__ = version
+
+
+def test_workers_of_another_version_are_refused_before_anything_starts(client: Any) -> None:
+    from ulna import __version__
+
+    client.run(_pretend, "0.0.1")
+    try:
+        with pytest.raises(VersionMismatch, match="made with Ulna .* has Ulna 0.0.1"):
+            scale.run(Sums(3), scheduler=client, progress=False)
+    finally:
+        client.run(_pretend, __version__)
+
+
+def test_a_lost_scheduler_is_said_and_the_job_continues(tmp_path: Path) -> None:
+    to = tmp_path / "sums.npy"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])}
+
+    def start(*words: str) -> Any:
+        command = [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]]
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        return subprocess.Popen(command, env=environment, cwd=tmp_path, **quiet)
+
+    file = tmp_path / "scheduler.json"
+    running = [
+        start("dask_scheduler", "--port", "0", "--dashboard-address", ":0", "--scheduler-file", str(file))
+    ]
+    try:
+        running.append(
+            start(
+                "dask_worker",
+                "--scheduler-file",
+                str(file),
+                "--no-nanny",
+                "--nthreads",
+                "1",
+                "--no-dashboard",
+            )
+        )
+        address = _address(file)
+
+        def lose(progress: scale.Progress) -> None:
+            if progress.done == 5:
+                running[0].send_signal(signal.SIGKILL)
+
+        with pytest.raises(JobStopped, match=r"scheduler does not answer any more. \d+ of 30 parts are in"):
+            scale.run(Sums(30, seconds=0.05), to, scheduler=address, progress=lose, patience=1.0)
+    finally:
+        for process in reversed(running):
+            process.kill()
+            process.wait()
+    got = scale.run(Sums(30), to, workers=0, progress=False)
+    np.testing.assert_array_equal(got, _expected(30))
+
+
+def _address(file: Path) -> str:
+    import json
+
+    for _ in range(600):
+        if file.exists():
+            try:
+                return json.loads(file.read_text())["address"]
+            except ValueError:
+                pass
+        time.sleep(0.1)
+    raise AssertionError("the scheduler did not start")
+
+
+@pytest.mark.slow
+def test_twenty_kills_in_one_job_leave_no_trace(tmp_path: Path) -> None:
+    """Workers are killed one after the other, at any time; the bits are those of an undisturbed run."""
+    with cluster(2) as client:
+        client.run(_find_tests)
+        kills, over = [0], threading.Event()
+
+        def kill() -> None:
+            rng = np.random.default_rng(0)
+            while kills[0] < 20 and not over.wait(0.8):
+                pids = [nanny.pid for nanny in client.cluster.workers.values() if nanny.pid]
+                if pids:
+                    os.kill(int(rng.choice(pids)), signal.SIGKILL)
+                    kills[0] += 1
+
+        killer = threading.Thread(target=kill, daemon=True)
+        killer.start()
+        try:
+            got = scale.run(Sums(400, seconds=0.05), tmp_path / "sums.npy", scheduler=client, progress=False)
+        finally:
+            over.set()
+            killer.join(60.0)
+    np.testing.assert_array_equal(got, _expected(400))
+    assert kills[0] >= 5
