@@ -88,6 +88,7 @@ def _filled(template: str, export: Export, search: ExportedSearch) -> str:
         "start": _array(search.start, real),
         "shift": _array(search.shift, real),
         "d": max(len(search.shift), 1),
+        "evaluations": DESCENT,
         "descent": number(-float(DESCENT), real),
         "mean": MEAN_STEPS,
         "first": ATTEMPT_STEPS,
@@ -135,7 +136,7 @@ typedef struct @name@_report {
 
 /* Inverse kinematics: a configuration within the joint limits that puts a frame at a goal; the
  * @frames@
- * It takes at most about 10 steps for each attempt; with fewer attempts it ends sooner where no solution is found.
+ * It takes at most @mean@ attempts + @first@ steps, and where no solution is found at most @evaluations@ more to the nearest.
  *   T        in   @shape@ [m], row after row: the goal, T_world_frame
  *   q0       in   (@nq@) [rad or m]: configuration to stay near; NULL for a start of the robot's, with the
  *                 first solution met as result
