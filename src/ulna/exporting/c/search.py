@@ -136,7 +136,8 @@ typedef struct @name@_report {
 
 /* Inverse kinematics: a configuration within the joint limits that puts a frame at a goal; the
  * @frames@
- * It takes at most @mean@ attempts + @first@ steps, and where no solution is found at most @evaluations@ more to the nearest.
+ * It takes at most @mean@ attempts + @first@ steps, and at most @evaluations@ more to the nearest configuration where
+ * no solution is found.
  *   T        in   @shape@ [m], row after row: the goal, T_world_frame
  *   q0       in   (@nq@) [rad or m]: configuration to stay near; NULL for a start of the robot's, with the
  *                 first solution met as result
