@@ -6,8 +6,6 @@ nearest configuration.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ulna.compiler.codegen.instructions import Instructions
@@ -19,6 +17,7 @@ from ulna.exporting.c.search import ATTEMPTS, TOLERANCE
 from ulna.exporting.record import ExportedSearch
 from ulna.ik.goal import ANY_CHORD, ANY_LENGTH
 from ulna.ik.search import ATTEMPT_STEPS, DESCENT, MEAN_STEPS
+from ulna.typing import Floats
 
 _BAD_ARGUMENT, _NOT_A_POSE, _MOST_ATTEMPTS = -2, -1, 1_000_000
 
@@ -71,7 +70,7 @@ class SearchWriter(Instructions):
             rounded = float(np.float32(value)) if self.element == "float" else float(value)
         return Lanes(1, self.element).constant(rounded)
 
-    def _constant(self, part: str, values: Sequence[float]) -> str:
+    def _constant(self, part: str, values: Floats) -> str:
         numbers = ", ".join(f"{self.element} {self.number(x)}" for x in values)
         count = len(values)
         content = f"[{numbers}]" if count else "zeroinitializer"
