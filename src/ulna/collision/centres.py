@@ -201,7 +201,7 @@ def _hollows(problem: Problem, c: Floats, r: Floats) -> Floats:
     free = np.ones(len(x), dtype=bool)
     for centre, radius in zip(c, r, strict=True):
         free &= ((x - centre) ** 2).sum(axis=1) > radius**2
-    labels, count = ndimage.label(free.reshape(region.inside.shape))
+    labels, count = ndimage.label(free.reshape(region.inside.shape))  # type: ignore[misc]
     if count < 2:
         return np.zeros((0, 3))
     rim = np.ones_like(region.inside)

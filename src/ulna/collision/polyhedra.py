@@ -120,7 +120,7 @@ def interior(shape: Shape, x: Floats) -> Array:
     rho, z = np.hypot(x[..., 0], x[..., 1]), x[..., 2]
     match shape:
         case Box(size=size):
-            return (np.abs(x) < np.array(size) / 2.0 - _INNER).all(axis=-1)
+            return np.asarray((np.abs(x) < np.array(size) / 2.0 - _INNER).all(axis=-1))
         case Cylinder(radius=r, length=length):
             return (rho < r - _INNER) & (np.abs(z) < length / 2.0 - _INNER)
         case Capsule(radius=r, length=length):

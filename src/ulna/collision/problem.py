@@ -12,7 +12,7 @@ Source of the greedy cover: Chvatal, A greedy heuristic for the set-covering pro
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -141,8 +141,8 @@ def far(a: Floats, b: Floats) -> Floats:
     Returns:
         Distances, shape (n, m) [m].
     """
-    a, b = a.astype(np.float32), b.astype(np.float32)
-    squared = np.zeros((len(a), len(b)), np.float32)
+    a, b = a.astype(np.float32), b.astype(np.float32)  # type: ignore[assignment]
+    squared: Any = np.zeros((len(a), len(b)), np.float32)
     for axis in range(3):
         squared += np.subtract.outer(a[:, axis], b[:, axis]) ** 2
     return np.sqrt(squared)

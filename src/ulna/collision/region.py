@@ -136,9 +136,9 @@ def region(triangles: Floats, buried: Callable[[Floats], Array]) -> Region:
     corners = corners[_one_in_each_cell(corners, low - h, h * 1e-3)]
     origin = low - _BORDER * h
     wall = _wall(corners, origin, h, np.ceil((high - low) / h).astype(int) + 2 * _BORDER)
-    labels, _ = ndimage.label(~wall)
+    labels: Any = ndimage.label(~wall)[0]  # type: ignore[index]
     outside = labels == labels[0, 0, 0]
-    near = ndimage.binary_dilation(outside, np.ones((3, 3, 3)), iterations=2)
+    near: Any = ndimage.binary_dilation(outside, np.ones((3, 3, 3)), iterations=2)
     outer = (
         near[tuple(np.floor((pieces - origin) / h).astype(int).reshape(-1, 3).T)].reshape(-1, 3).any(axis=1)
     )

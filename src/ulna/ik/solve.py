@@ -155,7 +155,7 @@ class Solver:
         options = {} if threads is None else {"threads": threads}
         return self._multi_start(T, q0, shift, settings, **options)
 
-    def _search_batch(self, T: Any, q0: None, shift: Floats, settings: Floats, threads: int | None) -> Floats:
+    def _search_batch(self, T: Any, q0: Any, shift: Floats, settings: Floats, threads: int | None) -> Floats:
         """All goals advance in lock-step; those that are met are removed, the last few use multi-start."""
         core = self.problem.shapes["T"]
         T = batched_array("T", T, core)

@@ -248,7 +248,7 @@ def _violation_kernel(model: Model, kinds: tuple[tuple[Frame, Turns, bool], ...]
     def violation(q: Array, numbers: Array) -> Any:
         return _rows(model, kinds, q, numbers)[2]
 
-    return compile(violation, name="violation", q=(model.nq,), numbers=(17 * len(kinds),))
+    return compile(violation, q=(model.nq,), numbers=(17 * len(kinds),))
 
 
 @lru_cache(maxsize=64)

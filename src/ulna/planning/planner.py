@@ -47,7 +47,7 @@ def plan(
     iterations: int = 100_000,
     timeout: float = 10.0,
     seed: int = 0,
-    constraints: PathConstraint | Sequence[PathConstraint] = (),
+    constraints: PathConstraint | Sequence[PathConstraint] | None = None,
 ) -> Plan:
     """A path from a configuration to a goal on which the robot touches neither itself nor the world.
 
@@ -172,7 +172,7 @@ class Planner:
         iterations: int = 100_000,
         timeout: float = 10.0,
         seed: int = 0,
-        constraints: PathConstraint | Sequence[PathConstraint] = (),
+        constraints: PathConstraint | Sequence[PathConstraint] | None = None,
     ) -> Plan:
         """A path from a configuration to a goal; see `ulna.planning.plan`.
 
@@ -220,9 +220,14 @@ class Planner:
 
     def _search_along(self, constraints: Any, options: Options) -> Search:
         """The search that keeps constraints."""
-        items = (constraints,) if isinstance(constraints, PathConstraint) else tuple(constraints)
-        if not items:
+        items = (constraints,) if isinstance(constraints, PathConstraint) else constraints
+        if items is None or (isinstance(items, Sequence) and not len(items)):
             return self._search
+        if isinstance(items, str) or not isinstance(items, Iterable):
+            raise InputError(
+                f"`constraints` is {items!r}; expected PathConstraint(frame, Region(...)) or several."
+            )
+        items = tuple(items)
         for item in items:
             if not isinstance(item, PathConstraint):
                 raise InputError(

@@ -102,7 +102,7 @@ class RoadmapSearch(Search):
 
     def _built(self, size: int) -> Roadmap:
         try:
-            from scipy.spatial import cKDTree
+            from scipy.spatial import KDTree
         except ImportError as error:
             raise MissingExtra("scipy", "collision", "Making a roadmap") from error
         workspace = self._workspace(COARSE[0])
@@ -111,7 +111,7 @@ class RoadmapSearch(Search):
         roadmap = Roadmap(nodes.astype(float), np.zeros((0, 2), int), np.zeros(0), None)
         if not len(nodes):
             return roadmap
-        tree = cKDTree(nodes)
+        tree: Any = KDTree(nodes)
         distances, others = tree.query(nodes, k=range(1, min(roadmap.neighbours + 1, len(nodes)) + 1))
         own = np.repeat(np.arange(len(nodes)), others.shape[1])
         pairs = np.stack([own, others.ravel()], axis=1)

@@ -47,8 +47,8 @@ class Storage:
         """Makes empty trees with places for so many nodes."""
         self.trees = Trees(
             np.full((2, self.nq, capacity), FREE_PLACE, np.float32), np.full((2, capacity), EVERYWHERE, np.float32),
-            np.zeros((2, capacity), np.float32), np.full((2, capacity), -1, np.int64), *np.zeros((2, 2), np.int64),
-            *np.zeros((4, self.nq), np.float32),
+            np.zeros((2, capacity), np.float32), np.full((2, capacity), -1, np.int64), np.zeros(2, np.int64),
+            np.zeros(2, np.int64), *np.zeros((4, self.nq), np.float32),
         )  # fmt: skip
 
     def enlarge_trees(self) -> None:
@@ -116,7 +116,7 @@ class Workspace:
         self._grow = self._bound(
             rrt_connect.grow, self._tables, self._growth, s.samples, 0, 0, s.points, s.touching, 0, s.trees
         )
-        self._grow_below = None  # only some searches need it
+        self._grow_below: Any = None  # only some searches need it
         self._shorten = self._bound(shortcuts.shortened_path, self._tables, self.step, s.trees, s.path, 0)
         self._check = self._bound(edges.first_unproved_edge, self._proof, s.path, 0, 0)
 

@@ -60,7 +60,7 @@ def stacked(forces: Mapping[str, ArrayLike]) -> Array:
     """The wrenches side by side, (..., k, 6)."""
     for name, wrench in forces.items():
         check_not_masked(f"forces[{name!r}]", wrench)
-    arrays = [wrench if is_dask(wrench) else np.asarray(wrench) for wrench in forces.values()]
+    arrays: list[Any] = [wrench if is_dask(wrench) else np.asarray(wrench) for wrench in forces.values()]
     for name, wrench in zip(forces, arrays, strict=True):
         if wrench.shape[-1:] != (6,):
             raise ShapeError(

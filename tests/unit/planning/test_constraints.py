@@ -150,6 +150,10 @@ def test_wrong_constraints_are_refused() -> None:
         plan(panda(), right(), pose(0.25), constraints=PathConstraint("panda_link0", region))
     with pytest.raises(InputError, match="holds"):
         plan(panda(), right(), pose(0.25), constraints=[region])  # type: ignore[list-item]
+    for wrong in ("upright", 5):
+        with pytest.raises(InputError, match="`constraints` is"):
+            plan(panda(), right(), pose(0.25), constraints=wrong)  # type: ignore[arg-type]
+    assert plan(panda(), right(), right(), constraints=None)
     with pytest.raises(InputError, match="not improved yet"):
         plan(panda(), right(), pose(0.25), constraints=upright(), improve=100)
     with pytest.raises(InputError, match="finite edges"):

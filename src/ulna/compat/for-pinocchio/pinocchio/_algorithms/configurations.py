@@ -48,12 +48,13 @@ __all__ = [
 def neutral(model: Model) -> Floats:
     """The configuration (nq,) in which nothing is turned or slid."""
     try:
-        return model._neutral.copy()
+        return model._neutral.copy()  # pyright: ignore[reportAttributeAccessIssue]
     except AttributeError:  # asked for the first time, or of no model
         if not isinstance(model, Model):
             raise wrong_model("neutral", model) from None
-    model._neutral = np.array(algorithms.neutral(model.compiled_structure().model))
-    return model._neutral.copy()
+    q = np.array(algorithms.neutral(model.compiled_structure().model))
+    model._neutral = q  # pyright: ignore[reportAttributeAccessIssue]
+    return q.copy()
 
 
 def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any = None) -> Floats:

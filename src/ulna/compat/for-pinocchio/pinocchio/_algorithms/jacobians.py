@@ -329,7 +329,9 @@ def _bind_dot(
     reference = reference_of(binding_key[1])
     read = data.require(data._qv_of_jacobians, "computeJointJacobiansTimeVariation(model, data, q, v)")
     if evaluator := loaded_evaluator(model, data, "dJ of frames"):
-        return frame_jacobian_rate(evaluator, *read, *_carrier(model, key, fixed_frame), reference)
+        q, v = read
+        joint, placement = _carrier(model, key, fixed_frame)
+        return frame_jacobian_rate(evaluator, q, v, joint, placement, reference)
     watch = model.watched("placements") + ([] if fixed_frame is not None else model.watched("frame", key))
     compiled = data.attach(model)
 

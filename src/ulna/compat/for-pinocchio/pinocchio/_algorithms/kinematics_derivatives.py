@@ -134,7 +134,7 @@ def _motions(
     rf: Any,
     with_a: bool,
     place: tuple[Any, ...],
-) -> tuple[Floats, ...]:
+) -> Any:
     """The derivatives of a frame's motion; bound at `place` for the next time."""
     reference = reference_of(rf)
     watch = model.watched("placements")  # first: see `run`

@@ -275,7 +275,7 @@ class JointLimitConstraintModel(_OfJoints):
             at, k = q[joint.idx_q : joint.idx_q + joint.nq], place - joint.idx_q
             for n in range(joint.nv) if joint.nq != joint.nv else (k,):
                 unit = np.eye(joint.nv)[n]
-                row[joint.idx_v + n] = sign * float(joint.kind.coordinate_rates(at, unit)[k])
+                row[joint.idx_v + n] = sign * float(joint.kind.coordinate_rates(at, unit)[k])  # pyright: ignore[reportOptionalMemberAccess]
         return J
 
     def residualSize(self, sel: Any = ConstraintSelectionType.CURRENT) -> int:

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from pinocchio._tables import recursions as r
-from pinocchio._tables.evaluation import TableEvaluator, matrices_of
+from pinocchio._tables.evaluation import TableEvaluator
+from pinocchio._tables.joint_table import matrices_of
 from pinocchio._tables.world_sums import (
     in_world,
     inertias_in_world,

@@ -28,7 +28,8 @@ class TableEvaluator:
         self._nv = nv
         self._numbers = r.Numbers(
             steps.inner.copy(),
-            *map(np.zeros, ((n, 10), nv, 3, nq, nv, nv)),
+            np.zeros((n, 10)),
+            *(np.zeros(nv), np.zeros(3), np.zeros(nq), np.zeros(nv), np.zeros(nv)),
             np.zeros((n, 6)),
             np.zeros(6, np.int64),
         )

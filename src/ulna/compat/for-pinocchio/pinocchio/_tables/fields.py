@@ -34,7 +34,8 @@ class TableFields:
 
     def __init__(self, evaluator: TableEvaluator, model: KinematicTree, inputs: dict[str, Floats]) -> None:
         self._evaluator, self._model, self._inputs = evaluator, model, inputs
-        self._q, self._v, self._a = (inputs.get(letter) for letter in "qva")
+        self._q: Any = inputs.get("q")
+        self._v, self._a = inputs.get("v"), inputs.get("a")
         self._forces = inputs.get("f")
 
     def field(self, name: str) -> Floats:
@@ -89,7 +90,8 @@ class TableFields:
     def accelerations(self) -> Floats:
         """Forward dynamics (nv,)."""
         _ = self.inverse_mass  # may refuse
-        return np.linalg.solve(self.mass_matrix, self._inputs["t"] - self.torques(self._v, None))
+        torques = self._inputs["t"] - self.torques(self._v, None)
+        return np.asarray(np.linalg.solve(self.mass_matrix, torques), float)
 
     @cached_property
     def motion(self) -> tuple[Floats, Floats, Floats]:

@@ -75,4 +75,4 @@ def _seen_from(J: Floats, T: Floats, reference: Reference) -> Floats:
 
 
 def _cross(vector: Floats, columns: Any) -> Floats:
-    return np.cross(vector, columns, axisb=0, axisc=0)
+    return np.asarray(np.cross(vector, columns, axisb=0, axisc=0), float)

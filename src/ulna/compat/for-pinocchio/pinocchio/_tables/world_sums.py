@@ -37,7 +37,9 @@ class WorldSums:
         self, evaluator: TableEvaluator, q: Floats, v: Floats | None = None, a: Floats | None = None
     ) -> None:
         out = evaluator.run(r.RATES, q, v)
-        self._evaluator, self._v, self._a = evaluator, v, a
+        self._evaluator = evaluator
+        self._v: Any = v
+        self._a: Any = a
         self._J, self._dJ = out.J.copy(), out.dJ.copy()
         table = evaluator.steps.table
         self._carriers = np.repeat(np.arange(len(table.parents)), np.diff(table.columns))

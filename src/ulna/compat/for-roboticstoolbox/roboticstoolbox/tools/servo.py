@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 from roboticstoolbox._common.poses import array
 from ulna.control import p_servo as _servo
@@ -28,7 +28,7 @@ def p_servo(
     if method != "rpy" and isinstance(method, str) and method and "angle-axis".startswith(method):
         method = "angle-axis"
     factor = float(gain) if isinstance(gain, (int, float)) else gain
-    return _servo(array(wTe), array(wTep), factor, threshold, method)
+    return _servo(array(wTe), array(wTep), factor, threshold, cast(Any, method))
 
 
 def angle_axis(T: Any, Td: Any) -> Floats:
