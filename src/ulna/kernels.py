@@ -15,7 +15,7 @@ import numpy as np
 
 from ulna import model as models
 from ulna.algorithms.multibody.references import check_reference
-from ulna.compiler import CudaKernel, Function, compile, element_of, trace
+from ulna.compiler import Function, compile, element_of, trace
 from ulna.errors import InputError, UnknownName
 from ulna.model import Model
 from ulna.quantities import QUANTITIES, Quantity
@@ -93,7 +93,7 @@ def kernel(
         checked: Whether nan and inf in the inputs raise NonFiniteError, and quaternions that are not unit InputError.
         parameters: Names of model parameters that become further arguments instead, in this order, after the
             others; see `ulna.model.parameters`. They broadcast like all arguments.
-        device: "cpu", or "cuda" for an NVIDIA GPU (experimental; see `ulna.compiler.CudaKernel`).
+        device: "cpu", or "cuda" for an NVIDIA GPU (experimental; see docs/gpu.md).
         **options: Options of the quantity, such as `frame` and `reference`.
 
     Returns:
@@ -115,6 +115,8 @@ def kernel(
                 check_mass(model, element_of(dtype).name)
             traced = function(model, name, parameters=names, **chosen)
             if device == "cuda":
+                from ulna.compiler.runtime.cuda_kernel import CudaKernel  # with what it imports, for few
+
                 compiled = CudaKernel(traced, dtype)
             else:
                 named = labels(model, traced)

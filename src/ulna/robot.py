@@ -11,11 +11,10 @@ import numpy as np
 
 from ulna import kernels
 from ulna.checks.values import short_repr
-from ulna.compiler import CudaKernel, Function, trace
+from ulna.compiler import Function, trace
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import Explained, explained
-from ulna.ik.thread_search import search_kernel
 from ulna.lazy import is_deferred
 from ulna.methods.branches import Branching
 from ulna.methods.collision import Collision
@@ -238,6 +237,8 @@ class Robot(
             UnknownName: If there is no such kernel, option, device or frame.
         """
         if name == "ik" and device == "cuda":
+            from ulna.ik.thread_search import search_kernel
+
             kernels.check_device(device, checked)
             return search_kernel(self.model, dtype, options)
         return kernels.kernel(self.model, name, dtype=dtype, checked=checked, device=device, **options)
@@ -307,6 +308,8 @@ def compile(
         )
     traced = trace(f, **{name: shapes[name] for name in names})
     if device == "cuda":
+        from ulna.compiler.runtime.cuda_kernel import CudaKernel
+
         return CudaKernel(traced, dtype)
     labels = {} if robot is None else kernels.labels(robot.model, traced)
     return compile_function(traced, dtype, checked, labels=labels)

@@ -24,6 +24,7 @@ HEAVY = (
     "sympy",
     "torch",
     "jax",
+    "ulna.compiler.runtime.ptx",
 )
 
 

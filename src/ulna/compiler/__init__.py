@@ -3,9 +3,8 @@
 from ulna.compiler.language.function import Function as Function
 from ulna.compiler.language.function import trace as trace
 from ulna.compiler.language.ports import Port as Port
-from ulna.compiler.runtime.cuda_kernel import CudaKernel as CudaKernel
 from ulna.compiler.runtime.kernel import KernelBase as KernelBase
 from ulna.compiler.runtime.kernel import compile as compile
 from ulna.compiler.runtime.kernel import element_of as element_of
 
-__all__ = ["CudaKernel", "Function", "KernelBase", "Port", "compile", "element_of", "trace"]
+__all__ = ["Function", "KernelBase", "Port", "compile", "element_of", "trace"]

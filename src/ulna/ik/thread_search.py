@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ulna import numeric
-from ulna.compiler import CudaKernel, Function, element_of, trace
+from ulna.compiler import Function, element_of, trace
+from ulna.compiler.runtime.cuda_kernel import CudaKernel
 from ulna.errors import DtypeError, UnknownName
 from ulna.ik.arguments import default_start, named_goals, problem_of, shift_of
 from ulna.ik.search import multi_start

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ulna.checks.values import short_repr
-from ulna.compiler import CudaKernel, Function, KernelBase
+from ulna.compiler import Function, KernelBase
+from ulna.compiler.runtime.cuda_kernel import CudaKernel
 from ulna.errors import InputError, MissingExtra
 
 if TYPE_CHECKING:

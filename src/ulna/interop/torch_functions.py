@@ -7,7 +7,8 @@ from typing import Any, final
 
 import torch  # pyright: ignore[reportMissingImports]
 
-from ulna.compiler import CudaKernel, Function, compile
+from ulna.compiler import Function, compile
+from ulna.compiler.runtime.cuda_kernel import CudaKernel
 from ulna.errors import DtypeError, InputError
 from ulna.interop.arguments import batch_shape, check_count
 from ulna.interop.derivatives import derivatives_of
