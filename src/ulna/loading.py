@@ -57,6 +57,11 @@ def load(
         UnknownName: no robot of that name; offers the nearest one.
         FormatError: the file is missing or broken; says where and how to fix it.
         MissingExtra: the robot needs a package that is not installed.
+
+    Example:
+        >>> robot = ulna.load("panda")
+        >>> robot.nq, robot.tool
+        (7, 'panda_hand_tcp')
     """
     from ulna.robot import Robot
 

@@ -235,6 +235,12 @@ class Robot(
 
         Raises:
             UnknownName: If there is no such kernel, option, device or frame.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> fk = robot.kernel("fk", frame="panda_hand")
+            >>> fk(robot.configurations["ready"])[:3, 3].round(3)
+            array([0.307, 0.   , 0.59 ])
         """
         if name == "ik" and device == "cuda":
             from ulna.ik.thread_search import search_kernel
@@ -255,6 +261,11 @@ class Robot(
 
         Raises:
             UnknownName: As from `kernel`.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> robot.function("fk").operations
+            147
         """
         return kernels.function(self.model, name, **options)
 
@@ -286,6 +297,11 @@ def compile(
         UnknownName: If the shape of an argument or the device is not known.
         TraceError: If `f` branches on a traced value.
         InputError: If `f` is no function, or `robot` no Robot.
+
+    Example:
+        >>> f = ulna.compile(lambda x: x @ x, x=(3,))
+        >>> f([1.0, 2.0, 3.0]), f.jacobian()([1.0, 2.0, 3.0])
+        (np.float64(14.0), array([2., 4., 6.]))
     """
     if robot is not None and not isinstance(robot, Robot):
         raise InputError(f"`robot` is {robot!r}; expected a Robot, such as ulna.load(...) returns.")

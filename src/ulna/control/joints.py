@@ -36,6 +36,13 @@ def joint_pd(robot: Robot, *, bounded: bool = True) -> Any:
 
     Returns:
         The kernel `law`.
+
+    Example:
+        >>> robot = ulna.load("panda")
+        >>> q = robot.configurations["ready"]
+        >>> law = ulna.control.joint_pd(robot)
+        >>> law(q, np.zeros(7), q, np.zeros(7), np.full(7, 80.0), np.full(7, 10.0)).round(1)
+        array([ 0. , -4. , -0.6, 22. ,  0.6,  2.3,  0. ])
     """
     model = robot.model
 
@@ -68,6 +75,14 @@ def computed_torque(robot: Robot, *, bounded: bool = True) -> Any:
 
     Returns:
         The kernel `law`.
+
+    Example:
+        >>> robot = ulna.load("panda")
+        >>> q = robot.configurations["ready"]
+        >>> law = ulna.control.computed_torque(robot)
+        >>> zero, kp, kd = np.zeros(7), np.full(7, 100.0), np.full(7, 20.0)
+        >>> law(q, zero, q, zero, zero, kp, kd).round(1)  # at rest at the goal: gravity
+        array([-0. , -4. , -0.6, 22. ,  0.6,  2.3,  0. ])
     """
     model = robot.model
 

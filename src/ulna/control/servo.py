@@ -53,6 +53,13 @@ def p_servo(
         InputError: What should be a pose is none: scaled, transposed, or empty. It would seem reached.
         UnknownName: There is no such method.
         DtypeError: The gain holds no numbers.
+
+    Example:
+        >>> robot = ulna.load("panda")
+        >>> q = robot.configurations["ready"]
+        >>> twist, arrived = ulna.p_servo(robot.fk(q), robot.fk(q))
+        >>> arrived
+        True
     """
     if method not in _METHODS:
         raise UnknownName("method", method, _METHODS)

@@ -40,6 +40,10 @@ def diagnose(robot: Any, **options: Any) -> tuple[Finding, ...]:
     Raises:
         UnknownName: There is no robot of that name.
         MissingExtra: The robot needs a package that is not installed.
+
+    Example:
+        >>> [finding.kind for finding in ulna.diagnosis.diagnose("panda")]
+        ['inertia-large', 'neutral-outside']
     """
     model = getattr(robot, "model", robot)
     findings: list[Finding] = []

@@ -89,6 +89,10 @@ def base_parameters(
 
     Returns:
         The base parameters.
+
+    Example:
+        >>> ulna.identification.base_parameters(ulna.load("ur5")).count
+        36
     """
     model: Model = robot.model
     rng = np.random.default_rng(seed)

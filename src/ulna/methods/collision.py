@@ -61,6 +61,15 @@ class CollisionQueries(Part):
             ModelError: If the robot has no collision geometry, or a mesh file is missing.
             UnknownName: If a name of an obstacle or link is unknown.
             MissingExtra: If what the method needs is not installed.
+
+        Example:
+            >>> from ulna.collision import World
+            >>> from ulna.geometry import Sphere
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> world = World().add("ball", Sphere(0.1), (0.5, 0.0, 0.9))
+            >>> robot.collides(np.stack([q, robot.configurations["qz"]]), world)
+            array([False,  True])
         """
         only_numbers("robot.collides", _TRACED, q)
         return _checker(self, world, method=method, **options).collides(q, moving, margin=margin)
@@ -88,6 +97,15 @@ class CollisionQueries(Part):
 
         Raises:
             ShapeError, DtypeError, NonFiniteError, ModelError, UnknownName, MissingExtra: As for `collides`.
+
+        Example:
+            >>> from ulna.collision import World
+            >>> from ulna.geometry import Sphere
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> near = robot.distance(q, World().add("ball", Sphere(0.1), (0.8, 0.0, 0.5)))
+            >>> round(float(near.distance), 3), near.names
+            (0.07, array(['panda_link2', 'panda_link4'], dtype=object))
         """
         only_numbers("robot.distance", _TRACED, q)
         return _checker(self, world, **options).distance(q, moving, stop_below=stop_below)

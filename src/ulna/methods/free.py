@@ -66,6 +66,16 @@ class FreeInverseKinematics(InverseKinematics, CollisionQueries):
             InputError, ShapeError, DtypeError, NonFiniteError, UnknownName: As for `ik` and `collides`.
             ModelError: If the robot has no collision geometry, or a mesh file is missing.
             MissingExtra: If coal is not installed.
+
+        Example:
+            >>> from ulna.collision import World
+            >>> from ulna.geometry import Box
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> world = World().add("shelf", Box((0.5, 0.6, 0.02)), (0.55, 0.0, 0.6))
+            >>> answer = robot.ik_free(ulna.SE3.pointing_down((0.5, 0.0, 0.2)), world, q0=q)
+            >>> answer.success, bool(robot.collides(answer.q, world))
+            (True, False)
         """
         from ulna.ik.free import FreeOptions, FreeSolver
 

@@ -43,6 +43,16 @@ class MotionPlanning(Part):
 
         Raises:
             ShapeError, NonFiniteError, InputError, ModelError, UnknownName: As from `ulna.planning.plan`.
+
+        Example:
+            >>> from ulna.collision import World
+            >>> from ulna.geometry import Box
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> world = World().add("post", Box((0.1, 0.1, 1.0)), (0.5, 0.0, 0.3))
+            >>> path = robot.plan(q + [-0.6, 0, 0, 0, 0, 0, 0], q + [0.6, 0, 0, 0, 0, 0, 0], world)
+            >>> bool(path), path.is_certified
+            (True, True)
         """
         from ulna import planning
 

@@ -34,6 +34,11 @@ class Variants(Part):
 
         Raises:
             UnknownName: If there is no such joint; names the nearest.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> robot.lock(["panda_joint3"]).nq
+            6
         """
         return self._of_model(models.lock_joints(self.model, joints, q))
 
@@ -60,6 +65,12 @@ class Variants(Part):
         Raises:
             InputError: If `other` is no Robot.
             UnknownName: If there is no such frame; names the nearest.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> pair = robot.attach(ulna.load("ur5"), "panda_link0", ulna.SE3(0, 1, 0), prefix="second_")
+            >>> pair.nq
+            13
         """
         if not isinstance(other, type(self)):
             raise InputError(f"`other` is {other!r}; expected a Robot, such as ulna.load(...) returns.")
@@ -78,6 +89,11 @@ class Variants(Part):
 
         Raises:
             UnknownName: If there is no such frame; names the nearest.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> robot.with_tool("panda_hand", ulna.SE3(0, 0, 0.2), name="probe").tool
+            'probe'
         """
         return self._of_model(models.with_tool(self.model, frame, placement, name))
 
@@ -136,6 +152,11 @@ class Variants(Part):
         Raises:
             UnknownName: If there is no such frame; names the nearest.
             ShapeError, InputError, ModelError: If the body cannot exist.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> robot.with_payload(mass=2.0).model.mass - robot.model.mass
+            2.0
         """
         return self._of_model(models.with_payload(self.model, frame, mass, com, inertia, name=name))
 
@@ -161,5 +182,11 @@ class Variants(Part):
 
         Returns:
             The other robot.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> robot = robot.with_configuration("rest", {"panda_joint4": -1.5})
+            >>> robot.configurations["rest"]
+            array([ 0. ,  0. ,  0. , -1.5,  0. ,  0. ,  0. ])
         """
         return self._of_model(models.with_configuration(self.model, name, q))

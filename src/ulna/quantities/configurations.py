@@ -20,19 +20,40 @@ class Configurations(Part):
 
     @quantity(algorithms.integrate, "(nq,) [rad or m]", v="Step, velocity times time, (..., nv) [rad or m].")
     def integrate(self, q: ArrayLike, v: ArrayLike) -> Floats:
-        """The configuration reached from `q` by the step `v` [Solà, Deray & Atchuthan 2018, section II]."""
+        """The configuration reached from `q` by the step `v` [Solà, Deray & Atchuthan 2018, section II].
+
+        Example:
+            >>> robot = ulna.load("solo12", root="free_flyer")
+            >>> q = robot.configurations["standing"]
+            >>> v = np.eye(18)[5]  # the base turns about its z axis
+            >>> robot.integrate(q, 0.5 * v)[3:7].round(3)
+            array([0.   , 0.   , 0.247, 0.969])
+        """
         ...
 
     @quantity(algorithms.difference, "(nv,) [rad or m]")
     def difference(self, q0: ArrayLike, q1: ArrayLike) -> Floats:
         """The step that leads from `q0` to `q1`: `integrate(q0, difference(q0, q1))` is `q1`
         [Solà, Deray & Atchuthan 2018, section II].
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> robot.difference(q, q + 0.1).round(6)
+            array([0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1])
         """
         ...
 
     @quantity(algorithms.interpolate, "(nq,) [rad or m]")
     def interpolate(self, q0: ArrayLike, q1: ArrayLike, t: ArrayLike) -> Floats:
-        """The point at `t` on the geodesic from `q0` to `q1`; batches of `t` broadcast."""
+        """The point at `t` on the geodesic from `q0` to `q1`; batches of `t` broadcast.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> robot.interpolate(q, robot.neutral, [0.0, 0.5, 1.0]).shape
+            (3, 7)
+        """
         ...
 
     def random_configuration(self, size: int | tuple[int, ...] = (), seed: Any = None) -> Floats:

@@ -124,14 +124,29 @@ class Dynamics(Part):
 
     @quantity(algorithms.gravity_forces, "(nv,) [N m or N]", nodes=35)
     def gravity_forces(self, q: ArrayLike) -> Floats:
-        """The torques that hold the robot against gravity [Featherstone 2008, section 5.3]."""
+        """The torques that hold the robot against gravity [Featherstone 2008, section 5.3].
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> robot.gravity_forces(q).round(1)
+            array([ 0. , -4. , -0.6, 22. ,  0.6,  2.3,  0. ])
+        """
         ...
 
     @quantity(under_forces(algorithms.static_torque), "(nv,) [N m or N]", nodes=35, **_LOADED)
     def static_torque(
         self, q: ArrayLike, forces: Forces = None, reference: Reference = "local_world_aligned"
     ) -> Floats:
-        """The torques that hold the robot against gravity and external forces [Siciliano et al. 2009, section 3.8]."""
+        """The torques that hold the robot against gravity and external forces [Siciliano et al. 2009, section 3.8].
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> weight = {"panda_hand": [0, 0, -9.81, 0, 0, 0]}  # of 1 kg
+            >>> robot.static_torque(q, weight).round(1)
+            array([ 0. , -7. , -0.6, 26.7,  0.6,  3.1,  0. ])
+        """
         return _under(self, "static_torque", (q,), forces, reference)
 
     @quantity(algorithms.mass_matrix, "(nv, nv) [kg, kg m, kg m^2]", nodes=(28, 28, 0))
@@ -153,19 +168,40 @@ class Dynamics(Part):
         inverts_mass=True,
     )
     def inverse_mass_matrix(self, q: ArrayLike) -> Floats:
-        """The inverse of the mass matrix [Featherstone 2008, section 6.5]."""
+        """The inverse of the mass matrix [Featherstone 2008, section 6.5].
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> np.allclose(robot.inverse_mass_matrix(q) @ robot.mass_matrix(q), np.eye(7))
+            True
+        """
         ...
 
     @quantity(algorithms.coriolis_matrix, "(nv, nv) [N m s or N s]", nodes=(155, 77, 0))
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Floats:
         """The matrix C of the Christoffel symbols: `C @ v + gravity = bias`, and `dM/dt - 2 C` is skew
         [Echeandia & Wensing 2021].
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> v = np.full(7, 0.1)
+            >>> np.allclose(robot.coriolis_matrix(q, v) @ v + robot.gravity_forces(q), robot.bias_forces(q, v))
+            True
         """
         ...
 
     @quantity(algorithms.kinetic_energy, "() [J]")
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> Numbers:
-        """Kinetic energy, half of `v @ M @ v`; armature counts."""
+        """Kinetic energy, half of `v @ M @ v`; armature counts.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> robot.kinetic_energy(q, np.full(7, 0.1)).round(4)
+            np.float64(0.0199)
+        """
         ...
 
     @quantity(algorithms.potential_energy, "() [J]")

@@ -88,7 +88,14 @@ class Kinematics(Part):
         _link_poses, "(nlinks, 4, 4) [m]", returns="T_world_link, in the order of `link_names`", nodes=58
     )
     def link_poses(self, q: ArrayLike) -> Floats:
-        """Poses of all links in the world."""
+        """Poses of all links in the world.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> robot.link_poses(q).shape, len(robot.link_names)
+            ((13, 4, 4), 13)
+        """
         ...
 
     @quantity(
@@ -139,7 +146,14 @@ class Kinematics(Part):
         frame: str | None = None,
         reference: Reference = "local_world_aligned",
     ) -> Floats:
-        """Time derivative of the Jacobian of a frame along the velocity `v`."""
+        """Time derivative of the Jacobian of a frame along the velocity `v`.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> robot.jacobian_dot(q, np.full(7, 0.1)).shape
+            (6, 7)
+        """
         ...
 
     @quantity(_frame_velocity, "(6,) [m/s, rad/s]", nodes=97)
@@ -150,7 +164,14 @@ class Kinematics(Part):
         frame: str | None = None,
         reference: Reference = "local_world_aligned",
     ) -> Floats:
-        """Twist of a frame, linear part first [Featherstone 2008, section 4.1]."""
+        """Twist of a frame, linear part first [Featherstone 2008, section 4.1].
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> robot.frame_velocity(q, [1, 0, 0, 0, 0, 0, 0]).round(3)
+            array([0.   , 0.307, 0.   , 0.   , 0.   , 1.   ])
+        """
         ...
 
     @quantity(
@@ -170,6 +191,13 @@ class Kinematics(Part):
     ) -> Floats:
         """Acceleration of a frame, linear part first: the spatial one, or the classical one of its origin
         [Featherstone 2008, section 2.11].
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> v = [1, 0, 0, 0, 0, 0, 0]
+            >>> robot.frame_acceleration(q, v, np.zeros(7), classical=True).round(3)
+            array([-0.307, -0.   ,  0.   ,  0.   ,  0.   ,  0.   ])
         """
         ...
 
@@ -184,6 +212,12 @@ class Kinematics(Part):
     ) -> Floats:
         """Jacobian of a frame whose lower rows belong to rates of angles instead of the angular velocity
         [Siciliano et al. 2009, section 3.6].
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> robot.analytical_jacobian(q, "rpy/zyx").shape
+            (6, 7)
         """
         ...
 
@@ -199,6 +233,14 @@ class Kinematics(Part):
     ) -> Numbers:
         """How far the Jacobian of a frame is from losing rank; see `ulna.algorithms.kinematics.manipulability`
         [Yoshikawa 1985; Asada 1983].
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> robot.manipulability(q).round(4)
+            np.float64(0.0802)
+            >>> robot.manipulability(q, "minimum_singular_value").round(4)
+            np.float64(0.2211)
         """
         if measure == "yoshikawa":
             return self._kernel("manipulability", frame, axes)(q)

@@ -125,6 +125,13 @@ def simulate(
         InputError: `dt`, `duration` or `every` is out of range; or the step is too long for "rk4" with this friction.
         UnknownName: There is no such method.
         MissingExtra: "adaptive" without SciPy.
+
+    Example:
+        >>> robot = ulna.load("panda")
+        >>> q = robot.configurations["ready"]
+        >>> run = ulna.sim.simulate(robot, q, torque=lambda t, q, v: robot.gravity_forces(q), duration=0.1)
+        >>> np.allclose(run.q[-1], q)
+        True
     """
     model = checked_robot(robot).model
     one_of("method", method, _METHODS)

@@ -101,6 +101,10 @@ class PoseConstructors(Batched):
 
         Raises:
             InputError: wrong shape, nan or inf.
+
+        Example:
+            >>> ulna.SE3.from_rpy([0.1, 0.2, 0.3]).rpy().round(6)
+            array([0.1, 0.2, 0.3])
         """
         rotation = angles.rpy_to_matrix(batched_array("rpy", rpy, (3,)))
         return cls(rotation, batched_array("translation", translation, (3,)))
@@ -157,6 +161,10 @@ class PoseConstructors(Batched):
 
         Raises:
             InputError: wrong shape, nan or inf, a direction of zero, or `x` parallel to `direction`.
+
+        Example:
+            >>> ulna.SE3.pointing((0.4, 0.0, 0.3), (1.0, 0.0, 0.0)).rotation[:, 2]
+            array([1., 0., 0.])
         """
         return cls(rotation_along(direction, x), batched_array("position", position, (3,)))
 
@@ -173,6 +181,10 @@ class PoseConstructors(Batched):
 
         Raises:
             InputError: wrong shape, nan or inf.
+
+        Example:
+            >>> ulna.SE3.pointing_down((0.4, 0.0, 0.3)).rotation[:, 2]
+            array([ 0.,  0., -1.])
         """
         turned = angles.rotation_about(2, yaw) @ np.diag([1.0, -1.0, -1.0])
         return cls(turned, batched_array("position", position, (3,)))
@@ -191,6 +203,10 @@ class PoseConstructors(Batched):
 
         Raises:
             InputError: wrong shape, nan or inf, target and position are equal, or the view is along `up`.
+
+        Example:
+            >>> ulna.SE3.looking_at((1.0, 0.0, 0.0), (0.0, 0.0, 0.0)).rotation[:, 2]
+            array([-1.,  0.,  0.])
         """
         place = batched_array("position", position, (3,))
         return cls(rotation_looking(batched_array("target", target, (3,)) - place, up), place)

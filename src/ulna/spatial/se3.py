@@ -198,6 +198,11 @@ class SE3(PoseConstructors, metaclass=Explained):
 
         Returns:
             The poses.
+
+        Example:
+            >>> T = ulna.SE3().interpolate(ulna.SE3(0.4, 0.0, 0.0), 0.5)
+            >>> T.translation
+            array([0.2, 0. , 0. ])
         """
         if straight:
             s = column(t)
@@ -206,7 +211,12 @@ class SE3(PoseConstructors, metaclass=Explained):
         return self @ SE3.exp((self.inverse() @ other).log() * t)
 
     def distance(self, other: SE3) -> tuple[Any, Any]:
-        """How far apart two poses are: the way between the origins (...) [m], and the angle (...) [rad]."""
+        """How far apart two poses are: the way between the origins (...) [m], and the angle (...) [rad].
+
+        Example:
+            >>> ulna.SE3().distance(ulna.SE3(3.0, 4.0, 0.0))
+            (np.float64(5.0), np.float64(0.0))
+        """
         d = other.translation - self.translation
         return sqrt(dot(d, d)), SO3(self.rotation).distance(SO3(other.rotation))
 

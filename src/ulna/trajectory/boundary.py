@@ -73,6 +73,11 @@ def quintic(
         InputError: Shapes do not fit, nan, or a duration that is not above zero.
 
     Source: Biagiotti & Melchiorri 2008, section 2.1.3.
+
+    Example:
+        >>> move = ulna.trajectory.quintic(np.zeros(2), np.ones(2), duration=2.0)
+        >>> move(1.0), move.v(1.0)
+        (array([0.5, 0.5]), array([0.9375, 0.9375]))
     """
     start = vector("q0", q0)
     end, n = vector("q1", q1, start.size), start.size

@@ -123,6 +123,13 @@ def check(
 
     Raises:
         InputError: The trajectory is none of that robot's joints, or tolerance and samples make no sense.
+
+    Example:
+        >>> robot = ulna.load("panda")
+        >>> q = robot.configurations["ready"]
+        >>> move = ulna.trajectory.quintic(q, q + 0.1, duration=1.0)
+        >>> bool(ulna.trajectory.check(robot, move, acceleration=10.0))
+        True
     """
     model = model_of(robot)
     if is_deferred(trajectory):

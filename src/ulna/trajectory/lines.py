@@ -118,6 +118,12 @@ def pose_line(
     Raises:
         InputError: Not poses, equal poses, neither a duration nor limits.
         UnknownName: No such interpolation.
+
+    Example:
+        >>> T = ulna.SE3(0.5, 0, 0)
+        >>> line = ulna.trajectory.pose_line(ulna.SE3(), T, velocity=(0.25, 1.0), acceleration=(1.0, 4.0))
+        >>> line.duration
+        2.25
     """
     a, b = pose("T0", T0), pose("T1", T1)
     way, turn = b.translation - a.translation, so3_log(b.rotation @ a.rotation.T)

@@ -58,6 +58,11 @@ def trapezoidal(
         InputError: Neither limits nor duration; limits not above zero; a duration or speed that cannot be kept.
 
     Source: Biagiotti & Melchiorri 2008, section 3.2.
+
+    Example:
+        >>> move = ulna.trajectory.trapezoidal([0.0], [1.0], velocity=1.0, acceleration=4.0)
+        >>> move.duration
+        1.25
     """
     start = vector("q0", q0)
     way = vector("q1", q1, start.size) - start

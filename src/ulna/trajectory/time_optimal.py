@@ -69,6 +69,13 @@ def time_optimal(
         UnknownName: No such scheme.
 
     Source: Pham & Pham, A new approach to time-optimal path parameterization based on reachability analysis (2018).
+
+    Example:
+        >>> robot = ulna.load("panda")
+        >>> q = robot.configurations["ready"]
+        >>> best = ulna.trajectory.time_optimal([q, q + 0.2, q], robot, acceleration=10.0)
+        >>> max(best.use.values()) <= 1.0 + 1e-6
+        True
     """
     if scheme not in _SCHEMES:
         raise UnknownName("scheme", scheme, _SCHEMES)

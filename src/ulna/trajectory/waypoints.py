@@ -73,6 +73,11 @@ def minimum_jerk(
         InputError: Shapes do not fit, way-points repeat without `times`, or times that do not increase.
 
     Source: Todorov & Jordan, Smoothness maximization along a predefined path (1998).
+
+    Example:
+        >>> move = ulna.trajectory.minimum_jerk([[0.0], [1.0], [0.0]], times=[0, 1, 2])
+        >>> move([0.0, 1.0, 2.0]).round(6).ravel()
+        array([0., 1., 0.])
     """
     q = rows("points", points)
     t = _when(q, times, duration)
