@@ -1,4 +1,4 @@
-"""Whole jobs on a Dask cluster, seeded by part, kept on the disk: reachability maps, and jobs of your own."""
+"""Whole jobs on a Dask cluster, seeded by part, kept on the disk: reachability maps, data sets, and jobs of your own."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ulna.idioms import unknown_attribute
 
 if TYPE_CHECKING:
+    from ulna.scale.data_sets import data_set as data_set
     from ulna.scale.engine import run as run
     from ulna.scale.job import Job as Job
     from ulna.scale.job import Samples as Samples
@@ -20,12 +21,13 @@ _HOMES = {
     "Progress": "progress",
     "ReachMap": "reach_map",
     "Samples": "job",
+    "data_set": "data_sets",
     "reach": "reachability",
     "run": "engine",
 }
 """The modules of names that are imported when first used: the command line parses without them."""
 
-__all__ = ["Job", "Progress", "ReachMap", "Samples", "reach", "run"]
+__all__ = ["Job", "Progress", "ReachMap", "Samples", "data_set", "reach", "run"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,4 +1,4 @@
-"""Jobs on the command line: `ulna reach`."""
+"""Jobs on the command line: `ulna reach`, `ulna dataset`."""
 
 from __future__ import annotations
 
@@ -35,6 +35,16 @@ def add_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
     reach.add_argument("--picture", metavar="PNG", help="write a picture of the map")
     reach.add_argument("--page", metavar="HTML", help="write a page of the map that can be turned")
     _cluster_options(reach)
+    data = command("dataset", _data_set, "write random states and quantities at them into a Zarr group", more)
+    data.add_argument("name", metavar="NAME", help="a name from `ulna list`, or the path of a robot's file")
+    data.add_argument(
+        "columns", nargs="*", metavar="COLUMN", help="q, v, a, tau, a kernel, collides (default: q fk)"
+    )
+    data.add_argument("--samples", type=float, default=1e6, metavar="N", help="how many rows (default 1e6)")
+    data.add_argument("--dtype", default="float64", help="float64 (default) or float32")
+    data.add_argument("--chunk", type=float, default=1e5, metavar="N", help="rows of one task (default 1e5)")
+    data.add_argument("--seed", type=int, default=0, help="of the states (default 0)")
+    _cluster_options(data)
 
 
 def _cluster_options(parser: argparse.ArgumentParser) -> None:
@@ -69,6 +79,24 @@ def _reach(chosen: argparse.Namespace) -> None:
         print(chosen.picture)
     if chosen.page:
         print(found.page(chosen.page))
+
+
+def _data_set(chosen: argparse.Namespace) -> None:
+    from ulna.scale.data_sets import data_set
+
+    if not chosen.to:
+        raise InputError("A data set needs a place: give --to, such as --to data.zarr.")
+    group = data_set(
+        chosen.name,
+        chosen.samples,
+        chosen.columns or ("q", "fk"),
+        to=chosen.to,
+        dtype=chosen.dtype,
+        seed=chosen.seed,
+        chunk=_whole(chosen.chunk),
+        **_where(chosen),
+    )
+    print("\n".join(f"{name}: {array.dtype} {array.shape}" for name, array in sorted(group.arrays())))
 
 
 def _where(chosen: argparse.Namespace) -> dict[str, Any]:

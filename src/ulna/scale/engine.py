@@ -98,7 +98,12 @@ class _Run:
         self._job, self._to, self._store, self._report = job, to, store, report
         known = store.load() if store is not None else None
         if known is None:
-            job.prepare(to)
+            try:
+                job.prepare(to)
+            except Exception:
+                if store is not None:
+                    store.finished()  # nothing has begun: other arguments may be given
+                raise
         self._state, self._done = known or (job.start(), 0)
         self._first, self._began = self._done, time.monotonic()
         self._written = time.monotonic()
