@@ -1,4 +1,4 @@
-"""Whole jobs on a Dask cluster, seeded by part, kept on the disk: reachability maps, data sets, and jobs of your own."""
+"""Whole jobs on a Dask cluster, seeded by part, kept on the disk: reachability maps, data sets, your own jobs."""
 
 from __future__ import annotations
 
