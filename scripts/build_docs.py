@@ -21,6 +21,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 from docs_site import built, reference, staging
 from docs_site.pages import DOCS, ROOT, pages
 
+import ulna
+
 OUT = ROOT / "out" / "docs"
 
 
@@ -33,6 +35,7 @@ def main() -> None:
     options = parser.parse_args()
     began = time.monotonic()
     source, html = OUT / "source", OUT / "html"
+    ulna.compat.use("roboticstoolbox")  # a page has a script of the toolbox, which need not be installed
     only = None if options.only is None else {DOCS / name for name in options.only}
     problems = staging.stage(pages(), source, only=only, keep=options.keep)
     reference.write(source / "reference" / "api")
