@@ -37,7 +37,7 @@ def test_help_of_every_command(capsys: pytest.CaptureFixture[str], monkeypatch: 
         "info": ["[--check]", "[--package-dirs FOLDER [FOLDER ...]]", "NAME"],
         "show": [
             *("[-q VALUE [VALUE ...]]", "[--show WHAT]", "[--theme THEME]", "[--film FILE]", "[--html FILE]"),
-            *("[--headless]", "[--output PNG]", "[--port PORT]", "NAME"),
+            *("[--live FILE]", "[--headless]", "[--output PNG]", "[--port PORT]", "NAME"),
         ],
         "demo": ["[--headless]", "[--output PNG]", "[--port PORT]"],
         "cache": ["[--clear]"],
@@ -52,7 +52,7 @@ def test_help_of_every_command(capsys: pytest.CaptureFixture[str], monkeypatch: 
 def test_without_a_command_all_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
     said = capsys.readouterr().out
-    for command in ("list", "info", "show", "demo", "cache"):
+    for command in ("list", "info", "show", "demo", "reach", "dataset", "cache"):
         assert command in said
 
 
