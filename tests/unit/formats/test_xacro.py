@@ -93,7 +93,7 @@ def test_missing_file(tmp_path):
 
 def test_without_the_package(file, monkeypatch):
     monkeypatch.setitem(sys.modules, "xacro", None)
-    with pytest.raises(MissingExtra, match=r"pip install 'xacro>="):
+    with pytest.raises(MissingExtra, match=r"pip install .*'xacro>="):
         expand_xacro(file)
 
 
