@@ -18,7 +18,7 @@ from ulna.compiler.runtime.ptx import ptx, run_on_cpu
 from ulna.errors import DeviceError, DtypeError, InputError, MissingExtra, UnknownName
 from ulna.numeric import loop, where
 
-ROBOT = ulna.load("panda")
+ROBOT = ulna.load("panda", visuals="simple")
 Q = ROBOT.random_configuration(9, seed=1)
 V, A = np.random.default_rng(1).normal(size=(2, 9, 7))
 QUANTITIES = [

@@ -7,7 +7,6 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-import mpmath
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, seed, settings
@@ -20,6 +19,8 @@ from ulna import numeric
 from ulna.compiler import Function, trace
 from ulna.exporting.c.support import half_pi_parts
 from ulna.quantities import QUANTITIES
+
+mpmath = pytest.importorskip("mpmath")
 
 
 def test_its_own_test_passes_with_sanitizers(exported: Path, tmp_path: Path) -> None:

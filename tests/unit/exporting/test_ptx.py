@@ -14,7 +14,7 @@ import pytest
 import ulna
 from ulna.errors import InputError, UnknownName
 
-ROBOT = ulna.load("panda")
+ROBOT = ulna.load("panda", visuals="simple")
 
 
 def test_kernels_header_and_description(tmp_path: Path) -> None:

@@ -9,6 +9,9 @@ import pytest
 import ulna
 from ulna.viewer.viewer import Viewer
 
+COUNTED = [tracemalloc.Filter(True, f"*/{package}/*") for package in ("ulna", "viser", "numpy")]
+"""Not what threads of other packages allocate meanwhile, which other tests have started."""
+
 
 @pytest.mark.slow
 def test_memory_stays_flat_over_many_steps() -> None:
@@ -28,7 +31,10 @@ def test_memory_stays_flat_over_many_steps() -> None:
                 plot.add(sim.t, 0.1)
             viewer.flush()
             gc.collect()
-            return tracemalloc.get_traced_memory()[0]
+            if not tracemalloc.is_tracing():
+                return 0
+            kept = tracemalloc.take_snapshot().filter_traces(COUNTED)
+            return sum(statistic.size for statistic in kept.statistics("filename"))
 
         run(2_000)
         tracemalloc.start()
@@ -36,4 +42,6 @@ def test_memory_stays_flat_over_many_steps() -> None:
             first, second = run(5_000), run(25_000)
         finally:
             tracemalloc.stop()
-    assert second - first < 300_000  # bytes; a float kept from each step would be 800,000
+    assert (
+        second - first < 600_000
+    )  # bytes; a float kept from each step would be 800,000, the plot varies by 200,000
