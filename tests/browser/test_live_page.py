@@ -24,6 +24,11 @@ PLACE = (
 wait = patient(60.0)
 
 
+def state_of(page: Any) -> str | None:
+    """What the element of a page says of its start, once it says something."""
+    return page.wait_for_selector("ulna-robot[data-state]", state="attached").get_attribute("data-state")
+
+
 class Tab:
     """A live page in a tab, with what it requested."""
 
@@ -35,8 +40,8 @@ class Tab:
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.goto(file.as_uri())
 
-    def started(self) -> str:
-        return self.page.wait_for_function(f"{ELEMENT}.dataset.state").json_value()
+    def started(self) -> str | None:
+        return state_of(self.page)
 
     def ask(self, expression: str) -> Any:
         return self.page.evaluate(f"{ELEMENT}.{expression}")
@@ -144,6 +149,6 @@ def test_a_browser_that_cannot_says_why(chromium: Any, file: Path, script: str, 
     page = context.new_page()
     page.add_init_script(script)
     page.goto(file.as_uri())
-    assert page.wait_for_function(f"{ELEMENT}.dataset.state").json_value() == "failed"
+    assert state_of(page) == "failed"
     assert words in page.locator("[role=alert]").inner_text()
     context.close()
