@@ -33,8 +33,9 @@ from ulna.compiler.procedures import (
     procedure,
 )
 from ulna.planning.edges import edge_touches
-from ulna.planning.rrt_connect import Growth, Trees, add_node, plant, read_node
+from ulna.planning.rrt_connect import Growth
 from ulna.planning.touching import Tables, Work
+from ulna.planning.trees import Trees, add_node, distance, plant, read_node, tree_to_grow
 
 
 @procedure
@@ -50,15 +51,6 @@ def _to_roots(trees, tree, q):
             total += d * d
         least = min(least, total)
     return np.sqrt(least)
-
-
-@procedure
-def _distance(a, b):
-    """The distance of two configurations."""
-    total = f32(0.0)
-    for k in range(len(a)):
-        total += (a[k] - b[k]) * (a[k] - b[k])
-    return np.sqrt(total)
 
 
 @procedure
@@ -108,7 +100,7 @@ def _add_with_cost(trees, tree, q, parent):
     """Appends a node with its cost; returns its number."""
     number = add_node(trees, tree, q, parent)
     read_node(trees.nodes, tree, parent, trees.goal)
-    trees.costs[tree, number] = trees.costs[tree, parent] + _distance(trees.goal, q)
+    trees.costs[tree, number] = trees.costs[tree, parent] + distance(trees.goal, q)
     return number
 
 
@@ -122,12 +114,12 @@ def _extend_below(kernel, tables, growth, trees, tree, sample, part, bound, work
     if nearest < 0:
         return -1
     read_node(trees.nodes, tree, nearest, trees.near)
-    distance = _distance(trees.near, sample)
-    scale = growth.longest / distance if distance > growth.longest else f32(1.0)
+    length = distance(trees.near, sample)
+    scale = growth.longest / length if length > growth.longest else f32(1.0)
     for k in range(len(trees.near)):
         trees.new[k] = trees.near[k] + scale * (sample[k] - trees.near[k])
     ahead = _to_roots(trees, 1 - tree, trees.new)
-    if trees.costs[tree, nearest] + scale * distance + ahead >= bound:
+    if trees.costs[tree, nearest] + scale * length + ahead >= bound:
         return -1
     parent = _cheapest_within(trees, tree, trees.new, growth.longest, W)
     if parent >= 0 and parent != nearest:
@@ -149,10 +141,10 @@ def _connect_below(kernel, tables, growth, trees, tree, added, bound, work, W):
     if target < 0:
         return False
     read_node(trees.nodes, other, target, trees.aim)
-    distance = _distance(trees.near, trees.aim)
-    if trees.costs[tree, added] + distance + trees.costs[other, target] >= bound:
+    length = distance(trees.near, trees.aim)
+    if trees.costs[tree, added] + length + trees.costs[other, target] >= bound:
         return False
-    pieces = max(int(np.ceil(distance / growth.longest)), 1)
+    pieces = max(int(np.ceil(length / growth.longest)), 1)
     last = added
     for piece in range(pieces):
         part = f32(1.0) / f32(pieces - piece)
@@ -207,10 +199,9 @@ def grow_below(
                 trees.costs[tree, number] = f32(0.0)
     tree = 1
     for s in range(first, count):
-        if max(trees.counts[0], trees.counts[1]) + W + 2 >= trees.nodes.shape[2]:
+        tree = tree_to_grow(trees, tree, W)
+        if tree < 0:
             return s
-        if trees.counts[1 - tree] < 2 * trees.counts[tree]:
-            tree = 1 - tree
         added = _extend_below(kernel, tables, growth, trees, tree, samples[s], parts[s], bound, work, W)
         if added >= 0 and _connect_below(kernel, tables, growth, trees, tree, added, bound, work, W):
             return -s - 1

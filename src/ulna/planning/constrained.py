@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from itertools import pairwise
 from typing import Any
 
@@ -126,7 +125,6 @@ class ConstrainedSearch(Search):
     def __init__(self, scene: Scene, margin: float, step: float, constraints: Constraints) -> None:
         super().__init__(scene, margin, step, STRIDE)
         self._constraints = constraints
-        self._storage = threading.local()
 
     def _new_workspace(self, coarse: float) -> Workspace:
         arrays = thread_storage(self._model.nq)

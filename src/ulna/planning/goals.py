@@ -209,13 +209,22 @@ def _of_array(
     if stray.any():
         column = int(np.argwhere(stray)[0][1])
         raise InputError(
-            f"The goal has {flat[stray][0]:g} for joint {_joint_of(robot.model, column)!r}, which is at "
+            f"The goal has {flat[stray][0]:g} for joint {joint_of_column(robot.model, column)!r}, which is at "
             f"{q0[column]:g} and not among `joints`; expected the same value. Name it there, or leave it where it is."
         )
     return Goals(np.where(moving, flat, q0), tuple(range(len(flat))))
 
 
-def _joint_of(model: Model, column: int) -> str:
+def joint_of_column(model: Model, column: int) -> str:
+    """The name of the joint that a number of a configuration belongs to.
+
+    Args:
+        model: The robot.
+        column: Index of the number.
+
+    Returns:
+        The name.
+    """
     return next(j.name for j in model.joints if j.idx_q <= column < j.idx_q + j.kind.nq)
 
 

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from ulna.compiler.procedures import Array1, Array2, Kernel, f32, procedure
 from ulna.planning.edges import edge_touches
-from ulna.planning.rrt_connect import Growth, Trees, add_node, nearest_node, plant, read_node
+from ulna.planning.rrt_connect import Growth
 from ulna.planning.touching import Tables, Work
+from ulna.planning.trees import Trees, add_node, distance, nearest_node, plant, read_node, tree_to_grow
 
 
 class Projection(NamedTuple):
@@ -36,15 +35,6 @@ class Projection(NamedTuple):
     violation: f32
     rounds: int
     stride: f32
-
-
-@procedure
-def _distance(a, b):
-    """The distance of two configurations."""
-    total = f32(0.0)
-    for k in range(len(a)):
-        total += (a[k] - b[k]) * (a[k] - b[k])
-    return np.sqrt(total)
 
 
 @procedure
@@ -77,7 +67,7 @@ def _walk(kernel, tables, growth, step, projection, trees, tree, first, goal, wo
     """Grows a tree from a node towards a configuration on the constraints: the newest node, or -1 - that at the end."""
     last = first
     read_node(trees.nodes, tree, first, trees.near)
-    left = _distance(trees.near, goal)
+    left = distance(trees.near, goal)
     while trees.counts[tree] + W + 2 < trees.nodes.shape[2]:
         if left <= projection.stride:
             if edge_touches(kernel, tables, growth.step, trees.near, goal, work, W):
@@ -88,10 +78,10 @@ def _walk(kernel, tables, growth, step, projection, trees, tree, first, goal, wo
             trees.new[k] = trees.near[k] + part * (goal[k] - trees.near[k])
         if not _project(step, projection, trees.new):
             return last
-        ahead = _distance(trees.new, goal)
+        ahead = distance(trees.new, goal)
         if ahead > left - f32(0.1) * projection.stride:
             return last
-        if _distance(trees.near, trees.new) > f32(2.0) * projection.stride:
+        if distance(trees.near, trees.new) > f32(2.0) * projection.stride:
             return last
         if edge_touches(kernel, tables, growth.step, trees.near, trees.new, work, W):
             return last
@@ -132,10 +122,9 @@ def grow_along(
         plant(trees, points, touching, roots)
     tree = 1
     for s in range(first, count):
-        if max(trees.counts[0], trees.counts[1]) + W + 2 >= trees.nodes.shape[2]:
+        tree = tree_to_grow(trees, tree, W)
+        if tree < 0:
             return s
-        if trees.counts[1 - tree] < 2 * trees.counts[tree]:
-            tree = 1 - tree
         for k in range(len(trees.aim)):
             trees.aim[k] = samples[s, k]
         if not _project(step, projection, trees.aim):

@@ -15,6 +15,7 @@ import numpy as np
 from ulna.compiler.procedures import Array1, Array2, Kernel, f32, procedure
 from ulna.errors import InputError, MissingExtra
 from ulna.planning.edges import edge_touches
+from ulna.planning.goals import joint_of_column
 from ulna.planning.run import Run
 from ulna.planning.samples import samples
 from ulna.planning.search import Search
@@ -96,7 +97,7 @@ class RoadmapSearch(Search):
         super().__init__(scene, margin, step, longest)
         if not self._is_bounded:
             k = int(np.flatnonzero(~np.isfinite(self._limits[0]) | ~np.isfinite(self._limits[1]))[0])
-            name = next(j.name for j in self._model.joints if j.idx_q <= k < j.idx_q + j.nq)
+            name = joint_of_column(self._model, k)
             raise InputError(f"Joint {name!r} has no limits; a roadmap needs limits of all joints.")
         self.roadmap = self._built(size)
 

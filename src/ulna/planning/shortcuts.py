@@ -13,8 +13,9 @@ import numpy as np
 
 from ulna.compiler.procedures import Array2, Kernel, f32, procedure
 from ulna.planning.edges import edge_touches
-from ulna.planning.rrt_connect import Trees, read_path
+from ulna.planning.rrt_connect import read_path
 from ulna.planning.touching import Tables, Work
+from ulna.planning.trees import Trees
 
 LEAST_CHANGE = 0.1
 """Corners that would move by less than this stay [rad, m]."""

@@ -14,8 +14,9 @@ from ulna.errors import InputError
 from ulna.geometry import Box, Geometry, Sphere
 from ulna.model import ModelBuilder, Prismatic
 from ulna.planning import Planner, bounded_rrt, plan, scene
-from ulna.planning.rrt_connect import EVERYWHERE, FREE_PLACE, Growth, Trees
+from ulna.planning.rrt_connect import EVERYWHERE, FREE_PLACE, Growth
 from ulna.planning.samples import informed_samples
+from ulna.planning.trees import Trees
 
 RADIUS = 0.1
 WALL = World().add("wall", Box((0.2, 1.0, 1.0)), (0.0, -0.5, 0.0))
