@@ -237,6 +237,34 @@ def test_the_rotation_angle_has_a_gradient_at_zero():
     np.testing.assert_allclose(gradient(w, 1.0), expected, rtol=1e-13)
 
 
+def test_a_norm_has_the_gradient_zero_at_zero():
+    for f in (
+        lambda x: np.sqrt(x @ x),
+        lambda x: np.hypot(x[0], x[1]) * np.exp(x[2]),
+        lambda x: np.sqrt(x[0] ** 2),
+    ):
+        function = trace(f, x=(3,))
+        at_zero, beside = np.zeros(3), np.array([0.6, -0.8, 0.0])
+        assert function.jacobian()(at_zero).tolist() == [0.0, 0.0, 0.0]
+        assert function.jvp()(at_zero, np.ones(3)) == 0.0
+        assert np.isfinite(function.hessian()(at_zero)).all()
+        np.testing.assert_allclose(function.jacobian()(beside)[0], 0.6 / function(beside))
+        assert np.isnan(function.jacobian()([np.nan, 1.0, 0.0])[0])
+
+
+def test_ends_of_domains_have_the_limits_as_derivatives():
+    for f, x, limit in (
+        (np.sqrt, 0.0, np.inf),
+        (np.arccos, 1.0, -np.inf),
+        (np.arccos, -1.0, -np.inf),
+        (np.arcsin, 1.0, np.inf),
+        (np.log, 0.0, np.inf),
+    ):
+        function = trace(lambda x, f=f: f(x), x=())
+        assert function.jacobian()(x) == limit
+        assert compile(function.vjp())(x, 1.0) == limit
+
+
 def test_a_constant_loop_beside_does_not_hinder():
     f = trace(
         lambda x, n: np.sin(x) * nm.loop(lambda v: v < n, lambda v: (v * 2.0,), (1.0,), 50)[0], x=(), n=()

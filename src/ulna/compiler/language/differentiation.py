@@ -74,6 +74,64 @@ def jacobian(graph: Graph, results: Sequence[int], wrt: range) -> Derivative:
     return g, [column[row] for row in range(len(outputs)) for column in columns]
 
 
+def value_and_gradient(graph: Graph, results: Sequence[int], wrt: range) -> Derivative:
+    """The only result and its derivatives by the inputs numbered `wrt`, by one reverse sweep.
+
+    Args:
+        graph: The graph of the function; it stays as it is.
+        results: The node of its result.
+        wrt: Numbers of the inputs to differentiate by.
+
+    Returns:
+        A new graph with the inputs of `graph`, and the nodes of the result and of `len(wrt)` derivatives.
+    """
+    g, primals, outputs = _copy(graph, results)
+    gradient = _reverse(g, [(outputs[0], g.constant(1.0))], [primals[k] for k in wrt])
+    return g, [outputs[0], *gradient]
+
+
+def hessian(graph: Graph, results: Sequence[int], wrt: range) -> Derivative:
+    """Second derivatives of every result by the inputs numbered `wrt`, row-major, forward over reverse.
+
+    Only the entries on and above the diagonal are computed; equal parts of the sweeps are shared by the graph.
+
+    Args:
+        graph: The graph of the function; it stays as it is.
+        results: The nodes of its results.
+        wrt: Numbers of the inputs to differentiate by.
+
+    Returns:
+        A new graph with the inputs of `graph`, and the nodes of the derivatives, `len(results) * len(wrt)**2` of
+        them.
+    """
+    g, primals, outputs = _copy(graph, results)
+    chosen = [primals[k] for k in wrt]
+    entries: list[int] = []
+    for y in outputs:
+        gradient = _reverse(g, [(y, g.constant(1.0))], chosen)
+        upper = [_forward(g, {x: g.constant(1.0)}, gradient[: k + 1]) for k, x in enumerate(chosen)]
+        entries += [upper[max(i, k)][min(i, k)] for i in range(len(chosen)) for k in range(len(chosen))]
+    return g, entries
+
+
+def hvp(graph: Graph, results: Sequence[int], wrt: range) -> Derivative:
+    """The product of the only result's Hessian with a vector, forward over reverse.
+
+    Args:
+        graph: The graph of the function; it stays as it is.
+        results: The node of its result.
+        wrt: Numbers of the inputs to differentiate by.
+
+    Returns:
+        A new graph with the inputs of `graph` and the `len(wrt)` numbers of the vector, and the nodes of the product.
+    """
+    g, primals, outputs = _copy(graph, results)
+    chosen = [primals[k] for k in wrt]
+    vector = [g.input() for _ in chosen]
+    gradient = _reverse(g, [(outputs[0], g.constant(1.0))], chosen)
+    return g, _forward(g, dict(zip(chosen, vector, strict=True)), gradient)
+
+
 def _copy(graph: Graph, results: Sequence[int]) -> tuple[Graph, list[int], list[int]]:
     """A copy of the graph with all its inputs, its input nodes and the nodes of `results`."""
     g = Graph(relaxed=graph.relaxed, lanes=graph.lanes)
@@ -148,6 +206,13 @@ def _reverse(g: Graph, seeds: Sequence[tuple[int, int]], inputs: Sequence[int]) 
                 if x in reached:
                     accumulate(x, value, side if condition is None else condition & side)
             continue
+        if g.op[index] == Op.DIV and g.args[index][1] in reached:  # one division for both sides
+            a, b = g.args[index]
+            share = value / Scalar(g, b)
+            if a in reached:
+                accumulate(a, share, condition)
+            accumulate(b, -(share * Scalar(g, index)), condition)
+            continue
         for position, a in enumerate(g.args[index]):
             if a in reached:
                 partial = _partial(g, index, position)
@@ -170,4 +235,22 @@ def _partial(g: Graph, index: int, position: int) -> Any:
     if row.op in (Op.ANY, Op.LEAST):
         raise TraceError("Derivatives of reductions across lanes are not offered.")
     rule = row.partials[position]
-    return None if rule is None else rule(*(Scalar(g, a) for a in g.args[index]), Scalar(g, index))
+    if rule is None:
+        return None
+    result = Scalar(g, index)
+    partial = rule(*(Scalar(g, a) for a in g.args[index]), result)
+    if row.op == Op.SQRT and _is_sum_of_squares(g, g.args[index][0]):
+        return (result == 0.0)._where_(0.0, partial)  # a norm at zero: the subgradient of least norm
+    return partial
+
+
+def _is_sum_of_squares(g: Graph, index: int) -> bool:
+    """Whether a node is the square of another, or a sum of such squares."""
+    waiting = [index]
+    while waiting:
+        op, args = g.op[waiting[-1]], g.args[waiting.pop()]
+        if op == Op.ADD:
+            waiting += args
+        elif op != Op.MUL or args[0] != args[1]:
+            return False
+    return True

@@ -11,20 +11,20 @@ from typing import Any
 
 import numpy as np
 
-from ulna.compiler.language import differentiation
+from ulna.compiler.language.derived import Differentiable
 from ulna.compiler.language.drawing import draw
 from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.interpreter import copy_into, evaluate_symbols, interpret
 from ulna.compiler.language.ops import TABLE, Op
-from ulna.compiler.language.ports import Port, Shape, prefixed
+from ulna.compiler.language.ports import Port, Shape
 from ulna.compiler.language.scalar import Scalar, Value, index_in, innermost, number_in, tracing
-from ulna.errors import InputError, ShapeError, TraceError, UnknownName
+from ulna.errors import InputError, ShapeError, TraceError
 from ulna.numeric import is_symbolic
 from ulna.system.cached import cached_property
 
 
 @dataclass(frozen=True, eq=False)
-class Function:
+class Function(Differentiable):
     """A traced function: arrays in, arrays out, every number a node of one graph.
 
     Call it with floats (leading batch axes allowed) to interpret it with NumPy, or inside another trace to inline it.
@@ -125,38 +125,6 @@ class Function:
     def fingerprint(self) -> str:
         """A hash of what is computed, the same in every process."""
         return self.graph.fingerprint(self.results)
-
-    def jvp(self) -> Function:
-        """Forward derivative: inputs and their tangents `d_<name>` in, tangents of the outputs out."""
-        graph, results = differentiation.jvp(self.graph, self.results)
-        ports = (*self.inputs, *prefixed("d_", self.inputs, self.inputs))
-        return Function(f"{self.name}_jvp", graph, ports, self.outputs, tuple(results), self.single)
-
-    def vjp(self) -> Function:
-        """Reverse derivative: inputs and cotangents `bar_<name>` of the outputs in, cotangents of the inputs out."""
-        graph, results = differentiation.vjp(self.graph, self.results)
-        ports = (*self.inputs, *prefixed("bar_", self.outputs, self.inputs))
-        outputs = prefixed("bar_", self.inputs)
-        return Function(f"{self.name}_vjp", graph, ports, outputs, tuple(results), len(outputs) == 1)
-
-    def jacobian(self, wrt: str | int = 0) -> Function:
-        """Derivative of every output by one input: shape output + input.
-
-        Args:
-            wrt: The input's name or number.
-
-        Raises:
-            UnknownName: If there is no such input.
-        """
-        names = [p.name for p in self.inputs]
-        number = names.index(wrt) if wrt in names else wrt
-        if not isinstance(number, int) or not 0 <= number < len(names):
-            raise UnknownName("input", wrt, names)
-        port = self.inputs[number]
-        first = sum(p.size for p in self.inputs[:number])
-        graph, results = differentiation.jacobian(self.graph, self.results, range(first, first + port.size))
-        outputs = tuple(Port(f"d{p.name}_d{port.name}", p.shape + port.shape) for p in self.outputs)
-        return Function(f"{self.name}_jacobian", graph, self.inputs, outputs, tuple(results), self.single)
 
     def draw(self, path: str | None = None) -> str:
         """The graph as an SVG picture, layered by depth; written to `path` when one is given."""

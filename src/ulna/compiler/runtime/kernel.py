@@ -77,8 +77,34 @@ class KernelBase:
         return jit.assembly(self.function, self.ir(batch))
 
     def jacobian(self, wrt: str | int = 0) -> Any:
-        """The kernel of the derivative of the outputs by input `wrt`, shape output + input."""
-        return compile(self.function.jacobian(wrt), dtype=self.dtype, checked=self._array_call.checked)
+        """The kernel of the derivative of the outputs by input `wrt`, shape output + input: forward or reverse mode."""
+        return self._derived(self.function.jacobian(wrt))
+
+    def value_and_gradient(self, wrt: str | int = 0) -> Any:
+        """The kernel of a number and its gradient by input `wrt`, a pair, by one reverse sweep."""
+        return self._derived(self.function.value_and_gradient(wrt))
+
+    def hessian(self, wrt: str | int = 0) -> Any:
+        """The kernel of the second derivatives of the outputs by input `wrt`, shape output + input + input."""
+        return self._derived(self.function.hessian(wrt))
+
+    def hvp(self, wrt: str | int = 0) -> Any:
+        """The kernel of the product of a number's Hessian by input `wrt` with a vector, its last argument.
+
+        It costs a few evaluations of the function, however many inputs there are; the Hessian is not formed.
+        """
+        return self._derived(self.function.hvp(wrt))
+
+    def jvp(self) -> Any:
+        """The kernel of the forward derivative: inputs and their tangents in, tangents of the outputs out."""
+        return self._derived(self.function.jvp())
+
+    def vjp(self) -> Any:
+        """The kernel of the reverse derivative: inputs and cotangents of the outputs in, cotangents of inputs out."""
+        return self._derived(self.function.vjp())
+
+    def _derived(self, function: Function) -> Any:
+        return compile(function, dtype=self.dtype, checked=self._array_call.checked)
 
     def into(
         self,
