@@ -197,7 +197,15 @@ class Robot(
 
     @property
     def configurations(self) -> Mapping[str, Floats]:
-        """Named configurations, such as "qr" or "home"."""
+        """Named configurations, such as "qr" or "home".
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> list(robot.configurations)
+            ['qr', 'qz', 'ready']
+            >>> robot.configurations["ready"].round(2)
+            array([ 0.  , -0.79,  0.  , -2.36,  0.  ,  1.57,  0.79])
+        """
         return self.model.configurations
 
     @property

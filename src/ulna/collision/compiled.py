@@ -30,6 +30,7 @@ from ulna.collision.spheres import Spheres
 from ulna.collision.world import World
 from ulna.errors import InputError
 from ulna.model import Model
+from ulna.model.of_robot import model_of
 from ulna.spatial import SE3
 from ulna.typing import ArrayLike, Floats
 
@@ -47,7 +48,7 @@ class SphereChecker:
     that you give to a link without collision geometry are checked against the world, and with `pairs` against links.
 
     Args:
-        model: The robot.
+        model: The Model, or its Robot.
         world: Its obstacles; None for none.
         spheres: Spheres of the links; None for `fit(model)`.
         pairs: Pairs of links to check against each other; None for `link_pairs(model)`, () for none.
@@ -61,13 +62,14 @@ class SphereChecker:
 
     def __init__(
         self,
-        model: Model,
+        model: Model | Any,
         world: World | None = None,
         *,
         spheres: Spheres | None = None,
         pairs: Iterable[LinkPair] | None = None,
         missing: Missing = "error",
     ) -> None:
+        model = model_of(model, "model")
         pairs = pairs if pairs is None else tuple(pairs)
         self._options = {"spheres": spheres, "pairs": pairs, "missing": missing}
         self.missing: Missing = missing

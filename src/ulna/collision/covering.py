@@ -14,6 +14,7 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -28,6 +29,7 @@ from ulna.errors import InputError, MissingExtra, ModelWarning
 from ulna.geometry import Mesh
 from ulna.model import Model
 from ulna.model.content import fingerprint
+from ulna.model.of_robot import model_of
 from ulna.typing import Array
 
 Report = Callable[[int, int], object]
@@ -46,7 +48,7 @@ _OFTEN = (
 
 
 def fit(
-    model: Model,
+    model: Model | Any,
     tolerance: float = 0.01,
     most: int | None = None,
     *,
@@ -60,7 +62,7 @@ def fit(
     though the links do not.
 
     Args:
-        model: The robot.
+        model: The Model, or its Robot.
         tolerance: How far spheres may stick out at the tips [m], up to twice that at the base; farther where
             `most` is too small for that.
         most: How many spheres a link has on average, at most, besides shapes that are balls; None allows 60 spheres
@@ -76,6 +78,7 @@ def fit(
         ModelError: If the robot has no collision geometry, or a mesh is missing.
         MissingExtra: If scipy is not installed.
     """
+    model = model_of(model, "model")
     if not (np.isfinite(tolerance) and tolerance >= 1e-4):
         raise InputError(f"`tolerance` is {tolerance!r}; expected a length of at least 0.0001 [m].")
     if most is not None and (int(most) != most or most < 1):

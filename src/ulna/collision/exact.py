@@ -24,6 +24,7 @@ from ulna.collision.solids import Missing, link_solids, obstacle_solids
 from ulna.collision.world import World
 from ulna.errors import InputError, ShapeError
 from ulna.model import Model
+from ulna.model.of_robot import model_of
 from ulna.system import forks
 from ulna.typing import Array, ArrayLike, Floats
 
@@ -35,7 +36,7 @@ class Checker:
     It keeps coal's objects between calls; a lock lets one thread in at a time. For more threads make more checkers.
 
     Args:
-        model: The robot.
+        model: The Model, or its Robot.
         world: Its obstacles; None for none.
         pairs: Pairs of links to check against each other; None for `link_pairs(model)`, () for none.
         without: Pairs of links, obstacles and attached objects to leave out.
@@ -43,6 +44,7 @@ class Checker:
         missing: What to do about a mesh file that is not there: "error", or "skip" it with a warning.
 
     Raises:
+        InputError: If `model` is neither.
         MissingExtra: If coal is not installed.
         ModelError: If the robot has no collision geometry, or a mesh is missing.
         UnknownName: If a pair names no link.
@@ -50,7 +52,7 @@ class Checker:
 
     def __init__(
         self,
-        model: Model,
+        model: Model | Any,
         world: World | None = None,
         *,
         pairs: Iterable[LinkPair] | None = None,
@@ -59,6 +61,7 @@ class Checker:
         missing: Missing = "error",
     ) -> None:
         narrow.coal()
+        model = model_of(model, "model")
         pairs, without = pairs if pairs is None else tuple(pairs), tuple(without)
         self._options = {"pairs": pairs, "without": without, "convex": convex, "missing": missing}
         self.model, self.world = model, World() if world is None else world

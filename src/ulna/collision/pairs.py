@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from ulna.errors import InputError
 from ulna.model import FreeFlyer, Model
+from ulna.model.of_robot import model_of
 
 LinkPair = tuple[str, str]
 """The names of two links."""
 
 
 def link_pairs(
-    model: Model, *, without: Iterable[LinkPair] = (), adjacent: bool = False, disabled: bool = False
+    model: Model | Any, *, without: Iterable[LinkPair] = (), adjacent: bool = False, disabled: bool = False
 ) -> tuple[LinkPair, ...]:
     """The pairs of links to check against each other, in the order of `model.links`.
 
@@ -20,7 +22,7 @@ def link_pairs(
     by construction; those that a free flyer joins do not), and the pairs that the model's SRDF disables.
 
     Args:
-        model: The robot.
+        model: The Model, or its Robot.
         without: More pairs to exclude.
         adjacent: Whether links joined by one movable joint are checked all the same.
         disabled: Whether the pairs that the model disables are checked all the same.
@@ -29,8 +31,10 @@ def link_pairs(
         Pairs of link names.
 
     Raises:
+        InputError: If `model` is neither.
         UnknownName: If `without` names a link that the model does not have.
     """
+    model = model_of(model, "model")
     skip = {frozenset(pair) for pair in checked_pairs(model, without)}
     if not disabled:
         skip |= {frozenset(pair) for pair in model.disabled_pairs}

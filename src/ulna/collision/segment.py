@@ -66,6 +66,15 @@ def first_contact(
     Raises:
         ShapeError, DtypeError, NonFiniteError: If `q0` or `q1` cannot be configurations.
         InputError: If `margin` is negative, the checker is none of `coal`, or the motion is absurdly long.
+
+    Example:
+        >>> from ulna.collision import Checker, World, first_contact
+        >>> from ulna.geometry import Sphere
+        >>> robot = ulna.load("panda")
+        >>> q = robot.configurations["ready"]
+        >>> checker = Checker(robot, World().add("ball", Sphere(0.1), (0.0, 0.3, 0.5)))
+        >>> round(float(first_contact(checker, q, q + [np.pi / 2, 0, 0, 0, 0, 0, 0])), 2)  # after this part of the way
+        0.57
     """
     if not isinstance(checker, Checker):
         raise InputError(

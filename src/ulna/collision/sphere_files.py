@@ -15,15 +15,16 @@ from ulna.errors import FormatError, MissingExtra
 from ulna.formats.urdf import model_from_urdf
 from ulna.geometry import Sphere
 from ulna.model import Model
+from ulna.model.of_robot import model_of
 
 _KEYS = ("robot_cfg", "kinematics", "collision_spheres")
 
 
-def spheres_of(model: Model) -> Spheres:
+def spheres_of(model: Model | Any) -> Spheres:
     """The balls that a model's links have as collision geometry, as they are.
 
     Args:
-        model: A robot whose collision geometry is balls alone, such as a spherized URDF.
+        model: The Model, or its Robot, whose collision geometry is balls alone, such as a spherized URDF.
 
     Returns:
         The spheres of each link that has any; they bound what they bound, `excess` is None.
@@ -31,6 +32,7 @@ def spheres_of(model: Model) -> Spheres:
     Raises:
         FormatError: If a link has another shape, or no link has any.
     """
+    model = model_of(model, "model")
     found = {}
     for link in model.links:
         balls = [

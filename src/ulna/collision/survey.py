@@ -13,6 +13,7 @@ from ulna.collision.pairs import LinkPair, link_pairs
 from ulna.collision.solids import Missing
 from ulna.errors import InputError
 from ulna.model import Model
+from ulna.model.of_robot import model_of
 
 
 @final
@@ -36,7 +37,7 @@ class Survey:
 
 
 def survey(
-    model: Model,
+    model: Model | Any,
     count: int = 2000,
     seed: Any = 0,
     *,
@@ -47,7 +48,7 @@ def survey(
     """Tries random configurations within the limits on every pair of links, also adjacent and disabled ones.
 
     Args:
-        model: The robot.
+        model: The Model, or its Robot.
         count: How many configurations.
         seed: A number or a `numpy.random.Generator`.
         margin: Shapes that come as near as this count as touching [m].
@@ -62,6 +63,7 @@ def survey(
     """
     if int(count) != count or count < 1:
         raise InputError(f"`count` is {count!r}; expected 1 or more configurations.")
+    model = model_of(model, "model")
     pairs = link_pairs(model, adjacent=True, disabled=True)
     checker = Checker(model, pairs=pairs, convex=convex, missing=missing)
     q = algorithms.random(model, np.random.default_rng(seed), (int(count),))

@@ -30,6 +30,14 @@ class World:
         obstacles: The obstacles.
         attachments: The objects that links carry.
         margins: How far two must stay apart, by the set of their names [m].
+
+    Example:
+        >>> from ulna.collision import World
+        >>> from ulna.geometry import Box, Sphere
+        >>> world = World().add("table", Box((1.0, 1.0, 0.1)), (0.6, 0.0, -0.05))
+        >>> world = world.add("ball", Sphere(0.1), (0.5, 0.2, 0.4))  # a new world: the old one is as it was
+        >>> world.names
+        ('table', 'ball')
     """
 
     obstacles: tuple[Obstacle, ...] = ()
@@ -75,6 +83,14 @@ class World:
 
         Raises:
             InputError: If the name is taken, or shape or pose cannot be one.
+
+        Example:
+            >>> from ulna.collision import World
+            >>> from ulna.geometry import Cylinder
+            >>> world = World().add("post", Cylinder(0.05, 1.0), (0.5, 0.0, 0.5))
+            >>> lying = world.add("beam", Cylinder(0.05, 1.0), ulna.SE3.rx(np.pi / 2))
+            >>> lying.names
+            ('post', 'beam')
         """
         allowed = checked_object(name, shape, touches, "Obstacle")
         new = Obstacle(name, shape, checked_pose(f"obstacle {name!r}", pose), moving, allowed)
@@ -144,6 +160,14 @@ class World:
 
         Raises:
             InputError: If the name is taken, there is no shape, or shape or pose cannot be one.
+
+        Example:
+            >>> from ulna.collision import World
+            >>> from ulna.geometry import Box
+            >>> world = World().add("parcel", Box((0.1, 0.1, 0.1)), (0.5, 0.0, 0.05))
+            >>> carried = world.attach("parcel", "panda_hand", (0.0, 0.0, 0.15), touches=["panda_leftfinger"])
+            >>> carried.attached("parcel").link
+            'panda_hand'
         """
         taken = self[name] if name in self.names else None
         if shape is None and taken is None:

@@ -68,6 +68,15 @@ def impedance(
     Raises:
         UnknownName: If there is no such frame.
         InputError: If `regularisation` is not above 0.
+
+    Example:
+        >>> robot = ulna.load("panda")
+        >>> q, rest = robot.configurations["ready"], np.zeros(7)
+        >>> law = ulna.control.impedance(robot)
+        >>> stiffness, damping = [500.0] * 3 + [30.0] * 3, [40.0] * 3 + [5.0] * 3
+        >>> tau = law(q, rest, robot.fk(q), np.zeros(6), stiffness, damping, q, rest, rest)
+        >>> np.allclose(tau, robot.gravity_forces(q))  # at its goal, it carries its weight
+        True
     """
     _check(regularisation)
     model, one = robot.model, frame_of(robot.model, frame)

@@ -66,7 +66,9 @@ def export(
 
     Example:
         >>> robot = ulna.load("panda")
-        >>> folder = ulna.export(robot, ["fk", "jacobian", "ik"], to="c", path="panda_c")  # doctest: +SKIP
+        >>> folder = ulna.export(robot, ["fk", "jacobian"], to="c", path="panda_c")
+        >>> sorted(file.name for file in folder.glob("panda_*.c"))
+        ['panda_fk.c', 'panda_jacobian.c', 'panda_model.c']
     """
     if robot is not None and not isinstance(robot, Robot):
         raise InputError(

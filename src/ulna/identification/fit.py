@@ -83,6 +83,14 @@ def identify(
         ShapeError, NonFiniteError: The log does not fit the robot.
         InputError: `ridge` or `noise` is out of range, the log is too short, or `progress` is given without
             `physical`, where there are no steps.
+
+    Example:
+        >>> robot = ulna.load("ur5")
+        >>> truth = robot.perturbed(0.3, seed=4)  # takes the place of the real robot
+        >>> q, v, a = np.random.default_rng(0).uniform(-1, 1, (3, 200, 6))
+        >>> fit = ulna.identification.identify(robot, q, v, a, truth.inverse_dynamics(q, v, a))
+        >>> np.allclose(fit.residuals, 0.0, atol=1e-9)
+        True
     """
     model: Model = robot.model
     if progress is not None and not physical:

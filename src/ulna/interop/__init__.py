@@ -31,6 +31,14 @@ def to_torch(kernel: Any) -> TorchFunction:
     Raises:
         InputError: If `kernel` is neither.
         MissingExtra: If PyTorch is not installed.
+
+    Example:
+        >>> import torch
+        >>> fk = ulna.interop.to_torch(ulna.load("panda").kernel("fk"))
+        >>> q = torch.zeros(7, requires_grad=True)
+        >>> fk(q)[2, 3].backward()  # the height of the tool
+        >>> q.grad.shape
+        torch.Size([7])
     """
     function = _function_of(kernel)
     try:

@@ -67,7 +67,8 @@ class Pages(Part):
 
         Example:
             >>> robot = ulna.load("panda")
-            >>> robot.save_html("panda.html", live=True)  # doctest: +SKIP
+            >>> robot.save_html("panda.html", live=True).name
+            'panda.html'
         """
         options = {"live": live, "q": q, "frames": frames, "show": show, "theme": theme, "title": title}
         return _writers[0](self, path, recorded, **options)

@@ -170,6 +170,12 @@ class Variants(Part):
 
         Returns:
             The other robot.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> other = robot.perturbed(0.2, seed=0)  # masses off by up to 20 %
+            >>> abs(other.model.mass - robot.model.mass) < 0.2 * robot.model.mass
+            True
         """
         return self._of_model(models.perturbed(self.model, fraction, seed, com))
 

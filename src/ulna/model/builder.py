@@ -29,6 +29,16 @@ class ModelBuilder(PartsBuilder):
     Args:
         name: The model's name.
         source: The file it is read from.
+
+    Example:
+        >>> from ulna.model import Revolute
+        >>> builder = ulna.ModelBuilder("pendulum")
+        >>> rod = ulna.Inertia.from_point(1.0, (0.0, 0.0, -0.5))  # 1 kg, half a metre below the hinge
+        >>> builder = builder.add_link("base").add_link("rod", rod)
+        >>> builder = builder.add_joint("hinge", Revolute((0, 1, 0)), "base", "rod")
+        >>> pendulum = ulna.Robot(builder.build())
+        >>> pendulum.gravity_forces([np.pi / 2]).round(3)
+        array([4.905])
     """
 
     def add_model(

@@ -97,6 +97,14 @@ class PartsBuilder:
 
         Raises:
             ModelError: the name is taken, or the inertia cannot be one.
+
+        Example:
+            >>> from ulna.geometry import Box, Geometry
+            >>> inertia = ulna.Inertia.from_box(2.0, (0.1, 0.1, 0.4))
+            >>> shapes = [Geometry("body", Box((0.1, 0.1, 0.4)))]
+            >>> builder = ulna.ModelBuilder("part").add_link("body", inertia, visuals=shapes, collisions=shapes)
+            >>> builder.build().mass
+            2.0
         """
         links = self._state.links
         _refuse_twice("link", checked_name("link", name, where), links, where)
@@ -152,6 +160,13 @@ class PartsBuilder:
 
         Raises:
             ModelError: the name is taken, or a value cannot be used.
+
+        Example:
+            >>> from ulna.model import Prismatic
+            >>> builder = ulna.ModelBuilder("lift").add_link("base").add_link("platform")
+            >>> builder = builder.add_joint("slide", Prismatic((0, 0, 1)), "base", "platform", lower=0.0, upper=1.2)
+            >>> ulna.Robot(builder.build()).fk([0.7])[:3, 3]
+            array([0. , 0. , 0.7])
         """
         _refuse_twice("joint", checked_name("joint", name, where), self._state.joints, where)
         kind = checked_kind(name, kind, where)

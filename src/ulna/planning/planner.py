@@ -126,6 +126,14 @@ class Planner:
         InputError: If numbers make no sense, or the robot has joints that cannot be planned for.
         ModelError: If the robot has no collision geometry.
         MissingExtra: If a roadmap is asked for and scipy is not installed.
+
+    Example:
+        >>> from ulna.planning import Planner
+        >>> robot = ulna.load("panda")
+        >>> planner = Planner(robot)  # prepared once, for many plans
+        >>> q = robot.configurations["ready"]
+        >>> [bool(planner.plan(q, q + [turn, 0, 0, 0, 0, 0, 0])) for turn in (0.5, 1.0)]
+        [True, True]
     """
 
     def __init__(

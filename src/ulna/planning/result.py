@@ -90,6 +90,14 @@ class Plan:
         Raises:
             InputError: If there is no path, it has one point only, no motion keeps the limits, or corners are to be cut
                 and the plan kept no margin.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> plan = robot.plan(q, q + [1, 0, 0, 0, 0, 0, 0])
+            >>> motion = plan.trajectory(acceleration=4.0)
+            >>> np.allclose(motion(motion.duration), plan.points[-1])
+            True
         """
         if not self:
             raise InputError(f"There is no path to move along: {self.reason}")

@@ -23,6 +23,14 @@ class Regressors(Part):
     def joint_torque(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Floats:
         """The matrix that maps the dynamic parameters to the joint torques, without the inertia of the drives
         [Siciliano et al. 2009, section 7.2].
+
+        Example:
+            >>> robot = ulna.load("ur5")
+            >>> q, v, a = np.zeros(6), np.ones(6), np.ones(6)
+            >>> Y = robot.regressors.joint_torque(q, v, a)
+            >>> tau = Y @ robot.parameters.dynamic + robot.model.armature * a
+            >>> np.allclose(tau, robot.inverse_dynamics(q, v, a))
+            True
         """
         ...
 

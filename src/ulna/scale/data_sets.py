@@ -62,6 +62,11 @@ def data_set(
         InputError: If an argument makes no sense, or `to` holds something else.
         DtypeError: If `dtype` is neither float64 nor float32.
         JobStopped: If the job ended before all was done.
+
+    Example:
+        >>> data = ulna.scale.data_set("panda", 1000, ["q", "fk"], to="poses.zarr", workers=0, progress=False)
+        >>> data["fk"].shape
+        (1000, 4, 4)
     """
     robot = load(robot) if isinstance(robot, str) else robot
     if np.dtype(dtype).name not in ("float64", "float32"):

@@ -64,6 +64,11 @@ def reach(
     Raises:
         InputError: If an argument makes no sense, or `to` holds another job.
         JobStopped: If the job ended before all was done.
+
+    Example:
+        >>> reached = ulna.scale.reach("panda", 20_000, voxel=0.1, workers=0, progress=False)
+        >>> int(reached.count.sum())
+        20000
     """
     robot = load(robot) if isinstance(robot, str) else robot
     size = number("voxel", voxel, "a length above zero [m]", above=0.0)

@@ -27,6 +27,14 @@ class Simulation:
         realtime: Whether steps run in real time.
         speed: Simulated seconds per second in real time [-].
         substep: The longest step of dynamics [s]; longer steps are made of several.
+
+    Example:
+        >>> robot, sim = ulna.load("panda"), ulna.Simulation()
+        >>> arm = sim.add(robot, q=robot.configurations["ready"], control="velocity")
+        >>> arm.qd = [0.2, 0, 0, 0, 0, 0, 0]
+        >>> sim.run(1.0)
+        >>> (arm.q - robot.configurations["ready"]).round(3)
+        array([0.2, 0. , 0. , 0. , 0. , 0. , 0. ])
     """
 
     def __init__(self, realtime: bool = False, speed: float = 1.0, substep: float = 1e-3) -> None:

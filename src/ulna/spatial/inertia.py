@@ -144,6 +144,11 @@ class Inertia(Batched):
 
         Returns:
             The inertia.
+
+        Example:
+            >>> inertia = ulna.Inertia.from_box(12.0, (1.0, 2.0, 3.0))
+            >>> np.diag(inertia.inertia)
+            array([13., 10.,  5.])
         """
         a, b, c = batched_array("size", size, (3,)) ** 2
         return cls._solid(mass, (b + c) / 12, (a + c) / 12, (a + b) / 12)

@@ -49,6 +49,12 @@ class PoseConstructors(Batched):
 
         Raises:
             InputError: wrong shape, nan or inf, not a rotation within 1e-6, or another last row.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> T = ulna.SE3.from_matrix(robot.fk(robot.configurations["ready"]))
+            >>> T.translation.round(3)
+            array([0.307, 0.   , 0.487])
         """
         if not check:
             m = as_array(matrix)
@@ -82,6 +88,10 @@ class PoseConstructors(Batched):
 
         Raises:
             InputError: wrong shape, nan or inf, or a quaternion of length zero.
+
+        Example:
+            >>> ulna.SE3.from_quat_xyzw([0, 0, 0, 1], (0.4, 0.0, 0.3)).translation
+            array([0.4, 0. , 0.3])
         """
         return cls(
             quaternion.quat_xyzw_to_matrix(checked_quat(quat)),
@@ -143,6 +153,12 @@ class PoseConstructors(Batched):
 
         Returns:
             The pose, with the identity as rotation.
+
+        Example:
+            >>> ulna.SE3.trans(0.4, 0.0, 0.3) @ [0.0, 0.0, 0.1]
+            array([0.4, 0. , 0.4])
+            >>> ulna.SE3.trans(np.zeros(50), 0.0, np.linspace(0.0, 1.0, 50)).matrix().shape  # a batch of poses
+            (50, 4, 4)
         """
         return cls(np.eye(3), vector(x, y, z))
 

@@ -51,6 +51,15 @@ class SE3(PoseConstructors, metaclass=Explained):
 
     Raises:
         InputError: What is given makes no pose; the message says what does.
+
+    Example:
+        >>> T_world_table = ulna.SE3(0.6, 0.0, 0.4)
+        >>> T_table_cup = ulna.SE3.trans(0.1, 0.2, 0.0) @ ulna.SE3.rz(np.pi / 2)
+        >>> T_world_cup = T_world_table @ T_table_cup
+        >>> T_world_cup.translation, T_world_cup.rpy().round(3)
+        (array([0.7, 0.2, 0.4]), array([ 0.   , -0.   ,  1.571]))
+        >>> T_world_cup @ [0.1, 0.0, 0.0]  # a point of the cup, in the world
+        array([0.7, 0.3, 0.4])
     """
 
     rotation: Array
@@ -122,16 +131,35 @@ class SE3(PoseConstructors, metaclass=Explained):
         return SE3.from_matrix(matrix) @ self
 
     def inverse(self) -> SE3:
-        """The pose of the outer frame in this one."""
+        """The pose of the outer frame in this one.
+
+        Example:
+            >>> T_world_camera = ulna.SE3.looking_at((1.0, 0.0, 1.0), (0.0, 0.0, 0.0))
+            >>> T_camera_world = T_world_camera.inverse()
+            >>> (T_camera_world @ np.zeros(3)).round(3)  # the world's origin is straight ahead
+            array([0.   , 0.   , 1.414])
+        """
         back = np.swapaxes(self.rotation, -1, -2)
         return SE3(back, -apply(back, self.translation))
 
     def log(self) -> Motion:
-        """The constant twist that leads from the identity to here in one second, turning by at most pi."""
+        """The constant twist that leads from the identity to here in one second, turning by at most pi.
+
+        Example:
+            >>> twist = (ulna.SE3(0.1, 0.0, 0.0) @ ulna.SE3.rz(0.2)).log()
+            >>> twist.angular, ulna.SE3.exp(twist).rpy().round(3)
+            (array([0. , 0. , 0.2]), array([ 0. , -0. ,  0.2]))
+        """
         return Motion(*exponential.log_parts(self.rotation, self.translation))
 
     def act(self, item: T) -> T:
-        """A Motion, Force or Inertia given in the inner frame, in the outer one: T_a_b.act(V_b) is V_a."""
+        """A Motion, Force or Inertia given in the inner frame, in the outer one: T_a_b.act(V_b) is V_a.
+
+        Example:
+            >>> force = ulna.Force((0.0, 0.0, -10.0), (0.0, 0.0, 0.0))  # 10 N down, at the end of a stick
+            >>> ulna.SE3(0.5, 0.0, 0.0).act(force).angular  # its moment at the other end, half a metre away [N m]
+            array([0., 5., 0.])
+        """
         try:
             moved = item._moved
         except AttributeError:

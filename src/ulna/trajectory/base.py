@@ -143,6 +143,12 @@ class Trajectory(ABC):
 
         Raises:
             InputError: Both or neither of `rate` and `n`, or one that is too small.
+
+        Example:
+            >>> move = ulna.trajectory.quintic([0.0], [1.0], duration=2.0)
+            >>> t, q, v, a = move.sample(rate=100)
+            >>> q.shape, float(v.max())
+            ((201, 1), 0.9375)
         """
         if (rate is None) == (n is None):
             raise InputError(f"sample(rate={rate}, n={n}): expected one of both: rate=1000 or n=200.")
@@ -242,7 +248,14 @@ class Trajectory(ABC):
         return list(peaks.reshape(2, order, -1).max(axis=0))
 
     def reversed(self) -> Trajectory:
-        """The same path backwards: at `t` it is where this one is at `duration - t`."""
+        """The same path backwards: at `t` it is where this one is at `duration - t`.
+
+        Example:
+            >>> out = ulna.trajectory.quintic([0.0], [1.0], duration=2.0)
+            >>> there_and_back = out + out.reversed()
+            >>> there_and_back(4.0).round(6), there_and_back.duration
+            (array([0.]), 4.0)
+        """
         return self._stretched(-1.0)
 
     def plot(self, path: str | Path | None = None, samples: int = 500) -> Any:

@@ -13,10 +13,11 @@ from ulna import kernels
 from ulna.errors import InputError
 from ulna.lazy import Slot, apply, is_deferred
 from ulna.model import Model
+from ulna.model.of_robot import model_of
 from ulna.trajectory.base import Trajectory
 from ulna.trajectory.inputs import positive
 from ulna.trajectory.peaks import greatest
-from ulna.trajectory.space import Poses, model_of, require_configurations
+from ulna.trajectory.space import Poses, require_configurations
 from ulna.typing import Array, ArrayLike, Floats
 
 _CLOSE = 1e-8  # how close to the worst values their bounds come, in parts of the limits

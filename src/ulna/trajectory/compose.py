@@ -236,6 +236,12 @@ def concatenate(*parts: Trajectory, tolerance: float = 1e-6) -> Trajectory:
 
     Raises:
         InputError: The spaces differ, or there is a gap; names what jumps, where, and by how much.
+
+    Example:
+        >>> first = ulna.trajectory.quintic([0.0], [1.0], duration=2.0)
+        >>> second = ulna.trajectory.quintic([1.0], [0.5], duration=1.0)
+        >>> ulna.trajectory.concatenate(first, second).duration
+        3.0
     """
     if not parts:
         raise InputError("concatenate() has no argument; expected at least one trajectory.")

@@ -36,6 +36,12 @@ def save(trajectory: Trajectory, path: str | Path, rate: float | None = None) ->
 
     Raises:
         InputError: Another suffix, or a trajectory that is no polynomial in a .npz file.
+
+    Example:
+        >>> move = ulna.trajectory.quintic([0.0, 0.0], [1.0, 0.5], duration=2.0)
+        >>> ulna.trajectory.save(move, "move.csv", rate=100)
+        >>> ulna.trajectory.load("move.csv")(2.0).round(6)
+        array([1. , 0.5])
     """
     target = Path(path)
     if target.suffix == ".npz":

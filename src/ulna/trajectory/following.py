@@ -44,6 +44,15 @@ def follow(
 
     Raises:
         InputError: `trajectory` is none of poses; inverse kinematics fails, or jumps to another branch; names the time.
+
+    Example:
+        >>> robot = ulna.load("panda")
+        >>> q = robot.configurations["ready"]
+        >>> T = ulna.SE3(robot.fk(q))
+        >>> line = ulna.trajectory.pose_line(T, ulna.SE3(0.0, 0.1, 0.0) @ T, duration=1.0)  # 10 cm to the left
+        >>> move = ulna.trajectory.follow(line, lambda T, q: robot.ik(T, q0=q), q)
+        >>> (robot.fk(move(1.0))[:3, 3] - T.translation).round(4)
+        array([-0. ,  0.1, -0. ])
     """
     if not isinstance(trajectory, Trajectory):
         raise InputError(

@@ -172,6 +172,12 @@ def circle(
     Raises:
         InputError: No axis, a start on the axis, an angle of zero, neither a duration nor limits.
         UnknownName: No such `orientation`.
+
+    Example:
+        >>> T = ulna.SE3.pointing_down((0.5, 0.0, 0.3))
+        >>> turn = ulna.trajectory.circle(T, centre=(0.4, 0.0, 0.3), axis=(0, 0, 1), duration=4.0)
+        >>> turn(2.0)[:3, 3].round(6)  # half way around
+        array([0.3, 0. , 0.3])
     """
     start, middle, direction = pose("T0", T0), vector("centre", centre, 3), vector("axis", axis, 3)
     size, radius = float(np.linalg.norm(direction)), start.translation - middle

@@ -108,6 +108,11 @@ def s_curve(
         InputError: Limits not above zero; a duration shorter than the limits allow.
 
     Source: Biagiotti & Melchiorri 2008, section 3.4.
+
+    Example:
+        >>> move = ulna.trajectory.s_curve([0.0], [1.0], velocity=1.0, acceleration=4.0, jerk=40.0)
+        >>> round(move.duration, 3)
+        1.35
     """
     start = vector("q0", q0)
     way = vector("q1", q1, start.size) - start

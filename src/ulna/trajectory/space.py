@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, final
+from typing import final
 
 import numpy as np
 
@@ -149,8 +149,3 @@ def require_configurations(name: str, space: Space, model: Model) -> None:
             f"`{name}` moves the {model.nq} entries of q as plain numbers, but {model.name!r} has quaternions, which "
             "do not stay unit so. Use straight(robot, ...) or straight_through(robot, ...)."
         )
-
-
-def model_of(robot: Any) -> Model:
-    """The model of a robot, or the model itself."""
-    return getattr(robot, "model", robot)

@@ -44,6 +44,11 @@ def cubic_spline(
 
     Raises:
         InputError: Shapes do not fit, way-points repeat without `times`, or times that do not increase.
+
+    Example:
+        >>> move = ulna.trajectory.cubic_spline([[0.0], [1.0], [0.5]], times=[0.0, 1.0, 2.0])
+        >>> move([0.0, 1.0, 2.0]).round(6).ravel()
+        array([0. , 1. , 0.5])
     """
     q = rows("points", points)
     t = _when(q, times, duration)

@@ -93,6 +93,12 @@ class ExportMethods(SceneMethods, abc.ABC):
         Raises:
             InputError: The size is out of range, or the file cannot be written.
             UnknownName: The path does not end in .png.
+
+        Example:
+            >>> viewer = ulna.Viewer(page=False)
+            >>> arm = viewer.add(ulna.load("panda"), "ready")
+            >>> viewer.picture("panda.png", width=320, height=200).shape
+            (200, 320, 3)
         """
         check_size(width, height, samples)
         target = None if path is None else checked_png_path(path)
@@ -140,6 +146,13 @@ class ExportMethods(SceneMethods, abc.ABC):
             UnknownName: It ends neither in .mp4 nor in .gif.
             MissingExtra: imageio-ffmpeg or Pillow is not installed.
             InputError: It is not clear what to show, or the file cannot be written.
+
+        Example:
+            >>> viewer = ulna.Viewer(page=False)
+            >>> arm = viewer.add(ulna.load("panda", visuals="simple"), "ready")
+            >>> move = ulna.trajectory.quintic(arm.q, arm.q + 0.3, duration=0.2)
+            >>> viewer.film("move.gif", move, width=160, height=100).name
+            'move.gif'
         """
         checked_video_path(path)
         check_size(width, height, samples)
@@ -187,6 +200,13 @@ class ExportMethods(SceneMethods, abc.ABC):
         Raises:
             MissingExtra: viser is not installed.
             InputError: It is not clear what to show, or the file cannot be written.
+
+        Example:
+            >>> viewer = ulna.Viewer(page=False)
+            >>> arm = viewer.add(ulna.load("panda", visuals="simple"), "ready")
+            >>> move = ulna.trajectory.quintic(arm.q, arm.q + 0.3, duration=0.2)
+            >>> viewer.html("move.html", move).name  # one file, for any browser
+            'move.html'
         """
         checked_html_path(path)
         times, show_time, motions = frame_times(0.0, fps), None, ()

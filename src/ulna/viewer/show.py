@@ -58,6 +58,11 @@ def show(
         ShapeError, NonFiniteError: `q` is not a configuration of the robot.
         UnknownName: There is no configuration, theme or way to show it of that name.
         InputError: An argument has the wrong type, or is out of range.
+
+    Example:
+        >>> page = ulna.show(ulna.load("panda"), "ready")  # doctest: +SKIP
+        >>> page.url  # doctest: +SKIP
+        'http://127.0.0.1:8080'
     """
     start = configuration(checked_robot(robot), q)
     if not (scene is None or isinstance(scene, Scene)):

@@ -50,6 +50,13 @@ class Viewer(ExportMethods):
         InputError: `server` is no viser server, or there is to be no page.
         MissingExtra: The package viser is not installed.
         ViewerError: The page cannot be served.
+
+    Example:
+        >>> viewer = ulna.Viewer(page=False)  # without a page in the browser, for pictures and films
+        >>> arm = viewer.add(ulna.load("panda"), "ready")
+        >>> arm.q = arm.q + 0.1  # the picture, and an open page, follow
+        >>> viewer.robots == (arm,)
+        True
     """
 
     def __init__(
@@ -266,6 +273,15 @@ class Viewer(ExportMethods):
         Raises:
             InputError: It is not clear what to play.
             ShapeError: The configurations are not those of the robot.
+
+        Example:
+            >>> robot, viewer = ulna.load("panda"), ulna.Viewer(page=False)
+            >>> arm = viewer.add(robot, "ready")
+            >>> line = viewer.play(ulna.trajectory.quintic(arm.q, arm.q + 0.3, duration=2.0))
+            >>> line.pause()
+            >>> line.time = 1.0  # half of the way
+            >>> line.duration, arm.q.round(3)
+            (2.0, array([ 0.15 , -0.635,  0.15 , -2.206,  0.15 ,  1.721,  0.935]))
         """
         number("speed", speed, SPEED_EXPECTED, above=0.0)
         motions = self._motions(motion)

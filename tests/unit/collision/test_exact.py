@@ -265,3 +265,18 @@ def test_first_contact_sees_moving_obstacles_where_they_stand() -> None:
     there[0, 3] = 1.2
     assert first_contact(checker, [0.0], [2.0]) == np.inf
     assert first_contact(checker, [0.0], [2.0], moving={"ball": there}) == pytest.approx(0.5, abs=1e-4)
+
+
+def test_functions_of_a_model_take_its_robot(robot: ulna.Robot) -> None:
+    """They ended in "The robot has no attribute 'links'"."""
+    from ulna.collision import SphereChecker, fit, link_pairs, survey
+
+    pytest.importorskip("coal")
+    q = robot.configurations["ready"]
+    assert link_pairs(robot) == link_pairs(robot.model)
+    assert Checker(robot).distance(q).distance == Checker(robot.model).distance(q).distance
+    spheres = fit(robot)
+    assert SphereChecker(robot, spheres=spheres).model is robot.model
+    assert survey(robot, 10) == survey(robot.model, 10)
+    with pytest.raises(InputError, match=r"`model` is 'panda'; expected a Robot.*or a Model"):
+        Checker("panda")

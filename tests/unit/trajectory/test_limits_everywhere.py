@@ -288,3 +288,12 @@ def test_paths_on_the_manifold_of_configurations() -> None:
     assert np.abs(best.v(t)).max() <= 2.0 * (1.0 + TOLERANCE)
     assert 2.9 < np.abs(best.a(t)).max() <= 3.0 * (1.0 + TOLERANCE)
     np.testing.assert_allclose(flyer.difference(best.end, q1), 0.0, atol=1e-9)
+
+
+def test_what_is_no_robot_is_named() -> None:
+    """It was "'NoneType' object has no attribute 'nq'"."""
+    move = trajectory.quintic([0.0], [1.0], duration=1.0)
+    with pytest.raises(InputError, match="`robot` is None; expected a Robot"):
+        trajectory.check(None, move)
+    with pytest.raises(InputError, match="`robot` is 'panda'; expected a Robot"):
+        trajectory.straight("panda", [0.0], [1.0], duration=1.0)

@@ -214,3 +214,12 @@ def test_worlds_are_added(viewer: Viewer) -> None:
         viewer.add(world, "qr")
     with pytest.raises(UnknownName):
         viewer.film("a.avi", quintic(Q0, Q1, 1.0))
+
+
+def test_a_trace_has_the_points_of_the_moves_so_far(viewer: Viewer, ur5: ulna.Robot) -> None:
+    """`points` was empty until something drew the scene."""
+    arm = viewer.robots[0]
+    trace = arm.trace()
+    first = ur5.fk(arm.q)[:3, 3]
+    arm.q = Q1
+    np.testing.assert_allclose(trace.points, [first, ur5.fk(Q1)[:3, 3]])

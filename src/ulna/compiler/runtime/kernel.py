@@ -77,7 +77,14 @@ class KernelBase:
         return jit.assembly(self.function, self.ir(batch))
 
     def jacobian(self, wrt: str | int = 0) -> Any:
-        """The kernel of the derivative of the outputs by input `wrt`, shape output + input: forward or reverse mode."""
+        """The kernel of the derivative of the outputs by input `wrt`, shape output + input: forward or reverse mode.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> height = ulna.compile(lambda q: robot.fk(q)[2, 3], robot)
+            >>> height.jacobian()(robot.configurations["ready"]).round(3)
+            array([ 0.   , -0.307, -0.   ,  0.472,  0.   ,  0.088,  0.   ])
+        """
         return self._derived(self.function.jacobian(wrt))
 
     def value_and_gradient(self, wrt: str | int = 0) -> Any:
@@ -152,7 +159,14 @@ class KernelBase:
         return self.function.draw(path)
 
     def dask(self, *args: Any) -> Any:
-        """The kernel on arrays of which none need be a Dask array, lazily; Dask arrays can be passed to any call."""
+        """The kernel on arrays of which none need be a Dask array, lazily; Dask arrays can be passed to any call.
+
+        Example:
+            >>> fk = ulna.load("panda").kernel("fk")
+            >>> poses = fk.dask(np.zeros((1000, 7)))  # nothing is computed yet
+            >>> poses.shape, poses[:5].compute().shape
+            ((1000, 4, 4), (5, 4, 4))
+        """
         try:
             import dask.array as da  # pyright: ignore[reportMissingImports]
         except ImportError:

@@ -85,6 +85,14 @@ class FrameTask(_OfFrame):
         orientation_cost: Cost of a radian, one number or one for each axis [1/rad].
         axes: Whose axes those are, the "frame"'s (e is one screw) or the "world"'s (the point goes straight).
         target: A pose to use where none is passed.
+
+    Example:
+        >>> from ulna.ik import DifferentialIK, FrameTask
+        >>> robot = ulna.load("panda")
+        >>> q = robot.configurations["ready"]
+        >>> ik = DifferentialIK(robot, [FrameTask("panda_hand", orientation_cost=0.0)])  # a point only
+        >>> ik.velocity(q, 0.01, ulna.SE3(0.0, 0.0, 0.01) @ robot.fk(q, "panda_hand")).shape
+        (7,)
     """
 
     position_cost: ArrayLike = 1.0

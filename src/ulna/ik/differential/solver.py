@@ -15,6 +15,7 @@ from ulna.ik.differential.program import SOLVED, Problem, Program
 from ulna.ik.differential.task import Task, as_array
 from ulna.ik.qp import solve_rows
 from ulna.model import Model
+from ulna.model.of_robot import model_of
 from ulna.typing import ArrayLike, Floats
 
 
@@ -48,6 +49,17 @@ class DifferentialIK:
     Raises:
         UnknownName: If there is no such frame or joint.
         InputError: If a task or limit does not fit the robot, or two go by one name.
+
+    Example:
+        >>> from ulna.ik import DifferentialIK, FrameTask, PostureTask
+        >>> robot = ulna.load("panda")
+        >>> q = robot.configurations["ready"]
+        >>> ik = DifferentialIK(robot, [FrameTask("panda_hand"), PostureTask(1e-3, target="ready")])
+        >>> T_goal = ulna.SE3(0.0, 0.0, 0.05) @ robot.fk(q, "panda_hand")  # 5 cm higher
+        >>> for _ in range(100):
+        ...     q = ik.step(q, 0.01, T_goal)
+        >>> np.allclose(robot.fk(q, "panda_hand"), T_goal.matrix(), atol=1e-5)
+        True
     """
 
     __slots__ = ("_defaults", "_dt", "_kernel", "_kernels", "_open", "program")
@@ -63,11 +75,7 @@ class DifferentialIK:
         locked: Sequence[str] = (),
         recover: bool = False,
     ) -> None:
-        model = getattr(robot, "model", robot)
-        if not isinstance(model, Model):
-            raise InputError(
-                f"`robot` is {robot!r}; expected a Robot, such as ulna.load(...) returns, or a Model."
-            )
+        model = model_of(robot)
         limits = (VelocityLimit(), PositionLimit()) if limits is None else limits
         _check_kinds("tasks", tasks, Task)
         _check_kinds("constraints", constraints, Task)

@@ -28,6 +28,13 @@ class Camera:
 
     Raises:
         ShapeError, NonFiniteError, InputError: It looks nowhere.
+
+    Example:
+        >>> viewer = ulna.Viewer(page=False)
+        >>> arm = viewer.add(ulna.load("panda"), "ready")
+        >>> above = ulna.viewer.Camera(position=(0.0, 0.0, 3.0), target=(0.0, 0.0, 0.0), up=(1.0, 0.0, 0.0))
+        >>> viewer.picture(width=320, height=200, camera=above).shape
+        (200, 320, 3)
     """
 
     position: tuple[float, float, float] = (1.75, -1.75, 1.05)

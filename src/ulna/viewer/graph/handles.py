@@ -181,6 +181,7 @@ class Polyline(Handle):
     @property
     def points(self) -> Floats:
         """Its points [m], shape (n, 3)."""
+        self._scene.update_deferred()  # the path of a robot is drawn later than the robot moves
         segments = self._content().segments
         return np.concatenate([segments[:1, 0], segments[:, 1]])
 

@@ -77,8 +77,7 @@ class SceneGraph:
     def snapshot(self) -> Snapshot:
         """The whole scene at one instant."""
         with self._lock:
-            while self._deferred:
-                self._deferred.pop(next(iter(self._deferred)))()
+            self.update_deferred()
             n = len(self._nodes)
             pose, scale, visible, opacity, tint = (self._data[name][:n].copy() for name in _COLUMNS)
             for rows, above in self._depth_levels():
@@ -117,6 +116,12 @@ class SceneGraph:
         with self._lock:
             self._deferred[id(key)] = function
             self._motion += 1
+
+    def update_deferred(self) -> None:
+        """Make the updates now that wait for the next snapshot."""
+        with self._lock:
+            while self._deferred:
+                self._deferred.pop(next(iter(self._deferred)))()
 
     def node(self, name: str) -> Node:
         """The node of that name.

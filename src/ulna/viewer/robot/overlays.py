@@ -180,6 +180,15 @@ class RobotOverlays(Handle, abc.ABC):
 
         Raises:
             UnknownName: There is no such frame.
+
+        Example:
+            >>> viewer = ulna.Viewer(page=False)
+            >>> arm = viewer.add(ulna.load("panda", visuals="simple"), "ready")
+            >>> path = arm.trace()
+            >>> for _ in range(20):
+            ...     arm.q = arm.q + [0.1, 0, 0, 0, 0, 0, 0]
+            >>> path.points.shape
+            (21, 3)
         """
         self._check_frame(frame)
         max_points, line = count("most", most, 2, 10**6), Lines.through(np.zeros((0, 3)), color, thickness)

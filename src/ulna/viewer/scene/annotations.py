@@ -142,6 +142,14 @@ class AnnotationMethods(HandleRegistry):
 
         Raises:
             InputError, ShapeError, NonFiniteError: An argument is invalid.
+
+        Example:
+            >>> robot, viewer = ulna.load("panda"), ulna.Viewer(page=False)
+            >>> named = robot.configurations
+            >>> Q = robot.interpolate(named["qz"], named["ready"], np.linspace(0.0, 1.0, 50))
+            >>> path = viewer.line(robot.fk(Q)[:, :3, 3], color="red")
+            >>> path.points.shape
+            (50, 3)
         """
         content = Lines.through(points, _LINE_COLOUR if color is None else color, thickness)
         return self._add_node(

@@ -76,6 +76,13 @@ class SceneMethods(WorldMethods):
         Raises:
             InputError: It is nothing that can be shown, `q` is for no robot, or a mesh file cannot be read.
             ShapeError, NonFiniteError, UnknownName: An argument is not what it should be.
+
+        Example:
+            >>> viewer = ulna.Viewer(page=False)
+            >>> left = viewer.add(ulna.load("panda"), name="left")
+            >>> right = viewer.add(ulna.load("ur5"), pose=(0.0, 1.0, 0.0), color="orange")
+            >>> [robot.name for robot in viewer.robots]
+            ['left', 'ur5']
         """
         common: dict[str, Any] = {"name": name, "pose": pose, "color": color, "opacity": opacity}
         if q is not None and not hasattr(thing, "link_poses"):

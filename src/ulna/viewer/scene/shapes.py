@@ -38,6 +38,13 @@ class ShapeMethods(AnnotationMethods):
 
         Raises:
             InputError: A length is not above zero.
+
+        Example:
+            >>> viewer = ulna.Viewer(page=False)
+            >>> box = viewer.box((0.4, 0.4, 0.2), pose=(0.5, 0.0, 0.1), color="orange")
+            >>> box.pose = ulna.SE3(0.5, 0.2, 0.1)  # moves it
+            >>> box.pose[:3, 3]
+            array([0.5, 0.2, 0.1])
         """
         return self.add(Box(size), **more)  # type: ignore[arg-type]
 
