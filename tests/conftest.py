@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 import signal
 from collections.abc import Iterator
@@ -9,15 +10,26 @@ from typing import Any
 
 import pytest
 
+with contextlib.suppress(ImportError):
+    from hypothesis import HealthCheck, settings
+
+    # The same examples each time, however busy the machine is and whatever earlier runs have found.
+    settings.register_profile(
+        "ulna", deadline=None, derandomize=True, database=None, suppress_health_check=list(HealthCheck)
+    )
+    settings.load_profile("ulna")
+
 # A shell starts background jobs with SIGINT ignored, and child processes inherit that: tests of interruption would fail.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+_LONGEST = 300_000
+"""How long an operation of the browser may take [ms]."""
 
 
 @pytest.fixture(scope="session")
-def chromium() -> Iterator[Any]:
+def chromium() -> Iterator[Chromium]:
     playwright = pytest.importorskip(
         "playwright.sync_api", reason="playwright, which drives the browser, is not installed"
     )
@@ -26,9 +38,38 @@ def chromium() -> Iterator[Any]:
     if program is None:
         pytest.skip(f"no Chromium on PATH (looked for {', '.join(NAMES)})")
     with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(
-            executable_path=program,
-            args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-        )
+        browser = Chromium(driver, program)
         yield browser
         browser.close()
+
+
+class Chromium:
+    """A browser that waits long on a busy machine, and is started again where it has crashed.
+
+    Args:
+        driver: Playwright's.
+        program: Where Chromium is.
+    """
+
+    def __init__(self, driver: Any, program: str) -> None:
+        self._driver, self._program, self._browser = driver, program, None
+
+    def new_context(self, **options: Any) -> Any:
+        """A context whose operations may take minutes; `options` are Playwright's."""
+        if self._browser is None or not self._browser.is_connected():
+            self._browser = self._driver.chromium.launch(
+                executable_path=self._program, timeout=_LONGEST,
+                args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage"],
+            )  # fmt: skip
+        context = self._browser.new_context(**options)
+        context.set_default_timeout(_LONGEST)
+        return context
+
+    def new_page(self, **options: Any) -> Any:
+        """A page in a context of its own."""
+        return self.new_context(**options).new_page()
+
+    def close(self) -> None:
+        """End the browser."""
+        if self._browser is not None:
+            self._browser.close()

@@ -55,7 +55,7 @@ def test_without_the_optional_packages_every_test_file_is_collected(tmp_path: Pa
             *("-p", "absent_packages", "-p", "no:cacheprovider", "-p", "no:zarr"),  # zarr brings a plugin of pytest
         ],
         cwd=ROOT, env=os.environ | {"ABSENT": " ".join(absent), "PYTHONPATH": str(tmp_path)},
-        capture_output=True, text=True, timeout=300, check=False,
+        capture_output=True, text=True, timeout=600, check=False,
     )  # fmt: skip
     assert done.returncode == 0, (
         "\n".join(re.findall(r"^(?:ERROR|E  ) .*", done.stdout, re.MULTILINE)) or done.stderr

@@ -19,6 +19,7 @@ from ulna.viewer.viewer import Viewer
 pytestmark = pytest.mark.browser
 SIZE = {"width": 320, "height": 240}  # drawn by the processor here, so small
 EYE = Camera((0.0, -3.0, 0.6), (0.0, 0.0, 0.3), 0.5)
+TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 WAY = np.array([(-0.4, 0.0, 0.1), (0.4, 0.0, 0.1), (0.3, 0.0, 0.5), (-0.3, 0.0, 0.5)])
 KINDS: dict[str, Callable[[Viewer], Any]] = {
     "sphere": lambda v: v.sphere(0.3, pose=at(0.3)),
@@ -35,7 +36,7 @@ def at(height: float) -> np.ndarray:
     return pose
 
 
-wait = patient(60.0)
+wait = patient()
 
 
 class Tab:
@@ -44,7 +45,6 @@ class Tab:
     def __init__(self, chromium: Any, url: str) -> None:
         self.context = chromium.new_context(viewport=SIZE)
         self.page = self.context.new_page()
-        self.page.set_default_timeout(120_000)
         self.page.goto(url)
         self.page.add_style_tag(
             content="[class*=mantine-Notif], .mantine-Paper-root {display: none !important}"
@@ -59,11 +59,13 @@ class Tab:
 
     def rests(self) -> np.ndarray:
         """What it shows when nothing changes any more."""
-        last = self.pixels()
-        for _ in range(100):
-            time.sleep(0.3)
+        last, same = self.pixels(), 0
+        for _ in range(300):
+            time.sleep(0.2)
+            self.page.evaluate(TWO_FRAMES)
             now = self.pixels()
-            if np.abs(now - last).max() < 4:
+            same = same + 1 if np.abs(now - last).max() < 4 else 0
+            if same == 3:
                 return now
             last = now
         raise AssertionError("the page does not come to rest")
@@ -84,7 +86,7 @@ def tab(viewer: Viewer, chromium: Any) -> Iterator[Tab]:
     pytest.importorskip("PIL")
     tab = Tab(chromium, f"{viewer.url}/?fixedDpr=1")
     assert wait(lambda: tab.page.evaluate("() => !!window.__viserMutable?.messageQueue?.ulna"))
-    time.sleep(2.0)
+    tab.rests()
     yield tab
     tab.context.close()
 

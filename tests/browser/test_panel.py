@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -15,7 +14,7 @@ from ulna.viewer.viewer import Viewer
 pytestmark = pytest.mark.browser
 
 
-wait = patient(60.0)
+wait = patient()
 
 
 @pytest.fixture(scope="module")
@@ -46,11 +45,13 @@ def test_a_slider_gets_other_limits_and_words(viewer: Viewer, tab: Any) -> None:
     assert wait(lambda: tab.get_by_text("force [N]").count() == 1 and tab.get_by_text("gain").count() == 0)
     assert heard == []  # the program did that itself
     slider.step = 2.0
-    time.sleep(0.5)
+    mark = viewer.panel.text("the step is there")  # messages arrive in order
+    assert wait(lambda: tab.get_by_text("the step is there").count() == 1)
     shown.focus()
     shown.press("ArrowRight")
     assert wait(lambda: slider.value == 12.0 and heard == [12.0])
     slider.remove()
+    mark.remove()
     assert wait(lambda: tab.get_by_role("slider").count() == 0)
 
 

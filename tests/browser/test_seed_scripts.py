@@ -39,7 +39,7 @@ def hand_at(q: Any) -> Any:
 def ends(tab: Any, process: Any) -> str:
     """What the script printed, ending because its page was closed."""
     tab.context.close()
-    said, wrong = process.communicate(timeout=60)
+    said, wrong = process.communicate(timeout=600)
     assert process.returncode == 0, wrong
     assert "The page was closed." in said
     return said
@@ -71,18 +71,20 @@ def test_the_fourth_is_translucent(chromium: Any, tmp_path: Path) -> None:
             "/panda 2/panda_link3",
         ):  # what it looks like, what it collides with
             assert wait(lambda node=node: np.allclose(tab.evaluate(OPACITIES, node) or 1, 0.5, atol=0.01))
-        before = np.array(tab.evaluate(PLACE, HAND))
-        assert wait(lambda: np.abs(np.array(tab.evaluate(PLACE, HAND)) - before).max() > 0.01)
+        start = hand_at(READY)
+        assert wait(lambda: np.abs(np.array(tab.evaluate(PLACE, HAND))[12:15] - start).max() > 0.01)
         tab.context.close()
 
 
 @pytest.mark.slow
 def test_the_fourth_arrives_in_its_time(chromium: Any, tmp_path: Path) -> None:
+    began = time.monotonic()
     with running(SCRIPTS / "rtb_example4.py", tmp_path) as (process, address):
         tab = tab_at(chromium, address())
-        began = time.monotonic()
-        assert wait(lambda: near(tab, HAND, hand_at(ENDS["rtb_example4"]), 1e-4), 120)
-        assert time.monotonic() - began > 30.0  # 43.17 s of the script's, less what the page took to load
+        assert wait(lambda: near(tab, HAND, hand_at(ENDS["rtb_example4"]), 1e-4))
+        assert (
+            time.monotonic() - began > 35.0
+        )  # nearly 43.17 s, which the script lasts; no less where pages load slowly
         ends(tab, process)
 
 
@@ -92,15 +94,24 @@ def test_the_sixth_plans_films_and_plays(chromium: Any, tmp_path: Path) -> None:
     text = (SCRIPTS / "rtb_example6.py").read_text()
     assert text.count("#robot.plot") == 1
     script = tmp_path / "sixth.py"
-    told = "\nimport json; print('@' + json.dumps(list(map(float, q_pickup))))\n"
+    told = """
+import json, pathlib, time
+print("@" + json.dumps(list(map(float, q_pickup))), flush=True)
+while not pathlib.Path("seen").exists():
+    time.sleep(0.05)
+"""
     script.write_text(text.replace("#robot.plot", "robot.plot") + told)
     with running(script, tmp_path) as (process, address):
         tab = tab_at(chromium, address())
-        said, wrong = process.communicate(timeout=120)
-        assert process.returncode == 0, wrong
-        there = hand_at(json.loads(said.rpartition("@")[2]))
-        assert wait(lambda: near(tab, HAND, there), 30), "the arm was not seen to get there"
+        last = next((line for line in process.stdout if line.startswith("@")), "")
+        assert last, process.communicate(timeout=600)[1]
+        there = hand_at(json.loads(last[1:]))
+        assert wait(lambda: near(tab, HAND, there)), "the arm was not seen to get there"
         assert np.linalg.norm(there - [0.6, -0.3, 0.1 + 0.1034]) < 1e-3
+        (tmp_path / "seen").touch()
+        _, wrong = process.communicate(timeout=600)
+        assert process.returncode == 0, wrong
+        assert near(tab, HAND, there), "the tab lost what it had when the script ended"
         tab.context.close()
     with image.open(tmp_path / "panda1.gif") as film:
         assert (film.n_frames, film.info["duration"]) == (50, 50)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import socket
 from collections.abc import Iterator
 from typing import Any
 
@@ -12,6 +11,7 @@ import pytest
 
 import ulna
 from support.patience import patient
+from support.ports import free_port
 from ulna.viewer.graph.camera import Camera
 from ulna.viewer.mesh.surface import Surface
 from ulna.viewer.render.lighting import KEY_DIRECTION
@@ -27,7 +27,7 @@ COUNT = """() => { window.drawn = 0; window.__viserMutable.scene.traverse(o => {
     } }); }"""
 
 
-wait = patient(90.0)
+wait = patient()
 
 
 def has(tab: Any, path: str) -> bool:
@@ -59,12 +59,13 @@ def tab(viewer: Viewer, context: Any) -> Any:
 def test_the_program_of_the_page_is_fetched_once(viewer: Viewer, context: Any, tab: Any) -> None:
     fetched = """() => performance.getEntriesByType("resource").filter(e => e.name.includes("/ulna-"))
         .map(e => [e.name.split(".").pop(), e.transferSize])"""
+    assert wait(lambda: dict(tab.evaluate(fetched)).keys() == {"js", "css", "wasm"})
     first = dict(tab.evaluate(fetched))
-    assert first.keys() == {"js", "css", "wasm"}
     assert first["js"] > 100_000
     again = context.new_page()
     again.goto(f"{viewer.url}/?fixedDpr=1")
     assert wait(lambda: has(again, "/box"))
+    assert wait(lambda: len(again.evaluate(fetched)) == 3)
     assert dict(again.evaluate(fetched)) == {"js": 0, "css": 0, "wasm": 0}
     again.close()
 
@@ -72,12 +73,15 @@ def test_the_program_of_the_page_is_fetched_once(viewer: Viewer, context: Any, t
 def test_one_lamp_throws_shadows_and_they_are_drawn_when_something_moved(viewer: Viewer, tab: Any) -> None:
     assert wait(lambda: tab.evaluate(LAMPS) == 1)
     tab.evaluate(COUNT)
-    tab.wait_for_timeout(1500)
-    tab.evaluate("window.drawn = 0")
-    for _ in range(5):
-        tab.evaluate("window.__viserMutable.requestRender()")
-        tab.wait_for_timeout(200)
-    assert tab.evaluate("window.drawn") == 0
+
+    def frames_draw_no_shadows() -> bool:
+        tab.evaluate("window.drawn = 0")
+        for _ in range(5):
+            tab.evaluate("window.__viserMutable.requestRender()")
+            tab.wait_for_timeout(200)
+        return tab.evaluate("window.drawn") == 0
+
+    assert wait(frames_draw_no_shadows)  # once all is loaded and drawn
     viewer["box"].position = (0.0, 0.0, 0.7)
     assert wait(lambda: tab.evaluate("window.drawn") > 0)
     viewer["box"].position = (0.0, 0.0, 0.6)
@@ -106,7 +110,7 @@ def test_the_shadow_falls_where_the_lamp_throws_it(viewer: Viewer, tab: Any) -> 
         return float(np.median(image[row - 3 : row + 4, column - 3 : column + 4]))
 
     shaded, lit = -away * [1, 1, 0], np.array([-1.0, 0.2, 0.0])
-    assert wait(lambda: brightness(shaded) < 0.88 * brightness(lit), 30.0)
+    assert wait(lambda: brightness(shaded) < 0.88 * brightness(lit))
 
 
 def test_a_processor_draws_no_mirrored_room_and_hides_nothing_meanwhile(tab: Any) -> None:
@@ -131,8 +135,13 @@ def test_a_heavy_surface_has_few_triangles_while_it_moves_and_all_at_rest(viewer
     )
     assert wait(lambda: tab.evaluate(LEVELS) == {"few": False, "all": True})
     tab.evaluate(DRAWN)
-    tab.wait_for_timeout(2500)
-    assert tab.evaluate("window.frames_") == 0  # a heavy picture that is there is not drawn again
+
+    def rests() -> bool:
+        tab.evaluate("window.frames_ = 0")
+        tab.wait_for_timeout(2500)
+        return tab.evaluate("window.frames_") == 0
+
+    assert wait(rests)  # a heavy picture that is there is not drawn again
 
     def moved() -> bool:
         sheet.position = sheet.position + (0.0, 0.0, 0.01)
@@ -145,9 +154,7 @@ def test_a_heavy_surface_has_few_triangles_while_it_moves_and_all_at_rest(viewer
 
 
 def test_a_tab_comes_back_to_the_next_program(chromium: Any) -> None:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     context = chromium.new_context(viewport=SIZE)
     tab = context.new_page()
     with Viewer(port=port, browser=False, title="one") as first:

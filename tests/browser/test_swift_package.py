@@ -63,7 +63,7 @@ def test_an_environment_in_the_browser(toolbox: None, chromium: Any) -> None:
         assert heard == [4.0, "go", [True, True]] and env.values == {"gain": 4.0}
         gain, flags = env.elements[0], env.elements[1]
         gain.label, gain.max = "stiffness", 4.5
-        assert wait(lambda: tab.get_by_text("stiffness").count()) and not tab.get_by_text("gain").count()
+        assert wait(lambda: tab.get_by_text("stiffness").count() and not tab.get_by_text("gain").count())
         flags.options = ["quick", "careful", "loud"]
         assert wait(lambda: tab.get_by_text("loud").count())
         env.remove(flags)
@@ -72,7 +72,8 @@ def test_an_environment_in_the_browser(toolbox: None, chromium: Any) -> None:
         env.reset()
         assert env.viewer.url == port  # the tab finds it again
         env.add(sg.Cuboid([0.1, 0.2, 0.3]), name="box")
-        assert wait(lambda: tab.evaluate(PLACE, "/box")) and tab.evaluate(PLACE, "/panda/panda_hand") is None
+        hand = "/panda/panda_hand"
+        assert wait(lambda: tab.evaluate(PLACE, "/box") and tab.evaluate(PLACE, hand) is None)
         tab.context.close()
     finally:
         env.close()

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.browser
 SIZE = {"width": 640, "height": 400}  # drawn by the processor here, so small
 
 
-wait = patient(90.0)
+wait = patient()
 
 
 class Tab:

@@ -50,7 +50,7 @@ def test_a_page_solves_as_native_code_does(page: Any) -> None:
     q = robot.random_configuration(seed=4)
     T = robot.fk(q)
     page.goto("http://robot.test/index.html")
-    page.wait_for_selector(ENDED, state="attached", timeout=60_000)
+    page.wait_for_selector(ENDED, state="attached")
     assert page.evaluate("window.failure") is None
     got = page.evaluate(CALL, {"q": q.tolist(), "T": T.ravel().tolist()})
     np.testing.assert_allclose(np.reshape(got["T"], (4, 4)), T, rtol=1e-14, atol=1e-14)
@@ -61,5 +61,5 @@ def test_a_page_solves_as_native_code_does(page: Any) -> None:
 def test_a_browser_without_simd_is_told(page: Any) -> None:
     page.add_init_script("WebAssembly.validate = () => false;")
     page.goto("http://robot.test/index.html")
-    page.wait_for_selector(ENDED, state="attached", timeout=60_000)
+    page.wait_for_selector(ENDED, state="attached")
     assert "This browser has no WebAssembly SIMD; expected Chrome 91" in page.evaluate("window.failure")

@@ -20,7 +20,7 @@ def run(name: str, count: int, folder: Path) -> None:
     command = [sys.executable, "-m", "fuzz.run", name, f"--count={count}", f"--keep={folder}"]
     try:
         done = subprocess.run(
-            command, cwd=Path(__file__).parents[1], capture_output=True, text=True, timeout=300, check=False
+            command, cwd=Path(__file__).parents[1], capture_output=True, text=True, timeout=600, check=False
         )
     except subprocess.TimeoutExpired as late:
         pytest.fail(f"it never ended: {(late.stderr or b'')[-200:]!r}, in {folder}")

@@ -206,10 +206,19 @@ def test_ctrl_c_ends_the_search(ur5: Robot, true: Robot) -> None:
     data = log(true, 0.1, 50)
     main = threading.get_ident()
 
+    sent = threading.Event()
+
+    def interrupt() -> None:
+        time.sleep(0.05)
+        signal.pthread_kill(main, signal.SIGINT)
+        sent.set()
+
     def slow(progress: Progress) -> None:  # every step lasts, as on a robot of many joints
         if progress.step == 1:
-            threading.Timer(0.05, signal.pthread_kill, (main, signal.SIGINT)).start()
+            threading.Thread(target=interrupt).start()
         time.sleep(0.02)
+        if progress.step == 4:  # the search must not end before the signal comes
+            sent.wait(600.0)
 
     with pytest.raises(KeyboardInterrupt):
         identify(ur5, *data, physical=True, progress=slow)

@@ -18,7 +18,7 @@ def child(work):
     # one fork whose child does `work`; its exit status, 99 after a hang
     number = os.fork()
     if number == 0:
-        faulthandler.dump_traceback_later(30.0, exit=True)
+        faulthandler.dump_traceback_later(300.0, exit=True)
         try:
             work()
             os._exit(0)
@@ -50,7 +50,7 @@ def run_script(text: str, cache: str = "0") -> str:
         [sys.executable, "-W", "ignore::DeprecationWarning", "-c", script],
         capture_output=True,
         text=True,
-        timeout=170,
+        timeout=900,
         env={**os.environ, "ULNA_CACHE": cache, "ULNA_QUIET": "1"},
         check=False,
     )

@@ -21,7 +21,7 @@ OPACITIES = """n => { const found = [];
   return found; }"""
 
 
-wait = patient(90.0)
+wait = patient()
 
 
 def tab_at(chromium: Any, url: str, width: int = 640, height: int = 400) -> Any:

@@ -167,7 +167,7 @@ def test_a_pipe_in_the_place_of_a_cache_entry_is_passed_over(
 def test_the_message_about_standard_input_says_what_to_do() -> None:
     script = "import ulna; ulna.load('/dev/stdin', root='free_flyer')"
     done = subprocess.run(
-        [sys.executable, "-c", script], input=b"<robot/>", capture_output=True, timeout=60, check=False
+        [sys.executable, "-c", script], input=b"<robot/>", capture_output=True, timeout=600, check=False
     )
     assert b"/dev/stdin: the file cannot be read" in done.stderr
     assert b"or pass the text: ulna.load(sys.stdin.read())" in done.stderr

@@ -100,8 +100,8 @@ robot = ulna.load("panda", visuals="simple")
 T = robot.fk(robot.random_configuration(100_000, seed=1))
 robot.ik(T[:1000])
 T = np.tile(T, (100, 1, 1))
-threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
 try:
+    threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     robot.ik(T)
 except KeyboardInterrupt:
     print("ended")

@@ -18,7 +18,7 @@ def run(script: str) -> None:
     plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"} | {"ULNA_HEADLESS": "1"}
     done = subprocess.run(
         [sys.executable, str(HERE / script)],
-        env=environment(["pinocchio"], plain), capture_output=True, text=True, check=False, timeout=300,
+        env=environment(["pinocchio"], plain), capture_output=True, text=True, check=False, timeout=600,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
 

@@ -39,7 +39,7 @@ def _run(script: str, real: bool, *words: str) -> None:
     plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     command = [sys.executable, str(HERE / script), *words]
     variables = plain if real else environment(["pinocchio"], plain)
-    done = subprocess.run(command, env=variables, capture_output=True, text=True, check=False, timeout=300)
+    done = subprocess.run(command, env=variables, capture_output=True, text=True, check=False, timeout=600)
     assert done.returncode == 0, done.stderr
 
 

@@ -46,7 +46,7 @@ def run(tmp_path: Path, script: str) -> str:
     file = tmp_path / "script.py"
     file.write_text(script)
     command = [sys.executable, "-m", "ulna", "run", str(file), str(tmp_path / "robots.pickle")]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -15,5 +15,5 @@ SCRIPT = Path(__file__).parents[3] / "benchmarks" / "compat_roboticstoolbox_name
 
 def test_the_table_of_names_is_up_to_date() -> None:
     command = [sys.executable, str(SCRIPT), "--check"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stdout[:2000] + done.stderr[-2000:]

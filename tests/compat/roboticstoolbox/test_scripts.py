@@ -175,7 +175,7 @@ def test_runs_to_the_end(script: str, said: str, tmp_path: Path) -> None:
         cwd=tmp_path,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=600,
         check=False,
     )
     assert done.returncode == 0, done.stderr
@@ -189,5 +189,5 @@ def test_importing_the_face_does_not_import_spatialmath_or_matplotlib(tmp_path: 
         "print([m for m in ('spatialmath', 'matplotlib', 'scipy') if m in sys.modules])\n"
     )
     command = [sys.executable, "-m", "ulna", "run", str(file)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=True)
     assert done.stdout.strip() == "[]"

@@ -5,19 +5,20 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from support.patience import patient
 from ulna.robots.example_robot_data import share_folder
 
 pytestmark = [
     pytest.mark.browser,
     pytest.mark.skipif(share_folder() is None, reason="example-robot-data is not installed"),
 ]
+wait = patient()
 WHERE = "n => window.__viserMutable?.nodeRefFromName[n]?.position.toArray() ?? [NaN, NaN, NaN]"
 
 
@@ -39,15 +40,10 @@ def test_the_ball_sticks_to_the_tool(chromium: Any) -> None:
             print(file=script.stdin, flush=True)
             told = np.array(script.stdout.readline().split(), dtype=float).reshape(2, 3)
             names = ("/world/sphere", "/world/pinocchio › visuals › wrist_3_link_0")
-            due = time.monotonic() + 60
-            while time.monotonic() < due:
-                seen = np.array([page.evaluate(WHERE, name) for name in names], dtype=float)
-                if np.allclose(seen, told, atol=1e-5):
-                    break
-                time.sleep(0.05)
-            np.testing.assert_allclose(seen, told, atol=1e-5)
+            seen = lambda names=names: np.array([page.evaluate(WHERE, name) for name in names], dtype=float)  # noqa: E731
+            assert wait(lambda seen=seen, told=told: np.allclose(seen(), told, atol=1e-5)), (seen(), told)
         page.close()
         script.stdin.close()
-        assert script.wait(30) == 0
+        assert script.wait(600) == 0
     own = (url, url.replace("http", "ws"), "data:", "blob:")
     assert all(r.startswith(own) for r in requests)

@@ -40,7 +40,7 @@ def end_of(script: Path, tmp_path: Path) -> tuple[dict[str, Any], str]:
         cwd=tmp_path,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=600,
         stdin=subprocess.DEVNULL,
         check=False,
     )

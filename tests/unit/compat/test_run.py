@@ -34,7 +34,7 @@ def folder(tmp_path: Path) -> Path:
 
 def _result(command: list[str], folder: Path, given: str) -> tuple[int, str, str]:
     done = subprocess.run(
-        command, cwd=folder, input=given, capture_output=True, text=True, timeout=120, env=_ENV, check=False
+        command, cwd=folder, input=given, capture_output=True, text=True, timeout=600, env=_ENV, check=False
     )
     return done.returncode, done.stdout, done.stderr
 

@@ -344,7 +344,7 @@ def test_without_the_fast_call_everything_is_the_same(tmp_path):
     env = os.environ | {"ULNA_FAST": "0", "ULNA_CACHE": str(tmp_path)}
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", __file__],
-        capture_output=True, text=True, env=env, timeout=300, check=False,
+        capture_output=True, text=True, env=env, timeout=600, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-3000:]
 

@@ -131,7 +131,7 @@ def _assembled(text: str, folder: Path) -> str:
     source = folder / "code.ptx"
     source.write_text(text)
     command = [ASSEMBLER, "-v", "-arch=sm_90", str(source), "-o", str(folder / "code.cubin")]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stderr
     return done.stderr
 

@@ -93,7 +93,7 @@ def child(*arguments: str, **environment: str) -> str:
         env={**os.environ, **environment},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
         check=False,
     )
     return done.stdout + done.stderr
@@ -357,7 +357,7 @@ def test_processes_that_fill_the_cache_at_once_agree(place):
     for process in children:
         process.start()
     for process in children:
-        process.join(120)
+        process.join(600)
     assert [p.exitcode for p in children] == [0] * 4
     assert failures.empty()
     assert len(entries(place)) == (17 if FAST else 8)  # the codes of each kernel, and what fast ones share

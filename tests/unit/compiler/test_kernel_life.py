@@ -89,8 +89,8 @@ def test_a_spawned_process_takes_a_kernel(kernel):
     queue = context.Queue()
     child = context.Process(target=_in_child, args=(kernel, Q, V, queue))
     child.start()
-    got = queue.get(timeout=60)
-    child.join(60)
+    got = queue.get(timeout=600)
+    child.join(600)
     assert child.exitcode == 0
     assert equal(got, kernel(Q, V))
 
@@ -270,13 +270,17 @@ def test_the_gil_is_free_in_a_batch():
 
     thread = threading.Thread(target=tick)
     thread.start()
-    start = time.perf_counter()
-    kernel(x)
-    end = time.perf_counter()
+    most = 0
+    for _ in range(20):  # on a busy machine the other thread may get no processor meanwhile
+        start = time.perf_counter()
+        kernel(x)
+        end = time.perf_counter()
+        most = max(most, sum(start < t < end for t in tuple(ticks)))
+        if most >= 3:
+            break
     done.set()
     thread.join()
-    inside = [t for t in ticks if start < t < end]
-    assert len(inside) >= 3, f"{len(inside)} ticks in {end - start:.3f} s"
+    assert most >= 3, f"{most} ticks at most"
 
 
 _CHILD = """
@@ -308,7 +312,7 @@ def test_without_the_fast_call_everything_is_the_same(kernel, tmp_path):
         [sys.executable, "-c", _CHILD, os.path.dirname(__file__)],
         env={**os.environ, "ULNA_FAST": "0"},
         capture_output=True,
-        timeout=120,
+        timeout=600,
         check=False,
     )
     assert child.returncode == 0, child.stderr.decode()
@@ -352,7 +356,7 @@ def test_without_the_fast_call_code_is_given_back_too():
         [sys.executable, "-c", _LEAVES],
         env={**os.environ, "ULNA_FAST": "0"},
         capture_output=True,
-        timeout=120,
+        timeout=600,
         check=True,
     )
     assert child.stdout.split() == [b"8", b"0"]
@@ -412,6 +416,6 @@ def test_without_memory_for_a_result_a_call_raises_memory_error():
     """Each allocation of a call fails once: of an array, of its data, of a number, of the tuple."""
     pytest.importorskip("_testcapi")
     child = subprocess.run(
-        [sys.executable, "-c", _NO_MEMORY], capture_output=True, text=True, timeout=120, check=False
+        [sys.executable, "-c", _NO_MEMORY], capture_output=True, text=True, timeout=600, check=False
     )
     assert child.returncode == 0, f"{child.returncode}: {child.stderr}"

@@ -41,7 +41,7 @@ def run(folder: Path) -> list[str]:
     """The two lines that a new process prints."""
     environment = {**os.environ, "ULNA_CACHE": str(folder / "cache"), "PYTHONPATH": str(folder)}
     result = subprocess.run(
-        [sys.executable, "-c", RUN], env=environment, capture_output=True, text=True, check=True, timeout=300
+        [sys.executable, "-c", RUN], env=environment, capture_output=True, text=True, check=True, timeout=600
     )
     return result.stdout.split()
 

@@ -50,6 +50,6 @@ print("loaded")
 )
 def test_code_and_constants_are_loaded_side_by_side() -> None:
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=300, check=False
+        [sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=600, check=False
     )
     assert done.stdout.strip() == "loaded", done.stderr[-500:]

@@ -145,7 +145,7 @@ def in_threads(work: Callable[[int], None]) -> None:
 
     def run(number: int) -> None:
         try:
-            barrier.wait(60)
+            barrier.wait(600)
             work(number)
         except BaseException as error:
             errors.append(error)
@@ -216,6 +216,6 @@ def test_each_thread_gets_the_values_of_a_single_thread(what: str, fast: str, tm
     environment |= {"PYTHON_GIL": "0"} if sysconfig.get_config_var("Py_GIL_DISABLED") else {}
     done = subprocess.run(
         [sys.executable, "-X", "faulthandler", "-c", _CHILD.format(what=what), os.path.dirname(__file__)],
-        capture_output=True, text=True, env=environment, timeout=300, check=False,
+        capture_output=True, text=True, env=environment, timeout=600, check=False,
     )  # fmt: skip
     assert done.returncode == 0 and done.stdout == "done\n", done.stderr[-4000:]

@@ -88,10 +88,10 @@ def run_test_program(place: Path, compiler: str, *runner: str) -> str:
             )
     linking = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-static", "-o", str(place.parent / "program")]
     command = [compiler, *linking, str(place / "test_panda.c"), str(place / "panda.o"), "-lm"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stderr
     ran = subprocess.run(
-        [*runner, str(place.parent / "program")], capture_output=True, text=True, timeout=120, check=False
+        [*runner, str(place.parent / "program")], capture_output=True, text=True, timeout=600, check=False
     )
     assert ran.returncode == 0, ran.stdout + ran.stderr
     return ran.stdout

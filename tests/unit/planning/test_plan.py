@@ -74,7 +74,7 @@ def test_the_same_seed_returns_the_same_path_also_in_another_process() -> None:
         "print(plan(panda(), a, b, shelf(), seed=3).points.tobytes().hex())"
     )
     run = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=600
     )
     assert run.stdout.strip() == p.points.tobytes().hex()
 

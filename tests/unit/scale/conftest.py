@@ -11,5 +11,5 @@ from support.hang_guard import ends_within
 
 @pytest.fixture(autouse=True)
 def _ends() -> Iterator[None]:
-    with ends_within(300):
+    with ends_within(1200):
         yield

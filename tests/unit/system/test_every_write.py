@@ -114,7 +114,7 @@ def _run(text: str, *arguments: str) -> subprocess.CompletedProcess[str]:
         [sys.executable, "-c", head + textwrap.dedent(text), *arguments],
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
         check=False,
     )
 
@@ -188,5 +188,5 @@ def test_a_killed_process_leaves_the_old_file_and_what_it_left_is_removed(tmp_pa
         write_png(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8))
         return not left.exists()
 
-    assert patient(30.0)(removed)  # FFmpeg may still write what it got
+    assert patient()(removed)  # FFmpeg may still write what it got
     assert strange.exists()

@@ -53,7 +53,7 @@ def test_a_child_of_a_module_that_is_being_imported():
             assert forking is sys.modules["forking"] and not hasattr(forking, "status")
             thread = threading.Thread(target=__import__, args=("colorsys",))
             thread.start()
-            thread.join(10.0)
+            thread.join(300.0)
             assert "colorsys" in sys.modules
         import forking
         assert forking.status == 0, forking.status
@@ -104,11 +104,11 @@ def test_threads_that_import_with_the_lock_of_logging_do_not_stop_a_fork():
             done.set()
         thread = threading.Thread(target=configure)
         thread.start()
-        statuses = []
+        statuses = [child(lambda: __import__("part399"))]
         while not done.is_set():
             statuses.append(child(lambda: __import__("part399")))
         thread.join()
-        assert statuses and not any(statuses), statuses
+        assert not any(statuses), statuses
         """
     )
 
@@ -177,12 +177,12 @@ def test_pools_of_processes_beside_an_open_viewer():
         expected = [robot.fk(np.full(6, 0.1 * k))[0, 3] for k in range(4)]
         context = multiprocessing.get_context("fork")
         with context.Pool(2) as pool:
-            assert pool.map_async(reached, range(4)).get(50) == expected
+            assert pool.map_async(reached, range(4)).get(600) == expected
         with ProcessPoolExecutor(2, mp_context=context) as pool:
-            assert list(pool.map(reached, range(4), timeout=50)) == expected
+            assert list(pool.map(reached, range(4), timeout=600)) == expected
         one = context.Process(target=reached, args=(1,))  # ends as processes do, with exit functions
         one.start()
-        one.join(50)
+        one.join(600)
         assert one.exitcode == 0, one.exitcode
         busy.set()
         thread.join()

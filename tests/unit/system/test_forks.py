@@ -65,7 +65,7 @@ def test_multiprocessing_forks_during_compilations():
         for thread in threads:
             thread.start()
         with multiprocessing.get_context("fork").Pool(2) as pool:
-            assert pool.map_async(thrice, range(4)).get(60) == [3.0 * k for k in range(4)]
+            assert pool.map_async(thrice, range(4)).get(600) == [3.0 * k for k in range(4)]
         going.set()
         for thread in threads:
             thread.join()
@@ -100,11 +100,11 @@ def test_a_fork_while_inverse_kinematics_is_compiled_elsewhere():
             assert robot.ik(robot.fk(q)).success
         thread = threading.Thread(target=solve, args=(robots[0],))
         thread.start()
-        statuses = []
+        statuses = [child(lambda: solve(robots[1]))]
         while thread.is_alive():
             statuses.append(child(lambda: solve(robots[1])))
         thread.join()
-        assert statuses and not any(statuses), statuses
+        assert not any(statuses), statuses
         """
     )
 
@@ -175,9 +175,9 @@ def test_locks_taken_in_any_order_do_not_stop_a_fork():
     run_script(
         """
         a, b = forks.lock(), forks.lock()
-        end = time.monotonic() + 1.5
+        end, over = time.monotonic() + 1.5, threading.Event()
         def use(first, second):
-            while time.monotonic() < end:
+            while not over.is_set():
                 with first:
                     with second:
                         pass
@@ -189,10 +189,10 @@ def test_locks_taken_in_any_order_do_not_stop_a_fork():
             with a, b:
                 pass
         count = 0
-        while time.monotonic() < end:
+        while time.monotonic() < end or count < 5:
             assert child(work) == 0
             count += 1
-        assert count > 3, count
+        over.set()
         """
     )
 
@@ -209,12 +209,12 @@ def test_ctrl_c_while_a_fork_waits_comes_after_it():
                 time.sleep(0.5)
                 os.kill(os.getpid(), signal.SIGINT)
                 time.sleep(0.5)
-        threading.Thread(target=hold).start()
-        ready.wait()
         try:
+            threading.Thread(target=hold).start()
+            ready.wait()
             status = child(lambda: lock.acquire(timeout=1.0) or os._exit(3))
             assert status == 0, status
-            time.sleep(5.0)
+            time.sleep(300.0)
         except KeyboardInterrupt:
             pass
         else:

@@ -33,7 +33,7 @@ def run(script: str, folder: Path, **environment: str) -> subprocess.CompletedPr
         env={**os.environ, **environment},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
         stdin=subprocess.DEVNULL,
         check=False,
     )
@@ -80,7 +80,7 @@ def test_ctrl_c_ends_hold_and_the_script_goes_on(tmp_path: Path) -> None:
         port = int(re.findall(r"localhost:(\d+)", said)[0])
         time.sleep(0.3)
         process.send_signal(signal.SIGINT)
-        assert process.wait(timeout=60) == 0
+        assert process.wait(timeout=600) == 0
         while "afterwards" not in said:
             said += os.read(ours, 1000).decode()
     finally:

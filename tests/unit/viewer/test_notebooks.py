@@ -64,7 +64,7 @@ data, _ = InteractiveShell.instance().display_formatter.format(figure)
 assert data["image/png"][:8] == {PNG!r}, data
 """
     done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, timeout=300, check=False
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=600, check=False
     )
     assert done.returncode == 0, done.stderr
 

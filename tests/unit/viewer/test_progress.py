@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,9 +12,12 @@ import numpy as np
 import pytest
 
 import ulna
+from support.patience import patient
 from ulna.compiler.runtime import jit
 from ulna.system import progress as module
 from ulna.viewer.progress import progress, unwatch, watch
+
+wait = patient(pause=0.01)
 
 
 class Terminal(io.StringIO):
@@ -47,10 +49,11 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_short_work_says_nothing(heard: list[Any], monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    before = threading.active_count()
+    monkeypatch.setattr(module, "_DELAY", 300.0)
+    before = set(threading.enumerate())
     with progress("Loading") as report:
         report(0, 3)
-    assert heard == [] and terminal.getvalue() == "" and threading.active_count() == before
+    assert heard == [] and terminal.getvalue() == "" and set(threading.enumerate()) <= before
 
 
 def test_long_work_counts_and_is_gone_when_it_is_done(
@@ -59,7 +62,7 @@ def test_long_work_counts_and_is_gone_when_it_is_done(
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     with progress("Loading") as report:
-        time.sleep(0.3)  # even before anything is counted
+        assert wait(lambda: heard)  # even before anything is counted
         report(1, 3)
         report(2, 3)
     assert heard == [("Loading", "..."), ("Loading", "1 of 3"), ("Loading", "2 of 3"), ("Loading", "")]
@@ -69,19 +72,19 @@ def test_long_work_counts_and_is_gone_when_it_is_done(
 def test_the_newest_of_quick_counts_is_reported(
     heard: list[Any], impatient: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "_INTERVAL", 0.05)
+    monkeypatch.setattr(module, "_INTERVAL", 0.5)
     with progress("Loading") as report:
-        time.sleep(0.3)
+        assert wait(lambda: heard)
         for k in range(1, 8):
             report(k, 7)
-        time.sleep(0.3)
+        assert wait(lambda: heard[-1] == ("Loading", "7 of 7"))
     assert heard[0] == ("Loading", "...")
     assert heard[-2:] == [("Loading", "7 of 7"), ("Loading", "")] and len(heard) < 8
 
 
 def test_work_that_fails_is_gone_too(heard: list[Any], impatient: None) -> None:
     with pytest.raises(ZeroDivisionError), progress("Loading") as report:
-        time.sleep(0.3)
+        assert wait(lambda: heard)
         report(1, 1 // 0)
     assert heard[-1] == ("Loading", "")
 
@@ -90,7 +93,7 @@ def test_a_stream_that_nobody_looks_at_gets_nothing(
     heard: list[Any], impatient: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with progress("Loading"):
-        time.sleep(0.3)
+        assert wait(lambda: heard)
     assert capsys.readouterr().err == "" and len(heard) == 2
 
 

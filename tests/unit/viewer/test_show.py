@@ -17,7 +17,7 @@ from ulna.viewer.robot.slider_coordinates import _without_common_prefix
 from ulna.viewer.scene import Scene
 from ulna.viewer.show import Show, configuration, show
 
-wait = patient(10.0, pause=0.01)
+wait = patient(pause=0.01)
 
 
 @pytest.fixture(scope="module")

@@ -30,7 +30,7 @@ def run_both(snippets: dict[str, str]) -> tuple[dict[str, Any], dict[str, Any]]:
             jobs.append((target, subprocess.Popen(command, env=variables)))
         results = []
         for target, job in jobs:
-            assert job.wait(timeout=300) == 0
+            assert job.wait(timeout=600) == 0
             results.append(pickle.loads(target.read_bytes()))
     (ulna_place, ulna), (toolbox_place, toolbox) = results
     assert ulna_place.startswith(str(FOLDERS["roboticstoolbox"]))

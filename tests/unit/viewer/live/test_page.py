@@ -259,7 +259,7 @@ def test_the_bundle_is_what_npm_makes(tmp_path: Path) -> None:
     if shutil.which("npm") is None:
         pytest.skip("npm is not installed")
     reached = subprocess.run(
-        ["npm", "view", "three@0.187.0", "version"], capture_output=True, text=True, timeout=120, check=False
+        ["npm", "view", "three@0.187.0", "version"], capture_output=True, text=True, timeout=600, check=False
     )
     if reached.returncode:
         pytest.skip("npm reaches no registry")

@@ -21,7 +21,7 @@ import ulna
 from support.patience import patient
 from ulna.viewer import Viewer
 
-wait = patient(30.0)
+wait = patient()
 CAMERA = {
     "type": "ViewerCameraMessage",
     "wxyz": [1.0, 0.0, 0.0, 0.0],
