@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import lru_cache
 
 from ulna.collision.cover import cover
 from ulna.collision.objects import Attachment
 from ulna.collision.pairs import LinkPair
 from ulna.collision.solids import Missing, Solid, solid_of
-from ulna.collision.spheres import LinkSpheres
+from ulna.collision.spheres import LinkSpheres, Spheres
 from ulna.collision.world import World
 from ulna.errors import InputError, UnknownName
 from ulna.geometry import HeightField, Plane, PointCloud, Shape
@@ -17,6 +18,43 @@ from ulna.model import Model
 from ulna.spatial import SE3
 
 _TOLERANCE, _MOST = 0.004, 64  # of spheres around an object [m], and their number
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """The objects that a robot's links carry, as checks by spheres need them.
+
+    Attributes:
+        spheres: By name of the object, in the frame of the link that carries it.
+        pairs: Objects with the links and other objects that they are checked against.
+        carriers: By name of the object the link.
+    """
+
+    spheres: dict[str, LinkSpheres]
+    pairs: tuple[LinkPair, ...]
+    carriers: dict[str, str]
+
+
+def carried(model: Model, world: World, spheres: Spheres, missing: Missing = "error") -> Carried:
+    """The objects that a robot's links carry in a world.
+
+    Args:
+        model: The robot.
+        world: The world, which says what they carry.
+        spheres: Spheres of the links; links without are not checked.
+        missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
+
+    Returns:
+        The objects.
+
+    Raises:
+        UnknownName: If there is no such link, or nothing of a name that an object may touch.
+        InputError: If a link does not move, or a shape is no body.
+    """
+    solids = attached_solids(model, world, missing)
+    balls = attached_spheres(world, solids)
+    carriers = {item.name: item.link for item in world.attachments if item.name in balls}
+    return Carried(balls, attached_pairs(model, world, spheres.links, solids), carriers)
 
 
 def attached_solids(model: Model, world: World, missing: Missing = "error") -> tuple[Solid, ...]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any, final
 
@@ -18,10 +19,11 @@ from ulna import kernels
 from ulna.checks.arrays import batched_array
 from ulna.collision import clearance as gap
 from ulna.collision import deferred
-from ulna.collision.attached import attached_pairs, attached_solids, attached_spheres
+from ulna.collision.attached import carried
 from ulna.collision.clouds import cloud_checks
 from ulna.collision.covering import fit
 from ulna.collision.groups import grouped, pairs_apart
+from ulna.collision.lanes.batches import LEAST, BatchCheck, batch_check
 from ulna.collision.mask import check_touches
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.solids import Missing
@@ -32,7 +34,7 @@ from ulna.errors import InputError
 from ulna.model import Model
 from ulna.model.of_robot import model_of
 from ulna.spatial import SE3
-from ulna.typing import ArrayLike, Floats
+from ulna.typing import Array, ArrayLike, Floats
 
 TOUCH = 1e-6
 """What is this near counts as touching [m]: the tolerance that coal's own distances have."""
@@ -87,15 +89,8 @@ class SphereChecker:
         chosen = link_pairs(model) if pairs is None else checked_pairs(model, pairs)
         self.pairs = tuple(pair for pair in chosen if all(name in self.spheres.links for name in pair))
         check_touches(model, self.world)
-        held = attached_solids(model, self.world, missing)
-        self.attached = attached_spheres(self.world, held)
-        """Spheres of attached objects by name, in the frames of the links that carry them."""
-        self.attached_pairs = attached_pairs(model, self.world, self.spheres.links, held)
-        """Attached objects with the links and attached objects that they are checked against."""
-        self.carriers = {
-            item.name: item.link for item in self.world.attachments if item.name in self.attached
-        }
-        """The links that carry attached objects, by name of the object."""
+        held = carried(model, self.world, self.spheres, missing)
+        self.attached, self.attached_pairs, self.carriers = held.spheres, held.pairs, held.carriers
         self.covering = Spheres({**self.spheres.links, **self.attached}) if self.attached else self.spheres
         """The spheres of the links, then those of attached objects."""
         counts = [len(s.radii) for s in self.covering.links.values()]
@@ -110,6 +105,7 @@ class SphereChecker:
         self._clouds = cloud_checks(self.model, self.world, self.covering, self._chosen, self.missing)
         self._still = [self._rows(parts, {}) for _, _, parts in self._groups]
         self._kernels: dict[Any, Any] = {}
+        self._batches: dict[float, BatchCheck | None] = {}
         self._scratch = threading.local()
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -144,7 +140,13 @@ class SphereChecker:
         if deferred.is_lazy_question(q, moving):
             options = {"margin": float(margin), "threads": threads}
             return deferred.ask(self, "collides", np.bool_, q, moving, options)
-        free = self._evaluate("free", q, moving, np.minimum, float(margin) + TOUCH, threads)
+        reach = float(margin) + TOUCH
+        if not moving:
+            q = batched_array("q", q, (self.model.nq,))
+            check = self._batch_check(reach) if q.size >= LEAST * self.model.nq else None
+            if check is not None:
+                return self._collides_in_lanes(check, q, reach, threads)
+        free = self._evaluate("free", q, moving, np.minimum, reach, threads)
         return free < 0.5 if np.ndim(free) else bool(free < 0.5)
 
     def clearance(
@@ -205,6 +207,30 @@ class SphereChecker:
             if link in check.margins
         ]
 
+    def _batch_check(self, reach: float) -> BatchCheck | None:
+        """The check of large batches in float32, with proof; None where that does not do."""
+        if reach not in self._batches:
+            if len(self._batches) >= 8:
+                self._batches.clear()
+            self._batches[reach] = batch_check(
+                self.model, self.world, self.spheres, self.pairs, self.missing, reach
+            )
+        return self._batches[reach]
+
+    def _collides_in_lanes(self, check: BatchCheck, q: Floats, reach: float, threads: int | None) -> Array:
+        """Which configurations touch: by float32 where that is certain, else by float64."""
+        flat = q.reshape(-1, self.model.nq)
+        if threads is None or threads < 2:
+            touching, is_doubtful = check.run(flat)
+        else:
+            with ThreadPoolExecutor(threads) as pool:
+                parts = pool.map(check.run, np.array_split(flat, threads))
+                touching, is_doubtful = (np.concatenate(part) for part in zip(*parts, strict=True))
+        if is_doubtful.any():
+            free = self._evaluate("free", flat[is_doubtful], None, np.minimum, reach, threads)
+            touching[is_doubtful] = free < 0.5
+        return touching.reshape(q.shape[:-1])
+
     # evaluation --------------------------------------------------------------------------------------------
 
     def _evaluate(
@@ -257,8 +283,6 @@ class SphereChecker:
         if threads is None or threads < 2 or len(starts) < 2:
             results = run(starts)
         else:
-            from concurrent.futures import ThreadPoolExecutor
-
             shares = [
                 starts[k * len(starts) // threads : (k + 1) * len(starts) // threads] for k in range(threads)
             ]

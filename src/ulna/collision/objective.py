@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.collision.attached import attached_pairs, attached_solids, attached_spheres
+from ulna.collision.attached import carried
 from ulna.collision.clearance import Part, checked_links, parts, root, row, self_pairs, signed, standing
 from ulna.collision.covering import fit
 from ulna.collision.mask import check_touches
@@ -48,9 +48,9 @@ def sphere_clearance(
     chosen = link_pairs(model) if pairs is None else pairs
     world = World() if world is None else world
     check_touches(model, world)
-    held = attached_solids(model, world)
-    all_pairs = (*chosen, *attached_pairs(model, world, balls.links, held))
-    balls = Spheres({**balls.links, **attached_spheres(world, held)})
+    held = carried(model, world, balls)
+    all_pairs = (*chosen, *held.pairs)
+    balls = Spheres({**balls.links, **held.spheres})
     carriers = {item.name: item.link for item in world.attachments}
     couples = self_pairs(model, balls, all_pairs)
     rows: list[tuple[Part, SE3, tuple[str, ...]]] = [

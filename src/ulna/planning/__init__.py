@@ -7,6 +7,6 @@ from ulna.planning.path_constraints import PathConstraint as PathConstraint
 from ulna.planning.planner import Planner as Planner
 from ulna.planning.planner import plan as plan
 from ulna.planning.result import Plan as Plan
-from ulna.planning.tables import scene as scene
+from ulna.planning.scenes import scene as scene
 
 __all__ = ["Certificate", "PathConstraint", "Plan", "Planner", "Region", "certify", "plan", "scene"]

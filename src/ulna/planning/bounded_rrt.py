@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ulna.collision.lanes.touching import Tables, Work
 from ulna.compiler.procedures import (
     Array1,
     Array2,
@@ -34,7 +35,6 @@ from ulna.compiler.procedures import (
 )
 from ulna.planning.edges import edge_touches
 from ulna.planning.rrt_connect import Growth
-from ulna.planning.touching import Tables, Work
 from ulna.planning.trees import Trees, add_node, distance, plant, read_node, tree_to_grow
 
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ulna.planning.tables import Scene
+from ulna.planning.scenes import PlanningScene
 from ulna.typing import Floats
 
 SMALLEST = 2e-6
@@ -43,7 +43,7 @@ class Certificate:
         return not self.unproved
 
 
-def certify(scene: Scene, points: Floats, margin: float = 0.0) -> Certificate:
+def certify(scene: PlanningScene, points: Floats, margin: float = 0.0) -> Certificate:
     """Proves, where it can, that nothing comes nearer than a margin on straight motions from point to point.
 
     Args:

@@ -13,8 +13,8 @@ from ulna.planning.path_constraints import SPARE, Constraints
 from ulna.planning.path_length import length
 from ulna.planning.projected_rrt import Projection
 from ulna.planning.run import Run
+from ulna.planning.scenes import PlanningScene
 from ulna.planning.search import Failure, Search
-from ulna.planning.tables import Scene
 from ulna.planning.workspace import Workspace, thread_storage
 from ulna.typing import Floats
 
@@ -42,7 +42,13 @@ class ConstrainedWorkspace(Workspace):
     """
 
     def __init__(
-        self, scene: Scene, storage: Any, constraints: Constraints, margin: float, step: float, coarse: float
+        self,
+        scene: PlanningScene,
+        storage: Any,
+        constraints: Constraints,
+        margin: float,
+        step: float,
+        coarse: float,
     ) -> None:
         super().__init__(scene, storage, margin, step, STRIDE, coarse)
         model, self._step = constraints.model, constraints.step_kernel
@@ -122,7 +128,7 @@ class ConstrainedSearch(Search):
         constraints: The constraints.
     """
 
-    def __init__(self, scene: Scene, margin: float, step: float, constraints: Constraints) -> None:
+    def __init__(self, scene: PlanningScene, margin: float, step: float, constraints: Constraints) -> None:
         super().__init__(scene, margin, step, STRIDE)
         self._constraints = constraints
 

@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ulna.collision.lanes.touching import Tables, Work, block_touches
 from ulna.compiler.procedures import (
     Array1,
     Array2,
@@ -29,7 +30,6 @@ from ulna.compiler.procedures import (
     lane_numbers,
     procedure,
 )
-from ulna.planning.touching import Tables, Work, block_touches
 
 
 class Proof(NamedTuple):
@@ -170,24 +170,6 @@ def _look_at_points(kernel, tables, points, touching, count, work, W):
     """Writes 1 for each of the first points in which anything touches, else 0."""
     for i in range(count):
         touching[i] = f32(int(state_touches(kernel, tables, points[i], work, W)))
-
-
-@procedure(constants={"W": 8})
-def which_touch(
-    kernel: Kernel, tables: Tables, points: Array2[f32], touching: Array1[f32], count: int, work: Work, W: int
-) -> None:
-    """Writes 1 for each configuration in which anything touches, else 0.
-
-    Args:
-        kernel: From configurations to poses of the bodies, in lanes.
-        tables: What is checked against what.
-        points: Configurations, shape (at least count, n) [rad, m].
-        touching: Receives the answers, shape (at least count,).
-        count: How many configurations there are.
-        work: Working storage.
-        W: Lanes, a constant.
-    """
-    _look_at_points(kernel, tables, points, touching, count, work, W)
 
 
 @procedure(constants={"W": 8})

@@ -24,6 +24,7 @@ import numpy as np
 from ulna.algorithms import frame_jacobian, frame_pose
 from ulna.algorithms.multibody.tree import chain
 from ulna.checks.values import number
+from ulna.collision.lanes.motion_bounds import Group, motion_bounds
 from ulna.compiler import compile, trace
 from ulna.compiler.procedures import lanes_kernel
 from ulna.errors import InputError
@@ -31,7 +32,6 @@ from ulna.linalg import solve_damped
 from ulna.model import Frame, Model
 from ulna.numeric import apply, arctan2, clip, cross, maximum, sqrt, where
 from ulna.planning.goals import Region, Turns
-from ulna.planning.motion_bounds import Group, motion_bounds
 from ulna.typing import Array, Floats
 
 SPARE = 0.2

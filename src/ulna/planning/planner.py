@@ -14,6 +14,7 @@ import numpy as np
 from ulna.checks.arrays import finite_array
 from ulna.checks.values import number, short_repr
 from ulna.collision import LinkPair, Spheres, World
+from ulna.collision.lanes.tables import links_of
 from ulna.errors import InputError, ShapeError
 from ulna.lazy import is_deferred
 from ulna.planning import deferred
@@ -23,8 +24,8 @@ from ulna.planning.path_constraints import Constraints, PathConstraint
 from ulna.planning.result import Plan
 from ulna.planning.roadmap import RoadmapSearch
 from ulna.planning.run import Options
+from ulna.planning.scenes import PlanningScene
 from ulna.planning.search import Search
-from ulna.planning.tables import Scene, links_of
 from ulna.system.progress import progress
 from ulna.typing import ArrayLike
 
@@ -158,7 +159,7 @@ class Planner:
         checker = _self_checker(robot, spheres, pairs)
         robot_alone = links_of(checker.model, checker.spheres, checker.pairs, checker.missing)
         world = World() if world is None else world
-        self.scene = Scene(robot_alone, checker.spheres, checker.pairs, world, checker.missing)
+        self.scene = PlanningScene(robot_alone, checker.spheres, checker.pairs, world, checker.missing)
         size, self._lengths = _count("roadmap", roadmap, 0), (margin, step)
         lengths = (self.scene, margin, step, longest)
         self._search = RoadmapSearch(*lengths, size) if size else Search(*lengths)

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from ulna.collision.lanes.touching import Tables, Work
 from ulna.compiler.procedures import Array1, Array2, Kernel, f32, procedure
 from ulna.planning.edges import edge_touches
 from ulna.planning.rrt_connect import Growth
-from ulna.planning.touching import Tables, Work
 from ulna.planning.trees import Trees, add_node, distance, nearest_node, plant, read_node, tree_to_grow
 
 

@@ -12,15 +12,15 @@ from typing import Any
 
 import numpy as np
 
+from ulna.collision.lanes.touching import Tables, Work
 from ulna.compiler.procedures import Array1, Array2, Kernel, f32, procedure
 from ulna.errors import InputError, MissingExtra
 from ulna.planning.edges import edge_touches
 from ulna.planning.goals import joint_of_column
 from ulna.planning.run import Run
 from ulna.planning.samples import samples
+from ulna.planning.scenes import PlanningScene
 from ulna.planning.search import Search
-from ulna.planning.tables import Scene
-from ulna.planning.touching import Tables, Work
 from ulna.planning.workspace import COARSE, Workspace
 from ulna.typing import Floats
 
@@ -93,7 +93,7 @@ class RoadmapSearch(Search):
         MissingExtra: If scipy is not installed.
     """
 
-    def __init__(self, scene: Scene, margin: float, step: float, longest: float, size: int) -> None:
+    def __init__(self, scene: PlanningScene, margin: float, step: float, longest: float, size: int) -> None:
         super().__init__(scene, margin, step, longest)
         if not self._is_bounded:
             k = int(np.flatnonzero(~np.isfinite(self._limits[0]) | ~np.isfinite(self._limits[1]))[0])

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ulna.collision.lanes.touching import Tables, Work
 from ulna.compiler.procedures import (
     Array1,
     Array2,
@@ -25,7 +26,6 @@ from ulna.compiler.procedures import (
     procedure,
 )
 from ulna.planning.edges import edge_touches
-from ulna.planning.touching import Tables, Work
 from ulna.planning.trees import Trees, add_node, nearest_node, plant, read_node, tree_to_grow
 
 INT = np.int64

@@ -15,7 +15,7 @@ from ulna.planning.improvement import improved
 from ulna.planning.result import Outcome, Plan
 from ulna.planning.run import Options, Run
 from ulna.planning.samples import samples
-from ulna.planning.tables import Scene
+from ulna.planning.scenes import PlanningScene
 from ulna.planning.touches import deepest_touch
 from ulna.planning.workspace import COARSE, SLICE, Workspace, thread_storage
 from ulna.typing import Floats
@@ -34,7 +34,7 @@ class Search:
         longest: The longest edge of the trees [rad, m].
     """
 
-    def __init__(self, scene: Scene, margin: float, step: float, longest: float) -> None:
+    def __init__(self, scene: PlanningScene, margin: float, step: float, longest: float) -> None:
         self._scene, self._margin, self._step, self._longest = scene, margin, step, longest
         self._model = scene.robot.model
         self._storage = threading.local()

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ulna.collision.lanes.touching import Tables, Work
 from ulna.compiler.procedures import Array2, Kernel, f32, procedure
 from ulna.planning.edges import edge_touches
 from ulna.planning.rrt_connect import read_path
-from ulna.planning.touching import Tables, Work
 from ulna.planning.trees import Trees
 
 LEAST_CHANGE = 0.1

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from ulna.collision.lanes.tables import Scene
 from ulna.planning import bounded_rrt, edges, rrt_connect, shortcuts
 from ulna.planning.edges import Proof
 from ulna.planning.rrt_connect import EVERYWHERE, FREE_PLACE, Growth
-from ulna.planning.tables import Scene
 from ulna.planning.trees import Trees
 from ulna.typing import Floats
 

@@ -10,12 +10,12 @@ import pytest
 import ulna
 from ulna.algorithms import joint_poses
 from ulna.collision import World
+from ulna.collision.lanes.motion_bounds import Group, motion_bounds
 from ulna.errors import InputError
 from ulna.geometry import Box, Cylinder, Geometry
 from ulna.model import Continuous, Helical, ModelBuilder, Planar, Prismatic, Translation, Universal
 from ulna.model.joints.base import JointKind
 from ulna.planning import plan
-from ulna.planning.motion_bounds import Group, motion_bounds
 from ulna.spatial import SE3
 
 

@@ -257,9 +257,9 @@ def checked_states(world: World, count: int = 600) -> tuple[Any, Any, Any]:
 def which_touch(place: Any, q: Any, how: str = "__call__", margin: float = 0.0) -> Any:
     """Which configurations touch, by machine code, by machine code with checks, or by the interpreter."""
     touching = np.zeros(len(q), np.float32)
-    call = getattr(edges.which_touch.specialized(W=place.lanes), how)
-    tables = place.tables(margin)
-    call(place.robot.kernel, tables, q.astype(np.float32), touching, len(q), place.moving.work())
+    call = getattr(edges.first_direct_goal.specialized(W=place.lanes), how)
+    tables, step = place.tables(margin), np.float32(1.0)
+    call(place.robot.kernel, tables, step, q.astype(np.float32), touching, len(q), place.moving.work())
     return touching > 0
 
 
@@ -402,7 +402,7 @@ def test_spheres_that_are_left_out_never_meet() -> None:
     assert 0 < kept < every
     q = random.uniform(panda().limits.lower, panda().limits.upper, size=(3000, 7))
     from ulna.algorithms import joint_poses
-    from ulna.planning.sphere_pairs import RESERVE, can_meet
+    from ulna.collision.lanes.sphere_pairs import RESERVE, can_meet
 
     poses = joint_poses(panda().model, q)
     for (a, b, _), bounds in zip(moving.pairs, moving.bounds_of_motion[1], strict=True):

@@ -170,11 +170,11 @@ def test_machine_code_never_says_free_where_clouds_touch(lanes: int) -> None:
         pytest.skip("this machine has other lanes")
     q = random.uniform(robot.limits.lower, robot.limits.upper, size=(400, 7))
     results = []
-    which = edges.which_touch.specialized(W=lanes)
+    which = edges.first_direct_goal.specialized(W=lanes)
     for call, count in ((which, 400), (which.checked, 40)):
         touching = np.zeros(count, np.float32)
         points, work = q[:count].astype(np.float32), place.moving.work()
-        call(place.robot.kernel, place.tables(0.0), points, touching, count, work)
+        call(place.robot.kernel, place.tables(0.0), np.float32(1.0), points, touching, count, work)
         results.append(touching > 0)
     clearance = place.checker.clearance(q)
     assert 0.1 < results[0].mean() < 0.9

@@ -16,8 +16,8 @@ from __future__ import annotations
 import numpy as np
 
 from ulna.algorithms import joint_poses
+from ulna.collision.lanes.motion_bounds import Group
 from ulna.model import Model
-from ulna.planning.motion_bounds import Group
 from ulna.spatial import SE3
 from ulna.typing import Array, Floats
 

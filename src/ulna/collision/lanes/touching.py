@@ -99,7 +99,7 @@ class Work(NamedTuple):
 
 
 @procedure(contract=True)
-def _place(table, k, pose, body, c, row, W):
+def place(table, k, pose, body, c, row, W):
     """Writes the centre of row k of a table of spheres to c, in lanes."""
     for i in range(3):
         c[row + i, 0:W] = (
@@ -111,7 +111,7 @@ def _place(table, k, pose, body, c, row, W):
 
 
 @procedure(contract=True)
-def _near_box(boxes, k, c, row, r, W):
+def near_box(boxes, k, c, row, r, W):
     """Whether spheres touch a rounded box, in lanes."""
     x = c[row, 0:W] - boxes[k, 9]
     y = c[row + 1, 0:W] - boxes[k, 10]
@@ -125,7 +125,7 @@ def _near_box(boxes, k, c, row, r, W):
 
 
 @procedure(contract=True)
-def _near_cylinder(cylinders, k, c, row, r, W):
+def near_cylinder(cylinders, k, c, row, r, W):
     """Whether spheres touch a cylinder, in lanes."""
     x = c[row, 0:W] - cylinders[k, 3]
     y = c[row + 1, 0:W] - cylinders[k, 4]
@@ -140,7 +140,7 @@ def _near_cylinder(cylinders, k, c, row, r, W):
 
 
 @procedure(contract=True)
-def _near_plane(planes, k, c, row, r, W):
+def near_plane(planes, k, c, row, r, W):
     """Whether spheres touch a half space, in lanes."""
     x = c[row, 0:W] - planes[k, 3]
     y = c[row + 1, 0:W] - planes[k, 4]
@@ -149,7 +149,7 @@ def _near_plane(planes, k, c, row, r, W):
 
 
 @procedure(contract=True)
-def _near_each_other(c, a, b, r, W):
+def near_each_other(c, a, b, r, W):
     """Whether two spheres touch, in lanes."""
     x = c[a, 0:W] - c[b, 0:W]
     y = c[a + 1, 0:W] - c[b + 1, 0:W]
@@ -158,12 +158,12 @@ def _near_each_other(c, a, b, r, W):
 
 
 @procedure
-def _placed_row(tables, g, s, work, W):
+def placed_row(tables, g, s, work, W):
     """The row of the centre of a sphere of a group, which is placed unless that was done."""
     row = 3 * (len(tables.bodies) + s)
     if work.is_placed[s] == 0:
         work.is_placed[s] = 1
-        _place(tables.spheres, s, work.pose, tables.bodies[g], work.c, row, W)
+        place(tables.spheres, s, work.pose, tables.bodies[g], work.c, row, W)
     return row
 
 
@@ -172,17 +172,17 @@ def _group_touches(tables, g, k, work, W):
     """Whether a group touches the obstacle of column k in any lane."""
     boxes = len(tables.boxes)
     if k < boxes:
-        if any_of(_near_box(tables.boxes, k, work.c, 3 * g, tables.bounds[g, 3], W)):
+        if any_of(near_box(tables.boxes, k, work.c, 3 * g, tables.bounds[g, 3], W)):
             for s in range(tables.first[g], tables.first[g + 1]):
-                row = _placed_row(tables, g, s, work, W)
-                if any_of(_near_box(tables.boxes, k, work.c, row, tables.spheres[s, 3], W)):
+                row = placed_row(tables, g, s, work, W)
+                if any_of(near_box(tables.boxes, k, work.c, row, tables.spheres[s, 3], W)):
                     return True
     else:
         n = k - boxes
-        if any_of(_near_cylinder(tables.cylinders, n, work.c, 3 * g, tables.bounds[g, 3], W)):
+        if any_of(near_cylinder(tables.cylinders, n, work.c, 3 * g, tables.bounds[g, 3], W)):
             for s in range(tables.first[g], tables.first[g + 1]):
-                row = _placed_row(tables, g, s, work, W)
-                if any_of(_near_cylinder(tables.cylinders, n, work.c, row, tables.spheres[s, 3], W)):
+                row = placed_row(tables, g, s, work, W)
+                if any_of(near_cylinder(tables.cylinders, n, work.c, row, tables.spheres[s, 3], W)):
                     return True
     return False
 
@@ -210,10 +210,10 @@ def _group_touches_world(tables, g, work, W):
                 return True
             overlap = overlap & (lane_numbers(W) != lane)
     for k in range(len(tables.planes)):
-        if tables.plane_masks[g, k] > 0 and any_of(_near_plane(tables.planes, k, work.c, 3 * g, r, W)):
+        if tables.plane_masks[g, k] > 0 and any_of(near_plane(tables.planes, k, work.c, 3 * g, r, W)):
             for s in range(tables.first[g], tables.first[g + 1]):
-                row = _placed_row(tables, g, s, work, W)
-                if any_of(_near_plane(tables.planes, k, work.c, row, tables.spheres[s, 3], W)):
+                row = placed_row(tables, g, s, work, W)
+                if any_of(near_plane(tables.planes, k, work.c, row, tables.spheres[s, 3], W)):
                     return True
     return False
 
@@ -228,7 +228,7 @@ def _group_touches_clouds(tables, g, work, W):
             for s in range(begin - 1, tables.first[g + 1]):  # first the bounding sphere
                 row, r = 3 * g, tables.bounds[g, 3] + margin
                 if s >= begin:
-                    row, r = _placed_row(tables, g, s, work, W), tables.spheres[s, 3] + margin
+                    row, r = placed_row(tables, g, s, work, W), tables.spheres[s, 3] + margin
                 x, y, z = in_cloud(tables.clouds.poses, k, work.c, row, W)
                 is_open = maybe_near(tables.clouds, k, x, y, z, r, W)
                 if s < begin:
@@ -244,18 +244,18 @@ def _pair_touches(tables, k, work, W):
     """Whether spheres of the groups of a pair touch, or come nearer than they may, in any lane."""
     a, b = tables.pairs[k, 0], tables.pairs[k, 1]
     bound = tables.bounds[b, 3] + tables.pair_margins[k]
-    if not any_of(_near_each_other(work.c, 3 * a, 3 * b, tables.bounds[a, 3] + bound, W)):
+    if not any_of(near_each_other(work.c, 3 * a, 3 * b, tables.bounds[a, 3] + bound, W)):
         return False
     for n in range(tables.pairs[k, 2], tables.pairs[k, 3]):
         i = tables.rows[n, 0]
         r = tables.spheres[i, 3]
-        row = _placed_row(tables, a, i, work, W)
-        if any_of(_near_each_other(work.c, row, 3 * b, r + bound, W)):
+        row = placed_row(tables, a, i, work, W)
+        if any_of(near_each_other(work.c, row, 3 * b, r + bound, W)):
             for m in range(tables.rows[n, 1], tables.rows[n + 1, 1]):
                 j = tables.partners[m]
                 reach = r + tables.spheres[j, 3] + tables.pair_margins[k]
-                other = _placed_row(tables, b, j, work, W)
-                if any_of(_near_each_other(work.c, row, other, reach, W)):
+                other = placed_row(tables, b, j, work, W)
+                if any_of(near_each_other(work.c, row, other, reach, W)):
                     return True
     return False
 
@@ -275,7 +275,7 @@ def block_touches(tables, work, W):
     for s in range(len(tables.spheres)):
         work.is_placed[s] = 0
     for g in range(len(tables.bodies)):
-        _place(tables.bounds, g, work.pose, tables.bodies[g], work.c, 3 * g, W)
+        place(tables.bounds, g, work.pose, tables.bodies[g], work.c, 3 * g, W)
     for i in range(len(tables.bodies)):
         if _group_touches_world(tables, len(tables.bodies) - 1 - i, work, W):
             return True

@@ -10,22 +10,25 @@ from typing import Any
 import numpy as np
 
 from ulna.algorithms import joint_poses
-from ulna.collision import LinkPair, SphereChecker, Spheres, World
 from ulna.collision import clearance as gap
+from ulna.collision.attached import carried
 from ulna.collision.clouds import is_points, point_grid
 from ulna.collision.grids import joined
+from ulna.collision.lanes.motion_bounds import Group, motion_bounds
+from ulna.collision.lanes.sphere_pairs import RESERVE, can_meet
+from ulna.collision.lanes.touching import Tables, Work
 from ulna.collision.mask import check_touches
 from ulna.collision.objects import Obstacle
+from ulna.collision.pairs import LinkPair
 from ulna.collision.solids import Missing, obstacle_solid
+from ulna.collision.spheres import Spheres
+from ulna.collision.world import World
 from ulna.compiler import trace
 from ulna.compiler.procedures import lanes_kernel
 from ulna.errors import InputError
 from ulna.geometry import Shape
 from ulna.model import Model, Planar
 from ulna.model.joints.base import VectorKind
-from ulna.planning.motion_bounds import Group, motion_bounds
-from ulna.planning.sphere_pairs import RESERVE, can_meet
-from ulna.planning.touching import Tables, Work
 from ulna.spatial import SE3
 from ulna.system.cached import cached_property
 from ulna.typing import Array, Floats
@@ -63,11 +66,17 @@ class Moving:
         return motion_bounds(self.model, self.groups, [pair[:2] for pair in self.pairs])
 
     @cached_property
+    def range(self) -> tuple[Floats, Floats]:
+        """Between which configurations `rounding` holds: the limits, or four turns either way, (nq,) each [rad, m]."""
+        low, high = self.model.lower_position, self.model.upper_position
+        four = 8.0 * np.pi
+        return np.where(np.isfinite(low), low, -four), np.where(np.isfinite(high), high, four)
+
+    @cached_property
     def rounding(self) -> float:
         """By how much float32 may place a sphere wrongly, with room to spare [m]."""
-        ends = np.maximum(np.abs(self.model.lower_position), np.abs(self.model.upper_position))
-        turns = np.where(np.isfinite(ends), ends, 8.0 * np.pi)
-        return max(ROUNDING, _UNIT * (FARTHEST + float((self.bounds_of_motion[0] @ turns).max())))
+        ends = np.maximum(*np.abs(self.range))
+        return max(ROUNDING, _UNIT * (FARTHEST + float((self.bounds_of_motion[0] @ ends).max())))
 
     @cached_property
     def tables(self) -> dict[str, Any]:
@@ -169,23 +178,17 @@ class Scene:
         return self.robot.kernel.lanes
 
     @cached_property
-    def checker(self) -> SphereChecker:
-        """The same check in float64."""
-        return SphereChecker(
-            self.robot.model, self.world, spheres=self.spheres, pairs=self.link_pairs, missing=self.missing
-        )
-
-    @cached_property
     def moving(self) -> Moving:
         """What moves: the links, and what they carry in this world."""
         if not (self.world.attachments or self.world.margins):
             return self.robot
-        checker, model = self.checker, self.robot.model
+        model = self.robot.model
+        held = carried(model, self.world, self.spheres, self.missing)
         groups = list(self.robot.groups)
-        for name, balls in checker.attached.items():
-            link = model.link(checker.carriers[name])
+        for name, balls in held.spheres.items():
+            link = model.link(held.carriers[name])
             groups.append(Group(name, link.joint, link.placement @ balls.centres, balls.radii))
-        pairs = (*self.link_pairs, *checker.attached_pairs)
+        pairs = (*self.link_pairs, *held.pairs)
         return Moving(
             model, tuple(groups), _numbered(groups, pairs, self.world), _standing(model, pairs, self.missing),
             self.robot.kernel,
@@ -200,10 +203,28 @@ class Scene:
         Returns:
             Arrays of the types that the procedures take.
         """
-        larger = np.array([0.0, 0.0, 0.0, margin + self.moving.rounding])
+        pairs = self.moving.pair_tables(margin)
+        return self._tables_of(margin + self.moving.rounding, pairs)
+
+    def check_tables(self, reach: float, rounding: float) -> Tables:
+        """The tables for checks of configurations, in which a reach counts once between two links, too.
+
+        Args:
+            reach: How near counts as touching [m].
+            rounding: 1.0 for spheres that are larger by what float32 may place them wrongly, -1.0 for smaller ones.
+
+        Returns:
+            Arrays of the types that the procedures take.
+        """
+        pairs = self.moving.pair_tables(reach)
+        margins = pairs["pair_margins"] - np.float32(reach)
+        return self._tables_of(reach + rounding * self.moving.rounding, {**pairs, "pair_margins": margins})
+
+    def _tables_of(self, by: float, pairs: dict[str, Any]) -> Tables:
+        """The tables, with all spheres larger by a length [m]."""
+        larger = np.array([0.0, 0.0, 0.0, by])
         tables = self.moving.tables
         bounds, spheres = ((tables[name] + larger).astype(np.float32) for name in ("bounds", "spheres"))
-        pairs = self.moving.pair_tables(margin)
         return Tables(**{**tables, **pairs, **self._obstacles, "bounds": bounds, "spheres": spheres})
 
     @cached_property
@@ -289,22 +310,6 @@ class Scene:
             )
             for margin in sorted(set(margins))
         ]
-
-
-def scene(checker: SphereChecker) -> Scene:
-    """A robot in a world, ready to be checked by procedures.
-
-    Args:
-        checker: The robot, its spheres and the world.
-
-    Returns:
-        The scene; its kernel depends on the robot alone, and is kept.
-
-    Raises:
-        InputError: If a joint has a configuration that is not one number, or no link with spheres moves.
-    """
-    robot = links_of(checker.model, checker.spheres, checker.pairs, checker.missing)
-    return Scene(robot, checker.spheres, checker.pairs, checker.world, checker.missing)
 
 
 @lru_cache(maxsize=32)
