@@ -211,7 +211,8 @@ class Scene:
 
         Args:
             reach: How near counts as touching [m].
-            rounding: 1.0 for spheres that are larger by what float32 may place them wrongly, -1.0 for smaller ones.
+            rounding: 1.0 for spheres that are larger by what float32 may place them wrongly, -1.0 for smaller ones
+                [-].
 
         Returns:
             Arrays of the types that the procedures take.

@@ -99,8 +99,18 @@ class Work(NamedTuple):
 
 
 @procedure(contract=True)
-def place(table, k, pose, body, c, row, W):
-    """Writes the centre of row k of a table of spheres to c, in lanes."""
+def place(table, k, pose, body, c, row, W) -> None:
+    """Writes the centre of row k of a table of spheres to c, in lanes.
+
+    Args:
+        table: Centres on bodies, (n, 4) [m].
+        k: The row [-].
+        pose: Poses of the bodies, (12 B, W) [1], [m].
+        body: The first row of the pose of the sphere's body [-].
+        c: Receives the centres, three rows each, (rows, W) [m].
+        row: The row of `c` to begin with [-].
+        W: Lanes, a constant [-].
+    """
     for i in range(3):
         c[row + i, 0:W] = (
             pose[body + 3 * i, 0:W] * table[k, 0]
@@ -112,7 +122,19 @@ def place(table, k, pose, body, c, row, W):
 
 @procedure(contract=True)
 def near_box(boxes, k, c, row, r, W):
-    """Whether spheres touch a rounded box, in lanes."""
+    """Whether spheres touch a rounded box, in lanes.
+
+    Args:
+        boxes: Numbers of the obstacles, (n, 16) [m].
+        k: Which obstacle [-].
+        c: Centres, three rows each, (rows, W) [m].
+        row: The first row of the spheres [-].
+        r: Their radius [m].
+        W: Lanes, a constant [-].
+
+    Returns:
+        A mask.
+    """
     x = c[row, 0:W] - boxes[k, 9]
     y = c[row + 1, 0:W] - boxes[k, 10]
     z = c[row + 2, 0:W] - boxes[k, 11]
@@ -126,7 +148,19 @@ def near_box(boxes, k, c, row, r, W):
 
 @procedure(contract=True)
 def near_cylinder(cylinders, k, c, row, r, W):
-    """Whether spheres touch a cylinder, in lanes."""
+    """Whether spheres touch a cylinder, in lanes.
+
+    Args:
+        cylinders: Numbers of the obstacles, (n, 8) [m].
+        k: Which obstacle [-].
+        c: Centres, three rows each, (rows, W) [m].
+        row: The first row of the spheres [-].
+        r: Their radius [m].
+        W: Lanes, a constant [-].
+
+    Returns:
+        A mask.
+    """
     x = c[row, 0:W] - cylinders[k, 3]
     y = c[row + 1, 0:W] - cylinders[k, 4]
     z = c[row + 2, 0:W] - cylinders[k, 5]
@@ -141,7 +175,19 @@ def near_cylinder(cylinders, k, c, row, r, W):
 
 @procedure(contract=True)
 def near_plane(planes, k, c, row, r, W):
-    """Whether spheres touch a half space, in lanes."""
+    """Whether spheres touch a half space, in lanes.
+
+    Args:
+        planes: Numbers of the obstacles, (n, 6) [m].
+        k: Which obstacle [-].
+        c: Centres, three rows each, (rows, W) [m].
+        row: The first row of the spheres [-].
+        r: Their radius [m].
+        W: Lanes, a constant [-].
+
+    Returns:
+        A mask.
+    """
     x = c[row, 0:W] - planes[k, 3]
     y = c[row + 1, 0:W] - planes[k, 4]
     z = c[row + 2, 0:W] - planes[k, 5]
@@ -150,7 +196,18 @@ def near_plane(planes, k, c, row, r, W):
 
 @procedure(contract=True)
 def near_each_other(c, a, b, r, W):
-    """Whether two spheres touch, in lanes."""
+    """Whether two spheres touch, in lanes.
+
+    Args:
+        c: Centres, three rows each, (rows, W) [m].
+        a: The first row of one sphere [-].
+        b: That of the other [-].
+        r: The sum of their radii [m].
+        W: Lanes, a constant [-].
+
+    Returns:
+        A mask.
+    """
     x = c[a, 0:W] - c[b, 0:W]
     y = c[a + 1, 0:W] - c[b + 1, 0:W]
     z = c[a + 2, 0:W] - c[b + 2, 0:W]
@@ -159,7 +216,18 @@ def near_each_other(c, a, b, r, W):
 
 @procedure
 def placed_row(tables, g, s, work, W):
-    """The row of the centre of a sphere of a group, which is placed unless that was done."""
+    """The row of the centre of a sphere of a group, which is placed unless that was done.
+
+    Args:
+        tables: What is checked against what [m].
+        g: The group [-].
+        s: The sphere [-].
+        work: Holds the poses; receives the centre [m].
+        W: Lanes, a constant [-].
+
+    Returns:
+        The row.
+    """
     row = 3 * (len(tables.bodies) + s)
     if work.is_placed[s] == 0:
         work.is_placed[s] = 1
