@@ -70,6 +70,16 @@ def test_loops_branches_and_large_angles() -> None:
     np.testing.assert_allclose(found, ulna.compile(f, x=(2,))(x), rtol=1e-15)
 
 
+def test_derivatives_of_loops() -> None:
+    def f(x: Any) -> Any:
+        return loop(lambda y, n: n < x[1], lambda y, n: (x[0] * np.sin(y) + n, n + 1.0), (x[0], 0.0), 30)[0]
+
+    derived = trace(f, x=(2,)).hessian()
+    x = np.stack([np.linspace(-1.0, 1.0, 9), np.arange(9.0)], axis=-1)
+    (found,) = run_on_cpu(derived, (x,), "float64")
+    np.testing.assert_allclose(found, derived(x), rtol=1e-10, atol=1e-12)
+
+
 def test_a_search_in_one_thread_meets_its_goals() -> None:
     from ulna.exporting.selection import entries, records
     from ulna.ik.solve import search_settings

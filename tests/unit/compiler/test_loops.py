@@ -220,12 +220,6 @@ def test_operations_count_the_body_once():
     assert function.operation_counts == {"add": 1, "lt": 1, "mul": 1}
 
 
-def test_derivatives_through_a_loop_are_refused_with_what_to_do():
-    function = trace(lambda x: nm.loop(lambda v: v < 9.0, lambda v: (v * 2.0,), (x,), 50)[0], x=())
-    with pytest.raises(TraceError, match=r"through a loop are not offered.*implicit function theorem"):
-        function.jacobian()
-
-
 def test_errors_of_loops_say_what_is_wrong():
     with pytest.raises(
         TraceError, match="The body of a loop returned 1 values; expected a tuple of 2 numbers"

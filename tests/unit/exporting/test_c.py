@@ -181,6 +181,22 @@ def test_loops_and_branches(tmp_path: Path) -> None:
         np.testing.assert_array_equal(call(lib.t_swaps, f, [x])[0], f(x))
 
 
+def test_derivatives_of_loops(tmp_path: Path) -> None:
+    def f(x: Any) -> Any:
+        return numeric.loop(
+            lambda y, n: n < x[1], lambda y, n: (x[0] * np.sin(y) + n, n + 1.0), (x[0], 0.0), 30
+        )[0]
+
+    traced = trace(f, x=(2,))
+    functions = {"gradient": traced.value_and_gradient(), "hessian": traced.hessian()}
+    lib = library(ulna.export(None, functions, to="c", path=tmp_path / "x", name="d"))
+    for name, derived in functions.items():
+        for x in ([0.3, 4.0], [1.2, 0.0], [-0.7, 20.0]):
+            found, expected = call(getattr(lib, f"d_{name}"), derived, [x]), derived(x)
+            for out, e in zip(found, expected if name == "gradient" else (expected,), strict=True):
+                np.testing.assert_allclose(out, e, rtol=1e-10, atol=1e-12)
+
+
 def test_names_of_arguments_that_mean_something_in_c(tmp_path: Path) -> None:
     text = "def f(double, v1, out, w, NULL):\n return double * v1 + out - w * NULL"
     names: dict[str, Any] = {}

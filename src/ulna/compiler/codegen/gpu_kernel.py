@@ -113,7 +113,7 @@ def _parameters(f: Function) -> list[str]:
 
 def _write_thread(module: Module, name: str, f: Function, target: Target, element: DType) -> None:
     """The function of one thread."""
-    w = Writer(module, f.graph, Lanes(1, element), "", target.arithmetic)
+    w = Writer(module, f.graph, Lanes(1, element), "", target.arithmetic, stack_space=target.stack_space)
     w.branch(w.let("works", "icmp ult i64 %thread, %count"), "work", "done")
     w.open_block("work")
     for port in _ports(f):
@@ -137,7 +137,9 @@ def _write_thread(module: Module, name: str, f: Function, target: Target, elemen
     w.open_block("done")
     arguments = ", ".join(["i64 %thread", "i64 %count", *_parameters(f)])
     head = f"define internal void @{name}.thread({arguments}) alwaysinline nounwind {{"
-    module.definitions[f"{name}.thread"] = "\n".join([head, "entry:", *w.lines, "  ret void", "}", ""])
+    module.definitions[f"{name}.thread"] = "\n".join(
+        [head, "entry:", *w.local_arrays, *w.lines, "  ret void", "}", ""]
+    )
 
 
 def _constants(w: Writer, g: Graph, nodes: Sequence[int]) -> None:

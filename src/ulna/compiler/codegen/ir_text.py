@@ -117,3 +117,37 @@ class Lanes:
     def integer_constant(self, value: int) -> str:
         """The integer literal."""
         return str(value) if self.lanes == 1 else f"splat (i{self.bits} {value})"
+
+
+def truth(layout: Lanes, value: bool) -> str:
+    """The literal of a truth value in all lanes.
+
+    Args:
+        layout: The lanes.
+        value: The truth value.
+
+    Returns:
+        The literal.
+    """
+    word = "true" if value else "false"
+    return word if layout.lanes == 1 else f"splat (i1 {word})"
+
+
+def local_array(name: str, kind: str, count: int, space: int) -> list[str]:
+    """Instructions that make a local array; where it lies in a memory apart, with a general address.
+
+    Args:
+        name: The name of its address, without its sign.
+        kind: LLVM type of the items.
+        count: How many there are.
+        space: The address space of local arrays.
+
+    Returns:
+        The lines.
+    """
+    if space == 0:
+        return [f"  %{name} = alloca {kind}, i64 {count}"]
+    return [
+        f"  %{name}.local = alloca {kind}, i64 {count}, addrspace({space})",
+        f"  %{name} = addrspacecast ptr addrspace({space}) %{name}.local to ptr",
+    ]

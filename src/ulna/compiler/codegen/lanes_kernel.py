@@ -37,7 +37,9 @@ def lanes_kernel_ir(f: Function, lanes: int, element: DType, arithmetic: Arithme
         body.write(f"%op{k} = getelementptr i8, ptr %outputs, i64 {k * width}")
         body.write(f"store {kind} {body.names[node]}, ptr %op{k}, align {BYTES[element]}")
     head = "define void @kernel(ptr %inputs, ptr noalias %outputs) nounwind #0 {"
-    module.definitions["kernel"] = "\n".join([head, "entry:", *body.lines, "  ret void", "}", ""])
+    module.definitions["kernel"] = "\n".join(
+        [head, "entry:", *body.local_arrays, *body.lines, "  ret void", "}", ""]
+    )
     bits = width * 8
     return (
         module.text()

@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 
 from ulna.compiler.codegen.batch_loop import batch_loop
-from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
+from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes, local_array
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.row_table import at, write_rows
 from ulna.compiler.codegen.rows import load, store
@@ -39,33 +39,23 @@ def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: in
     slots = scratch_places(f.graph, pieces, f.results if writes_rows_last else ())
     bodies = []
     for number, steps in enumerate(pieces):
-        body = Writer(module, f.graph, layout, "", target.arithmetic, f.lanes > 1)
+        body = Writer(module, f.graph, layout, "", target.arithmetic, f.lanes > 1, target.stack_space)
         if number == 0:
             _read_inputs(body, f)
         if writes_rows_last and number == len(pieces) - 1:
             _write_output_rows(body, f, slots)
         else:
             _write_steps(body, steps, slots)
-        bodies.append(body.lines)
+        bodies.append([*body.local_arrays, *body.lines])
     if len(pieces) == 1:
         _define(module, name, arguments, attributes, bodies[0])
         return
     arguments.append("ptr noalias %scratch")
-    calls = _scratch(layout.real, max(slots.values(), default=0) + 1, target.stack_space)
+    calls = local_array("scratch", layout.real, max(slots.values(), default=0) + 1, target.stack_space)
     for number, lines in enumerate(bodies):
         _define(module, f"{name}.{number}", arguments, attributes, lines)
         calls.append(f"  call void @{name}.{number}({', '.join(arguments).replace('noalias ', '')})")
     _define(module, name, arguments[:-1], attributes, calls)
-
-
-def _scratch(kind: str, count: int, space: int) -> list[str]:
-    """Instructions that make `%scratch`, a local array; where it lies in a memory apart, with a general address."""
-    if space == 0:
-        return [f"  %scratch = alloca {kind}, i64 {count}"]
-    return [
-        f"  %scratch.local = alloca {kind}, i64 {count}, addrspace({space})",
-        f"  %scratch = addrspacecast ptr addrspace({space}) %scratch.local to ptr",
-    ]
 
 
 def _define(

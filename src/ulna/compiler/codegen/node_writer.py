@@ -15,9 +15,10 @@ from ulna.compiler.codegen.arithmetic import Arithmetic
 from ulna.compiler.codegen.comparisons import extreme, least_by_comparisons
 from ulna.compiler.codegen.elementary import OPERATIONS, elementary_ir
 from ulna.compiler.codegen.instructions import Instructions
-from ulna.compiler.codegen.ir_text import IRFunction, Lanes
+from ulna.compiler.codegen.ir_text import IRFunction, Lanes, local_array, truth
+from ulna.compiler.codegen.loops import Record, write_loop
 from ulna.compiler.codegen.sincos import sincos_ir
-from ulna.compiler.language.graph import Graph, Loop
+from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ops import TABLE, Op
 
 _sincos_ir, _elementary_ir = cache(sincos_ir), cache(elementary_ir)  # the same text for every node
@@ -53,11 +54,6 @@ def _number(layout: Lanes, value: float) -> str:
     return layout.constant(value)
 
 
-def _truth(layout: Lanes, value: bool) -> str:
-    word = "true" if value else "false"
-    return word if layout.lanes == 1 else f"splat (i1 {word})"
-
-
 class Writer(Instructions):
     """Writes the nodes of one graph, in order, as instructions of one layout.
 
@@ -68,6 +64,7 @@ class Writer(Instructions):
         prefix: What the names of values begin with.
         arithmetic: What the processor computes in one instruction.
         one_sample: Whether all lanes work on one sample.
+        stack_space: The address space of local arrays.
     """
 
     def __init__(
@@ -78,10 +75,13 @@ class Writer(Instructions):
         prefix: str,
         arithmetic: Arithmetic,
         one_sample: bool = False,
+        stack_space: int = 0,
     ) -> None:
         super().__init__()
         self.module, self.graph, self.layout, self.prefix = module, graph, layout, prefix
-        self.one_sample, self.arithmetic = one_sample, arithmetic
+        self.one_sample, self.arithmetic, self.stack_space = one_sample, arithmetic, stack_space
+        self.local_arrays: list[str] = []  # instructions that make them, for the function's first block
+        self.records: dict[int, Record] = {}  # of loops
         self.contract = " contract" if arithmetic.fused_multiply_add else ""
         self.names: dict[int, str] = {}
         self.rows: dict[str, list[str]] = {}  # pointers to each lane's row of a port, once they are needed
@@ -114,7 +114,7 @@ class Writer(Instructions):
         if op == Op.CONST:
             self.names[index] = _number(layout, data)
         elif op == Op.BOOL:
-            self.names[index] = _truth(layout, data)
+            self.names[index] = truth(layout, data)
         elif op in (Op.SIN, Op.COS):
             self.sincos([args[0]])
         elif op == Op.LANE:
@@ -124,7 +124,7 @@ class Writer(Instructions):
         elif op == Op.LEAST:
             self._least_lane(index, self.names[args[0]])
         elif op == Op.LOOP:
-            self.loop(index, data, args)
+            write_loop(self, index, data, args)
         elif op == Op.ITEM:
             self.names[index] = self.names[args[0]].split()[data]
         else:
@@ -142,7 +142,7 @@ class Writer(Instructions):
         """
         layout, word = self.layout, TABLE[op].llvm
         if op == Op.NOT:
-            return f"xor {layout.truth} {x[0]}, {_truth(layout, True)}"
+            return f"xor {layout.truth} {x[0]}, {truth(layout, True)}"
         if op == Op.NEG:
             return f"fneg {layout.real} {x[0]}"
         if op == Op.SELECT:
@@ -232,70 +232,31 @@ class Writer(Instructions):
         self.write(f"{everywhere} = shufflevector {kind} {first}, {kind} poison, {zeros}")
         return everywhere
 
-    def loop(self, index: int, loop: Loop, args: Sequence[int]) -> None:
-        """Iterates until no lane's condition holds; a lane that is done keeps its state.
+    def inside(self, tag: str, graph: Graph) -> Writer:
+        """A writer for the body of a loop, in the same function.
 
         Args:
-            index: The LOOP node; its ITEM nodes read the final state.
-            loop: Condition and body.
-            args: Nodes of the initial state, then of the values that the loop captures.
-        """
-        layout, tag = self.layout, f"{self.prefix}L{index}"
-        before, head, body, after = self.current_block, f"{tag}.head", f"{tag}.body", f"{tag}.after"
-        inner = Writer(self.module, loop.graph, layout, f"{tag}.", self.arithmetic)
-        state = [f"%{tag}.x{k}" for k in range(loop.size)]
-        following = [f"%{tag}.y{k}" for k in range(loop.size)]
-        self.write(f"br label %{head}")
-        self.open_block(head)
-        place = len(self.lines)  # of the phis, which name the block that the back edge comes from
-        self.lines.append("")
-        names = [*state, *(self.names[a] for a in args[loop.size :])]
-        for node, name in zip(loop.graph.inputs, names, strict=True):
-            inner.names[node] = name
-        inner.current_block = head
-        # Condition and body are one region: lanes that are done compute along and are masked out.
-        inner.nodes(loop.graph.live([loop.condition]))
-        active = inner.continue_while(tag, loop, body, after)
-        inner.open_block(body)
-        inner.nodes(loop.graph.live([loop.condition, *loop.following]))
-        for k, node in enumerate(loop.following):
-            inner.write(
-                f"{following[k]} = select {layout.truth} {active}, {layout.real} {inner.names[node]}, "
-                f"{layout.real} {state[k]}"
-            )
-        inner.write(f"%{tag}.n1 = add i64 %{tag}.n, 1")
-        inner.write(f"br label %{head}")
-        end = inner.current_block
-        self.lines += inner.lines
-        phis = [
-            f"%{tag}.n = phi i64 [ 0, %{before} ], [ %{tag}.n1, %{end} ]",
-            f"%{tag}.alive = phi {layout.truth} [ {_truth(layout, True)}, %{before} ], [ {active}, %{end} ]",
-        ]
-        for name, node, next_ in zip(state, args, following, strict=False):
-            phis.append(f"{name} = phi {layout.real} [ {self.names[node]}, %{before} ], [ {next_}, %{end} ]")
-        self.lines[place] = "\n".join("  " + line for line in phis)
-        self.open_block(after)
-        self.names[index] = " ".join(state)
-
-    def continue_while(self, tag: str, loop: Loop, body: str, after: str) -> str:
-        """Ends the head of a loop: continues with the body while a lane is active and the limit is not reached.
-
-        Args:
-            tag: What the names of the loop begin with.
-            loop: The loop, whose condition is written already.
-            body: The label of the body.
-            after: The label of the block after the loop.
+            tag: What the names of values begin with.
+            graph: The graph of the body.
 
         Returns:
-            The name of the truth values that say which lanes are active.
+            The writer; its local arrays are those of this one.
         """
-        layout = self.layout
-        active = self.let(f"{tag}.active", f"and {layout.truth} %{tag}.alive, {self.names[loop.condition]}")
-        anyone = active
-        if layout.lanes > 1:
-            reduction = f"@llvm.vector.reduce.or.v{layout.lanes}i1({layout.truth}"
-            self.module.declare(f"declare i1 {reduction})")
-            anyone = self.let(f"{tag}.any", f"call i1 {reduction} {active})")
-        self.let(f"{tag}.more", f"icmp ult i64 %{tag}.n, {loop.limit}")
-        self.branch(self.let(f"{tag}.go", f"and i1 {anyone}, %{tag}.more"), body, after)
-        return active
+        inner = Writer(
+            self.module, graph, self.layout, f"{tag}.", self.arithmetic, stack_space=self.stack_space
+        )
+        inner.local_arrays = self.local_arrays
+        return inner
+
+    def array(self, name: str, count: int) -> str:
+        """A local array of the function, which its first block makes.
+
+        Args:
+            name: The name without its sign, the only one of its function.
+            count: How many values it holds, each of all lanes.
+
+        Returns:
+            The name of its address.
+        """
+        self.local_arrays += local_array(name, self.layout.real, count, self.stack_space)
+        return f"%{name}"

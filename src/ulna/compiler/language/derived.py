@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ulna.compiler.language import differentiation
 from ulna.compiler.language.ports import Port, prefixed
-from ulna.errors import ShapeError, UnknownName
+from ulna.errors import InputError, ShapeError, UnknownName
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -60,7 +60,8 @@ class Differentiable:
 
         Raises:
             UnknownName: If there is no such input.
-            ShapeError: If the function does not return one number.
+            ShapeError: If the function does not return a number.
+            InputError: If it has several outputs.
         """
         port, numbers = self._chosen(wrt)
         self._check_number("A gradient")
@@ -90,7 +91,8 @@ class Differentiable:
 
         Raises:
             UnknownName: If there is no such input.
-            ShapeError: If the function does not return one number.
+            ShapeError: If the function does not return a number.
+            InputError: If it has several outputs.
         """
         port, numbers = self._chosen(wrt)
         self._check_number("A product with the Hessian")
@@ -128,11 +130,9 @@ class Differentiable:
         return self.inputs[number], range(first, first + self.inputs[number].size)
 
     def _check_number(self, what: str) -> None:
-        if len(self.outputs) != 1 or self.outputs[0].shape != ():
-            shapes = ", ".join(str(p.shape) for p in self.outputs)
-            raise ShapeError(
-                f"output of {self.name}",
-                self.outputs[0].shape if len(self.outputs) == 1 else shapes,
-                "()",
-                f"{what} is that of a single number; for others take jacobian or hessian.",
-            )
+        """Refuses a function that returns anything but one number."""
+        advice = f"{what} is that of a single number; for others take jacobian or hessian."
+        if len(self.outputs) != 1:
+            raise InputError(f"{self.name} returns {len(self.outputs)} outputs; expected one. {advice}")
+        if self.outputs[0].shape != ():
+            raise ShapeError(f"output of {self.name}", self.outputs[0].shape, "()", advice)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ulna.compiler.language.graph import Graph
-from ulna.compiler.language.interpreter import copy_into
+from ulna.compiler.language.loop_derivatives import copied, forward_loop, reverse_loop
 from ulna.compiler.language.ops import TABLE, Op
 from ulna.compiler.language.scalar import Condition, Scalar, index_in
 from ulna.errors import TraceError
@@ -136,14 +136,25 @@ def _copy(graph: Graph, results: Sequence[int]) -> tuple[Graph, list[int], list[
     """A copy of the graph with all its inputs, its input nodes and the nodes of `results`."""
     g = Graph(relaxed=graph.relaxed, lanes=graph.lanes)
     primals = [g.input() for _ in graph.inputs]
-    return g, primals, copy_into(g, graph, results, primals)
+    return g, primals, copied(g, graph, results, primals)
 
 
 def _forward(g: Graph, tangents: dict[int, int], outputs: Sequence[int]) -> list[int]:
     """Tangents of `outputs` where node x has tangent `tangents[x]` and every other input has none."""
     d: dict[int, Scalar] = {x: Scalar(g, t) for x, t in tangents.items()}
+    loops: dict[int, dict[int, int]] = {}  # tangents of the states of loops
     for index in g.live(outputs):
         if index in d or g.op[index] in (Op.INPUT, Op.CONST, Op.BOOL, Op.LANE):
+            continue
+        if g.op[index] == Op.LOOP:
+            made = forward_loop(g, index, {x: t.index for x, t in d.items()}, loops, _forward)
+            if made:
+                loops[index] = made
+            continue
+        if g.op[index] == Op.ITEM:
+            item = loops.get(g.args[index][0], {}).get(g.data[index])
+            if item is not None:
+                d[index] = Scalar(g, item)
             continue
         moving = [a for a in g.args[index] if a in d]
         if not moving:
@@ -195,10 +206,17 @@ def _reverse(g: Graph, seeds: Sequence[tuple[int, int]], inputs: Sequence[int]) 
     for index in order:  # only nodes that depend on the inputs carry a cotangent
         if any(a in reached for a in g.args[index]):
             reached.add(index)
+    ends: dict[int, dict[int, int]] = {}  # cotangents of the final states of loops
     for index in reversed(order):
+        if index in ends:
+            for a, item in reverse_loop(g, index, ends[index], reached, _reverse):
+                accumulate(a, Scalar(g, item), None)
         if index not in bar or index not in reached or g.op[index] == Op.INPUT:
             continue
         value, condition = bar[index]
+        if g.op[index] == Op.ITEM:
+            ends.setdefault(g.args[index][0], {})[g.data[index]] = index_in(g, held(value, condition))
+            continue
         if g.op[index] == Op.SELECT:
             c, a, b = g.args[index]
             here = Condition(g, c)
@@ -227,11 +245,6 @@ def _same(a: Condition | None, b: Condition | None) -> bool:
 
 def _partial(g: Graph, index: int, position: int) -> Any:
     row = TABLE[g.op[index]]
-    if row.op in (Op.LOOP, Op.ITEM):
-        raise TraceError(
-            "Derivatives through a loop are not offered. Differentiate what the loop solves (implicit function "
-            "theorem), or unroll it with a Python `for`."
-        )
     if row.op in (Op.ANY, Op.LEAST):
         raise TraceError("Derivatives of reductions across lanes are not offered.")
     rule = row.partials[position]

@@ -18,7 +18,9 @@ from ulna.errors import InputError, TooLargeError, TraceError
 class Loop:
     """The subgraph that a LOOP node iterates: while `condition`, `state` becomes `following`.
 
-    The subgraph's inputs are the state first, then the captured values of the graph around it.
+    The subgraph's inputs are the state first, then the captured values of the graph around it. A loop that reads the
+    records of others repeats the iterations of the first of them, whatever its own condition says; the states before
+    each iteration are its last inputs, and the LOOP nodes of these loops its last arguments.
     """
 
     graph: Graph
@@ -26,6 +28,9 @@ class Loop:
     condition: int
     following: tuple[int, ...]
     limit: int  # iterations after which a lane stops even where its condition still holds
+    is_recorded: bool = False  # whether the state before each iteration is kept for other loops
+    is_backward: bool = False  # whether it repeats the iterations that it reads from the last to the first
+    reads: int = 0  # how many loops it reads the records of
 
 
 _MOST = 3_000_000
@@ -171,7 +176,8 @@ class Graph:
 
         Args:
             loop: Condition and body.
-            args: Nodes of the initial state, then of the values that the loop captures.
+            args: Nodes of the initial state, then of the values that the loop captures, then of the loops that it
+                reads.
 
         Returns:
             The nodes of the final state, `loop.size` of them.
@@ -241,7 +247,9 @@ class Graph:
             number[index] = len(number)
             data = self.data[index]
             if isinstance(data, Loop):
-                data = (data.graph.fingerprint([data.condition, *data.following]), data.size, data.limit)
+                inner = data.graph.fingerprint([data.condition, *data.following])
+                flags = (data.is_recorded, data.is_backward, data.reads)
+                data = (inner, data.size, data.limit, *(flags if any(flags) else ()))
             elif isinstance(data, float):
                 data = data.hex()
             h.update(repr((int(self.op[index]), [number[a] for a in self.args[index]], data)).encode())

@@ -73,7 +73,13 @@ def interpret(graph: Graph, inputs: Sequence[Any], outputs: Sequence[int]) -> li
         return evaluate(graph, inputs, outputs, operation=_by_numpy, loop=_iterate, lane=_lane_numbers)
 
 
-def copy_into(target: Graph, source: Graph, nodes: Sequence[int], inputs: Sequence[int]) -> list[int]:
+def copy_into(
+    target: Graph,
+    source: Graph,
+    nodes: Sequence[int],
+    inputs: Sequence[int],
+    copy_loop: Callable[[Graph, Loop, list[int]], list[int]] = Graph.loop,
+) -> list[int]:
     """Rebuilds `nodes` of `source` in `target`, with the nodes `inputs` of `target` as its inputs.
 
     Args:
@@ -81,6 +87,7 @@ def copy_into(target: Graph, source: Graph, nodes: Sequence[int], inputs: Sequen
         source: The graph to copy from.
         nodes: Nodes of `source`.
         inputs: For each input of `source` the node of `target` that takes its place.
+        copy_loop: Adds a loop to the target, given its arguments; returns the nodes of its final state.
 
     Returns:
         The nodes of `target` that equal `nodes`.
@@ -92,9 +99,13 @@ def copy_into(target: Graph, source: Graph, nodes: Sequence[int], inputs: Sequen
     def node(op: int, args: Sequence[int]) -> int:
         return target.node(op, *args)
 
-    return evaluate(
-        source, inputs, nodes, operation=node, loop=target.loop, lane=target.lane, constant=constant
-    )
+    def loop(data: Loop, args: Sequence[Any]) -> list[int]:
+        plain = (
+            len(args) - data.reads
+        )  # what is known of the loops that it reads are the nodes of their states
+        return copy_loop(target, data, [*args[:plain], *(target.args[items[0]][0] for items in args[plain:])])
+
+    return evaluate(source, inputs, nodes, operation=node, loop=loop, lane=target.lane, constant=constant)
 
 
 def evaluate_symbols(graph: Graph, inputs: Sequence[Any], outputs: Sequence[int]) -> list[Any]:
@@ -142,16 +153,49 @@ def _lane_numbers(count: int) -> Any:
     return np.arange(float(count))
 
 
+class _States(list[Any]):
+    """The final state of a loop, and for each iteration which elements took part and the state before it."""
+
+    record: Sequence[tuple[Any, Sequence[Any]]] = ()
+
+
 def _iterate(loop: Loop, values: Sequence[Any]) -> list[Any]:
     """Every element iterates until its own condition fails, and then keeps its state."""
+    if loop.reads:
+        return _repeat(loop, values[: -loop.reads], values[-loop.reads :])
     shape = np.broadcast_shapes(*(np.shape(v) for v in values))
     state = [np.broadcast_to(v, shape).astype(float) for v in values[: loop.size]]
-    captured = values[loop.size :]
+    captured, record = values[loop.size :], []
     active = np.ones(shape, dtype=bool)
     for _ in range(loop.limit):
         holds, *following = interpret(loop.graph, [*state, *captured], [loop.condition, *loop.following])
         active = active & holds
         if not active.any():
             break
+        if loop.is_recorded:
+            record.append((active, state))
         state = [np.where(active, new, old) for new, old in zip(following, state, strict=True)]
-    return state
+    return _with_record(state, record)
+
+
+def _repeat(loop: Loop, values: Sequence[Any], read: Sequence[_States]) -> list[Any]:
+    """The iterations of the first loop that is read, with the states of all of them."""
+    rounds = len(read[0].record)
+    shape = np.broadcast_shapes(
+        *map(np.shape, values), *(np.shape(active) for active, _ in read[0].record[:1])
+    )
+    state = [np.broadcast_to(v, shape).astype(float) for v in values[: loop.size]]
+    record: list[Any] = [None] * rounds
+    for k in reversed(range(rounds)) if loop.is_backward else range(rounds):
+        active = read[0].record[k][0]
+        record[k] = active, state
+        states = [number for states in read for number in states.record[k][1]]
+        following = interpret(loop.graph, [*state, *values[loop.size :], *states], loop.following)
+        state = [np.where(active, new, old) for new, old in zip(following, state, strict=True)]
+    return _with_record(state, record)
+
+
+def _with_record(state: Sequence[Any], record: Sequence[Any]) -> _States:
+    states = _States(state)
+    states.record = record
+    return states

@@ -35,6 +35,7 @@ class Writer:
         self._indent = "    " * depth
         self._depth = depth
         self._packs = 0
+        self._iterations: dict[int, str] = {}  # how often loops iterated
 
     def write(self, line: str) -> None:
         """Appends a line."""
@@ -122,12 +123,13 @@ class Writer:
             self.names[node] = f"{s if op == Op.SIN else c}[{k}]"
 
     def loop(self, index: int, loop: Loop, args: Sequence[int]) -> None:
-        """Writes a loop; its state are the variables `L<index>_x<number>`.
+        """Writes a loop; its state are the variables `L<index>_x<number>`, its record the array `L<index>_r`.
 
         Args:
             index: The LOOP node.
             loop: Condition and body.
-            args: Nodes of the initial state, then of the values that the loop captures.
+            args: Nodes of the initial state, then of the values that the loop captures, then of the loops that it
+                reads.
         """
         tag = f"{self.tag}L{index}_"
         live = set(loop.graph.live([loop.condition, *loop.following]))
@@ -135,23 +137,22 @@ class Writer:
         state = [f"{tag}x{k}" for k in range(loop.size)]
         for name, node in zip(state, args, strict=False):
             self.write(f"{self.real} {name} = {self.name_of(node)};")
+        if loop.is_recorded:
+            self.write(f"{self.real} {tag}r[{loop.limit * loop.size}];")
         self.write(f"long {tag}n;")
-        for node, outside in zip(loop.graph.inputs[loop.size :], args[loop.size :], strict=True):
-            inner.names[node] = self.name_of(outside)
-            if node not in live and not self._is_constant(
-                outside
-            ):  # captured, but simplified away in the loop
+        outside = args[loop.size : len(args) - loop.reads]
+        for node, other in zip(loop.graph.inputs[loop.size :], outside, strict=False):
+            inner.names[node] = self.name_of(other)
+            if node not in live and not self._is_constant(other):  # captured, but simplified away in the loop
                 self.write(f"(void){inner.names[node]};")
-        self.write(f"for ({tag}n = 0; {tag}n < {loop.limit}L; {tag}n++) {{")
+        rounds = self._rounds(loop, args)
+        self.write(f"for ({tag}n = 0; {tag}n < {rounds}; {tag}n++) {{")
         for node, name in zip(loop.graph.inputs, state, strict=False):
             if node in live:
                 inner.assign(node, name)
             else:
                 inner.write(f"(void){name};")
-        inner.steps(self._without_inputs(loop.graph, [loop.condition]), {})
-        inner.write(f"if (!({inner.name_of(loop.condition)})) {{")
-        inner.write("    break;")
-        inner.write("}")
+        self._begin_round(inner, tag, loop, args)
         inner.steps(self._without_inputs(loop.graph, [loop.condition, *loop.following]), {})
         for name, node in zip(state, loop.following, strict=True):
             if inner.name_of(node) != name:
@@ -159,6 +160,33 @@ class Writer:
         self.lines += inner.lines
         self.write("}")
         self.names[index] = tag
+        self._iterations[index] = rounds if loop.reads else f"{tag}n"
+
+    def _rounds(self, loop: Loop, args: Sequence[int]) -> str:
+        """How often a loop iterates at most."""
+        return self._iterations[args[len(args) - loop.reads]] if loop.reads else f"{loop.limit}L"
+
+    def _begin_round(self, inner: Writer, tag: str, loop: Loop, args: Sequence[int]) -> None:
+        """Ends the loop, or reads and keeps the states before this iteration."""
+        number = f"{tag}n"
+        if not loop.reads:
+            inner.steps(self._without_inputs(loop.graph, [loop.condition]), {})
+            inner.write(f"if (!({inner.name_of(loop.condition)})) {{")
+            inner.write("    break;")
+            inner.write("}")
+        elif loop.is_backward:
+            number = f"({self._rounds(loop, args)} - 1 - {number})"
+        if loop.is_recorded:
+            for k in range(loop.size):
+                inner.write(f"{tag}r[{number} * {loop.size} + {k}] = {tag}x{k};")
+        read = args[len(args) - loop.reads :]
+        sizes = [self.graph.data[owner].size for owner in read]
+        nodes = iter(loop.graph.inputs[len(loop.graph.inputs) - sum(sizes) :])
+        live = set(loop.graph.live(loop.following))
+        for owner, size in zip(read, sizes, strict=True):
+            for k in range(size):
+                if (node := next(nodes)) in live:
+                    inner.assign(node, f"{self.names[owner]}r[{number} * {size} + {k}]")
 
     @staticmethod
     def _without_inputs(graph: Graph, results: Sequence[int]) -> list[Step]:
