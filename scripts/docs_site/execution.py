@@ -7,6 +7,7 @@ import io
 import os
 import sys
 import time
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,7 +47,7 @@ def run(page: Path, folder: Path) -> list[Output]:
     folder.mkdir(parents=True, exist_ok=True)
     scope: dict[str, object] = {"__name__": f"page_{page.stem}"}
     outputs = []
-    with contextlib.chdir(folder), _without_screen():
+    with contextlib.chdir(folder), _without_screen(), _warnings_as_errors():
         for block in blocks(page.read_text(encoding="utf-8")):
             before = _files(folder)
             printed = io.StringIO()
@@ -93,6 +94,18 @@ def _without_screen():
                 os.environ[name] = value
         if "matplotlib.pyplot" in sys.modules:
             sys.modules["matplotlib.pyplot"].close("all")
+
+
+@contextlib.contextmanager
+def _warnings_as_errors():
+    """A warning fails a page, as it fails a test; those of other packages about themselves do not."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", category=DeprecationWarning, module="(?!ulna)")
+        warnings.filterwarnings("ignore", category=SyntaxWarning, module=".*site-packages.*")
+        warnings.filterwarnings("ignore", "FigureCanvasAgg is non-interactive")
+        warnings.filterwarnings("ignore", "os.fork\\(\\) was called", RuntimeWarning)
+        yield
 
 
 def _files(folder: Path) -> dict[str, int]:

@@ -28,11 +28,15 @@ def _is_heavy(path: Path) -> bool:
     )
 
 
-RUNS = [pytest.param(p, id=_name(p), marks=[pytest.mark.slow] if _is_heavy(p) else []) for p in DOCUMENTS]
+def _marks(path: Path) -> list[pytest.MarkDecorator]:
+    slow = [pytest.mark.slow] if _is_heavy(path) else []
+    return [*slow, pytest.mark.page] if path in pages.pages() else slow
+
+
+RUNS = [pytest.param(p, id=_name(p), marks=_marks(p)) for p in DOCUMENTS]
 
 
 @pytest.mark.parametrize("path", RUNS)
-@pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
 def test_python_blocks_run_and_make_the_pictures(path: Path, tmp_path: Path) -> None:
     outputs = execution.run(path, tmp_path)
     assert not pages.missing_pictures(path, [name for output in outputs for name in output.files])

@@ -35,13 +35,13 @@ def project(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def calls(project: Path, extras: str, groups: str = "") -> list[str]:
+def calls(project: Path, extras: str, groups: str = "", complete: str = "") -> list[str]:
     """What one run of `environment` asks of Python."""
     (project / "calls").unlink(missing_ok=True)
     subprocess.run(
         [str(BASH), "-euo", "pipefail", "-c", '. scripts/environment; environment "$0" "$1"', extras, groups],
         cwd=project,
-        env={**os.environ, "ULNA_PYTHON": str(project / "stub")},
+        env={**os.environ, "ULNA_PYTHON": str(project / "stub"), "ULNA_ENVIRONMENT": complete},
         check=True,
     )
     file = project / "calls"
@@ -57,6 +57,10 @@ def test_without_groups_no_group_is_asked_for(project: Path) -> None:
 
 def test_every_group_is_asked_for(project: Path) -> None:
     assert calls(project, "all", "test lint")[-1].endswith("-e .[all] --group test --group lint")
+
+
+def test_nothing_is_asked_for_where_everything_is_installed(project: Path) -> None:
+    assert calls(project, "all", "test", complete="complete") == []
 
 
 def test_the_second_run_does_nothing(project: Path) -> None:
