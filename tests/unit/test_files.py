@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import ulna
+from support.patience import patient
 from ulna import disk_cache as cache
 from ulna.errors import FormatError, InputError, ModelWarning, UlnaError
 from ulna.files import open_regular, read_regular, special_kind
@@ -60,9 +61,9 @@ def test_regular_files_are_read_and_others_are_not(tmp_path: Path, fifo: Callabl
     with open_regular(tmp_path / "a") as file:
         assert file.readline() == b"abc"
     with pytest.raises(OSError, match="pipe"):
-        within(5, lambda: read_regular(fifo("pipe")))
+        within(300, lambda: read_regular(fifo("pipe")))
     with pytest.raises(OSError, match="device"):
-        within(5, lambda: read_regular("/dev/zero"))
+        within(300, lambda: read_regular("/dev/zero"))
     with socket.socket(socket.AF_UNIX) as server:
         place = os.path.relpath(tmp_path / "s")
         server.bind(place if len(place) < 100 else str(tmp_path / "s"))
@@ -82,16 +83,16 @@ def test_a_pipe_that_takes_a_files_place_is_refused_after_opening(
     monkeypatch.setattr("ulna.files.refuse_special", lambda path: None)
     before = len(os.listdir("/proc/self/fd")) if os.path.isdir("/proc/self/fd") else 0
     with pytest.raises(OSError, match="pipe"):
-        within(5, lambda: read_regular(place))
+        within(300, lambda: read_regular(place))
     if before:
-        assert len(os.listdir("/proc/self/fd")) == before
+        assert patient()(lambda: len(os.listdir("/proc/self/fd")) <= before)
 
 
 @pytest.mark.parametrize("ending", ["urdf", "xml", "mjcf", "xacro"])
 def test_robots_are_not_read_from_pipes(ending: str, fifo: Callable[[str], str]) -> None:
     place = fifo(f"robot.{ending}")
     with pytest.raises(FormatError, match=r"pipe \(FIFO\), and only regular files are read; save what it"):
-        within(10, lambda: ulna.load(place))
+        within(300, lambda: ulna.load(place))
 
 
 def test_srdf_trajectories_scripts_and_meshes_are_not_read_from_pipes(fifo: Callable[[str], str]) -> None:
@@ -108,7 +109,7 @@ def test_srdf_trajectories_scripts_and_meshes_are_not_read_from_pipes(fifo: Call
         (fifo("b.stl"), read_pieces, InputError),
     ):
         with pytest.raises(error, match="pipe"):
-            within(10, lambda call=call, place=place: call(place))
+            within(300, lambda call=call, place=place: call(place))
 
 
 def test_an_included_pipe_is_refused(tmp_path: Path, fifo: Callable[[str], str]) -> None:
@@ -120,7 +121,7 @@ def test_an_included_pipe_is_refused(tmp_path: Path, fifo: Callable[[str], str])
         '<xacro:include filename="part.xacro"/><link name="a"/></robot>'
     )
     with pytest.raises(FormatError, match="pipe"):
-        within(10, lambda: ulna.load(outer))
+        within(300, lambda: ulna.load(outer))
     (tmp_path / "part.xacro").unlink()
     (tmp_path / "part.xacro").write_text('<robot><link name="b"/></robot>')
     outer.write_text(outer.read_text().replace('<link name="a"/>', ""))
@@ -134,7 +135,7 @@ def test_a_mesh_that_names_a_pipe_as_its_material_is_read_without_it(
     fifo("a.mtl")
     mesh = tmp_path / "a.obj"
     mesh.write_text("mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    assert np.array_equal(within(10, lambda: read_pieces(str(mesh)))[0].triangles, [[0, 1, 2]])
+    assert np.array_equal(within(300, lambda: read_pieces(str(mesh)))[0].triangles, [[0, 1, 2]])
     (tmp_path / "a.mtl").unlink()
     (tmp_path / "a.mtl").write_text("newmtl m\nKd 1 0 0\n")
     assert tuple(read_pieces(str(mesh))[0].source.visual.material.diffuse[:3]) == (255, 0, 0)
@@ -146,7 +147,7 @@ def test_a_mesh_of_a_urdf_that_is_a_pipe_counts_as_missing(
     place = fifo("a.stl")
     text = f'<robot name="r"><link name="a"><visual><geometry><mesh filename="{place}"/></geometry></visual></link></robot>'
     with pytest.warns(ModelWarning, match="not found"):
-        robot = within(10, lambda: ulna.load(text))
+        robot = within(300, lambda: ulna.load(text))
     assert robot.model.links[0].visuals[0].shape.missing
 
 
@@ -159,7 +160,7 @@ def test_a_pipe_in_the_place_of_a_cache_entry_is_passed_over(
     assert cache.read(name) == b"content"
     (tmp_path / "kernels" / name).unlink()
     os.mkfifo(tmp_path / "kernels" / name)
-    assert within(5, lambda: cache.read(name)) is None
+    assert within(300, lambda: cache.read(name)) is None
     cache.write(name, b"content")
     assert cache.read(name) == b"content"
 
@@ -176,4 +177,4 @@ def test_the_message_about_standard_input_says_what_to_do() -> None:
 def test_devices_are_refused() -> None:
     with warnings.catch_warnings(), pytest.raises(UlnaError, match="device"):
         warnings.simplefilter("error")
-        within(5, lambda: ulna.load("/dev/zero"))
+        within(300, lambda: ulna.load("/dev/zero"))

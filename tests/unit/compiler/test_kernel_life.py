@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import copy
 import gc
+import itertools
+import math
 import multiprocessing
 import os
 import pickle
@@ -147,42 +149,44 @@ def test_single_calls_neither_leak_memory_nor_references(kernel):
     before = [sys.getrefcount(w) for w in watched]
     tracemalloc.start()
     rounds(200)
-    start = tracemalloc.get_traced_memory()[0]
-    rounds(2000)
-    gc.collect()
-    grown = tracemalloc.get_traced_memory()[0] - start
+    grown = math.inf
+    for _ in range(5):  # other threads may allocate meanwhile, though not each time
+        start = tracemalloc.get_traced_memory()[0]
+        rounds(2000)
+        gc.collect()
+        grown = min(grown, tracemalloc.get_traced_memory()[0] - start)
+        if grown < 20_000:
+            break
     tracemalloc.stop()
     after = [sys.getrefcount(w) for w in watched]
     assert max(abs(a - b) for a, b in zip(after, before, strict=True)) <= 3
     assert grown < 20_000
 
 
-def _resident() -> int:
-    """Memory of this process [byte]."""
-    if not os.path.exists("/proc/self/statm"):
-        pytest.skip("no /proc here")
-    with open("/proc/self/statm") as file:
-        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-
-
 def test_a_hundred_thousand_calls_do_not_grow_the_process(kernel):
-    for _ in range(20_000):
-        kernel(Q, V)
-    start = _resident()
-    for _ in range(100_000):
-        kernel(Q, V)
-    assert _resident() - start < 4 * 2**20
+    from support.memory import least_growth  # this module is imported by programs that know no `support`
+
+    def calls(count: int) -> None:
+        for _ in range(count):
+            kernel(Q, V)
+
+    calls(20_000)
+    assert least_growth(lambda: calls(100_000), 4 * 2**20) < 4 * 2**20
 
 
 def test_code_of_kernels_that_are_let_go_is_given_back(monkeypatch):
     monkeypatch.setenv("ULNA_CACHE", "0")
-    starts = []
-    for k in range(130):
-        if k in (30, 129):
-            gc.collect()
-            starts.append(_resident())
-        compile(lambda x, k=k: np.sin(x) * (k + 2.5), x=(6,))
-    assert starts[1] - starts[0] < 100 * 6 * 2**10  # once it was 12 kB for each
+    from support.memory import least_growth
+
+    numbers = itertools.count()
+
+    def compilations(count: int) -> None:
+        for k in itertools.islice(numbers, count):
+            compile(lambda x, k=k: np.sin(x) * (k + 2.5), x=(6,))
+
+    compilations(30)
+    most = 100 * 6 * 2**10  # bytes; once it was 12 kB for each
+    assert least_growth(lambda: compilations(100), most) < most
 
 
 def test_kernels_that_come_and_go_leave_nothing_behind():
