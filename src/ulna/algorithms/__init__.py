@@ -24,6 +24,9 @@ from ulna.algorithms.derivatives.centroidal import com_velocity_derivatives as c
 from ulna.algorithms.derivatives.differentiated_rnea import aba_derivatives as aba_derivatives
 from ulna.algorithms.derivatives.differentiated_rnea import rnea_derivatives as rnea_derivatives
 from ulna.algorithms.derivatives.forward_dynamics import (
+    columns_of_derivatives as columns_of_derivatives,
+)
+from ulna.algorithms.derivatives.forward_dynamics import (
     forward_dynamics_derivatives as forward_dynamics_derivatives,
 )
 from ulna.algorithms.derivatives.inverse_dynamics import (
@@ -57,6 +60,7 @@ from ulna.algorithms.dynamics.energy import mechanical_energy as mechanical_ener
 from ulna.algorithms.dynamics.energy import potential_energy as potential_energy
 from ulna.algorithms.dynamics.forward_dynamics import by_mass_matrix as by_mass_matrix
 from ulna.algorithms.dynamics.forward_dynamics import forward_dynamics as forward_dynamics
+from ulna.algorithms.dynamics.inverse_mass_matrix import columns_of_inverse as columns_of_inverse
 from ulna.algorithms.dynamics.inverse_mass_matrix import inverse_mass_matrix as inverse_mass_matrix
 from ulna.algorithms.dynamics.joint_friction import Friction as Friction
 from ulna.algorithms.dynamics.joint_friction import friction_torque as friction_torque

@@ -57,6 +57,7 @@ class Derivatives(Part):
         returns="By q, v and tau",
         nodes=(330, 138, 18),
         inverts_mass=True,
+        columns=under_forces(algorithms.columns_of_derivatives),
         **_FIXED,
     )
     def forward_dynamics(

@@ -19,6 +19,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar, final
 
+from ulna.compiler.language.columns import Columns
 from ulna.errors import InputError
 from ulna.model import Frame, Model
 from ulna.quantities.documentation import ARRAYS, Size, documented
@@ -49,6 +50,7 @@ class Quantity:
         summary: What it is, in a sentence or two.
         nodes: Coefficients of the size of its graph; see `ulna.quantities.size`.
         inverts_mass: Whether it needs the inverse of the mass matrix, which some models do not have.
+        columns: Returns the same as a function of columns, for single calls; None for quantities without.
     """
 
     name: str
@@ -60,6 +62,7 @@ class Quantity:
     summary: str
     nodes: tuple[float, float, float]
     inverts_mass: bool
+    columns: Callable[..., Columns] | None = None
 
     def arguments(self, options: Mapping[str, Any]) -> Arguments:
         """Names and sizes of the kernel's arguments under these options."""
@@ -80,6 +83,20 @@ class Quantity:
         """
         return with_mass(self._on)(model, **options) if self.inverts_mass else self._on(model, **options)
 
+    def build_columns(self, model: Model, **options: Any) -> Callable[..., Columns]:
+        """The form of columns of the same function; see `ulna.compiler.language.columns`.
+
+        Args:
+            model: The robot.
+            **options: All options.
+
+        Returns:
+            `columns(model, *arrays, **options)` as a function of the arrays.
+        """
+        assert self.columns is not None, self.name
+        form = self.columns
+        return lambda *arrays: form(model, *arrays, **options)
+
     def _on(self, model: Model, **options: Any) -> Callable[..., Any]:
         return lambda *arrays: self.algorithm(model, *arrays, **options)
 
@@ -94,6 +111,7 @@ def quantity(
     more: Callable[[Mapping[str, Any]], Arguments] = no_more,
     nodes: float | tuple[float, float, float] = 120.0,
     inverts_mass: bool = False,
+    columns: Callable[..., Columns] | None = None,
     returns: str = "",
     **about: str,
 ) -> Callable[[F], F]:
@@ -109,6 +127,7 @@ def quantity(
         more: As for `Quantity`.
         nodes: As for `Quantity`; one number is the first.
         inverts_mass: As for `Quantity`.
+        columns: As for `Quantity`.
         returns: What the result is, for the documentation, where the first sentence does not say it.
         **about: What to write of arguments, where it is not what `ulna.quantities.documentation` has for their names.
 
@@ -132,6 +151,7 @@ def quantity(
             summary=(method.__doc__ or "").split("\n\n", 1)[0],
             nodes=nodes if isinstance(nodes, tuple) else (nodes, 0.0, 0.0),
             inverts_mass=inverts_mass,
+            columns=columns,
         )
         made = method if options is not None else _calling_kernel(method, record, parameters)
         made.__doc__ = documented(method.__doc__, parameters, result, returns, inverts_mass, about)

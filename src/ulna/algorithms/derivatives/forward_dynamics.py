@@ -22,6 +22,7 @@ from ulna.algorithms.dynamics.forward_dynamics import by_mass_matrix
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors, is_zero
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.external_forces import External
+from ulna.compiler.language.columns import Columns
 from ulna.model import Model
 from ulna.typing import Array
 
@@ -48,6 +49,26 @@ def forward_dynamics_derivatives(
         _negative(factors, by, batch_zeros(by.shape[-2:], q, v, tau, external)) for by in (tau_q, tau_v)
     )
     return a_q, a_v, factors.inverse() + batch_zeros((model.nv, model.nv), q, v, tau, external)
+
+
+def columns_of_derivatives(
+    model: Model, q: Array, v: Array, tau: Array, external: External = None
+) -> Columns:
+    """The derivatives of the joint accelerations as solutions of M x = b, column by column, for one sample.
+
+    Args:
+        model: The robot; every motion must move some mass or have armature.
+        q: Configuration, shape (nq,) [rad, m].
+        v: Velocity, shape (nv,) [rad/s, m/s].
+        tau: Joint torques, shape (nv,) [N m, N].
+        external: As for `inverse_dynamics_derivatives`.
+
+    Returns:
+        The factors, and what is done with a column of dtau/dq, dtau/dv and of the unit matrix with a minus.
+    """
+    a = by_mass_matrix(model, q, v, tau, external)
+    tau_q, tau_v, M = inverse_dynamics_derivatives(model, q, v, a, external)
+    return Factors(M).columns([tau_q, tau_v, -1.0], sign=-1.0)
 
 
 def _negative(factors: Factors, b: Array, into: Array) -> Array:

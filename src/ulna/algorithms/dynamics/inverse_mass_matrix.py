@@ -16,6 +16,7 @@ from __future__ import annotations
 from ulna.algorithms.dynamics.crba import mass_matrix
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.compiler.language.columns import Columns
 from ulna.model import Model
 from ulna.typing import Array
 
@@ -32,3 +33,16 @@ def inverse_mass_matrix(model: Model, q: Array) -> Array:
     """
     inverse = Factors(mass_matrix(model, q)).inverse()
     return inverse if inverse.dtype == object else inverse + batch_zeros((model.nv, model.nv), q)
+
+
+def columns_of_inverse(model: Model, q: Array) -> Columns:
+    """The inverse of the mass matrix as the solutions of M x = e, column by column, for one sample.
+
+    Args:
+        model: The robot; every motion must move some mass or have armature.
+        q: Configuration, shape (nq,) [rad, m].
+
+    Returns:
+        The factors and what is done with a column of the unit matrix.
+    """
+    return Factors(mass_matrix(model, q)).columns([1.0])

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna.compiler.language.columns import Columns
 from ulna.errors import ModelError
 from ulna.linalg import reciprocal_above
 from ulna.numeric import matrix
@@ -98,6 +99,27 @@ class Factors:
         return self.outward(
             y * reciprocal for y, reciprocal in zip(self.inward(b), self.reciprocals, strict=True)
         )
+
+    def columns(self, matrices: Sequence[Any], sign: float = 1.0) -> Columns:
+        """M^-1 B or -M^-1 B for some matrices B, column by column.
+
+        Args:
+            matrices: Each B, shape (nv, nv), or a number, which stands for that multiple of the unit matrix.
+            sign: 1 or -1 [-].
+
+        Returns:
+            The products as a function of the columns of each B.
+        """
+        keys = [sorted(row) for row in self.lower]
+        n = len(keys)
+
+        def body(table: Array, column: Array) -> Array:
+            entries = iter(table)
+            lower = [{j: next(entries) for j in row} for row in keys]
+            return np.array(Factors.of(lower, list(entries)).solve(list(column)), dtype=object)
+
+        table = [self.lower[k][j] for k in range(n) for j in keys[k]]
+        return Columns([*table, *(sign * r for r in self.reciprocals)], matrices, body)
 
     def inward(self, b: Iterable[Any]) -> list[Any]:
         """y with L^T y = b; entries that are zero by the tree stay so."""

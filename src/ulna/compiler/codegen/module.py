@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 
 from ulna.compiler.codegen.batch_loop import batch_loop
+from ulna.compiler.codegen.columns import can_write_columns, write_columns
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes, local_array
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.row_table import at, write_rows
@@ -126,6 +127,10 @@ def emit_single(f: Function, target: Target, element: DType = "double") -> str:
         The text of an LLVM module.
     """
     module = Module()
+    if f.columns is not None and can_write_columns(f, target, element):
+        _write_block(module, f.columns.head, "head", Lanes(1, element), target.packed_sines, target)
+        write_columns(module, f, f.columns, target, element)
+        return module.text() + _wide_registers(target.lanes(element), element)
     _write_block(module, f, "one", Lanes(1, element), target.packed_sines, target)
     return module.text() + (_wide_registers(f.lanes, element) if f.lanes > 1 else "")
 

@@ -24,6 +24,21 @@ from ulna.system.cached import cached_property
 
 
 @dataclass(frozen=True, eq=False)
+class ColumnForm:
+    """A second form of a function whose outputs are matrices of one shape; see `ulna.compiler.language.columns`.
+
+    Attributes:
+        head: Function of the same inputs: the table, then the matrices whose columns the body takes.
+        body: A column of an output from the table and a column of its matrix.
+        units: For each output the multiple of the unit matrix that stands for its matrix; None for one of the head's.
+    """
+
+    head: Function
+    body: Function
+    units: tuple[float | None, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class Function(Differentiable):
     """A traced function: arrays in, arrays out, every number a node of one graph.
 
@@ -41,6 +56,7 @@ class Function(Differentiable):
     lanes: int = (
         1  # above 1, one sample is evaluated in so many SIMD lanes; see `ulna.compiler.language.lanes`
     )
+    columns: ColumnForm | None = field(default=None, repr=False)
 
     def __call__(self, *args: Any) -> Any:
         """Evaluates on floats by interpretation, or inlines into the trace under way."""

@@ -1,0 +1,155 @@
+"""Writes a function in its form of columns: the head once, then the body for a register of columns at a time.
+
+The columns of a matrix in memory lie side by side, so an entry of as many columns as there are lanes is one load, and
+what all columns share is loaded into all lanes. Where the rows of the columns in a register are zero, the body leaves
+them out. The last columns of a row are taken with some before them once more,
+so that no lane is idle beyond the row.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
+from ulna.compiler.codegen.node_writer import Module, Writer
+from ulna.compiler.codegen.target import Target
+from ulna.compiler.language.function import ColumnForm, Function, trace
+from ulna.compiler.language.ops import Op
+
+_LARGEST_SCRATCH = 400_000  # of the matrices, which lie on the stack [byte]
+_NARROWEST = 32  # registers that are worth it [byte]
+
+
+def can_write_columns(f: Function, target: Target, element: DType) -> bool:
+    """Whether the form of columns suits a processor.
+
+    Args:
+        f: A function with such a form.
+        target: The processor.
+        element: Type of the array elements, "double" or "float".
+
+    Returns:
+        Whether its registers are wide, a row has as many columns as one holds, and the matrices fit on the stack.
+    """
+    size = sum(port.size for port in f.outputs) * BYTES[element]
+    is_wide = target.register_bytes >= _NARROWEST and target.stack_space == 0
+    return is_wide and f.outputs[0].shape[1] >= target.lanes(element) and size <= _LARGEST_SCRATCH
+
+
+def write_columns(module: Module, f: Function, form: ColumnForm, target: Target, element: DType) -> None:
+    """`void one(ptr in, ..., ptr out, ...)`, which calls `head`; that is written already.
+
+    Args:
+        module: Where the definitions go.
+        f: The function.
+        form: Its form of columns.
+        target: The processor.
+        element: Type of the array elements, "double" or "float".
+    """
+    lanes, (n, m) = target.lanes(element), f.outputs[0].shape
+    starts = [*range(0, m - lanes, lanes), m - lanes]
+    bodies: dict[tuple[int, frozenset[int]], str] = {}
+    inputs = [f"ptr %i{k}" for k in range(len(f.inputs))]
+    lines, scratch = [], []
+    for k, port in enumerate(form.head.outputs):
+        lines.append(f"  %s{k} = alloca [{max(port.size, 1)} x {element}], align 64")
+        scratch.append(f"ptr %s{k}")
+    lines.append(f"  call void @head({', '.join([*inputs, *scratch])})")
+    matrices = iter(scratch[1:])
+    for k, (unit, zeros) in enumerate(zip(form.units, _zeros(form, m), strict=True)):
+        source = next(matrices) if unit is None else f"ptr {_units(module, unit, n, m, element)}"
+        for start in starts:
+            rows = frozenset(i for i in range(n) if all(row[i] for row in zeros[start : start + lanes]))
+            same = (name for (at, fewer), name in bodies.items() if at == start and fewer <= rows)
+            if (name := next(same, "")) == "":
+                name = bodies[start, rows] = f"column{len(bodies)}"
+                _write_body(module, name, _without(form.body, rows), m, Lanes(lanes, element), target)
+            at = f"{k}.{start}"
+            lines.append(f"  %x{at} = getelementptr {element}, {source}, i64 {start}")
+            lines.append(f"  %y{at} = getelementptr {element}, ptr %o{k}, i64 {start}")
+            lines.append(f"  call void @{name}(ptr %s0, ptr %x{at}, ptr %y{at})")
+    arguments = [*inputs, *(f"ptr %o{k}" for k in range(len(f.outputs)))]
+    head = f"define internal void @one({', '.join(arguments)}) noinline nounwind #0 {{"
+    module.definitions["one"] = "\n".join([head, "entry:", *lines, "  ret void", "}", ""])
+
+
+def _zeros(form: ColumnForm, m: int) -> list[list[list[bool]]]:
+    """For each matrix, column and row whether the entry is zero whatever the inputs."""
+    head, g = form.head, form.head.graph
+    start = head.outputs[0].size
+    n = form.body.inputs[1].size
+    zeros = []
+    for unit in form.units:
+        if unit is not None:
+            zeros.append([[i != k for i in range(n)] for k in range(m)])
+            continue
+        nodes = head.results[start : start + n * m]
+        start += n * m
+        is_zero = [g.op[node] == Op.CONST and g.data[node] == 0.0 for node in nodes]
+        zeros.append([is_zero[k::m] for k in range(m)])
+    return zeros
+
+
+def _without(body: Function, rows: frozenset[int]) -> Function:
+    """The body on columns whose entries in some rows are zero."""
+    if not rows:
+        return body
+
+    def narrowed(table: Any, column: Any) -> Any:
+        return body(table, np.array([0.0 if k in rows else x for k, x in enumerate(column)], dtype=object))
+
+    return trace(narrowed, name=body.name, table=body.inputs[0].shape, column=body.inputs[1].shape)
+
+
+def _units(module: Module, unit: float, n: int, m: int, element: DType) -> str:
+    """The name of a constant, a multiple of the unit matrix."""
+    name, layout = f"@units.{int(unit < 0)}", Lanes(1, element)
+    number, zero = layout.constant(unit), layout.constant(0.0)
+    entries = (f"{element} {number if i == j else zero}" for i in range(n) for j in range(m))
+    module.declare(f"{name} = private constant [{n * m} x {element}] [{', '.join(entries)}], align 64")
+    return name
+
+
+def _write_body(module: Module, name: str, f: Function, m: int, layout: Lanes, target: Target) -> None:
+    """`void name(ptr table, ptr column, ptr result)` for as many columns as there are lanes, of rows of m numbers.
+
+    A number of the table is loaded where it is used, each time: as an operand it costs nothing, in a register it would
+    take the place of another.
+    """
+    g, element = f.graph, layout.dtype
+    w = Writer(module, g, layout, "", target.arithmetic)
+    size = f.inputs[0].size
+    table = {node: k for k, node in enumerate(g.inputs[:size])}
+    column = {node: k for k, node in enumerate(g.inputs[size:])}
+    rows: dict[int, list[int]] = {}
+    for k, node in enumerate(f.results):
+        rows.setdefault(node, []).append(k)
+
+    def fetch(node: int) -> None:
+        if node in table:
+            w.names[node] = w.in_all_lanes(element, _load(w, "table", table[node], element, element))
+        elif node in column and node not in w.names:
+            w.names[node] = _load(w, "column", column[node] * m, layout.real, element)
+
+    for node in g.live(f.results):
+        if g.op[node] != Op.INPUT:
+            for a in g.args[node]:
+                fetch(a)
+            w.node(node)
+        for k in rows.get(node, ()):
+            fetch(node)
+            place = w.fresh("p")
+            w.write(f"{place} = getelementptr {element}, ptr %result, i64 {k * m}")
+            w.write(f"store {layout.real} {w.names[node]}, ptr {place}, align {BYTES[element]}")
+    arguments = "ptr noalias %table, ptr noalias %column, ptr noalias %result"
+    head = f"define internal void @{name}({arguments}) noinline nounwind #0 {{"
+    module.definitions[name] = "\n".join([head, "entry:", *w.lines, "  ret void", "}", ""])
+
+
+def _load(w: Writer, array: str, index: int, kind: str, element: DType) -> str:
+    place, value = w.fresh("p"), w.fresh("x")
+    w.write(f"{place} = getelementptr {element}, ptr %{array}, i64 {index}")
+    w.write(f"{value} = load {kind}, ptr {place}, align {BYTES[element]}")
+    return value

@@ -1,0 +1,70 @@
+"""Functions whose results are matrices, column after column by one body: all columns of a register at once.
+
+A graph of a matrix has a node for each operation of each column. For one sample that is much straight-line code, and
+fetching it takes longer than computing. Where all columns come from the same operations on other numbers, a function
+can have a second form: a head, and a body that is evaluated for many columns, one in each SIMD lane. The graph remains
+the definition of the function; batches, derivatives and other languages use it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna.compiler.language.function import ColumnForm, Function, trace
+from ulna.compiler.language.ports import Shape
+from ulna.errors import TraceError
+
+
+class Columns(NamedTuple):
+    """Matrices as a function of their columns.
+
+    Attributes:
+        table: The numbers that all columns share.
+        matrices: One for each result, (n, m): its columns are passed to the body. A number stands for that multiple of
+            the unit matrix.
+        body: The column of a result, (n,), from the table, as an array, and a column of the matrix, (n,).
+    """
+
+    table: Sequence[Any]
+    matrices: Sequence[Any]
+    body: Callable[[Any, Any], Any]
+
+
+def with_columns(f: Function, form: Callable[..., Columns], **shapes: Shape | int) -> Function:
+    """The same function with a second form, in which single calls are compiled where registers are wide.
+
+    Args:
+        f: The function; its outputs are matrices of one shape.
+        form: Function of the same arrays that returns these matrices as a function of their columns.
+        **shapes: Shape of each argument, as for `trace`.
+
+    Returns:
+        The function with its second form.
+
+    Raises:
+        TraceError: The form has other outputs than the function.
+    """
+    forms: list[Columns] = []
+
+    def head(*arrays: Any) -> tuple[Any, ...]:
+        forms.append(form(*arrays))
+        table, matrices, _ = forms[-1]
+        return np.array(table, dtype=object), *(x for x in matrices if not np.isscalar(x))
+
+    traced = trace(head, name=f"{f.name}_head", **shapes)
+    columns = forms[0]
+    shape = f.outputs[0].shape
+    n = shape[0]
+    body = trace(columns.body, name=f"{f.name}_column", table=(len(columns.table),), column=(n,))
+    units = tuple(float(x) if np.isscalar(x) else None for x in columns.matrices)
+    is_alike = len(units) == len(f.outputs) and all(p.shape == shape for p in f.outputs)
+    if not is_alike or len(shape) != 2 or any(p.shape != shape for p in traced.outputs[1:]):
+        raise TraceError(
+            f"The columns of {f.name!r} are not those of its {len(f.outputs)} outputs; expected {len(f.outputs)} "
+            f"matrices of the shape {shape}."
+        )
+    return replace(f, columns=ColumnForm(traced, body, units))

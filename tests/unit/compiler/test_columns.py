@@ -1,0 +1,127 @@
+"""Functions with a second form, whose body is evaluated for all columns of a register at once."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from support.fenced import fenced
+from support.random_models import random_model
+from ulna import kernels
+from ulna.compiler import Function, compile, trace
+from ulna.compiler.codegen.arithmetic import Arithmetic
+from ulna.compiler.codegen.module import emit_single
+from ulna.compiler.language.columns import Columns, with_columns
+from ulna.compiler.runtime import jit
+from ulna.errors import TraceError
+from ulna.robot import Robot
+
+N, M = 5, 19
+
+
+def _body(table, column):
+    """A product with a shared number, a plain entry, a shared number alone, a constant and the same result twice."""
+    x = table[0] * column[0] - column[1] / table[1]
+    return np.array([x, column[2], table[2], 1.5, x])
+
+
+def _matrix(a):
+    """Numbers of an input and others computed from them."""
+    return np.array([[a[i, j] * (1.0 if j % 2 else a[0, 0]) for j in range(M)] for i in range(N)])
+
+
+def _form(a):
+    return Columns([a[0, 1], 2.0 + np.sin(a[1, 1]), a[2, 2] * a[0, 3]], [_matrix(a), -2.0, a], _body)
+
+
+def _plain(a):
+    table, matrices, body = _form(a)
+    unit = np.eye(N, M)
+    whole = (x * unit if np.isscalar(x) else x for x in matrices)
+    return tuple(np.stack([body(table, B[:, k]) for k in range(M)], axis=1) for B in whole)
+
+
+def _function() -> Function:
+    return with_columns(trace(_plain, a=(N, M)), _form, a=(N, M))
+
+
+@pytest.fixture(scope="module")
+def samples():
+    return np.random.default_rng(4).normal(size=(11, N, M))
+
+
+@pytest.mark.parametrize(("dtype", "rtol"), [("float64", 1e-14), ("float32", 1e-5)])
+def test_single_calls_equal_the_graph_and_batches(samples, dtype, rtol):
+    kernel = compile(_function(), dtype=dtype)
+    expected = _plain(samples[0])
+    inputs = samples.astype(dtype)
+    batch = kernel(inputs)
+    for k in range(3):
+        np.testing.assert_allclose(kernel(inputs[0])[k], expected[k], rtol=rtol, atol=rtol)
+        np.testing.assert_allclose(kernel.function(samples)[k][0], expected[k], rtol=1e-14)
+        stack = [kernel(x)[k] for x in inputs]
+        np.testing.assert_allclose(batch[k], stack, rtol=rtol, atol=rtol)
+
+
+def test_outputs_may_be_inputs(samples):
+    kernel = compile(_function())
+    a, expected = samples[3].copy(), kernel(samples[3])
+    others = np.empty((N, M)), np.empty((N, M))
+    kernel(a, out=(a, *others))
+    for got, wanted in zip((a, *others), expected, strict=True):
+        np.testing.assert_array_equal(got, wanted)
+
+
+@pytest.mark.parametrize("at_end", [False, True])
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_nothing_beside_the_arrays_is_touched(samples, dtype, at_end):
+    """The arrays begin or end at a page without access."""
+    kernel = compile(_function(), dtype=dtype)
+    arrays = [fenced(N * M, dtype, at_end).reshape(N, M) for _ in range(4)]
+    arrays[0][...] = samples[2]
+    kernel(arrays[0], out=tuple(arrays[1:]))
+    for got, wanted in zip(arrays[1:], kernel(samples[2].astype(dtype)), strict=True):
+        np.testing.assert_array_equal(got, wanted)
+
+
+def test_a_pickled_kernel_gives_the_same_bits(samples):
+    kernel = compile(_function())
+    copied = pickle.loads(pickle.dumps(kernel))
+    assert copied.function.columns is not None
+    for got, wanted in zip(copied(samples[1]), kernel(samples[1]), strict=True):
+        np.testing.assert_array_equal(got, wanted)
+
+
+def test_narrow_registers_and_few_columns_take_the_graph():
+    f, target = _function(), jit.target()
+    wide = replace(target, register_bytes=32, arithmetic=Arithmetic())
+    assert "@column0(" in emit_single(f, wide)
+    assert "@column0(" not in emit_single(f, replace(wide, register_bytes=16))
+    assert "@column0(" not in emit_single(f, replace(wide, register_bytes=256))
+
+
+def test_a_form_with_other_results_is_refused():
+    f = trace(_plain, a=(N, M))
+    with pytest.raises(TraceError, match="3 outputs"):
+        with_columns(f, lambda a: Columns([a[0, 0]], [a], lambda t, c: c * t[0]), a=(N, M))
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"), [("inverse_mass_matrix", ("armature",)), ("forward_dynamics_derivatives", ())]
+)
+def test_matrices_of_a_tree_equal_the_interpreted_graph(name, parameters):
+    kinds = ["revolute", "revolute", "prismatic"]
+    model = random_model(np.random.default_rng(2), kinds, 7, root="free_flyer", mimics=1, branching=0.5)
+    kernel = kernels.kernel(model, name, parameters=parameters)
+    assert kernel.function.columns is not None
+    rng = np.random.default_rng(1)
+    sizes = [port.shape for port in kernel.function.inputs]
+    q = Robot(model).random_configuration(seed=3)
+    arrays = [q if shape == q.shape else rng.uniform(0.1, 1.0, shape) for shape in sizes]
+    expected, got = kernel.function(*arrays), kernel(*arrays)
+    pairs = zip(expected, got, strict=True) if isinstance(got, tuple) else [(expected, got)]
+    for a, b in pairs:
+        np.testing.assert_allclose(b, a, atol=1e-12 * abs(a).max(), rtol=1e-9)
