@@ -35,6 +35,7 @@ from ulna.typing import Array
 Report = Callable[[int, int], object]
 """Called with how many steps are done, and of how many."""
 
+_TOLERANCE = 0.01  # [m]
 _VERSION = 8  # of the fit: changed with every change to what it finds
 _BASE = 2.0  # w of what no joint moves
 _CLOSER = 0.6  # factor of w where links pass closely
@@ -49,7 +50,7 @@ _OFTEN = (
 
 def fit(
     model: Model | Any,
-    tolerance: float = 0.01,
+    tolerance: float = _TOLERANCE,
     most: int | None = None,
     *,
     missing: Missing = "error",
@@ -85,9 +86,8 @@ def fit(
         raise InputError(f"`most` is {most!r}; expected a count, 1 or more.")
     solids = solids_by_link(model, missing)
     contents = {name: _content(model, name, parts) for name, parts in solids.items()}
-    pairs = link_pairs(model)
-    budget = int(60 + 5.5 * len(solids)) if most is None else int(most) * len(solids)
-    key = cache.key("spheres", fingerprint([_VERSION, model, contents, pairs, float(tolerance), budget]))
+    budget = _default_budget(solids) if most is None else int(most) * len(solids)
+    key = _key(model, contents, float(tolerance), budget)
     stored = cache.read(key)
     if stored is None:
         fitted, blocked = _fit(model, solids, contents, float(tolerance), budget, progress or _silent)
@@ -97,6 +97,32 @@ def fit(
         fitted = Spheres.from_json(text)
     _warn_of_blocked(blocked)
     return fitted
+
+
+def is_fitted(model: Model, missing: Missing = "error") -> bool:
+    """Whether `fit(model)` has been called before, so that spheres only have to be read.
+
+    Args:
+        model: The robot.
+        missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
+
+    Returns:
+        The truth value.
+    """
+    solids = solids_by_link(model, missing)
+    contents = {name: _content(model, name, parts) for name, parts in solids.items()}
+    return cache.read(_key(model, contents, _TOLERANCE, _default_budget(solids))) is not None
+
+
+def _default_budget(solids: Mapping[str, object]) -> int:
+    """How many spheres all links together may have."""
+    return int(60 + 5.5 * len(solids))
+
+
+def _key(model: Model, contents: Mapping[str, str], tolerance: float, budget: int) -> str:
+    """Where the spheres of a robot are stored."""
+    parts = [_VERSION, model, contents, link_pairs(model), tolerance, budget]
+    return cache.key("spheres", fingerprint(parts))
 
 
 def _silent(done: int, of: int) -> None:

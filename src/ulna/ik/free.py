@@ -3,13 +3,17 @@
 An arm with finitely many solutions is asked for all of them (`ulna.ik.branches`), so that "all collide" is an answer.
 Any other is asked from more and more starting points, farther and farther from where it stands. What is returned is
 certified by the exact check.
+
+The search for one goal is a generator: it yields what it wants computed, and continues with the answer. The searches
+of a batch advance together, so that what they want is computed in a few large batches.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, final
+from itertools import pairwise
+from typing import Any, TypeAlias, TypeVar, final
 
 import numpy as np
 
@@ -24,10 +28,13 @@ from ulna.ik.result import IKSolution
 from ulna.ik.solve import Solver
 from ulna.typing import Array, ArrayLike, Floats
 
+T_ = TypeVar("T_")
+
 _FIRST, _MOST = 7, 64  # starting points of the first and of the largest round
 _WHOLE = 64  # the starting point from which on they are drawn from the whole ranges
 _SAME = 1e-3  # rad or m: solutions this near are one
 _CHECKED = 16  # configurations checked together; at first fewer, since the nearest is often free
+_SCREENED = 64  # configurations from which on spheres are asked before coal
 _EXPLAINED = 32  # configurations examined to explain why there is no solution
 
 
@@ -97,6 +104,37 @@ class FreeOptions:
             raise InputError(f"`margin` is {self.margin!r}; expected a finite length, not below 0 [m].")
 
 
+@dataclass(frozen=True, eq=False)
+class _Reach:
+    """Wants configurations that reach goals (n, ...), from starts (n, nq) or the default, whatever they touch."""
+
+    T: Floats
+    q0: Floats | None
+
+    def __len__(self) -> int:
+        return len(self.T)
+
+
+@dataclass(frozen=True, eq=False)
+class _Touch:
+    """Wants to know which configurations (n, nq) touch anything."""
+
+    q: Floats
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+
+@dataclass(frozen=True, eq=False)
+class _Apart:
+    """Wants to know how far everything is apart in configurations (n, nq)."""
+
+    q: Floats
+
+
+Search: TypeAlias = Generator[Any, Any, T_]
+
+
 @final
 class FreeSolver:
     """Inverse kinematics of one robot in one world, for one `Solver`.
@@ -104,11 +142,13 @@ class FreeSolver:
     Args:
         solver: What finds single solutions.
         checker: The exact check of the robot in its world.
+        screen: Makes the check by spheres, for large batches; it may return None.
         apart: The kernel of the distance of two configurations.
     """
 
-    def __init__(self, solver: Solver, checker: Checker, apart: Any) -> None:
+    def __init__(self, solver: Solver, checker: Checker, screen: Callable[[], Any], apart: Any) -> None:
         self.solver, self.checker, self._apart = solver, checker, apart
+        self._screen = screen
         self.model = checker.model
         self.is_finite = self._has_branches()
 
@@ -149,35 +189,59 @@ class FreeSolver:
         goals = np.broadcast_to(T, (*batch, *core)).reshape(-1, *core)
         if q0 is None:
             starts = starts * len(goals)
-        answers = [self._solve(goal, start, options) for goal, start in zip(goals, starts, strict=True)]
+        searches = [self._search(goal, start, options) for goal, start in zip(goals, starts, strict=True)]
+        answers = _together(searches, self._answers(options))
         if not batch:
             return answers[0]
         return _stacked(answers, batch, self.model.nq, len(self.solver.problem.frames))
 
-    def _solve(self, T: Floats, q0: Floats | None, options: FreeOptions) -> FreeSolution:
+    def _search(self, T: Floats, q0: Floats | None, options: FreeOptions) -> Search[FreeSolution]:
         """One goal."""
-        first = self._reach(T, q0, options)
+        first = (yield _Reach(T[None], None if q0 is None else q0[None]))[0]
         if not first:
             return _answer(
                 first, False, np.nan, 0, f"no configuration was found that reaches the goal; {first.reason}"
             )
-        if q0 is None and self._first_free([first], options):
+        if q0 is None and (yield from self._first_free([first])):
             return _answer(first, True, np.nan, 1, "")
         home = first.q if q0 is None else q0
         branches = self._branches(T, home, options) if self.is_finite else None
         reaching: list[IKSolution] = []
         for starts in self._starts(home, first.q, branches, options):
-            solutions = self._new_solutions(T, starts, home, reaching, options)
+            solutions = yield from self._new_solutions(T, starts, home, reaching)
             reaching += solutions
-            chosen = self._first_free(solutions, options)
+            chosen = yield from self._first_free(solutions)
             if chosen is not None:
                 return _answer(chosen, True, np.nan, len(reaching), "")
         reaching.sort(key=lambda solution: self._apart(home, solution.q))
-        return self._all_collide(reaching, branches is not None and branches.complete, options)
+        nearest = yield _Apart(np.array([s.q for s in reaching[:_EXPLAINED]]))
+        return self._all_collide(reaching, nearest, branches is not None and branches.complete, options)
 
-    def _reach(self, T: Floats, q0: Any, options: FreeOptions) -> IKSolution:
-        """A configuration that reaches the goal, whatever it touches; for goals in rows one for each."""
-        return self.solver(T, q0, options.position_tolerance, options.rotation_tolerance, options.seed)
+    def _answers(self, options: FreeOptions) -> dict[type, Callable[[list[Any]], list[Any]]]:
+        """What computes each kind of request: from the requests of several searches to an answer for each."""
+
+        def reach(requests: list[_Reach]) -> list[Any]:
+            T = np.concatenate([request.T for request in requests])
+            starts = None if requests[0].q0 is None else np.concatenate([request.q0 for request in requests])
+            tolerances = options.position_tolerance, options.rotation_tolerance
+            if len(T) == 1:  # as `robot.ik` solves for one
+                return [[self.solver(T[0], None if starts is None else starts[0], *tolerances, options.seed)]]
+            solutions = self.solver(T, starts, *tolerances, options.seed)
+            return [solutions[part] for part in _parts(requests)]
+
+        def touch(requests: list[_Touch]) -> list[Any]:
+            q = np.concatenate([request.q for request in requests])
+            touching = np.ones(len(q), dtype=bool)
+            screen = self._screen() if len(q) >= _SCREENED and not options.moving else None
+            if screen is not None:  # what its spheres do not touch it does not touch
+                touching = screen.collides(q, margin=options.margin)
+            touching[touching] = self.checker.collides(q[touching], options.moving, margin=options.margin)
+            return [touching[part] for part in _parts(requests)]
+
+        def apart(requests: list[_Apart]) -> list[Any]:
+            return [self.checker.distance(request.q, options.moving) for request in requests]
+
+        return {_Reach: reach, _Touch: touch, _Apart: apart}
 
     def _branches(self, T: Floats, home: Floats, options: FreeOptions) -> Branches:
         """All solutions of an arm that has finitely many."""
@@ -211,10 +275,12 @@ class FreeSolver:
             yield starts
 
     def _new_solutions(
-        self, T: Floats, starts: Floats, home: Floats, reaching: Sequence[IKSolution], options: FreeOptions
-    ) -> list[IKSolution]:
+        self, T: Floats, starts: Floats, home: Floats, reaching: Sequence[IKSolution]
+    ) -> Search[list[IKSolution]]:
         """The solutions met from starting points that were not found before, the nearest to `home` first."""
-        solutions = self._reach(np.broadcast_to(T, (len(starts), *T.shape)), starts, options)
+        solutions = yield _Reach(np.broadcast_to(T, (len(starts), *T.shape)), starts)
+        if isinstance(solutions, list):  # a single one
+            return solutions if solutions[0] else []
         q, good = solutions.q, np.asarray(solutions.success)
         known = np.array([solution.q for solution in reaching]).reshape(-1, self.model.nq)
         same = self._apart(q[:, None], np.concatenate([q, known])) < _SAME
@@ -224,23 +290,22 @@ class FreeSolver:
                 new.append(i)
         return [solutions[i] for i in new]
 
-    def _first_free(self, solutions: Sequence[IKSolution], options: FreeOptions) -> IKSolution | None:
+    def _first_free(self, solutions: Sequence[IKSolution]) -> Search[IKSolution | None]:
         """The first solution that is free by the exact check."""
         done = 0
         while done < len(solutions):
             part = solutions[done : done + min(3 * done + 1, _CHECKED)]
             done += len(part)
             q = np.array([solution.q for solution in part])
-            free = np.flatnonzero(~self.checker.collides(q, options.moving, margin=options.margin))
+            free = np.flatnonzero(~(yield _Touch(q)))
             if len(free):
                 return part[int(free[0])]
         return None
 
     def _all_collide(
-        self, reaching: Sequence[IKSolution], complete: bool, options: FreeOptions
+        self, reaching: Sequence[IKSolution], nearest: Any, complete: bool, options: FreeOptions
     ) -> FreeSolution:
         """All collide: the one that overlaps least, of those nearest to the start."""
-        nearest = self.checker.distance(np.array([s.q for s in reaching[:_EXPLAINED]]), options.moving)
         best = int(np.argmax(nearest.distance))
         a, b = nearest.names[best]
         d = float(nearest.distance[best])
@@ -257,6 +322,36 @@ class FreeSolver:
             len(reaching),
             f"{count} reach the goal ({which}), and all collide; at best {a} and {b} {how}{missing}",
         )
+
+
+def _together(searches: Sequence[Search[Any]], answers: Mapping[type, Any]) -> list[Any]:
+    """The results of searches that advance together, requests of one kind answered at once."""
+    results: list[Any] = [None] * len(searches)
+    waiting: dict[int, Any] = {}
+
+    def advance(number: int, answer: Any) -> None:
+        try:
+            waiting[number] = searches[number].send(answer)
+        except StopIteration as end:
+            results[number] = end.value
+
+    for number in range(len(searches)):
+        advance(number, None)
+    while waiting:
+        requests, waiting = waiting, {}
+        for kind, answer in answers.items():
+            chosen = [number for number, request in requests.items() if type(request) is kind]
+            if chosen:
+                replies = answer([requests[number] for number in chosen])
+                for number, reply in zip(chosen, replies, strict=True):
+                    advance(number, reply)
+    return results
+
+
+def _parts(requests: Sequence[Any]) -> list[slice]:
+    """Where the rows of each request are in those of all."""
+    ends = np.cumsum([0, *(len(request) for request in requests)]).tolist()
+    return [slice(a, b) for a, b in pairwise(ends)]
 
 
 def _answer(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ulna.methods.collision import CollisionQueries, _checker
@@ -82,4 +83,21 @@ class FreeInverseKinematics(InverseKinematics, CollisionQueries):
         search_options = FreeOptions(margin, moving, position_tolerance, rotation_tolerance, seed, attempts)
         goals, solver = self._solver(T, frame, mask, joints)
         checker = _checker(self, world, **options)
-        return FreeSolver(solver, checker, self._kernels["distance"])(goals, q0, search_options)
+        screen = partial(_screen, self, world, options)
+        return FreeSolver(solver, checker, screen, self._kernels["distance"])(goals, q0, search_options)
+
+
+def _screen(part: Any, world: World | None, options: dict[str, Any]) -> Any:
+    """The check by spheres that rules out contact before coal is asked; None where it would take long to prepare."""
+    from ulna.collision.covering import is_fitted
+
+    missing = options.get("missing", "error")
+    if options.get("convex") or (world and world.attachments):
+        return None
+    known = part._searches.setdefault("fitted spheres", set())
+    if missing not in known:
+        if not is_fitted(part.model, missing):
+            return None
+        known.add(missing)
+    chosen = {name: options[name] for name in ("pairs", "missing") if name in options}
+    return _checker(part, world, method="spheres", **chosen)

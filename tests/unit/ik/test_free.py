@@ -161,6 +161,26 @@ def test_batches_take_a_start_for_each_goal(ur5):
     assert ur5.ik_free(np.zeros((0, 4, 4))).q.shape == (0, 6)
 
 
+@pytest.mark.parametrize("is_fitted", [False, True])
+def test_large_batches_answer_as_single_goals_do(shelf, is_fitted, monkeypatch):
+    from ulna.collision import covering
+
+    monkeypatch.setattr(covering, "is_fitted", lambda *_: is_fitted)
+    robot = ulna.load("panda")
+    world = shelf.add("wall", Box((2.0, 0.1, 2.0)), (0.0, -0.45, 0.5))
+    T = robot.fk(robot.random_configuration(90, seed=5))
+    answers = robot.ik_free(T, world, seed=2, attempts=60)
+    assert 0.2 < answers.success.mean() < 0.95
+    assert not robot.collides(answers.q[answers.success], world).any()
+    assert np.abs(robot.fk(answers.q[answers.success]) - T[answers.success]).max() < 2e-6
+    assert robot.limits.contains(answers.q, 1e-12).all()
+    for k in range(0, 90, 9):
+        single = robot.ik_free(T[k], world, seed=2, attempts=60)
+        assert bool(single) == answers.success[k] and (single.reason == "") == (answers.reason[k] == "")
+    refused = np.flatnonzero(~answers.success)
+    assert all("collide" in answers.reason[k] or "reaches" in answers.reason[k] for k in refused)
+
+
 def test_wrong_questions(ur5):
     T = ur5.fk(HERE)
     with pytest.raises(InputError, match="margin"):
