@@ -87,7 +87,7 @@ def test_time_limits_and_wrong_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     for module in ("run", "search", "improvement"):
         monkeypatch.setattr(f"ulna.planning.{module}.time", clock)
     p = planner.plan(A, B, improve=10_000_000, timeout=0.1)
-    assert p and p.is_certified and p.iterations < 10_000_000 and sum(p.seconds.values()) < 0.2
+    assert p and p.is_certified and p.iterations < 10_000_000 and sum(p.seconds.values()) < 0.5
     monkeypatch.undo()
     for wrong in (-1, 1.5, "many", None):
         with pytest.raises(InputError, match="improve"):
