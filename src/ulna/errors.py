@@ -31,7 +31,6 @@ UlnaWarning (UserWarning)
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 from typing import Any
 
@@ -86,6 +85,8 @@ def nearest(given: str, choices: Iterable[str], count: int = 3, cutoff: float = 
             return []
     if len(given) > LONGEST_ECHO:
         return []
+    import difflib  # slow to import, and needed only for errors
+
     near = difflib.get_close_matches(given.casefold(), by_folded, n=count, cutoff=cutoff)
     return [choice for folded in near for choice in by_folded[folded]][:count]
 

@@ -13,9 +13,10 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna import compiler
 from ulna import model as models
 from ulna.algorithms.multibody.references import check_reference
-from ulna.compiler import Function, compile, element_of, trace
+from ulna.compiler import Function, trace
 from ulna.compiler.language.columns import with_columns
 from ulna.errors import InputError, UnknownName
 from ulna.model import Model
@@ -116,13 +117,21 @@ def kernel(
     check_device(device, checked)
     quantity, chosen = _choose(name, options)
     names = _parameter_names(model, parameters)
-    key = (model.fingerprint, name, element_of(dtype).name, checked, names, device, tuple(chosen.items()))
+    key = (
+        model.fingerprint,
+        name,
+        compiler.element_of(dtype).name,
+        checked,
+        names,
+        device,
+        tuple(chosen.items()),
+    )
     with _lock:
         compiled = _made.get(key)
         if compiled is None:
             unit = _quaternions(model, quantity) if checked else ()
             if quantity.inverts_mass and not MASS_PARAMETERS & set(names):
-                check_mass(model, element_of(dtype).name)
+                check_mass(model, compiler.element_of(dtype).name)
             traced = function(model, name, parameters=names, **chosen)
             if device == "cuda":
                 from ulna.compiler.runtime.cuda_kernel import CudaKernel  # with what it imports, for few
@@ -130,7 +139,7 @@ def kernel(
                 compiled = CudaKernel(traced, dtype)
             else:
                 named = labels(model, traced)
-                compiled = compile(traced, dtype, checked, unit_entries=unit, labels=named)
+                compiled = compiler.compile(traced, dtype, checked, unit_entries=unit, labels=named)
             _made[key] = compiled
             _recent.append(compiled)
     return compiled
@@ -263,21 +272,44 @@ def _shape(model: Model, size: Size) -> tuple[int, ...]:
 
 
 @final
-class CheckedKernels(dict[Any, Any]):
-    """The kernels of one model that check their inputs, by name or (name, option, ...); made when first asked for.
+class CheckedKernels:
+    """The kernels of one model that check their inputs, made when first asked for.
 
-    A look into a dictionary is all that a call costs beyond the kernel. Options are in the order of the quantity's.
+    A look into a dictionary is all that a call costs beyond the kernel.
+
+    Args:
+        model: The model.
     """
 
-    __slots__ = ("model",)
+    __slots__ = ("by_name", "by_options", "model")
 
     def __init__(self, model: Model) -> None:
         self.model = model
+        self.by_name: dict[str, Any] = {}
+        """Those of default options, by name."""
+        self.by_options: dict[str, Any] = {}
+        """All of a name, by their options: `by_options[name][first][second]`."""
 
-    def __missing__(self, key: Any) -> Any:
-        name, *values = (key,) if isinstance(key, str) else key
-        options = dict(zip(QUANTITIES[name].options, values, strict=False))
-        made = self[key] = kernel(self.model, name, checked=True, **options)
+    def make(self, name: str, *options: Any) -> Any:
+        """The kernel of a quantity, which is entered in both dictionaries.
+
+        Args:
+            name: The quantity.
+            *options: All its options in their order, or none for their default values.
+
+        Returns:
+            The kernel.
+        """
+        defaults = QUANTITIES[name].options
+        values = options or tuple(defaults.values())
+        made = kernel(self.model, name, checked=True, **dict(zip(defaults, values, strict=True)))
+        if values == tuple(defaults.values()):
+            self.by_name[name] = made
+        *outer, last = (name, *values)
+        table = self.by_options
+        for key in outer:
+            table = table.setdefault(key, {})
+        table[last] = made
         return made
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -9,10 +10,9 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna import kernels
+from ulna import compiler, kernels
 from ulna.checks.values import short_repr
 from ulna.compiler import Function, trace
-from ulna.compiler import compile as compile_function
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import Explained, explained
 from ulna.lazy import is_deferred
@@ -106,8 +106,6 @@ class Robot(
     """
 
     __slots__ = {
-        "_fk": "Kernels of `fk` by frames.",
-        "_jacobian": "Kernels of `jacobian` by reference and frame.",
         "centroidal": "Motion of the centre of mass, momentum and inertia about it: `ulna.quantities.centroidal`.",
         "collision": "Collision checkers, first contacts, covering spheres: `ulna.methods.collision`.",
         "configuration_space": "Distances of configurations, normalisation: `ulna.quantities.configurations`.",
@@ -125,10 +123,9 @@ class Robot(
                 f"`model` is of type {type(model).__name__}; expected a Model. ulna.load(name_or_path) makes a "
                 "Robot of a name or a file; a Robot needs no other."
             )
+        importlib.import_module("ulna.compiler.runtime.kernel")  # now, so that the first call waits less
         shared = model, kernels.CheckedKernels(model), {}
         super().__init__(*shared)
-        self._fk: dict[Any, Any] = {}
-        self._jacobian: dict[Any, Any] = {}
         self.limits = Limits(
             model.lower_position, model.upper_position, model.velocity_limit, model.effort_limit
         )
@@ -336,4 +333,4 @@ def compile(
 
         return CudaKernel(traced, dtype)
     labels = {} if robot is None else kernels.labels(robot.model, traced)
-    return compile_function(traced, dtype, checked, labels=labels)
+    return compiler.compile(traced, dtype, checked, labels=labels)

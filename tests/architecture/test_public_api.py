@@ -24,7 +24,10 @@ HEAVY = (
     "sympy",
     "torch",
     "jax",
-    "ulna.compiler.runtime.ptx",
+    "ulna.compiler.runtime",
+    "llvmlite",
+    "urllib.request",
+    "ssl",
 )
 
 

@@ -160,7 +160,7 @@ def test_help_shows_the_signature_and_the_arguments(panda: ulna.Robot) -> None:
 
     text = pydoc.plain(pydoc.render_doc(panda.fk))
     signature = "".join(text.replace("'", "").split())  # 3.13 breaks long lines, 3.14 drops these quotes
-    assert "fk(q:ArrayLike,frame:FrameName=None,*,out:" in signature and "->Floats" in signature
+    assert "fk(q:ArrayLike,frame:FrameName=None,out:" in signature and "->Floats" in signature
     assert "q: Configuration, (..., nq) [rad or m]." in text and "Featherstone 2008" in text
     whole = pydoc.plain(pydoc.render_doc(ulna.Robot)).replace("'", "")
     assert "mass_matrix(self, q: ArrayLike) -> Floats" in whole and "Contacts, closed loops" in whole
@@ -273,3 +273,41 @@ def test_the_page_of_quantities_is_up_to_date() -> None:
     script = TESTS.parent / "scripts" / "quantities_page.py"
     done = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("call", [
+    lambda robot, q: robot.fk(q, "nowhere"),
+    lambda robot, q: robot.jacobian(q, "nowhere", "local"),
+    lambda robot, q: robot.jacobian(q, reference="nowhere"),
+    lambda robot, q: robot.frame_velocity(q, q, "nowhere"),
+    lambda robot, q: robot.manipulability(q, frame="nowhere"),
+    lambda robot, q: robot.inverse_dynamics(q, q, q, reference="nowhere"),
+    lambda robot, q: robot.bias_forces(q, q, reference="nowhere"),
+])  # fmt: skip
+def test_errors_of_options_follow_from_no_key_error(panda: ulna.Robot, call: Any) -> None:
+    with pytest.raises(ulna.errors.UnknownName, match="nowhere") as caught:
+        call(panda, np.zeros(7))
+    assert caught.value.__context__ is None
+
+
+def test_methods_find_kernels_by_equal_options_of_other_objects(panda: ulna.Robot) -> None:
+    q = panda.configurations["qr"]
+    local = "".join(["lo", "cal"])  # equal to a literal, but another object
+    aligned = "".join(["local_world", "_aligned"])
+    np.testing.assert_array_equal(panda.jacobian(q, None, local), panda.jacobian(q, reference="local"))
+    np.testing.assert_array_equal(panda.jacobian(q, None, aligned), panda.jacobian(q))
+    frames = ["panda_link4", "panda_hand"]
+    for names in (frames, tuple(frames), np.array(frames)):
+        np.testing.assert_allclose(panda.fk(q, names)[1], panda.fk(q, "panda_hand"), atol=1e-15)
+    axes = np.array([True, True, True, False, False, False])
+    assert panda.manipulability(q, axes=axes) == panda.manipulability(q, axes=axes.tolist())
+
+
+def test_methods_write_into_out_by_name_and_by_place(panda: ulna.Robot) -> None:
+    q = panda.configurations["qr"]
+    T, J = np.empty((4, 4)), np.empty((6, 7))
+    assert panda.fk(q, None, T) is T and panda.jacobian(q, "panda_hand", out=J) is J
+    np.testing.assert_array_equal(T, panda.fk(q))
+    np.testing.assert_array_equal(J, panda.jacobian(q, "panda_hand"))
+    many = panda.random_configuration((3000,), seed=1)
+    np.testing.assert_array_equal(panda.fk(many, threads=2), panda.fk(many))

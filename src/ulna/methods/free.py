@@ -84,7 +84,7 @@ class FreeInverseKinematics(InverseKinematics, CollisionQueries):
         goals, solver = self._solver(T, frame, mask, joints)
         checker = _checker(self, world, **options)
         screen = partial(_screen, self, world, options)
-        return FreeSolver(solver, checker, screen, self._kernels["distance"])(goals, q0, search_options)
+        return FreeSolver(solver, checker, screen, self._kernel("distance"))(goals, q0, search_options)
 
 
 def _screen(part: Any, world: World | None, options: dict[str, Any]) -> Any:

@@ -92,7 +92,7 @@ class ConfigurationSpace(Part):
     @quantity(algorithms.normalize, "(nq,) [rad or m]", options={})
     def normalize(self, q: ArrayLike) -> Floats:
         """The same pose with unit quaternions and free angles in (-pi, pi]; InputError where a quaternion is zero."""
-        out = self._kernels["normalize"](q)
+        out = self._kernel("normalize")(q)
         if np.isnan(out).any():
             raise InputError(
                 "`q` holds a quaternion of length 0, which is no rotation and cannot be normalised."
@@ -123,4 +123,4 @@ class ConfigurationSpace(Part):
         Raises:
             ShapeError, DtypeError, NonFiniteError: If an array has another shape or type, or is not finite.
         """
-        return (np.abs(self._kernels["difference"](q0, q1)) <= tolerance).all(axis=-1)
+        return (np.abs(self._kernel("difference")(q0, q1)) <= tolerance).all(axis=-1)

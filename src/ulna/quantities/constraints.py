@@ -209,24 +209,24 @@ class Constraints(Part):
         """The matrix that maps constraint forces to constraint accelerations, J M^-1 J^T
         [Featherstone 2008, section 8.4].
         """
-        return self._kernels["delassus_matrix", listed(constraints)](q)
+        return self._kernel("delassus_matrix", listed(constraints))(q)
 
     @quantity(
         kernels.of_bonds(algorithms.constraint_jacobian), "(m, nv) [m/rad or 1, 1 or rad/m]", options=_OF
     )
     def jacobian(self, q: ArrayLike, constraints: AnyConstraints) -> Floats:
         """The matrix that maps `v` to the constraint velocity."""
-        return self._kernels["constraint_jacobian", listed(constraints)](q)
+        return self._kernel("constraint_jacobian", listed(constraints))(q)
 
     @quantity(kernels.of_bonds(algorithms.constraint_velocity), "(m,) [m/s, rad/s]", options=_OF)
     def velocity(self, q: ArrayLike, v: ArrayLike, constraints: AnyConstraints) -> Floats:
         """The constraint velocity: that of the first frames relative to the second ones, or to the world."""
-        return self._kernels["constraint_velocity", listed(constraints)](q, v)
+        return self._kernel("constraint_velocity", listed(constraints))(q, v)
 
     @quantity(kernels.of_bonds(algorithms.constraint_bias), "(m,) [m/s^2, rad/s^2]", options=_OF)
     def bias(self, q: ArrayLike, v: ArrayLike, constraints: AnyConstraints) -> Floats:
         """The rate of the constraint velocity when the joints do not accelerate, dJ/dt v."""
-        return self._kernels["constraint_bias", listed(constraints)](q, v)
+        return self._kernel("constraint_bias", listed(constraints))(q, v)
 
     @quantity(kernels.constraint_error, "(m,) [m, rad]", options=_OF, more=kernels.anchor_arguments)
     def error(
@@ -256,7 +256,7 @@ class Constraints(Part):
                 "Contacts have an error only against anchors; give anchors=robot.constraints.anchors(q0, constraints)."
             )
         poses = (anchor_poses(anchors, contacts),) if contacts else ()
-        return self._kernels["constraint_error", listing](q, *poses)
+        return self._kernel("constraint_error", listing)(q, *poses)
 
     def anchors(self, q: ArrayLike, constraints: AnyConstraints) -> Floats:
         """Where the contacts among the constraints are, as poses in the world.
@@ -275,7 +275,7 @@ class Constraints(Part):
             InputError: If there is no contact among the constraints.
         """
         poses = [
-            self._kernels["fk", name](q) @ placement.matrix()
+            self._kernel("fk", name)(q) @ placement.matrix()
             for constraint in listed(constraints)
             if constraint.is_contact
             for name, placement in constraint.ends()

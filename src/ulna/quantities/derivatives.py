@@ -14,6 +14,7 @@ from ulna.typing import ArrayLike, Floats
 
 _FIXED: dict[str, Any] = {
     "options": {"forces": ()},
+    "direct": True,
     "more": wrenches,
     "forces": "External forces that turn with their frames: frame name -> wrench (..., 6) [N, N m] in its axes.",
     "reference": '"local" where there are forces, to say so; InputError otherwise.',
@@ -154,7 +155,7 @@ def _under_fixed_forces(
 ) -> Any:
     """The derivatives under forces that turn with their frames."""
     if not forces:
-        return part._kernels[name](*arrays)
+        return part._kernel(name)(*arrays)
     if reference != "local":
         raise InputError(
             f"`reference` is {reference!r}; expected 'local' where there are forces: derivatives are those under "

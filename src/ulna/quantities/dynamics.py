@@ -8,7 +8,7 @@ import numpy as np
 
 from ulna import algorithms
 from ulna.algorithms import Friction
-from ulna.algorithms.multibody.references import Reference
+from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.model import Model
 from ulna.quantities.forces import FORCES, Forces, friction_of, stacked, under_forces, wrenches
 from ulna.quantities.part import Part
@@ -17,6 +17,7 @@ from ulna.typing import Array, ArrayLike, Floats, Numbers
 
 _LOADED: dict[str, Any] = {
     "options": FORCES,
+    "direct": True,
     "more": wrenches,
     "reference": 'How the wrenches are written: "local_world_aligned", "local" or "world".',
 }
@@ -74,8 +75,6 @@ class Dynamics(Part):
             True
             >>> held = robot.inverse_dynamics(q, v, a, {"panda_hand": [0, 0, -9.81, 0, 0, 0]})
         """
-        if not forces and friction is False:
-            return self._kernels["inverse_dynamics"](q, v, a)
         return _under(self, "inverse_dynamics", (q, v, a), forces, reference, friction)
 
     @quantity(_forward_dynamics, "(nv,) [rad/s^2 or m/s^2]", nodes=400, inverts_mass=True, **_WITH_FRICTION)
@@ -100,8 +99,6 @@ class Dynamics(Part):
             >>> np.allclose(a, 0.0)
             True
         """
-        if not forces and friction is False:
-            return self._kernels["forward_dynamics"](q, v, tau)
         return _under(self, "forward_dynamics", (q, v, tau), forces, reference, friction)
 
     @quantity(under_forces(algorithms.bias_forces), "(nv,) [N m or N]", nodes=160, **_LOADED)
@@ -118,8 +115,6 @@ class Dynamics(Part):
             >>> np.allclose(tau, robot.inverse_dynamics(q, v, a))
             True
         """
-        if not forces:
-            return self._kernels["bias_forces"](q, v)
         return _under(self, "bias_forces", (q, v), forces, reference)
 
     @quantity(algorithms.gravity_forces, "(nv,) [N m or N]", nodes=35)
@@ -282,5 +277,6 @@ def _under(
 ) -> Any:
     """The quantity under forces, and under friction where it knows of it."""
     if not forces:
+        check_reference(reference)  # of no forces, but a mistake nevertheless
         return part._kernel(name, (), FORCES["reference"], *friction)(*arrays)
     return part._kernel(name, tuple(forces), reference, *friction)(*arrays, stacked(forces))

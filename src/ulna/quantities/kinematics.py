@@ -11,13 +11,12 @@ from ulna import algorithms
 from ulna.algorithms import Representation
 from ulna.algorithms.multibody.references import Reference
 from ulna.model import Frame, Model
-from ulna.quantities.part import Part, frozen
+from ulna.quantities.part import Part
 from ulna.quantities.quantity import frame_of, of_frame, quantity
 from ulna.typing import Array, ArrayLike, Floats, Numbers
 
 FrameName = str | Sequence[str] | None
 Measure = Literal["yoshikawa", "inverse_condition", "minimum_singular_value", "asada"]
-_IN_FRAME = {"frame": None, "reference": "local_world_aligned"}
 
 
 def _frame_poses(model: Model, q: Array, frame: Any) -> Array:
@@ -51,20 +50,16 @@ class Kinematics(Part):
 
     __slots__ = ()
 
-    _fk: dict[Any, Any]
-    _jacobian: dict[Any, Any]
-
     @quantity(
         _frame_poses,
         "(4, 4) [m]",
         name="fk",
-        options={"frame": None},
         returns="T_world_frame, which maps coordinates of the frame to the world; of several frames (..., k, 4, 4)",
         nodes=58,
         frame='Name; None for the tool, a list of names for several, "all" for every frame, as in `frame_names`.',
     )
     def fk(
-        self, q: ArrayLike, frame: FrameName = None, *, out: Floats | None = None, threads: int | None = None
+        self, q: ArrayLike, frame: FrameName = None, out: Floats | None = None, threads: int | None = None
     ) -> Floats:
         """Forward kinematics: the pose of a frame in the world [Featherstone 2008, section 4.1].
 
@@ -76,13 +71,7 @@ class Kinematics(Part):
             >>> robot.fk(np.zeros((1000, 7)), ["panda_link4", "panda_hand"]).shape
             (1000, 2, 4, 4)
         """
-        try:
-            kernel = self._fk[frame]
-        except (KeyError, TypeError):
-            kernel = self._fk[frozen(frame)] = self._kernel("fk", frame)
-        if out is None and threads is None:
-            return kernel(q)
-        return kernel(q, out=out, threads=threads)
+        ...
 
     @quantity(
         _link_poses, "(nlinks, 4, 4) [m]", returns="T_world_link, in the order of `link_names`", nodes=58
@@ -102,7 +91,6 @@ class Kinematics(Part):
         of_frame(algorithms.frame_jacobian),
         "(6, nv) [m/rad or 1, 1 or rad/m]",
         name="jacobian",
-        options=_IN_FRAME,
         nodes=70,
     )
     def jacobian(
@@ -110,7 +98,6 @@ class Kinematics(Part):
         q: ArrayLike,
         frame: str | None = None,
         reference: Reference = "local_world_aligned",
-        *,
         out: Floats | None = None,
         threads: int | None = None,
     ) -> Floats:
@@ -124,14 +111,7 @@ class Kinematics(Part):
             >>> np.allclose(J @ v, robot.frame_velocity(q, v, "panda_hand", "local"))
             True
         """
-        try:
-            kernel = self._jacobian[reference][frame]
-        except (KeyError, TypeError):
-            kernel = self._kernel("jacobian", frame, reference)
-            self._jacobian.setdefault(reference, {})[frame] = kernel
-        if out is None and threads is None:
-            return kernel(q)
-        return kernel(q, out=out, threads=threads)
+        ...
 
     @quantity(
         of_frame(algorithms.frame_jacobian_dot),
@@ -225,6 +205,7 @@ class Kinematics(Part):
         of_frame(algorithms.manipulability),
         "()",
         options={"frame": None, "axes": "all"},
+        direct=True,
         measure='"yoshikawa" (compiled), "inverse_condition", "minimum_singular_value", or "asada" (of the inertia).',
         nodes=141,
     )
@@ -245,5 +226,5 @@ class Kinematics(Part):
         if measure == "yoshikawa":
             return self._kernel("manipulability", frame, axes)(q)
         if measure == "asada":
-            return algorithms.asada(self.jacobian(q, frame), self._kernels["mass_matrix"](q), axes)
+            return algorithms.asada(self.jacobian(q, frame), self._kernel("mass_matrix")(q), axes)
         return algorithms.measure_of(self.jacobian(q, frame), measure, axes)

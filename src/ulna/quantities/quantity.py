@@ -7,15 +7,18 @@
 
 Arguments that are listed in `ARRAYS` are arrays, whose sizes are known by their names; all others are options, with
 their default values. The kernel is `algorithm(model, *arrays, **options)`, traced for one model and one choice of
-options. The method finds that kernel and calls it with the arrays. Its signature is the one written; its docstring is
-completed by what is known of the arguments.
+options. The method finds that kernel and calls it with the arrays, and with `out` and `threads` where it has such
+arguments. Its signature is the one written; its docstring is completed by what is known of the arguments.
+
+A method costs about 30 ns more than its kernel, which is what Python takes for calling it. Keyword-only arguments would
+add 20 ns, since Python calls functions that have such ones in a slower way.
 """
 
 from __future__ import annotations
 
 import functools
 import types
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar, final
 
@@ -24,10 +27,11 @@ from ulna.errors import InputError
 from ulna.model import Frame, Model
 from ulna.quantities.documentation import ARRAYS, Size, documented
 from ulna.quantities.mass import with_mass
-from ulna.quantities.part import frozen
 
 F = TypeVar("F", bound=Callable[..., Any])
 Arguments = tuple[tuple[str, Size], ...]
+_OF_CALLS = {"out", "threads"}
+"""Arguments of methods that are no options: they are passed on to the kernel."""
 
 
 def no_more(options: Mapping[str, Any]) -> Arguments:
@@ -112,6 +116,7 @@ def quantity(
     nodes: float | tuple[float, float, float] = 120.0,
     inverts_mass: bool = False,
     columns: Callable[..., Columns] | None = None,
+    direct: bool = False,
     returns: str = "",
     **about: str,
 ) -> Callable[[F], F]:
@@ -124,6 +129,7 @@ def quantity(
         arrays: The arrays of the kernel, where they are not those of the method.
         options: The options of the kernel, where they are not those of the method. Then the method's body stays as
             it is written, and calls the kernel itself; otherwise it is replaced.
+        direct: Whether a body that stays is for other than default values: with these the kernel is called directly.
         more: As for `Quantity`.
         nodes: As for `Quantity`; one number is the first.
         inverts_mass: As for `Quantity`.
@@ -138,12 +144,13 @@ def quantity(
     def declare(method: F) -> F:
         code = method.__code__
         parameters = code.co_varnames[1 : code.co_argcount + code.co_kwonlyargcount]
-        defaults = method.__defaults__ or ()
+        values = method.__defaults__ or ()
+        defaults = dict(zip(parameters[-len(values) :], values, strict=False))
         record = Quantity(
             name=name or algorithm.__name__.lstrip("_"),
             algorithm=algorithm,
             arrays=tuple(n for n in parameters if n in ARRAYS) if arrays is None else arrays,
-            options=dict(zip(parameters[-len(defaults) :], defaults, strict=False))
+            options={key: value for key, value in defaults.items() if key not in _OF_CALLS}
             if options is None
             else options,
             more=more,
@@ -153,7 +160,13 @@ def quantity(
             inverts_mass=inverts_mass,
             columns=columns,
         )
-        made = method if options is not None else _calling_kernel(method, record, parameters)
+        made, nones = method, tuple(value is None for value in defaults.values())
+        if options is None:
+            made = _renamed(
+                _template(len(record.arrays), nones, _OF_CALLS.issubset(defaults)), method, record
+            )
+        elif direct:
+            made = _renamed(_direct_template(len(record.arrays), nones), method, record)
         made.__doc__ = documented(method.__doc__, parameters, result, returns, inverts_mass, about)
         made.quantity = record  # type: ignore[attr-defined]
         return made
@@ -161,43 +174,78 @@ def quantity(
     return declare
 
 
-def _calling_kernel(method: F, record: Quantity, parameters: tuple[str, ...]) -> F:
-    """The function of that name and signature that calls the kernel of its options with its arrays."""
-    code = _template(len(record.arrays), len(record.options), [*record.options.values()] == [None])
+def _renamed(code: types.CodeType, method: F, record: Quantity) -> F:
+    """The function of a template's code, with the name and the arguments of a method."""
+    parameters = method.__code__.co_varnames[: method.__code__.co_argcount]
     renamed = code.replace(
         co_name=method.__name__,
         co_qualname=method.__qualname__,
-        co_varnames=("self", *parameters, *code.co_varnames[1 + len(parameters) :]),
+        co_varnames=(*parameters, *code.co_varnames[len(parameters) :]),
         co_consts=tuple(record.name if constant == "NAME" else constant for constant in code.co_consts),
     )
-    made: Any = types.FunctionType(renamed, globals(), method.__name__, method.__defaults__)
+    values = {f"d{k}": value for k, value in enumerate(method.__defaults__ or ())}
+    made: Any = types.FunctionType(renamed, {"body": method, **values}, method.__name__, method.__defaults__)
     functools.update_wrapper(made, method)
     return made
 
 
 @functools.cache
-def _template(arrays: int, options: int, is_plain_by_default: bool) -> types.CodeType:
-    """The code of methods with so many arrays x0, x1, ... and options o0, o1, ..., compiled once for all of them."""
-    x, o = [f"x{k}" for k in range(arrays)], [f"o{k}" for k in range(options)]
-    body = f"return self._kernels['NAME']({', '.join(x)})"
+def _template(arrays: int, nones: tuple[bool, ...], takes_out: bool) -> types.CodeType:
+    """The code of methods with so many arrays, and other arguments whose default values are None or d0, d1, ...
+
+    The last two arguments are `out` and `threads` where the method takes them; all others are options. The code is
+    compiled once for all methods alike. No error is raised from the KeyError.
+    """
+    x, o = _names("x", arrays), _names("o", len(nones))
+    options = o[:-2] if takes_out else o
+    chosen = "self._kernels['NAME']"
     if options:
-        key = ", ".join(("'NAME'", *o))
-        body = f"""try:
-        kernel = self._kernels[{f"'NAME' if o0 is None else ({key})" if is_plain_by_default else key}]
-    except TypeError as error:
-        kernel = self._kernels[_hashable(error, {key})]
-    return kernel({", ".join(x)})"""
+        others = "".join(f"[{option}]" for option in options)
+        chosen += f" if {_are_default(options, nones)} else self._by_options['NAME']{others}"
+    call = f"({', '.join(x)})"
+    lines = ["try:", f"    kernel = {chosen}", "except (KeyError, TypeError):", "    pass"]
+    if takes_out:
+        out, threads = o[-2:]
+        lines += ["else:", f"    if {out} is None and {threads} is None:", f"        return kernel{call}"]
+        call = f"({', '.join(x)}, out={out}, threads={threads})"
+    else:
+        lines += ["else:", f"    return kernel{call}"]
+    key = ", ".join([repr("NAME"), *options])
+    return _compiled([*x, *o], [*lines, f"return self._kernel({key}){call}"])
+
+
+@functools.cache
+def _direct_template(arrays: int, nones: tuple[bool, ...]) -> types.CodeType:
+    """As `_template`, of methods that call the kernel themselves unless all arguments have their default values."""
+    x, o = _names("x", arrays), _names("o", len(nones))
+    lines = [
+        f"if {_are_default(o, nones)}:",
+        "    try:",
+        "        kernel = self._kernels['NAME']",
+        "    except KeyError:",
+        "        pass",
+        "    else:",
+        f"        return kernel({', '.join(x)})",
+        f"return body(self, {', '.join([*x, *o])})",
+    ]
+    return _compiled([*x, *o], lines)
+
+
+def _names(letter: str, count: int) -> list[str]:
+    return [f"{letter}{k}" for k in range(count)]
+
+
+def _are_default(names: Sequence[str], values_none: Sequence[bool]) -> str:
+    """The text of a condition; equal strings that are not the same object only take the longer way."""
+    pairs = enumerate(zip(names, values_none, strict=False))
+    return " and ".join(f"{name} is {None if is_none else f'd{k}'}" for k, (name, is_none) in pairs)
+
+
+def _compiled(parameters: Sequence[str], lines: Sequence[str]) -> types.CodeType:
+    """The code of a method of these lines."""
     names: dict[str, Any] = {}
-    exec(f"def method(self, {', '.join(x + o)}):\n    {body}", names)
+    exec("\n    ".join([f"def method(self, {', '.join(parameters)}):", *lines]), names)
     return names["method"].__code__
-
-
-def _hashable(error: TypeError, *key: Any) -> tuple[Any, ...]:
-    """The key with tuples for lists and arrays, after the key itself has raised that error; raises it where none."""
-    entries = tuple(frozen(entry) for entry in key)
-    if all(entry is former for entry, former in zip(entries, key, strict=True)):
-        raise error
-    return entries
 
 
 def frame_of(model: Model, name: str | None) -> Frame:

@@ -18,7 +18,6 @@ from typing import Any
 
 from ulna.algorithms.multibody.tree import steps
 from ulna.compiler.language.graph import most_operations, refuse_size
-from ulna.compiler.runtime.jit import announced
 from ulna.model import Model
 from ulna.quantities.quantity import Quantity
 
@@ -69,6 +68,8 @@ def sized(model: Model, quantity: Quantity, options: Mapping[str, Any]) -> Itera
     if _TRACING * seconds < _SILENT_SECONDS:
         yield
         return
+    from ulna.compiler.runtime.jit import announced  # with what compiles, which is imported when first used
+
     text = (
         f"tracing {what} (about {_rounded(nodes)} operations), about {ceil(_TRACING * seconds)} s; to compile it then "
         f"takes about {ceil((1.0 - _TRACING) * seconds)} s and {nodes * BYTES / 1e9:.1f} GB"

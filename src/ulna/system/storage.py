@@ -5,9 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import re
-import secrets
 import stat
-import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -40,7 +38,7 @@ def replacing(target: str | os.PathLike[str]) -> Iterator[Path]:
         yield place
         return
     _remove_stale(place.parent)
-    beside = place.with_name(f".ulna-{secrets.token_hex(4)}{place.suffix}")
+    beside = place.with_name(f".ulna-{os.urandom(4).hex()}{place.suffix}")
     try:
         beside.touch()  # before the work that may be long
         yield beside
@@ -149,6 +147,8 @@ def write_private(path: Path, content: bytes, keep: bool = False) -> None:
     Raises:
         OSError: It cannot be written; what was there is as it was.
     """
+    import tempfile  # slow to import, and needed only here
+
     descriptor, beside = tempfile.mkstemp(dir=path.parent, prefix="new-")
     try:
         with os.fdopen(descriptor, "wb") as file:
@@ -187,7 +187,7 @@ def secret(folders: list[Path], name: str, size: int = 32) -> bytes | None:
                 if content is not None and len(content) == size:
                     return content
                 if keep is not None:
-                    write_private(path, secrets.token_bytes(size), keep)
+                    write_private(path, os.urandom(size), keep)
         except OSError:
             continue
     return None

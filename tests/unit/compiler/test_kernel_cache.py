@@ -9,6 +9,7 @@ import multiprocessing
 import os
 import subprocess
 import sys
+import tempfile
 import time
 import warnings
 from pathlib import Path
@@ -20,7 +21,6 @@ from ulna import disk_cache as cache
 from ulna.compiler import compile
 from ulna.compiler.runtime import jit, object_layout
 from ulna.errors import CacheWarning
-from ulna.system import storage
 
 FAST = object_layout.fast_call_works()
 CODES = 2 if FAST else 1  # of a kernel: of its single call, where that is fast, and of batches
@@ -240,7 +240,7 @@ def test_a_folder_that_cannot_be_written_warns_once(place, compilations, monkeyp
     def refuse(*args: object, **options: object):
         raise PermissionError(errno.EACCES, "Permission denied")
 
-    monkeypatch.setattr(storage.tempfile, "mkstemp", refuse)
+    monkeypatch.setattr(tempfile, "mkstemp", refuse)
     with pytest.warns(
         CacheWarning, match=r"cannot be written \(Permission denied\); kernels are compiled anew"
     ) as caught:
@@ -280,7 +280,7 @@ def test_a_really_full_device_warns(place, monkeypatch):
     place.mkdir(mode=0o700)
     (place / "new-full").symlink_to("/dev/full")
     monkeypatch.setattr(
-        storage.tempfile,
+        tempfile,
         "mkstemp",
         lambda dir, prefix: (os.open("/dev/full", os.O_WRONLY), str(place / "new-full")),
     )

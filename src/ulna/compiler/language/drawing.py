@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from html import escape
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import escape
 
 from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.ops import TABLE, Op
@@ -195,9 +195,9 @@ def _svg(boxes: dict[Any, _Box], note: str) -> str:
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height:.0f}" '
         f'viewBox="0 0 {width} {height:.0f}" font-family="sans-serif" font-size="12">',
-        f"<title>{escape(note)}</title>",
+        f"<title>{escape(note, quote=False)}</title>",
         '<rect width="100%" height="100%" fill="white"/>',
-        f'<text x="20" y="24" font-size="14">{escape(note)}</text>',
+        f'<text x="20" y="24" font-size="14">{escape(note, quote=False)}</text>',
     ]
     for k, kind in enumerate(sorted({box.kind for box in boxes.values()}, key=list(_COLOURS).index)):
         out.append(f'<rect x="{20 + 90 * k}" y="34" width="12" height="12" rx="3" fill="{_COLOURS[kind]}" '
@@ -216,6 +216,7 @@ def _svg(boxes: dict[Any, _Box], note: str) -> str:
         out.append(
             f'<rect x="{x[key]}" y="{box.y:.1f}" width="{_WIDTH}" height="{_HEIGHT}" rx="6" '
             f'fill="{_COLOURS[box.kind]}" stroke="#4b5563"{border}/>'
-            f'<text x="{x[key] + _WIDTH / 2}" y="{box.y + 16:.1f}" text-anchor="middle">{escape(box.label)}</text>'
+            f'<text x="{x[key] + _WIDTH / 2}" y="{box.y + 16:.1f}" text-anchor="middle">'
+            f"{escape(box.label, quote=False)}</text>"
         )
     return "\n".join([*out, "</svg>\n"])

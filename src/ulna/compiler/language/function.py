@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from ulna.compiler.language.derived import Differentiable
-from ulna.compiler.language.drawing import draw
 from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.interpreter import copy_into, evaluate_symbols, interpret
 from ulna.compiler.language.ops import TABLE, Op
@@ -144,6 +143,8 @@ class Function(Differentiable):
 
     def draw(self, path: str | None = None) -> str:
         """The graph as an SVG picture, layered by depth; written to `path` when one is given."""
+        from ulna.compiler.language.drawing import draw  # with what it imports, for few
+
         title = f"{self.name}{self.signature}: {self.operations} operations"
         return draw(title, self.graph, self.inputs, self.outputs, self.results, path)
 

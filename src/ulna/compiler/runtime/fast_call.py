@@ -377,4 +377,5 @@ failed:
 declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)
 """
 
-FAST_CALL_IR = _TAKE + _DIFFER + _COPIED + _GIVEN + _BOUND
+FAST_CALL_IR = {"with_out": _TAKE + _GIVEN, "bound": _TAKE + _DIFFER + _COPIED + _BOUND}
+"""By the name of the call. The first kernel of a process waits for `with_out`, so it comes without the other."""

@@ -134,7 +134,7 @@ def make_kernel(kind: type, code: int, plan: Plan, slow: Callable[..., Any], ele
         entry_point.VECTORCALL: code,
         entry_point.SLOW: id(slow),
         entry_point.PLAN: plan.address,
-        entry_point.OTHERWISE: _fast_calls()["with_out"],
+        entry_point.OTHERWISE: _fast_call("with_out"),
         entry_point.ARRAY_TYPE: id(np.ndarray),
         entry_point.DESCRIPTOR: id(object_layout.NUMPY_TYPE[element]),
         entry_point.NEW: array_function(object_layout.ARRAY_NEW),
@@ -159,7 +159,7 @@ def make_bound(kind: type, plan: Plan, slow: Callable[..., Any]) -> Any:
         The instance of `kind`.
     """
     words = {
-        entry_point.VECTORCALL: _fast_calls()["bound"],
+        entry_point.VECTORCALL: _fast_call("bound"),
         entry_point.SLOW: id(slow),
         entry_point.PLAN: plan.address,
     }
@@ -181,11 +181,11 @@ def _release(*_: Any) -> None:
 
 
 @cache
-def _fast_calls() -> dict[str, int]:
-    """Addresses of the code that all kernels share."""
-    code = jit.load_text(FAST_CALL_IR, ("with_out", "bound"))
+def _fast_call(name: str) -> int:
+    """Address of code that all kernels share."""
+    code = jit.load_text(FAST_CALL_IR[name], (name,), has_loops=name == "bound")
     _KEEP.append(code)
-    return code.addresses
+    return code.address(name)
 
 
 @final

@@ -106,17 +106,18 @@ def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
     return _load(ir, names, f.has_loops, lambda: _announced(f, len(ir) / _SPEED[names[0]]))
 
 
-def load_text(ir: str, names: tuple[str, ...]) -> Code:
+def load_text(ir: str, names: tuple[str, ...], has_loops: bool = True) -> Code:
     """Machine code of `ir`, which belongs to no function.
 
     Args:
         ir: The text of an LLVM module.
         names: Names of definitions in it.
+        has_loops: Whether it has loops that LLVM is to optimise, which takes several times as long.
 
     Returns:
         The loaded code; it must live as long as it is called.
     """
-    return _load(ir, names, has_loops=True, announced=contextlib.nullcontext)
+    return _load(ir, names, has_loops, contextlib.nullcontext)
 
 
 def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[[], Any]) -> Code:

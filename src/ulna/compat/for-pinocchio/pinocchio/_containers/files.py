@@ -12,8 +12,8 @@ import json
 import os
 import zlib
 from functools import cache
+from html import escape, unescape
 from typing import Any
-from xml.sax.saxutils import escape, unescape
 
 import numpy as np
 
@@ -73,7 +73,7 @@ class Saved:
             filename: Name of the file.
             tag_name: Name of the element.
         """
-        text = f'<?xml version="1.0"?>\n<{tag_name}>{escape(self.saveToString())}</{tag_name}>\n'
+        text = f'<?xml version="1.0"?>\n<{tag_name}>{escape(self.saveToString(), quote=False)}</{tag_name}>\n'
         with replacing(filename) as place:
             place.write_text(text, encoding="utf-8")
 
