@@ -6,7 +6,7 @@ import errno
 import os
 import signal
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -73,4 +73,45 @@ class Sums(Job):
         if to is not None:
             with to.open("wb") as file:
                 np.save(file, state["sum"])
+        return state["sum"]
+
+
+@dataclass(frozen=True, eq=False)
+class Rows(Job):
+    """The sum of the rows of an array, of which each part is sent four.
+
+    Attributes:
+        rows: The rows, (n, 3); None on workers.
+    """
+
+    kind: ClassVar[str] = "rows"
+    rows: Any
+
+    @property
+    def parts(self) -> int:
+        return -(-len(self.rows) // 4)
+
+    def description(self) -> dict[str, Any]:
+        return {"kind": self.kind, "count": self.parts}
+
+    def start(self) -> dict[str, Any]:
+        return {"sum": np.zeros(3)}
+
+    def inputs(self, part: int) -> tuple[Any, ...]:
+        return (self.rows[4 * part : 4 * part + 4],)
+
+    def for_workers(self) -> Rows:
+        return replace(self, rows=None)
+
+    def work(self, part: int, *inputs: Any) -> dict[str, Any]:
+        (rows,) = inputs
+        return {"sum": rows.sum(axis=0)}
+
+    def fold(self, state: Any, part: int, result: Any) -> None:
+        state["sum"] += result["sum"]
+
+    def existing(self, to: Path) -> Any:
+        return np.load(to)
+
+    def finish(self, state: Any, to: Path | None) -> Any:
         return state["sum"]

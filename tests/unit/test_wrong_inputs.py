@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import ulna
-from ulna.errors import InputError, TraceError
+from ulna.checks.arrays import check_finite
+from ulna.errors import InputError, NonFiniteError, TraceError
 from ulna.robot import Robot
 
 
@@ -85,3 +86,21 @@ def test_searches_in_compiled_functions(robot: Robot) -> None:
         ulna.compile(lambda q: robot.ik(robot.fk(q)).q, robot)
     with pytest.raises(TraceError, match="robot.ik_all takes numbers only.*Call it outside"):
         ulna.compile(lambda q: robot.ik_all(robot.fk(q)).q, robot)
+
+
+@pytest.mark.parametrize("size", [100, 50_000])
+def test_finite_entries_are_checked_in_arrays_of_any_size(size: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Scalar products of long arrays take threads of BLAS, which made `fk` thirty times slower on a busy machine."""
+    vdot = np.vdot
+
+    def short(a: np.ndarray, b: np.ndarray) -> object:
+        assert a.size < 10_000
+        return vdot(a, b)
+
+    monkeypatch.setattr(np, "vdot", short)
+    array = np.linspace(-1e200, 1e200, size)
+    check_finite("x", array)
+    for values in ([np.nan], [np.inf, -np.inf], [-np.inf]):
+        array[7 : 7 + len(values)] = values
+        with pytest.raises(NonFiniteError, match=r"x\[7\]|index"):
+            check_finite("x", array)

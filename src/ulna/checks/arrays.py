@@ -15,6 +15,9 @@ from ulna.numeric import is_symbolic
 from ulna.typing import Array, Floats
 
 _FLOAT = np.dtype(float)
+_ONE_THREAD = (
+    8192  # entries; scalar products of more take threads of OpenBLAS, which wait by keeping processors busy
+)
 _NAMED = 'Configurations with names are arrays in robot.configurations: robot.configurations["qr"].'
 _IN_ORDER = "Put its values in order: np.array([q[name] for name in robot.joint_names])."
 
@@ -129,7 +132,12 @@ def check_finite(name: str, array: Floats, fix: str = FIND_NAN) -> None:
     Raises:
         NonFiniteError: an entry is; names the first one.
     """
-    if math.isfinite(np.vdot(array, array)):  # one cheap pass in the good case
+    if array.size <= _ONE_THREAD:
+        total = np.vdot(array, array)  # one cheap pass in the good case
+    else:
+        with np.errstate(all="ignore"):
+            total = array.sum()
+    if math.isfinite(total):
         return
     bad = ~np.isfinite(array)
     if bad.any():

@@ -14,6 +14,8 @@ _ANSWER = 15.0  # s to wait for a scheduler to answer
 _ENVIRONMENT = {"MALLOC_TRIM_THRESHOLD_": 2**28, "MALLOC_MMAP_THRESHOLD_": 2**28}
 """Of the workers of a cluster of this machine: Dask's own setting has every array above 128 KiB begin on new pages."""
 
+_SPAWN = "distributed.nanny.pre-spawn-environ"
+
 
 @contextmanager
 def connected(scheduler: Any, workers: int | None, patience: float) -> Iterator[Any]:
@@ -64,13 +66,20 @@ def connected(scheduler: Any, workers: int | None, patience: float) -> Iterator[
     from dask import config  # pyright: ignore[reportMissingImports]
 
     with (
-        config.set({"distributed.nanny.pre-spawn-environ": _ENVIRONMENT}),
+        config.set({_SPAWN: worker_environment()}),
         LocalCluster(n_workers=count, processes=True, **settings) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):
         pool: Any = cluster
         pool.adapt(minimum=count, maximum=count, interval="2s")  # starts others in place of lost ones
         yield client
+
+
+def worker_environment() -> dict[str, Any]:
+    """The variables of the workers of a cluster of this machine: Dask's, such as one thread of BLAS each, and ours."""
+    from dask import config  # pyright: ignore[reportMissingImports]
+
+    return {**config.get(_SPAWN, {}), **_ENVIRONMENT}
 
 
 def _check_workers(client: Any, patience: float) -> None:

@@ -84,10 +84,11 @@ def _results(
 ) -> Iterator[tuple[int, State]]:
     """The results of parts, as they come."""
     if workers == 0:
-        yield from ((part, job.work(part)) for part in parts)
+        yield from ((part, job.work(part, *job.inputs(part))) for part in parts)
         return
     with connected(scheduler, workers, patience) as client:
-        yield from Tasks(client, Portable(job.work), parts, retries, patience).results()
+        work = Portable(job.for_workers().work)
+        yield from Tasks(client, work, parts, job.inputs, retries, patience).results()
 
 
 @final

@@ -40,11 +40,12 @@ class Job(ABC):
         """The state before the first part."""
 
     @abstractmethod
-    def work(self, part: int) -> State:
+    def work(self, part: int, *inputs: Any) -> State:
         """The result of a part; called on a worker.
 
         Args:
             part: Its number.
+            *inputs: What `inputs` returned for it; jobs without inputs need no such argument.
 
         Returns:
             Arrays by name.
@@ -85,6 +86,21 @@ class Job(ABC):
         Raises:
             InputError: If it is something else than the result of this job.
         """
+
+    def inputs(self, part: int) -> tuple[Any, ...]:
+        """What is sent to a worker for one part, such as the part's rows of arrays; most jobs need nothing.
+
+        Args:
+            part: The number of the part.
+
+        Returns:
+            Further arguments of `work`.
+        """
+        return ()
+
+    def for_workers(self) -> Job:
+        """The job as it is sent to workers: without the arrays whose rows `inputs` sends."""
+        return self
 
     def prepare(self, to: Path | None) -> None:
         """Makes the files that parts write to, before the first part of a new job; most jobs need none.

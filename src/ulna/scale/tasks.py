@@ -1,4 +1,8 @@
-"""Parts of a job on a cluster: some of them under way at any time, repeated when their worker is lost."""
+"""Parts of a job on a cluster: some of them under way at any time, repeated when their worker is lost.
+
+Parts that take less than some tenths of a second are sent several at a time, for the scheduler needs about a
+millisecond for a task. Which parts are sent together changes nothing in the results.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,7 @@ import errno
 import queue
 import time
 from asyncio import CancelledError
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from typing import Any, final
 
@@ -18,6 +22,11 @@ _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, err
 _ATTEMPTS = 3  # of a part whose work raises an error that is not Ulna's
 _COUNT = 3.0  # s between two questions how many workers there are
 _TICK = 0.25  # s between looks at the connection
+_SECONDS = 0.3  # that a task takes, where several parts are sent at a time
+_BYTES = 2**24  # that the results of a task may have
+
+Inputs = Callable[[int], tuple[Any, ...]]
+"""The further arguments of the work of a part."""
 
 
 def is_storage_error(error: BaseException) -> bool:
@@ -29,26 +38,56 @@ class Interrupted(Exception):
     """The cluster cannot go on; says why."""
 
 
+def work_parts(
+    task: Portable, parts: Sequence[int], inputs: Sequence[tuple[Any, ...]]
+) -> tuple[list[State], float]:
+    """The results of some parts, one after the other; what a task does on a worker.
+
+    Args:
+        task: `task(part, *inputs)` does one part.
+        parts: Their numbers.
+        inputs: The further arguments of each.
+
+    Returns:
+        The results, and how long the last part took [s].
+    """
+    out, seconds = [], 0.0
+    for part, further in zip(parts, inputs, strict=True):
+        start = time.perf_counter()
+        out.append(task(part, *further))
+        seconds = time.perf_counter() - start
+    return out, seconds
+
+
 @final
 class Tasks:
     """Does parts of a job on a cluster.
 
     Args:
         client: The client of the scheduler.
-        task: `task(part)` does one part.
+        task: `task(part, *inputs)` does one part.
         parts: The numbers of the parts, in order.
+        inputs: `inputs(part)` is what a part needs beside its number.
         retries: How often a part may lose its worker.
         patience: How long to wait for a lost scheduler to come back [s].
     """
 
     def __init__(
-        self, client: Any, task: Portable, parts: Sequence[int], retries: int, patience: float
+        self,
+        client: Any,
+        task: Portable,
+        parts: Sequence[int],
+        inputs: Inputs,
+        retries: int,
+        patience: float,
     ) -> None:
-        self._client, self._task, self._parts = client, task, parts
+        self._client, self._task, self._parts, self._inputs = client, task, parts, inputs
         self._retries, self._patience = retries, patience
-        self._futures: dict[int, Any] = {}
+        self._futures: dict[int, tuple[Any, tuple[int, ...]]] = {}  # by the first of the parts of a task
+        self._together = 1  # parts of a task
         self._failures: dict[int, int] = {}
         self._losses: dict[int, int] = {}
+        self._submissions = 0
         self._ended: queue.SimpleQueue[int] = queue.SimpleQueue()
         self._lost_since: float | None = None
         self._count, self._counted = 1, -_COUNT
@@ -68,14 +107,11 @@ class Tasks:
         try:
             while following < len(self._parts) or self._futures:
                 following = self._submitted(following)
-                for part in self._ended_parts():
-                    future = self._futures.get(part)
-                    if future is not None and future.done():
-                        result = self._result(part, future)
-                        if result is not None:
-                            yield part, result
+                for first in sorted(self._ended_tasks()):
+                    if first in self._futures and self._futures[first][0].done():
+                        yield from self._results(first)
         finally:
-            for future in self._futures.values():
+            for future, _ in self._futures.values():
                 with suppress(Exception, CancelledError):
                     future.cancel()
 
@@ -84,12 +120,15 @@ class Tasks:
         room = 2 * self._threads() + 2 if self._is_connected() else 0
         first = min(self._futures, default=None)
         while following < len(self._parts) and len(self._futures) < room:
-            part = self._parts[following]
-            if first is not None and part - first > 2 * room:
+            left = -(
+                -(len(self._parts) - following) // (2 * room)
+            )  # at the end all workers have something to do
+            parts = tuple(self._parts[following : following + min(self._together, left)])
+            if first is not None and parts[-1] - first > 2 * room * self._together:
                 break  # the first is late: what waits for it must not fill the memory
-            self._submit(part)
-            first = part if first is None else first
-            following += 1
+            self._submit(parts)
+            first = parts[0] if first is None else first
+            following += len(parts)
         return following
 
     def _threads(self) -> int:
@@ -108,24 +147,23 @@ class Tasks:
             raise Interrupted("All workers are lost.")
         return max(self._count, 1)
 
-    def _submit(self, part: int) -> None:
-        key = f"ulna-part-{part}-{self._task.digest[:8]}-{id(self)}-{self._attempt(part)}"
-        future = self._client.submit(self._task, part, key=key, pure=False)
-        self._futures[part] = future
-        future.add_done_callback(lambda _: self._ended.put(part))
+    def _submit(self, parts: tuple[int, ...]) -> None:
+        self._submissions += 1
+        key = f"ulna-part-{parts[0]}-{self._task.digest[:8]}-{id(self)}-{self._submissions}"
+        inputs = [self._inputs(part) for part in parts]
+        future = self._client.submit(work_parts, self._task, parts, inputs, key=key, pure=False)
+        self._futures[parts[0]] = future, parts
+        future.add_done_callback(lambda _: self._ended.put(parts[0]))
 
-    def _attempt(self, part: int) -> int:
-        return self._failures.get(part, 0) + self._losses.get(part, 0)
-
-    def _ended_parts(self) -> set[int]:
-        """Parts that have ended since the last look; all under way where the connection was lost meanwhile."""
+    def _ended_tasks(self) -> set[int]:
+        """First parts of tasks that have ended since the last look; all where the connection was lost meanwhile."""
         ended = set()
         with suppress(queue.Empty):
             ended.add(self._ended.get(timeout=_TICK))
             while True:
                 ended.add(self._ended.get_nowait())
         if not ended and self._is_connected():
-            ended = {part for part, future in self._futures.items() if future.done()}
+            ended = {first for first, (future, _) in self._futures.items() if future.done()}
         return ended
 
     def _is_connected(self) -> bool:
@@ -139,23 +177,30 @@ class Tasks:
             raise Interrupted("The scheduler does not answer any more.")
         return False
 
-    def _result(self, part: int, future: Any) -> State | None:
-        """What a part returned; None where it is to be done again."""
-        del self._futures[part]
+    def _results(self, first: int) -> Iterator[tuple[int, State]]:
+        """What the parts of a task returned; nothing where they are to be done again."""
+        future, parts = self._futures.pop(first)
         if future.status == "finished":
             try:
-                return future.result(timeout=60.0)
+                results, seconds = future.result(timeout=60.0)
             except (Exception, CancelledError) as error:  # its worker was lost with it
-                self._lose(part, error)
-                return None
-        if future.status == "error":
-            self._examine(part, future.exception())
+                self._lose(parts, error)
+                return
+            self._adapt(results, seconds)
+            yield from zip(parts, results, strict=True)
+        elif future.status == "error":
+            self._examine(parts, future.exception())
         else:
-            self._lose(part, None)
-        return None
+            self._lose(parts, None)
 
-    def _examine(self, part: int, error: BaseException) -> None:
-        """Decides what an error of a part means: the end, or another attempt."""
+    def _adapt(self, results: Sequence[State], seconds: float) -> None:
+        """Chooses how many parts the next tasks have: some tenths of a second of work, and not too many results."""
+        size = sum(array.nbytes for array in results[-1].values())
+        most = min(_SECONDS / max(seconds, 1e-9), _BYTES / max(size, 1))
+        self._together = max(1, int(min(most, 2 * self._together)))
+
+    def _examine(self, parts: tuple[int, ...], error: BaseException) -> None:
+        """Decides what an error of a task means: the end, or another attempt."""
         from distributed import KilledWorker  # pyright: ignore[reportMissingImports]
 
         if isinstance(error, UlnaError):
@@ -163,25 +208,33 @@ class Tasks:
         if is_storage_error(error):
             raise Interrupted(f"A worker cannot write: {error}.") from error
         if isinstance(error, KilledWorker):
-            self._lose(part, error)
+            self._lose(parts, error)
             return
-        self._failures[part] = self._failures.get(part, 0) + 1
-        if self._failures[part] >= _ATTEMPTS:
-            raise Interrupted(
-                f"Part {part} failed {_ATTEMPTS} times: {type(error).__name__}: {error}."
-            ) from error
-        self._submit(part)
+        if len(parts) == 1:
+            part = parts[0]
+            self._failures[part] = self._failures.get(part, 0) + 1
+            if self._failures[part] >= _ATTEMPTS:
+                raise Interrupted(
+                    f"Part {part} failed {_ATTEMPTS} times: {type(error).__name__}: {error}."
+                ) from error
+        self._submit_each(parts)
 
-    def _lose(self, part: int, error: BaseException | None) -> None:
-        """Does a part again whose worker was lost."""
+    def _lose(self, parts: tuple[int, ...], error: BaseException | None) -> None:
+        """Does parts again whose worker was lost."""
         while not self._is_connected():
             time.sleep(_TICK)
-        self._losses[part] = self._losses.get(part, 0) + 1
-        if self._losses[part] > self._retries:
-            raise Interrupted(
-                f"Part {part} lost its worker {self._losses[part]} times; workers may lack memory ({error!r})."
-            )
-        self._submit(part)
+        for part in parts:
+            self._losses[part] = self._losses.get(part, 0) + 1
+            if self._losses[part] > self._retries:
+                raise Interrupted(
+                    f"Part {part} lost its worker {self._losses[part]} times; workers may lack memory ({error!r})."
+                )
+        self._submit_each(parts)
+
+    def _submit_each(self, parts: tuple[int, ...]) -> None:
+        """Submits parts in tasks of one, so that the one that fails is known."""
+        for part in parts:
+            self._submit((part,))
 
 
 def stopped(error: Interrupted, done: int, parts: int, store: str) -> JobStopped:

@@ -16,9 +16,10 @@ import numpy as np
 import pytest
 
 from support.clusters import cluster
-from support.jobs import Sums
+from support.jobs import Rows, Sums
 from ulna import scale
 from ulna.errors import InputError, JobStopped, VersionMismatch
+from ulna.scale.cluster import worker_environment
 
 pytest.importorskip("distributed")
 
@@ -44,6 +45,27 @@ def test_parts_are_added_in_order_on_any_number_of_workers(client: Any) -> None:
     np.testing.assert_array_equal(got, _expected(40))
     assert seen[-1].done == seen[-1].parts == 40 and seen[0].done == 0
     assert "40 of 40 parts, 100 %" in str(seen[-1])
+
+
+def test_parts_are_sent_together_and_what_they_need_with_them(
+    client: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows, submit, tasks = np.random.default_rng(0).standard_normal((4000, 3)), client.submit, []
+
+    def counted(*args: Any, **options: Any) -> Any:
+        tasks.append(options["key"])
+        return submit(*args, **options)
+
+    monkeypatch.setattr(client, "submit", counted)
+    got = scale.run(Rows(rows), scheduler=client, progress=False)
+    np.testing.assert_array_equal(got, scale.run(Rows(rows), workers=0, progress=False))
+    assert len(set(tasks)) == len(tasks) < 500, "of 1000 parts"
+
+
+def test_workers_have_one_thread_for_linear_algebra() -> None:
+    environment = worker_environment()
+    assert environment["OPENBLAS_NUM_THREADS"] == environment["OMP_NUM_THREADS"] == 1
+    assert environment["MALLOC_TRIM_THRESHOLD_"] == 2**28
 
 
 def test_killed_workers_and_passing_faults(client: Any, tmp_path: Path) -> None:
