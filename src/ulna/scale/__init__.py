@@ -12,22 +12,26 @@ if TYPE_CHECKING:
     from ulna.scale.engine import run as run
     from ulna.scale.job import Job as Job
     from ulna.scale.job import Samples as Samples
+    from ulna.scale.many_plans import plans as plans
+    from ulna.scale.plan_set import PlanSet as PlanSet
     from ulna.scale.progress import Progress as Progress
     from ulna.scale.reach_map import ReachMap as ReachMap
     from ulna.scale.reachability import reach as reach
 
 _HOMES = {
     "Job": "job",
+    "PlanSet": "plan_set",
     "Progress": "progress",
     "ReachMap": "reach_map",
     "Samples": "job",
     "data_set": "data_sets",
+    "plans": "many_plans",
     "reach": "reachability",
     "run": "engine",
 }
 """The modules of names that are imported when first used: the command line parses without them."""
 
-__all__ = ["Job", "Progress", "ReachMap", "Samples", "data_set", "reach", "run"]
+__all__ = ["Job", "PlanSet", "Progress", "ReachMap", "Samples", "data_set", "plans", "reach", "run"]
 
 
 def __getattr__(name: str) -> Any:

@@ -89,11 +89,11 @@ def _check_workers(client: Any, patience: float) -> None:
         raise JobStopped(
             "The scheduler has no workers: `dask worker ADDRESS` starts one.", 0, 0, ""
         ) from None
-    try:
-        client.run(check_versions, versions())
-    except VersionMismatch:
-        raise
-    except ImportError as error:
-        raise VersionMismatch(
-            f"A worker cannot import what this job needs: {error}. Install Ulna {versions()['Ulna']} there."
-        ) from error
+    answers = client.run(check_versions, versions(), on_error="return")  # a worker may be lost meanwhile
+    for answer in answers.values():
+        if isinstance(answer, VersionMismatch):
+            raise answer
+        if isinstance(answer, ImportError):
+            raise VersionMismatch(
+                f"A worker cannot import what this job needs: {answer}. Install Ulna {versions()['Ulna']} there."
+            ) from answer

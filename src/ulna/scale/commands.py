@@ -1,4 +1,4 @@
-"""Jobs on the command line: `ulna reach`, `ulna dataset`."""
+"""Jobs on the command line: `ulna reach`, `ulna dataset`, `ulna plans`."""
 
 from __future__ import annotations
 
@@ -45,6 +45,29 @@ def add_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
     data.add_argument("--chunk", type=float, default=1e5, metavar="N", help="rows of one task (default 1e5)")
     data.add_argument("--seed", type=int, default=0, help="of the states (default 0)")
     _cluster_options(data)
+    plans = command("plans", _plans, "plan many motions among obstacles, on a Dask cluster", more)
+    plans.add_argument("name", metavar="NAME", help="a name from `ulna list`, or the path of a robot's file")
+    plans.add_argument("--problems", type=float, metavar="N", help="how many random problems")
+    plans.add_argument(
+        "--from", dest="problem_file", metavar="NPZ", help="problems instead: arrays `starts` and `goals`"
+    )
+    plans.add_argument(
+        "--box",
+        type=float,
+        nargs=6,
+        action="append",
+        default=[],
+        metavar=("X", "Y", "Z", "DX", "DY", "DZ"),
+        help="an obstacle: its centre and its edges [m]; may be repeated",
+    )
+    plans.add_argument(
+        "--margin", type=float, default=0.0, metavar="M", help="how near everything may come [m]"
+    )
+    plans.add_argument(
+        "--chunk", type=float, default=100, metavar="N", help="problems of one part (default 100)"
+    )
+    plans.add_argument("--seed", type=int, default=0, help="of problems and searches (default 0)")
+    _cluster_options(plans)
 
 
 def _cluster_options(parser: argparse.ArgumentParser) -> None:
@@ -97,6 +120,37 @@ def _data_set(chosen: argparse.Namespace) -> None:
         **_where(chosen),
     )
     print("\n".join(f"{name}: {array.dtype} {array.shape}" for name, array in sorted(group.arrays())))
+
+
+def _plans(chosen: argparse.Namespace) -> None:
+    import numpy as np
+
+    from ulna.collision import World
+    from ulna.geometry import Box
+    from ulna.scale.many_plans import plans
+
+    given: dict[str, Any] = {"problems": chosen.problems}
+    if chosen.problem_file:
+        with np.load(chosen.problem_file, allow_pickle=False) as file:
+            if not {"starts", "goals"} <= set(file.files):
+                raise InputError(
+                    f"{chosen.problem_file!r} holds {sorted(file.files)}; expected the arrays `starts` and `goals`."
+                )
+            given |= {name: file[name] for name in ("starts", "goals")}
+    world = World()
+    for k, numbers in enumerate(chosen.box):
+        world = world.add(f"box {k + 1}", Box(tuple(numbers[3:])), tuple(numbers[:3]))
+    found = plans(
+        chosen.name,
+        world=world if chosen.box else None,
+        margin=chosen.margin,
+        seed=chosen.seed,
+        chunk=_whole(chosen.chunk),
+        to=chosen.to,
+        **given,
+        **_where(chosen),
+    )
+    print(found)
 
 
 def _where(chosen: argparse.Namespace) -> dict[str, Any]:

@@ -8,7 +8,6 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -22,13 +21,6 @@ from ulna.errors import InputError, JobStopped, VersionMismatch
 from ulna.scale.cluster import worker_environment
 
 pytest.importorskip("distributed")
-
-
-@pytest.fixture(scope="module")
-def client() -> Iterator[Any]:
-    with cluster() as client:
-        client.run(_find_tests)
-        yield client
 
 
 def _find_tests() -> None:
