@@ -9,6 +9,7 @@ from __future__ import annotations
 import weakref
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, final
 
 import numpy as np
@@ -25,10 +26,16 @@ from ulna.quantities.documentation import ARRAYS, Size, with_batch
 from ulna.quantities.mass import MASS_PARAMETERS, check_mass
 from ulna.quantities.part import frozen
 from ulna.quantities.quantity import frame_of
-from ulna.quantities.size import sized
+from ulna.quantities.size import estimated_nodes, sized
+from ulna.recursions.looped_function import LoopedFunction, LoopedKernel
+from ulna.recursions.quantities import recursion_of
 from ulna.system import forks
 
 _SEARCHES = ("ik", "ik_all", "ik_classic", "ik_free", "distance", "collides", "first_contact")
+
+LOOPED_ABOVE = 60_000
+"""Operations, as they are estimated, above which a quantity is computed by loops over joints where it can be: from
+there on straight-line code is no faster, and takes five seconds and more to compile (benchmarks/large_robots.py)."""
 
 DEVICES = ("cpu", "cuda")
 """What kernels are compiled for."""
@@ -60,11 +67,7 @@ def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), *
     """
     quantity, chosen = _choose(name, options)
     names = _parameter_names(model, parameters)
-    shapes: dict[str, Any] = {key: _shape(model, size) for key, size in quantity.arguments(chosen)}
-    about = "".join(
-        f" {key.capitalize()}: {value}." for key, value in named_options(model, quantity, chosen).items()
-    )
-    doc = f"{quantity.summary} Returns {with_batch(quantity.result)}. Robot: {model.name}.{about}"
+    shapes, doc = _shapes(model, quantity, chosen), _doc(model, quantity, chosen)
     extra: dict[str, Any] = {key: models.parameters(model, key).shape for key in names}
     doc += f" Parameters: {', '.join(names)}." if names else ""
 
@@ -83,6 +86,31 @@ def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), *
     if quantity.columns is None or traced.operations < _FEWEST_OPERATIONS:
         return traced
     return with_columns(traced, on_parameters(quantity.build_columns), **shapes, **extra)
+
+
+def looped(model: Model, name: str, **options: Any) -> LoopedFunction | None:
+    """A quantity of a model by loops over a table of its joints, whatever its size; large robots use it by themselves.
+
+    Args:
+        model: The robot's model.
+        name: As for `kernel`.
+        **options: As for `kernel`.
+
+    Returns:
+        The function; None where the quantity, its options or the kinds of joints have no such loops.
+
+    Raises:
+        UnknownName: As from `kernel`.
+    """
+    quantity, chosen = _choose(name, options)
+    recursion = recursion_of(model, quantity, chosen)
+    if recursion is None:
+        return None
+    shapes, doc = _shapes(model, quantity, chosen), _doc(model, quantity, chosen)
+    again = partial(looped, model, name, **chosen)
+    return LoopedFunction(
+        name, doc, model, shapes, recursion, partial(function, model, name, **chosen), (again, ())
+    )
 
 
 def kernel(
@@ -132,20 +160,46 @@ def kernel(
             unit = _quaternions(model, quantity) if checked else ()
             if quantity.inverts_mass and not MASS_PARAMETERS & set(names):
                 check_mass(model, compiler.element_of(dtype).name)
-            traced = function(model, name, parameters=names, **chosen)
-            if device == "cuda":
-                from ulna.compiler.runtime.cuda_kernel import CudaKernel  # with what it imports, for few
-
-                compiled = CudaKernel(traced, dtype)
-            else:
-                named = labels(model, traced)
-                compiled = compiler.compile(traced, dtype, checked, unit_entries=unit, labels=named)
+            if device == "cpu" and not names and estimated_nodes(model, quantity, chosen) > LOOPED_ABOVE:
+                compiled = _looped_kernel(model, name, compiler.element_of(dtype), checked, unit, chosen)
+            if compiled is None:
+                compiled = _traced_kernel(model, name, dtype, checked, unit, names, device, chosen)
             _made[key] = compiled
             _recent.append(compiled)
     return compiled
 
 
-def labels(model: Model, traced: Function) -> dict[str, Sequence[str]]:
+def _traced_kernel(
+    model: Model,
+    name: str,
+    dtype: Any,
+    checked: bool,
+    unit: Any,
+    names: tuple[str, ...],
+    device: str,
+    chosen: Mapping[str, Any],
+) -> Any:
+    """The kernel of straight-line code, or for a GPU."""
+    traced = function(model, name, parameters=names, **chosen)
+    if device == "cuda":
+        from ulna.compiler.runtime.cuda_kernel import CudaKernel  # with what it imports, for few
+
+        return CudaKernel(traced, dtype)
+    return compiler.compile(traced, dtype, checked, unit_entries=unit, labels=labels(model, traced))
+
+
+def _looped_kernel(
+    model: Model, name: str, dtype: Any, checked: bool, unit: Any, chosen: Mapping[str, Any]
+) -> Any:
+    """The kernel that loops over joints; None where there is none."""
+    made = looped(model, name, **chosen)
+    if made is None:
+        return None
+    again = partial(kernel, model, name, dtype, checked, **chosen)
+    return LoopedKernel(made, dtype, checked, unit, labels(model, made), (again, ()))
+
+
+def labels(model: Model, traced: Function | LoopedFunction) -> dict[str, Sequence[str]]:
     """What the entries of configurations and velocities among the inputs of a function are called.
 
     Args:
@@ -266,6 +320,16 @@ def _choose(name: str, options: Mapping[str, Any]) -> tuple[Quantity, dict[str, 
     return quantity, chosen
 
 
+def _shapes(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: _shape(model, size) for key, size in quantity.arguments(chosen)}
+
+
+def _doc(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> str:
+    names = named_options(model, quantity, chosen)
+    about = "".join(f" {key.capitalize()}: {value}." for key, value in names.items())
+    return f"{quantity.summary} Returns {with_batch(quantity.result)}. Robot: {model.name}.{about}"
+
+
 def _shape(model: Model, size: Size) -> tuple[int, ...]:
     sizes = (size,) if isinstance(size, str) else size
     return tuple(getattr(model, n) if isinstance(n, str) else n for n in sizes)
@@ -325,6 +389,7 @@ __all__ = [
     "function",
     "kernel",
     "labels",
+    "looped",
     "named_options",
     "shapes_for",
 ]

@@ -673,3 +673,22 @@ def test_numbers_that_were_bound_can_be_set() -> None:
         bound.set("count", 1.0)
     with pytest.raises(InputError, match="expected an integer of 64 bits"):
         bound.set("count", 2**70)
+
+
+@procedure(constants={"W": 8})
+def _scaled_sum(x: Array1[f64], out: Array1[f64], W: int) -> None:
+    total = broadcast(1.0, W)
+    for i in range(0, len(x), W):
+        total = total + x[i : i + W] * (lane_numbers(W, f64) + 1.0)
+    out[0:W] = total
+
+
+@pytest.mark.parametrize("width", [1, 2, 8])
+def test_one_source_serves_numbers_and_lanes(width: int) -> None:
+    one = _scaled_sum.specialized(W=width)
+    x = np.arange(16.0)
+    expected = 1.0 + x.reshape(-1, width).sum(axis=0) * (np.arange(width) + 1.0)
+    for run in (one, one.checked, one.interpret):
+        out = np.zeros(width)
+        run(x, out)
+        assert np.array_equal(out, expected)

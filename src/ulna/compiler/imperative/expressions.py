@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ulna.compiler.imperative import tree as t
-from ulna.compiler.imperative.conversions import converted, converted_explicitly, operate
+from ulna.compiler.imperative.conversions import converted, converted_explicitly, literal, operate
 from ulna.compiler.imperative.indexing import IndexReader
 from ulna.compiler.imperative.operations import FUNCTIONS, broadcast, lane_numbers
 from ulna.compiler.imperative.source import Definition
@@ -113,6 +113,8 @@ class ExpressionReader(IndexReader):
         element = element_of(value.type)
         if not isinstance(value.type, Number) or element is None:
             self.fail(node, f"broadcast takes a number, not {value.type}")
+        if count == 1:
+            return value
         return t.Broadcast(value, Lanes(element, count), node.lineno)
 
     def _lane_numbers(self, node: ast.Call) -> t.Expression:
@@ -120,12 +122,14 @@ class ExpressionReader(IndexReader):
         element = NUMBERS.get(self.object_named(node.args[1])) if len(node.args) > 1 else INT
         if element is None or element == BOOL:
             self.fail(node, "lane_numbers takes int, f32 or f64 as its second argument")
+        if count == 1:
+            return converted_explicitly(literal(0, node.lineno), element, node.lineno)
         return t.Operation("lane_numbers", (), Lanes(element, count), node.lineno)
 
     def _count(self, node: ast.Call, argument: ast.expr) -> int:
         count = self.constant(argument, "a number of lanes")
-        if not 2 <= count <= MOST_LANES or count & (count - 1):
-            self.fail(node, f"a number of lanes is a power of two from 2 to {MOST_LANES}, not {count}")
+        if not 1 <= count <= MOST_LANES or count & (count - 1):
+            self.fail(node, f"a number of lanes is a power of two from 1 to {MOST_LANES}, not {count}")
         return count
 
 

@@ -72,12 +72,14 @@ class IndexReader(ValueReader):
         if start.type != INT:
             self.fail(node, f"a slice begins at an integer, not {start.type}")
         count = self._slice_width(start, part)
-        if count is None or not 2 <= count <= MOST_LANES or count & (count - 1):
+        if count is None or not 1 <= count <= MOST_LANES or count & (count - 1):
             self.fail(
                 node,
-                f"a slice has a constant power of two of lanes, from 2 to {MOST_LANES}, not {count}",
+                f"a slice has a constant power of two of lanes, from 1 to {MOST_LANES}, not {count}",
                 "Write it as a[i : i + 8].",
             )
+        if count == 1:
+            return t.Element(array, (*fixed, start), kind.element, node.lineno)
         return t.Slice(array, (*fixed, start), Lanes(kind.element, count), node.lineno)
 
     def _slice_width(self, start: t.Expression, part: ast.Slice) -> int | None:

@@ -40,6 +40,8 @@ class ArrayCall:
         checked: Whether arguments must be finite.
         unit: Which entries of inputs are unit quaternions.
         labels: By input, what the entries of its last axis are called.
+        evaluate: What evaluates batches, called as a generalised ufunc is; None to compile one.
+        rows_per_thread: Samples for which a thread is worth while [-].
     """
 
     def __init__(
@@ -49,6 +51,8 @@ class ArrayCall:
         checked: bool,
         unit: Unit = (),
         labels: Mapping[str, Sequence[str]] | None = None,
+        evaluate: Callable[..., Any] | None = None,
+        rows_per_thread: int = _ROWS_PER_THREAD,
     ) -> None:
         self.function, self.dtype, self.checked, self.unit = function, dtype, checked, unit
         self.labels = {} if labels is None else dict(labels)
@@ -58,11 +62,14 @@ class ArrayCall:
         self.interpreted = (
             not function.inputs or not function.outputs or not all(p.size for p in ports) or len(ports) > 64
         )
-        self._ufunc: np.ufunc | None = None
+        self._ufunc: Any = evaluate
+        self._rows_per_thread = rows_per_thread
         self._lock = forks.lock(forks.KERNEL)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return ArrayCall, (self.function, self.dtype, self.checked, self.unit, self.labels)
+        evaluate = None if isinstance(self._ufunc, np.ufunc) else self._ufunc
+        settings = self.unit, self.labels, evaluate, self._rows_per_thread
+        return ArrayCall, (self.function, self.dtype, self.checked, *settings)
 
     @property
     def element(self) -> DType:
@@ -74,7 +81,7 @@ class ArrayCall:
         return emit_batch(self.function, jit.target(), self.element)
 
     @property
-    def ufunc(self) -> np.ufunc:
+    def ufunc(self) -> Any:
         """The gufunc; its loop is compiled when it is first asked for."""
         if self._ufunc is None:
             with self._lock:
@@ -141,10 +148,10 @@ class ArrayCall:
         if self.interpreted:
             return self._interpret(arrays, out)
         rows = int(np.prod(batch, dtype=np.int64))
-        many = threads is not None and threads > 1 and rows >= 2 * _ROWS_PER_THREAD
+        many = threads is not None and threads > 1 and rows >= 2 * self._rows_per_thread
         if many and batch and (out is None or self._is_apart(arrays, out, batch)):
             assert threads is not None
-            return self._threaded(arrays, batch, out, min(threads, rows // _ROWS_PER_THREAD))
+            return self._threaded(arrays, batch, out, min(threads, rows // self._rows_per_thread))
         return self._apply(arrays, out)
 
     def _apply(self, args: Sequence[Any], out: Any) -> Any:

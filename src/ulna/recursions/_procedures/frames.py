@@ -1,0 +1,219 @@
+"""Poses, Jacobians and twists of frames, in loops; see `algorithms/kinematics`.
+
+A frame is the row of the joint that carries it and its placement F there, as a row of 12.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ulna.compiler.procedures import Array1, Array2, Array3, broadcast, f64, procedure
+from ulna.recursions._procedures.newton_euler import Motions, velocity_of
+from ulna.recursions._procedures.placements import Placements, place_in_world
+from ulna.recursions._procedures.vectors import cross, rotate, rotate_back, three, twist_out
+from ulna.recursions.tree_table import TreeTable
+
+INT = np.int64
+REFERENCES = ("world", "local_world_aligned", "local")
+"""References by the numbers that procedures know them by."""
+
+
+class Frames(NamedTuple):
+    """Some frames.
+
+    Attributes:
+        rows: The row of the step that carries each, (k,).
+        placements: F of each, rotation by rows and translation, (k, 12) [m].
+        reference: The number of a reference, (1,).
+    """
+
+    rows: Array1[INT]
+    placements: Array2[f64]
+    reference: Array1[INT]
+
+
+@procedure
+def _constant_pose(F, k, T, i, C, W):
+    """C[0] = T[i] F[k], where F is constant."""
+    for r in range(3):
+        x, y, z = three(T, i, 3 * r, W)
+        for c in range(3):
+            C[0, 3 * r + c, 0:W] = x * F[k, c] + y * F[k, 3 + c] + z * F[k, 6 + c]
+        C[0, 9 + r, 0:W] = T[i, 9 + r, 0:W] + (x * F[k, 9] + y * F[k, 10] + z * F[k, 11])
+
+
+@procedure
+def _poses(tree, places, frames, q, out, C, W):
+    """Matrices of the frames, 16 numbers each."""
+    place_in_world(tree, places, q, W)
+    for k in range(len(frames.rows)):
+        _constant_pose(frames.placements, k, places.T, frames.rows[k], C, W)
+        for r in range(3):
+            for c in range(3):
+                out[16 * k + 4 * r + c, 0:W] = C[0, 3 * r + c, 0:W]
+            out[16 * k + 4 * r + 3, 0:W] = C[0, 9 + r, 0:W]
+            out[16 * k + 12 + r, 0:W] = broadcast(0.0, W)
+        out[16 * k + 15, 0:W] = broadcast(1.0, W)
+
+
+@procedure(constants={"W": 1}, contract=True)
+def frame_poses(
+    tree: TreeTable,
+    places: Placements,
+    frames: Frames,
+    q: Array3[f64],
+    out: Array3[f64],
+    blocks: int,
+    W: int,
+) -> None:
+    """Poses of frames in the world.
+
+    Args:
+        tree: The table of the joints that carry them.
+        places: Storage, with the world's frames.
+        frames: The frames.
+        q: Configurations, one a lane, (blocks, nq, W) [rad, m].
+        out: Matrices by rows that are written, (blocks, 16 k, W) [m].
+        blocks: How many blocks are computed.
+        W: Lanes, a constant.
+    """
+    C = np.zeros((1, 12, W), f64)
+    for b in range(blocks):
+        _poses(tree, places, frames, q[b], out[b], C, W)
+
+
+@procedure
+def _column(tree, T, C, k, i, reference, W):
+    """Column k of S, of step i, in a reference: of the frame with the pose in C[0]."""
+    lx, ly, lz = rotate(T, i, tree.S[k, 0], tree.S[k, 1], tree.S[k, 2], W)
+    rx, ry, rz = rotate(T, i, tree.S[k, 3], tree.S[k, 4], tree.S[k, 5], W)
+    px, py, pz = three(T, i, 9, W)
+    if reference > 0:
+        px, py, pz = px - C[0, 9, 0:W], py - C[0, 10, 0:W], pz - C[0, 11, 0:W]
+    cx, cy, cz = cross(px, py, pz, rx, ry, rz)
+    lx, ly, lz = lx + cx, ly + cy, lz + cz
+    if reference == 2:
+        lx, ly, lz = rotate_back(C, 0, lx, ly, lz, W)
+        rx, ry, rz = rotate_back(C, 0, rx, ry, rz, W)
+    return lx, ly, lz, rx, ry, rz
+
+
+@procedure
+def _jacobian(tree, places, frames, q, J, C, W):
+    """The Jacobian of one frame by rows; entries that its joints do not move are left as they are."""
+    place_in_world(tree, places, q, W)
+    _constant_pose(frames.placements, 0, places.T, frames.rows[0], C, W)
+    n = len(tree.armature)
+    for k in range(len(tree.entries)):
+        for r in range(6):
+            J[r * n + tree.entries[k], 0:W] = broadcast(0.0, W)
+    for i in range(1, len(tree.parents)):
+        for k in range(tree.columns[i], tree.columns[i + 1]):
+            lx, ly, lz, rx, ry, rz = _column(tree, places.T, C, k, i, frames.reference[0], W)
+            e = tree.entries[k]
+            J[e, 0:W] = J[e, 0:W] + lx
+            J[n + e, 0:W] = J[n + e, 0:W] + ly
+            J[2 * n + e, 0:W] = J[2 * n + e, 0:W] + lz
+            J[3 * n + e, 0:W] = J[3 * n + e, 0:W] + rx
+            J[4 * n + e, 0:W] = J[4 * n + e, 0:W] + ry
+            J[5 * n + e, 0:W] = J[5 * n + e, 0:W] + rz
+
+
+@procedure(constants={"W": 1}, contract=True)
+def frame_jacobian(
+    tree: TreeTable,
+    places: Placements,
+    frames: Frames,
+    q: Array3[f64],
+    J: Array3[f64],
+    blocks: int,
+    W: int,
+) -> None:
+    """Jacobians of one frame.
+
+    Args:
+        tree: The table of the joints that carry it.
+        places: Storage, with the world's frames.
+        frames: The frame.
+        q: Configurations, one a lane, (blocks, nq, W) [rad, m].
+        J: Jacobians by rows that are written, (blocks, 6 nv, W); zero where no joint of the table writes.
+        blocks: How many blocks are computed.
+        W: Lanes, a constant.
+    """
+    C = np.zeros((1, 12, W), f64)
+    for b in range(blocks):
+        _jacobian(tree, places, frames, q[b], J[b], C, W)
+
+
+@procedure
+def _into_frame(F, lx, ly, lz, rx, ry, rz):
+    """A twist of the moving frame that carries a frame, in the frame: F[0]^-1 acting on it."""
+    cx, cy, cz = cross(rx, ry, rz, F[0, 9], F[0, 10], F[0, 11])
+    lx, ly, lz = lx + cx, ly + cy, lz + cz
+    return (
+        lx * F[0, 0] + ly * F[0, 3] + lz * F[0, 6],
+        lx * F[0, 1] + ly * F[0, 4] + lz * F[0, 7],
+        lx * F[0, 2] + ly * F[0, 5] + lz * F[0, 8],
+        rx * F[0, 0] + ry * F[0, 3] + rz * F[0, 6],
+        rx * F[0, 1] + ry * F[0, 4] + rz * F[0, 7],
+        rx * F[0, 2] + ry * F[0, 5] + rz * F[0, 8],
+    )
+
+
+@procedure
+def _in_reference(C, reference, out, W):
+    """Writes the twist in `out`, of the frame with the pose C[0], in a reference."""
+    lx, ly, lz = out[0, 0:W], out[1, 0:W], out[2, 0:W]
+    rx, ry, rz = out[3, 0:W], out[4, 0:W], out[5, 0:W]
+    if reference == 0:
+        lx, ly, lz, rx, ry, rz = twist_out(C, 0, lx, ly, lz, rx, ry, rz, W)
+    elif reference == 1:
+        lx, ly, lz = rotate(C, 0, lx, ly, lz, W)
+        rx, ry, rz = rotate(C, 0, rx, ry, rz, W)
+    _write(out, lx, ly, lz, rx, ry, rz, W)
+
+
+@procedure
+def _write(out, lx, ly, lz, rx, ry, rz, W):
+    """Writes a twist."""
+    out[0, 0:W] = lx
+    out[1, 0:W] = ly
+    out[2, 0:W] = lz
+    out[3, 0:W] = rx
+    out[4, 0:W] = ry
+    out[5, 0:W] = rz
+
+
+@procedure
+def _velocity(tree, places, moves, frames, q, v, out, C, W):
+    """The twist of one frame."""
+    place_in_world(tree, places, q, W)
+    row = frames.rows[0]
+    _constant_pose(frames.placements, 0, places.T, row, C, W)
+    for i in range(1, len(tree.parents)):
+        _sx, _sy, _sz, _wx, _wy, _wz = velocity_of(tree, places.X, moves.V, v, i, W)
+    lx, ly, lz = three(moves.V, row, 0, W)
+    rx, ry, rz = three(moves.V, row, 3, W)
+    lx, ly, lz, rx, ry, rz = _into_frame(frames.placements, lx, ly, lz, rx, ry, rz)
+    _write(out, lx, ly, lz, rx, ry, rz, W)
+    _in_reference(C, frames.reference[0], out, W)
+
+
+@procedure(constants={"W": 1}, contract=True)
+def frame_velocity(
+    tree: TreeTable,
+    places: Placements,
+    moves: Motions,
+    frames: Frames,
+    q: Array3[f64],
+    v: Array3[f64],
+    out: Array3[f64],
+    blocks: int,
+    W: int,
+) -> None:
+    """Twists of one frame, (blocks, 6, W); see `frame_jacobian`."""
+    C = np.zeros((1, 12, W), f64)
+    for b in range(blocks):
+        _velocity(tree, places, moves, frames, q[b], v[b], out[b], C, W)

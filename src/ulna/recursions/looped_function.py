@@ -1,0 +1,232 @@
+"""A quantity of one model by loops: what a traced function is to straight-line code, and its kernel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any, NoReturn, final
+
+import numpy as np
+
+from ulna.compiler.language.function import Function
+from ulna.compiler.language.ports import Port
+from ulna.compiler.runtime.array_call import ArrayCall, Unit
+from ulna.compiler.runtime.jit import assembly
+from ulna.compiler.runtime.kernel import KernelBase
+from ulna.errors import InputError
+from ulna.model import Model
+from ulna.numeric import is_symbolic
+from ulna.recursions.recursion import Evaluator, Recursion
+from ulna.typing import Floats
+
+_ROWS_PER_THREAD = 8
+
+
+@final
+class LoopedFunction:
+    """A quantity of one model, evaluated by a recursion; called as NumPy calls a generalised ufunc.
+
+    Args:
+        name: The name of the quantity.
+        doc: What it is.
+        model: The robot.
+        inputs: Its inputs.
+        recursion: What computes it.
+        trace: Makes the function that is traced for the model, which some uses need.
+        remake: What makes this function in another process: a function and its arguments.
+    """
+
+    single = True
+    has_loops = True
+
+    def __init__(
+        self,
+        name: str,
+        doc: str,
+        model: Model,
+        inputs: Mapping[str, tuple[int, ...]],
+        recursion: Recursion,
+        trace: Callable[[], Function],
+        remake: tuple[Any, ...],
+    ) -> None:
+        self.name, self.doc, self.model = name, doc, model
+        self.inputs = tuple(Port(name, shape) for name, shape in inputs.items())
+        self.outputs = tuple(Port(f"out{k}", shape) for k, shape in enumerate(recursion.outputs))
+        self.evaluator = Evaluator(recursion)
+        self.trace, self._remake = trace, remake
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return self._remake
+
+    @property
+    def signature(self) -> str:
+        """Core shapes as NumPy writes them: "(7)->(4,4)"."""
+        return "->".join(
+            ",".join("(" + ",".join(map(str, port.shape)) + ")" for port in ports)
+            for ports in (self.inputs, self.outputs)
+        )
+
+    def __call__(self, *arrays: Any, out: Any = None, dtype: Any = np.float64) -> Any:
+        """Evaluates the quantity, or inlines its traced function into a trace under way.
+
+        Args:
+            *arrays: An array (..., shape) for each input.
+            out: An array of the result's shape (...) to write into, or a tuple of it; None for a new one.
+            dtype: The type of a new one.
+
+        Returns:
+            The result, with the batch axes of the arrays.
+        """
+        if is_symbolic(*arrays):
+            return self.trace()(*arrays)
+        rows = [np.asarray(x) for x in arrays]
+        batch = np.broadcast_shapes(
+            *(x.shape[: x.ndim - len(p.shape)] for x, p in zip(rows, self.inputs, strict=True))
+        )
+        result = self._evaluated(rows, batch, out)
+        if out is None:
+            result = result.astype(dtype, copy=False)
+        return result if result.ndim else result[()]
+
+    def _evaluated(self, arrays: Sequence[Any], batch: tuple[int, ...], out: Any) -> Any:
+        (port,) = self.outputs
+        inputs = [
+            np.ascontiguousarray(np.broadcast_to(x, batch + p.shape), np.float64).reshape(-1, p.size)
+            for x, p in zip(arrays, self.inputs, strict=True)
+        ]
+        target = out[0] if isinstance(out, tuple) else out
+        result = target if _is_plain(target, batch + port.shape, arrays) else np.empty(batch + port.shape)
+        if result.size:
+            self.evaluator.evaluate(inputs, [result.reshape(-1, port.size)])
+        if target is not None and result is not target:
+            np.copyto(target, result, casting="same_kind")
+        return result if target is None else target
+
+
+def _is_plain(target: Any, shape: tuple[int, ...], arrays: Sequence[Floats]) -> bool:
+    """Whether results can be written to an array as they come."""
+    return (
+        type(target) is np.ndarray
+        and target.shape == shape
+        and target.dtype == np.float64
+        and target.flags.carray
+        and not any(np.may_share_memory(target, x) for x in arrays)
+    )
+
+
+@final
+class LoopedKernel(KernelBase):
+    """A kernel that loops over a table of the model's joints; called like every kernel.
+
+    It computes in float64; a kernel of float32 takes and returns float32.
+
+    Args:
+        function: The function.
+        dtype: The type of inputs and outputs.
+        checked: Whether arguments must be finite.
+        unit: Which entries of inputs are unit quaternions.
+        labels: By input, what the entries of its last axis are called.
+        remake: What makes this kernel in another process: a function and its arguments.
+    """
+
+    __slots__ = ("__dict__", "__weakref__", "_array_call", "_looped", "_remake")
+
+    def __init__(
+        self,
+        function: LoopedFunction,
+        dtype: np.dtype[Any],
+        checked: bool,
+        unit: Unit,
+        labels: Mapping[str, Sequence[str]],
+        remake: tuple[Any, ...],
+    ) -> None:
+        evaluate = function if dtype == np.float64 else partial(function, dtype=dtype)
+        call = ArrayCall(function, dtype, checked, unit, labels, evaluate, _ROWS_PER_THREAD)  # type: ignore[arg-type]
+        self._array_call, self._looped, self._remake = call, function, remake
+        names = ", ".join(port.name for port in function.inputs)
+        doc = f"{function.name}({names}): {function.signature}\n\n{function.doc}"
+        self.__dict__.update(__doc__=doc, _work=None)
+
+    def __call__(self, *args: Any, **options: Any) -> Any:
+        """Evaluates the kernel; see `ulna.compiler.runtime.kernel.compile`.
+
+        Args:
+            *args: The arguments.
+            **options: `out` and `threads`.
+
+        Returns:
+            The result.
+        """
+        return self._array_call(*args, **options)
+
+    @property
+    def function(self) -> Function:
+        """The function that is traced for the model, which this kernel does without.
+
+        Raises:
+            TooLargeError: If its graph would be too large.
+        """
+        return self._looped.trace()
+
+    @property
+    def signature(self) -> str:
+        """Core shapes as NumPy writes them: "(7)->(4,4)"."""
+        return self._looped.signature
+
+    @property
+    def gufunc(self) -> NoReturn:
+        """Refused: NumPy's inner loop is machine code of its own, which this kernel has not."""
+        self._refuse("no generalised ufunc", "Call the kernel: it takes batches and `out`.")
+
+    @property
+    def operations(self) -> NoReturn:
+        """Refused: there is no graph whose operations could be counted."""
+        self._refuse("no graph of operations")
+
+    @property
+    def operation_counts(self) -> NoReturn:
+        """Refused, as `operations`."""
+        self._refuse("no graph of operations")
+
+    def _refuse(self, what: str, fix: str = "") -> NoReturn:
+        fix = fix or (
+            f"robot.function({self._looped.name!r}) traces one, unless it is too large; kernel.ir() shows the code."
+        )
+        raise InputError(
+            f"The kernel {self._looped.name!r} of {self._looped.model.name!r} loops over a table of "
+            f"{len(self._looped.model.joints):,} joints and has {what}. {fix}"
+        )
+
+    def ir(self, batch: bool = False) -> str:
+        """LLVM IR of the loops, for one sample or for lanes of samples; it is the same for all models.
+
+        Args:
+            batch: Whether for lanes.
+
+        Returns:
+            The text.
+        """
+        return self._looped.evaluator.procedure(batch).ir()
+
+    def asm(self, batch: bool = False) -> str:
+        """Assembly for this machine of the loops.
+
+        Args:
+            batch: Whether for lanes.
+
+        Returns:
+            The text.
+        """
+        return assembly(self._looped, self.ir(batch))  # type: ignore[arg-type]
+
+    @property
+    def __name__(self) -> str:
+        return self._looped.name
+
+    def __repr__(self) -> str:
+        joints = len(self._looped.model.joints)
+        dtype = self._array_call.dtype.name
+        return f"<kernel {self._looped.name}{self.signature} {dtype}, loops over {joints:,} joints>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return self._remake

@@ -1,0 +1,136 @@
+"""Which quantities can be computed by loops over tables, and how: their recursions for a model and options."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ulna.model import Frame, Model
+from ulna.quantities.quantity import Quantity, frame_of
+from ulna.recursions._procedures import frames as of_frames
+from ulna.recursions._procedures import newton_euler
+from ulna.recursions._procedures.placements import new_placements
+from ulna.recursions.recursion import Recursion
+from ulna.recursions.tree_table import INT, TreeTable, UnknownKind, matrices_as_rows, step_rows, tree_table
+
+Options = Mapping[str, Any]
+
+
+def recursion_of(model: Model, quantity: Quantity, options: Options) -> Recursion | None:
+    """The recursion that computes a quantity.
+
+    Args:
+        model: The robot.
+        quantity: The quantity.
+        options: All of its options.
+
+    Returns:
+        The recursion; None where there is none for the quantity, its options or a joint of the model.
+    """
+    make = _RECURSIONS.get(quantity.name)
+    try:
+        return make(model, options) if make is not None else None
+    except UnknownKind:
+        return None
+
+
+def _dynamics(procedure: Any, *sizes: str) -> Callable[[Model, Options], Recursion | None]:
+    """Torques of all joints, without external forces and friction."""
+
+    def make(model: Model, options: Options) -> Recursion | None:
+        if options.get("forces") or options.get("friction", False) is not False:
+            return None
+        tree = tree_table(model)
+        rows = len(tree.parents)
+
+        def storage(lanes: int) -> Sequence[Any]:
+            return tree, new_placements(rows, lanes, False), _motions(rows, lanes)
+
+        inputs = tuple((getattr(model, size),) for size in sizes)
+        return Recursion(procedure, storage, inputs, ((model.nv,),), rows)
+
+    return make
+
+
+def _motions(rows: int, lanes: int) -> newton_euler.Motions:
+    return newton_euler.Motions(*(np.zeros((rows, 6, lanes)) for _ in range(3)))
+
+
+def _carriers(model: Model, frames: Sequence[Frame]) -> tuple[TreeTable, Mapping[int, int]]:
+    """The table of the joints that carry frames, and the rows of joints."""
+    needed: set[int] = set()
+    for first in {frame.joint for frame in frames}:
+        joint = first
+        while joint >= 0 and joint not in needed:
+            needed.add(joint)
+            joint = model.joints[joint].parent
+    joints = None if len(needed) == len(model.joints) else tuple(sorted(needed))
+    return tree_table(model, joints), step_rows(model, joints)
+
+
+def _frames(frames: Sequence[Frame], rows: Mapping[int, int], reference: str = "world") -> of_frames.Frames:
+    return of_frames.Frames(
+        np.array([rows[frame.joint] for frame in frames], INT),
+        matrices_as_rows([frame.placement for frame in frames]),
+        np.array([of_frames.REFERENCES.index(reference)], INT),
+    )
+
+
+def _pose_recursion(model: Model, frames: Sequence[Frame], shape: tuple[int, ...]) -> Recursion:
+    tree, rows = _carriers(model, frames)
+
+    def storage(lanes: int) -> Sequence[Any]:
+        return tree, new_placements(len(tree.parents), lanes, True), _frames(frames, rows)
+
+    return Recursion(of_frames.frame_poses, storage, ((model.nq,),), (shape,), len(tree.parents))
+
+
+def _fk(model: Model, options: Options) -> Recursion | None:
+    frame = options["frame"]
+    if frame == "all" or isinstance(frame, tuple):
+        frames = [model.frame(name) for name in (model.frame_names if frame == "all" else frame)]
+        return _pose_recursion(model, frames, (len(frames), 4, 4)) if frames else None
+    return _pose_recursion(model, [frame_of(model, frame)], (4, 4))
+
+
+def _link_poses(model: Model, options: Options) -> Recursion | None:
+    frames = [model.frame(name) for name in model.link_names]
+    return _pose_recursion(model, frames, (len(frames), 4, 4))
+
+
+def _jacobian(model: Model, options: Options) -> Recursion | None:
+    frame = frame_of(model, options["frame"])
+    tree, rows = _carriers(model, [frame])
+
+    def storage(lanes: int) -> Sequence[Any]:
+        places = new_placements(len(tree.parents), lanes, True)
+        return tree, places, _frames([frame], rows, options["reference"])
+
+    return Recursion(of_frames.frame_jacobian, storage, ((model.nq,),), ((6, model.nv),), len(tree.parents))
+
+
+def _frame_velocity(model: Model, options: Options) -> Recursion | None:
+    frame = frame_of(model, options["frame"])
+    tree, rows = _carriers(model, [frame])
+
+    def storage(lanes: int) -> Sequence[Any]:
+        count = len(tree.parents)
+        places = new_placements(count, lanes, True)
+        return tree, places, _motions(count, lanes), _frames([frame], rows, options["reference"])
+
+    inputs = ((model.nq,), (model.nv,))
+    return Recursion(of_frames.frame_velocity, storage, inputs, ((6,),), len(tree.parents))
+
+
+_RECURSIONS: dict[str, Callable[[Model, Options], Recursion | None]] = {
+    "fk": _fk,
+    "link_poses": _link_poses,
+    "jacobian": _jacobian,
+    "frame_velocity": _frame_velocity,
+    "inverse_dynamics": _dynamics(newton_euler.inverse_dynamics, "nq", "nv", "nv"),
+    "bias_forces": _dynamics(newton_euler.bias_forces, "nq", "nv"),
+    "gravity_forces": _dynamics(newton_euler.gravity_forces, "nq"),
+}
+"""By the names of quantities."""

@@ -1,0 +1,151 @@
+"""A quantity as loops over a table: the procedure, its storage, and the evaluation of batches in blocks of lanes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from math import prod
+from typing import Any, NamedTuple, final
+
+import numpy as np
+
+from ulna.compiler.procedures import Procedure
+from ulna.compiler.runtime.jit import target
+from ulna.typing import Floats
+
+_NUMBERS_AT_ONCE = 1 << 17
+"""Numbers of inputs and outputs that one call of machine code takes and returns; it cannot be interrupted meanwhile."""
+_STEPS_AT_ONCE = 1 << 18
+"""Steps times samples that one call of machine code visits, some 30 ms."""
+
+Shape = tuple[int, ...]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Recursion:
+    """A procedure of storage, inputs and outputs, in this order, of the number of blocks, and of its lanes W.
+
+    Attributes:
+        procedure: The procedure; its inputs and outputs are of shape (blocks, size, W).
+        storage: What stands before the inputs, for a number of lanes.
+        inputs: Shapes of the inputs.
+        outputs: Shapes of the outputs.
+        rows: How many rows its table has.
+    """
+
+    procedure: Procedure
+    storage: Callable[[int], Sequence[Any]]
+    inputs: tuple[Shape, ...]
+    outputs: tuple[Shape, ...]
+    rows: int
+
+
+@cache
+def specialized(procedure: Procedure, lanes: int) -> Procedure:
+    """The procedure for a number of lanes.
+
+    Args:
+        procedure: A procedure with the constant W.
+        lanes: W.
+
+    Returns:
+        The procedure, the same one for the same arguments.
+    """
+    return procedure.specialized(W=lanes)
+
+
+class _Workspace(NamedTuple):
+    """Arrays and machine code for some blocks of samples; for one thread at a time."""
+
+    inputs: tuple[Floats, ...]
+    outputs: tuple[Floats, ...]
+    run: Any
+
+    def evaluate(self, inputs: Sequence[Floats], outputs: Sequence[Floats]) -> None:
+        """Computes samples: rows of inputs (rows, size) to rows of outputs (rows, size)."""
+        count, lanes = len(outputs[0]), self.inputs[0].shape[2]
+        for array, rows in zip(self.inputs, inputs, strict=True):
+            _into_lanes(rows, array)
+        self.run.set("blocks", -(-count // lanes))
+        self.run.unguarded()
+        for array, rows in zip(self.outputs, outputs, strict=True):
+            _from_lanes(array, rows)
+
+
+@final
+class Evaluator:
+    """Evaluates a recursion for batches; may be called from several threads.
+
+    Args:
+        recursion: The recursion.
+    """
+
+    def __init__(self, recursion: Recursion) -> None:
+        self.recursion = recursion
+        self.lanes = max(target().register_bytes // 8, 2)
+        self._idle: dict[bool, list[_Workspace]] = {False: [], True: []}
+
+    @property
+    def rows_at_once(self) -> int:
+        """How many samples of a batch one call of machine code takes."""
+        r = self.recursion
+        numbers = sum(map(prod, (*r.inputs, *r.outputs)))
+        rows = min(_NUMBERS_AT_ONCE // max(numbers, 1), _STEPS_AT_ONCE // r.rows)
+        return max(rows // self.lanes, 1) * self.lanes
+
+    def evaluate(self, inputs: Sequence[Floats], outputs: Sequence[Floats]) -> None:
+        """Computes samples.
+
+        Args:
+            inputs: An array (samples, size) for each input.
+            outputs: An array (samples, size) for each output, which is written.
+        """
+        samples = len(outputs[0])
+        is_batch = samples > 1
+        step = self.rows_at_once if is_batch else 1
+        idle = self._idle[is_batch]
+        try:
+            workspace = idle.pop()
+        except IndexError:
+            workspace = self._workspace(self.lanes if is_batch else 1, step)
+        for first in range(0, samples, step):
+            part = slice(first, first + step)
+            workspace.evaluate([x[part] for x in inputs], [x[part] for x in outputs])
+        idle.append(workspace)
+
+    def procedure(self, is_batch: bool) -> Procedure:
+        """The procedure for one sample, or for batches."""
+        return specialized(self.recursion.procedure, self.lanes if is_batch else 1)
+
+    def _workspace(self, lanes: int, rows: int) -> _Workspace:
+        blocks, r = rows // lanes, self.recursion
+        inputs, outputs = (
+            tuple(np.zeros((blocks, max(prod(shape), 1), lanes)) for shape in shapes)
+            for shapes in (r.inputs, r.outputs)
+        )
+        procedure = specialized(r.procedure, lanes)
+        storage = r.storage(lanes)
+        run = procedure.bind(*storage, *inputs, *outputs, blocks, are_arrays_private=True)
+        return _Workspace(inputs, outputs, run)
+
+
+def _into_lanes(rows: Floats, array: Floats) -> None:
+    """Copies rows (rows, size) to (blocks, size, lanes)."""
+    lanes, size = array.shape[2], rows.shape[1]
+    whole, rest = divmod(len(rows), lanes)
+    if whole:
+        array[:whole, :size] = rows[: whole * lanes].reshape(whole, lanes, size).swapaxes(1, 2)
+    if rest:
+        array[whole, :size, :rest] = rows[whole * lanes :].T
+
+
+def _from_lanes(array: Floats, rows: Floats) -> None:
+    """Copies (blocks, size, lanes) to rows (rows, size)."""
+    lanes, size = array.shape[2], rows.shape[1]
+    whole, rest = divmod(len(rows), lanes)
+    if whole:
+        rows[: whole * lanes].reshape(whole, lanes, size)[...] = array[:whole, :size].swapaxes(1, 2)
+    if rest:
+        rows[whole * lanes :] = array[whole, :size, :rest].T

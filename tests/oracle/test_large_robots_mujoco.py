@@ -1,0 +1,60 @@
+"""Robots with thousands of joints, against MuJoCo: Pinocchio's data would take more than 70 GB for 1,000 joints."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+import ulna
+from support.long_robots import configurations, long_robot
+from ulna.model import Model, Prismatic
+
+SIZES = [(300, 0.1), *(pytest.param(*s, marks=pytest.mark.slow) for s in ((1000, 0.0), (5000, 0.02)))]
+
+
+def to_mujoco(model: Model) -> Any:
+    """The robot of a model of revolute and prismatic joints."""
+    spec = mujoco.MjSpec()
+    spec.option.gravity = model.gravity
+    spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    bodies = {-1: spec.worldbody}
+    for index, (joint, inertia) in enumerate(zip(model.joints, model.inertias, strict=True)):
+        place, full = joint.placement, inertia.inertia
+        w, x, y, z = np.roll(place.quat_xyzw(), 1)
+        body = bodies[index] = bodies[joint.parent].add_body(
+            name=f"b{index}", pos=place.translation, quat=[w, x, y, z], mass=inertia.mass, ipos=inertia.com,
+            fullinertia=[full[0, 0], full[1, 1], full[2, 2], full[0, 1], full[0, 2], full[1, 2]],
+            explicitinertial=True,
+        )  # fmt: skip
+        kind = (
+            mujoco.mjtJoint.mjJNT_SLIDE if isinstance(joint.kind, Prismatic) else mujoco.mjtJoint.mjJNT_HINGE
+        )
+        body.add_joint(type=kind, axis=joint.kind.axis, armature=joint.armature[0])
+    return spec.compile()
+
+
+def assert_close(a: Any, b: Any, tolerance: float = 1e-10) -> None:
+    assert np.abs(a - b).max() <= tolerance * np.abs(b).max()
+
+
+@pytest.mark.parametrize(("joints", "branching"), SIZES)
+def test_large_robots_agree_with_mujoco(
+    joints: int, branching: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ulna.kernels, "LOOPED_ABOVE", 0)
+    model = long_robot(joints, branching)
+    robot, reference = ulna.Robot(model), to_mujoco(model)
+    data, rng = mujoco.MjData(reference), np.random.default_rng(joints)
+    q = configurations(model, rng, 1)[0]
+    v, a = rng.standard_normal((2, model.nv)) / np.sqrt(joints)
+    data.qpos, data.qvel, data.qacc = q, v, a
+    mujoco.mj_inverse(reference, data)
+    assert "loops over" in repr(robot.kernel("inverse_dynamics"))
+    body = data.body(f"b{model.frame(model.tool).joint}")
+    assert_close(robot.fk(q)[:3, 3], body.xpos)
+    assert_close(robot.fk(q)[:3, :3], body.xmat.reshape(3, 3))
+    assert_close(robot.inverse_dynamics(q, v, a), data.qfrc_inverse)
+    assert_close(robot.bias_forces(q, v), data.qfrc_bias)

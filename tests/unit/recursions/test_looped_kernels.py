@@ -1,0 +1,202 @@
+"""Kernels that loop over a table of joints: the numbers of the traced ones, and what they can do and refuse."""
+
+from __future__ import annotations
+
+import pickle
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+import ulna
+from support.long_robots import circles, configurations, long_robot
+from support.random_models import random_model
+from ulna import kernels
+from ulna.compiler import compile
+from ulna.errors import InputError, NonFiniteError, ShapeError
+from ulna.model import Model
+from ulna.recursions import quantities
+from ulna.recursions.recursion import specialized
+
+REFERENCES = ("world", "local", "local_world_aligned")
+FRAMES = [{"frame": frame, "reference": reference} for frame in ("tip", "side") for reference in REFERENCES]
+CASES: list[tuple[str, dict[str, Any]]] = [
+    *(("fk", {"frame": frame}) for frame in (None, "side", "all", ("tip", "side"))),
+    ("link_poses", {}),
+    *(("jacobian", options) for options in FRAMES),
+    *(("frame_velocity", options) for options in FRAMES),
+    ("inverse_dynamics", {}),
+    ("bias_forces", {}),
+    ("gravity_forces", {}),
+]
+NAMES = sorted({name for name, _ in CASES})
+
+
+def robots() -> dict[str, Model]:
+    rng = np.random.default_rng(5)
+    return {
+        "all kinds": random_model(rng, root="free_flyer", mimics=0),
+        "mimic joints": random_model(rng, ("revolute", "prismatic", "helical"), 9, root="planar", mimics=4),
+        "angles as pairs": circles(),
+    }
+
+
+ROBOTS = robots()
+
+
+def arguments(model: Model, name: str, batch: int, seed: int = 0) -> list[Any]:
+    rng = np.random.default_rng(seed)
+    made = {"q": configurations(model, rng, batch)}
+    return [
+        made.get(array, rng.standard_normal((batch, model.nv))) for array in kernels.QUANTITIES[name].arrays
+    ]
+
+
+def close(a: Any, b: Any) -> bool:
+    a, b = (x if isinstance(x, tuple) else (x,) for x in (a, b))
+    return all(
+        x.shape == y.shape and np.abs(x - y).max() <= 1e-12 * max(np.abs(y).max(), 1.0)
+        for x, y in zip(a, b, strict=True)
+    )
+
+
+def test_every_quantity_with_loops_is_tested() -> None:
+    assert set(NAMES) == set(quantities._RECURSIONS)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize("name", NAMES)
+def test_the_numbers_are_those_of_the_traced_kernel(robot: str, name: str) -> None:
+    model = ROBOTS[robot]
+    for options in [o for n, o in CASES if n == name]:
+        looped = kernels.looped(model, name, **options)
+        assert looped is not None
+        arrays = arguments(model, name, 19)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            expected = kernels.function(model, name, **options)(*arrays)
+        assert close(looped(*arrays), expected), options
+        one = looped(*(x[7] for x in arrays))
+        assert close(one, expected[7]), options
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_access_is_beside_an_array(name: str) -> None:
+    """The code that checks every access computes the same, for one sample and for lanes."""
+    model = ROBOTS["all kinds"]
+    options = next(o for n, o in CASES if n == name)
+    looped = kernels.looped(model, name, **options)
+    assert looped is not None
+    recursion = looped.evaluator.recursion
+    for lanes in (1, 4):
+        arrays = [np.ascontiguousarray(x.T)[None] for x in arguments(model, name, lanes)]
+        outputs = [np.zeros((1, int(np.prod(shape)), lanes)) for shape in recursion.outputs]
+        procedure = specialized(recursion.procedure, lanes)
+        procedure.checked(*recursion.storage(lanes), *arrays, *outputs, 1)
+        expected = looped(*arguments(model, name, lanes))
+        assert close(outputs[0][0].T.reshape(expected.shape), expected)
+
+
+def test_the_interpreter_agrees() -> None:
+    """The reference of the language, on a short robot: it is slow."""
+    model = circles()
+    looped = kernels.looped(model, "inverse_dynamics")
+    assert looped is not None
+    recursion = looped.evaluator.recursion
+    arrays = [np.ascontiguousarray(x.T)[None] for x in arguments(model, "inverse_dynamics", 2)]
+    tau = np.zeros((1, model.nv, 2))
+    specialized(recursion.procedure, 2).interpret(*recursion.storage(2), *arrays, tau, 1)
+    assert close(tau[0].T, looped(*arguments(model, "inverse_dynamics", 2)))
+
+
+def test_large_robots_use_loops_and_small_ones_do_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert "loops over 1,200 joints" in repr(kernels.kernel(long_robot(1200), "fk"))
+    robot = ulna.Robot(ROBOTS["all kinds"])
+    assert robot.kernel("fk").operations > 0
+    monkeypatch.setattr(kernels, "LOOPED_ABOVE", 0)
+    assert "loops over" in repr(kernels.kernel(long_robot(8), "fk"))
+    assert kernels.kernel(long_robot(9), "fk", parameters="placement").operations > 0
+
+
+@pytest.fixture
+def chain(monkeypatch: pytest.MonkeyPatch) -> ulna.Robot:
+    monkeypatch.setattr(kernels, "LOOPED_ABOVE", 0)
+    return ulna.Robot(long_robot(30, 0.3))
+
+
+def test_calls_are_those_of_any_kernel(chain: ulna.Robot) -> None:
+    q, v, a = arguments(chain.model, "inverse_dynamics", 40, 3)
+    kernel = chain.kernel("inverse_dynamics")
+    expected = kernels.function(chain.model, "inverse_dynamics")(q, v, a)
+    assert close(kernel(q, v, a), expected)
+    assert close(chain.inverse_dynamics(q, v, a), expected)
+    assert close(kernel(q.reshape(5, 8, -1), v[0], a[:8]).reshape(40, -1)[9], kernel(q[9], v[0], a[1]))
+    assert close(kernel(q[0].tolist(), a=a[0], v=v[0]), expected[0])
+    assert close(kernel(q, v, a, threads=3), expected)
+    assert kernel(np.zeros((0, 30)), v[0], a[0]).shape == (0, 30)
+    with pytest.raises(ShapeError, match="`q`"):
+        kernel(q[:, :-1], v, a)
+    with pytest.raises(NonFiniteError, match="`v"):
+        chain.inverse_dynamics(q, np.full(30, np.nan), a)
+
+
+def test_results_are_written_where_asked(chain: ulna.Robot) -> None:
+    q = configurations(chain.model, np.random.default_rng(0), 12)
+    kernel = chain.kernel("gravity_forces")
+    expected = kernel(q)
+    for out in (np.zeros((12, 30)), np.zeros((30, 12)).T, np.zeros((12, 30), np.float32), q.copy()):
+        assert kernel(q if out.shape != q.shape else q.copy(), out=out) is out
+        assert np.abs(out - expected).max() < 1e-4
+    wide = np.zeros((3, 12, 30))
+    assert np.array_equal(kernel(q, out=wide), np.broadcast_to(expected, wide.shape))
+    inside = q.copy()
+    assert np.array_equal(kernel(inside, out=inside), expected)
+    target = np.zeros(30)
+    kernel.into(target)(q[3])
+    assert np.array_equal(target, kernel(q[3]))
+
+
+def test_float32_is_rounded_at_the_end(chain: ulna.Robot) -> None:
+    q = configurations(chain.model, np.random.default_rng(0), 3).astype(np.float32)
+    small = chain.kernel("gravity_forces", dtype=np.float32)(q)
+    large = chain.kernel("gravity_forces")(q)
+    assert small.dtype == np.float32
+    assert np.array_equal(small, large.astype(np.float32))
+
+
+def test_what_needs_a_graph_says_that_there_is_none(chain: ulna.Robot) -> None:
+    kernel = chain.kernel("fk")
+    for name in ("operations", "operation_counts", "gufunc"):
+        with pytest.raises(InputError, match="'fk' of 'robot30' loops over a table of 30 joints"):
+            getattr(kernel, name)
+    assert kernel.function.operations > 100
+    assert "define" in kernel.ir() and "<" in kernel.ir(batch=True)
+    assert "ret" in kernel.asm()
+    assert kernel.signature == "(30)->(4,4)"
+    assert kernel.__name__ == "fk" and "pose of a frame" in kernel.__doc__
+
+
+def test_a_kernel_travels_to_other_processes(chain: ulna.Robot) -> None:
+    q = configurations(chain.model, np.random.default_rng(0), 3)
+    kernel = chain.kernel("fk", frame="l7")
+    assert np.array_equal(pickle.loads(pickle.dumps(kernel))(q), kernel(q))
+
+
+def test_a_call_inside_a_trace_becomes_straight_line_code(chain: ulna.Robot) -> None:
+    q = configurations(chain.model, np.random.default_rng(0), 1)[0]
+    height = compile(lambda q: chain.fk(q)[2, 3] * 2.0, q=(30,))
+    assert abs(height(q) - 2.0 * chain.fk(q)[2, 3]) < 1e-12
+
+
+def test_the_base_stands_still(chain: ulna.Robot) -> None:
+    """A frame that no joint moves."""
+    q = np.zeros((3, 30))
+    assert np.array_equal(chain.fk(q, "l0"), np.broadcast_to(np.eye(4), (3, 4, 4)))
+    assert not chain.jacobian(q, "l0").any()
+
+
+def test_unknown_options_have_no_loops() -> None:
+    model = ROBOTS["all kinds"]
+    assert kernels.looped(model, "inverse_dynamics", forces=("tip",)) is None
+    assert kernels.looped(model, "hessian") is None
