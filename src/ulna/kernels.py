@@ -10,7 +10,7 @@ import weakref
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
@@ -27,9 +27,10 @@ from ulna.quantities.mass import MASS_PARAMETERS, check_mass
 from ulna.quantities.part import frozen
 from ulna.quantities.quantity import frame_of
 from ulna.quantities.size import estimated_nodes, sized
-from ulna.recursions.looped_function import LoopedFunction, LoopedKernel
-from ulna.recursions.quantities import recursion_of
 from ulna.system import forks
+
+if TYPE_CHECKING:
+    from ulna.recursions.looped_function import LoopedFunction
 
 _SEARCHES = ("ik", "ik_all", "ik_classic", "ik_free", "distance", "collides", "first_contact")
 
@@ -102,6 +103,9 @@ def looped(model: Model, name: str, **options: Any) -> LoopedFunction | None:
     Raises:
         UnknownName: As from `kernel`.
     """
+    from ulna.recursions.looped_function import LoopedFunction  # with the language of procedures, for few
+    from ulna.recursions.quantities import recursion_of
+
     quantity, chosen = _choose(name, options)
     recursion = recursion_of(model, quantity, chosen)
     if recursion is None:
@@ -192,6 +196,8 @@ def _looped_kernel(
     model: Model, name: str, dtype: Any, checked: bool, unit: Any, chosen: Mapping[str, Any]
 ) -> Any:
     """The kernel that loops over joints; None where there is none."""
+    from ulna.recursions.looped_function import LoopedKernel
+
     made = looped(model, name, **chosen)
     if made is None:
         return None
