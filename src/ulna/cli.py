@@ -97,7 +97,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _robot_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
-    """Adds info, show, export and demo."""
+    """Adds info, show, export, prepare and demo."""
     info = command(
         "info",
         _info,
@@ -134,6 +134,7 @@ def _robot_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
         show.add_argument(name, metavar=metavar, default=default, help=about)
     _picture_options(show, "ulna-NAME.png")
     _export_command(command)
+    _prepare_command(command)
     demo = command(
         "demo",
         _demo,
@@ -172,6 +173,25 @@ def _export_command(command: Callable[..., argparse.ArgumentParser]) -> None:
     )
     export.add_argument(
         "--option", action="append", default=[], metavar="OPTION=VALUE", help="an option; may be repeated"
+    )
+
+
+def _prepare_command(command: Callable[..., argparse.ArgumentParser]) -> None:
+    """Adds prepare."""
+    prepare = command(
+        "prepare",
+        _prepare,
+        "compile kernels of a robot ahead, in parallel, into the cache",
+        "Programs that use them later start without waiting for the compiler.",
+    )
+    prepare.add_argument("name", metavar="NAME", help=_ROBOT)
+    kernels = (
+        "names of quantities and ik, parted by commas: fk,jacobian,ik (default: those that are used daily)"
+    )
+    prepare.add_argument("--kernel", nargs="+", default=[], metavar="KERNEL", help=kernels)
+    prepare.add_argument("--frame", metavar="FRAME", help="the frame, for kernels of one (default: the tool)")
+    prepare.add_argument(
+        "--workers", type=int, metavar="N", help="processes (default: one for each processor)"
     )
 
 
@@ -298,11 +318,40 @@ def _export(chosen: argparse.Namespace) -> None:
 
     options = _options(chosen.option)
     options |= {key: value for key in ("frame", "triple") if (value := getattr(chosen, key)) is not None}
-    names = [word for words in chosen.kernel for word in words.replace(",", " ").split()]
+    names = _names(chosen.kernel)
     robot = load(chosen.name)
     prefix = chosen.prefix or identifier(robot.name)
     output = chosen.output or f"{prefix}_{chosen.to}"
     print(export(robot, names, chosen.to, output, name=prefix, dtype=chosen.dtype, **options))
+
+
+def _prepare(chosen: argparse.Namespace) -> None:
+    from ulna import disk_cache
+    from ulna.loading import load
+
+    if disk_cache.folder() is None:
+        raise InputError(
+            "The cache is off (ULNA_CACHE=0); expected a folder, where kernels stay for later programs."
+        )
+    robot = load(chosen.name)
+    options = {} if chosen.frame is None else {"frame": chosen.frame}
+    preparation = robot.prepare(*_names(chosen.kernel), workers=chosen.workers, **options)
+    try:
+        for count, name in enumerate(preparation.as_ready(), 1):
+            print(
+                f"{count} of {len(preparation.names)}: {name}, {preparation.seconds[name]:.1f} s", flush=True
+            )
+        for name, error in preparation.errors.items():
+            print(f"{name} is left out: {error}")
+        preparation.wait()
+    finally:
+        preparation.cancel()
+    print(f"{robot.name!r} is ready; the code is in {disk_cache.folder()}")
+
+
+def _names(words: Sequence[str]) -> list[str]:
+    """Names as typed, parted by blanks or commas."""
+    return [name for word in words for name in word.replace(",", " ").split()]
 
 
 def _options(words: Sequence[str]) -> dict[str, Any]:
