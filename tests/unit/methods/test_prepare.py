@@ -26,11 +26,11 @@ LONG = 120.0  # s; a guard against hanging
 
 def pendulum(length: float = 0.3) -> ulna.Robot:
     """A small robot; another length makes other code."""
-    return hinged(ulna.Inertia(1.0, (0.0, 0.0, -length), np.eye(3) * 0.01))
+    return hinged(ulna.Inertia(1.0, np.array([0.0, 0.0, -length]), np.eye(3) * 0.01))
 
 
-def hinged(*inertia: ulna.Inertia) -> ulna.Robot:
-    builder = ulna.ModelBuilder("pendulum").add_link("base").add_link("bob", *inertia)
+def hinged(inertia: ulna.Inertia | None = None) -> ulna.Robot:
+    builder = ulna.ModelBuilder("pendulum").add_link("base").add_link("bob", inertia)
     builder.add_joint("hinge", Revolute((0.0, 1.0, 0.0)), "base", "bob")
     return ulna.Robot(builder.build())
 
@@ -56,7 +56,9 @@ def test_workers_compile_and_this_process_only_loads(place: Path, monkeypatch: p
         and set(preparation.seconds) == set(preparation.done)
     )
     assert "2 of 2" in repr(preparation)
-    robot.fk([0.1]), robot.fk(np.zeros((5, 1))), robot.mass_matrix([0.1])
+    robot.fk([0.1])
+    robot.fk(np.zeros((5, 1)))
+    robot.mass_matrix([0.1])
     robot.mass_matrix(np.zeros((5, 1)))
     assert compiled == [] and len(disk_cache.entries(place)) > 4
 
