@@ -219,6 +219,22 @@ def _joints(model: Model, subtree: str | None) -> tuple[int, ...]:
     return model.subtree(-1 if subtree is None else model.joint_index(subtree))
 
 
+def over_total_mass(model: Model, moment: Array) -> Array:
+    """A first moment of all that moves, over its mass.
+
+    Args:
+        model: The robot.
+        moment: Mass times position, shape (..., 3) [kg m].
+
+    Returns:
+        Position, shape (..., 3) [m].
+
+    Raises:
+        InputError: there is no mass.
+    """
+    return moment * _reciprocal(model, None)
+
+
 def _over_mass(model: Model, subtree: str | None, moment: Array, *inputs: Array) -> Array:
     return moment * _reciprocal(model, subtree) + batch_zeros((3,), *inputs)
 

@@ -20,10 +20,15 @@ is regrouped (see regrouped_moments.py): those inertias are used. A robot withou
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
-from ulna.algorithms.dynamics.center_of_mass import center_of_mass, center_of_mass_velocity
+from ulna.algorithms.dynamics.center_of_mass import (
+    center_of_mass,
+    center_of_mass_velocity,
+    over_total_mass,
+)
 from ulna.algorithms.dynamics.coriolis import MovingBodies
 from ulna.algorithms.dynamics.crba import composite_moments, in_parent_frame
 from ulna.algorithms.dynamics.rnea_point_accelerations import newton_euler, point_motions
@@ -31,8 +36,8 @@ from ulna.algorithms.multibody.batch_shapes import add_column, batch_zeros
 from ulna.algorithms.multibody.body_motions import body_velocities
 from ulna.algorithms.multibody.mass_moments import MassMoments, steiner
 from ulna.algorithms.multibody.prepared_model import prepare
-from ulna.algorithms.multibody.tree import Step, inward, poses, sum_in_world
-from ulna.model import Model
+from ulna.algorithms.multibody.tree import Step, inward, outward, poses, sum_in_world
+from ulna.model import FreeFlyer, Model
 from ulna.numeric import apply, cross
 from ulna.spatial import SE3, Force
 from ulna.typing import Array
@@ -52,7 +57,7 @@ def centroidal_matrix(model: Model, q: Array) -> Array:
     tree = prepared.tree
     subtrees = composite_moments(tree, prepared.regrouped_moments, q)
     A = batch_zeros((6, model.nv), q)
-    for step, body, G in zip(tree, subtrees, _centred(tree, q, center_of_mass(model, q)), strict=True):
+    for step, body, G in zip(tree, subtrees, _centred(model, tree, subtrees, q), strict=True):
         for k, s in step.columns():
             add_column(A, k, G.act(body.apply(s)))
     return A
@@ -78,9 +83,8 @@ def centroidal_matrix_dot(model: Model, q: Array, v: Array) -> Array:
     subtrees = inward(tree, moving_bodies, lambda step, moving: moving.to_parent(step, q))
     drift = center_of_mass_velocity(model, q, v)
     A = batch_zeros((6, model.nv), q, v)
-    for step, subtree, twist, G in zip(
-        tree, subtrees, V, _centred(tree, q, center_of_mass(model, q)), strict=True
-    ):
+    centred = _centred(model, tree, [subtree.body for subtree in subtrees], q)
+    for step, subtree, twist, G in zip(tree, subtrees, V, centred, strict=True):
         for k, s in step.columns():
             change = G.act(subtree.body.apply(twist.cross(s)) + subtree.rate(s))
             f = apply(G.rotation, subtree.body.apply(s).linear)
@@ -144,9 +148,19 @@ def centroidal_inertia(model: Model, q: Array) -> Array:
     return whole.second - about_centre + batch_zeros((3, 3), q)
 
 
-def _centred(tree: Sequence[Step], q: Array, g: Array) -> list[SE3]:
-    """G of every step."""
-    return [SE3(T.rotation, T.translation - g) for T in poses(tree, q)]
+def _centred(model: Model, tree: Sequence[Step], subtrees: Sequence[MassMoments], q: Array) -> list[SE3]:
+    """G of every step.
+
+    Nothing depends on where a robot is that hangs on one free flyer, which carries all mass: its poses begin at g.
+    """
+    is_free = bool(tree) and isinstance(tree[0].kind, FreeFlyer)
+    if not is_free or any(step.parent < 0 for step in tree[1:]):
+        g = center_of_mass(model, q)
+        return [SE3(T.rotation, T.translation - g) for T in poses(tree, q)]
+    R = tree[0].pose(None, q).rotation
+    root = SE3(R, -apply(R, over_total_mass(model, subtrees[0].first)))
+    world: Any = None
+    return outward(tree, world, lambda step, G: root if G is None else step.pose(G, q))
 
 
 def _about_centre(model: Model, tree: Sequence[Step], forces: Sequence[Force], q: Array) -> Array:
