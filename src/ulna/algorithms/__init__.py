@@ -60,7 +60,9 @@ from ulna.algorithms.dynamics.energy import mechanical_energy as mechanical_ener
 from ulna.algorithms.dynamics.energy import potential_energy as potential_energy
 from ulna.algorithms.dynamics.forward_dynamics import by_mass_matrix as by_mass_matrix
 from ulna.algorithms.dynamics.forward_dynamics import forward_dynamics as forward_dynamics
-from ulna.algorithms.dynamics.inverse_mass_matrix import columns_of_inverse as columns_of_inverse
+from ulna.algorithms.dynamics.inverse_mass_matrix import (
+    columns_of_inverse_mass_matrix as columns_of_inverse_mass_matrix,
+)
 from ulna.algorithms.dynamics.inverse_mass_matrix import inverse_mass_matrix as inverse_mass_matrix
 from ulna.algorithms.dynamics.joint_friction import Friction as Friction
 from ulna.algorithms.dynamics.joint_friction import friction_torque as friction_torque

@@ -161,7 +161,7 @@ class Dynamics(Part):
         "(nv, nv) [1/kg, 1/(kg m), 1/(kg m^2)]",
         nodes=(31, 25, 3.5),
         inverts_mass=True,
-        columns=algorithms.columns_of_inverse,
+        columns=algorithms.columns_of_inverse_mass_matrix,
     )
     def inverse_mass_matrix(self, q: ArrayLike) -> Floats:
         """The inverse of the mass matrix [Featherstone 2008, section 6.5].

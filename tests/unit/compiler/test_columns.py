@@ -11,10 +11,11 @@ import pytest
 from support.fenced import fenced
 from support.random_models import random_model
 from ulna import kernels
+from ulna.algorithms.dynamics.mass_matrix_factors import Factors, elimination_paths
 from ulna.compiler import Function, compile, trace
 from ulna.compiler.codegen.arithmetic import Arithmetic
 from ulna.compiler.codegen.module import emit_single
-from ulna.compiler.language.columns import Columns, with_columns
+from ulna.compiler.language.columns import Columns, row_places, with_columns
 from ulna.compiler.runtime import jit
 from ulna.errors import TraceError
 from ulna.robot import Robot
@@ -38,7 +39,7 @@ def _form(a):
 
 
 def _plain(a):
-    table, matrices, body = _form(a)
+    table, matrices, body, _ = _form(a)
     unit = np.eye(N, M)
     whole = (x * unit if np.isscalar(x) else x for x in matrices)
     return tuple(np.stack([body(table, B[:, k]) for k in range(M)], axis=1) for B in whole)
@@ -107,6 +108,60 @@ def test_a_form_with_other_results_is_refused():
     f = trace(_plain, a=(N, M))
     with pytest.raises(TraceError, match="3 outputs"):
         with_columns(f, lambda a: Columns([a[0, 0]], [a], lambda t, c: c * t[0]), a=(N, M))
+
+
+def _paths():
+    """Of a tree with a branch whose rows are longer than one register."""
+    parents = [-1, *range(9), 4, 10, 10, 0, 13, 13, 2]
+    paths = []
+    for k, parent in enumerate(parents):
+        paths.append([*paths[parent], parent] if parent >= 0 else [])
+        assert all(i < k for i in paths[k])
+    return paths
+
+
+def _factored(a):
+    """The rows of a matrix, the entries of an input with a heavy diagonal, and a body that solves with its factors."""
+    paths = _paths()
+    places, size = row_places(paths)
+    table = [0.0] * size
+    for k, path in enumerate(paths):
+        table[places[k] : places[k] + len(path) + 1] = [*(a[k, j] for j in path), 20.0 + a[k, k]]
+
+    def body(table, column):
+        lower = [{j: table[places[k] + n] for n, j in enumerate(path)} for k, path in enumerate(paths)]
+        return np.array(Factors.of(lower, table[size:]).solve(list(column)), dtype=object)
+
+    return Columns(table, [a, -1.0], body, paths)
+
+
+def _solved(a):
+    paths, n = _paths(), len(a)
+    M = np.full((n, n), 0.0, dtype=object)
+    for k, path in enumerate(paths):
+        M[k, k] = 20.0 + a[k, k]
+        for j in path:
+            M[k, j] = M[j, k] = a[k, j]
+    factors = Factors(M)
+    columns = [factors.solve(list(a[:, k])) for k in range(n)]
+    return np.array(columns).T, -factors.inverse()
+
+
+@pytest.mark.parametrize(("dtype", "rtol"), [("float64", 1e-14), ("float32", 1e-5)])
+def test_a_matrix_is_factored_by_rows(dtype, rtol):
+    n = len(_paths())
+    f = with_columns(trace(_solved, a=(n, n)), _factored, a=(n, n))
+    kernel, a = compile(f, dtype=dtype), np.random.default_rng(8).normal(size=(n, n))
+    assert "@factors(" in kernel.ir() or jit.target().register_bytes < 32
+    for got, expected in zip(kernel(a.astype(dtype)), f(a), strict=True):
+        np.testing.assert_allclose(got, expected, rtol=rtol, atol=rtol)
+
+
+def test_paths_of_a_tree_begin_with_those_of_their_ancestors():
+    M = np.eye(6) * 9.0
+    for i, j in ((1, 0), (3, 1), (4, 0), (4, 2), (5, 2)):  # 4 couples 0 and 2
+        M[i, j] = M[j, i] = 1.0
+    assert elimination_paths(M) == [[], [0], [0], [0, 1], [0, 2], [0, 2]]
 
 
 @pytest.mark.parametrize(

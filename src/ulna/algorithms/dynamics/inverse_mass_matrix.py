@@ -14,7 +14,7 @@ every robot that was tried.
 from __future__ import annotations
 
 from ulna.algorithms.dynamics.crba import mass_matrix
-from ulna.algorithms.dynamics.mass_matrix_factors import Factors
+from ulna.algorithms.dynamics.mass_matrix_factors import Factors, columns_of_inverse
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.compiler.language.columns import Columns
 from ulna.model import Model
@@ -35,7 +35,7 @@ def inverse_mass_matrix(model: Model, q: Array) -> Array:
     return inverse if inverse.dtype == object else inverse + batch_zeros((model.nv, model.nv), q)
 
 
-def columns_of_inverse(model: Model, q: Array) -> Columns:
+def columns_of_inverse_mass_matrix(model: Model, q: Array) -> Columns:
     """The inverse of the mass matrix as the solutions of M x = e, column by column, for one sample.
 
     Args:
@@ -43,6 +43,6 @@ def columns_of_inverse(model: Model, q: Array) -> Columns:
         q: Configuration, shape (nq,) [rad, m].
 
     Returns:
-        The factors and what is done with a column of the unit matrix.
+        The mass matrix and what is done with a column of the unit matrix.
     """
-    return Factors(mass_matrix(model, q)).columns([1.0])
+    return columns_of_inverse(mass_matrix(model, q))

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.compiler.language.columns import Columns
+from ulna.compiler.language.columns import Columns, row_places
 from ulna.errors import ModelError
 from ulna.linalg import reciprocal_above
 from ulna.numeric import matrix
@@ -165,6 +165,54 @@ class Factors:
                         total = total + scaled[j] * e
                 out[i][k] = out[k][i] = total
         return matrix(out) if n else np.zeros((0, 0))
+
+
+def elimination_paths(M: Array) -> list[list[int]]:
+    """For each row the columns before the diagonal in which L may have entries: a path to the root of a tree.
+
+    The parent of a row is the last column in which L has an entry; all other columns with entries are its ancestors.
+
+    Args:
+        M: Symmetric positive definite matrix, shape (nv, nv), whose zeros are known.
+
+    Returns:
+        The columns, in rising order.
+    """
+    n = M.shape[-1]
+    filled = [{j for j in range(k) if not is_zero(M[k, j])} for k in range(n)]
+    for k in reversed(range(n)):
+        for i in filled[k]:
+            filled[i] |= {j for j in filled[k] if j < i}
+    paths: list[list[int]] = []
+    for columns in filled:
+        parent = max(columns, default=-1)
+        paths.append([*paths[parent], parent] if parent >= 0 else [])
+    return paths
+
+
+def columns_of_inverse(M: Array) -> Columns:
+    """M^-1, column by column, with L and d left to the compiled code.
+
+    Args:
+        M: Symmetric positive definite matrix, shape (nv, nv), whose zeros are known.
+
+    Returns:
+        The rows of M, and what is done with a column of the unit matrix.
+    """
+    paths = elimination_paths(M)
+    places, size = row_places(paths)
+    table: list[Any] = [0.0] * size
+    for k, path in enumerate(paths):
+        for place, j in enumerate([*path, k], places[k]):
+            table[place] = M[k, j]
+
+    def body(table: Array, column: Array) -> Array:
+        lower = [
+            dict(zip(path, table[place:], strict=False)) for place, path in zip(places, paths, strict=True)
+        ]
+        return np.array(Factors.of(lower, table[size:]).solve(list(column)), dtype=object)
+
+    return Columns(table, [1.0], body, paths)
 
 
 def is_zero(x: Any) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
 from ulna.compiler.codegen.node_writer import Module, Writer
+from ulna.compiler.codegen.row_factors import write_row_factors
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.language.function import ColumnForm, Function, trace
 from ulna.compiler.language.ops import Op
@@ -57,6 +58,12 @@ def write_columns(module: Module, f: Function, form: ColumnForm, target: Target,
         lines.append(f"  %s{k} = alloca [{max(port.size, 1)} x {element}], align 64")
         scratch.append(f"ptr %s{k}")
     lines.append(f"  call void @head({', '.join([*inputs, *scratch])})")
+    table = scratch[0]
+    if form.paths:
+        table = "ptr %table"
+        write_row_factors(module, form.paths, Lanes(lanes, element), target)
+        lines.append(f"  %table = alloca [{form.body.inputs[0].size} x {element}], align 64")
+        lines.append(f"  call void @factors({scratch[0]}, {table})")
     matrices = iter(scratch[1:])
     for k, (unit, zeros) in enumerate(zip(form.units, _zeros(form, m), strict=True)):
         source = next(matrices) if unit is None else f"ptr {_units(module, unit, n, m, element)}"
@@ -69,7 +76,7 @@ def write_columns(module: Module, f: Function, form: ColumnForm, target: Target,
             at = f"{k}.{start}"
             lines.append(f"  %x{at} = getelementptr {element}, {source}, i64 {start}")
             lines.append(f"  %y{at} = getelementptr {element}, ptr %o{k}, i64 {start}")
-            lines.append(f"  call void @{name}(ptr %s0, ptr %x{at}, ptr %y{at})")
+            lines.append(f"  call void @{name}({table}, ptr %x{at}, ptr %y{at})")
     arguments = [*inputs, *(f"ptr %o{k}" for k in range(len(f.outputs)))]
     head = f"define internal void @one({', '.join(arguments)}) noinline nounwind #0 {{"
     module.definitions["one"] = "\n".join([head, "entry:", *lines, "  ret void", "}", ""])

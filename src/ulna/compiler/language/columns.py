@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,11 +28,33 @@ class Columns(NamedTuple):
         matrices: One for each result, (n, m): its columns are passed to the body. A number stands for that multiple of
             the unit matrix.
         body: The column of a result, (n,), from the table, as an array, and a column of the matrix, (n,).
+        paths: Where the table is to be factored first. It has the rows of a symmetric matrix M = L^T diag(d) L then,
+            where `row_places` says; the body gets the rows of L, whose diagonal it must not use, and then 1/d. Row k
+            has entries in the columns of its path, in rising order, and on the diagonal, then zeros. The path of a
+            column i of a path is that path's part before i. Empty for a table that the body gets as it is.
     """
 
     table: Sequence[Any]
     matrices: Sequence[Any]
     body: Callable[[Any, Any], Any]
+    paths: Sequence[Sequence[int]] = ()
+
+
+PADDING = 8
+"""The rows of a matrix that is to be factored begin at multiples of this."""
+
+
+def row_places(paths: Sequence[Sequence[int]]) -> tuple[list[int], int]:
+    """Where the rows of a matrix that is to be factored begin in the table.
+
+    Args:
+        paths: For each row its columns before the diagonal.
+
+    Returns:
+        The place of the first entry of each row, and the size of all rows.
+    """
+    ends = list(accumulate((len(path) // PADDING + 1) * PADDING for path in paths))
+    return [0, *ends[:-1]], ends[-1]
 
 
 def with_columns(f: Function, form: Callable[..., Columns], **shapes: Shape | int) -> Function:
@@ -52,14 +75,15 @@ def with_columns(f: Function, form: Callable[..., Columns], **shapes: Shape | in
 
     def head(*arrays: Any) -> tuple[Any, ...]:
         forms.append(form(*arrays))
-        table, matrices, _ = forms[-1]
+        table, matrices, *_ = forms[-1]
         return np.array(table, dtype=object), *(x for x in matrices if not np.isscalar(x))
 
     traced = trace(head, name=f"{f.name}_head", **shapes)
     columns = forms[0]
     shape = f.outputs[0].shape
     n = shape[0]
-    body = trace(columns.body, name=f"{f.name}_column", table=(len(columns.table),), column=(n,))
+    size = len(columns.table) + len(columns.paths)
+    body = trace(columns.body, name=f"{f.name}_column", table=(size,), column=(n,))
     units = tuple(float(x) if np.isscalar(x) else None for x in columns.matrices)
     is_alike = len(units) == len(f.outputs) and all(p.shape == shape for p in f.outputs)
     if not is_alike or len(shape) != 2 or any(p.shape != shape for p in traced.outputs[1:]):
@@ -67,4 +91,4 @@ def with_columns(f: Function, form: Callable[..., Columns], **shapes: Shape | in
             f"The columns of {f.name!r} are not those of its {len(f.outputs)} outputs; expected {len(f.outputs)} "
             f"matrices of the shape {shape}."
         )
-    return replace(f, columns=ColumnForm(traced, body, units))
+    return replace(f, columns=ColumnForm(traced, body, units, tuple(map(tuple, columns.paths))))
