@@ -41,7 +41,7 @@ def _form(a):
 def _plain(a):
     table, matrices, body, _ = _form(a)
     unit = np.eye(N, M)
-    whole = (x * unit if np.isscalar(x) else x for x in matrices)
+    whole = (x * unit if isinstance(x, float) else x for x in matrices)
     return tuple(np.stack([body(table, B[:, k]) for k in range(M)], axis=1) for B in whole)
 
 

@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna.compiler.language.function import ColumnForm, Function, trace
-from ulna.compiler.language.ports import Shape
 from ulna.errors import TraceError
 
 
@@ -25,7 +24,7 @@ class Columns(NamedTuple):
 
     Attributes:
         table: The numbers that all columns share.
-        matrices: One for each result, (n, m): its columns are passed to the body. A number stands for that multiple of
+        matrices: One for each result, (n, m): its columns are passed to the body. A float stands for that multiple of
             the unit matrix.
         body: The column of a result, (n,), from the table, as an array, and a column of the matrix, (n,).
         paths: Where the table is to be factored first. It has the rows of a symmetric matrix M = L^T diag(d) L then,
@@ -57,7 +56,7 @@ def row_places(paths: Sequence[Sequence[int]]) -> tuple[list[int], int]:
     return [0, *ends[:-1]], ends[-1]
 
 
-def with_columns(f: Function, form: Callable[..., Columns], **shapes: Shape | int) -> Function:
+def with_columns(f: Function, form: Callable[..., Columns], **shapes: Any) -> Function:
     """The same function with a second form, in which single calls are compiled where registers are wide.
 
     Args:
@@ -76,7 +75,7 @@ def with_columns(f: Function, form: Callable[..., Columns], **shapes: Shape | in
     def head(*arrays: Any) -> tuple[Any, ...]:
         forms.append(form(*arrays))
         table, matrices, *_ = forms[-1]
-        return np.array(table, dtype=object), *(x for x in matrices if not np.isscalar(x))
+        return np.array(table, dtype=object), *(x for x in matrices if not isinstance(x, float))
 
     traced = trace(head, name=f"{f.name}_head", **shapes)
     columns = forms[0]
@@ -84,7 +83,7 @@ def with_columns(f: Function, form: Callable[..., Columns], **shapes: Shape | in
     n = shape[0]
     size = len(columns.table) + len(columns.paths)
     body = trace(columns.body, name=f"{f.name}_column", table=(size,), column=(n,))
-    units = tuple(float(x) if np.isscalar(x) else None for x in columns.matrices)
+    units = tuple(x if isinstance(x, float) else None for x in columns.matrices)
     is_alike = len(units) == len(f.outputs) and all(p.shape == shape for p in f.outputs)
     if not is_alike or len(shape) != 2 or any(p.shape != shape for p in traced.outputs[1:]):
         raise TraceError(
