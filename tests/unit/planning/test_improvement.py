@@ -82,7 +82,7 @@ def test_time_limits_and_wrong_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     planner = Planner(robot, WALL, spheres=spheres)
     questions = count()
     clock = SimpleNamespace(
-        perf_counter=lambda: 1e-4 * next(questions)
+        perf_counter=lambda: 5e-3 * next(questions)
     )  # so that no load of the machine counts
     for module in ("run", "search", "improvement"):
         monkeypatch.setattr(f"ulna.planning.{module}.time", clock)
