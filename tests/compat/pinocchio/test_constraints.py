@@ -15,12 +15,11 @@ from support.two_pythons import both
 from ulna.errors import InputError, ShapeError
 from ulna.robots.example_robot_data import share_folder
 
-ROBOTS = {
+ROBOTS = {  # on a base and on a free flyer; a second arm would be asked the same
     "ur5": ("ur_description/urdf/ur5_robot.urdf", "", "wrist_3_joint,elbow_joint"),
-    "panda": ("panda_description/urdf/panda.urdf", "", "panda_joint7,panda_joint4"),
     "solo12": ("solo_description/robots/solo12.urdf", "FreeFlyer", "FL_KFE,HR_KFE"),
 }
-SLOW = ("panda", "solo12")
+SLOW = ("solo12",)
 
 
 @pytest.mark.parametrize("robot", [pytest.param(r, marks=[pytest.mark.slow] * (r in SLOW)) for r in ROBOTS])
