@@ -223,3 +223,31 @@ def test_a_trace_has_the_points_of_the_moves_so_far(viewer: Viewer, ur5: ulna.Ro
     first = ur5.fk(arm.q)[:3, 3]
     arm.q = Q1
     np.testing.assert_allclose(trace.points, [first, ur5.fk(Q1)[:3, 3]])
+
+
+def test_each_loop_of_an_html_file_starts_with_an_empty_path(
+    viewer: Viewer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The player sends the first messages of a file again: they must make the line as it is at the start."""
+    pytest.importorskip("viser")
+    from ulna.viewer.page import html_file
+
+    viewer.robots[0].trace()
+    recordings, lines, start = [], [], html_file.start_recording
+
+    def recorded(server: Any) -> Any:
+        recordings.append(start(server))
+        return recordings[0]
+
+    monkeypatch.setattr(html_file, "start_recording", recorded)
+    viewer.html(tmp_path / "a.html", quintic(Q0 + 1.0, Q1 + 2.0, 0.5), fps=10.0)
+    for time, message in recordings[0]._messages:
+        if message["type"] == "LineSegmentsMessage" or "points" in message.get("updates", {}):
+            points = message["props" if "props" in message else "updates"]["points"]
+            size = recordings[0]._binary_buffers[points["__binary_index"]].nbytes
+            lines.append((round(time, 6), message["type"], size // 24))
+    assert lines[0][:2] == (0.0, "LineSegmentsMessage")
+    assert lines[0][2] <= 1
+    assert [kind for _, kind, _ in lines[1:]] == ["SceneNodeUpdateMessage"] * (len(lines) - 1)
+    assert [count for *_, count in lines[1:]] == sorted(count for *_, count in lines[1:])
+    assert lines[-1][2] > 3

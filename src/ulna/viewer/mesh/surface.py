@@ -105,7 +105,10 @@ class Surface:
 def normalized(vectors: Array) -> Array:
     """Vectors of length 1 along `vectors`; those too short to have a direction become +z."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.where(length > 1e-300, vectors / np.maximum(length, 1e-300), (0.0, 0.0, 1.0))
+    shortest = (
+        1e-300 if length.dtype == np.float64 else float(np.finfo(length.dtype).tiny)
+    )  # above 0 in its type
+    return np.where(length > shortest, vectors / np.maximum(length, shortest), (0.0, 0.0, 1.0))
 
 
 def albedo(rgb: Array) -> Floats:

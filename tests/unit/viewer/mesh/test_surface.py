@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ulna.errors import InputError, ShapeError
-from ulna.viewer.mesh.surface import Surface, albedo, colour, linear_from_srgb
+from ulna.viewer.mesh.surface import Surface, albedo, colour, linear_from_srgb, normalized
 
 CORNERS = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 2.0, 0.0)])
 
@@ -68,3 +68,11 @@ def test_srgb_is_undone_at_its_known_points() -> None:
     np.testing.assert_allclose(
         linear_from_srgb([0.0, 0.04045, 0.5, 1.0]), [0, 0.04045 / 12.92, 0.21404114, 1.0]
     )
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+def test_vectors_without_a_direction_have_one_in_every_type(kind: type) -> None:
+    """1e-300, below which a vector counts as too short, is 0 as float32: pictures of a line that turns back divided by it."""
+    vectors = np.array([(0.0, 0.0, 0.0), (0.0, 2.0, 0.0)], dtype=kind)
+    with np.errstate(all="raise"):
+        np.testing.assert_array_equal(normalized(vectors), [(0.0, 0.0, 1.0), (0.0, 1.0, 0.0)])
