@@ -20,10 +20,11 @@ from ulna.quantities.part import Part
 PAGE = Path(__file__).parents[1] / "docs" / "quantities.md"
 HEAD = """# What a robot can be asked
 
-`python scripts/quantities_page.py --write` writes this page from the declarations in `src/ulna/quantities`.
 What is used daily is a method of the robot; the rest is in groups. `help(robot.fk)` has arguments, shapes, units,
 errors, the source, and for the most used methods an example. Each quantity has a kernel, `robot.kernel(name)`. Shapes
 are those of one configuration; batch axes come before them.
+
+This page is made from the declarations in `src/ulna/quantities`, by `python scripts/quantities_page.py --write`.
 """
 FORMER = """
 ## Former names

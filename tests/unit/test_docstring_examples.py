@@ -125,6 +125,7 @@ NAMES = [
     "ulna.scale.data_set",
     "ulna.scale.reach",
     "ulna.show",
+    "ulna.sim.Recording.save",
     "ulna.sim.simulate",
     "ulna.trajectory.Trajectory.reversed",
     "ulna.trajectory.Trajectory.sample",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ulna.errors import NonFiniteError, UnknownName
+from ulna.errors import InputError, NonFiniteError, UnknownName
 
 
 @pytest.mark.parametrize(
@@ -34,3 +34,26 @@ def test_a_name_like_no_other_is_shown_what_there_is() -> None:
     error = UnknownName("reference", "xyz", ["world", "local"])
     assert error.nearest is None
     assert str(error) == "No reference named 'xyz'. There are: 'world', 'local'."
+
+
+def test_errors_of_first_calls_come_without_the_error_of_a_cache() -> None:
+    """They began with "KeyError ... During handling of the above exception, another exception occurred"."""
+    import traceback
+
+    import ulna
+
+    robot = ulna.load("panda")
+    q = robot.configurations["ready"]
+    calls = [
+        lambda: robot.fk(q, "panda_hnd"),
+        lambda: robot.jacobian(q, "panda_hnd"),
+        lambda: robot.jacobian(q, reference="locl"),
+        lambda: robot.ik(robot.fk(q), q, "panda_hnd"),
+        lambda: robot.ik(robot.fk(q), q, attempts=-1),
+        lambda: robot.ik(robot.fk(q), q, seed="x"),
+    ]
+    for call in calls:
+        with pytest.raises((InputError, UnknownName)) as caught:
+            call()
+        text = "".join(traceback.format_exception(caught.value))
+        assert "KeyError" not in text and "During handling" not in text

@@ -8,6 +8,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna.checks.arrays import batched_array
+from ulna.checks.first_error import without_context
 from ulna.checks.values import count as check_count
 from ulna.compiler import compile
 from ulna.errors import ShapeError
@@ -95,8 +96,9 @@ class Solver:
         try:
             settings, shift = self._settings[key], self._shifts[seed]
         except (KeyError, TypeError):  # not seen before, or not a number
-            settings = _remember(self._settings, key, search_settings(*key))
-            shift = _remember(self._shifts, seed, shift_of(seed, self.problem))
+            with without_context():
+                settings = _remember(self._settings, key, search_settings(*key))
+                shift = _remember(self._shifts, seed, shift_of(seed, self.problem))
         if type(T) is not np.ndarray or (q0 is not None and type(q0) is not np.ndarray):
             if is_deferred(T) or is_deferred(q0):
                 options = (position_tolerance, rotation_tolerance, seed, attempts, threads)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ulna.checks.first_error import without_context
 from ulna.quantities.part import Part
 from ulna.typing import ArrayLike
 
@@ -79,7 +80,8 @@ class InverseKinematics(Part):
         try:
             solver = self._searches[type(T) is not np.ndarray and isinstance(T, Mapping), frame, mask, joints]
         except (KeyError, TypeError):
-            T, solver = self._solver(T, frame, mask, joints)
+            with without_context():
+                T, solver = self._solver(T, frame, mask, joints)
         return solver(T, q0, position_tolerance, rotation_tolerance, seed, attempts, threads)
 
     def ik_classic(

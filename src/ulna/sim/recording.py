@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, final
+from pathlib import Path
+from typing import Any, Self, final
 
 import numpy as np
 
 from ulna.checks.values import checked_robot, number, one_of, short_repr
 from ulna.errors import InputError, ShapeError
+from ulna.sim.recording_file import read_csv, write_csv
 from ulna.typing import ArrayLike, Floats
 
 
@@ -94,6 +96,46 @@ class Recording:
         out = self._columns[name][: self._count]
         out.setflags(write=False)
         return out
+
+    def save(self, path: str | Path) -> None:
+        """Write all rows to a .csv file: a head line "t,q_0,q_1,...", and a line for each row, with every digit.
+
+        Args:
+            path: The file, .csv.
+
+        Raises:
+            InputError: The path ends otherwise, or there are no rows.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> run = ulna.sim.simulate(robot, robot.configurations["ready"], duration=0.1)
+            >>> run.save("log.csv")
+            >>> ulna.sim.Recording.load("log.csv")["tau"].shape == run["tau"].shape
+            True
+        """
+        write_csv({name: column[: self._count] for name, column in self._columns.items()}, path)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read a .csv file that `save` wrote, or the log of another program with such a head line.
+
+        The head line names the columns: "t" for the time [s], "q_0", "q_1", ... for the configuration, and others,
+        such as "tau_0", "tau_1", ... Other tables are read with NumPy or pandas.
+
+        Args:
+            path: The file, .csv.
+
+        Returns:
+            The recording.
+
+        Raises:
+            InputError: There is no such file, or it is no such table; the message says where.
+        """
+        columns = read_csv(path)
+        made = cls()
+        made._columns = {name: columns.pop(name) for name in ("t", "q")} | columns
+        made._count = made._capacity = len(made._columns["t"])
+        return made
 
     def at(self, t: float, robot: Any = None) -> Floats:
         """The configuration at a time, held at both ends.

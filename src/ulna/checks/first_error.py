@@ -1,0 +1,16 @@
+"""Errors of what is done because a value is not in a cache: without the error of the cache above them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def without_context() -> Iterator[None]:
+    """Errors that leave the block are shown without the one that is being handled, such as the KeyError of a cache."""
+    try:
+        yield
+    except Exception as error:
+        error.__suppress_context__ = True
+        raise

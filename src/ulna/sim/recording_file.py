@@ -1,0 +1,105 @@
+"""Columns of a recording as a .csv file: a head line of names, and a row for each time."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.files import read_regular
+from ulna.system.storage import replacing
+from ulna.typing import Floats
+
+_INDEXED = re.compile(r"(.+?)((?:_\d+)+)")
+
+
+def write_csv(columns: Mapping[str, Floats], path: str | Path) -> None:
+    """Write columns, with every digit. An array has a column for each entry: "q_0", "q_1", "T_0_3", ...
+
+    Args:
+        columns: Arrays by name, each of shape (n, ...).
+        path: The file, .csv.
+
+    Raises:
+        InputError: The path ends otherwise, or there are no rows.
+    """
+    target = _checked(path)
+    if not columns:
+        raise InputError("The recording has no rows; there is nothing to save.")
+    head = [_title(name, place) for name, values in columns.items() for place in np.ndindex(values.shape[1:])]
+    table = np.column_stack([values.reshape(len(values), -1) for values in columns.values()])
+    with replacing(target) as place, open(place, "w", encoding="utf-8", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows([head, *table.tolist()])
+
+
+def read_csv(path: str | Path) -> dict[str, Floats]:
+    """The columns of a file that `write_csv` wrote, or of another table with such a head line.
+
+    Args:
+        path: The file, .csv.
+
+    Returns:
+        Arrays by name, each of shape (n, ...).
+
+    Raises:
+        InputError: There is no such file, or it is no such table; the message says where.
+    """
+    source = _checked(path)
+    try:
+        text = read_regular(source).decode("utf-8-sig")
+        head, *rows = [row for row in csv.reader(io.StringIO(text, newline="")) if row] or [[""]]
+    except FileNotFoundError:
+        raise InputError(f"There is no file {str(path)!r}.") from None
+    except (OSError, ValueError, csv.Error) as error:
+        raise InputError(f"The file {str(path)!r} cannot be read: {error}.") from None
+    table = _numbers(rows, len(head), source)
+    found: dict[str, dict[tuple[int, ...], Floats]] = {}
+    for title, values in zip((name.strip() for name in head), table.T, strict=True):
+        match = _INDEXED.fullmatch(title)
+        name, place = (match[1], tuple(map(int, match[2][1:].split("_")))) if match else (title, ())
+        if place in found.setdefault(name, {}):
+            raise InputError(f"{source} has two columns {title!r}.")
+        found[name][place] = values
+    columns = {title: values for name, parts in found.items() for title, values in _stacked(name, parts)}
+    if not {"t", "q"} <= columns.keys() or columns["t"].ndim != 1:
+        raise InputError(
+            f"{source} has the columns {', '.join(head[:8])}; expected 't' and 'q_0', 'q_1', ... in the head line. "
+            "Read other tables with NumPy or pandas; identification takes arrays."
+        )
+    return columns
+
+
+def _checked(path: Any) -> Path:
+    if not isinstance(path, (str, Path)) or Path(path).suffix.lower() != ".csv":
+        raise InputError(f"`path` is {str(path)!r}; expected the name of a file that ends in .csv.")
+    return Path(path)
+
+
+def _title(name: str, place: tuple[int, ...]) -> str:
+    return "_".join([name, *map(str, place)])
+
+
+def _numbers(rows: list[list[str]], width: int, source: Path) -> Floats:
+    for number, row in enumerate(rows, start=2):
+        if len(row) != width:
+            raise InputError(
+                f"{source}, row {number}, has {len(row)} entries; expected {width}, as in the head line."
+            )
+    try:
+        return np.array(rows, dtype=float).reshape(-1, width)
+    except ValueError as error:
+        raise InputError(f"{source} holds what is no number: {error}.") from None
+
+
+def _stacked(name: str, parts: dict[tuple[int, ...], Floats]) -> list[tuple[str, Floats]]:
+    """The columns of one array, in the order of their indices; or columns that only look like that, each by itself."""
+    shape = tuple(np.array(max(parts)) + 1) if len({len(p) for p in parts}) == 1 else ()
+    if set(parts) != set(np.ndindex(shape)):
+        return [(_title(name, place), values) for place, values in parts.items()]
+    return [(name, np.stack([parts[p] for p in np.ndindex(shape)], axis=-1).reshape(-1, *shape))]

@@ -1,0 +1,61 @@
+"""Recordings in .csv files: what was saved is loaded, and other tables are refused with what they lack."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ulna.errors import InputError
+from ulna.sim import Recording
+
+
+def test_what_was_saved_is_loaded_with_every_digit(tmp_path: Path) -> None:
+    rng, run = np.random.default_rng(0), Recording()
+    for k in range(100):
+        run.add(
+            k / 3, rng.normal(size=2), tau=rng.normal(size=2), T=rng.normal(size=(4, 4)), speed=k, joint_2=1.0
+        )
+    run.save(tmp_path / "log.csv")
+    loaded = Recording.load(tmp_path / "log.csv")
+    assert loaded.names == run.names and len(loaded) == 100
+    for name in run.names:
+        np.testing.assert_array_equal(loaded[name], run[name])
+    loaded.add(50.0, np.ones(2))
+    assert loaded.q[-1].tolist() == [1.0, 1.0] and np.isnan(loaded["tau"][-1]).all()
+
+
+def test_tables_of_other_programs_are_read(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text(
+        "\ufefft, tau_0, q_1, q_0\r\n0,1,2,3\r\n0.5,4,5,6\r\n", encoding="utf-8"
+    )
+    log = Recording.load(tmp_path / "log.csv")
+    np.testing.assert_array_equal(log.q, [[3, 2], [6, 5]])
+    np.testing.assert_array_equal(log["tau"], [[1], [4]])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("time,q_0\n0,1\n", "expected 't' and 'q_0', 'q_1'"),
+        ("t,q_0,q_2\n0,1,2\n", "expected 't' and 'q_0', 'q_1'"),
+        ("t,q_0\n0,1\n1\n", "row 3, has 1 entries; expected 2"),
+        ("t,q_0\n0,one\n", "no number"),
+        ("t,q_0,q_0\n0,1,2\n", "two columns 'q_0'"),
+        ("", "expected 't'"),
+    ],
+)
+def test_other_tables_are_refused(tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "log.csv").write_text(text)
+    with pytest.raises(InputError, match=message):
+        Recording.load(tmp_path / "log.csv")
+
+
+def test_paths_are_checked(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="nothing to save"):
+        Recording().save(tmp_path / "log.csv")
+    with pytest.raises(InputError, match=r"ends in \.csv"):
+        Recording.load(tmp_path / "log.txt")
+    with pytest.raises(InputError, match="There is no file"):
+        Recording.load(tmp_path / "log.csv")
