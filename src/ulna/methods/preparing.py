@@ -87,7 +87,14 @@ class _Maker:
             _solve(self.robot, **options)
             return
         values = [options.get(key, default) for key, default in QUANTITIES[name].options.items()]
-        _ = self.robot._kernel(name, *values).gufunc
+        kernel = self.robot._kernel(name, *values)
+        neutral = self.robot.model.neutral
+        ports = kernel._array_call.function.inputs
+        arrays = [neutral if port.name in ("q", "q0", "q1") else np.zeros(port.shape) for port in ports]
+        kernel(*arrays)
+        kernel(
+            *(np.stack([array, array]) for array in arrays)
+        )  # the loop over a batch is compiled when first used
 
 
 def _options_of(name: str) -> Iterable[str]:

@@ -121,8 +121,7 @@ def load_text(ir: str, names: tuple[str, ...], has_loops: bool = True) -> Code:
 
 
 def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[[], Any]) -> Code:
-    t = target()
-    key = disk_cache.key(ir, t.triple, t.cpu, t.features, t.llvm, _RECIPE)
+    key = _key(ir)
     start = time.perf_counter()
     content = _cached_object(key)
     is_new = content is None
@@ -137,6 +136,12 @@ def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[
             f"[ulna] {', '.join(names)}: {1e3 * seconds:.1f} ms {'in LLVM' if is_new else '(from the cache)'}"
         )
     return code
+
+
+def _key(ir: str) -> str:
+    """The name of the entry in the cache that `ir` becomes on this machine."""
+    t = target()
+    return disk_cache.key(ir, t.triple, t.cpu, t.features, t.llvm, _RECIPE)
 
 
 def _linked(content: bytes, names: tuple[str, ...], seconds: float) -> Code:
@@ -286,3 +291,42 @@ def assembly(f: Function, ir: str) -> str:
     """
     with _lock:
         return _machine().emit_assembly(optimised(ir, f.has_loops, _machine()))
+
+
+@dataclass(frozen=True)
+class Examined:
+    """Machine code that is looked at, and not run.
+
+    Attributes:
+        assembly: Its text.
+        size: Its length [byte].
+        seconds: How long LLVM took to compile it [s].
+        cache: "stored", "not stored" or "off": whether it is in the disk cache.
+    """
+
+    assembly: str
+    size: int
+    seconds: float
+    cache: str
+
+
+def examined(f: Function, ir: str) -> Examined:
+    """The machine code that `ir`, which evaluates `f`, becomes on this machine; it is compiled once more.
+
+    Args:
+        f: The function, for the optimisation.
+        ir: The text of an LLVM module.
+
+    Returns:
+        The code.
+    """
+    start = time.perf_counter()
+    text = interruptible(lambda: assembly(f, ir))
+    seconds = time.perf_counter() - start
+    content = _cached_object(_key(ir))
+    state = "off" if disk_cache.folder() is None else "not stored" if content is None else "stored"
+    with _lock:
+        if content is None:
+            content = _machine().emit_object(optimised(ir, f.has_loops, _machine()))
+        sections = llvm_library().ObjectFileRef.from_data(content).sections()
+        return Examined(text, sum(s.size() for s in sections if s.is_text()), seconds, state)

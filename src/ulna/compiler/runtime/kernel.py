@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import weakref
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from ulna.idioms import unknown_attribute
 from ulna.lazy import is_deferred
 from ulna.system import forks
 from ulna.typing import Array
+
+if TYPE_CHECKING:
+    from ulna.compiler.runtime.report import KernelReport
 
 
 class KernelBase:
@@ -75,6 +78,26 @@ class KernelBase:
     def asm(self, batch: bool = False) -> str:
         """Assembly for this machine of the single call, or of the loop over a batch."""
         return jit.assembly(self.function, self.ir(batch))
+
+    def report(self, batch: bool = False) -> KernelReport:
+        """What the kernel costs: operations, bytes of code and stack, time to compile, what limits it; prints well.
+
+        It is compiled once more for that, which takes as long as at first.
+
+        Args:
+            batch: Whether the loop over a batch is meant; else the single call.
+
+        Returns:
+            The report, whose attributes are these values.
+
+        Example:
+            >>> report = ulna.load("panda").kernel("fk").report()
+            >>> report.operations, report.bytes_moved, report.limit
+            (147, 184, 'arithmetic')
+        """
+        from ulna.compiler.runtime.report import report  # with what it imports, for few
+
+        return report(self, batch)
 
     def jacobian(self, wrt: str | int = 0) -> Any:
         """The kernel of the derivative of the outputs by input `wrt`, shape output + input: forward or reverse mode.
