@@ -1,0 +1,230 @@
+"""Differential dynamic programming: the controls that minimise a cost over a horizon, with feedback around them.
+
+Each iteration evaluates all knots in one batched call of the stage, runs backwards over them (`backward`), and forwards
+under the control laws u + alpha k + K (x (-) x_ref), with a line search over alpha. Dynamics count to first order
+(iLQR), the cost to second. References: Li & Todorov 2004; Tassa, Erez & Todorov 2012, section II, whose schedule of mu
+is simplified here; on manifolds, Mastalli et al. 2020.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna.control.backward import Gains, backward
+from ulna.control.stages import Stage, StageDerivatives, TerminalDerivatives, TerminalStage
+from ulna.errors import InputError, ShapeError
+from ulna.typing import ArrayLike, Floats
+
+_SMALLEST_MU, _LARGEST_MU = 1e-9, 1e9
+_STEPS = tuple(0.5**k for k in range(12))
+_LEAST = 1e-4
+"""The part of the expected decrease that a step must achieve."""
+
+
+class Iteration(NamedTuple):
+    """How far the search is.
+
+    Attributes:
+        number: Number of the iteration, from 1.
+        cost: Cost after it.
+        decrease: By how much the cost would change at most, to first and second order.
+        step: Length of the step, alpha; 0 where none was accepted.
+        mu: Regularisation.
+    """
+
+    number: int
+    cost: float
+    decrease: float
+    step: float
+    mu: float
+
+
+@dataclass(frozen=True, eq=False)
+class DDPSolution:
+    """What `ddp` found.
+
+    Attributes:
+        states: (N + 1, nx).
+        controls: (N, nu).
+        gains: K (N, nu, ndx): near the solution, `u = controls[i] + gains[i] @ (x (-) states[i])` is the best control.
+        cost: Cost of the whole horizon.
+        iterations: One entry for each iteration.
+        is_converged: Whether the expected decrease fell below the tolerance.
+        reason: In words.
+    """
+
+    states: Floats
+    controls: Floats
+    gains: Floats
+    cost: float
+    iterations: tuple[Iteration, ...]
+    is_converged: bool
+    reason: str
+
+    def __repr__(self) -> str:
+        word = "converged" if self.is_converged else "not converged"
+        return f"<DDP solution: cost {self.cost:.6g}, {word} after {len(self.iterations)} iterations; {self.reason}>"
+
+
+def ddp(
+    stage: Stage,
+    terminal: TerminalStage,
+    x0: ArrayLike,
+    controls: ArrayLike,
+    *,
+    parameters: Sequence[Any] = (),
+    terminal_parameters: Sequence[Any] = (),
+    iterations: int = 200,
+    tolerance: float = 1e-9,
+    progress: Callable[[Iteration], Any] | None = None,
+) -> DDPSolution:
+    """Minimises the sum of the costs of N stages and of the last state by differential dynamic programming.
+
+    Limits of the controls are not kept; give them a cost. Ctrl-C ends the search at once.
+
+    Args:
+        stage: The stage.
+        terminal: The end, of the same system: `stage.terminal(...)`.
+        x0: First state (nx,) [any].
+        controls: Controls to start from (N, nu) [any]; zeros, or what keeps the robot still.
+        parameters: The further arguments of the stage's cost, each of its shape, or (N, ...) for one of each knot.
+        terminal_parameters: The further arguments of the last cost.
+        iterations: The largest number of iterations.
+        tolerance: Ends where the cost can decrease by less than this, relative to it (to 1 where it is below 1) [-].
+        progress: Called after each iteration with an `Iteration`; True as its answer ends the search.
+
+    Returns:
+        The solution.
+
+    Raises:
+        ShapeError: If an array has a wrong shape.
+        InputError: If `x0` or the first controls are not finite, or lead to states that are not.
+    """
+    search = _Search(stage, terminal, x0, controls, parameters, terminal_parameters)
+    mu, done, converged, reason = 0.0, [], False, f"{iterations} iterations were not enough"
+    gains: Gains | None = None
+    while len(done) < iterations:
+        knots, end = search.derivatives()
+        while (gains := backward(knots, end, mu)) is None and mu < _LARGEST_MU:
+            mu = max(10.0 * mu, _SMALLEST_MU)
+        if gains is None:
+            reason = "the Hessian of the cost by the controls is not positive"
+            break
+        decrease = -(gains.first + gains.second)
+        if decrease <= tolerance * max(1.0, abs(search.cost)):
+            converged, reason = True, f"the cost could decrease by {decrease:.1e} only"
+            break
+        step = search.forward(gains)
+        done.append(Iteration(len(done) + 1, search.cost, decrease, step, mu))
+        mu = _next_mu(mu, step)
+        if progress is not None and progress(done[-1]):
+            reason = "`progress` asked to stop"
+            break
+        if step == 0.0 and mu > _LARGEST_MU:
+            reason = "no step decreases the cost"
+            break
+    K = np.zeros((len(search.controls), stage.nu, stage.ndx)) if gains is None else gains.K
+    return DDPSolution(search.states, search.controls, K, search.cost, tuple(done), converged, reason)
+
+
+def _next_mu(mu: float, step: float) -> float:
+    """More regularisation after a short step or none, less after a long one."""
+    if step >= 0.5:
+        return mu / 10.0 if mu > _SMALLEST_MU else 0.0
+    return mu if step >= 0.05 else max(10.0 * mu, 1e-6 if step == 0.0 else _SMALLEST_MU)
+
+
+class _Search:
+    """States and controls so far; their cost."""
+
+    def __init__(
+        self,
+        stage: Stage,
+        terminal: TerminalStage,
+        x0: ArrayLike,
+        controls: ArrayLike,
+        parameters: Sequence[Any],
+        terminal_parameters: Sequence[Any],
+    ) -> None:
+        self.stage, self.terminal = stage, terminal
+        self.controls = _finite("controls", controls, ("N", stage.nu))
+        x0 = _finite("x0", x0, (stage.nx,))
+        count = len(self.controls)
+        self.parameters = _each_knot("parameters", stage.parameters, parameters, count)
+        self.rows = list(zip(*map(list, self.parameters), strict=True)) or [()] * count
+        self.last = [
+            p[0] for p in _each_knot("terminal_parameters", terminal.parameters, terminal_parameters, 1)
+        ]
+        self.states = np.empty((count + 1, stage.nx))
+        self.states[0] = x0
+        total = 0.0
+        for i, (u, row) in enumerate(zip(self.controls, self.rows, strict=True)):
+            self.states[i + 1], cost = stage.calc(self.states[i], u, *row)
+            total += cost
+        self.cost = float(total + terminal(self.states[-1], *self.last).cost)
+        if not np.isfinite(self.cost):
+            raise InputError(
+                "`controls` lead to a cost that is not finite; expected controls under which the system stays near "
+                "its first state, such as torques against gravity."
+            )
+
+    def derivatives(self) -> tuple[StageDerivatives, TerminalDerivatives]:
+        """Dynamics and cost of all knots, in one call, and of the end."""
+        knots = self.stage(self.states[:-1], self.controls, *self.parameters)
+        return knots, self.terminal(self.states[-1], *self.last)
+
+    def forward(self, gains: Gains) -> float:
+        """Takes the longest step that decreases the cost enough; returns its length, or 0 if there is none."""
+        for alpha in _STEPS:
+            states, controls, cost = self._rolled_out(gains, alpha)
+            expected = alpha * gains.first + alpha * alpha * gains.second
+            if cost - self.cost <= _LEAST * expected < 0.0:  # also False for nan
+                self.states, self.controls, self.cost = states, controls, cost
+                return alpha
+        return 0.0
+
+    def _rolled_out(self, gains: Gains, alpha: float) -> tuple[Floats, Floats, float]:
+        """States, controls and cost under the control laws."""
+        follow, total, step = self.stage.follow, 0.0, np.array(alpha)
+        states, controls = np.empty_like(self.states), np.empty_like(self.controls)
+        x = states[0] = self.states[0]
+        rows = zip(self.states, self.controls, gains.k, gains.K, self.rows, strict=False)
+        for i, (x_ref, u_ref, k, K, row) in enumerate(rows):
+            x, controls[i], cost = follow(x, x_ref, u_ref, k, K, step, *row)
+            states[i + 1] = x
+            total += cost
+            if not total < np.inf:
+                return states, controls, np.inf
+        return states, controls, float(total + self.terminal(x, *self.last).cost)
+
+
+def _finite(name: str, value: ArrayLike, shape: tuple[Any, ...]) -> Floats:
+    """A copy of an array of that shape, with finite numbers."""
+    array = np.array(value, dtype=float)
+    if array.ndim != len(shape) or array.shape[1:] != shape[1:] or shape[0] not in ("N", *array.shape[:1]):
+        raise ShapeError(
+            name, array.shape, "(" + ", ".join(map(str, shape)) + ("," if len(shape) == 1 else "") + ")"
+        )
+    if not np.isfinite(array).all():
+        raise InputError(f"`{name}` holds nan or inf; expected finite numbers.")
+    return array
+
+
+def _each_knot(
+    name: str, known: Sequence[tuple[str, tuple[int, ...]]], values: Sequence[Any], count: int
+) -> list[Floats]:
+    """The further arguments of a cost, one of each for every knot."""
+    if len(values) != len(known):
+        names = ", ".join(key for key, _ in known) or "nothing"
+        raise InputError(f"`{name}` has {len(values)} entries; expected {len(known)}: {names}.")
+    arrays = []
+    for (key, shape), value in zip(known, values, strict=True):
+        array = np.asarray(value, dtype=float)
+        if array.shape not in (shape, (count, *shape)):
+            raise ShapeError(key, array.shape, f"{shape} or {(count, *shape)}")
+        arrays.append(np.ascontiguousarray(np.broadcast_to(array, (count, *shape))))
+    return arrays
