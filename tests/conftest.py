@@ -28,6 +28,14 @@ _LONGEST = 300_000
 """How long an operation of the browser may take [ms]."""
 
 
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Tests in a browser are tried twice more: Chromium, which draws with the processor here, fails now and then by itself."""
+    if config.pluginmanager.hasplugin("rerunfailures"):
+        for item in items:
+            if item.get_closest_marker("browser"):
+                item.add_marker(pytest.mark.flaky(reruns=2))
+
+
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Chromium]:
     playwright = pytest.importorskip(
