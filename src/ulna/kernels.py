@@ -304,7 +304,7 @@ def shapes_for(model: Model, names: Sequence[str], given: Mapping[str, Any]) -> 
     for name in names:
         if name not in given and name not in sizes:
             fix = f"Give the shape of other arguments: compile(f, robot, {name}=(3,))."
-            raise UnknownName("robot quantity", name, sizes, fix)
+            raise UnknownName("argument of known shape", name, sizes, fix)
         shapes[name] = given[name] if name in given else _shape(model, sizes[name])
     return shapes
 
