@@ -58,3 +58,7 @@ def test_large_robots_agree_with_mujoco(
     assert_close(robot.fk(q)[:3, :3], body.xmat.reshape(3, 3))
     assert_close(robot.inverse_dynamics(q, v, a), data.qfrc_inverse)
     assert_close(robot.bias_forces(q, v), data.qfrc_bias)
+    if joints <= 1000:
+        data.qfrc_applied = data.qfrc_inverse
+        mujoco.mj_forward(reference, data)
+        assert_close(robot.forward_dynamics(q, v, data.qfrc_applied), data.qacc, 1e-5)

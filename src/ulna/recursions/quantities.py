@@ -9,8 +9,8 @@ import numpy as np
 
 from ulna.model import Frame, Model
 from ulna.quantities.quantity import Quantity, frame_of
+from ulna.recursions._procedures import articulated, composite, inverse_mass, newton_euler
 from ulna.recursions._procedures import frames as of_frames
-from ulna.recursions._procedures import newton_euler
 from ulna.recursions._procedures.placements import new_placements
 from ulna.recursions.recursion import Recursion
 from ulna.recursions.tree_table import INT, TreeTable, UnknownKind, matrices_as_rows, step_rows, tree_table
@@ -124,6 +124,76 @@ def _frame_velocity(model: Model, options: Options) -> Recursion | None:
     return Recursion(of_frames.frame_velocity, storage, inputs, ((6,),), len(tree.parents))
 
 
+def _is_plain(model: Model, tree: TreeTable) -> bool:
+    """Whether each entry of v is that of one column, in order: there are no mimic joints."""
+    return np.array_equal(tree.entries, np.arange(model.nv))
+
+
+def _articulated(tree: TreeTable, lanes: int) -> articulated.Articulated:
+    rows, columns = len(tree.parents), len(tree.entries)
+    shapes = (rows, 27, lanes), (columns, 6, lanes), (columns, lanes), (columns, lanes)
+    return articulated.Articulated(*map(np.zeros, shapes))
+
+
+def _forward_dynamics(model: Model, options: Options) -> Recursion | None:
+    tree = tree_table(model)
+    rows = len(tree.parents)
+    if options["forces"] or options["friction"] is not False or not _is_plain(model, tree):
+        return None
+
+    def storage(lanes: int) -> Sequence[Any]:
+        places = new_placements(rows, lanes, False)
+        return tree, places, _motions(rows, lanes), _articulated(tree, lanes)
+
+    inputs = (model.nq,), (model.nv,), (model.nv,)
+    return Recursion(articulated.forward_dynamics, storage, inputs, ((model.nv,),), rows)
+
+
+def _inverse_mass_matrix(model: Model, options: Options) -> Recursion | None:
+    tree = tree_table(model)
+    if not _is_plain(model, tree):
+        return None
+    slots, count = _slots(tree.parents)
+
+    def storage(lanes: int) -> Sequence[Any]:
+        work = _articulated(tree, 1)
+        units = inverse_mass.Units(np.zeros((6, model.nv)), np.zeros((count, 6, model.nv)), slots)
+        return tree, new_placements(len(tree.parents), 1, False), work, units
+
+    shapes = ((model.nq,),), ((model.nv, model.nv),)
+    rows = len(tree.parents)
+    return Recursion(inverse_mass.inverse_mass_matrix, storage, *shapes, rows, is_matrix=True)
+
+
+def _slots(parents: Any) -> tuple[Any, int]:
+    """Where each step keeps what its children need: the last child takes the place of its parent."""
+    last = {parent: row for row, parent in enumerate(parents.tolist()) if row}
+    slots, idle, count = np.zeros(len(parents), INT), [], 0
+    for row, parent in enumerate(parents.tolist()):
+        if row and parent and last[parent] == row:
+            slots[row] = slots[parent]
+        elif row:
+            if not idle:
+                idle, count = [count], count + 1
+            slots[row] = idle.pop()
+        if row and row not in last:
+            idle.append(int(slots[row]))
+    return slots, max(count, 1)
+
+
+def _mass_matrix(model: Model, options: Options) -> Recursion | None:
+    tree = tree_table(model)
+    rows, columns = len(tree.parents), len(tree.entries)
+
+    def storage(lanes: int) -> Sequence[Any]:
+        size = 0 if _is_plain(model, tree) else columns
+        work = np.zeros((rows, 10)), np.zeros((6, columns)), np.zeros((size, size))
+        return tree, new_placements(rows, 1, False), composite.Composite(*work)
+
+    shapes = ((model.nq,),), ((model.nv, model.nv),)
+    return Recursion(composite.mass_matrix, storage, *shapes, rows, is_matrix=True)
+
+
 _RECURSIONS: dict[str, Callable[[Model, Options], Recursion | None]] = {
     "fk": _fk,
     "link_poses": _link_poses,
@@ -132,5 +202,8 @@ _RECURSIONS: dict[str, Callable[[Model, Options], Recursion | None]] = {
     "inverse_dynamics": _dynamics(newton_euler.inverse_dynamics, "nq", "nv", "nv"),
     "bias_forces": _dynamics(newton_euler.bias_forces, "nq", "nv"),
     "gravity_forces": _dynamics(newton_euler.gravity_forces, "nq"),
+    "mass_matrix": _mass_matrix,
+    "forward_dynamics": _forward_dynamics,
+    "inverse_mass_matrix": _inverse_mass_matrix,
 }
 """By the names of quantities."""

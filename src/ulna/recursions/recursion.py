@@ -19,6 +19,9 @@ _NUMBERS_AT_ONCE = 1 << 17
 _STEPS_AT_ONCE = 1 << 18
 """Steps times samples that one call of machine code visits, some 30 ms."""
 
+_ENTRIES_AT_ONCE = 1 << 22
+"""Entries of matrices that one call of machine code writes."""
+
 Shape = tuple[int, ...]
 
 
@@ -33,6 +36,8 @@ class Recursion:
         inputs: Shapes of the inputs.
         outputs: Shapes of the outputs.
         rows: How many rows its table has.
+        is_matrix: Whether the lanes are columns of its outputs: these are then of shape (blocks, ...), and inputs of
+            shape (blocks, size, 1).
     """
 
     procedure: Procedure
@@ -40,6 +45,7 @@ class Recursion:
     inputs: tuple[Shape, ...]
     outputs: tuple[Shape, ...]
     rows: int
+    is_matrix: bool = False
 
 
 @cache
@@ -86,6 +92,7 @@ class Evaluator:
         self.recursion = recursion
         self.lanes = max(target().register_bytes // 8, 2)
         self._idle: dict[bool, list[_Workspace]] = {False: [], True: []}
+        self._stores: list[Sequence[Any]] = []
 
     @property
     def rows_at_once(self) -> int:
@@ -102,6 +109,9 @@ class Evaluator:
             inputs: An array (samples, size) for each input.
             outputs: An array (samples, size) for each output, which is written.
         """
+        if self.recursion.is_matrix:
+            self._evaluate_matrices(inputs, outputs)
+            return
         samples = len(outputs[0])
         is_batch = samples > 1
         step = self.rows_at_once if is_batch else 1
@@ -115,9 +125,25 @@ class Evaluator:
             workspace.evaluate([x[part] for x in inputs], [x[part] for x in outputs])
         idle.append(workspace)
 
+    def _evaluate_matrices(self, inputs: Sequence[Floats], outputs: Sequence[Floats]) -> None:
+        """As `evaluate`; the procedure reads and writes the arrays where they are."""
+        r = self.recursion
+        try:
+            storage = self._stores.pop()
+        except IndexError:
+            storage = r.storage(1)
+        step = max(_ENTRIES_AT_ONCE // max(map(prod, r.outputs)), 1)
+        for first in range(0, len(outputs[0]), step):
+            rows = slice(first, first + step)
+            read = [x[rows, :, None] for x in inputs]
+            written = [x[rows].reshape(-1, *shape) for x, shape in zip(outputs, r.outputs, strict=True)]
+            self.procedure(True).bind(*storage, *read, *written, len(written[0])).unguarded()
+        self._stores.append(storage)
+
     def procedure(self, is_batch: bool) -> Procedure:
         """The procedure for one sample, or for batches."""
-        return specialized(self.recursion.procedure, self.lanes if is_batch else 1)
+        lanes = self.lanes if is_batch or self.recursion.is_matrix else 1
+        return specialized(self.recursion.procedure, lanes)
 
     def _workspace(self, lanes: int, rows: int) -> _Workspace:
         blocks, r = rows // lanes, self.recursion

@@ -692,3 +692,12 @@ def test_one_source_serves_numbers_and_lanes(width: int) -> None:
         out = np.zeros(width)
         run(x, out)
         assert np.array_equal(out, expected)
+
+
+@procedure
+def _named_like_the_code(start: int, fault: int, result: f64) -> Any:
+    return start + fault, result * 2.0
+
+
+def test_parameters_may_be_named_like_parts_of_the_code() -> None:
+    assert _named_like_the_code(3, 4, 1.5) == (7, 3.0)

@@ -29,6 +29,9 @@ CASES: list[tuple[str, dict[str, Any]]] = [
     ("inverse_dynamics", {}),
     ("bias_forces", {}),
     ("gravity_forces", {}),
+    ("mass_matrix", {}),
+    ("forward_dynamics", {}),
+    ("inverse_mass_matrix", {}),
 ]
 NAMES = sorted({name for name, _ in CASES})
 
@@ -71,6 +74,9 @@ def test_the_numbers_are_those_of_the_traced_kernel(robot: str, name: str) -> No
     model = ROBOTS[robot]
     for options in [o for n, o in CASES if n == name]:
         looped = kernels.looped(model, name, **options)
+        if robot == "mimic joints" and name in ("forward_dynamics", "inverse_mass_matrix"):
+            assert looped is None
+            continue
         assert looped is not None
         arrays = arguments(model, name, 19)
         with warnings.catch_warnings():
@@ -81,7 +87,10 @@ def test_the_numbers_are_those_of_the_traced_kernel(robot: str, name: str) -> No
         assert close(one, expected[7]), options
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name",
+    [name if name == "gravity_forces" else pytest.param(name, marks=pytest.mark.slow) for name in NAMES],
+)
 def test_no_access_is_beside_an_array(name: str) -> None:
     """The code that checks every access computes the same, for one sample and for lanes."""
     model = ROBOTS["all kinds"]
@@ -89,6 +98,12 @@ def test_no_access_is_beside_an_array(name: str) -> None:
     looped = kernels.looped(model, name, **options)
     assert looped is not None
     recursion = looped.evaluator.recursion
+    if recursion.is_matrix:
+        q = arguments(model, name, 2)[0]
+        matrices = np.full((2, model.nv, model.nv), np.nan)
+        specialized(recursion.procedure, 4).checked(*recursion.storage(1), q[:, :, None], matrices, 2)
+        assert close(matrices, looped(q))
+        return
     for lanes in (1, 4):
         arrays = [np.ascontiguousarray(x.T)[None] for x in arguments(model, name, lanes)]
         outputs = [np.zeros((1, int(np.prod(shape)), lanes)) for shape in recursion.outputs]
@@ -200,3 +215,23 @@ def test_unknown_options_have_no_loops() -> None:
     model = ROBOTS["all kinds"]
     assert kernels.looped(model, "inverse_dynamics", forces=("tip",)) is None
     assert kernels.looped(model, "hessian") is None
+
+
+def test_branches_keep_what_their_children_need() -> None:
+    """The inverse mass matrix on trees with many branches: steps share places."""
+    for seed in range(3):
+        model = long_robot(40, 0.7, seed)
+        q = configurations(model, np.random.default_rng(seed), 2)
+        M, inverse = (kernels.looped(model, name) for name in ("mass_matrix", "inverse_mass_matrix"))
+        assert M is not None and inverse is not None
+        assert np.abs(M(q) @ inverse(q) - np.eye(40)).max() < 1e-10
+
+
+def test_matrices_of_hundreds_of_joints() -> None:
+    robot = ulna.Robot(long_robot(400, 0.05))
+    q, v, a = arguments(robot.model, "inverse_dynamics", 1)
+    M = robot.mass_matrix(q[0])
+    assert "loops over" in repr(robot.kernel("mass_matrix"))
+    torques = robot.inverse_dynamics(q[0], v[0], a[0])
+    assert np.abs(M @ a[0] + robot.bias_forces(q[0], v[0]) - torques).max() < 1e-10 * np.abs(torques).max()
+    assert np.abs(robot.forward_dynamics(q[0], v[0], torques) - a[0]).max() < 1e-6

@@ -111,7 +111,7 @@ class _FunctionWriter(ValueWriter):
         parameters = ["ptr %fault"]
         assigned = dict(instance.variables)
         for name, type_ in instance.parameters:
-            words, value = flattened(name, type_)
+            words, value = flattened(f"{name}.a", type_)  # a dot, as no other name here has in that place
             parameters += [f"{kind} {part}" for kind, part in words]
             self.names[name] = value
             if name in assigned:

@@ -1,0 +1,117 @@
+"""Columns of matrices, of which W are computed at once; `A[r, n : n + W]` is row r of W columns."""
+
+from __future__ import annotations
+
+from ulna.compiler.procedures import broadcast, procedure
+
+
+@procedure
+def _three_rows(F, r, n, W):
+    """Three rows of W columns."""
+    return F[r, n : n + W], F[r + 1, n : n + W], F[r + 2, n : n + W]
+
+
+@procedure
+def _put_rows(F, r, n, x, y, z, W):
+    """Writes three rows of W columns."""
+    F[r, n : n + W] = x
+    F[r + 1, n : n + W] = y
+    F[r + 2, n : n + W] = z
+
+
+@procedure
+def _rotated(X, i, x, y, z):
+    """R (x, y, z) of lanes, where R is of numbers."""
+    return (
+        x * X[i, 0, 0] + y * X[i, 1, 0] + z * X[i, 2, 0],
+        x * X[i, 3, 0] + y * X[i, 4, 0] + z * X[i, 5, 0],
+        x * X[i, 6, 0] + y * X[i, 7, 0] + z * X[i, 8, 0],
+    )
+
+
+@procedure
+def _rotated_back(X, i, x, y, z):
+    """R^T (x, y, z) of lanes, where R is of numbers."""
+    return (
+        x * X[i, 0, 0] + y * X[i, 3, 0] + z * X[i, 6, 0],
+        x * X[i, 1, 0] + y * X[i, 4, 0] + z * X[i, 7, 0],
+        x * X[i, 2, 0] + y * X[i, 5, 0] + z * X[i, 8, 0],
+    )
+
+
+@procedure
+def _lever(X, i, x, y, z):
+    """p x (x, y, z) of lanes, p being the translation in row i of X."""
+    px, py, pz = X[i, 9, 0], X[i, 10, 0], X[i, 11, 0]
+    return z * py - y * pz, x * pz - z * px, y * px - x * py
+
+
+@procedure
+def _wrenches_out(X, i, F, n, W):
+    """Takes W wrenches of the moving frame of row i to its parent's."""
+    fx, fy, fz = _three_rows(F, 0, n, W)
+    nx, ny, nz = _three_rows(F, 3, n, W)
+    fx, fy, fz = _rotated(X, i, fx, fy, fz)
+    nx, ny, nz = _rotated(X, i, nx, ny, nz)
+    cx, cy, cz = _lever(X, i, fx, fy, fz)
+    _put_rows(F, 0, n, fx, fy, fz, W)
+    _put_rows(F, 3, n, nx + cx, ny + cy, nz + cz, W)
+
+
+@procedure
+def all_wrenches_out(X, i, F, start, stop, W):
+    """Takes the wrenches in columns from `start` to `stop` of the moving frame of row i to its parent's."""
+    n = start
+    while n + W <= stop:
+        _wrenches_out(X, i, F, n, W)
+        n += W
+    while n < stop:
+        _wrenches_out(X, i, F, n, 1)
+        n += 1
+
+
+@procedure
+def twists_in(X, i, A, p, B, c, n, W):
+    """Takes W twists A[p] of the frame of the parent of row i to the moving frame: to B[c]."""
+    lx, ly, lz = A[p, 0, n : n + W], A[p, 1, n : n + W], A[p, 2, n : n + W]
+    rx, ry, rz = A[p, 3, n : n + W], A[p, 4, n : n + W], A[p, 5, n : n + W]
+    cx, cy, cz = _lever(X, i, rx, ry, rz)
+    lx, ly, lz = _rotated_back(X, i, lx - cx, ly - cy, lz - cz)
+    rx, ry, rz = _rotated_back(X, i, rx, ry, rz)
+    B[c, 0, n : n + W] = lx
+    B[c, 1, n : n + W] = ly
+    B[c, 2, n : n + W] = lz
+    B[c, 3, n : n + W] = rx
+    B[c, 4, n : n + W] = ry
+    B[c, 5, n : n + W] = rz
+
+
+@procedure
+def dot_rows(S, k, F, n, W):
+    """The products of row k of S, six numbers, with W columns of six."""
+    x, y, z = _three_rows(F, 0, n, W)
+    a, b, c = _three_rows(F, 3, n, W)
+    return (x * S[k, 0] + y * S[k, 1] + z * S[k, 2]) + (a * S[k, 3] + b * S[k, 4] + c * S[k, 5])
+
+
+@procedure
+def fill_row(M, k, start, value, W):
+    """Sets row k of M from column `start` on."""
+    n = start
+    while n + W <= M.shape[1]:
+        M[k, n : n + W] = broadcast(value, W)
+        n += W
+    while n < M.shape[1]:
+        M[k, n] = value
+        n += 1
+
+
+@procedure
+def mirror(M):
+    """Copies what is above the diagonal below it, in blocks that caches hold."""
+    n = len(M)
+    for first in range(0, n, 16):
+        for other in range(first, n, 16):
+            for i in range(first, min(first + 16, n)):
+                for j in range(max(other, i + 1), min(other + 16, n)):
+                    M[j, i] = M[i, j]
