@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from ulna.scale.progress import Progress as Progress
     from ulna.scale.reach_map import ReachMap as ReachMap
     from ulna.scale.reachability import reach as reach
+    from ulna.scale.sweep_result import Sweep as Sweep
+    from ulna.scale.sweeps import sweep as sweep
 
 _HOMES = {
     "Job": "job",
@@ -24,14 +26,28 @@ _HOMES = {
     "Progress": "progress",
     "ReachMap": "reach_map",
     "Samples": "job",
+    "Sweep": "sweep_result",
     "data_set": "data_sets",
     "plans": "many_plans",
     "reach": "reachability",
     "run": "engine",
+    "sweep": "sweeps",
 }
 """The modules of names that are imported when first used: the command line parses without them."""
 
-__all__ = ["Job", "PlanSet", "Progress", "ReachMap", "Samples", "data_set", "plans", "reach", "run"]
+__all__ = [
+    "Job",
+    "PlanSet",
+    "Progress",
+    "ReachMap",
+    "Samples",
+    "Sweep",
+    "data_set",
+    "plans",
+    "reach",
+    "run",
+    "sweep",
+]
 
 
 def __getattr__(name: str) -> Any:

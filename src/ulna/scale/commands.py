@@ -1,4 +1,4 @@
-"""Jobs on the command line: `ulna reach`, `ulna dataset`, `ulna plans`."""
+"""Jobs on the command line: `ulna reach`, `ulna dataset`, `ulna plans`, `ulna sweep`."""
 
 from __future__ import annotations
 
@@ -68,6 +68,28 @@ def add_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
     )
     plans.add_argument("--seed", type=int, default=0, help="of problems and searches (default 0)")
     _cluster_options(plans)
+    _add_sweep(command, more)
+
+
+def _add_sweep(command: Callable[..., argparse.ArgumentParser], more: str) -> None:
+    sweep = command("sweep", _sweep, "how a quantity changes with masses, payloads, placements", more)
+    sweep.add_argument("name", metavar="NAME", help="a name from `ulna list`, or the path of a robot's file")
+    sweep.add_argument("quantity", metavar="QUANTITY", help="the name of a kernel, such as gravity_forces")
+    sweep.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="NAME=RANGE",
+        help="what varies: mass=0.1 (to either side), payload=0:3 (from, to) ...; may be repeated",
+    )
+    sweep.add_argument("--samples", type=float, metavar="N", help="how many (default 1e6)")
+    sweep.add_argument("--levels", type=int, metavar="N", help="all combinations of N values each instead")
+    sweep.add_argument("--configuration", metavar="NAME", help="a named one of the robot (default: neutral)")
+    sweep.add_argument(
+        "--chunk", type=float, default=1e5, metavar="N", help="samples of one part (default 1e5)"
+    )
+    sweep.add_argument("--seed", type=int, default=0, help="of the samples (default 0)")
+    _cluster_options(sweep)
 
 
 def _cluster_options(parser: argparse.ArgumentParser) -> None:
@@ -151,6 +173,43 @@ def _plans(chosen: argparse.Namespace) -> None:
         **_where(chosen),
     )
     print(found)
+
+
+def _sweep(chosen: argparse.Namespace) -> None:
+    from ulna.loading import load
+    from ulna.scale.sweeps import sweep
+
+    robot = load(chosen.name)
+    at = {} if chosen.configuration is None else {"q": robot.configurations[chosen.configuration]}
+    found = sweep(
+        robot,
+        chosen.quantity,
+        dict(_range(words) for words in chosen.vary),
+        chosen.samples,
+        levels=chosen.levels,
+        at=at,
+        seed=chosen.seed,
+        chunk=_whole(chosen.chunk),
+        to=chosen.to,
+        **_where(chosen),
+    )
+    print(found)
+    print(f"{'entry':>10s} {'mean':>12s} {'deviation':>12s} {'least':>12s} {'greatest':>12s}")
+    arrays = (found.mean, found.deviation, found.least, found.greatest)
+    for k, numbers in enumerate(zip(*(array.reshape(-1).tolist() for array in arrays), strict=True)):
+        print(f"{k:10d} " + " ".join(f"{number:12.5g}" for number in numbers))
+
+
+def _range(words: str) -> tuple[str, Any]:
+    """A name and its range, of NAME=WIDTH or NAME=LOW:HIGH."""
+    name, _, span = words.rpartition("=")
+    try:
+        ends = tuple(float(end) for end in span.split(":"))
+    except ValueError:
+        ends = ()
+    if not name or len(ends) not in (1, 2):
+        raise InputError(f"`--vary` is {words!r}; expected such as mass=0.1 or payload=0:3.")
+    return name, ends[0] if len(ends) == 1 else ends
 
 
 def _where(chosen: argparse.Namespace) -> dict[str, Any]:
