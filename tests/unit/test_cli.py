@@ -52,7 +52,18 @@ def test_help_of_every_command(capsys: pytest.CaptureFixture[str], monkeypatch: 
 def test_without_a_command_all_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
     said = capsys.readouterr().out
-    for command in ("list", "info", "show", "demo", "reach", "dataset", "plans", "sweep", "cache"):
+    for command in (
+        "list",
+        "info",
+        "show",
+        "demo",
+        "reach",
+        "dataset",
+        "plans",
+        "sweep",
+        "identify",
+        "cache",
+    ):
         assert command in said
 
 

@@ -3,6 +3,7 @@
 from ulna.identification.base import BaseParameters as BaseParameters
 from ulna.identification.base import base_parameters as base_parameters
 from ulna.identification.base import base_parameters_of as base_parameters_of
+from ulna.identification.blocks import LogFit as LogFit
 from ulna.identification.convex import Progress as Progress
 from ulna.identification.fit import identify as identify
 from ulna.identification.physical import from_log_cholesky as from_log_cholesky

@@ -10,6 +10,7 @@ from ulna.idioms import unknown_attribute
 if TYPE_CHECKING:
     from ulna.scale.data_sets import data_set as data_set
     from ulna.scale.engine import run as run
+    from ulna.scale.identifying import identify as identify
     from ulna.scale.job import Job as Job
     from ulna.scale.job import Samples as Samples
     from ulna.scale.many_plans import plans as plans
@@ -28,6 +29,7 @@ _HOMES = {
     "Samples": "job",
     "Sweep": "sweep_result",
     "data_set": "data_sets",
+    "identify": "identifying",
     "plans": "many_plans",
     "reach": "reachability",
     "run": "engine",
@@ -43,6 +45,7 @@ __all__ = [
     "Samples",
     "Sweep",
     "data_set",
+    "identify",
     "plans",
     "reach",
     "run",

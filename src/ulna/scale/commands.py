@@ -1,4 +1,4 @@
-"""Jobs on the command line: `ulna reach`, `ulna dataset`, `ulna plans`, `ulna sweep`."""
+"""Jobs on the command line: `ulna reach`, `ulna dataset`, `ulna plans`, `ulna sweep`, `ulna identify`."""
 
 from __future__ import annotations
 
@@ -69,6 +69,7 @@ def add_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
     plans.add_argument("--seed", type=int, default=0, help="of problems and searches (default 0)")
     _cluster_options(plans)
     _add_sweep(command, more)
+    _add_identify(command, more)
 
 
 def _add_sweep(command: Callable[..., argparse.ArgumentParser], more: str) -> None:
@@ -90,6 +91,21 @@ def _add_sweep(command: Callable[..., argparse.ArgumentParser], more: str) -> No
     )
     sweep.add_argument("--seed", type=int, default=0, help="of the samples (default 0)")
     _cluster_options(sweep)
+
+
+def _add_identify(command: Callable[..., argparse.ArgumentParser], more: str) -> None:
+    fit = command("identify", _identify, "masses, inertias and friction from a log of any length", more)
+    fit.add_argument("name", metavar="NAME", help="a name from `ulna list`, or the path of a robot's file")
+    fit.add_argument(
+        "log", metavar="LOG", help="a Zarr group, a folder with q.npy ..., or an NPZ file: q, v, a, tau"
+    )
+    for name in ("armature", "damping", "friction"):
+        fit.add_argument(f"--{name}", action="store_true", help=f"seek the {name} of the drives, too")
+    fit.add_argument("--physical", action="store_true", help="only bodies that can exist")
+    fit.add_argument("--noise", choices=["auto"], help="auto: weigh the joints by the noise of their torques")
+    fit.add_argument("--chunk", type=float, default=5e4, metavar="N", help="rows of one part (default 5e4)")
+    fit.add_argument("--parameters", metavar="NPY", help="write the dynamic parameters that were found")
+    _cluster_options(fit)
 
 
 def _cluster_options(parser: argparse.ArgumentParser) -> None:
@@ -198,6 +214,28 @@ def _sweep(chosen: argparse.Namespace) -> None:
     arrays = (found.mean, found.deviation, found.least, found.greatest)
     for k, numbers in enumerate(zip(*(array.reshape(-1).tolist() for array in arrays), strict=True)):
         print(f"{k:10d} " + " ".join(f"{number:12.5g}" for number in numbers))
+
+
+def _identify(chosen: argparse.Namespace) -> None:
+    import numpy as np
+
+    from ulna.scale.identifying import identify
+
+    found = identify(
+        chosen.name,
+        chosen.log,
+        armature=chosen.armature,
+        damping=chosen.damping,
+        friction=chosen.friction,
+        physical=chosen.physical,
+        noise=chosen.noise,
+        chunk=_whole(chosen.chunk),
+        to=chosen.to,
+        **_where(chosen),
+    )
+    print(found.report())
+    if chosen.parameters:
+        np.save(chosen.parameters, found.parameters)
 
 
 def _range(words: str) -> tuple[str, Any]:

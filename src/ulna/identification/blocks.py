@@ -1,0 +1,280 @@
+"""Least squares for dynamic parameters in one pass over a log that does not fit in memory.
+
+| symbol | meaning | shape |
+|---|---|---|
+| W_j, y_j | regressor and torques of joint j, without what is known | (rows, n), (rows) |
+| R_j | the triangle of a QR decomposition of [W_j, y_j]: it has the same products of columns | (n + 1, n + 1) |
+
+Triangles of two blocks, one above the other, are reduced to that of both. Torques are weighed joint by joint, so the
+triangles of all joints, each divided by its joint's noise, are all that a fit needs, with `noise="auto"`, too. Source:
+Golub & Van Loan, Matrix Computations (2013), section 5.2; the products of columns themselves (normal equations) would
+lose half of the digits, and with them the base parameters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, final
+
+import numpy as np
+
+from ulna.errors import InputError
+from ulna.identification.base import (
+    BaseParameters,
+    base_parameters_of,
+    extended_regressor,
+    parameter_names,
+)
+from ulna.identification.solve import (
+    Log,
+    base_statistics,
+    checked_noise,
+    checked_prior,
+    checked_ridge,
+    drive_parameters,
+    known_torques,
+    parameter_sizes,
+    present_parameters,
+    reduced,
+    solved,
+)
+from ulna.model import Model, with_dynamic_parameters, with_joint_dynamics
+from ulna.typing import Array, ArrayLike, Floats
+
+Sums = dict[str, Array]
+"""What is kept of a log: "rows" (1,), "triangles" (nv, n + 1, n + 1), and "tau", "tau2" and "most" (nv,)."""
+
+_ROWS = 512  # samples at a time
+
+
+@final
+@dataclass(frozen=True)
+class Sought:
+    """Which parameters are sought.
+
+    Attributes:
+        armature: Whether the inertia of the drives is.
+        damping: Whether viscous friction is.
+        friction: Whether Coulomb friction is.
+        width: Velocity within which Coulomb friction passes smoothly through zero [rad/s, m/s].
+    """
+
+    armature: bool = False
+    damping: bool = False
+    friction: bool = False
+    width: float = 1e-2
+
+    @property
+    def drives(self) -> dict[str, bool]:
+        """The same for the drives, by name."""
+        return {"armature": self.armature, "damping": self.damping, "friction": self.friction}
+
+
+def no_rows(model: Model, sought: Sought) -> Sums:
+    """The sums of a log without samples.
+
+    Args:
+        model: The robot.
+        sought: Which parameters are sought.
+
+    Returns:
+        The sums.
+    """
+    n, nv = len(parameter_names(model, **sought.drives)), model.nv
+    return {
+        "rows": np.zeros(1, np.int64),
+        "triangles": np.zeros((nv, n + 1, n + 1)),
+        **{name: np.zeros(nv) for name in ("tau", "tau2", "most")},
+    }
+
+
+def sums_of(robot: Any, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike, sought: Sought) -> Sums:
+    """The sums of a block of a log.
+
+    Args:
+        robot: An `ulna.Robot`.
+        q: Configurations, (rows, nq) [rad, m].
+        v: Velocities, (rows, nv) [rad/s, m/s].
+        a: Accelerations, (rows, nv) [rad/s^2, m/s^2].
+        tau: Torques of the drives, (rows, nv) [N m, N].
+        sought: Which parameters are sought.
+
+    Returns:
+        The sums.
+    """
+    log, total = Log.checked(robot.model, q, v, a, tau), no_rows(robot.model, sought)
+    for first in range(0, len(log.q), _ROWS):
+        here = slice(first, first + _ROWS)
+        part = Log(log.q[here], log.v[here], log.a[here], log.tau[here])
+        W = extended_regressor(robot, part.q, part.v, part.a, **sought.drives, width=sought.width)
+        y = part.tau - known_torques(robot.model, part, sought.drives, sought.width)
+        block = {
+            "rows": np.array([len(y)]),
+            "triangles": np.concatenate([W, y[..., None]], axis=-1).transpose(1, 0, 2),
+            "tau": part.tau.sum(axis=0),
+            "tau2": (part.tau**2).sum(axis=0),
+            "most": np.abs(y).max(axis=0),
+        }
+        add(total, block)
+    return total
+
+
+def add(total: Sums, block: Sums) -> None:
+    """Adds the sums of a block to those of what came before it.
+
+    Args:
+        total: The sums, which are changed.
+        block: The sums of the block; its triangles may have any number of rows.
+    """
+    for name in ("rows", "tau", "tau2"):
+        total[name] += block[name]
+    total["most"] = np.maximum(total["most"], block["most"])
+    for k, (triangle, more) in enumerate(zip(total["triangles"], block["triangles"], strict=True)):
+        moves = np.flatnonzero((triangle != 0.0).any(axis=0) | (more != 0.0).any(axis=0))
+        stack = np.concatenate([triangle[:, moves], more[:, moves]])  # a torque depends on some bodies only
+        R = np.linalg.qr(stack, mode="r")
+        total["triangles"][k] = 0.0
+        total["triangles"][k][: len(R), moves] = R
+
+
+@final
+@dataclass(frozen=True, eq=False, repr=False)
+class LogFit:
+    """The parameters that explain a large log best; as `Identification`, without the torques themselves.
+
+    Attributes:
+        model: The model that was started from.
+        rows: How many samples the log has.
+        parameters: Dynamic parameters, ten a body, (10 nbodies,) [kg, kg m, kg m^2].
+        armature: Inertia of the drives, (nv,) [kg m^2, kg]; the model's where it was not sought.
+        damping: Viscous friction, (nv,) [N m s/rad, N s/m]; likewise.
+        friction: Coulomb friction, (nv,) [N m, N]; likewise.
+        physical: Whether the bodies are such as can exist.
+        base: What the log can tell apart of all that was sought.
+        base_values: Those base parameters, (b,).
+        base_deviations: Their standard deviations, if the residuals are independent noise, (b,).
+        condition: Condition number of the base regressor, its columns made equally long.
+        rms: Root mean square of the residuals of each joint, (nv,) [N m, N].
+        rms_before: The same with the parameters of the model that was started from, (nv,) [N m, N].
+        explained: What part of each joint's variance of torque the fit explains, (nv,); at most 1.
+        iterations: Steps of the solver; 1 for the linear one.
+    """
+
+    model: Model
+    rows: int
+    parameters: Floats
+    armature: Floats
+    damping: Floats
+    friction: Floats
+    physical: bool
+    base: BaseParameters
+    base_values: Floats
+    base_deviations: Floats
+    condition: float
+    rms: Floats
+    rms_before: Floats
+    explained: Floats
+    iterations: int
+
+    @property
+    def new_model(self) -> Model:
+        """The model with the new parameters.
+
+        Raises:
+            ModelError: a body cannot exist; identify with `physical=True`.
+        """
+        drives = {name: np.maximum(getattr(self, name), 0.0) for name in ("armature", "damping", "friction")}
+        return with_joint_dynamics(with_dynamic_parameters(self.model, self.parameters), **drives)
+
+    def report(self) -> str:
+        """The residuals joint by joint, and how well the log determines the parameters, as text."""
+        kind = "physically consistent" if self.physical else "linear"
+        lines = [
+            f"Identification of {self.model.name!r}: {kind} least squares, {self.rows:,} samples",
+            f"  {self.base.count} base parameters of {len(self.base.names)} sought, condition {self.condition:.3g}",
+            "",
+            f"  {'joint':24s} {'rms before':>12s} {'rms after':>12s} {'explained':>10s}",
+        ]
+        numbers = zip(self.model.velocity_names, self.rms_before, self.rms, self.explained, strict=True)
+        lines += [f"  {name:24s} {a:12.4g} {b:12.4g} {100 * c:9.2f}%" for name, a, b, c in numbers]
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        rms = np.sqrt((self.rms**2).mean())
+        return f"<identification of {self.model.name!r}: {self.rows:,} samples, rms {rms:.4g}>"
+
+
+def fit_sums(
+    model: Model,
+    sums: Sums,
+    sought: Sought,
+    *,
+    physical: bool = False,
+    prior: ArrayLike | None = None,
+    ridge: float | None = None,
+    noise: ArrayLike | Literal["auto"] | None = None,
+) -> LogFit:
+    """The parameters that explain a log best, from its sums: what `identify` finds in memory.
+
+    Args:
+        model: The robot.
+        sums: The sums of all blocks.
+        sought: Which parameters are sought.
+        physical: As for `identify`.
+        prior: As for `identify`.
+        ridge: As for `identify` [(N m)^2].
+        noise: As for `identify`.
+
+    Returns:
+        The parameters with their residuals.
+
+    Raises:
+        InputError: If the log has no samples, or `ridge` or `noise` is out of range.
+    """
+    rows, triangles = int(sums["rows"][0]), sums["triangles"]
+    if not rows:
+        raise InputError("The log has no samples; expected one at least.")
+    nominal = present_parameters(model, sought.drives)
+    p0 = nominal.copy()
+    if prior is not None:
+        p0[: 10 * len(model.joints)] = checked_prior(model, prior)
+    sigma, ridge, sizes = checked_noise(noise, model.nv), checked_ridge(ridge), parameter_sizes(model, p0)
+    bodies, scale = len(model.joints) if physical else None, np.sqrt(triangles.shape[1] / rows)
+
+    def fitted(sigma: Floats) -> tuple[Floats, int]:
+        weighed = (
+            triangles / sigma[:, None, None] * scale
+        )  # means over the rows, which `reduced` takes of fewer
+        return solved(*reduced(weighed[..., :-1], weighed[..., -1]), p0, sizes, ridge, bodies)
+
+    def residuals(p: Floats) -> Floats:
+        """The root mean square of the residuals of each joint, (nv,)."""
+        return np.sqrt(((triangles @ np.append(-p, 1.0)) ** 2).sum(axis=1) / rows)
+
+    p, count = fitted(sigma)
+    if isinstance(noise, str):
+        least = 1e-12 + 1e-9 * float(sums["most"].max(initial=0.0))
+        p, count = fitted(np.maximum(residuals(p), least))
+        sigma = np.maximum(residuals(p), least)
+    stack = (triangles[..., :-1] / sigma[:, None, None]).reshape(-1, len(p))
+    base = base_parameters_of(stack, parameter_names(model, **sought.drives))
+    rms = residuals(p)
+    spread, condition = base_statistics(
+        base, stack, float(rows * ((rms / sigma) ** 2).sum()), rows * model.nv
+    )
+    variance = sums["tau2"] / rows - (sums["tau"] / rows) ** 2
+    return LogFit(
+        model=model,
+        rows=rows,
+        parameters=p[: 10 * len(model.joints)],
+        **drive_parameters(model, p, sought.drives),
+        physical=physical,
+        base=base,
+        base_values=base.of(p),
+        base_deviations=spread,
+        condition=condition,
+        rms=rms,
+        rms_before=residuals(nominal),
+        explained=1.0 - rms**2 / np.where(variance > 0.0, variance, np.inf),
+        iterations=count,
+    )
