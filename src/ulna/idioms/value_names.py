@@ -9,7 +9,6 @@ KERNEL: dict[str, dict[str, str]] = {
         "grad": "kernel.jacobian()",
         "gradient": "kernel.jacobian()",
         "diff": "kernel.jacobian()",
-        "hessian": "kernel.jacobian().jacobian()",
         "jac": "kernel.jacobian()",
         "ops": "kernel.operations",
         "flops": "kernel.operations",
