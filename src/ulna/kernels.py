@@ -18,7 +18,7 @@ from ulna import compiler
 from ulna import model as models
 from ulna.algorithms.multibody.references import check_reference
 from ulna.compiler import Function, trace
-from ulna.compiler.language.columns import with_columns
+from ulna.compiler.language.columns import DeferredFunction, column_form, with_columns
 from ulna.errors import InputError, UnknownName
 from ulna.model import Model
 from ulna.quantities import QUANTITIES, Quantity
@@ -41,8 +41,8 @@ there on straight-line code is no faster, and takes five seconds and more to com
 DEVICES = ("cpu", "cuda")
 """What kernels are compiled for."""
 
-_FEWEST_OPERATIONS = 1500
-"""From here on a quantity is compiled in its form of columns, where it has one: measured on 7 to 38 joints."""
+_FEWEST_COLUMNS = 12
+"""Velocities of a robot from which on a quantity is compiled in its form of columns, where it has one."""
 
 _made: weakref.WeakValueDictionary[Any, Any] = weakref.WeakValueDictionary()
 _recent: deque[Any] = deque(
@@ -84,7 +84,7 @@ def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), *
 
     with sized(model, quantity, chosen):
         traced = trace(on_parameters(quantity.build), name=name, doc=doc, **shapes, **extra)
-    if quantity.columns is None or traced.operations < _FEWEST_OPERATIONS:
+    if quantity.columns is None or model.nv < _FEWEST_COLUMNS:
         return traced
     return with_columns(traced, on_parameters(quantity.build_columns), **shapes, **extra)
 
@@ -184,12 +184,24 @@ def _traced_kernel(
     chosen: Mapping[str, Any],
 ) -> Any:
     """The kernel of straight-line code, or for a GPU."""
-    traced = function(model, name, parameters=names, **chosen)
     if device == "cuda":
         from ulna.compiler.runtime.cuda_kernel import CudaKernel  # with what it imports, for few
 
-        return CudaKernel(traced, dtype)
+        return CudaKernel(function(model, name, parameters=names, **chosen), dtype)
+    quantity = QUANTITIES[name]
+    if quantity.columns is None or names or model.nv < _FEWEST_COLUMNS:
+        traced = function(model, name, parameters=names, **chosen)
+    else:
+        traced = _deferred(model, quantity, chosen)
     return compiler.compile(traced, dtype, checked, unit_entries=unit, labels=labels(model, traced))
+
+
+def _deferred(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> Function:
+    """A quantity in its form of columns; the graph, which single calls do not need, is traced when it is used."""
+    shapes, doc = _shapes(model, quantity, chosen), _doc(model, quantity, chosen)
+    with sized(model, quantity, chosen):
+        form = column_form(quantity.build_columns(model, **chosen), quantity.name, **shapes)
+    return DeferredFunction(quantity.name, doc, form, partial(function, model, quantity.name, **chosen))
 
 
 def _looped_kernel(

@@ -96,10 +96,17 @@ class Quantity:
 
         Returns:
             `columns(model, *arrays, **options)` as a function of the arrays.
+
+        Raises:
+            ModelError: If it needs the inverse of the mass matrix, and the model has none.
         """
         assert self.columns is not None, self.name
         form = self.columns
-        return lambda *arrays: form(model, *arrays, **options)
+
+        def on(model: Model, **options: Any) -> Callable[..., Columns]:
+            return lambda *arrays: form(model, *arrays, **options)
+
+        return with_mass(on)(model, **options) if self.inverts_mass else on(model, **options)
 
     def _on(self, model: Model, **options: Any) -> Callable[..., Any]:
         return lambda *arrays: self.algorithm(model, *arrays, **options)

@@ -35,11 +35,11 @@ def _matrix(a):
 
 
 def _form(a):
-    return Columns([a[0, 1], 2.0 + np.sin(a[1, 1]), a[2, 2] * a[0, 3]], [_matrix(a), -2.0, a], _body)
+    return Columns([a[0, 1], 2.0 + np.sin(a[1, 1]), a[2, 2] * a[0, 3]], [_matrix(a), -2.0, a], _body, N)
 
 
 def _plain(a):
-    table, matrices, body, _ = _form(a)
+    table, matrices, body, *_ = _form(a)
     unit = np.eye(N, M)
     whole = (x * unit if isinstance(x, float) else x for x in matrices)
     return tuple(np.stack([body(table, B[:, k]) for k in range(M)], axis=1) for B in whole)
@@ -107,7 +107,7 @@ def test_narrow_registers_and_few_columns_take_the_graph():
 def test_a_form_with_other_results_is_refused():
     f = trace(_plain, a=(N, M))
     with pytest.raises(TraceError, match="3 outputs"):
-        with_columns(f, lambda a: Columns([a[0, 0]], [a], lambda t, c: c * t[0]), a=(N, M))
+        with_columns(f, lambda a: Columns([a[0, 0]], [a], lambda t, c: c * t[0], N), a=(N, M))
 
 
 def _paths():
@@ -132,7 +132,7 @@ def _factored(a):
         lower = [{j: table[places[k] + n] for n, j in enumerate(path)} for k, path in enumerate(paths)]
         return np.array(Factors.of(lower, table[size:]).solve(list(column)), dtype=object)
 
-    return Columns(table, [a, -1.0], body, paths)
+    return Columns(table, [a, -1.0], body, len(a), paths)
 
 
 def _solved(a):
@@ -180,3 +180,20 @@ def test_matrices_of_a_tree_equal_the_interpreted_graph(name, parameters):
     pairs = zip(expected, got, strict=True) if isinstance(got, tuple) else [(expected, got)]
     for a, b in pairs:
         np.testing.assert_allclose(b, a, atol=1e-12 * abs(a).max(), rtol=1e-9)
+
+
+def test_single_calls_do_not_trace_the_graph():
+    """It is traced when a batch, a pickle or the interpreter needs it, and is that of `kernels.function`."""
+    model = random_model(np.random.default_rng(3), ["revolute"], 7, root="free_flyer", mimics=0)
+    kernel, q = kernels.kernel(model, "inverse_mass_matrix"), Robot(model).random_configuration((3,), seed=0)
+    singles = [kernel(x) for x in q]
+    if jit.target().register_bytes >= 32:
+        assert "_traced" not in vars(kernel.function)
+    np.testing.assert_allclose(kernel(q), singles, atol=1e-12 * np.abs(singles).max())
+    plain = kernels.function(model, "inverse_mass_matrix")
+    assert kernel.function.fingerprint == plain.fingerprint
+    assert (kernel.function.signature, kernel.operations) == (plain.signature, plain.operations)
+    copied = pickle.loads(pickle.dumps(kernel))
+    assert copied.function.fingerprint == plain.fingerprint
+    np.testing.assert_array_equal(copied(q[0]), singles[0])
+    assert copied.__doc__ == kernel.__doc__

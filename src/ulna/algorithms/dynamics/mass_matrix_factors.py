@@ -119,7 +119,7 @@ class Factors:
             return np.array(Factors.of(lower, list(entries)).solve(list(column)), dtype=object)
 
         table = [self.lower[k][j] for k in range(n) for j in keys[k]]
-        return Columns([*table, *(sign * r for r in self.reciprocals)], matrices, body)
+        return Columns([*table, *(sign * r for r in self.reciprocals)], matrices, body, n)
 
     def inward(self, b: Iterable[Any]) -> list[Any]:
         """y with L^T y = b; entries that are zero by the tree stay so."""
@@ -198,7 +198,13 @@ def columns_of_inverse(M: Array) -> Columns:
 
     Returns:
         The rows of M, and what is done with a column of the unit matrix.
+
+    Raises:
+        ZeroPivot: an entry of the diagonal is zero whatever the inputs.
     """
+    for k in range(M.shape[-1]):
+        if is_zero(M[k, k]):
+            raise ZeroPivot(k)
     paths = elimination_paths(M)
     places, size = row_places(paths)
     table: list[Any] = [0.0] * size
@@ -212,7 +218,7 @@ def columns_of_inverse(M: Array) -> Columns:
         ]
         return np.array(Factors.of(lower, table[size:]).solve(list(column)), dtype=object)
 
-    return Columns(table, [1.0], body, paths)
+    return Columns(table, [1.0], body, len(paths), paths)
 
 
 def is_zero(x: Any) -> bool:

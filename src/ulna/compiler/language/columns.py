@@ -16,7 +16,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna.compiler.language.function import ColumnForm, Function, trace
+from ulna.compiler.language.graph import Graph
+from ulna.compiler.language.ports import Port
 from ulna.errors import TraceError
+from ulna.system.cached import cached_property
 
 
 class Columns(NamedTuple):
@@ -27,6 +30,7 @@ class Columns(NamedTuple):
         matrices: One for each result, (n, m): its columns are passed to the body. A float stands for that multiple of
             the unit matrix.
         body: The column of a result, (n,), from the table, as an array, and a column of the matrix, (n,).
+        rows: How many entries a column has, n.
         paths: Where the table is to be factored first. It has the rows of a symmetric matrix M = L^T diag(d) L then,
             where `row_places` says; the body gets the rows of L, whose diagonal it must not use, and then 1/d. Row k
             has entries in the columns of its path, in rising order, and on the diagonal, then zeros. The path of a
@@ -36,6 +40,7 @@ class Columns(NamedTuple):
     table: Sequence[Any]
     matrices: Sequence[Any]
     body: Callable[[Any, Any], Any]
+    rows: int
     paths: Sequence[Sequence[int]] = ()
 
 
@@ -70,6 +75,31 @@ def with_columns(f: Function, form: Callable[..., Columns], **shapes: Any) -> Fu
     Raises:
         TraceError: The form has other outputs than the function.
     """
+    columns = column_form(form, f.name, **shapes)
+    shape = f.outputs[0].shape
+    alike = all(port.shape == shape for port in f.outputs) and columns.shape == shape
+    if len(columns.units) != len(f.outputs) or not alike:
+        raise TraceError(
+            f"The columns of {f.name!r} are not those of its {len(f.outputs)} outputs; expected {len(f.outputs)} "
+            f"matrices of the shape {shape}."
+        )
+    return replace(f, columns=columns)
+
+
+def column_form(form: Callable[..., Columns], name: str, **shapes: Any) -> ColumnForm:
+    """Traces the head and the body of a form.
+
+    Args:
+        form: Function of arrays that returns matrices as a function of their columns.
+        name: The name of the function that the form belongs to.
+        **shapes: Shape of each argument, as for `trace`.
+
+    Returns:
+        The form.
+
+    Raises:
+        TraceError: The matrices are not alike.
+    """
     forms: list[Columns] = []
 
     def head(*arrays: Any) -> tuple[Any, ...]:
@@ -77,17 +107,55 @@ def with_columns(f: Function, form: Callable[..., Columns], **shapes: Any) -> Fu
         table, matrices, *_ = forms[-1]
         return np.array(table, dtype=object), *(x for x in matrices if not isinstance(x, float))
 
-    traced = trace(head, name=f"{f.name}_head", **shapes)
+    traced = trace(head, name=f"{name}_head", **shapes)
     columns = forms[0]
-    shape = f.outputs[0].shape
-    n = shape[0]
+    n = columns.rows
     size = len(columns.table) + len(columns.paths)
-    body = trace(columns.body, name=f"{f.name}_column", table=(size,), column=(n,))
+    body = trace(columns.body, name=f"{name}_column", table=(size,), column=(n,))
     units = tuple(x if isinstance(x, float) else None for x in columns.matrices)
-    is_alike = len(units) == len(f.outputs) and all(p.shape == shape for p in f.outputs)
-    if not is_alike or len(shape) != 2 or any(p.shape != shape for p in traced.outputs[1:]):
+    sizes = {port.shape for port in traced.outputs[1:]} or {(n, n)}
+    (shape,) = sizes if len(sizes) == 1 else [()]
+    if len(shape) != 2 or shape[0] != n or body.outputs[0].shape != (n,):
         raise TraceError(
-            f"The columns of {f.name!r} are not those of its {len(f.outputs)} outputs; expected {len(f.outputs)} "
-            f"matrices of the shape {shape}."
+            f"The matrices of {name!r} have the shapes {sorted(sizes)}; expected one shape ({n}, m)."
         )
-    return replace(f, columns=ColumnForm(traced, body, units, tuple(map(tuple, columns.paths))))
+    return ColumnForm(traced, body, units, shape, tuple(map(tuple, columns.paths)))
+
+
+class DeferredFunction(Function):
+    """A function that is known by its form of columns, and traced as a whole when its graph is first asked for.
+
+    Args:
+        name: As for `Function`.
+        doc: As for `Function`.
+        columns: Its form of columns.
+        make: Traces it.
+    """
+
+    has_loops = False  # type: ignore[assignment]
+
+    def __init__(self, name: str, doc: str, columns: ColumnForm, make: Callable[[], Function]) -> None:
+        single = len(columns.units) == 1
+        names = ["out"] if single else [f"out{k}" for k in range(len(columns.units))]
+        outputs = tuple(Port(name, columns.shape) for name in names)
+        self.__dict__.update(name=name, doc=doc, columns=columns, single=single, lanes=1)
+        self.__dict__.update(inputs=columns.head.inputs, outputs=outputs, _make=make)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        f = self._traced
+        fields = (f.name, f.graph, f.inputs, f.outputs, f.results, f.single, f.doc, f.lanes, self.columns)
+        return Function, fields
+
+    @property
+    def graph(self) -> Graph:  # type: ignore[override]
+        """The graph of the function."""
+        return self._traced.graph
+
+    @property
+    def results(self) -> tuple[int, ...]:  # type: ignore[override]
+        """The nodes of all outputs."""
+        return self._traced.results
+
+    @cached_property
+    def _traced(self) -> Function:
+        return self.__dict__["_make"]()

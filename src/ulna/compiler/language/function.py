@@ -30,12 +30,14 @@ class ColumnForm:
         head: Function of the same inputs: the table, then the matrices whose columns the body takes.
         body: A column of an output from the table and a column of its matrix.
         units: For each output the multiple of the unit matrix that stands for its matrix; None for one of the head's.
+        shape: That of the outputs.
         paths: The columns of the rows before the diagonal, where the table is to be factored before the body gets it.
     """
 
     head: Function
     body: Function
     units: tuple[float | None, ...]
+    shape: tuple[int, ...]
     paths: tuple[tuple[int, ...], ...] = ()
 
 

@@ -103,7 +103,7 @@ def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
     Returns:
         The loaded code; it must live as long as it is called.
     """
-    return _load(ir, names, f.has_loops, lambda: _announced(f, len(ir) / _SPEED[names[0]]))
+    return _load(ir, names, f.has_loops, lambda: _announced(f, names[0], len(ir)))
 
 
 def load_text(ir: str, names: tuple[str, ...], has_loops: bool = True) -> Code:
@@ -185,10 +185,12 @@ def _object(key: str, ir: str, has_loops: bool) -> bytes:
         return content
 
 
-def _announced(f: Function, seconds: float) -> Any:
-    """Announces a compilation."""
+def _announced(f: Function, what: str, size: int) -> Any:
+    """Announces a compilation of so many characters of IR."""
+    seconds = size / _SPEED[what]
+    head = f if f.columns is None or what == "batch" else f.columns.head
     storage = "it is stored for next time" if disk_cache.folder() is not None else "the disk cache is off"
-    text = f"compiling {f.name} ({f.operations:,} operations), about {math.ceil(seconds)} s; {storage}"
+    text = f"compiling {f.name} ({head.operations:,} operations), about {math.ceil(seconds)} s; {storage}"
     return announced(text, f"Compiling {f.name}", seconds)
 
 
