@@ -216,7 +216,7 @@ def columns_of_inverse(M: Array) -> Columns:
         lower = [
             dict(zip(path, table[place:], strict=False)) for place, path in zip(places, paths, strict=True)
         ]
-        return np.array(Factors.of(lower, table[size:]).solve(list(column)), dtype=object)
+        return np.array(Factors.of(lower, list(table[size:])).solve(list(column)), dtype=object)
 
     return Columns(table, [1.0], body, len(paths), paths)
 
