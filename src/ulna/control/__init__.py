@@ -7,8 +7,8 @@ Each is a pure function of the state and a few numbers, compiled with the robot:
 from ulna.control.admittance import admittance as admittance
 from ulna.control.cartesian import impedance as impedance
 from ulna.control.cartesian import operational_space as operational_space
+from ulna.control.ddp import DDPIteration as DDPIteration
 from ulna.control.ddp import DDPSolution as DDPSolution
-from ulna.control.ddp import Iteration as Iteration
 from ulna.control.ddp import ddp as ddp
 from ulna.control.joints import computed_torque as computed_torque
 from ulna.control.joints import joint_pd as joint_pd

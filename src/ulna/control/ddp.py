@@ -25,7 +25,7 @@ _LEAST = 1e-4
 """The part of the expected decrease that a step must achieve."""
 
 
-class Iteration(NamedTuple):
+class DDPIteration(NamedTuple):
     """How far the search is.
 
     Attributes:
@@ -61,7 +61,7 @@ class DDPSolution:
     controls: Floats
     gains: Floats
     cost: float
-    iterations: tuple[Iteration, ...]
+    iterations: tuple[DDPIteration, ...]
     is_converged: bool
     reason: str
 
@@ -80,7 +80,7 @@ def ddp(
     terminal_parameters: Sequence[Any] = (),
     iterations: int = 200,
     tolerance: float = 1e-9,
-    progress: Callable[[Iteration], Any] | None = None,
+    progress: Callable[[DDPIteration], Any] | None = None,
 ) -> DDPSolution:
     """Minimises the sum of the costs of N stages and of the last state by differential dynamic programming.
 
@@ -95,7 +95,7 @@ def ddp(
         terminal_parameters: The further arguments of the last cost.
         iterations: The largest number of iterations.
         tolerance: Ends where the cost can decrease by less than this, relative to it (to 1 where it is below 1) [-].
-        progress: Called after each iteration with an `Iteration`; True as its answer ends the search.
+        progress: Called after each iteration with a `DDPIteration`; True as its answer ends the search.
 
     Returns:
         The solution.
@@ -119,7 +119,7 @@ def ddp(
             converged, reason = True, f"the cost could decrease by {decrease:.1e} only"
             break
         step = search.forward(gains)
-        done.append(Iteration(len(done) + 1, search.cost, decrease, step, mu))
+        done.append(DDPIteration(len(done) + 1, search.cost, decrease, step, mu))
         mu = _next_mu(mu, step)
         if progress is not None and progress(done[-1]):
             reason = "`progress` asked to stop"

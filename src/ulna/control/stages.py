@@ -16,17 +16,14 @@ eq. 10.24).
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from ulna import algorithms
-from ulna.compiler import Function, compile, trace
-from ulna.errors import InputError, UnknownName
-from ulna.model import FreeFlyer
+from ulna.compiler import compile, trace
+from ulna.control.stage_costs import CostParts, extra_shapes
+from ulna.control.systems import System, robot_system
+from ulna.errors import InputError
 from ulna.robot import Robot
 from ulna.system.cached import cached_property
 from ulna.typing import Array
@@ -52,33 +49,6 @@ class TerminalDerivatives(NamedTuple):
     cost: Any
     lx: Array
     lxx: Array
-
-
-@dataclass(frozen=True)
-class System:
-    """Dynamics in steps; its functions take one sample and can be traced.
-
-    Attributes:
-        nx: How many numbers a state has.
-        ndx: How many numbers a change of the state has.
-        nu: How many numbers a control has.
-        step: The next state of a state and a control.
-        step_derivatives: Its derivatives by state and control.
-        plus: A state and a change to the changed state.
-        minus: The change that leads from one state to another.
-        split: What a cost takes of a state.
-        names: What these are called.
-    """
-
-    nx: int
-    ndx: int
-    nu: int
-    step: Callable[[Array, Array], Array]
-    step_derivatives: Callable[[Array, Array], tuple[Array, Array]]
-    plus: Callable[[Array, Array], Array]
-    minus: Callable[[Array, Array], Array]
-    split: Callable[[Array], tuple[Array, ...]]
-    names: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,8 +106,8 @@ class Stage:
             UnknownName: If the shape of an argument is missing.
             InputError: If the cost is neither a number nor a vector of residuals.
         """
-        system, extra = self.system, _extra(cost, self.system.names, shapes)
-        parts = _CostParts(system, cost, extra, has_control=False)
+        system, extra = self.system, extra_shapes(cost, self.system.names, shapes)
+        parts = CostParts(system, cost, extra, has_control=False)
 
         def run(x: Array, *p: Array) -> tuple[Any, ...]:
             return parts.at(x, (), p)
@@ -223,7 +193,7 @@ def stage(
     """
     if not dt > 0.0:
         raise InputError(f"`dt` is {dt!r}; expected a number above zero [s].")
-    return _made(_robot_system(robot, float(dt), actuated), cost, shapes)
+    return _made(robot_system(robot, float(dt), actuated), cost, shapes)
 
 
 def custom_stage(
@@ -266,8 +236,8 @@ def custom_stage(
 
 def _made(system: System, cost: Callable[..., Any], shapes: dict[str, Any]) -> Stage:
     """The compiled stage."""
-    extra = _extra(cost, (*system.names, "u"), shapes)
-    parts = _CostParts(system, cost, extra, has_control=True)
+    extra = extra_shapes(cost, (*system.names, "u"), shapes)
+    parts = CostParts(system, cost, extra, has_control=True)
     n = system.ndx
 
     def calc(x: Array, u: Array, *p: Array) -> tuple[Any, Any]:
@@ -282,127 +252,3 @@ def _made(system: System, cost: Callable[..., Any], shapes: dict[str, Any]) -> S
     arguments = dict[str, Any](x=(system.nx,), u=(system.nu,), **extra)
     calculated, derived = (trace(f, name=name, **arguments) for f, name in ((calc, "calc"), (run, "stage")))
     return Stage(system, compile(calculated), compile(derived), tuple(extra.items()))
-
-
-def _robot_system(robot: Robot, dt: float, actuated: Sequence[str] | None) -> System:
-    """The dynamics of a robot in steps."""
-    model, nq, nv = robot.model, robot.nq, robot.nv
-    driven = _driven(robot, actuated)
-
-    def parts(x: Array, u: Array) -> tuple[Array, Array, Array]:
-        tau = np.zeros(nv, dtype=object)
-        tau[driven] = u
-        return x[:nq], x[nq:], tau
-
-    def step(x: Array, u: Array) -> Array:
-        q, v, tau = parts(x, u)
-        after = v + dt * algorithms.forward_dynamics(model, q, v, tau)
-        return np.concatenate([algorithms.integrate(model, q, dt * after), after])
-
-    def step_derivatives(x: Array, u: Array) -> tuple[Array, Array]:
-        q, v, tau = parts(x, u)
-        after = v + dt * algorithms.forward_dynamics(model, q, v, tau)
-        by_q, by_v, by_tau = algorithms.forward_dynamics_derivatives(model, q, v, tau)
-        along, of_step = algorithms.integrate_derivatives(model, q, dt * after)
-        rate = np.concatenate([dt * by_q, np.eye(nv) + dt * by_v], axis=1)
-        place = dt * (of_step @ rate) + np.concatenate([along, np.zeros((nv, nv))], axis=1)
-        push = dt * by_tau[:, driven]
-        return np.concatenate([place, rate]), np.concatenate([dt * (of_step @ push), push])
-
-    def plus(x: Array, dx: Array) -> Array:
-        return np.concatenate([algorithms.integrate(model, x[:nq], dx[:nv]), x[nq:] + dx[nv:]])
-
-    def minus(x0: Array, x1: Array) -> Array:
-        return np.concatenate([algorithms.difference(model, x0[:nq], x1[:nq]), x1[nq:] - x0[nq:]])
-
-    def split(x: Array) -> tuple[Array, ...]:
-        return x[:nq], x[nq:]
-
-    return System(nq + nv, 2 * nv, len(driven), step, step_derivatives, plus, minus, split, ("q", "v"))
-
-
-def _driven(robot: Robot, actuated: Sequence[str] | None) -> list[int]:
-    """The entries of the torques that a control drives."""
-    joints = [joint for joint in robot.model.joints if joint.kind.nv]
-    names = [joint.name for joint in joints]
-    if isinstance(actuated, str):
-        actuated = (actuated,)
-    for name in actuated or ():
-        if name not in names:
-            raise UnknownName("joint", name, names)
-    chosen = [
-        joint
-        for joint in joints
-        if (not isinstance(joint.kind, FreeFlyer) if actuated is None else joint.name in actuated)
-    ]
-    entries = [k for joint in chosen for k in range(joint.idx_v, joint.idx_v + joint.kind.nv)]
-    if not entries:
-        raise InputError("No joint is driven; expected at least one name in `actuated`.")
-    return entries
-
-
-def _extra(
-    cost: Callable[..., Any], first: Sequence[str], shapes: dict[str, Any]
-) -> dict[str, tuple[int, ...]]:
-    """The shapes of the arguments of a cost after the first ones."""
-    parameters = inspect.signature(cost).parameters
-    names = [n for n, p in parameters.items() if n in shapes or p.default is p.empty]
-    call = f"cost({', '.join(first)}, ...)"
-    if len(names) < len(first):
-        raise InputError(f"`cost` takes {len(names)} arguments, {', '.join(names)}; expected {call}.")
-    for name in shapes:
-        if name not in names[len(first) :]:
-            raise UnknownName(
-                "further argument of the cost", name, names[len(first) :], f"It is called as {call}."
-            )
-    for name in names[len(first) :]:
-        if name not in shapes:
-            raise UnknownName("shape of argument", name, shapes, f"Give it: {name}=(3,), or () for a number.")
-        if name in ("x", "u", "z_"):
-            raise InputError(
-                f"`cost` has an argument {name!r}; expected another name, which stages use themselves."
-            )
-    return {n: s if isinstance(s, tuple) else (s,) for n in names[len(first) :] for s in (shapes[n],)}
-
-
-class _CostParts:
-    """Value, gradient and Hessian of a cost along the changes z = (dx, du) of state and control."""
-
-    def __init__(
-        self, system: System, cost: Callable[..., Any], extra: dict[str, tuple[int, ...]], has_control: bool
-    ) -> None:
-        n, nu = system.ndx, system.nu if has_control else 0
-        controls: dict[str, Any] = {"u": (nu,)} if has_control else {}
-        shapes: dict[str, Any] = {"z_": (n + nu,), "x": (system.nx,), **controls, **extra}
-
-        def along(z: Array, x: Array, *rest: Array) -> Any:
-            arguments = [*system.split(system.plus(x, z[:n]))]
-            if has_control:
-                arguments.append(rest[0] + z[n:])
-            return cost(*arguments, *rest[len(controls) :])
-
-        self._traced = trace(along, name="cost", **shapes)
-        returned = [port.shape for port in self._traced.outputs]
-        if len(returned) != 1 or len(returned[0]) > 1:
-            shown = ", ".join(map(str, returned))
-            raise InputError(
-                f"`cost` returns the shape {shown}; expected a number, or one vector of residuals."
-            )
-        self._is_number = returned[0] == ()
-        self._origin = np.zeros(n + nu)
-        self._first: Function = self._traced.jacobian("z_")
-        self._second: Function | None = self._traced.hessian("z_") if self._is_number else None
-
-    def value(self, x: Array, controls: tuple[Array, ...], p: Sequence[Array]) -> Any:
-        """The cost at a state."""
-        r = self._traced(self._origin, x, *controls, *p)
-        return r if self._is_number else 0.5 * (r @ r)
-
-    def at(self, x: Array, controls: tuple[Array, ...], p: Sequence[Array]) -> tuple[Any, Array, Array]:
-        """Cost, gradient and Hessian at a state."""
-        arguments = (self._origin, x, *controls, *p)
-        first = self._first(*arguments)
-        if self._second is not None:
-            return self._traced(*arguments), first, self._second(*arguments)
-        r = self._traced(*arguments)
-        return 0.5 * (r @ r), r @ first, first.T @ first
