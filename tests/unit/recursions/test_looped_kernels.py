@@ -186,6 +186,8 @@ def test_what_needs_a_graph_says_that_there_is_none(chain: ulna.Robot) -> None:
         with pytest.raises(InputError, match="'fk' of 'robot30' loops over a table of 30 joints"):
             getattr(kernel, name)
     assert kernel.function.operations > 100
+    report = kernel.report()
+    assert report.operations is None and report.code_bytes > 500 and "a loop over joints" in str(report)
     assert "define" in kernel.ir() and "<" in kernel.ir(batch=True)
     assert "ret" in kernel.asm()
     assert kernel.signature == "(30)->(4,4)"
