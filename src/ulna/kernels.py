@@ -35,8 +35,10 @@ if TYPE_CHECKING:
 _SEARCHES = ("ik", "ik_all", "ik_classic", "ik_free", "distance", "collides", "first_contact")
 
 LOOPED_ABOVE = 60_000
-"""Operations, as they are estimated, above which a quantity is computed by loops over joints where it can be. To compile
-so many takes about five seconds; below, straight-line code is two to four times as fast (benchmarks/large_robots.py)."""
+"""Operations, as they are estimated, above which a quantity is computed by loops over joints where it can be.
+
+To compile so many takes about five seconds; below, straight-line code is two to four times as fast
+(benchmarks/large_robots.py)."""
 
 DEVICES = ("cpu", "cuda")
 """What kernels are compiled for."""
