@@ -119,6 +119,9 @@ class Preparation:
         self._compiled.put("")  # the thread that waits for it ends
         for process in self._processes:
             process.kill()
+        for process in self._processes:
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(5.0)
         with self._condition:
             self._condition.notify_all()
 

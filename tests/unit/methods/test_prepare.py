@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import ulna
+from support.long_robots import long_robot
 from ulna import cli, disk_cache
 from ulna.errors import InputError, ModelError, UnknownName
 from ulna.methods.preparation import Preparation
@@ -161,6 +162,13 @@ def test_a_forked_child_does_not_wait_for_workers_of_its_parent(
     preparation.cancel()
 
 
+@pytest.mark.slow
+def test_kernels_that_loop_over_joints_are_prepared(place: Path) -> None:
+    robot = ulna.Robot(long_robot(1000))
+    preparation = robot.prepare("inverse_dynamics", workers=0)
+    assert preparation.wait(LONG) and preparation.done == ("inverse_dynamics",)
+
+
 def test_the_task_of_a_worker_makes_kernels(place: Path) -> None:
     from ulna.methods.preparing import _Maker
 
@@ -191,7 +199,7 @@ def test_the_command_refuses_what_it_cannot_do(
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_ctrl_c_ends_the_command_and_its_workers(place: Path) -> None:
     code = (
-        "import ulna.methods.preparation as m; m._WORKER = 'import sys, time; sys.stdin.buffer.read(5); time.sleep(1000)';"
+        "import ulna.methods.preparation as m; m._WORKER = 'import sys; sys.stdin.buffer.read()';"
         "import ulna.cli, sys; sys.exit(ulna.cli.main(['prepare', 'ur5', '--kernel', 'fk,jacobian']))"
     )
     program = subprocess.Popen(
