@@ -139,6 +139,26 @@ def test_long_loops_keep_few_states(limit):
     assert kernel([x, 2.5], [1090.0, 1.0])[1].tolist() == pytest.approx([slope, 0.21])
 
 
+@pytest.mark.parametrize("limit", [1000, 1364, 1365, 1366, 2047, 2049, 5000])
+def test_second_derivatives_of_long_loops(limit):
+    """Cotangents have more numbers than the state: their record must fit, too."""
+
+    def f(x):
+        return nm.loop(
+            lambda y, n: n < 50.0, lambda y, n: (x[0] * np.sin(y) + x[1], n + 1.0), (x[0], 0.0), limit
+        )[0]
+
+    def plain(x):
+        y = x[0]
+        for _ in range(50):
+            y = x[0] * np.sin(y) + x[1]
+        return y
+
+    x = np.array([0.7, 0.3])
+    expected = trace(plain, x=(2,)).hessian()(x)
+    np.testing.assert_allclose(trace(f, x=(2,)).hessian()(x), expected, rtol=1e-10, atol=1e-12)
+
+
 def test_the_limit_ends_a_long_loop_exactly():
     f = trace(lambda x: nm.loop(lambda y: True, lambda y: (y + x,), (x,), 2503)[0], x=())
     assert compile(f.value_and_gradient())(1.0) == (2504.0, 2504.0)

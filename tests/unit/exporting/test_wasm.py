@@ -205,6 +205,21 @@ def test_rows_of_equal_numbers_need_no_library(tmp_path: Path) -> None:
 
 
 @needs_node
+def test_derivatives_of_loops_keep_their_records_on_the_stack(tmp_path: Path) -> None:
+    def f(x: Any) -> Any:
+        return numeric.loop(
+            lambda y, n: n < x[1], lambda y, n: (x[0] * np.sin(y) + n, n + 1.0), (x[0], 0.0), 1000
+        )[0]
+
+    kernel = ulna.compile(f, x=(2,)).hessian()
+    place = ulna.export(None, {"hessian": kernel}, to="wasm", path=tmp_path, name="panda")
+    assert kernel.function.recorded_numbers == 6000  # three records
+    for n in (4.0, 900.0):
+        got = node(place, "show(robot.hessian(given[0]))", [0.3, n])
+        np.testing.assert_allclose(got, kernel([0.3, n]).ravel(), rtol=1e-9, atol=1e-12)
+
+
+@needs_node
 def test_own_functions_numbers_and_float32(tmp_path: Path) -> None:
     both = ulna.compile(lambda x, y: (np.sin(x) * y, x[0] + y), x=(3,), y=(), dtype=np.float32)
     place = ulna.export(None, {"both": both}, to="wasm", path=tmp_path / "x", name="panda")

@@ -131,6 +131,11 @@ class Function(Differentiable):
         """Whether the graph iterates."""
         return Op.LOOP in self.graph.op
 
+    @cached_property
+    def recorded_numbers(self) -> int:
+        """How many numbers the records of its loops hold, on the stack while it runs."""
+        return _recorded(self.graph, self.results)
+
     @property
     def signature(self) -> str:
         """The signature as NumPy writes a generalised ufunc's, with frozen sizes: "(7)->(4,4)"."""
@@ -270,3 +275,12 @@ def _count(graph: Graph, nodes: Sequence[int]) -> Counter[str]:
         elif row.cost:
             counts[row.op.name.lower()] += row.cost
     return counts
+
+
+def _recorded(graph: Graph, nodes: Sequence[int]) -> int:
+    total = 0
+    for loop in (graph.data[index] for index in graph.live(nodes)):
+        if isinstance(loop, Loop):
+            total += loop.limit * loop.size if loop.is_recorded else 0
+            total += _recorded(loop.graph, [loop.condition, *loop.following])
+    return total

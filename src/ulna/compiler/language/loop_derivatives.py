@@ -17,7 +17,7 @@ from ulna.compiler.language.interpreter import copy_into
 from ulna.compiler.language.ops import Op
 from ulna.errors import TraceError
 
-_RECORD = 2048
+_RECORD = 4096
 """How many numbers the record of a loop holds on the stack, for each lane."""
 
 Sweep = Callable[..., list[int]]
@@ -38,14 +38,16 @@ def copied(target: Graph, source: Graph, nodes: Sequence[int], inputs: Sequence[
     return copy_into(target, source, nodes, inputs, _in_rounds)
 
 
-def _longest(loop: Loop) -> int:
-    """How many iterations fit in a record of the loop."""
-    return max(_RECORD // loop.size, 2)
+def _longest(numbers: int) -> int:
+    """How many iterations fit in a record of so many numbers each."""
+    return max(_RECORD // numbers, 2)
 
 
 def _in_rounds(target: Graph, loop: Loop, args: list[int]) -> list[int]:
     """Adds a loop; where it is too long for a record but not for three nested ones, as a loop of loops."""
-    longest = _longest(loop)
+    longest = _longest(
+        len(args)
+    )  # as many numbers as its cotangents have, which are recorded for second derivatives
     if loop.reads or loop.is_recorded or not longest < loop.limit <= longest**3:
         return target.loop(loop, args)
     rounds = min(longest, isqrt(loop.limit - 1) + 1)
@@ -188,11 +190,12 @@ def _add(
     """Adds a loop that repeats the iterations of `loop`, and has the records of `reads` kept."""
     for owner in reads:
         read = g.data[owner]
-        if read.limit > _longest(read):
+        if read.limit > _longest(read.size):
+            most = _longest(len(read.graph.inputs)) ** 3
             raise TraceError(
                 f"Derivatives through a loop of up to {read.limit} iterations over {read.size} numbers are not "
                 "offered: the states of all iterations would have to be kept. Give the loop the smallest `limit` that "
-                f"suffices (at most {_longest(read) ** 3}), or differentiate what the loop solves (implicit function "
+                f"suffices (at most {most}), or differentiate what the loop solves (implicit function "
                 "theorem)."
             )
         g.data[owner] = replace(read, is_recorded=True)

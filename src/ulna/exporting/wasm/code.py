@@ -26,7 +26,7 @@ TARGET = Target(
 )
 """WebAssembly with registers of 128 bits, as in all browsers since 2023."""
 
-_STACK = 2 * PAGE  # beside what large functions hand on between their parts
+_STACK = 2 * PAGE  # beside what large functions hand on between their parts, and records of loops
 
 
 def traced(export: Export) -> dict[str, Function]:
@@ -88,5 +88,5 @@ def module(export: Export, functions: dict[str, Function], room: int) -> Linked:
     ir = emit_library([(f"ulna_{name}", f) for name, f in functions.items()], TARGET, element)
     has_loops = any(f.has_loops for f in functions.values())
     content = cross_compile(ir, TARGET, has_loops, position_independent=False)
-    scratch = 8 * max(f.operations for f in functions.values())
+    scratch = 8 * max(f.operations + f.recorded_numbers for f in functions.values())
     return linked(content, names, _STACK + scratch, room)
