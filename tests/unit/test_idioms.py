@@ -126,7 +126,8 @@ def _opens_a_page_or_a_file(use: str) -> bool:
 )
 def test_every_expression_runs(words: dict[str, Any], subject: str) -> None:
     world = words["world"].add("new", ulna.geometry.Sphere(0.1))
-    here = words | {"world": world, "name": "new"}
+    handle = words["viewer"].add(words["robot"], words["q"])  # which an expression may remove
+    here = words | {"world": world, "name": "new", "handle": handle}
     for idiom in IDIOMS[subject].values():
         if _opens_a_page_or_a_file(idiom.use):
             continue
