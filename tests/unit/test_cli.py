@@ -24,6 +24,9 @@ def headless(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    import ulna.viewer.export
+    import ulna.viewer.live.poster
+    import ulna.viewer.notebook  # noqa: F401  modules that take the function when they are first imported
     from ulna.viewer.render import renderer as raster
 
     render = raster.render

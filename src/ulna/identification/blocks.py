@@ -221,9 +221,9 @@ def fit_sums(
         sums: The sums of all blocks.
         sought: Which parameters are sought.
         physical: As for `identify`.
-        prior: As for `identify`.
+        prior: As for `identify`, (10 nbodies,).
         ridge: As for `identify` [(N m)^2].
-        noise: As for `identify`.
+        noise: As for `identify`, (nv,) [N m or N].
 
     Returns:
         The parameters with their residuals.

@@ -114,7 +114,7 @@ def checked_prior(model: Model, prior: ArrayLike) -> Floats:
         prior: Dynamic parameters, (10 nbodies,).
 
     Returns:
-        The same.
+        The same, (10 nbodies,).
 
     Raises:
         ShapeError: If it has a wrong length.

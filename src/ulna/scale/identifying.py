@@ -53,7 +53,7 @@ def identify(
         physical: Whether the bodies must be physically consistent.
         prior: Dynamic parameters to stay near to, (10 nbodies,); None for the model's.
         ridge: As for `ulna.identification.identify` [(N m)^2].
-        noise: As for `ulna.identification.identify` [N m, N]; "auto" needs no second pass.
+        noise: As for `ulna.identification.identify`, (nv,) [N m or N]; "auto" needs no second pass.
         width: Velocity within which Coulomb friction passes smoothly through zero [rad/s, m/s].
         chunk: How many rows are one part.
         to: Where what the fit needs of the log is written, as a Zarr group of some megabytes at most; the job can be
@@ -140,6 +140,9 @@ class Identifying(Job):
 
         Returns:
             The sums.
+
+        Raises:
+            NonFiniteError: If a sample is not finite.
         """
         q, v, a, tau = inputs or self._rows(part)
         try:

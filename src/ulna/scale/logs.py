@@ -108,7 +108,7 @@ class LogSource:
             last: The row after the last.
 
         Returns:
-            The arrays.
+            The arrays, (rows, nq) and (rows, nv).
         """
         return tuple(np.asarray(self._opened[name][first:last]) for name in NAMES)
 
