@@ -2,7 +2,9 @@
 
     python benchmarks/scale.py [--samples 1e7] [--rounds 3] [--kills 20]
 
-Ratios are medians of rounds in which all take turns. The cluster is started before the clock.
+Ratios are medians of rounds in which all take turns. The cluster is started before the clock. One process has the
+settings of the workers: one thread of BLAS, and memory that is kept. On a machine that does other work, processor time says more
+than time: the time that two workers and the coordinator take together, beside that of one process.
 """
 
 from __future__ import annotations
@@ -11,16 +13,113 @@ import argparse
 import os
 import signal
 import statistics
+import sys
 import threading
 import time
 from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 import ulna
 from ulna import scale
-from ulna.scale.cluster import connected
+from ulna.collision import World
+from ulna.geometry import Box
+from ulna.scale.cluster import connected, worker_environment
+
+WORLD = World().add("post", Box((0.1, 0.1, 1.0)), (0.5, 0.0, 0.3))
+
+
+@dataclass(frozen=True, eq=False)
+class Counted(scale.Job):
+    """A histogram of heights: of poses, or of solutions of inverse kinematics of random poses."""
+
+    kind: ClassVar[str] = "counted"
+    robot: ulna.Robot
+    samples: scale.Samples
+    solve: bool
+
+    @property
+    def parts(self) -> int:
+        """How many parts there are."""
+        return self.samples.parts
+
+    def description(self) -> dict[str, Any]:
+        """What the result depends on."""
+        return {"kind": self.kind, "samples": self.samples.count, "solve": self.solve}
+
+    def start(self) -> dict[str, Any]:
+        """No heights yet."""
+        return {"count": np.zeros(20, dtype=int)}
+
+    def work(self, part: int, *inputs: Any) -> dict[str, Any]:
+        """The heights of a part."""
+        rng, left, out = self.samples.generator(part), self.samples.size(part), np.zeros(20, dtype=int)
+        while left:
+            rows = min(left, 16_384)
+            T = self.robot.fk(self.robot.random_configuration(rows, rng))
+            heights = T[:, 2, 3]
+            if self.solve:
+                heights = heights[self.robot.ik(T).success]
+            out += np.bincount(np.clip(((heights + 2.0) * 5.0).astype(int), 0, 19), minlength=20)
+            left -= rows
+        return {"count": out}
+
+    def fold(self, state: Any, part: int, result: Any) -> None:
+        """Adds those of a part."""
+        state["count"] += result["count"]
+
+    def existing(self, to: Any) -> Any:
+        """The histogram in a file."""
+        return np.load(to)
+
+    def finish(self, state: Any, to: Any) -> Any:
+        """The histogram."""
+        return state["count"]
+
+
+def processor_time(client: Any) -> float:
+    """Of the workers and of this process, where the scheduler is, too [s]."""
+    return time.process_time() + sum(client.run(time.process_time).values())
+
+
+def jobs(client: Any, samples: int, rounds: int) -> None:
+    """Three jobs, in turns in this process and on two workers: time and processor time."""
+    ur5 = ulna.load("ur5")
+
+    def counted(count: int, chunk: int, solve: bool) -> Callable[..., Any]:
+        job = Counted(ur5, scale.Samples(count, chunk, 0), solve)
+        return lambda **where: scale.run(job, progress=False, **where)
+
+    def plans(**where: Any) -> Any:
+        return scale.plans("panda", max(samples // 10_000, 50), WORLD, chunk=25, progress=False, **where).cost
+
+    calls = {
+        f"{samples:.0e} FK, histogram, chunks of 1e5": counted(samples, 100_000, False),
+        f"{samples // 100:.0e} IK, chunks of 1e4": counted(samples // 100, 10_000, True),
+        f"{max(samples // 10_000, 50)} plans, chunks of 25": plans,
+    }
+    print(
+        f"{'job':42s} {'one process':>12s} {'CPU':>8s} {'two workers':>12s} {'CPU':>8s} {'ratio':>7s} {'CPU more':>9s}"
+    )
+    for name, call in calls.items():
+        rows = []
+        call(workers=0), call(scheduler=client)
+        for _ in range(rounds):
+            a, x = time.perf_counter(), time.process_time()
+            one = call(workers=0)
+            b, y = time.perf_counter(), time.process_time()
+            start, p = time.perf_counter(), processor_time(client)
+            two = call(scheduler=client)
+            rows.append((b - a, y - x, time.perf_counter() - start, processor_time(client) - p))
+            assert np.array_equal(one, two, equal_nan=True), "the same bits"
+        one_s, one_cpu, two_s, two_cpu = (statistics.median(column) for column in zip(*rows, strict=True))
+        ratio = statistics.median(row[0] / row[2] for row in rows)
+        more = statistics.median(row[3] / row[1] for row in rows) - 1.0
+        print(
+            f"{name:42s} {one_s:10.2f} s {one_cpu:6.2f} s {two_s:10.2f} s {two_cpu:6.2f} s {ratio:6.2f}x {100 * more:8.1f}%"
+        )
 
 
 def pinocchio_heights(name: str, seed: int, count: int) -> Any:
@@ -108,9 +207,13 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--kills", type=int, default=20)
     chosen = parser.parse_args()
+    if "MALLOC_TRIM_THRESHOLD_" not in os.environ:  # read when a process starts
+        os.environ.update({name: str(value) for name, value in worker_environment().items()})
+        os.execv(sys.executable, [sys.executable, *sys.argv])
     n, small = int(chosen.samples), int(chosen.samples) // 100
     options: Any = {"voxel": 0.1, "progress": False}
     with connected(None, 2, 60.0) as client:
+        jobs(client, n, chosen.rounds)
         scale.reach("ur5", 2e6, chunk=100_000, scheduler=client, **options)
         first = worker_memory(client)
         times = in_turns(

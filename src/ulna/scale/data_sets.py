@@ -1,4 +1,4 @@
-"""Data sets: random states of a robot with what is computed of them, written part by part into a Zarr group."""
+"""Data sets: random states of a robot with what is computed of them, in a Zarr group or in Parquet files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ulna.collision import World
 from ulna.errors import DtypeError, InputError, UnknownName
 from ulna.loading import load
 from ulna.robot import Robot
-from ulna.scale import archive
+from ulna.scale import archive, parquet
 from ulna.scale.engine import run
 from ulna.scale.job import Job, Samples, State, whole_number
 from ulna.typing import Array
@@ -38,7 +38,7 @@ def data_set(
     chunk: int = 100_000,
     **options: Any,
 ) -> Any:
-    """A data set of random states and of quantities at them, as a Zarr group with an array for each column.
+    """A data set of random states and of quantities at them, as a Zarr group or as Parquet files.
 
     Args:
         robot: The robot, or its name.
@@ -47,7 +47,9 @@ def data_set(
             within 1; accelerations within 10); any quantity of these by the name of its kernel, such as "fk",
             "jacobian" or "inverse_dynamics"; "collides" by covering spheres. What a quantity needs is drawn whether it
             is a column or not.
-        to: The folder of the Zarr group, on a disk that all workers share. A part is one chunk of each array.
+        to: The folder, on a disk that all workers share. A Zarr group, in which a part is one chunk of each array; or,
+            where the name ends in ".parquet", a folder of Parquet files, one for each part, where vectors and matrices
+            are lists of fixed length.
         world: Obstacles for "collides"; None for the robot alone.
         dtype: The type of the numbers in the arrays: float64 or float32.
         seed: Of the states: the same seed, the same rows.
@@ -55,9 +57,11 @@ def data_set(
         **options: Of `ulna.scale.run`: scheduler, workers, progress, retries, patience.
 
     Returns:
-        The Zarr group, to read: `dask.array.from_zarr(group["fk"])`.
+        The Zarr group, to read: `dask.array.from_zarr(group["fk"])`; or a `pyarrow.dataset.Dataset`, whose `to_table()`
+        has the rows in order.
 
     Raises:
+        MissingExtra: If zarr, or pyarrow for Parquet files, is not installed.
         UnknownName: If there is no such column.
         InputError: If an argument makes no sense, or `to` holds something else.
         DtypeError: If `dtype` is neither float64 nor float32.
@@ -100,7 +104,7 @@ class DataSet(Job):
         columns: The names of the columns.
         world: Obstacles; None for none.
         dtype: The type of the numbers.
-        to: The folder of the Zarr group.
+        to: The folder of the result.
     """
 
     kind: ClassVar[str] = "data set"
@@ -140,6 +144,9 @@ class DataSet(Job):
             InputError: If a chunk would be too large.
         """
         rows = {name: value[:1] for name, value in self._rows(1, np.random.default_rng(0)).items()}
+        if self._is_parquet:
+            parquet.create(Path(self.to), {**self.description(), "complete": False})
+            return
         group = archive.zarr().create_group(
             self.to, overwrite=True, attributes={**self.description(), "complete": False}
         )
@@ -166,12 +173,16 @@ class DataSet(Job):
             The checksum of the rows.
         """
         rows = self._rows(self.samples.size(part), self.samples.generator(part))
-        first = part * self.samples.chunk
-        group, checksum = archive.zarr().open_group(self.to, mode="r+"), 0
-        for name in self.columns:
-            values = np.ascontiguousarray(rows[name])
-            group[name][first : first + len(values)] = values
-            checksum = zlib.crc32(values.tobytes(), checksum)
+        values = {name: np.ascontiguousarray(rows[name]) for name in self.columns}
+        if self._is_parquet:
+            parquet.write(Path(self.to), part, values)
+        else:
+            group, first = archive.zarr().open_group(self.to, mode="r+"), part * self.samples.chunk
+            for name, array in values.items():
+                group[name][first : first + len(array)] = array
+        checksum = 0
+        for array in values.values():
+            checksum = zlib.crc32(array.tobytes(), checksum)
         return {"checksum": np.array(checksum, dtype=np.uint32)}
 
     def fold(self, state: State, part: int, result: State) -> None:
@@ -191,9 +202,9 @@ class DataSet(Job):
             to: The folder.
 
         Returns:
-            The Zarr group.
+            The Zarr group, or the data set in Parquet files.
         """
-        return archive.check(to, self.description())
+        return (parquet if self._is_parquet else archive).check(to, self.description())
 
     def finish(self, state: State, to: Path | None) -> Any:
         """Marks the data set as complete.
@@ -203,11 +214,19 @@ class DataSet(Job):
             to: The folder.
 
         Returns:
-            The Zarr group, to read.
+            The Zarr group, or the data set in Parquet files, to read.
         """
+        more = {"checksums": state["checksums"].tolist(), "complete": True}
+        if self._is_parquet:
+            parquet.describe(Path(self.to), {**self.description(), **more})
+            return parquet.check(Path(self.to), self.description())
         group = archive.zarr().open_group(self.to, mode="r+")
-        group.attrs.update({"checksums": state["checksums"].tolist(), "complete": True})
+        group.attrs.update(more)
         return archive.opened(self.to, self.kind)
+
+    @property
+    def _is_parquet(self) -> bool:
+        return self.to.endswith(".parquet")
 
     def _rows(self, count: int, rng: np.random.Generator) -> dict[str, Array]:
         """The columns of so many rows."""

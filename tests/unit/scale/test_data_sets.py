@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import pytest
 
 import ulna
 from ulna import scale
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError, MissingExtra, UnknownName
 
 zarr = pytest.importorskip("zarr")
 
@@ -77,3 +78,34 @@ def test_what_cannot_be_a_data_set(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="is no Zarr group"):
         scale.data_set("panda", 10, ["q"], to=mine, workers=0, progress=False)
     assert (mine / "notes.txt").read_text() == "mine"
+
+
+def test_parquet_files_hold_the_same_rows(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    whole, to = _made(tmp_path / "data.zarr"), tmp_path / "data.parquet"
+
+    def stop(progress: scale.Progress) -> None:
+        if progress.done == 1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        _made(to, progress=stop)
+    for found in (_made(to), _made(to)):  # continued, then there already
+        table = found.to_table()
+        assert table.column_names == list(COLUMNS) and len(table) == 2500
+        for name in COLUMNS:
+            column = table[name].combine_chunks()
+            values = column if name == "collides" else column.flatten()
+            rows = values.to_numpy(zero_copy_only=False).reshape(whole[name].shape)
+            np.testing.assert_array_equal(rows, whole[name][...])
+    with pytest.raises(InputError, match="its seed is 0, here it is 1"):
+        _made(to, seed=1)
+    assert sorted(path.name for path in to.iterdir())[1:] == [f"part-{k:06d}.parquet" for k in range(3)]
+
+
+def test_parquet_needs_pyarrow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow.dataset", None)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(MissingExtra, match="pyarrow"):
+        _made(tmp_path / "data.parquet")
+    assert not (tmp_path / "data.parquet").exists()
