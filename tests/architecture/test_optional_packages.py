@@ -18,7 +18,7 @@ INSIDE_CMEEL = [
     "coal",
     "example_robot_data",
 ]  # they lie in a folder that the metadata do not name
-TOOLS = {"ulna", "pytest", "pytest-xdist", "hypothesis", "coverage"}
+TOOLS = {"ulna", "pytest", "pytest-xdist", "pytest-rerunfailures", "hypothesis", "coverage"}
 BLOCK = """
 import os, sys
 
