@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-import mujoco
 import numpy as np
 import pytest
 
 import ulna
 from support.long_robots import configurations, long_robot
 from ulna.model import Model, Prismatic
+
+mujoco = pytest.importorskip("mujoco")
 
 SIZES = [(300, 0.1), *(pytest.param(*s, marks=pytest.mark.slow) for s in ((1000, 0.0), (5000, 0.02)))]
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
 import pytest
 
-import ulna
-from support.long_robots import configurations, long_robot
-from support.pinocchio_models import Twin, to_pinocchio
+pin = pytest.importorskip("pinocchio")
+
+import ulna  # noqa: E402
+from support.long_robots import configurations, long_robot  # noqa: E402
+from support.pinocchio_models import Twin, to_pinocchio  # noqa: E402
 
 SIZES = [(60, 0.0), (100, 0.3), pytest.param(200, 0.05, marks=pytest.mark.slow)]
 
