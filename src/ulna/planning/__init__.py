@@ -8,5 +8,16 @@ from ulna.planning.planner import Planner as Planner
 from ulna.planning.planner import plan as plan
 from ulna.planning.result import Plan as Plan
 from ulna.planning.scenes import scene as scene
+from ulna.planning.search_tree import SearchTree as SearchTree
 
-__all__ = ["Certificate", "PathConstraint", "Plan", "Planner", "Region", "certify", "plan", "scene"]
+__all__ = [
+    "Certificate",
+    "PathConstraint",
+    "Plan",
+    "Planner",
+    "Region",
+    "SearchTree",
+    "certify",
+    "plan",
+    "scene",
+]

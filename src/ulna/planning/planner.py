@@ -49,6 +49,7 @@ def plan(
     timeout: float = 10.0,
     seed: int = 0,
     constraints: PathConstraint | Sequence[PathConstraint] | None = None,
+    keep_tree: bool = False,
 ) -> Plan:
     """A path from a configuration to a goal on which the robot touches neither itself nor the world.
 
@@ -78,6 +79,7 @@ def plan(
         timeout: The longest time [s].
         seed: Seed of the samples: the same seed, the same path, on processors of one kind.
         constraints: What frames keep on the whole way, start and goal included: `PathConstraint`, or several.
+        keep_tree: Whether `plan.tree` has the configurations that the search reached, for `viewer.plan`.
 
     Returns:
         The plan. It is false, with an outcome and a reason, where there is no path.
@@ -105,6 +107,7 @@ def plan(
         timeout=timeout,
         seed=seed,
         constraints=constraints,
+        keep_tree=keep_tree,
     )
 
 
@@ -182,6 +185,7 @@ class Planner:
         timeout: float = 10.0,
         seed: int = 0,
         constraints: PathConstraint | Sequence[PathConstraint] | None = None,
+        keep_tree: bool = False,
     ) -> Plan:
         """A path from a configuration to a goal; see `ulna.planning.plan`.
 
@@ -196,6 +200,7 @@ class Planner:
             timeout: The longest time [s].
             seed: Seed of the samples.
             constraints: What frames keep on the whole way.
+            keep_tree: Whether `plan.tree` has the configurations that the search reached.
 
         Returns:
             The plan. It is false, with an outcome and a reason, where there is no path.
@@ -206,7 +211,11 @@ class Planner:
         """
         counts = _count("shorten", shorten, 0), _count("iterations", iterations, 1)
         options = Options(
-            *counts, _seconds(timeout), _count("seed", seed, 0), improve=_count("improve", improve, 0)
+            *counts,
+            _seconds(timeout),
+            _count("seed", seed, 0),
+            improve=_count("improve", improve, 0),
+            keep_tree=bool(keep_tree),
         )
         if is_deferred(q0) or is_deferred(goal):
             chosen = {"frame": frame, "joints": joints, "timeout": timeout, "seed": seed}
@@ -215,6 +224,7 @@ class Planner:
                 "improve": improve,
                 "iterations": iterations,
                 "constraints": constraints,
+                "keep_tree": keep_tree,
             }
             return deferred.plans(self, q0, goal, chosen)
         q0 = finite_array("q0", q0)

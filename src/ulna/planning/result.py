@@ -10,6 +10,7 @@ from ulna.errors import InputError
 from ulna.planning.certificate import Certificate
 from ulna.planning.motion_path import motion_path
 from ulna.planning.path_length import length
+from ulna.planning.search_tree import SearchTree
 from ulna.trajectory import Retimed, time_optimal
 from ulna.typing import ArrayLike, Floats
 
@@ -37,6 +38,8 @@ class Plan:
             call [s], and its length [rad, m], before it is certified.
         deviation_bounds: Rows (m, nq) [1/rad, 1/m]: a motion that deviates from the path by d is certified, too, where
             all of `deviation_bounds @ abs(d)` are at most 1; None where no deviation is, because `margin` was 0.
+        tree: The configurations that the search reached, where `keep_tree` asks for them and there was a search; for
+            `viewer.plan`.
     """
 
     outcome: Outcome
@@ -51,6 +54,7 @@ class Plan:
     model: Any = field(repr=False)
     improvements: tuple[tuple[float, float], ...] = ()
     deviation_bounds: Any = field(default=None, repr=False)
+    tree: SearchTree | None = field(default=None, repr=False)
 
     def __bool__(self) -> bool:
         return self.outcome == "solved"

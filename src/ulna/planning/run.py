@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+from ulna.planning.search_tree import SearchTree
 from ulna.planning.workspace import COARSE
 from ulna.typing import Floats
 
@@ -22,6 +23,7 @@ class Options:
         still: Which numbers of a configuration stay where the start has them, shape (nq,); None for none.
         coarse: The steps of the search, in those of the proof.
         improve: How many samples are spent on shorter paths once there is one.
+        keep_tree: Whether the plan has the trees of the search.
     """
 
     shorten: int
@@ -31,6 +33,7 @@ class Options:
     still: Any = None
     coarse: float = COARSE[0]
     improve: int = 0
+    keep_tree: bool = False
 
 
 class Run:
@@ -47,6 +50,7 @@ class Run:
         self.start_time = self.last_time = time.perf_counter()
         self.numbers: list[int] = []
         self.workspace: Any = None
+        self.tree: SearchTree | None = None
         self.direct, self.roots, self.used, self.nodes = -1, 0, 0, 0
         self.improvements: list[tuple[float, float]] = []
         self.seconds: dict[str, float] = dict.fromkeys(

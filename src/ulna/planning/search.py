@@ -16,6 +16,7 @@ from ulna.planning.result import Outcome, Plan
 from ulna.planning.run import Options, Run
 from ulna.planning.samples import samples
 from ulna.planning.scenes import PlanningScene
+from ulna.planning.search_tree import search_tree
 from ulna.planning.touches import deepest_touch
 from ulna.planning.workspace import COARSE, SLICE, Workspace, thread_storage
 from ulna.typing import Floats
@@ -80,6 +81,8 @@ class Search:
             return np.stack([run.q0, run.goals[run.direct]]), run.direct, None
         is_met = self._grow(run)
         run.note("search")
+        if run.options.keep_tree:
+            run.tree = search_tree(run.workspace.storage.trees)
         if not is_met:
             is_used = run.used >= run.options.iterations
             limit = f"{run.used} samples" if is_used else f"{run.options.timeout:g} s"
@@ -228,7 +231,7 @@ class Search:
     def _detour(self, run: Run, a: Floats, b: Floats, coarse: float) -> Floats | None:
         """A path that a search with shorter steps finds in the time that is left; None where it finds none."""
         left = run.options.timeout - (time.perf_counter() - run.start_time)
-        options = replace(run.options, coarse=coarse, timeout=max(left, 0.0), improve=0)
+        options = replace(run.options, coarse=coarse, timeout=max(left, 0.0), improve=0, keep_tree=False)
         points, _, failure = self._searched(Run(options, a, b[None]))
         return points if failure is None else None
 
@@ -265,4 +268,5 @@ class Search:
             self._model,
             tuple(run.improvements),
             self._deviation_bounds(),
+            run.tree,
         )

@@ -32,10 +32,10 @@ from ulna.viewer.robot.robot_handle import RobotHandle
 from ulna.viewer.robot.robot_instances import RobotInstances, RobotInstancesHandle
 from ulna.viewer.robot.robot_visual import RobotVisual
 from ulna.viewer.scene.annotations import DEFAULT_SHAPE_COLOUR
-from ulna.viewer.scene.worlds import WorldMethods
+from ulna.viewer.scene.plans import PlanMethods
 
 
-class SceneMethods(WorldMethods):
+class SceneMethods(PlanMethods):
     """Methods that add robots, shapes, meshes and copies of them to a scene.
 
     Every method that adds takes `name` (`table/leg` is added to the group `table`; an unused name when not given, and
