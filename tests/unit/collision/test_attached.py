@@ -122,7 +122,7 @@ def test_spheres_see_attached_objects_and_compile_nothing_for_them() -> None:
         .add("ball", Sphere(0.1), (0.4, 0.0, 0.5))
         .attach("can", "panda_hand", shape=Cylinder(0.02, 0.1))
     )
-    robot.collides(q, small, method="spheres")
+    robot.collides(q[0], small, method="spheres")  # not a batch, whose doubts alone need this kernel
     robot.collision.checker(small, method="spheres").clearance(q)
     made = own_kernel.cache_info().misses
     checker = robot.collision.checker(held().add("ball", Sphere(0.1), (0.4, 0.0, 0.5)), method="spheres")
