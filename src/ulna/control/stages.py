@@ -108,13 +108,12 @@ class Stage:
         """
         system, extra = self.system, extra_shapes(cost, self.system.names, shapes)
         parts = CostParts(system, cost, extra, has_control=False)
+        sizes: dict[str, Any] = {"x": (system.nx,), **extra}
 
         def run(x: Array, *p: Array) -> tuple[Any, ...]:
             return parts.at(x, (), p)
 
-        return TerminalStage(
-            compile(trace(run, name="terminal", x=(system.nx,), **extra)), tuple(extra.items())
-        )
+        return TerminalStage(compile(trace(run, name="terminal", **sizes)), tuple(extra.items()))
 
     @cached_property
     def follow(self) -> Any:

@@ -222,7 +222,8 @@ class FreeSolver:
 
         def reach(requests: list[_Reach]) -> list[Any]:
             T = np.concatenate([request.T for request in requests])
-            starts = None if requests[0].q0 is None else np.concatenate([request.q0 for request in requests])
+            known = [request.q0 for request in requests if request.q0 is not None]
+            starts = np.concatenate(known) if known else None
             tolerances = options.position_tolerance, options.rotation_tolerance
             if len(T) == 1:  # as `robot.ik` solves for one
                 return [[self.solver(T[0], None if starts is None else starts[0], *tolerances, options.seed)]]

@@ -49,7 +49,7 @@ class Plans(Job):
     worlds: tuple[World | None, ...]
     world_count: int
     frame: str | None
-    lengths: Mapping[str, float]
+    lengths: Mapping[str, Any]
     searching: Mapping[str, Any]
 
     @property
@@ -186,12 +186,9 @@ class Plans(Job):
         Returns:
             The plans.
         """
-        starts, goals = (
-            (state["starts"], state["goals"]) if self.starts is None else (self.starts, self.goals)
-        )
+        ends: Any = (state["starts"], state["goals"]) if self.starts is None else (self.starts, self.goals)
         found = PlanSet(
-            starts,
-            goals,
+            *ends,
             **{name: state[name] for name in _NUMBERS},
             points=growing.rows(state, "points"),
             offsets=np.concatenate([[0], np.cumsum(state["points_of"])]),

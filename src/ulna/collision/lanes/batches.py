@@ -236,7 +236,7 @@ class BatchCheck:
         is_doubtful |= ~((q >= self._range[0]) & (q <= self._range[1])).all(axis=1)
         return touching | is_doubtful, is_doubtful
 
-    def _pass(self, tables: Tables, q: Floats) -> Array:
+    def _pass(self, tables: Tables, q: Array) -> Array:
         touching = np.zeros(len(q), np.float32)
         work = getattr(self._storage, "work", None)
         if work is None:

@@ -109,8 +109,8 @@ class Differentiable:
         inputs: tuple[Port, ...] = (),
     ) -> Any:
         graph, results = made
-        return replace(  # type: ignore[type-var]
-            self,
+        return replace(
+            self,  # type: ignore[type-var]
             name=f"{self.name}_{suffix}",
             graph=graph,
             inputs=inputs or self.inputs,
