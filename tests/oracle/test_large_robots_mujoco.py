@@ -13,7 +13,8 @@ from ulna.model import Model, Prismatic
 
 mujoco = pytest.importorskip("mujoco")
 
-SIZES = [(300, 0.1), *(pytest.param(*s, marks=pytest.mark.slow) for s in ((1000, 0.0), (5000, 0.02)))]
+# MuJoCo refuses chains much longer than a thousand joints, and takes minutes to compile trees of 5,000.
+SIZES = [(300, 0.1), *(pytest.param(*s, marks=pytest.mark.slow) for s in ((1000, 0.0), (2000, 0.2)))]
 
 
 def to_mujoco(model: Model) -> Any:
