@@ -17,7 +17,7 @@ from ulna.loading import load
 from ulna.robot import Robot
 from ulna.scale import archive, parquet
 from ulna.scale.engine import run
-from ulna.scale.job import Job, Samples, State, whole_number
+from ulna.scale.job import SampledJob, Samples, State, whole_number
 from ulna.typing import Array
 
 _DRAWN = ("q", "v", "a", "tau")
@@ -95,7 +95,7 @@ def data_set(
 
 @final
 @dataclass(frozen=True, eq=False)
-class DataSet(Job):
+class DataSet(SampledJob):
     """The job of a data set.
 
     Attributes:
@@ -115,17 +115,10 @@ class DataSet(Job):
     dtype: str
     to: str
 
-    @property
-    def parts(self) -> int:
-        """How many parts there are."""
-        return self.samples.parts
-
     def description(self) -> dict[str, Any]:
         """All that the rows depend on."""
         return {
-            "kind": self.kind,
-            "robot": self.robot.name,
-            "model": self.robot.model.fingerprint,
+            **self.subject(),
             "columns": list(self.columns),
             "world": None if self.world is None else self.world.fingerprint,
             "dtype": self.dtype,

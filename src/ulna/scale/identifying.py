@@ -17,7 +17,7 @@ from ulna.model.content import fingerprint
 from ulna.robot import Robot
 from ulna.scale import archive
 from ulna.scale.engine import run
-from ulna.scale.job import Job, Samples, State, whole_number
+from ulna.scale.job import SampledJob, Samples, State, whole_number
 from ulna.scale.logs import LogSource
 from ulna.typing import ArrayLike
 
@@ -78,7 +78,7 @@ def identify(
 
 @final
 @dataclass(frozen=True, eq=False)
-class Identifying(Job):
+class Identifying(SampledJob):
     """The job of identification: the sums of a log.
 
     Attributes:
@@ -94,17 +94,10 @@ class Identifying(Job):
     samples: Samples
     sought: Sought
 
-    @property
-    def parts(self) -> int:
-        """How many parts there are."""
-        return self.samples.parts
-
     def description(self) -> dict[str, Any]:
         """All that the sums depend on."""
         return {
-            "kind": self.kind,
-            "robot": self.robot.name,
-            "model": self.robot.model.fingerprint,
+            **self.subject(),
             "rows": self.samples.count,
             "chunk": self.samples.chunk,
             "log": fingerprint(self.source.fingerprint(self.samples.count)),

@@ -5,12 +5,15 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, final
+from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
 
 from ulna.errors import InputError
 from ulna.typing import Array
+
+if TYPE_CHECKING:
+    from ulna.robot import Robot
 
 State = dict[str, Array]
 """What a job has found so far: arrays by name."""
@@ -164,3 +167,24 @@ def whole_number(name: str, value: Any, least: int = 1) -> int:
             f"`{name}` is {value!r}; expected a whole number from {least}, such as 100_000 or 1e8."
         )
     return number
+
+
+class SampledJob(Job):
+    """A job over samples for one robot; its parts are those of the samples.
+
+    Attributes:
+        robot: The robot.
+        samples: The samples.
+    """
+
+    robot: Robot
+    samples: Samples
+
+    @property
+    def parts(self) -> int:
+        """How many parts there are."""
+        return self.samples.parts
+
+    def subject(self) -> dict[str, Any]:
+        """The kind of job, and the robot that it is for: what `description` begins with."""
+        return {"kind": self.kind, "robot": self.robot.name, "model": self.robot.model.fingerprint}

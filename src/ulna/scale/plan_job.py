@@ -14,7 +14,7 @@ from ulna.model.content import fingerprint
 from ulna.planning import Plan, Planner
 from ulna.robot import Robot
 from ulna.scale import archive, growing
-from ulna.scale.job import Job, Samples, State
+from ulna.scale.job import SampledJob, Samples, State
 from ulna.scale.plan_set import KIND, OUTCOMES, PlanSet
 from ulna.system.cached import cached_property
 from ulna.typing import Floats
@@ -26,7 +26,7 @@ _NUMBERS = ("worlds", "outcomes", "certified", "cost", "iterations")
 
 @final
 @dataclass(frozen=True, eq=False)
-class Plans(Job):
+class Plans(SampledJob):
     """The job of many plans.
 
     Attributes:
@@ -52,18 +52,11 @@ class Plans(Job):
     lengths: Mapping[str, Any]
     searching: Mapping[str, Any]
 
-    @property
-    def parts(self) -> int:
-        """How many parts there are."""
-        return self.samples.parts
-
     def description(self) -> dict[str, Any]:
         """All that the plans depend on."""
         worlds = [None if world is None else world.fingerprint for world in self.worlds]
         return {
-            "kind": self.kind,
-            "robot": self.robot.name,
-            "model": self.robot.model.fingerprint,
+            **self.subject(),
             "problems": self.samples.count,
             "chunk": self.samples.chunk,
             "seed": self.samples.seed,

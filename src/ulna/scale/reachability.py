@@ -20,7 +20,7 @@ from ulna.robot import Robot, compile
 from ulna.scale import archive
 from ulna.scale.engine import run
 from ulna.scale.grid import DIRECTIONS, Grid, bits, direction_numbers
-from ulna.scale.job import Job, Samples, State, whole_number
+from ulna.scale.job import SampledJob, Samples, State, whole_number
 from ulna.scale.reach_map import ReachMap
 from ulna.system.cached import cached_property
 from ulna.typing import ArrayLike
@@ -106,7 +106,7 @@ def _grid(robot: Robot, frame: str, voxel: float, bounds: ArrayLike | None) -> G
 
 @final
 @dataclass(frozen=True, eq=False)
-class Reach(Job):
+class Reach(SampledJob):
     """The job of a reachability map.
 
     Attributes:
@@ -124,17 +124,10 @@ class Reach(Job):
     grid: Grid
     solutions: int
 
-    @property
-    def parts(self) -> int:
-        """How many parts there are."""
-        return self.samples.parts
-
     def description(self) -> dict[str, Any]:
         """All that the results depend on."""
         return {
-            "kind": self.kind,
-            "robot": self.robot.name,
-            "model": self.robot.model.fingerprint,
+            **self.subject(),
             "frame": self.frame,
             "samples": self.samples.count,
             "chunk": self.samples.chunk,

@@ -21,7 +21,7 @@ from ulna.model.content import fingerprint
 from ulna.robot import Robot
 from ulna.scale import archive
 from ulna.scale.factors import Factors
-from ulna.scale.job import Job, Samples, State
+from ulna.scale.job import SampledJob, Samples, State
 from ulna.scale.sweep_result import KIND, Sweep
 from ulna.system.cached import cached_property
 from ulna.typing import Floats
@@ -34,7 +34,7 @@ _ONE_THREAD = (
 
 @final
 @dataclass(frozen=True, eq=False)
-class Sweeping(Job):
+class Sweeping(SampledJob):
     """The job of a sweep.
 
     Attributes:
@@ -54,17 +54,10 @@ class Sweeping(Job):
     samples: Samples
     levels: int
 
-    @property
-    def parts(self) -> int:
-        """How many parts there are."""
-        return self.samples.parts
-
     def description(self) -> dict[str, Any]:
         """All that the result depends on."""
         return {
-            "kind": self.kind,
-            "robot": self.robot.name,
-            "model": self.robot.model.fingerprint,
+            **self.subject(),
             "quantity": self.quantity,
             "settings": {name: repr(value) for name, value in self.settings.items()},
             "values": fingerprint(dict(self.factors.values)),
