@@ -141,9 +141,10 @@ class SphereChecker:
             options = {"margin": float(margin), "threads": threads}
             return deferred.ask(self, "collides", np.bool_, q, moving, options)
         reach = float(margin) + TOUCH
-        if not moving:
+        least = LEAST * self.model.nq
+        if not moving and getattr(q, "size", least) >= least:  # `_evaluate` validates a small array
             q = batched_array("q", q, (self.model.nq,))
-            check = self._batch_check(reach) if q.size >= LEAST * self.model.nq else None
+            check = self._batch_check(reach) if q.size >= least else None
             if check is not None:
                 return self._collides_in_lanes(check, q, reach, threads)
         free = self._evaluate("free", q, moving, np.minimum, reach, threads)

@@ -51,7 +51,6 @@ def sphere_clearance(
     held = carried(model, world, balls)
     all_pairs = (*chosen, *held.pairs)
     balls = Spheres({**balls.links, **held.spheres})
-    carriers = {item.name: item.link for item in world.attachments}
     couples = self_pairs(model, balls, all_pairs)
     rows: list[tuple[Part, SE3, tuple[str, ...]]] = [
         (part, SE3.identity(), links) for part, links in standing(model, all_pairs)
@@ -61,7 +60,7 @@ def sphere_clearance(
         rows.append((part, world[part.owner].pose, links))
 
     def distances(q: Array) -> list[Any]:
-        c = sphere_centres(model, q, balls, carriers)
+        c = sphere_centres(model, q, balls, held.carriers)
         gaps = []
         for a, i, b, j in couples:
             v = c[a][i] - c[b][j]
