@@ -37,7 +37,7 @@ _SEARCHES = ("ik", "ik_all", "ik_classic", "ik_free", "distance", "collides", "f
 LOOPED_ABOVE = 60_000
 """Operations, as they are estimated, above which a quantity is computed by loops over joints where it can be.
 
-To compile so many takes about five seconds; below, straight-line code is two to four times as fast
+To compile so many takes about five seconds; below, straight-line code computes faster than loops
 (benchmarks/large_robots.py)."""
 
 DEVICES = ("cpu", "cuda")

@@ -1,4 +1,4 @@
-"""Adding what a planner found to a scene: the way of the tool, and the trees of the search."""
+"""Adding what a planner found to a scene: the path of the tool, and the trees of the search."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ulna.planning import Plan
 
 _PATH, _FROM_START, _FROM_GOAL = "royalblue", "seagreen", "darkorange"
-_STEP = 0.05  # between points of the way [rad, m]
+_STEP = 0.05  # between points of the path [rad, m]
 _PARTS = 4  # pieces in which an edge of a tree is drawn, since the tool does not move straight
 _MOST = 20_000  # edges
 
@@ -38,7 +38,7 @@ class PlanMethods(WorldMethods):
         color: Colour | None = None,
         thickness: float = 0.006,
     ) -> dict[str, Handle]:
-        """Add the way on which a plan moves a frame and, with `keep_tree=True`, where the search has been.
+        """Add the path on which a plan moves a frame and, with `keep_tree=True`, where the search has been.
 
         `play(plan)` moves the robot along it.
 
@@ -47,8 +47,8 @@ class PlanMethods(WorldMethods):
             robot: The handle of the robot that it is for; the only robot here when not given.
             frame: The frame; the tool when not given.
             name: Name of the group, in that of the robot.
-            color: Colour of the way.
-            thickness: Thickness of the way [m]; the edges of the trees have half of it.
+            color: Colour of the path.
+            thickness: Thickness of the path [m]; the edges of the trees have half of it.
 
         Returns:
             Handles by name: "path", and "from start" and "from goal" for the trees.
@@ -71,8 +71,8 @@ class PlanMethods(WorldMethods):
         robot = self._robot_of(plan, robot)
         lines: dict[str, tuple[Floats, Any, float]] = {}
         if len(plan.points) > 1:
-            way = _positions(robot, frame, _dense(plan.points))
-            lines["path"] = np.stack([way[:-1], way[1:]], axis=1), color or _PATH, thickness
+            line = _positions(robot, frame, _dense(plan.points))
+            lines["path"] = np.stack([line[:-1], line[1:]], axis=1), color or _PATH, thickness
         if plan.tree is not None:
             edges = plan.tree.edges[:_MOST]
             is_first = plan.tree.is_from_start[edges[:, 1]]
@@ -118,7 +118,7 @@ def _positions(robot: RobotHandle, frame: str | None, q: Floats) -> Floats:
 
 
 def _dense(points: Floats) -> Floats:
-    """A path with points so near to each other that lines between them look like the way."""
+    """A path with points so near to each other that straight lines between them follow the path of the frame."""
     pieces = [points[:1]]
     for a, b in pairwise(points):
         count = int(np.ceil(np.abs(b - a).max() / _STEP)) + 1
@@ -130,5 +130,5 @@ def _drawn(robot: RobotHandle, frame: str | None, ends: Floats) -> Floats:
     """The motions from one configuration to another, ends of shape (n, 2, nq), as lines (m, 2, 3) [m]."""
     t = np.linspace(0.0, 1.0, _PARTS + 1)[:, None]
     q = ends[:, :1] + t * (ends[:, 1:] - ends[:, :1])
-    way = _positions(robot, frame, q)
-    return np.stack([way[:, :-1], way[:, 1:]], axis=2).reshape(-1, 2, 3)
+    line = _positions(robot, frame, q)
+    return np.stack([line[:, :-1], line[:, 1:]], axis=2).reshape(-1, 2, 3)

@@ -1,4 +1,4 @@
-"""Plans in the viewer: the way of the tool and the trees of the search, where the robot's kinematics puts them."""
+"""Plans in the viewer: the path of the tool and the trees of the search, where the robot's kinematics puts them."""
 
 from __future__ import annotations
 
