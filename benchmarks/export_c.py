@@ -230,10 +230,10 @@ def run_main(folder: Path, values: dict[str, object]) -> list[float]:
 def row(robot: ulna.Robot, name: str, times: dict, seconds: dict) -> list[str]:
     """A row of the table."""
     kinds = ("own", "textbook", "graph")
-    best = min(times[name, kind] for kind in kinds[1:] if (name, kind) in times)
+    best = min((times[name, kind] for kind in kinds[1:] if (name, kind) in times), default=None)
     shown = [f"{1e6 * times[name, kind]:.3f}" if (name, kind) in times else "-" for kind in kinds]
     compiled = [seconds[name, kind] for kind in kinds[:2]]
-    ratio = f"{best / times[name, 'own']:.1f}"
+    ratio = "-" if best is None else f"{best / times[name, 'own']:.1f}"
     gcc = [f"{s:.1f}" if s is not None else f"> {LONGEST:.0f}" for s in compiled]
     return [f"{robot.name}, {name}", str(robot.function(name).operations), *shown, ratio, *gcc]
 

@@ -5,7 +5,8 @@
 Goals are poses of random free configurations, so that every one has an answer. The peers try one start after the other:
 the Robotics Toolbox's C++ `ik_LM` from random configurations, and Pinocchio's `computeCollisions` with its tree of boxes
 on the same solids and pairs, up to 100 times. Every answer is checked here for all alike: forward kinematics, limits,
-and the exact check. One core.
+and the exact check. One core. A second table has the same goals in one call, by exact shapes and by spheres, and poses
+of random configurations, of which some have no free answer.
 """
 
 from __future__ import annotations
@@ -136,6 +137,46 @@ def main() -> None:
             )
     header = ["scene", "solver", "free and at the goal", "median", "mean", "p99", "median of ours"]
     print(table(f"Panda, {count} goals, one a call", header, rows))
+    print(table("Panda, one call for all goals", BATCH_HEADER, batch_rows(robot, 3 * count)))
+
+
+BATCH_HEADER = [
+    "scene",
+    "goals",
+    "answered",
+    "exact, alone",
+    "exact, batch",
+    "spheres, alone",
+    "spheres, batch",
+]
+
+
+def batch_rows(robot: ulna.Robot, count: int) -> list[list[str]]:
+    """Times of a goal in loops of single calls and in one call, in turns."""
+    robot.collision.spheres()  # fitted once; then batches use them
+    rows = []
+    for label, world in scenes().items():
+        sets = {
+            "of free configurations": goals(robot, world, label == "shelf", count),
+            "of random configurations": robot.fk(robot.random_configuration(count, seed=5)),
+        }
+        for name, T in sets.items():
+            times: dict[str, list[float]] = {}
+            answers = [robot.ik_free(T, world, method=method) for method in ("exact", "spheres")]
+            for _ in range(3):
+                for method in ("exact", "spheres"):
+                    start = time.perf_counter()
+                    for goal in T[: count // 3]:
+                        robot.ik_free(goal, world, method=method)
+                    middle = time.perf_counter()
+                    robot.ik_free(T, world, method=method)
+                    times.setdefault(f"{method} alone", []).append((middle - start) / (count // 3))
+                    times.setdefault(f"{method} batch", []).append((time.perf_counter() - middle) / len(T))
+            shares = ", ".join(f"{100.0 * answer.success.mean():.1f} %" for answer in answers)
+            rows.append(
+                [label, name, shares, *(shown(float(np.median(values))) for values in times.values())]
+            )
+    return rows
 
 
 def met(robot: ulna.Robot, q: np.ndarray, T: np.ndarray) -> bool:

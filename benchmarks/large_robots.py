@@ -2,6 +2,7 @@
 
     python benchmarks/large_robots.py            # medians in turns
     python benchmarks/large_robots.py 100 1000   # these sizes
+    python benchmarks/large_robots.py 100 coriolis_matrix   # of these quantities
 
 The first call of straight-line code is traced and compiled anew, without the disk cache; it is left out where it would
 take more than about five seconds. That of loops compiles nothing but a procedure that all models share, and is shown as
@@ -29,7 +30,13 @@ from ulna.spatial import SE3, Inertia
 
 SIZES = (50, 100, 200, 500, 1000, 5000)
 MOST_TRACED, MOST_FOR_PINOCCHIO, MOST_IN_MATRICES = 60_000, 200, 2000
-NAMES = ("fk", "jacobian", "inverse_dynamics", "forward_dynamics", "mass_matrix", "inverse_mass_matrix")
+NAMES = (
+    "fk", "jacobian", "inverse_dynamics", "forward_dynamics", "center_of_mass", "mechanical_energy", "centroidal_matrix",
+    "mass_matrix", "coriolis_matrix", "inverse_mass_matrix", "inverse_dynamics_derivatives",
+    "forward_dynamics_derivatives",
+)  # fmt: skip
+SQUARE = NAMES[-5:]
+"""Those whose results grow with the square of the joints."""
 
 
 def chain(n: int) -> Model:
@@ -68,6 +75,12 @@ def by_pinocchio(model: Model, name: str, q: Any, v: Any, u: Any) -> Callable[[]
         "forward_dynamics": lambda: pin.aba(robot, data, q, v, u),
         "mass_matrix": lambda: pin.crba(robot, data, q),
         "inverse_mass_matrix": lambda: pin.computeMinverse(robot, data, q),
+        "center_of_mass": lambda: pin.centerOfMass(robot, data, q),
+        "mechanical_energy": lambda: pin.computeMechanicalEnergy(robot, data, q, v),
+        "centroidal_matrix": lambda: pin.computeCentroidalMap(robot, data, q),
+        "coriolis_matrix": lambda: pin.computeCoriolisMatrix(robot, data, q, v),
+        "inverse_dynamics_derivatives": lambda: pin.computeRNEADerivatives(robot, data, q, v, u),
+        "forward_dynamics_derivatives": lambda: pin.computeABADerivatives(robot, data, q, v, u),
     }[name]
 
 
@@ -94,7 +107,6 @@ def row(model: Model, name: str) -> list[str]:
     looped, loop_seconds = timed(first_loop)
     calls: dict[str, Callable[[], Any]] = {"loops": lambda: looped(*arrays)}
     batch = [np.tile(x, (64, 1)) for x in arrays]
-    is_matrix = "matrix" in name
     compiled, seconds = None, 0.0
     if estimated_nodes(model, QUANTITIES[name], {}) < MOST_TRACED:
         os.environ["ULNA_CACHE"] = "0"
@@ -104,7 +116,7 @@ def row(model: Model, name: str) -> list[str]:
     peer = by_pinocchio(model, name, q, v, u)
     if peer is not None:
         calls["pinocchio"] = peer
-    if not is_matrix:
+    if name not in SQUARE:
         calls["loops, batch"] = lambda: looped(*batch)
         if compiled is not None:
             compiled(*batch)
@@ -121,7 +133,8 @@ def row(model: Model, name: str) -> list[str]:
 def main() -> None:
     """Prints the table, and each row on the error stream when it is measured."""
     os.environ.pop("ULNA_CACHE", None)
-    sizes = [int(word) for word in sys.argv[1:]] or SIZES
+    sizes = [int(word) for word in sys.argv[1:] if word.isdigit()] or SIZES
+    names = [name for name in NAMES if name in sys.argv[1:]] or NAMES
     header = (
         "joints", "quantity", "first: loops", "straight-line", "call: loops", "straight-line", "pin",
         "64 at once: loops", "straight-line",
@@ -129,8 +142,8 @@ def main() -> None:
     rows = []
     for n in sizes:
         model = chain(n)
-        for name in NAMES:
-            if n <= MOST_IN_MATRICES or "matrix" not in name:
+        for name in names:
+            if n <= MOST_IN_MATRICES or name not in SQUARE:
                 rows.append(row(model, name))
                 print(*rows[-1], sep=", ", file=sys.stderr, flush=True)
     print(table("Large robots", header, rows))

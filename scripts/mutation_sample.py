@@ -1,7 +1,7 @@
 #!/usr/bin/env python
 """How good the tests are: tries random small changes of `src/` and counts which of them the tests notice.
 
-    scripts/mutation_sample.py --map tests/unit --jobs 2   # once: which tests run which line; the rest goes to pytest
+    scripts/mutation_sample.py --map tests/unit --jobs 2   # once: which tests call which function
     scripts/mutation_sample.py --count 60 --seed 1     # then: a sample; run it again to go on where it stopped
     scripts/mutation_sample.py --count 60 --show 5     # what survived, as changes of the source
 
@@ -17,6 +17,7 @@ import json
 import queue
 import shutil
 import tempfile
+import time
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict
@@ -44,7 +45,11 @@ def main(words: list[str] | None = None) -> int:
         "--budget", type=float, default=60.0, help="seconds of tests per round for one mutant"
     )
     parser.add_argument(
-        "--map", nargs="+", metavar="TESTS", help="trace these tests (`--jobs` at a time) for the map"
+        "--limit", type=float, default=300.0, help="seconds a round may take beyond the time the map expects"
+    )
+    parser.add_argument("--minutes", type=float, default=float("inf"), help="begin no mutant after that time")
+    parser.add_argument(
+        "--map", nargs="+", metavar="TESTS", help="run these tests (`--jobs` at a time) for the map"
     )
     parser.add_argument("--again", action="store_true", help="try survivors again, after tests were added")
     parser.add_argument(
@@ -73,7 +78,7 @@ def main(words: list[str] | None = None) -> int:
         open_ones = ("", "survived", "untested") if options.again else ("",)
         left = [mutant for mutant in chosen if results.status(mutant) in open_ones]
         with _Trial(results, root, folder, options) as trials:
-            while left:
+            while left and not trials.over:
                 trials.run(left)
                 left = trials.refuted(chosen)
     return _summary(chosen, results)
@@ -105,9 +110,17 @@ class _Results:
         """Notes that the test that caught a mutant passes without it."""
         self.add(mutant, trial.Verdict(**self._all[mutant.key] | {"confirmed": True}))
 
+    def forget(self, mutant: Mutant) -> None:
+        """Takes a verdict back."""
+        self._all = {key: verdict for key, verdict in self._read().items() if key != mutant.key}
+        self._write()
+
     def add(self, mutant: Mutant, verdict: trial.Verdict) -> None:
         """Notes a verdict and writes the file."""
         self._all = self._read() | {mutant.key: asdict(verdict)}  # another run may have added some
+        self._write()
+
+    def _write(self) -> None:
         self._path.parent.mkdir(parents=True, exist_ok=True)
         beside = self._path.with_suffix(".new")
         beside.write_text(json.dumps(self._all, indent=1))
@@ -130,7 +143,9 @@ class _Trial:
         self._free: queue.SimpleQueue[trial.Sandbox] = queue.SimpleQueue()
         unsound: set[str] = set()
         for job in range(options.jobs):
-            self._free.put(trial.Sandbox(root, self._places / str(job), *trial.user_cache(), unsound))
+            place = self._places / str(job)
+            self._free.put(trial.Sandbox(root, place, *trial.user_cache(), unsound, options.limit))
+        self._end = time.monotonic() + 60 * options.minutes
 
     def __enter__(self) -> _Trial:
         return self
@@ -138,11 +153,18 @@ class _Trial:
     def __exit__(self, *_: object) -> None:
         shutil.rmtree(self._places, ignore_errors=True)
 
+    @property
+    def over(self) -> bool:
+        """Whether no further mutant is to be begun."""
+        return time.monotonic() > self._end
+
     def run(self, chosen: list[Mutant]) -> None:
         """Tries mutants and prints a line for each."""
         with ThreadPoolExecutor(self._options.jobs) as pool:
             for done in as_completed([pool.submit(self._verdict, mutant) for mutant in chosen]):
                 mutant, verdict = done.result()
+                if verdict is None:
+                    continue
                 self._results.add(mutant, verdict)
                 by = verdict.test or f"{verdict.tests} tests"
                 print(f"{verdict.status:9} {verdict.seconds:4.0f} s  {mutant.name}  [{by}]", flush=True)
@@ -154,11 +176,15 @@ class _Trial:
         failing = self._judge.refuted(sorted(set(waiting.values())), sandbox, self._covered.seconds)
         self._free.put(sandbox)
         for mutant, test in waiting.items():
-            if test not in failing:
+            if test in failing:
+                self._results.forget(mutant)
+            else:
                 self._results.confirm(mutant)
         return [mutant for mutant, test in waiting.items() if test in failing]
 
-    def _verdict(self, mutant: Mutant) -> tuple[Mutant, trial.Verdict]:
+    def _verdict(self, mutant: Mutant) -> tuple[Mutant, trial.Verdict | None]:
+        if self.over:
+            return mutant, None
         tests = self._options.tests
         rounds = [tests] if tests else choice.stages(mutant, self._covered, self._root, self._options.budget)
         sandbox = self._free.get()

@@ -38,6 +38,8 @@ def notebook(text: str, outputs: Sequence[Output], folder: Path) -> str:
         cells.append(new_code_cell(block.code.rstrip()))
         if number < len(outputs):
             cells[-1].outputs = _outputs(outputs[number], folder)
+        if _is_folded(text[:start]):
+            cells[-1].metadata["jupyter"] = {"source_hidden": True, "outputs_hidden": True}
         done = block.end
     cells.append(_text_cell(text[done:]))
     book = new_notebook(cells=[cell for cell in cells if cell.source.strip()])
@@ -46,6 +48,12 @@ def notebook(text: str, outputs: Sequence[Output], folder: Path) -> str:
     book.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
     nbformat.validate(book)
     return nbformat.writes(book)
+
+
+def _is_folded(before: str) -> bool:
+    """Whether what follows a text is in a dropdown: a solution, which the notebook folds, too."""
+    opened = [found.start() for found in _DIRECTIVE.finditer(before) if found[1] == "dropdown"]
+    return bool(opened) and not _END.search(before, opened[-1])
 
 
 def _text_cell(text: str):

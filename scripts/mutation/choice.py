@@ -1,4 +1,4 @@
-"""Which tests try a mutant: those that run its line, then those that run its file, then those that name it."""
+"""Which tests try a mutant: those that run its line, then those that run its file, that name it, that import it."""
 
 from __future__ import annotations
 
@@ -8,18 +8,20 @@ from functools import lru_cache
 from pathlib import Path
 
 from mutation.coverage_map import CoverageMap
+from mutation.imports import distances
 from mutation.mutant import Mutant
 
 FUNCTIONS, FILES = 12, 2  # how many test functions and files are tried where the map knows nothing
+IMPORTING = 4  # how many of the files that import the mutated one with the fewest imports between are tried
 _OF_SOURCES = ["tests/architecture/test_frozen_data.py"]  # which read the sources that are imported
 _OTHER = ("browser", "architecture", "fuzz")  # folders of tests that try no single line
 
 
 def stages(mutant: Mutant, covered: CoverageMap, root: Path, budget: float) -> list[list[str]]:
-    """The tests to try, in up to five rounds; each round takes about `budget` seconds at most.
+    """The tests to try, in up to ten rounds; each round takes about `budget` seconds at most.
 
     First the quickest of the tests that run the mutated lines, then more of these and of the tests that run the file,
-    then the test functions and files that name what is mutated, then tests that read sources.
+    then the test functions and files that name what is mutated, the files that import it, then tests that read sources.
     """
     if mutant.function_lines is not None:
         exact = covered.of_lines(mutant.path, mutant.line, mutant.last_line)
@@ -36,7 +38,10 @@ def stages(mutant: Mutant, covered: CoverageMap, root: Path, budget: float) -> l
     near = _within(sorted(exact, key=order), covered, budget, least=3)
     first = near[:12]
     second = near[12:] + _within(sorted(covered.of_file(mutant.path) - exact, key=order), covered, budget / 2)
-    rounds = [first, second, *named(mutant, root)]  # the last ones: tests that are newer than the map
+    by_name = named(mutant, root)  # these and the following: tests that are newer than the map
+    tried = set(by_name[-1])
+    by_import = [[file] for file in importing(mutant, root) if file not in tried]
+    rounds = [first, second, *by_name, *by_import]
     if mutant.function_lines is None:
         rounds.append([test for test in _OF_SOURCES if (root / test).exists()])
     return [tests for tests in rounds if tests]
@@ -68,13 +73,37 @@ def named(mutant: Mutant, root: Path) -> list[list[str]]:
         defined = min(4, sum(name in words for name in others))
         files.append((-place - 4 * len(words.intersection(inner)) - defined, file))
         for test, inside in tests.items():
-            near = len(inside.intersection(inner))
+            near = len(inside.intersection(inner)) + (module[-1] in test.split("_"))
             if place >= 6 or near:
                 defined = min(4, sum(name in inside for name in others))
                 functions.append((-place - 6 * near - defined, f"{file}::{test}"))
     best = [test for _, test in sorted(functions)[:FUNCTIONS]]
     count = 2 * FILES if compatibility else FILES  # whose tests run scripts, which name little
     return [best, [file for score, file in sorted(files)[:count] if score <= -4]]
+
+
+def importing(mutant: Mutant, root: Path) -> list[str]:
+    """The test files that import the mutated file with the fewest imports between, those that name more of it first."""
+    inner, others = _names((root / mutant.path).read_text(), mutant.line)
+    words_of = {file: words for file, words, _ in _test_words(root)}
+    nearest: dict[str, int] = {}
+    for file, distance in distances(root, mutant.path).items():
+        for test in [file] if file in words_of else _tests_beside(file, words_of):
+            nearest[test] = min(distance, nearest.get(test, distance))
+
+    def order(file: str) -> tuple[int, int]:
+        words = words_of[file]
+        return nearest[file], -4 * len(words.intersection(inner)) - len(words & others)
+
+    return sorted(nearest, key=order)[:IMPORTING]
+
+
+def _tests_beside(script: str, words_of: dict[str, set[str]]) -> list[str]:
+    """The test files in the folder of a script that name it."""
+    path = Path(script)
+    return [
+        file for file, words in words_of.items() if Path(file).parent == path.parent and path.stem in words
+    ]
 
 
 def _module(path: str) -> tuple[str, ...]:

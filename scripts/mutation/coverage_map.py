@@ -1,4 +1,4 @@
-"""Which tests run which line: builds the map by a traced run of the tests, and answers from it."""
+"""Which tests run which line: builds the map by a run of the tests on marked sources, and answers from it."""
 
 from __future__ import annotations
 
@@ -9,49 +9,44 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections import defaultdict
 from functools import lru_cache
 from pathlib import Path
 
-from coverage import Coverage, CoverageData
+from coverage import CoverageData
 
-CONFIG = """[run]
-source = {source}
-data_file = {data}
-parallel = true
-sigterm = true
-context = ${{MUTATION_TEST-}}
-disable_warnings = module-not-measured, no-data-collected, module-not-imported, already-imported
-"""
+from mutation import marks
 
 
 def build(root: Path, folder: Path, arguments: list[str], jobs: int) -> None:
-    """Runs the tests that `arguments` (of pytest) select under coverage and adds what they run to the map in `folder`.
+    """Runs the tests that `arguments` (of pytest) select on marked sources and adds what they call to the map.
 
-    The map is added to, so it can be built folder by folder, and a build that was stopped leaves what it found by
-    then. Child processes of the tests are traced, too. Each version of the sources has its part of the map, with a
-    copy of the sources, so that line numbers are found again after the sources changed.
+    The map is added to, so it can be built folder by folder. Child processes of the tests count, too. Each version of
+    the sources has its part of the map, with a copy of the sources, so that line numbers are found again after the
+    sources changed. Marks are of functions: that a line is in the map of a test says that its function was called.
     """
     part = _part(root, folder)
-    config, data = part / "coverage.ini", part / "lines"
-    config.write_text(CONFIG.format(source=root / "src", data=data))
-    # where a test of xdist calls this, the tests here are not that worker's
-    inherited = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_XDIST")}
-    environment = {
-        **inherited,
-        "COVERAGE_PROCESS_START": str(config),
-        "MUTATION_NOTES": str(folder / "notes.jsonl"),
-        "PYTHONPATH": os.pathsep.join([str(Path(__file__).resolve().parents[1]), str(root / "src")]),
-    }
-    workers = ["-n", str(jobs), "--dist", "worksteal"] if jobs > 1 else []
-    command = [sys.executable, "-m", "pytest", "-q", "--tb=no", "-p", "mutation.plugin", *workers, *arguments]
-    subprocess.run(command, cwd=root, env=environment, check=False)
-    combined = Coverage(data_file=data, config_file=str(config))
-    combined.load()  # what earlier builds found, which combining would overwrite
-    combined.combine(strict=False)
-    combined.save()
-    for damaged in part.glob("lines.*"):  # of children that were killed while they wrote
-        damaged.unlink()
+    with tempfile.TemporaryDirectory(prefix="mutation-") as place:
+        copy, hits = Path(place) / "src", Path(place) / "hits"
+        functions = marks.mark(root / "src", copy)
+        # where a test of xdist calls this, the tests here are not that worker's
+        inherited = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_XDIST")}
+        environment = {
+            **inherited,
+            "MUTATION_HITS": str(hits),
+            "MUTATION_NOTES": str(folder / "notes.jsonl"),
+            "PYTHONPATH": os.pathsep.join([str(copy), str(Path(__file__).resolve().parents[1])]),
+        }
+        workers = ["-n", str(jobs), "--dist", "worksteal"] if jobs > 1 else ["-p", "no:xdist"]
+        command = [sys.executable, "-m", "pytest", "-q", "--tb=no", "-p", "no:cacheprovider"]
+        subprocess.run(
+            [*command, "-p", "mutation.plugin", *workers, *arguments], cwd=root, env=environment, check=False
+        )
+        data = CoverageData(part / "lines")
+        data.read()
+        marks.collect(functions, hits, root / "src", data)
+        data.write()
 
 
 def _part(root: Path, folder: Path) -> Path:
@@ -89,11 +84,11 @@ class CoverageMap:
             del self._seconds[test]
 
     def seconds(self, test: str) -> float:
-        """How long a test took in the traced run, about [s]."""
+        """How long a test took when the map was built, about [s]."""
         return self._seconds.get(test, 0.0)
 
     def of_lines(self, path: str, first: int, last: int) -> set[str]:
-        """The tests that ran a line from `first` to `last` of a file."""
+        """The tests that called a function with a line from `first` to `last` of a file."""
         contexts = self._contexts(path)
         return {test for line in range(first, last + 1) for test in contexts.get(line, ())}
 

@@ -1,4 +1,4 @@
-"""The pytest plugin that records, for the map, which test runs which line, how long it takes and whether it passes."""
+"""The pytest plugin of the map: notes which functions each test calls, how long it took, and whether it passed."""
 
 from __future__ import annotations
 
@@ -8,25 +8,21 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import coverage
+import mutation_mark  # pyright: ignore[reportMissingImports]  # beside the marked sources
 import pytest
 
-TEST = "MUTATION_TEST"  # names the running test to its child processes: the static context of their coverage
+TEST = "MUTATION_TEST"  # names the running test to its child processes
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtest_protocol(item: Any) -> Iterator[None]:
-    """Names the running test as the context of all lines run from here on, also in child processes."""
-    running = coverage.Coverage.current()
+    """Names the running test to the marks, also those in child processes."""
     os.environ[TEST] = item.nodeid
-    if running is not None:
-        running.switch_context(item.nodeid)
+    mutation_mark.start(item.nodeid)
     try:
         return (yield)
     finally:
         os.environ.pop(TEST, None)
-        if running is not None:
-            running.switch_context("")
 
 
 def pytest_runtest_logreport(report: Any) -> None:
@@ -35,11 +31,3 @@ def pytest_runtest_logreport(report: Any) -> None:
         return
     with Path(os.environ["MUTATION_NOTES"]).open("a") as notes:
         notes.write(json.dumps([report.nodeid, report.duration, report.outcome]) + "\n")
-
-
-def pytest_sessionfinish() -> None:
-    """Saves the data now: a worker may be ended before its own end of life."""
-    running = coverage.Coverage.current()
-    if running is not None:
-        running.stop()
-        running.save()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import compileall
 import contextlib
+import hashlib
 import os
 import py_compile
 import re
@@ -21,7 +22,6 @@ from mutation.mutant import Mutant
 
 _OPTIONS = ("-q", "-x", "--tb=no", "-rfE", "-p", "no:cacheprovider")
 _GONE = re.compile(r"^ERROR: (?:file or directory )?not found: (.+)$", re.MULTILINE)
-LIMIT = 300.0  # seconds a run of tests may take beyond the time expected
 # Their results are kept under keys that say nothing of this code: with these mutated, the kernel cache starts empty.
 _CACHED = (
     "compiler/runtime/",
@@ -52,17 +52,29 @@ class Sandbox:
 
     A kernel cache is content-addressed, yet a mutant may damage it, so each gets a folder of hard links to the
     entries: an entry is never written to, only replaced, so the originals cannot change.
+
+    Args:
+        root: The repository.
+        folder: Where the copy and the temporary folders are made.
+        cache: The kernel cache that each run starts with; None for an empty one.
+        secret: The file with the key of its seals, if there is one.
+        unsound: Tests that fail without any mutant, which are left out.
+        limit: How long a run of tests may take beyond the time expected [s].
     """
 
     def __init__(
-        self, root: Path, folder: Path, cache: Path | None, secret: Path | None, unsound: set[str]
+        self,
+        root: Path,
+        folder: Path,
+        cache: Path | None,
+        secret: Path | None,
+        unsound: set[str],
+        limit: float,
     ) -> None:
         self._root, self._folder, self._cache, self._secret = root, folder, cache, secret
-        self._sources = folder / "src"
-        self.unsound = unsound  # tests that fail without any mutant, which are left out
-        shutil.copytree(root / "src", self._sources, ignore=shutil.ignore_patterns("__pycache__"))
-        checked = py_compile.PycInvalidationMode.CHECKED_HASH
-        compileall.compile_dir(self._sources, quiet=2, invalidation_mode=checked)
+        self._sources, self._limit = folder / "src", limit
+        self.unsound = unsound
+        _copy_compiled(root / "src", self._sources, root / "out" / "mutation" / "compiled")
         self._environment = {
             **{
                 name: text for name, text in os.environ.items() if not name.startswith(("COVERAGE", "PYTEST"))
@@ -113,7 +125,7 @@ class Sandbox:
                 text=True, errors="replace", start_new_session=True,
             )  # fmt: skip
             try:
-                output, _ = process.communicate(timeout=LIMIT + 3 * expected)
+                output, _ = process.communicate(timeout=self._limit + 3 * expected)
             except subprocess.TimeoutExpired:
                 return None, ""
             finally:
@@ -137,16 +149,48 @@ class Sandbox:
 
     def _prepare(self, empty: bool) -> None:
         """Makes the cache, state and temporary folders anew."""
-        for name in ("cache", "state", "tmp"):
+        for name in ("state", "tmp"):
             shutil.rmtree(self._folder / name, ignore_errors=True)
             (self._folder / name).mkdir(mode=0o700)
         if self._secret is not None and self._secret.exists():
             (self._folder / "state" / "ulna").mkdir(mode=0o700)
             shutil.copy2(self._secret, self._folder / "state" / "ulna")
-        if self._cache is not None and self._cache.is_dir() and not empty:
-            for entry in self._cache.iterdir():
-                with contextlib.suppress(OSError):  # removed meanwhile, or on another device
-                    os.link(entry, self._folder / "cache" / entry.name)
+        _link_entries(None if empty else self._cache, self._folder / "cache")
+
+
+def _copy_compiled(sources: Path, copy: Path, compiled: Path) -> None:
+    """Copies sources with their bytecode, which `compiled` keeps from one run of the script to the next."""
+    known = compiled.with_suffix(".digest")
+    digest = hashlib.sha256()
+    for file in sorted(sources.rglob("*.py")):
+        digest.update(f"{file.relative_to(sources)} {hashlib.sha256(file.read_bytes()).hexdigest()}".encode())
+    if not known.exists() or known.read_text() != digest.hexdigest():
+        known.unlink(missing_ok=True)
+        shutil.rmtree(compiled, ignore_errors=True)
+        shutil.copytree(sources, compiled, ignore=shutil.ignore_patterns("__pycache__"))
+        checked = py_compile.PycInvalidationMode.CHECKED_HASH
+        compileall.compile_dir(compiled, quiet=2, invalidation_mode=checked)
+        known.write_text(digest.hexdigest())
+    shutil.copytree(compiled, copy)
+
+
+def _link_entries(cache: Path | None, folder: Path) -> None:
+    """Makes `folder` hold links to the entries of `cache` and nothing else; what is right already stays."""
+    wanted = {}
+    if cache is not None and cache.is_dir():
+        wanted = {entry.name: entry.inode() for entry in os.scandir(cache) if entry.is_file()}
+    folder.mkdir(mode=0o700, exist_ok=True)
+    folder.chmod(0o700)
+    for entry in list(os.scandir(folder)):
+        if wanted.get(entry.name) == entry.inode():
+            del wanted[entry.name]
+        elif entry.is_dir(follow_symlinks=False):
+            shutil.rmtree(entry.path, ignore_errors=True)
+        else:
+            Path(entry.path).unlink(missing_ok=True)
+    for name in wanted:
+        with contextlib.suppress(OSError):  # removed meanwhile, or on another device
+            os.link(cache / name, folder / name)  # type: ignore[operator]
 
 
 def user_cache() -> tuple[Path | None, Path | None]:
@@ -162,7 +206,7 @@ def user_cache() -> tuple[Path | None, Path | None]:
 class Judge:
     """Tries mutants; a failure counts only where the same tests pass without the mutant.
 
-    Tests that passed in the traced run are tried without mutants later, by `refuted`: many at once take less time.
+    Tests that passed when the map was built are tried without mutants later, by `refuted`: many at once take less time.
     """
 
     def __init__(self) -> None:

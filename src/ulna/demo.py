@@ -13,6 +13,8 @@ import numpy as np
 
 from ulna.control import p_servo
 from ulna.errors import MissingExtra
+from ulna.linalg import pseudoinverse
+from ulna.robot import compile
 from ulna.sim import Recording, kinematic_step
 from ulna.spatial import SE3, matrix_to_rpy, so3_log
 from ulna.typing import Floats
@@ -86,12 +88,14 @@ def servo(
     Returns:
         Whether and how the goal was reached, with a recording of the motion.
     """
-    recording = Recording()
-    _step(robot, q, goal, gain, threshold, dt)  # compiles or loads the kernels, which is not counted
+    recording, joint_velocity = Recording(), _resolved_rates(robot)
+    _step(
+        robot, joint_velocity, q, goal, gain, threshold, dt
+    )  # compiles or loads the kernels, which is not counted
     arrived, spent = False, 0.0
     while not arrived and len(recording) * dt < _LONGEST_MOTION:
         began = time.perf_counter()
-        q, velocity, arrived = _step(robot, q, goal, gain, threshold, dt)
+        q, velocity, arrived = _step(robot, joint_velocity, q, goal, gain, threshold, dt)
         spent += time.perf_counter() - began
         recording.add((len(recording) + 1) * dt, q, v=velocity, T=robot.fk(q))
         if each_step is not None and each_step(recording.t[-1], q) is False:
@@ -100,12 +104,22 @@ def servo(
     return Servoing(goal, recording, arrived, error, spent / max(len(recording), 1))
 
 
+def _resolved_rates(robot: Any) -> Any:
+    """The kernel of the joint velocities [rad/s, m/s] that move the tool with a twist in its axes."""
+
+    def joint_velocity(q: Floats, twist: Floats) -> Floats:
+        inverse, _ = pseudoinverse(robot.jacobian(q, None, "local"))
+        return inverse @ twist
+
+    return compile(joint_velocity, robot, twist=(6,))
+
+
 def _step(
-    robot: Any, q: Floats, goal: Floats, gain: float, threshold: float, dt: float
+    robot: Any, joint_velocity: Any, q: Floats, goal: Floats, gain: float, threshold: float, dt: float
 ) -> tuple[Floats, Floats, bool]:
     """The configuration after a step, the velocity [rad/s, m/s], and whether the goal was reached before it."""
     v, arrived = p_servo(robot.fk(q), goal, gain, threshold)
-    velocity = np.linalg.pinv(robot.jacobian(q, None, "local")) @ v
+    velocity = joint_velocity(q, v)
     return kinematic_step(robot, q, velocity, dt), velocity, arrived
 
 

@@ -37,8 +37,15 @@ _SEARCHES = ("ik", "ik_all", "ik_classic", "ik_free", "distance", "collides", "f
 LOOPED_ABOVE = 60_000
 """Operations, as they are estimated, above which a quantity is computed by loops over joints where it can be.
 
-To compile so many takes about five seconds; below, straight-line code computes faster than loops
-(benchmarks/large_robots.py)."""
+To compile so many takes some three seconds; straight-line code of 50 joints computes 6 to 20 times as fast as loops, in
+batches more (benchmarks/large_robots.py)."""
+
+_MORE_FOR_MATRICES = 3
+"""How many times as many for quantities in a form of columns, which is compiled in a third of the time, and for others
+that take many operations for each pair of joints, whose loops are slowest beside straight-line code."""
+
+_MANY_FOR_A_PAIR = 50
+"""Operations."""
 
 DEVICES = ("cpu", "cuda")
 """What kernels are compiled for."""
@@ -166,13 +173,20 @@ def kernel(
             unit = _quaternions(model, quantity) if checked else ()
             if quantity.inverts_mass and not MASS_PARAMETERS & set(names):
                 check_mass(model, compiler.element_of(dtype).name)
-            if device == "cpu" and not names and estimated_nodes(model, quantity, chosen) > LOOPED_ABOVE:
+            if device == "cpu" and not names and _is_long(model, quantity, chosen):
                 compiled = _looped_kernel(model, name, compiler.element_of(dtype), checked, unit, chosen)
             if compiled is None:
                 compiled = _traced_kernel(model, name, dtype, checked, unit, names, device, chosen)
             _made[key] = compiled
             _recent.append(compiled)
     return compiled
+
+
+def _is_long(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> bool:
+    """Whether straight-line code would take long to compile."""
+    is_matrix = quantity.columns is not None or quantity.nodes[1] > _MANY_FOR_A_PAIR
+    limit = LOOPED_ABOVE * (_MORE_FOR_MATRICES if is_matrix else 1)
+    return estimated_nodes(model, quantity, chosen) > limit
 
 
 def _traced_kernel(
@@ -356,10 +370,18 @@ def _shape(model: Model, size: Size) -> tuple[int, ...]:
 
 
 @final
+class KernelsByName:
+    """The kernels of default options that are made: attributes, which Python finds sooner than keys of a dictionary."""
+
+    __slots__ = tuple(QUANTITIES)
+
+
+@final
 class CheckedKernels:
     """The kernels of one model that check their inputs, made when first asked for.
 
-    A look into a dictionary is all that a call costs beyond the kernel.
+    Reading an attribute, or for other options than the default ones a look into dictionaries, is all that a call costs
+    beyond the kernel.
 
     Args:
         model: The model.
@@ -369,13 +391,13 @@ class CheckedKernels:
 
     def __init__(self, model: Model) -> None:
         self.model = model
-        self.by_name: dict[str, Any] = {}
+        self.by_name = KernelsByName()
         """Those of default options, by name."""
         self.by_options: dict[str, Any] = {}
         """All of a name, by their options: `by_options[name][first][second]`."""
 
     def make(self, name: str, *options: Any) -> Any:
-        """The kernel of a quantity, which is entered in both dictionaries.
+        """The kernel of a quantity, which is entered in both tables.
 
         Args:
             name: The quantity.
@@ -388,7 +410,7 @@ class CheckedKernels:
         values = options or tuple(defaults.values())
         made = kernel(self.model, name, checked=True, **dict(zip(defaults, values, strict=True)))
         if values == tuple(defaults.values()):
-            self.by_name[name] = made
+            setattr(self.by_name, name, made)
         *outer, last = (name, *values)
         table = self.by_options
         for key in outer:

@@ -23,7 +23,7 @@ from ulna.methods.free import FreeInverseKinematics
 from ulna.methods.pages import Pages
 from ulna.methods.parameters import Parameters
 from ulna.methods.planning import MotionPlanning
-from ulna.methods.preparing import Preparing
+from ulna.methods.prepare_method import Preparing
 from ulna.methods.variants import Variants
 from ulna.model import Model
 from ulna.quantities.centroidal import Centroidal

@@ -84,6 +84,8 @@ def test_a_page_becomes_a_notebook_with_its_outputs(page: Path, tmp_path: Path) 
     book = json.loads(notebooks.notebook(PAGE, execution.run(page, made), made))
     code = [cell for cell in book["cells"] if cell["cell_type"] == "code"]
     assert [cell["source"][0].strip() for cell in code] == ["x = 2", "from pathlib import Path"]
+    folded = [cell["metadata"].get("jupyter", {}).get("source_hidden", False) for cell in code]
+    assert folded == [False, True]
     kinds = [[output["output_type"] for output in cell["outputs"]] for cell in code]
     assert kinds == [["stream"], ["stream", "display_data"]]
     words = "".join("".join(cell["source"]) for cell in book["cells"] if cell["cell_type"] == "markdown")

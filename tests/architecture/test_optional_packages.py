@@ -5,12 +5,16 @@ from __future__ import annotations
 import importlib.metadata
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+
+from support.missing_packages import missing_package
+from ulna.errors import MissingExtra
 
 ROOT = Path(__file__).parents[2]
 INSIDE_CMEEL = [
@@ -60,3 +64,28 @@ def test_without_the_optional_packages_every_test_file_is_collected(tmp_path: Pa
     assert done.returncode == 0, (
         "\n".join(re.findall(r"^(?:ERROR|E  ) .*", done.stdout, re.MULTILINE)) or done.stderr
     )
+
+
+def test_a_test_that_lacks_a_package_is_told_from_one_that_fails() -> None:
+    assert missing_package(MissingExtra("no-such-package", "all", "This test")) == "no_such_package"
+    assert missing_package(ModuleNotFoundError("No module", name="no_such_package.part")) == "no_such_package"
+    assert missing_package(ModuleNotFoundError("No module", name="ulna.no_such_part")) == ""
+    assert missing_package(MissingExtra("numpy", "all", "A test that hides it")) == ""
+    assert missing_package(ImportError("cannot import name", name="numpy")) == ""
+    assert missing_package(ValueError("something else")) == ""
+    chained = AssertionError("another error")
+    chained.__cause__ = MissingExtra("no-such-package", "all", "This test")
+    assert missing_package(chained) == "no_such_package"
+
+
+@pytest.mark.parametrize(("environment", "outcome"), [("", "1 skipped"), ("complete", "1 failed")])
+def test_a_complete_environment_lacks_nothing(tmp_path: Path, environment: str, outcome: str) -> None:
+    shutil.copy(ROOT / "tests" / "conftest.py", tmp_path)
+    (tmp_path / "test_one.py").write_text("def test_it():\n    import no_such_package\n")
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "-p", "no:xdist", "--rootdir", tmp_path, tmp_path],
+        cwd=tmp_path, env=os.environ | {"ULNA_ENVIRONMENT": environment, "PYTHONPATH": str(ROOT / "tests")},
+        capture_output=True, text=True, timeout=600, check=False,
+    )  # fmt: skip
+    assert outcome in done.stdout, done.stdout + done.stderr
+    assert ("'no_such_package' is not installed" in done.stdout) == (environment == "")

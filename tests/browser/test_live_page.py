@@ -10,17 +10,10 @@ import numpy as np
 import pytest
 
 import ulna
+from support.live_tab import ELEMENT, Tab, state_of
 from support.patience import patient
 
 pytestmark = pytest.mark.browser
-ELEMENT = "document.querySelector('ulna-robot')"
-PLACE = (
-    "([k, way]) => { const s = "
-    + ELEMENT
-    + """.session, g = s.gizmos[k], v = g.group.position.clone();
-    v.add(v.clone().set(...way).applyQuaternion(g.handles.quaternion).multiplyScalar(g.group.scale.x));
-    v.project(s.stage.camera); return [(v.x + 1) / 2 * s.canvas.clientWidth, (1 - v.y) / 2 * s.canvas.clientHeight]; }"""
-)
 NOTE_STATUS = (
     "() => { const status = "
     + ELEMENT
@@ -29,35 +22,6 @@ NOTE_STATUS = (
         status, { childList: true, characterData: true, subtree: true }); }"""
 )
 wait = patient()
-
-
-def state_of(page: Any) -> str | None:
-    """What the element of a page says of its start, once it says something."""
-    return page.wait_for_selector("ulna-robot[data-state]", state="attached").get_attribute("data-state")
-
-
-class Tab:
-    """A live page in a tab, with what it requested."""
-
-    def __init__(self, chromium: Any, file: Path, **options: Any) -> None:
-        self.context = chromium.new_context(viewport={"width": 800, "height": 520}, **options)
-        self.page = self.context.new_page()
-        self.requests: list[str] = []
-        self.page.on("request", lambda request: self.requests.append(request.url))
-        self.page.goto(file.as_uri())
-
-    def started(self) -> str | None:
-        return state_of(self.page)
-
-    def ask(self, expression: str) -> Any:
-        return self.page.evaluate(f"{ELEMENT}.{expression}")
-
-    def drag(self, way: tuple[float, float, float], by: tuple[float, float]) -> None:
-        x, y = self.page.evaluate(PLACE, [0, way])
-        self.page.mouse.move(x, y)
-        self.page.mouse.down()
-        for k in range(1, 7):
-            self.page.mouse.move(x + by[0] * k / 6, y + by[1] * k / 6)
 
 
 @pytest.fixture(scope="module")

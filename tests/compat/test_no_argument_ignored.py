@@ -20,7 +20,6 @@ UNUSED = {
     "links are always where the robot's q puts them": {"LinkNode.closest_point skip", "LinkNode.iscollided skip"},
     "joints are numbered by branches in any case": {"BaseRobot.__init__ check_jindex"},
     "nothing is printed while a file is read": {"* verbose"},
-    "meshes are read by Ulna": {"* mesh_loader", "* meshLoader", "buildModelsFromUrdf more", "buildModelsFromMJCF named"},
     "pictures are Ulna's; ellipsoids are drawn by what they are passed to": {
         "Ellipsoids.vellipse add", "Ellipsoids.fellipse add",
         *(

@@ -14,6 +14,7 @@ from ulna.model import (
     Circle,
     Composite,
     Continuous,
+    Ellipsoid,
     Fixed,
     FreeFlyer,
     Helical,
@@ -55,6 +56,9 @@ KINDS: dict[str, JointKind] = {
     "circle": Circle(SKEW),
     "planar circle": PlanarCircle(),
     "planar circle skew": PlanarCircle(SKEW),
+    "ellipsoid": Ellipsoid(0.5, -0.3, 0.8),
+    "ellipsoid of rotation": Ellipsoid(0.5, 0.2, 0.2),
+    "sphere": Ellipsoid(0.4, 0.4, 0.4),
     "spherical": Spherical(),
     "free flyer": FreeFlyer(),
     "composite": Composite(
@@ -94,6 +98,8 @@ def test_neutral_is_the_identity(name: str) -> None:
     if isinstance(kind, Composite):
         for place in kind.placements or ():
             expected = expected @ place.matrix()
+    if isinstance(kind, Ellipsoid):
+        expected[2, 3] = kind.radius_z  # it begins at the top
     np.testing.assert_allclose(poses(kind, neutral), expected, atol=1e-15)
 
 

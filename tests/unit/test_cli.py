@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from importlib.machinery import PathFinder
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,10 @@ from ulna import cli
 from ulna.cli import main
 from ulna.errors import InputError
 from ulna.viewer.robot.joint_sweep import joint_sweep
+
+NEEDS_VISER = pytest.mark.skipif(
+    PathFinder.find_spec("viser") is None, reason="viser, which serves the page, is not installed"
+)
 
 
 @pytest.fixture
@@ -165,7 +170,7 @@ def test_the_cache_is_described_and_cleared(
         (["show", "panda", "--headless", "--q", "qx"], "'qr'"),
         (["show", "panda", "--headless", "--q", "1", "x", "2"], "'x'"),
         (["show", "panda", "--headless", "--q", "nan", *"000000"], "nan"),
-        (["show", "panda", "--port", "99999"], "99999"),
+        pytest.param(["show", "panda", "--port", "99999"], "99999", marks=NEEDS_VISER),
         (["show", "panda", "--theme", "drak"], "'dark'"),
         (["show", "panda", "--show", "visuals"], "'visual'"),
         (["show", "panda", "--film", "a.avi"], ".gif"),

@@ -108,6 +108,8 @@ NAMES = [
     "ulna.compile",
     "ulna.compiler.KernelBase.dask",
     "ulna.compiler.KernelBase.jacobian",
+    "ulna.compiler.KernelBase.packed",
+    "ulna.compiler.KernelBase.pattern",
     "ulna.compiler.KernelBase.report",
     "ulna.control.computed_torque",
     "ulna.control.impedance",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -11,6 +12,10 @@ import numpy as np
 import pytest
 
 import ulna
+from ulna.collision import covering
+from ulna.compiler import compile
+from ulna.compiler.procedures import procedure
+from ulna.compiler.runtime import differentiate, jit
 from ulna.ik import solve
 from ulna.planning import Planner
 from ulna.sim import dynamic, simulate
@@ -68,6 +73,75 @@ def test_many_plans(ur5: ulna.Robot, heard: list[tuple[str, str]]) -> None:
         heard.clear()
 
 
+def test_spheres_that_cover_links(heard: list[tuple[str, str]], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(covering.cache, "read", lambda key: None)
+    monkeypatch.setattr(covering.cache, "write", lambda key, content: None)
+    arm = ulna.load(
+        "<robot name='one'><link name='base'/><link name='bar'><collision><geometry><box size='0.1 0.1 0.3'/></geometry>"
+        "</collision></link><joint name='j' type='continuous'><parent link='base'/><child link='bar'/></joint></robot>"
+    )
+    steps: list[int] = []
+    covering.fit(arm, most=4, progress=lambda done, of: steps.append(done))
+    assert steps and heard == []
+    covering.fit(arm, most=4)
+    assert heard[-1] == ("Covering links with spheres", "")
+
+
+def test_compilation_of_a_procedure(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    heard: list[tuple[str, str]] = []
+    monkeypatch.delenv("ULNA_QUIET", raising=False)
+    monkeypatch.setattr(jit, "_LOOPS_SPEED", 1e-3)
+    monkeypatch.setattr(jit, "_cached_object", lambda key: None)
+    monkeypatch.setattr(jit, "watchers", [lambda what, how_far: heard.append((what, how_far))])
+
+    @procedure
+    def third(x: int) -> int:
+        return x // 3
+
+    assert third(12) == 4
+    assert heard[0][0] == "Compiling third" and heard[-1] == ("Compiling third", "")
+    assert "compiling third, about" in capsys.readouterr().err
+
+
+def test_derivatives_with_many_sweeps(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    heard: list[tuple[str, str]] = []
+
+    def interrupt(what: str, how_far: str) -> None:
+        heard.append((what, how_far))
+        if how_far:
+            signal.raise_signal(signal.SIGINT)
+
+    kernel = compile(lambda q: np.stack([np.sin(q[0]) * q[1], q[0] ** 3 * q[2]]), name="wave", q=(3,))
+    monkeypatch.delenv("ULNA_QUIET", raising=False)
+    monkeypatch.setattr(differentiate, "_SECONDS", 10.0)
+    monkeypatch.setattr(jit, "watchers", [interrupt])
+    with pytest.raises(KeyboardInterrupt):
+        kernel.jacobian()
+    assert heard == [("Differentiating wave", heard[0][1])] or heard[-1] == ("Differentiating wave", "")
+    assert "differentiating wave (2 sweeps over" in capsys.readouterr().err
+    monkeypatch.setattr(jit, "watchers", [lambda what, how_far: heard.append((what, how_far))])
+    for derive, said in (
+        (kernel.hessian, "8 sweeps over"),
+        (kernel.vjp, "one sweep over"),
+        (kernel.jacobian, "2 sweeps over"),
+    ):
+        derivative = derive()
+        assert heard[-1] == ("Differentiating wave", "")
+        assert said in capsys.readouterr().err
+    q = np.array([0.3, -0.4, 0.7])
+    np.testing.assert_allclose(
+        derivative(q), [[np.cos(0.3) * -0.4, np.sin(0.3), 0.0], [3 * 0.09 * 0.7, 0.0, 0.027]]
+    )
+    monkeypatch.setattr(differentiate, "_SECONDS", 1.5e-5)
+    heard.clear()
+    kernel.jacobian()
+    assert heard == []
+
+
 def test_simulations(ur5: ulna.Robot, heard: list[tuple[str, str]], monkeypatch: pytest.MonkeyPatch) -> None:
     short = simulate(ur5, ur5.neutral, duration=0.05)
     assert heard == []
@@ -87,6 +161,7 @@ def test_it_is_printed_where_somebody_reads_it(monkeypatch: pytest.MonkeyPatch) 
         monkeypatch.setattr(Cell, "__module__", place)
         monkeypatch.setattr(sys, "stderr", Cell())
         assert module._terminal() is printed
+        assert module._stream() is (sys.stdout if printed else sys.stderr)
     monkeypatch.setattr(Cell, "__module__", "ipykernel.iostream")
     monkeypatch.setenv("ULNA_QUIET", "1")
     assert not module._terminal()

@@ -44,6 +44,7 @@ T = ulna.SE3.from_matrix(R.fk(Q))
         (lambda: T * T, r"SE3 has no `\*`; compose and apply with `@`"),
         (lambda: T * [1.0, 2.0, 3.0], "compose and apply with `@`"),
         (lambda: T * np.eye(4), "compose and apply with `@`"),
+        (lambda: np.eye(4) * T, "compose and apply with `@`"),
         (lambda: T.so3() * T.so3(), r"SO3 has no `\*`"),
         (lambda: R.model.joint_index(0), "Joints go by name: joint_names.0. is 'panda_joint1'"),  # type: ignore[arg-type]
         (lambda: R.ik(T, joints=[0, 1, 2]), "Joints go by name"),  # type: ignore[list-item]

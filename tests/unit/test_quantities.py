@@ -56,6 +56,7 @@ def numbers(model: Model, shape: str) -> tuple[int, ...]:
         "nbodies": len(model.inertias),
         "nlinks": len(model.links),
         "m": 3,
+        "nv+m": model.nv + 3,
     }
     entries = [entry.split() for entry in shape.strip("()").split(",") if entry.strip()]
     return tuple(int(np.prod([sizes.get(word) or int(word) for word in entry])) for entry in entries)

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from ulna import kernels
-from ulna.algorithms import aba, by_mass_matrix, mass_matrix
+from ulna.algorithms import aba, by_mass_matrix, integrate, mass_matrix
 from ulna.algorithms.dynamics.conditioning import conditioning
+from ulna.algorithms.dynamics.pivots import _pivots, conditioning_by_pivots
 from ulna.errors import ModelError, ModelWarning
 from ulna.model import ModelBuilder, Prismatic, Revolute, Spherical, Universal
+from ulna.quantities.mass import check_mass
 from ulna.robot import Robot
 from ulna.spatial import SE3, Inertia
 
@@ -209,3 +211,44 @@ def test_mimic_joints_count_as_part_of_their_source() -> None:
     builder.add_joint("j2", Prismatic(X), "l1", "l2", mimic=("j1", -1.0, 0.0))
     with pytest.raises(ModelError, match="'j1'"):
         Robot(builder.build()).kernel("forward_dynamics")
+
+
+@pytest.mark.parametrize("case", SINGULAR)
+def test_pivots_find_a_joint_of_each(case: str) -> None:
+    robot, names = SINGULAR[case]
+    model = robot.model
+    q = np.asarray(integrate(model, model.neutral, np.random.default_rng(0).uniform(-1.0, 1.0, model.nv)))
+    found = conditioning_by_pivots(model, q)
+    owners = [j.name for j in model.joints for k in found.loose if j.idx_v <= k < j.idx_v + j.nv]
+    assert len(owners) == 1 and owners[0] in names
+
+
+def test_pivots_are_those_of_the_mass_matrix() -> None:
+    robot = chain(
+        *((Revolute(Z), BODY, OUT @ SE3.rx(0.3), 0.1), (Prismatic(Y), BODY, OUT, 0.0)),
+        *((Universal(X, Y), BODY, OUT, 0.0), (Revolute(Z), BODY, OUT @ SE3.ry(0.4), 0.02)),
+    )
+    q = np.array([0.3, -0.2, 0.5, 0.7, -0.4])
+    factor = np.linalg.cholesky(
+        robot.mass_matrix(q)[::-1, ::-1]
+    )  # eliminates from the tip, as the recursion does
+    assert np.allclose(_pivots(robot.model, q)[0], np.diag(factor)[::-1] ** 2, rtol=1e-12)
+
+
+def long_chain(tip: Inertia, count: int = 400) -> Robot:
+    """A robot of so many joints that it is computed by loops."""
+    places = [(Revolute(Z), BODY, OUT @ SE3.rx(0.3), 0.0)] * (count - 1)
+    return chain(*places, (Revolute(Z), tip, OUT @ SE3.rx(0.3), 0.0), name="long")
+
+
+@pytest.mark.parametrize("call", ["forward_dynamics", "inverse_mass_matrix"])
+def test_a_large_robot_is_refused_by_name_too(call: str) -> None:
+    robot = long_chain(Inertia.from_point(1.0, (0.0, 0.0, 0.1)))
+    with pytest.raises(ModelError, match="accelerate 'j400' of 'long' without bound: what it moves has mass"):
+        CALLS[call](robot, np.zeros(robot.nv))
+
+
+def test_a_large_robot_that_is_close_to_it_is_warned_of() -> None:
+    small = Inertia.from_com(1.0, (0.0, 0.0, 0.1), 1e-15 * np.diag([1.0, 1.0, 1.0]))
+    with pytest.warns(ModelWarning, match="'j400' can move almost without inertia"):
+        check_mass(long_chain(small).model)

@@ -58,12 +58,12 @@ def test_what_is_too_large_is_refused_before_it_is_traced(monkeypatch: pytest.Mo
     model = chain(500)
     monkeypatch.setattr(kernels, "trace", lambda *_, **__: pytest.fail("it is traced"))
     with pytest.raises(
-        TooLargeError, match=r"coriolis_matrix of 'before500' .* s and .* GB.* ULNA_MOST_OPERATIONS"
+        TooLargeError, match=r"joint_torque_regressor of 'before500' .* s and .* GB.* ULNA_MOST_OPERATIONS"
     ):
-        kernels.kernel(model, "coriolis_matrix")
+        kernels.kernel(model, "joint_torque_regressor")
     monkeypatch.setenv("ULNA_MOST_OPERATIONS", "0")
     with pytest.raises(pytest.fail.Exception, match="it is traced"):
-        kernels.kernel(model, "coriolis_matrix")
+        kernels.kernel(model, "joint_torque_regressor")
 
 
 def test_the_limit_can_be_set(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,6 +14,15 @@ from ulna.algorithms.constraints.dynamics import (
     forward_dynamics_with_jacobian as forward_dynamics_with_jacobian,
 )
 from ulna.algorithms.constraints.dynamics import impulse_dynamics as impulse_dynamics
+from ulna.algorithms.constraints.forward_dynamics_derivatives import (
+    ConstrainedDerivatives as ConstrainedDerivatives,
+)
+from ulna.algorithms.constraints.forward_dynamics_derivatives import (
+    columns_of_constrained_derivatives as columns_of_constrained_derivatives,
+)
+from ulna.algorithms.constraints.forward_dynamics_derivatives import (
+    constrained_dynamics_derivatives as constrained_dynamics_derivatives,
+)
 from ulna.algorithms.constraints.kinematics import constraint_bias as constraint_bias
 from ulna.algorithms.constraints.kinematics import constraint_error as constraint_error
 from ulna.algorithms.constraints.kinematics import constraint_jacobian as constraint_jacobian

@@ -231,7 +231,7 @@ def signed(kind: Kind, c: Array, numbers: Array) -> Any:
 
 def root(x: Any) -> Any:
     """The square root, with a derivative at 0 as well."""
-    return sqrt(x + 1e-300)
+    return sqrt(x + 2e-38)  # above zero in single precision, too
 
 
 def _beyond(kind: Kind, c: Array, numbers: Array) -> list[Any]:

@@ -17,27 +17,39 @@ import numpy as np
 
 from ulna import kernels
 from ulna.checks.arrays import batched_array
+from ulna.checks.values import count as check_count
+from ulna.checks.values import number, short_repr
 from ulna.collision import clearance as gap
-from ulna.collision import deferred
+from ulna.collision import deferred, sphere_kernels
 from ulna.collision.attached import carried
 from ulna.collision.clouds import cloud_checks
 from ulna.collision.covering import fit
 from ulna.collision.groups import grouped, pairs_apart
-from ulna.collision.lanes.batches import LEAST, BatchCheck, batch_check
+from ulna.collision.lanes.batches import BatchCheck, batch_scene
+from ulna.collision.lanes.single import DOUBTFUL, FREE, TOUCHING
+from ulna.collision.lanes.tables import Scene
 from ulna.collision.mask import check_touches
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.solids import Missing
 from ulna.collision.sphere_kernels import What, outer_kernel, own_kernel, sphere_kernel
 from ulna.collision.spheres import Spheres
+from ulna.collision.touches import deepest_touch
 from ulna.collision.world import World
 from ulna.errors import InputError
 from ulna.model import Model
 from ulna.model.of_robot import model_of
 from ulna.spatial import SE3
+from ulna.system.cached import cached_property
 from ulna.typing import Array, ArrayLike, Floats
 
 TOUCH = 1e-6
 """What is this near counts as touching [m]: the tolerance that coal's own distances have."""
+
+_ONE_BY_ONE = 40
+"""So many configurations take less time one by one than together, which binds many arrays first."""
+
+_COMPILED_FROM = 32
+"""Configurations in doubt, of one checker, from which on a kernel is compiled for them."""
 
 _CHUNK = 512  # configurations whose spheres fit the second cache
 
@@ -76,6 +88,10 @@ class SphereChecker:
         self._options = {"spheres": spheres, "pairs": pairs, "missing": missing}
         self.missing: Missing = missing
         self.model, self.world = model, World() if world is None else world
+        if not (spheres is None or isinstance(spheres, Spheres)):
+            raise InputError(
+                f"`spheres` is {short_repr(spheres)}; expected Spheres, as `ulna.collision.fit(model)` makes."
+            )
         self.spheres = fit(model, missing=missing) if spheres is None else spheres
         for name in self.spheres.links:
             model.link_index(name)
@@ -105,7 +121,8 @@ class SphereChecker:
         self._clouds = cloud_checks(self.model, self.world, self.covering, self._chosen, self.missing)
         self._still = [self._rows(parts, {}) for _, _, parts in self._groups]
         self._kernels: dict[Any, Any] = {}
-        self._batches: dict[float, BatchCheck | None] = {}
+        self._batches: dict[float, BatchCheck] = {}
+        self._asked, self._shape = 0, (model.nq,)
         self._scratch = threading.local()
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -135,18 +152,29 @@ class SphereChecker:
             UnknownName: If `moving` names no obstacle.
             InputError: If `margin` is negative.
         """
-        if not (np.isfinite(margin) and margin >= 0.0):
-            raise InputError(f"`margin` is {margin!r}; expected a finite length, not below 0 [m].")
+        if type(margin) is not float or not 0.0 <= margin < np.inf:
+            margin = number("margin", margin, "a finite length, not below 0 [m]", least=0.0)
+        if (
+            type(q) is np.ndarray
+            and q.shape == self._shape
+            and q.dtype.char == "d"
+            and threads is moving is None
+        ):
+            check = self._batches.get(margin + TOUCH)
+            if check is not None:
+                answer = check.state(q)  # nan is in doubt
+                if answer != DOUBTFUL:
+                    return answer == TOUCHING
+        if threads is not None:
+            check_count("threads", threads)
         if deferred.is_lazy_question(q, moving):
             options = {"margin": float(margin), "threads": threads}
             return deferred.ask(self, "collides", np.bool_, q, moving, options)
         reach = float(margin) + TOUCH
-        least = LEAST * self.model.nq
-        if not moving and getattr(q, "size", least) >= least:  # `_evaluate` validates a small array
+        check = None if moving else self._batch_check(reach)
+        if check is not None:
             q = batched_array("q", q, (self.model.nq,))
-            check = self._batch_check(reach) if q.size >= least else None
-            if check is not None:
-                return self._collides_in_lanes(check, q, reach, threads)
+            return self._collides_in_lanes(check, q, reach, threads)
         free = self._evaluate("free", q, moving, np.minimum, reach, threads)
         return free < 0.5 if np.ndim(free) else bool(free < 0.5)
 
@@ -174,12 +202,19 @@ class SphereChecker:
             ShapeError, DtypeError, NonFiniteError: If `q` or a pose cannot be one.
             UnknownName: If `moving` names no obstacle.
         """
+        if threads is not None:
+            check_count("threads", threads)
         if deferred.is_lazy_question(q, moving):
             return deferred.ask(self, "clearance", np.float64, q, moving, {"threads": threads})
         return self._evaluate("signed", q, moving, np.minimum, 0.0, threads)
 
-    def static_groups(self) -> list[tuple[gap.Kind, tuple[str, ...], Floats, tuple[str, ...]]]:
+    def static_groups(
+        self, moving: Mapping[str, ArrayLike] | None = None
+    ) -> list[tuple[gap.Kind, tuple[str, ...], Floats, tuple[str, ...]]]:
         """What the spheres are checked against, where it stands: obstacles, and links that never move.
+
+        Args:
+            moving: Poses of moving obstacles by name, T_world_shape, shape (4, 4) [m].
 
         Returns:
             For each formula ("box", "cylinder" or "plane") and set of links: the links' names, the numbers of the
@@ -187,20 +222,25 @@ class SphereChecker:
         """
         return [
             (kind, links, rows, tuple(part.owner for part, _, _ in parts))
-            for (kind, links, parts), rows in zip(self._groups, self._still, strict=True)
+            for (kind, links, parts), (*_, rows) in zip(
+                self._groups, self._group_rows(self._poses(moving)), strict=True
+            )
         ]
 
-    def cloud_distances(self, link: str, centres: Floats) -> list[tuple[str, float]]:
+    def cloud_distances(
+        self, link: str, centres: Floats, moving: Mapping[str, ArrayLike] | None = None
+    ) -> list[tuple[str, float]]:
         """How far the spheres of a link are from obstacles that are points, where these stand.
 
         Args:
             link: Name of the link or attached object.
             centres: Centres of its spheres in the world, shape (n, 3) [m].
+            moving: Poses of moving obstacles by name, T_world_shape, shape (4, 4) [m].
 
         Returns:
             By obstacle that is checked against the link its name and the distance, less the margin [m].
         """
-        poses = {check.name: self.world[check.name].pose for check in self._clouds}
+        poses = {check.name: self.world[check.name].pose for check in self._clouds} | self._poses(moving)
         radii = self.covering.links[link].radii
         return [
             (check.name, check.link_distance(link, centres, radii, poses[check.name]))
@@ -209,28 +249,51 @@ class SphereChecker:
         ]
 
     def _batch_check(self, reach: float) -> BatchCheck | None:
-        """The check of large batches in float32, with proof; None where that does not do."""
-        if reach not in self._batches:
+        """The check in float32, with proof; None where that does not do."""
+        check = self._batches.get(reach)
+        if check is None and self._scene is not None:
             if len(self._batches) >= 8:
                 self._batches.clear()
-            self._batches[reach] = batch_check(
-                self.model, self.world, self.spheres, self.pairs, self.missing, reach
-            )
-        return self._batches[reach]
+            check = self._batches[reach] = BatchCheck(self._scene, reach)
+        return check
 
-    def _collides_in_lanes(self, check: BatchCheck, q: Floats, reach: float, threads: int | None) -> Array:
+    @cached_property
+    def _scene(self) -> Scene | None:
+        """What checks in float32 share; None where they do not do."""
+        return batch_scene(self.model, self.world, self.spheres, self.pairs, self.missing)
+
+    def _collides_in_lanes(self, check: BatchCheck, q: Floats, reach: float, threads: int | None) -> Any:
         """Which configurations touch: by float32 where that is certain, else by float64."""
+        if q.ndim == 1:
+            answer = check.state(q)
+            return (
+                self._touches_exactly(q[None], reach)[0].item() if answer == DOUBTFUL else answer == TOUCHING
+            )
         flat = q.reshape(-1, self.model.nq)
-        if threads is None or threads < 2:
+        if len(flat) <= _ONE_BY_ONE:
+            answers = np.array([check.state(row) for row in flat], dtype=int)
+            touching, is_doubtful = answers != FREE, answers == DOUBTFUL
+        elif threads is None or threads < 2:
             touching, is_doubtful = check.run(flat)
         else:
             with ThreadPoolExecutor(threads) as pool:
                 parts = pool.map(check.run, np.array_split(flat, threads))
                 touching, is_doubtful = (np.concatenate(part) for part in zip(*parts, strict=True))
         if is_doubtful.any():
-            free = self._evaluate("free", flat[is_doubtful], None, np.minimum, reach, threads)
-            touching[is_doubtful] = free < 0.5
+            touching[is_doubtful] = self._touches_exactly(flat[is_doubtful], reach, threads)
         return touching.reshape(q.shape[:-1])
+
+    @cached_property
+    def _is_compilable(self) -> bool:
+        """Whether few enough spheres are checked against each other for one kernel."""
+        return len(gap.self_pairs(self.model, self.spheres, self.pairs)) <= sphere_kernels.MOST_COUPLES
+
+    def _touches_exactly(self, q: Floats, reach: float, threads: int | None = None) -> Array:
+        """Which configurations touch, in float64: one by one until so many were asked that a kernel is compiled."""
+        self._asked += len(q)
+        if self._asked > _COMPILED_FROM and self._is_compilable:
+            return self._evaluate("free", q, None, np.minimum, reach, threads) < 0.5
+        return np.array([deepest_touch(self, row)[0] <= reach for row in q])
 
     # evaluation --------------------------------------------------------------------------------------------
 
@@ -243,15 +306,10 @@ class SphereChecker:
         reach: float,
         threads: int | None,
     ) -> Any:
-        poses = {name: SE3.from_matrix(_matrix(T)) for name, T in (moving or {}).items()}
-        for name in poses:
-            self.world.moving(name)
+        poses = self._poses(moving)
         q = batched_array("q", q, (self.model.nq,))
         batch = np.broadcast_shapes(q.shape[:-1], *(T.translation.shape[:-1] for T in poses.values()))
-        rows: list[Any] = [
-            (kind, links, self._rows(parts, poses) if any(name in poses for *_, name in parts) else still)
-            for (kind, links, parts), still in zip(self._groups, self._still, strict=True)
-        ]
+        rows: list[Any] = self._group_rows(poses)
         for check in self._clouds:
             pose = poses.get(check.name, self.world[check.name].pose).matrix()
             rows.append((None, check, pose.reshape(*pose.shape[:-2], 1, 16)))
@@ -314,6 +372,19 @@ class SphereChecker:
             least_apart = apart.min(axis=(-2, -1))
             result = join(result, least_apart > reach if what == "free" else least_apart)
         return np.asarray(result)
+
+    def _poses(self, moving: Mapping[str, ArrayLike] | None) -> dict[str, SE3]:
+        """Poses of moving obstacles, by name."""
+        for name in moving or {}:
+            self.world.moving(name)
+        return {name: SE3.from_matrix(_matrix(T)) for name, T in (moving or {}).items()}
+
+    def _group_rows(self, poses: Mapping[str, SE3]) -> list[tuple[gap.Kind, tuple[str, ...], Floats]]:
+        """The numbers of all parts that spheres are checked against, by formula and links."""
+        return [
+            (kind, links, self._rows(parts, poses) if any(name in poses for *_, name in parts) else still)
+            for (kind, links, parts), still in zip(self._groups, self._still, strict=True)
+        ]
 
     def _with_attached(self, q: Floats, placed: tuple[Any, Any]) -> tuple[Any, Any]:
         """The centres of all spheres, after those of the links those of attached objects."""

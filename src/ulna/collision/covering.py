@@ -13,7 +13,8 @@ from __future__ import annotations
 
 import json
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,7 @@ from ulna.geometry import Mesh
 from ulna.model import Model
 from ulna.model.content import fingerprint
 from ulna.model.of_robot import model_of
+from ulna.system.progress import progress as long_task
 from ulna.typing import Array
 
 Report = Callable[[int, int], object]
@@ -69,7 +71,8 @@ def fit(
         most: How many spheres a link has on average, at most, besides shapes that are balls; None allows 60 spheres
             and 5.5 more for each link, 120 for an arm with a gripper of 11 links.
         missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
-        progress: Called with the numbers of steps that are done, and of all; its exceptions end the work.
+        progress: Called with the numbers of steps that are done, and of all; its exceptions end the work. None shows
+            them in the terminal, in notebooks and in open pages.
 
     Returns:
         The spheres of each link.
@@ -90,7 +93,9 @@ def fit(
     key = _key(model, contents, float(tolerance), budget)
     stored = cache.read(key)
     if stored is None:
-        fitted, blocked = _fit(model, solids, contents, float(tolerance), budget, progress or _silent)
+        shown = long_task("Covering links with spheres") if progress is None else nullcontext(progress)
+        with shown as report:
+            fitted, blocked = _fit(model, solids, contents, float(tolerance), budget, report)
         cache.write(key, json.dumps([fitted.to_json(), blocked]).encode())
     else:
         text, blocked = json.loads(stored.decode())
@@ -123,10 +128,6 @@ def _key(model: Model, contents: Mapping[str, str], tolerance: float, budget: in
     """Where the spheres of a robot are stored."""
     parts = [_VERSION, model, contents, link_pairs(model), tolerance, budget]
     return cache.key("spheres", fingerprint(parts))
-
-
-def _silent(done: int, of: int) -> None:
-    """Reports nothing."""
 
 
 def solids_by_link(model: Model, missing: Missing = "error") -> dict[str, list[Solid]]:
@@ -187,6 +188,7 @@ def _fit(
             by_content[contents[name]] = link_task(model, name, parts)
     tasks = {name: by_content[content] for name, content in contents.items()}
     weights = _weights(model, list(solids))
+    exact_links = {name for name, ready in tasks.items() if ready.is_done}
     solved: dict[tuple[str, int], LinkSpheres] = {}
     for attempt in range(_ROUNDS):
         found = {}
@@ -198,7 +200,7 @@ def _fit(
             found[name] = solved[contents[name], count]
         fitted = Spheres(found)
         progress(2 * len(solids) + attempt, steps)
-        close = close_pairs(model, fitted)
+        close = close_pairs(model, fitted, exact_links)
         if not any(share > _OFTEN for share in close.values()):
             break
         for name in {name for pair, share in close.items() if share > _OFTEN for name in pair}:
@@ -239,18 +241,20 @@ def _counts(
     return counts(high)
 
 
-def close_pairs(model: Model, spheres: Spheres) -> dict[LinkPair, float]:
+def close_pairs(model: Model, spheres: Spheres, exact_links: Collection[str] = ()) -> dict[LinkPair, float]:
     """Pairs of moving links whose spheres touch in configurations in which the links do not.
 
     Args:
         model: The robot.
         spheres: Spheres of its links.
+        exact_links: Links whose shapes are these very spheres: two of them touch where their spheres do.
 
     Returns:
         By pair the share of such configurations among some random ones; empty where coal is not installed.
     """
     q = algorithms.random(model, np.random.default_rng(0), (_TRIALS,))
-    touching = {pair: hits for pair, hits in _sphere_hits(model, spheres, q).items() if hits.any()}
+    pairs = [pair for pair in link_pairs(model) if not set(pair) <= set(exact_links)]
+    touching = {pair: hits for pair, hits in _sphere_hits(model, spheres, pairs, q).items() if hits.any()}
     if not touching:
         return {}
     try:
@@ -266,14 +270,18 @@ def close_pairs(model: Model, spheres: Spheres) -> dict[LinkPair, float]:
     return {pair: share for pair, share in shares.items() if share > 0.0}
 
 
-def _sphere_hits(model: Model, spheres: Spheres, q: Array) -> dict[LinkPair, Array]:
+def _sphere_hits(
+    model: Model, spheres: Spheres, pairs: Sequence[LinkPair], q: Array
+) -> dict[LinkPair, Array]:
     """By pair of moving links, in which configurations spheres touch."""
+    if not pairs:
+        return {}
     placed = {
         name: np.broadcast_to(points, (len(q), *points.shape[-2:]))
         for name, points in sphere_centres(model, q, spheres).items()
     }
     hits = {}
-    for a, b in link_pairs(model):
+    for a, b in pairs:
         if model.link(a).joint < 0 or model.link(b).joint < 0 or not {a, b} <= placed.keys():
             continue  # fixed links need no spheres against others; what was skipped has none
         reach = spheres.links[a].radii[:, None] + spheres.links[b].radii

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import reduce
 from typing import Any
 
 import numpy as np
 
 from ulna.collision.attached import carried
-from ulna.collision.clearance import Part, checked_links, parts, root, row, self_pairs, signed, standing
+from ulna.collision.clearance import Kind, Part, checked_links, parts, root, row, self_pairs, signed, standing
 from ulna.collision.covering import fit
 from ulna.collision.mask import check_touches
 from ulna.collision.pairs import LinkPair, link_pairs
@@ -17,7 +18,11 @@ from ulna.collision.world import World
 from ulna.model import Model
 from ulna.numeric import exp, minimum
 from ulna.spatial import SE3
-from ulna.typing import Array
+from ulna.typing import Array, Floats
+
+Ball = tuple[str, int]
+"""Name of a link and number of its sphere."""
+_Partners = tuple[list[tuple[Kind, Floats]], list[Ball]]
 
 
 def sphere_clearance(
@@ -51,41 +56,65 @@ def sphere_clearance(
     held = carried(model, world, balls)
     all_pairs = (*chosen, *held.pairs)
     balls = Spheres({**balls.links, **held.spheres})
-    couples = self_pairs(model, balls, all_pairs)
-    rows: list[tuple[Part, SE3, tuple[str, ...]]] = [
-        (part, SE3.identity(), links) for part, links in standing(model, all_pairs)
-    ]
-    for part in parts(world):
-        links = tuple(checked_links(model, balls, world[part.owner], world))
-        rows.append((part, world[part.owner].pose, links))
+    checks = _checks(model, world, balls, all_pairs)
 
-    def distances(q: Array) -> list[Any]:
+    def gaps(q: Array) -> Iterator[list[Any]]:
         c = sphere_centres(model, q, balls, held.carriers)
-        gaps = []
-        for a, i, b, j in couples:
-            v = c[a][i] - c[b][j]
-            apart = balls.links[a].radii[i] + balls.links[b].radii[j] + world.margin(a, b)
-            gaps.append(root(v @ v) - apart)
-        for part, pose, links in rows:
-            for link in links:
-                numbers = row(part.grown(world.margin(part.owner, link)), pose)
-                for centre, radius in zip(c[link], balls.links[link].radii, strict=True):
-                    gaps.append(signed(part.kind, centre, numbers) - radius)
-        return gaps
+        for (link, i), (obstacles, others) in checks.items():
+            radius = balls.links[link].radii[i]
+            of_ball = [signed(kind, c[link][i], numbers) - radius for kind, numbers in obstacles]
+            for b, j in others:
+                v = c[link][i] - c[b][j]
+                of_ball.append(root(v @ v) - (radius + balls.links[b].radii[j] + world.margin(link, b)))
+            yield of_ball
 
     def function(q: Array) -> Any:
-        gaps = distances(q)
-        return _least(gaps, smooth) if gaps else 0.0 * q[0] + np.inf
+        return _least(gaps(q), smooth) if checks else 0.0 * q[0] + np.inf
 
     return function
 
 
-def _least(gaps: Sequence[Any], smooth: float | None) -> Any:
-    """The least of distances, rounded off by a length or not."""
-    least = gaps[0]
-    for d in gaps[1:]:
-        least = minimum(least, d)
+def _checks(model: Model, world: World, balls: Spheres, pairs: Sequence[LinkPair]) -> dict[Ball, _Partners]:
+    """What each sphere is checked against: parts of obstacles, and spheres before it.
+
+    So a sphere is needed until the last one that is checked against it, and those of the last link only while they are
+    checked: few are held at a time, which is what registers suffice for.
+
+    Args:
+        model: The robot.
+        world: Obstacles.
+        balls: Spheres of the links and of attached objects.
+        pairs: Pairs of links and attached objects.
+
+    Returns:
+        By link and number of the sphere, in the order of the links; only of spheres that are checked.
+    """
+    rows: list[tuple[Part, SE3, Sequence[str]]] = [
+        (part, SE3.identity(), links) for part, links in standing(model, pairs)
+    ]
+    rows += [
+        (part, world[part.owner].pose, checked_links(model, balls, world[part.owner], world))
+        for part in parts(world)
+    ]
+    order = [(link, i) for link, those in balls.links.items() for i in range(len(those.radii))]
+    place = {ball: k for k, ball in enumerate(order)}
+    checks: dict[Ball, _Partners] = {ball: ([], []) for ball in order}
+    for part, pose, links in rows:
+        for link in links:
+            numbers = row(part.grown(world.margin(part.owner, link)), pose)
+            for i in range(len(balls.links[link].radii)):
+                checks[link, i][0].append((part.kind, numbers))
+    for a, i, b, j in self_pairs(model, balls, pairs):
+        first, second = sorted(((a, i), (b, j)), key=place.__getitem__)
+        checks[second][1].append(first)
+    return {ball: partners for ball, partners in checks.items() if any(partners)}
+
+
+def _least(gaps: Iterable[Sequence[Any]], smooth: float | None) -> Any:
+    """The least of the distances of each sphere, rounded off by a length or not."""
     if smooth is None:
-        return least
-    total = sum(exp((least - d) / smooth) for d in gaps)  # none above 1
+        return reduce(minimum, (reduce(minimum, of_ball) for of_ball in gaps))
+    held = [d for of_ball in gaps for d in of_ball]
+    least = reduce(minimum, held)
+    total = sum(exp((least - d) / smooth) for d in held)  # none above 1
     return least - smooth * np.log(total)

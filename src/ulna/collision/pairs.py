@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from ulna.checks.values import short_repr
 from ulna.errors import InputError
 from ulna.model import FreeFlyer, Model
 from ulna.model.of_robot import model_of
@@ -68,9 +69,13 @@ def checked_pairs(model: Model, pairs: Iterable[LinkPair]) -> tuple[LinkPair, ..
         InputError: If an entry is not a pair of two different names.
         UnknownName: If there is no such link; names the nearest.
     """
+    if isinstance(pairs, str) or not isinstance(pairs, Iterable):
+        raise InputError(
+            f"{short_repr(pairs)} is no list of pairs of links; expected such as [('link1', 'link4')]."
+        )
     out = []
     for pair in pairs:
-        if isinstance(pair, str) or len(tuple(pair)) != 2:
+        if isinstance(pair, str) or not isinstance(pair, Iterable) or len(tuple(pair)) != 2:
             raise InputError(f"{pair!r} is no pair of links; expected two names, such as ('link1', 'link4').")
         a, b = pair
         for name in (a, b):

@@ -66,10 +66,17 @@ def _walk(node: ast.AST, scope: Scope, found: list[tuple[ast.expr, Scope]]) -> N
             inner = Scope(scope)
             for argument in ast.walk(child.args) if not isinstance(child, ast.ClassDef) else ():
                 if isinstance(argument, ast.arg):
-                    inner.bind(argument.arg, None)
+                    inner.bind(argument.arg, _instance_of(argument.annotation))
         if isinstance(child, (ast.Attribute, ast.Call)):
             found.append((child, scope))
         _walk(child, inner, found)
+
+
+def _instance_of(annotation: ast.expr | None) -> ast.expr | None:
+    """A call of the class that an annotation names, which stands for an instance of it."""
+    if isinstance(annotation, (ast.Name, ast.Attribute)):
+        return ast.Call(annotation, [], [])
+    return None
 
 
 def _bind(node: ast.AST, scope: Scope) -> None:
@@ -80,7 +87,9 @@ def _bind(node: ast.AST, scope: Scope) -> None:
     elif isinstance(node, ast.Assign):
         for target in node.targets:
             _bind_target(target, node.value, scope)
-    elif isinstance(node, (ast.AnnAssign, ast.NamedExpr)):
+    elif isinstance(node, ast.AnnAssign):
+        _bind_target(node.target, node.value or _instance_of(node.annotation), scope)
+    elif isinstance(node, ast.NamedExpr):
         _bind_target(node.target, node.value, scope)
     elif isinstance(node, (ast.AugAssign, ast.For, ast.AsyncFor, ast.comprehension)):
         _bind_target(node.target, None, scope)

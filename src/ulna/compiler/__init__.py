@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ulna.compiler.language.function import Function as Function
 from ulna.compiler.language.function import trace as trace
+from ulna.compiler.language.packing import Pattern as Pattern
 from ulna.compiler.language.ports import Port as Port
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from ulna.compiler.runtime.kernel import compile as compile
     from ulna.compiler.runtime.kernel import element_of as element_of
 
-__all__ = ["Function", "KernelBase", "Port", "compile", "element_of", "trace"]
+__all__ = ["Function", "KernelBase", "Pattern", "Port", "compile", "element_of", "trace"]
 
 
 def __getattr__(name: str) -> Any:

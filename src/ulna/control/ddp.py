@@ -14,6 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ulna.checks.arrays import finite_array
+from ulna.checks.values import count, function, number, short_repr
 from ulna.control.backward import Gains, backward
 from ulna.control.stages import Stage, StageDerivatives, TerminalDerivatives, TerminalStage
 from ulna.errors import InputError, ShapeError
@@ -102,8 +104,12 @@ def ddp(
 
     Raises:
         ShapeError: If an array has a wrong shape.
-        InputError: If `x0` or the first controls are not finite, or lead to states that are not.
+        NonFiniteError: If `x0`, the first controls or parameters are not finite.
+        InputError: If the controls lead to states that are not finite, or an argument makes no sense.
     """
+    iterations = count("iterations", iterations, 0)
+    tolerance = number("tolerance", tolerance, "a number not below 0", least=0.0)
+    progress = progress if progress is None else function("progress", progress)
     search = _Search(stage, terminal, x0, controls, parameters, terminal_parameters)
     mu, done, converged, reason = 0.0, [], False, f"{iterations} iterations were not enough"
     gains: Gains | None = None
@@ -150,16 +156,17 @@ class _Search:
         parameters: Sequence[Any],
         terminal_parameters: Sequence[Any],
     ) -> None:
+        _check_parts(stage, terminal)
         self.stage, self.terminal = stage, terminal
         self.controls = _finite("controls", controls, ("N", stage.nu))
         x0 = _finite("x0", x0, (stage.nx,))
-        count = len(self.controls)
-        self.parameters = _each_knot("parameters", stage.parameters, parameters, count)
-        self.rows = list(zip(*map(list, self.parameters), strict=True)) or [()] * count
+        knots = len(self.controls)
+        self.parameters = _each_knot("parameters", stage.parameters, parameters, knots)
+        self.rows = list(zip(*map(list, self.parameters), strict=True)) or [()] * knots
         self.last = [
             p[0] for p in _each_knot("terminal_parameters", terminal.parameters, terminal_parameters, 1)
         ]
-        self.states = np.empty((count + 1, stage.nx))
+        self.states = np.empty((knots + 1, stage.nx))
         self.states[0] = x0
         total = 0.0
         for i, (u, row) in enumerate(zip(self.controls, self.rows, strict=True)):
@@ -204,18 +211,34 @@ class _Search:
 
 def _finite(name: str, value: ArrayLike, shape: tuple[Any, ...]) -> Floats:
     """A copy of an array of that shape, with finite numbers."""
-    array = np.array(value, dtype=float)
+    array = finite_array(name, value).copy()
     if array.ndim != len(shape) or array.shape[1:] != shape[1:] or shape[0] not in ("N", *array.shape[:1]):
         raise ShapeError(
             name, array.shape, "(" + ", ".join(map(str, shape)) + ("," if len(shape) == 1 else "") + ")"
         )
-    if not np.isfinite(array).all():
-        raise InputError(f"`{name}` holds nan or inf; expected finite numbers.")
+    if not len(array):
+        raise ShapeError(name, array.shape, "one row at least")
     return array
 
 
+def _check_parts(stage: Any, terminal: Any) -> None:
+    """Refuses what is no stage and no end of the same system."""
+    if not isinstance(stage, Stage):
+        raise InputError(f"`stage` is {short_repr(stage)}; expected a Stage, as `ulna.control.stage` makes.")
+    if not isinstance(terminal, TerminalStage):
+        raise InputError(
+            f"`terminal` is {short_repr(terminal)}; expected the end of a problem, as `stage.terminal(...)` makes."
+        )
+    size = terminal.derivatives.function.inputs[0].shape[0]
+    if size != stage.nx:
+        raise InputError(
+            f"`terminal` takes states of {size} numbers, and `stage` makes {stage.nx}; expected both of one system, as "
+            "`stage.terminal(...)` makes."
+        )
+
+
 def _each_knot(
-    name: str, known: Sequence[tuple[str, tuple[int, ...]]], values: Sequence[Any], count: int
+    name: str, known: Sequence[tuple[str, tuple[int, ...]]], values: Sequence[Any], knots: int
 ) -> list[Floats]:
     """The further arguments of a cost, one of each for every knot."""
     if len(values) != len(known):
@@ -223,8 +246,8 @@ def _each_knot(
         raise InputError(f"`{name}` has {len(values)} entries; expected {len(known)}: {names}.")
     arrays = []
     for (key, shape), value in zip(known, values, strict=True):
-        array = np.asarray(value, dtype=float)
-        if array.shape not in (shape, (count, *shape)):
-            raise ShapeError(key, array.shape, f"{shape} or {(count, *shape)}")
-        arrays.append(np.ascontiguousarray(np.broadcast_to(array, (count, *shape))))
+        array = finite_array(key, value)
+        if array.shape not in (shape, (knots, *shape)):
+            raise ShapeError(key, array.shape, f"{shape} or {(knots, *shape)}")
+        arrays.append(np.ascontiguousarray(np.broadcast_to(array, (knots, *shape))))
     return arrays

@@ -20,6 +20,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from ulna.checks.values import checked_robot, count, function, number
 from ulna.compiler import compile, trace
 from ulna.control.stage_costs import CostParts, extra_shapes
 from ulna.control.systems import System, robot_system
@@ -190,9 +191,8 @@ def stage(
         >>> effort(x, u).fx.shape
         (50, 14, 14)
     """
-    if not dt > 0.0:
-        raise InputError(f"`dt` is {dt!r}; expected a number above zero [s].")
-    return _made(robot_system(robot, float(dt), actuated), cost, shapes)
+    dt = number("dt", dt, "a number above zero [s]", above=0.0)
+    return _made(robot_system(checked_robot(robot), dt, actuated), function("cost", cost), shapes)
 
 
 def custom_stage(
@@ -214,7 +214,8 @@ def custom_stage(
         InputError: If `step` does not return a state, or the cost is neither a number nor a vector of residuals.
         UnknownName: If the shape of an argument is missing.
     """
-    traced = trace(step, name="step", x=(nx,), u=(nu,))
+    nx, nu = count("nx", nx), count("nu", nu)
+    traced = trace(function("step", step), name="step", x=(nx,), u=(nu,))
     if [port.shape for port in traced.outputs] != [(nx,)]:
         shown = ", ".join(str(port.shape) for port in traced.outputs)
         raise InputError(f"`step` returns the shape {shown}; expected ({nx},), the next state.")

@@ -14,6 +14,7 @@ import numpy as np
 from ulna import algorithms
 from ulna.errors import InputError, UnknownName
 from ulna.model import FreeFlyer
+from ulna.quantities.mass import check_mass
 from ulna.robot import Robot
 from ulna.typing import Array
 
@@ -55,7 +56,12 @@ def robot_system(robot: Robot, dt: float, actuated: Sequence[str] | None) -> Sys
 
     Returns:
         The dynamics.
+
+    Raises:
+        ModelError: If a joint moves no inertia.
+        UnknownName: If a name is that of no joint with a torque of its own.
     """
+    check_mass(robot.model)
     model, nq, nv = robot.model, robot.nq, robot.nv
     driven = _driven(robot, actuated)
 
@@ -93,7 +99,7 @@ def robot_system(robot: Robot, dt: float, actuated: Sequence[str] | None) -> Sys
 
 def _driven(robot: Robot, actuated: Sequence[str] | None) -> list[int]:
     """The entries of the torques that a control drives."""
-    joints = [joint for joint in robot.model.joints if joint.kind.nv]
+    joints = [joint for joint in robot.model.joints if joint.kind.nv and joint.mimic is None]
     names = [joint.name for joint in joints]
     if isinstance(actuated, str):
         actuated = (actuated,)

@@ -23,6 +23,9 @@ _FAST = 100.0
 _FAR = 20.0
 """No slide is longer; in millimetres many are [m]."""
 
+_MANY_METRES = 1e5
+"""Beyond this it is neither: such limits stand for none [m]."""
+
 
 def joint_findings(model: Model) -> Iterator[Finding]:
     """What looks wrong with the joints of a model."""
@@ -78,6 +81,14 @@ def _range(joint: Joint, name: str, turns: bool) -> Iterator[Finding]:
             f"limits {lower:g} to {upper:g} rad stand for none",
             "Make it a continuous joint, so that samples and searches do not take the range literally.",
         )
+    elif slides and largest > _MANY_METRES:
+        yield Finding(
+            "note",
+            "endless",
+            name,
+            f"limits {lower:g} to {upper:g} m stand for none",
+            "Give it the range of the real joint; samples and searches take limits literally.",
+        )
     elif slides and largest > _FAR:
         yield Finding(
             "warning",
@@ -92,7 +103,7 @@ def _range(joint: Joint, name: str, turns: bool) -> Iterator[Finding]:
             "unlimited",
             name,
             "it has no position limits on at least one side",
-            "Give it lower and upper, or make it continuous.",
+            "Give it lower and upper." if slides else "Give it lower and upper, or make it continuous.",
         )
 
 

@@ -11,6 +11,7 @@ from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
 from ulna.errors import FormatError, ModelWarning, nearest
 from ulna.files import read_regular
+from ulna.formats.comments import line_of_double_hyphen, without_comments
 from ulna.formats.node import Node, short
 from ulna.formats.prolog import prolog_of, with_plain_declaration
 
@@ -93,6 +94,13 @@ def parse_markup(data: bytes | str, file: str | None, root_tag: str, kind: str) 
 
 
 def _parse_tree(data: bytes, file: str | None, encoding: str | None) -> Any:
+    if line := line_of_double_hyphen(data):
+        raise FormatError(
+            "this is not well-formed XML: a comment contains two hyphens (--).",
+            file=file,
+            line=line,
+            fix="Between <!-- and --> write other signs, such as == or __.",
+        )
     parser = _parser(encoding)
     try:
         return etree.fromstring(data, parser)
@@ -134,7 +142,7 @@ def _fix_of_syntax(message: str) -> str:
 def lenient_tree(data: bytes) -> Any:
     """The root element of what can be read of a document, however broken it is; None where nothing can."""
     try:
-        return etree.fromstring(data, _parser("utf-8", recover=True))
+        return etree.fromstring(without_comments(data), _parser("utf-8", recover=True))
     except (etree.LxmlError, ValueError):
         return None
 

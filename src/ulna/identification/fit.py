@@ -18,6 +18,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Literal
 
+import numpy as np
+
 from ulna.errors import InputError
 from ulna.identification.base import base_parameters_of, extended_regressor, parameter_names
 from ulna.identification.convex import Progress
@@ -126,7 +128,9 @@ def identify(
         if isinstance(noise, str):
             p, count = fitted(deviations(y - W @ p, y))
             sigma = deviations(y - W @ p, y)
-    return _result(model, log, W, known, p, nominal, sought, physical, sigma, count)
+    rms = np.sqrt((log.v**2).mean(axis=0))
+    unmoved = tuple(name for name, size in zip(model.velocity_names, rms, strict=True) if size < width)
+    return _result(model, log, W, known, p, nominal, sought, physical, sigma, count, unmoved)
 
 
 def _result(
@@ -140,6 +144,7 @@ def _result(
     physical: bool,
     sigma: Floats,
     iterations: int,
+    unmoved: tuple[str, ...],
 ) -> Identification:
     n = len(p)
     rows = (W / sigma[:, None]).reshape(-1, n)
@@ -159,4 +164,5 @@ def _result(
         fitted=W @ p + known,
         before=W @ nominal + known,
         iterations=iterations,
+        unmoved=unmoved,
     )

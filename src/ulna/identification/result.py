@@ -36,6 +36,8 @@ class Identification:
         fitted: Torques that the new parameters give.
         before: Torques that the model gave.
         iterations: Steps of the solver; 1 for the linear one.
+        unmoved: Names of the joints that did not move in the log: root mean square of the velocity below `width`, the
+            velocity within which Coulomb friction passes through zero.
     """
 
     model: Model
@@ -52,6 +54,7 @@ class Identification:
     fitted: Floats
     before: Floats
     iterations: int
+    unmoved: tuple[str, ...] = ()
 
     @property
     def residuals(self) -> Floats:
@@ -104,6 +107,9 @@ class Identification:
                 f"  {name:24s} {self.rms_before[k]:12.4g} {self.rms[k]:12.4g} {greatest[k]:12.4g} "
                 f"{100 * self.explained[k]:9.2f}%"
             )
+        if self.unmoved:
+            lines += ["", f"  not moved in this log: {', '.join(self.unmoved)}"]
+            lines.append("  (their friction and armature cannot be found from it)")
         return "\n".join(lines)
 
     def plot(self, path: str | Path | None = None, t: Any = None) -> Any:

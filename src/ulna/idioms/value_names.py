@@ -89,7 +89,7 @@ SIMULATION: dict[str, dict[str, str]] = {
 
 POSE: dict[str, dict[str, str]] = {
     TOOLBOX: {
-        "A": "T.matrix()",
+        "A": "T.as_matrix()",
         "t": "T.translation",
         "R": "T.rotation",
         "inv": "T.inverse()",
@@ -118,7 +118,7 @@ POSE: dict[str, dict[str, str]] = {
         "UnitQuaternion": "T.quat_xyzw()",
     },
     PINOCCHIO: {
-        "homogeneous": "T.matrix()",
+        "homogeneous": "T.as_matrix()",
         "actInv": "T.inverse() @ other",
         "action": "T.adjoint()",
         "toActionMatrix": "T.adjoint()",
@@ -132,10 +132,9 @@ POSE: dict[str, dict[str, str]] = {
         "look_at": "ulna.SE3.looking_at(position, point)",
         "lookat": "ulna.SE3.looking_at(position, point)",
         "down": "ulna.SE3.pointing_down(position)",
-        "as_matrix": "T.matrix()",
-        "get_matrix": "T.matrix()",
-        "to_matrix": "T.matrix()",
-        "numpy": "T.matrix()",
+        "get_matrix": "T.as_matrix()",
+        "to_matrix": "T.as_matrix()",
+        "numpy": "T.as_matrix()",
         "as_quat": "T.quat_xyzw()",
         "quat": "T.quat_xyzw()",
         "quaternion": "T.quat_xyzw()",
@@ -157,7 +156,7 @@ POSE: dict[str, dict[str, str]] = {
 
 ROTATION: dict[str, dict[str, str]] = {
     TOOLBOX: {
-        "A": "R.matrix",
+        "A": "R.as_matrix()",
         "inv": "R.inverse()",
         "eul": 'R.euler("zyz")',
         "angvec": "R.angle_axis()",
@@ -172,7 +171,6 @@ ROTATION: dict[str, dict[str, str]] = {
         "Exp": "ulna.SO3.exp(vector)",
     },
     OTHERS: {
-        "as_matrix": "R.matrix",
         "as_quat": "R.quat_xyzw()",
         "as_euler": 'R.euler("zyz")',
         "as_rotvec": "R.log()",

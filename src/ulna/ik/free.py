@@ -1,8 +1,8 @@
 """Inverse kinematics that touches nothing: many configurations that reach a goal, the nearest free one of them.
 
 An arm with finitely many solutions is asked for all of them (`ulna.ik.branches`), so that "all collide" is an answer.
-Any other is asked from more and more starting points, farther and farther from where it stands. What is returned is
-certified by the exact check.
+Any other is asked from more and more starting points, farther and farther from where it stands. What is returned
+touches nothing by the exact shapes, or by spheres that contain them.
 
 The search for one goal is a generator: it yields what it wants computed, and continues with the answer. The searches
 of a batch advance together, so that what they want is computed in a few large batches.
@@ -19,11 +19,11 @@ import numpy as np
 
 from ulna.checks.arrays import batched_array
 from ulna.checks.values import count as check_count
-from ulna.collision import Checker
 from ulna.errors import InputError
 from ulna.ik.analytic.candidates import ClosedForm, Elimination, between, source_of
 from ulna.ik.arguments import matrix_of
 from ulna.ik.branches import Branches, ik_all
+from ulna.ik.contacts import Contacts, Distances
 from ulna.ik.result import IKSolution
 from ulna.ik.solve import Solver
 from ulna.typing import Array, ArrayLike, Floats
@@ -34,7 +34,6 @@ _FIRST, _MOST = 7, 64  # starting points of the first and of the largest round
 _WHOLE = 64  # the starting point from which on they are drawn from the whole ranges
 _SAME = 1e-3  # rad or m: solutions this near are one
 _CHECKED = 16  # configurations checked together; at first fewer, since the nearest is often free
-_SCREENED = 64  # configurations from which on spheres are asked before coal
 _EXPLAINED = 32  # configurations examined to explain why there is no solution
 
 
@@ -141,15 +140,13 @@ class FreeSolver:
 
     Args:
         solver: What finds single solutions.
-        checker: The exact check of the robot in its world.
-        screen: Makes the check by spheres, for large batches; it may return None.
+        contacts: The check of the robot in its world.
         apart: The kernel of the distance of two configurations.
     """
 
-    def __init__(self, solver: Solver, checker: Checker, screen: Callable[[], Any], apart: Any) -> None:
-        self.solver, self.checker, self._apart = solver, checker, apart
-        self._screen = screen
-        self.model = checker.model
+    def __init__(self, solver: Solver, contacts: Contacts, apart: Any) -> None:
+        self.solver, self.contacts, self._apart = solver, contacts, apart
+        self.model = contacts.model
         self.is_finite = self._has_branches()
 
     def _has_branches(self) -> bool:
@@ -232,15 +229,11 @@ class FreeSolver:
 
         def touch(requests: list[_Touch]) -> list[Any]:
             q = np.concatenate([request.q for request in requests])
-            touching = np.ones(len(q), dtype=bool)
-            screen = self._screen() if len(q) >= _SCREENED and not options.moving else None
-            if screen is not None:  # what its spheres do not touch it does not touch
-                touching = screen.collides(q, margin=options.margin)
-            touching[touching] = self.checker.collides(q[touching], options.moving, margin=options.margin)
+            touching = self.contacts.touching(q, options.margin, options.moving)
             return [touching[part] for part in _parts(requests)]
 
         def apart(requests: list[_Apart]) -> list[Any]:
-            return [self.checker.distance(request.q, options.moving) for request in requests]
+            return [self.contacts.distances(request.q, options.moving) for request in requests]
 
         return {_Reach: reach, _Touch: touch, _Apart: apart}
 
@@ -292,7 +285,7 @@ class FreeSolver:
         return [solutions[i] for i in new]
 
     def _first_free(self, solutions: Sequence[IKSolution]) -> Search[IKSolution | None]:
-        """The first solution that is free by the exact check."""
+        """The first solution that touches nothing."""
         done = 0
         while done < len(solutions):
             part = solutions[done : done + min(3 * done + 1, _CHECKED)]
@@ -304,12 +297,12 @@ class FreeSolver:
         return None
 
     def _all_collide(
-        self, reaching: Sequence[IKSolution], nearest: Any, complete: bool, options: FreeOptions
+        self, reaching: Sequence[IKSolution], nearest: Distances, complete: bool, options: FreeOptions
     ) -> FreeSolution:
         """All collide: the one that overlaps least, of those nearest to the start."""
-        best = int(np.argmax(nearest.distance))
-        a, b = nearest.names[best]
-        d = float(nearest.distance[best])
+        best = int(np.argmax(nearest.lengths))
+        a, b = nearest.names(best)
+        d = float(nearest.lengths[best])
         how = f"overlap by {-1e3 * d:.3g} mm" if d < 0.0 else f"are {1e3 * d:.3g} mm apart"
         missing = (
             f", less than the margin of {1e3 * options.margin:.3g} mm" if d >= 0.0 < options.margin else ""

@@ -12,8 +12,8 @@ import numpy as np
 from ulna import numeric
 from ulna.compiler import Function, element_of, trace
 from ulna.compiler.runtime.cuda_kernel import CudaKernel
-from ulna.errors import DtypeError, UnknownName
-from ulna.ik.arguments import default_start, named_goals, problem_of, shift_of
+from ulna.errors import InputError, UnknownName
+from ulna.ik.arguments import check_tolerances, default_start, named_goals, problem_of, shift_of
 from ulna.ik.search import multi_start
 from ulna.ik.solve import search_settings
 from ulna.model import Model
@@ -77,21 +77,37 @@ def search_kernel(model: Model, dtype: Any, options: Mapping[str, Any]) -> CudaK
 
     Args:
         model: The robot.
-        dtype: float64.
-        options: Those of `thread_search`.
+        dtype: float64 or float32.
+        options: Those of `thread_search`. Tolerances that are not among them are 1e-6, in float32 1e-4.
 
     Returns:
         The kernel.
 
     Raises:
         UnknownName: For an unknown option; names the nearest.
-        DtypeError: If `dtype` is not float64.
+        InputError: If a tolerance is below what float32 can meet.
+        DtypeError: If `dtype` is neither float64 nor float32.
     """
     known = list(inspect.signature(thread_search).parameters)[1:]
     for key in options:
         if key not in known:
             raise UnknownName("option of kernel 'ik'", key, known)
-    if element_of(dtype) != np.float64:
-        advice = "Rounding keeps float32 from reaching its tolerances; other kernels may have it."
-        raise DtypeError("dtype", str(element_of(dtype)), "float64 for a search", advice)
+    if element_of(dtype) == np.float32:
+        options = _single_precision(options)
     return CudaKernel(thread_search(model, **options), dtype)
+
+
+_TOLERANCE_32, _LEAST_TOLERANCE_32 = 1e-4, 1e-5  # [m] and [rad]
+
+
+def _single_precision(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Options with tolerances that float32 can meet."""
+    chosen = dict.fromkeys(("position_tolerance", "rotation_tolerance"), _TOLERANCE_32) | dict(options)
+    check_tolerances(chosen["position_tolerance"], chosen["rotation_tolerance"])
+    for name in ("position_tolerance", "rotation_tolerance"):
+        if chosen[name] < _LEAST_TOLERANCE_32:
+            raise InputError(
+                f"`{name}` is {chosen[name]!r}; expected at least {_LEAST_TOLERANCE_32:g} with dtype float32, whose "
+                "rounding errors are that large. Choose dtype=numpy.float64."
+            )
+    return chosen

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ulna.methods.collision import CollisionQueries, _checker
+from ulna.methods.collision import CollisionQueries, Method, _checker
 from ulna.methods.ik import InverseKinematics
 from ulna.typing import ArrayLike
 
@@ -35,13 +35,15 @@ class FreeInverseKinematics(InverseKinematics, CollisionQueries):
         rotation_tolerance: float = 1e-6,
         seed: int = 0,
         attempts: int = 256,
+        method: Method = "exact",
         **options: Any,
     ) -> FreeSolution:
         """Inverse kinematics: a configuration within the limits, at the goal, that touches neither robot nor world.
 
         Of a six-joint arm all solutions are looked at, the nearest to `q0` first, so that "all collide" is the last
         word; of other arms those met from more and more starting points, farther and farther from `q0`, and the nearest
-        free one of the first round that has one is returned. What is returned has passed the exact check.
+        free one of the first round that has one is returned. What is returned has passed the exact check, or the check
+        by covering spheres, which is faster, needs no coal, and refuses answers in which shapes are nearly in contact.
 
         Args:
             T: The goal, as for `ik`; a batch is solved goal by goal.
@@ -56,7 +58,8 @@ class FreeInverseKinematics(InverseKinematics, CollisionQueries):
             rotation_tolerance: As for `ik` [rad].
             seed: Chooses the starting points.
             attempts: How many starting points are tried at most, of arms without finitely many solutions.
-            **options: Of the exact check, as for `robot.collision.checker`.
+            method: "exact", or "spheres" that cover the links.
+            **options: Of the check, as for `robot.collision.checker`.
 
         Returns:
             A solution with `.q`, `.success`, `.position_error`, `.rotation_error`, `.candidates`, `.distance` and
@@ -66,7 +69,7 @@ class FreeInverseKinematics(InverseKinematics, CollisionQueries):
         Raises:
             InputError, ShapeError, DtypeError, NonFiniteError, UnknownName: As for `ik` and `collides`.
             ModelError: If the robot has no collision geometry, or a mesh file is missing.
-            MissingExtra: If coal is not installed.
+            MissingExtra: If coal is not installed, for "exact".
 
         Example:
             >>> from ulna.collision import World
@@ -78,13 +81,18 @@ class FreeInverseKinematics(InverseKinematics, CollisionQueries):
             >>> answer.success, bool(robot.collides(answer.q, world))
             (True, False)
         """
+        from ulna.ik.contacts import exact_contacts, sphere_contacts
         from ulna.ik.free import FreeOptions, FreeSolver
 
         search_options = FreeOptions(margin, moving, position_tolerance, rotation_tolerance, seed, attempts)
         goals, solver = self._solver(T, frame, mask, joints)
-        checker = _checker(self, world, **options)
-        screen = partial(_screen, self, world, options)
-        return FreeSolver(solver, checker, screen, self._kernel("distance"))(goals, q0, search_options)
+        checker = _checker(self, world, method=method, **options)
+        contacts = (
+            sphere_contacts(checker)
+            if method == "spheres"
+            else exact_contacts(checker, partial(_screen, self, world, options))
+        )
+        return FreeSolver(solver, contacts, self._kernel("distance"))(goals, q0, search_options)
 
 
 def _screen(part: Any, world: World | None, options: dict[str, Any]) -> Any:

@@ -58,7 +58,7 @@ class Pages(Part):
             title: The title of the page; the robot's name when None.
 
         Returns:
-            The path of the file.
+            The path of the file; as the last line of a cell, a notebook displays the page.
 
         Raises:
             UnknownName: There is no such frame, configuration, theme or way to show it, or the file ends otherwise.

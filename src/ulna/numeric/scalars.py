@@ -54,7 +54,10 @@ def exp(x: Any) -> Any:
 
 def tanh(x: Any) -> Any:
     """Hyperbolic tangent; traced by the exponential, to an absolute error of one unit in the last place of 1."""
-    return 1.0 - 2.0 / (exp(2.0 * x) + 1.0) if is_symbolic(x) else np.tanh(x)
+    if not is_symbolic(x):
+        return np.tanh(x)
+    # beyond 20 it is 1 for doubles; the exponential of more would overflow, and derivatives be nan
+    return 1.0 - 2.0 / (exp(minimum(2.0 * x, 40.0)) + 1.0)
 
 
 def arctan2(y: Any, x: Any) -> Any:

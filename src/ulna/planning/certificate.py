@@ -16,6 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ulna.checks.arrays import finite_array
+from ulna.checks.values import number
+from ulna.errors import ShapeError
 from ulna.planning.scenes import PlanningScene
 from ulna.typing import Floats
 
@@ -53,7 +56,16 @@ def certify(scene: PlanningScene, points: Floats, margin: float = 0.0) -> Certif
 
     Returns:
         The certificate. An edge is not proved where spheres touch or come within 2 micrometres of it.
+
+    Raises:
+        ShapeError: If `points` is not of shape (n, nq) with one point at least.
+        NonFiniteError: If `points` is not finite.
+        InputError: If `margin` is no length.
     """
+    points = finite_array("points", points)
+    if points.ndim != 2 or points.shape[1] != scene.robot.model.nq or not len(points):
+        raise ShapeError("points", points.shape, f"(n, {scene.robot.model.nq}), one point at least")
+    margin = number("margin", margin, "a length, not below 0 [m]", least=0.0)
     if len(points) == 1:  # a path that does not move is one edge of no length
         points = np.repeat(points, 2, axis=0)
     change = np.abs(np.diff(points, axis=0))

@@ -15,7 +15,7 @@ from ulna.planning.projected_rrt import Projection
 from ulna.planning.run import Run
 from ulna.planning.scenes import PlanningScene
 from ulna.planning.search import Failure, Search
-from ulna.planning.workspace import Workspace, thread_storage
+from ulna.planning.workspace import COARSE, Workspace, thread_storage
 from ulna.typing import Floats
 
 STRIDE = 0.1
@@ -81,6 +81,28 @@ class ConstrainedWorkspace(Workspace):
             projected_rrt.walk_between, self._tables, self._growth, s.points, np.zeros(2, np.float32), s.trees,
             self._step, self.projection,
         )  # fmt: skip
+
+    def bind(self, with_bound: bool) -> None:
+        """Binds the procedures to the thread's arrays; compiles them the first time.
+
+        Args:
+            with_bound: Whether `grow_below` will be called, too; it takes no other procedure here.
+        """
+        self._bind()
+
+    def grow_below(self, bound: float, first: int, count: int, roots: int) -> int:
+        """Grows the trees with samples until they meet; nodes along constraints have no costs, so by any path.
+
+        Args:
+            bound: What the path should be shorter than; only the samples know it [rad, m].
+            first: The sample to begin with.
+            count: How many samples there are.
+            roots: How many points that `examine` was given are roots of new trees; 0 to go on.
+
+        Returns:
+            The number of the first sample that was not used; where the trees met, minus that, minus 1.
+        """
+        return self.grow(first, count, roots)
 
     def way(self, a: Floats, b: Floats) -> Floats | None:
         """The way from one configuration to another along the constraints, as straight as they allow.
@@ -171,6 +193,17 @@ class ConstrainedSearch(Search):
         if run.options.still is not None:
             points[:, run.options.still] = run.q0[run.options.still]
         return points, goal
+
+    def _improved(self, run: Run, points: Floats, goal: int) -> tuple[Floats, int]:
+        workspace = self._workspace(COARSE[1])
+        assert isinstance(workspace, ConstrainedWorkspace)
+        workspace.set_still(run.options.still)
+        return super()._improved(run, points, goal)
+
+    def _wholly_proved(self, run: Run, points: Floats) -> Floats | None:
+        points = self._refined(run, points)
+        leaves = len(points) > 1 and self._constraints.unproved_edges(points)
+        return None if leaves else super()._wholly_proved(run, points)
 
     def _proved(self, run: Run, points: Floats) -> tuple[Floats, Certificate]:
         points, _ = super()._proved(run, self._refined(run, points))

@@ -92,10 +92,12 @@ class Goals(NamedTuple):
     Attributes:
         configurations: Shape (n, nq) [rad, m].
         numbers: The number of the goal that each reaches, (n,).
+        reason: What inverse kinematics says of a pose that it could not reach, where there are no configurations.
     """
 
     configurations: Floats
     numbers: tuple[int, ...]
+    reason: str = ""
 
 
 def goal_configurations(
@@ -205,6 +207,8 @@ def _of_array(
             "`frame` says whose pose the goal is; the goal here is a configuration. Leave it out."
         )
     flat = poses.reshape(-1, nq)
+    if joints is None:
+        return Goals(flat, tuple(range(len(flat))))
     stray = (np.abs(flat - q0) > 1e-9) & ~moving
     if stray.any():
         column = int(np.argwhere(stray)[0][1])
@@ -242,6 +246,7 @@ def _solved(
     model = robot.model
     lower, upper = np.maximum(model.lower_position, q0 - np.pi), np.minimum(model.upper_position, q0 + np.pi)
     solutions: list[tuple[float, int, Floats]] = []
+    nearest: tuple[float, IKSolution] | None = None
     for number, goal in enumerate(goals):
         free = moving & _carrying(model, goal, frame)
         for k, (target, mask) in enumerate(_targets(goal, seed)):
@@ -249,11 +254,15 @@ def _solved(
             options = {"seed": seed + k, "attempts": _SEARCHES, "mask": mask, "joints": joints}
             solution = robot.ik(target, start, frame, **options)
             q = np.asarray(solution.q)
-            if solution.success and all(np.abs(q - other).max() > 1e-3 for _, _, other in solutions):
+            if not solution.success:
+                error = float(np.max(solution.position_error) + np.max(solution.rotation_error))
+                nearest = (error, solution) if nearest is None or error < nearest[0] else nearest
+            elif all(np.abs(q - other).max() > 1e-3 for _, _, other in solutions):
                 solutions.append((float(np.linalg.norm(q - q0)), number, q))
     solutions.sort(key=lambda item: item[:2])
     configurations = np.array([q for _, _, q in solutions]).reshape(-1, model.nq)
-    return Goals(configurations, tuple(number for _, number, _ in solutions))
+    reason = nearest[1].reason if nearest is not None and not solutions else ""
+    return Goals(configurations, tuple(number for _, number, _ in solutions), reason)
 
 
 def _carrying(model: Model, goal: Any, frame: str | None) -> Any:

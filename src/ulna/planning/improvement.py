@@ -1,12 +1,14 @@
 """Shorter paths once there is one: searches among paths that are shorter than the best so far, until samples run out.
 
 The bound falls with each path that is found, so the best one approaches the shortest path as samples are added: with
-certainty, in the limit, if the search below a bound finds a path wherever there is one (Hauser and Zhou 2016).
+certainty, in the limit, if the search below a bound finds a path wherever there is one (Hauser and Zhou 2016). Along
+constraints every path begins new trees, whose nodes have no costs: paths become shorter, not certainly the shortest.
 """
 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 import numpy as np
 
@@ -20,15 +22,23 @@ LEAST_GAIN = 1e-3
 """The part by which a path has to be shorter than the best so far."""
 
 
-def improved(run: Run, points: Floats, goal: int, low: Floats, high: Floats) -> tuple[Floats, int]:
+def improved(
+    run: Run,
+    points: Floats,
+    goal: int,
+    box: tuple[Floats, Floats],
+    shortened: Callable[[Run], tuple[Floats, int]],
+    proved: Callable[[Run, Floats], Floats | None],
+) -> tuple[Floats, int]:
     """The shortest path that a number of samples finds and that is proved free, or a path that is there already.
 
     Args:
         run: The call; its `improvements` receive times and lengths, its `used` how many samples were taken.
         points: The path, shape (n, nq) [rad, m].
         goal: The number of its goal.
-        low: The least coordinates of samples, shape (nq,) [rad, m].
-        high: The greatest ones, shape (nq,) [rad, m].
+        box: The least and the greatest coordinates of samples, shape (nq,) [rad, m].
+        shortened: Returns the path at which the trees met, shortened, and the number of its goal.
+        proved: Returns a path, maybe with more points, where all of it is proved; None where it is not.
 
     Returns:
         Points, shape (n, nq) [rad, m], and the number of the goal.
@@ -44,16 +54,17 @@ def improved(run: Run, points: Floats, goal: int, low: Floats, high: Floats) -> 
         if first >= count:
             first, count = 0, min(SLICE, left)
             storage = run.workspace.storage
-            storage.samples[:count] = informed_samples(random, count, run.q0, run.goals, bound, low, high)
+            storage.samples[:count] = informed_samples(random, count, run.q0, run.goals, bound, *box)
             storage.parts[:count] = random.random(count)
         result = run.workspace.grow_below(bound, first, count, roots)
         used = -result if result < 0 else result
         left, run.used, roots = left - (used - first), run.used + used - first, 0
         first = used
         if result < 0:
-            found, number = run.shortened()
-            if length(found) < length(points) and not run.workspace.unproved(found):
-                points, goal = found, number
+            found, number = shortened(run)
+            free = proved(run, found) if length(found) < length(points) else None
+            if free is not None and length(free) < length(points):
+                points, goal = free, number
                 _note(run, points)
             first, count, roots = 0, 0, run.roots
     return points, goal

@@ -12,9 +12,10 @@ from typing import Any, final
 import numpy as np
 
 from ulna.checks.arrays import finite_array
-from ulna.checks.values import number, short_repr
+from ulna.checks.values import flag, number, short_repr
 from ulna.collision import LinkPair, Spheres, World
 from ulna.collision.lanes.tables import links_of
+from ulna.collision.pairs import checked_pairs
 from ulna.errors import InputError, ShapeError
 from ulna.lazy import is_deferred
 from ulna.planning import deferred
@@ -73,8 +74,8 @@ def plan(
             are tried. The search itself takes longer steps.
         longest: The longest edge of the trees, in joint space [rad, m].
         shorten: How often at most the path is shortened and its corners are cut.
-        improve: How many samples are spent on shorter paths once there is one; the path approaches the shortest with
-            their number. `timeout` ends this, too.
+        improve: How many samples are spent on shorter paths once there is one; without constraints the path
+            approaches the shortest with their number. `timeout` ends this, too.
         iterations: The most samples for the first path.
         timeout: The longest time [s].
         seed: Seed of the samples: the same seed, the same path, on processors of one kind.
@@ -89,13 +90,9 @@ def plan(
         InputError: If numbers make no sense, or the robot has joints that cannot be planned for.
         ModelError: If the robot has no collision geometry.
     """
-    if not hasattr(robot, "collision_checker"):
-        raise InputError(
-            f"`robot` is a {type(robot).__name__}; expected a Robot, as ulna.load(...) or Robot(model) makes."
-        )
-    _check_world(world)
-    chosen = pairs if pairs is None else tuple(map(tuple, pairs))
-    planner = _planner(robot, world, spheres, chosen, float(margin), float(step), float(longest))
+    _check_scene(robot, world)
+    chosen = pairs if pairs is None else checked_pairs(robot.model, pairs)
+    planner = _planner(robot, world, spheres, chosen, *_checked_lengths(margin, step, longest))
     return planner.plan(
         q0,
         goal,
@@ -146,16 +143,15 @@ class Planner:
         world: World | None = None,
         *,
         spheres: Spheres | None = None,
-        pairs: tuple[LinkPair, ...] | None = None,
+        pairs: Iterable[LinkPair] | None = None,
         margin: float = 0.0,
         step: float = 0.01,
         longest: float = 1.0,
         roadmap: int = 0,
     ) -> None:
-        _check_world(world)
-        margin = number("margin", margin, "a length, not below 0 [m]", least=0.0)
-        step = number("step", step, "a length of at least 0.001 [m]", least=1e-3)
-        longest = number("longest", longest, "a distance of at least 0.001 [rad, m]", least=1e-3)
+        _check_scene(robot, world)
+        margin, step, longest = _checked_lengths(margin, step, longest)
+        pairs = pairs if pairs is None else checked_pairs(robot.model, pairs)
         self.robot, self.model = robot, robot.model
         numbers = {"margin": margin, "step": step, "longest": longest}
         self._arguments = (robot, world), {"spheres": spheres, "pairs": pairs, **numbers}
@@ -215,7 +211,7 @@ class Planner:
             _seconds(timeout),
             _count("seed", seed, 0),
             improve=_count("improve", improve, 0),
-            keep_tree=bool(keep_tree),
+            keep_tree=flag("keep_tree", keep_tree),
         )
         if is_deferred(q0) or is_deferred(goal):
             chosen = {"frame": frame, "joints": joints, "timeout": timeout, "seed": seed}
@@ -232,12 +228,15 @@ class Planner:
             raise ShapeError("q0", q0.shape, f"({self.model.nq},)")
         moving = moving_columns(self.model, joints)
         goals = goal_configurations(self.robot, goal, frame, q0, options.seed, joints)
-        found = self._search_along(constraints, options).run(
-            q0, goals.configurations, replace(options, still=None if moving.all() else ~moving)
-        )
-        return replace(found, goal=goals.numbers[found.goal]) if found else found
+        if joints is not None:
+            options = replace(options, still=None if moving.all() else ~moving)
+        plan = self._search_along(constraints).run(q0, goals.configurations, options)
+        if plan.outcome == "unreachable" and goals.reason:
+            return replace(plan, reason=f"{plan.reason.rstrip('.')}: {goals.reason}.")
+        is_renumbered = plan and goals.numbers[plan.goal] != plan.goal
+        return replace(plan, goal=goals.numbers[plan.goal]) if is_renumbered else plan
 
-    def _search_along(self, constraints: Any, options: Options) -> Search:
+    def _search_along(self, constraints: Any) -> Search:
         """The search that keeps constraints."""
         items = (constraints,) if isinstance(constraints, PathConstraint) else constraints
         if items is None or (isinstance(items, Sequence) and not len(items)):
@@ -252,10 +251,6 @@ class Planner:
                 raise InputError(
                     f"`constraints` holds {item!r}; expected PathConstraint(frame, Region(...)) or several."
                 )
-        if options.improve:
-            raise InputError(
-                "`improve` and `constraints` are given; paths with constraints are not improved yet."
-            )
         if items not in self._constrained:
             if len(self._constrained) >= 8:
                 self._constrained.clear()
@@ -315,9 +310,21 @@ class Planner:
                 pool.shutdown(cancel_futures=True)
 
 
-def _check_world(world: Any) -> None:
+def _check_scene(robot: Any, world: Any) -> None:
+    if not hasattr(robot, "collision_checker"):
+        raise InputError(
+            f"`robot` is a {type(robot).__name__}; expected a Robot, as ulna.load(...) or Robot(model) makes."
+        )
     if world is not None and not isinstance(world, World):
         raise InputError(f"`world` is {short_repr(world)}; expected a World, as `World().add(...)` makes.")
+
+
+def _checked_lengths(margin: Any, step: Any, longest: Any) -> tuple[float, float, float]:
+    return (
+        number("margin", margin, "a length, not below 0 [m]", least=0.0),
+        number("step", step, "a length of at least 0.001 [m]", least=1e-3),
+        number("longest", longest, "a distance from 0.001 to 1e6 [rad, m]", least=1e-3, most=1e6),
+    )
 
 
 def _count(name: str, value: Any, least: int) -> int:

@@ -24,6 +24,7 @@ class Options:
         coarse: The steps of the search, in those of the proof.
         improve: How many samples are spent on shorter paths once there is one.
         keep_tree: Whether the plan has the trees of the search.
+        with_reason: Whether a failure says what touches, which takes a millisecond.
     """
 
     shorten: int
@@ -34,6 +35,7 @@ class Options:
     coarse: float = COARSE[0]
     improve: int = 0
     keep_tree: bool = False
+    with_reason: bool = True
 
 
 class Run:

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ulna.compiler.procedures import Array1, Array2, broadcast, f64, greatest_of, lane_numbers, procedure
 from ulna.typing import Floats
 
-_PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37)
+_PRIMES = np.array([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37], float)
 
 
 def samples(first: int, count: int, seed: int, low: Floats, high: Floats) -> Any:
@@ -88,16 +89,20 @@ def halton(first: int, count: int, dimensions: int) -> Floats:
     Returns:
         Points, shape (count, dimensions), in [0, 1).
     """
-    points = np.random.default_rng([0, 1, first]).random((count, dimensions))
-    for k, prime in enumerate(_PRIMES[:dimensions]):
-        points[:, k] = _radical_inverse(np.arange(first + 1, first + count + 1), prime)
+    points = np.empty((count, dimensions))
+    even = np.empty((min(dimensions, len(_PRIMES)), -(-count // _LANES) * _LANES))
+    radical_inverses(_PRIMES[: len(even)], first + 1, even)
+    points[:, : len(even)] = even[:, :count].T
+    if dimensions > len(even):
+        random = np.random.default_rng([0, 1, first])
+        points[:, len(even) :] = random.random((count, dimensions - len(even)))
     points.setflags(write=False)
     return points
 
 
 @lru_cache(maxsize=256)
 def shift(dimensions: int, seed: int) -> Floats:
-    """What a seed adds to points of the unit cube, modulo 1 (Cranley and Patterson 1976).
+    """What a seed adds to points of the unit cube, modulo 1 (Cranley and Patterson 1976); seed 0 adds nothing.
 
     Args:
         dimensions: How many numbers a point has.
@@ -106,13 +111,30 @@ def shift(dimensions: int, seed: int) -> Floats:
     Returns:
         Shape (dimensions,), in [0, 1).
     """
-    return np.random.default_rng([seed, 0]).random(dimensions)
+    return np.random.default_rng([seed, 0]).random(dimensions) if seed else np.zeros(dimensions)
 
 
-def _radical_inverse(numbers: Any, base: int) -> Floats:
-    """The digits of integers in a base, mirrored at the point."""
-    result, scale, rest = np.zeros(len(numbers)), 1.0 / base, numbers.copy()
-    while rest.any():
-        result += scale * (rest % base)
-        rest, scale = rest // base, scale / base
-    return result
+_LANES = 8
+
+
+@procedure(constants={"W": _LANES})
+def radical_inverses(bases: Array1[f64], first: int, points: Array2[f64], W: int) -> None:
+    """Writes the digits of consecutive integers in several bases, mirrored at the point.
+
+    Args:
+        bases: The bases, shape (n,) [-].
+        first: The first integer, at least 0 [-].
+        points: Receives the numbers, shape (n, count), where W divides the count [-].
+        W: Lanes, a constant [-].
+    """
+    for k in range(len(bases)):
+        for i in range(0, points.shape[1], W):
+            rest = lane_numbers(W, f64) + f64(first + i)
+            total = broadcast(0.0, W)
+            scale = 1.0 / bases[k]
+            while greatest_of(rest) > 0.0:
+                shorter = np.floor((rest + 0.5) / bases[k])
+                total = total + scale * (rest - shorter * bases[k])
+                rest = shorter
+                scale = scale / bases[k]
+            points[k, i : i + W] = total

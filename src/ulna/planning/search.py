@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna.collision.touches import deepest_touch
 from ulna.planning.certificate import Certificate, certify
 from ulna.planning.improvement import improved
 from ulna.planning.result import Outcome, Plan
@@ -17,7 +18,6 @@ from ulna.planning.run import Options, Run
 from ulna.planning.samples import samples
 from ulna.planning.scenes import PlanningScene
 from ulna.planning.search_tree import search_tree
-from ulna.planning.touches import deepest_touch
 from ulna.planning.workspace import COARSE, SLICE, Workspace, thread_storage
 from ulna.typing import Floats
 
@@ -61,8 +61,7 @@ class Search:
         if failure is not None:
             return self._result(run, *failure, np.zeros((0, self._model.nq)), None, -1)
         if options.improve:
-            run.workspace = self._workspace(COARSE[1])  # steps with which nearly every path can be proved
-            points, goal = improved(run, points, goal, *self._sampled_box(run))
+            points, goal = self._improved(run, points, goal)
             run.note("improve")
         points, certificate = self._proved(run, points)
         run.note("certify")
@@ -133,16 +132,32 @@ class Search:
         """The path at which the trees met, shortened, and the number of its goal."""
         return run.shortened()
 
+    def _improved(self, run: Run, points: Floats, goal: int) -> tuple[Floats, int]:
+        """The shortest path that more samples find, and the number of its goal."""
+        run.workspace = self._workspace(COARSE[1])  # steps with which nearly every path can be proved
+        return improved(run, points, goal, self._sampled_box(run), self._shortened, self._wholly_proved)
+
+    def _wholly_proved(self, run: Run, points: Floats) -> Floats | None:
+        """A path, where machine code proves it; None where it does not."""
+        return None if run.workspace.unproved(points) else points
+
     def _blocked(self, run: Run, free: Any) -> Failure:
         """What the start, or the nearest goal, touches."""
         outcome: Outcome = "goal" if free[0] else "start"
+        if not run.options.with_reason:
+            return outcome, ""
         q = run.goals[0] if free[0] else run.q0
         distance, link, other = deepest_touch(self._scene.checker, q)
         what = f"overlaps {other!r} by {-1e3 * distance:.3g} mm"
         if distance > 0.0:
             what = f"comes within {1e3 * distance:.3g} mm of {other!r}"
         who = "the start" if outcome == "start" else "the goal" if len(run.goals) == 1 else "the first goal"
-        return outcome, f"at {who} {link!r} {what}, by their covering spheres."
+        reason = f"at {who} {link!r} {what}, by their covering spheres."
+        if other in self._scene.spheres.links:
+            reason += (
+                " Where the links are apart, give finer spheres (ulna.collision.refine) or other `pairs`."
+            )
+        return outcome, reason
 
     def _out_of_limits(self, q: Floats) -> str:
         """Joints that are out of limits, by how much; empty where none is."""
@@ -231,7 +246,9 @@ class Search:
     def _detour(self, run: Run, a: Floats, b: Floats, coarse: float) -> Floats | None:
         """A path that a search with shorter steps finds in the time that is left; None where it finds none."""
         left = run.options.timeout - (time.perf_counter() - run.start_time)
-        options = replace(run.options, coarse=coarse, timeout=max(left, 0.0), improve=0, keep_tree=False)
+        options = replace(
+            run.options, coarse=coarse, timeout=max(left, 0.0), improve=0, keep_tree=False, with_reason=False
+        )
         points, _, failure = self._searched(Run(options, a, b[None]))
         return points if failure is None else None
 

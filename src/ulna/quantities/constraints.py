@@ -8,7 +8,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import algorithms
-from ulna.algorithms import ConstrainedMotion, Friction, Impact, Proximal
+from ulna.algorithms import ConstrainedDerivatives, ConstrainedMotion, Friction, Impact, Proximal
 from ulna.algorithms.multibody.references import Reference
 from ulna.errors import InputError, ShapeError
 from ulna.model import Constraint
@@ -111,6 +111,40 @@ class Constraints(Part):
         written = reference if forces else FORCES["reference"]
         options = (frames, written, friction, stabilised, checked_solver(solver))
         return ConstrainedMotion(*self._kernel("constrained_dynamics", listing, *options)(*arrays))
+
+    @quantity(
+        kernels.of_bonds(algorithms.constrained_dynamics_derivatives),
+        "(nv+m, nv), (nv+m, nv), (nv+m, nv)",
+        options=_OF,
+        nodes=(900, 400, 30),
+        inverts_mass=True,
+        columns=kernels.of_bonds(algorithms.columns_of_constrained_derivatives),
+    )
+    def forward_dynamics_derivatives(
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, constraints: AnyConstraints
+    ) -> ConstrainedDerivatives:
+        """Derivatives of the accelerations and constraint forces of `forward_dynamics` by `q`, `v` and `tau`.
+
+        Args:
+            q: Configuration, (..., nq) [rad or m].
+            v: Velocity, (..., nv) [rad/s or m/s].
+            tau: Joint torques, (..., nv) [N m or N].
+            constraints: The constraints. Where one depends on others, forces are not unique, and all results are nan.
+
+        Returns:
+            `a_q`, `a_v` and `a_tau` (..., nv, nv), `forces_q`, `forces_v` and `forces_tau` (..., m, nv); those by `q`
+            along its tangent space. The constraints are kept as by the exact solver, `Proximal(mu=0.0)`.
+
+        Raises:
+            ShapeError, DtypeError, NonFiniteError: If an array has another shape or type, or is not finite.
+            UnknownName: If there is no such frame.
+            InputError: If a constraint binds nothing, or is a FrameLoop.
+
+        Reference: Carpentier & Mansard 2018, section III.
+        """
+        kernel = self._kernel("constrained_dynamics_derivatives", listed(constraints))
+        matrices, n = kernel(q, v, tau), self.model.nv
+        return ConstrainedDerivatives(*(x[..., :n, :] for x in matrices), *(x[..., n:, :] for x in matrices))
 
     @quantity(
         kernels.forward_dynamics_with_jacobian,

@@ -1,4 +1,4 @@
-"""What the documentation of every method says of the arguments that have the same names everywhere."""
+"""Docstrings of methods: descriptions of the arguments that have the same name in every method."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class Argument(NamedTuple):
     """An array that algorithms take.
 
     Attributes:
-        size: Its shape without batch axes: "nq", "nv", or a tuple of such and of numbers.
+        size: Its shape without batch axes: "nq" or "nv" for one axis, else a tuple of these and of numbers.
         unit: The units of its entries.
         text: What it is.
     """
@@ -40,7 +40,7 @@ _OPTIONS = {
     "frame": "Name of a frame; None for the tool.",
     "reference": 'Of the twist: "local_world_aligned" (the frame\'s origin, axes of the world), "local" or "world".',
     "representation": 'Angles, instead of a twist: "rpy/xyz", "rpy/zyx", "eul" or "exp".',
-    "damping": "Bounds the inertia where the frame cannot move in a direction [-]; its square is added to the inverse.",
+    "damping": "d [kg^-1/2]: d^2 I is added to J M^-1 J^T, which bounds the inertia near singular configurations.",
     "subtree": "Name of a joint, for what it moves; None for all that moves.",
     "axes": 'Which rows of the Jacobian count: "all", "trans", "rot", or six truth values.',
     "forces": "External forces: frame name -> wrench (..., 6) [N, N m].",
@@ -56,7 +56,7 @@ _REFUSED = "ShapeError, DtypeError, NonFiniteError: If an array has another shap
 _NAMED = {"forces": "frame", "frame": "frame", "subtree": "joint"} | {
     n: n for n in ("reference", "representation")
 }
-"""What options name."""
+"""What the names given by options are names of, for the error if there is none."""
 _NO_INERTIA = "ModelError: If joints can move without moving inertia; names them."
 
 
@@ -68,15 +68,15 @@ def documented(
     inverts_mass: bool,
     about: Mapping[str, str],
 ) -> str | None:
-    """A docstring completed by arguments, result, errors and source, where it has no section of arguments already.
+    """A docstring completed with arguments, result, errors and source, unless it has a section of arguments already.
 
     Args:
-        text: What is written of the quantity; its source is in brackets at the end.
+        text: The quantity's own docstring; its source is in brackets at the end.
         parameters: The names of the method's arguments.
         result: Shapes and units of the results: "(nv, nv) [kg m^2]".
         returns: What they are; empty where the text says it.
         inverts_mass: Whether the inverse of the mass matrix is needed.
-        about: What to write of arguments, where it is not what `ARRAYS` and the options have.
+        about: Texts of arguments, used instead of those of `ARRAYS` and of the options.
 
     Returns:
         The docstring; None where there is none.
@@ -109,7 +109,7 @@ def cited(text: str) -> tuple[str, str]:
 
 
 def with_batch(result: str) -> str:
-    """Shapes with leading batch axes: "(..., nv, nv) [kg m^2]"; equal ones once, "each"."""
+    """Shapes with leading batch axes: "(..., nv, nv) [kg m^2]"; shapes that are equal appear once, with "each"."""
     shapes, unit, rest = result.partition(" [")
     each = shapes.replace("(,)", "()").replace(",)", ")").replace("(", "(..., ").replace("(..., )", "(...)")
     single = list(dict.fromkeys(each.split("), ")))

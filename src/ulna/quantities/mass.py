@@ -13,6 +13,7 @@ from ulna import algorithms
 from ulna.algorithms.dynamics import conditioning
 from ulna.algorithms.dynamics.conditioning import Conditioning
 from ulna.algorithms.dynamics.mass_matrix_factors import ZeroPivot
+from ulna.algorithms.dynamics.pivots import conditioning_by_pivots
 from ulna.errors import ModelError, ModelWarning
 from ulna.model import Model
 from ulna.numeric import is_symbolic
@@ -52,7 +53,8 @@ def check_mass(model: Model, dtype: str = "float64") -> None:
     """Refuses a model some motion of which moves no inertia, and warns once of one that is close to that.
 
     Args:
-        model: The model. Where it is large, or what the mass matrix depends on is traced, only masses are examined.
+        model: The model. Where it is large, single joints are examined; where what the mass matrix depends on is
+            traced, only masses.
         dtype: The type to compute in, "float64" or "float32".
 
     Raises:
@@ -64,8 +66,8 @@ def check_mass(model: Model, dtype: str = "float64") -> None:
     idle = _joints_without_mass(model, masses)
     if idle:
         raise _no_inertia_error(model, idle)
-    if _is_known(model) and model.nv <= conditioning.LARGEST:
-        report = _worst(model)
+    if _is_known(model):
+        report = _worst(model) if model.nv <= conditioning.LARGEST else _by_pivots(model)
         if report.everywhere.loose:
             raise _no_inertia_error(model, report.everywhere.loose)
         _warn(model, report, dtype)
@@ -99,6 +101,14 @@ def _worst(model: Model) -> _Conditioning:
         candidates += [(conditioning.conditioning(model, q), f" at {place}") for place, q in places.items()]
     worst, place = max(candidates, key=lambda pair: pair[0].kappa)
     return _Conditioning(generic, worst, "" if worst.kappa < 100.0 * generic.kappa else place)
+
+
+@lru_cache(maxsize=32)
+def _by_pivots(model: Model) -> _Conditioning:
+    """The conditioning of a large model at a drawn configuration, as far as its pivots tell."""
+    drawn = np.random.default_rng(0).uniform(-1.0, 1.0, model.nv)
+    found = conditioning_by_pivots(model, algorithms.integrate(model, model.neutral, drawn))
+    return _Conditioning(found, found, "")
 
 
 _warned: set[tuple[str, str]] = set()

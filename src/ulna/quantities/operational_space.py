@@ -30,8 +30,8 @@ class OperationalSpace(Part):
 
     The force that a motion x' of the frame takes is `inertia @ x'' + coriolis @ x' + gravity`. x' is the frame's twist
     in a `reference`, or, with a `representation` ("rpy/xyz", "rpy/zyx", "eul", "exp"), the rates of position and
-    angles. Where the Jacobian is singular the inertia is infinite; `damping` bounds it (the square of it is added to
-    its inverse). Reference: Khatib 1987.
+    angles. Where the Jacobian is singular the inertia is infinite; the damping d bounds it: d^2 I is added to
+    J M^-1 J^T. Reference: Khatib 1987.
     """
 
     __slots__ = ()

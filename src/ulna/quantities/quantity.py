@@ -188,6 +188,7 @@ def _renamed(code: types.CodeType, method: F, record: Quantity) -> F:
         co_name=method.__name__,
         co_qualname=method.__qualname__,
         co_varnames=(*parameters, *code.co_varnames[len(parameters) :]),
+        co_names=tuple(record.name if name == "NAME" else name for name in code.co_names),
         co_consts=tuple(record.name if constant == "NAME" else constant for constant in code.co_consts),
     )
     values = {f"d{k}": value for k, value in enumerate(method.__defaults__ or ())}
@@ -201,16 +202,16 @@ def _template(arrays: int, nones: tuple[bool, ...], takes_out: bool) -> types.Co
     """The code of methods with so many arrays, and other arguments whose default values are None or d0, d1, ...
 
     The last two arguments are `out` and `threads` where the method takes them; all others are options. The code is
-    compiled once for all methods alike. No error is raised from the KeyError.
+    compiled once for all methods alike. No error is raised from these.
     """
     x, o = _names("x", arrays), _names("o", len(nones))
     options = o[:-2] if takes_out else o
-    chosen = "self._kernels['NAME']"
+    chosen = "self._kernels.NAME"
     if options:
         others = "".join(f"[{option}]" for option in options)
         chosen += f" if {_are_default(options, nones)} else self._by_options['NAME']{others}"
     call = f"({', '.join(x)})"
-    lines = ["try:", f"    kernel = {chosen}", "except (KeyError, TypeError):", "    pass"]
+    lines = ["try:", f"    kernel = {chosen}", "except (AttributeError, KeyError, TypeError):", "    pass"]
     if takes_out:
         out, threads = o[-2:]
         lines += ["else:", f"    if {out} is None and {threads} is None:", f"        return kernel{call}"]
@@ -228,8 +229,8 @@ def _direct_template(arrays: int, nones: tuple[bool, ...]) -> types.CodeType:
     lines = [
         f"if {_are_default(o, nones)}:",
         "    try:",
-        "        kernel = self._kernels['NAME']",
-        "    except KeyError:",
+        "        kernel = self._kernels.NAME",
+        "    except AttributeError:",
         "        pass",
         "    else:",
         f"        return kernel({', '.join(x)})",

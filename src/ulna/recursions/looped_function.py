@@ -16,7 +16,8 @@ from ulna.compiler.runtime.kernel import KernelBase
 from ulna.errors import InputError
 from ulna.model import Model
 from ulna.numeric import is_symbolic
-from ulna.recursions.recursion import Evaluator, Recursion
+from ulna.recursions.composition import DerivativesOfAccelerations
+from ulna.recursions.recursion import Recursion
 from ulna.typing import Floats
 
 _ROWS_PER_THREAD = 8
@@ -36,7 +37,6 @@ class LoopedFunction:
         remake: What makes this function in another process: a function and its arguments.
     """
 
-    single = True
     has_loops = True
 
     def __init__(
@@ -45,18 +45,23 @@ class LoopedFunction:
         doc: str,
         model: Model,
         inputs: Mapping[str, tuple[int, ...]],
-        recursion: Recursion,
+        recursion: Recursion | DerivativesOfAccelerations,
         trace: Callable[[], Function],
         remake: tuple[Any, ...],
     ) -> None:
         self.name, self.doc, self.model = name, doc, model
         self.inputs = tuple(Port(name, shape) for name, shape in inputs.items())
         self.outputs = tuple(Port(f"out{k}", shape) for k, shape in enumerate(recursion.outputs))
-        self.evaluator = Evaluator(recursion)
+        self.evaluator = recursion.evaluator()
         self.trace, self._remake = trace, remake
 
     def __reduce__(self) -> tuple[Any, ...]:
         return self._remake
+
+    @property
+    def single(self) -> bool:
+        """Whether there is one output."""
+        return len(self.outputs) == 1
 
     @property
     def signature(self) -> str:
@@ -83,24 +88,40 @@ class LoopedFunction:
         batch = np.broadcast_shapes(
             *(x.shape[: x.ndim - len(p.shape)] for x, p in zip(rows, self.inputs, strict=True))
         )
-        result = self._evaluated(rows, batch, out)
-        if out is None:
-            result = result.astype(dtype, copy=False)
-        return result if result.ndim else result[()]
+        targets = (
+            out if isinstance(out, tuple) else (out,) if out is not None else (None,) * len(self.outputs)
+        )
+        results = self._evaluated(rows, batch, targets)
+        written = tuple(
+            result if target is not None else _as_number(result.astype(dtype, copy=False))
+            for result, target in zip(results, targets, strict=True)
+        )
+        return written[0] if self.single else written
 
-    def _evaluated(self, arrays: Sequence[Any], batch: tuple[int, ...], out: Any) -> Any:
-        (port,) = self.outputs
+    def _evaluated(self, arrays: Sequence[Any], batch: tuple[int, ...], targets: Sequence[Any]) -> list[Any]:
+        """The results, which are the targets where there are any."""
         inputs = [
             np.ascontiguousarray(np.broadcast_to(x, batch + p.shape), np.float64).reshape(-1, p.size)
             for x, p in zip(arrays, self.inputs, strict=True)
         ]
-        target = out[0] if isinstance(out, tuple) else out
-        result = target if _is_plain(target, batch + port.shape, arrays) else np.empty(batch + port.shape)
-        if result.size:
-            self.evaluator.evaluate(inputs, [result.reshape(-1, port.size)])
-        if target is not None and result is not target:
-            np.copyto(target, result, casting="same_kind")
-        return result if target is None else target
+        shapes = [batch + port.shape for port in self.outputs]
+        others = lambda k: [*arrays, *(x for j, x in enumerate(targets) if j != k and x is not None)]  # noqa: E731
+        results = [
+            target if _is_plain(target, shape, others(k)) else np.empty(shape)
+            for k, (target, shape) in enumerate(zip(targets, shapes, strict=True))
+        ]
+        if all(result.size for result in results):
+            rows = [x.reshape(-1, port.size) for x, port in zip(results, self.outputs, strict=True)]
+            self.evaluator.evaluate(inputs, rows)
+        for target, result in zip(targets, results, strict=True):
+            if target is not None and result is not target:
+                np.copyto(target, result, casting="same_kind")
+        return [result if target is None else target for result, target in zip(results, targets, strict=True)]
+
+
+def _as_number(array: Any) -> Any:
+    """An array; a number for one without axes."""
+    return array if array.ndim else array[()]
 
 
 def _is_plain(target: Any, shape: tuple[int, ...], arrays: Sequence[Floats]) -> bool:

@@ -9,16 +9,28 @@ import numpy as np
 
 from ulna.model import Frame, Model
 from ulna.quantities.quantity import Quantity, frame_of
+from ulna.recursions import pairs, whole_body
 from ulna.recursions._procedures import articulated, composite, inverse_mass, newton_euler
 from ulna.recursions._procedures import frames as of_frames
 from ulna.recursions._procedures.placements import new_placements
+from ulna.recursions.composition import DerivativesOfAccelerations
 from ulna.recursions.recursion import Recursion
-from ulna.recursions.tree_table import INT, TreeTable, UnknownKind, matrices_as_rows, step_rows, tree_table
+from ulna.recursions.tree_table import (
+    INT,
+    TreeTable,
+    UnknownKind,
+    has_mimics,
+    matrices_as_rows,
+    step_rows,
+    tree_table,
+)
 
 Options = Mapping[str, Any]
 
 
-def recursion_of(model: Model, quantity: Quantity, options: Options) -> Recursion | None:
+def recursion_of(
+    model: Model, quantity: Quantity, options: Options
+) -> Recursion | DerivativesOfAccelerations | None:
     """The recursion that computes a quantity.
 
     Args:
@@ -46,16 +58,12 @@ def _dynamics(procedure: Any, *sizes: str) -> Callable[[Model, Options], Recursi
         rows = len(tree.parents)
 
         def storage(lanes: int) -> Sequence[Any]:
-            return tree, new_placements(rows, lanes, False), _motions(rows, lanes)
+            return tree, new_placements(rows, lanes, False), newton_euler.new_motions(rows, lanes)
 
         inputs = tuple((getattr(model, size),) for size in sizes)
         return Recursion(procedure, storage, inputs, ((model.nv,),), rows)
 
     return make
-
-
-def _motions(rows: int, lanes: int) -> newton_euler.Motions:
-    return newton_euler.Motions(*(np.zeros((rows, 6, lanes)) for _ in range(3)))
 
 
 def _carriers(model: Model, frames: Sequence[Frame]) -> tuple[TreeTable, Mapping[int, int]]:
@@ -118,15 +126,15 @@ def _frame_velocity(model: Model, options: Options) -> Recursion | None:
     def storage(lanes: int) -> Sequence[Any]:
         count = len(tree.parents)
         places = new_placements(count, lanes, True)
-        return tree, places, _motions(count, lanes), _frames([frame], rows, options["reference"])
+        return (
+            tree,
+            places,
+            newton_euler.new_motions(count, lanes),
+            _frames([frame], rows, options["reference"]),
+        )
 
     inputs = ((model.nq,), (model.nv,))
     return Recursion(of_frames.frame_velocity, storage, inputs, ((6,),), len(tree.parents))
-
-
-def _is_plain(model: Model, tree: TreeTable) -> bool:
-    """Whether each entry of v is that of one column, in order: there are no mimic joints."""
-    return np.array_equal(tree.entries, np.arange(model.nv))
 
 
 def _articulated(tree: TreeTable, lanes: int) -> articulated.Articulated:
@@ -138,20 +146,31 @@ def _articulated(tree: TreeTable, lanes: int) -> articulated.Articulated:
 def _forward_dynamics(model: Model, options: Options) -> Recursion | None:
     tree = tree_table(model)
     rows = len(tree.parents)
-    if options["forces"] or options["friction"] is not False or not _is_plain(model, tree):
+    if options["forces"] or options["friction"] is not False or has_mimics(model, tree):
         return None
 
     def storage(lanes: int) -> Sequence[Any]:
         places = new_placements(rows, lanes, False)
-        return tree, places, _motions(rows, lanes), _articulated(tree, lanes)
+        return tree, places, newton_euler.new_motions(rows, lanes), _articulated(tree, lanes)
 
     inputs = (model.nq,), (model.nv,), (model.nv,)
     return Recursion(articulated.forward_dynamics, storage, inputs, ((model.nv,),), rows)
 
 
+def _forward_dynamics_derivatives(model: Model, options: Options) -> DerivativesOfAccelerations | None:
+    if options["forces"] or has_mimics(model, tree_table(model)):
+        return None
+    accelerations = _forward_dynamics(model, {"forces": (), "friction": False})
+    derivatives = pairs.RECURSIONS["inverse_dynamics_derivatives"](model, options)
+    inverse = _inverse_mass_matrix(model, {})
+    if accelerations is None or derivatives is None or inverse is None:
+        return None
+    return DerivativesOfAccelerations(accelerations, derivatives, inverse)
+
+
 def _inverse_mass_matrix(model: Model, options: Options) -> Recursion | None:
     tree = tree_table(model)
-    if not _is_plain(model, tree):
+    if has_mimics(model, tree):
         return None
     slots, count = _slots(tree.parents)
 
@@ -186,7 +205,7 @@ def _mass_matrix(model: Model, options: Options) -> Recursion | None:
     rows, columns = len(tree.parents), len(tree.entries)
 
     def storage(lanes: int) -> Sequence[Any]:
-        size = 0 if _is_plain(model, tree) else columns
+        size = columns if has_mimics(model, tree) else 0
         work = np.zeros((rows, 10)), np.zeros((6, columns)), np.zeros((size, size))
         return tree, new_placements(rows, 1, False), composite.Composite(*work)
 
@@ -194,7 +213,7 @@ def _mass_matrix(model: Model, options: Options) -> Recursion | None:
     return Recursion(composite.mass_matrix, storage, *shapes, rows, is_matrix=True)
 
 
-_RECURSIONS: dict[str, Callable[[Model, Options], Recursion | None]] = {
+_RECURSIONS: dict[str, Callable[[Model, Options], Recursion | DerivativesOfAccelerations | None]] = {
     "fk": _fk,
     "link_poses": _link_poses,
     "jacobian": _jacobian,
@@ -205,5 +224,8 @@ _RECURSIONS: dict[str, Callable[[Model, Options], Recursion | None]] = {
     "mass_matrix": _mass_matrix,
     "forward_dynamics": _forward_dynamics,
     "inverse_mass_matrix": _inverse_mass_matrix,
+    "forward_dynamics_derivatives": _forward_dynamics_derivatives,
+    **whole_body.RECURSIONS,
+    **pairs.RECURSIONS,
 }
 """By the names of quantities."""

@@ -22,6 +22,9 @@ _STEPS_AT_ONCE = 1 << 18
 _ENTRIES_AT_ONCE = 1 << 22
 """Entries of matrices that one call of machine code writes."""
 
+_ENTRIES_COPIED = 1 << 16
+"""Entries of matrices below which results are copied out of arrays that are bound once: to bind takes 0.3 ms."""
+
 Shape = tuple[int, ...]
 
 
@@ -46,6 +49,10 @@ class Recursion:
     outputs: tuple[Shape, ...]
     rows: int
     is_matrix: bool = False
+
+    def evaluator(self) -> Evaluator:
+        """What evaluates it for batches."""
+        return Evaluator(self)
 
 
 @cache
@@ -80,6 +87,24 @@ class _Workspace(NamedTuple):
             _from_lanes(array, rows)
 
 
+class _MatrixWorkspace(NamedTuple):
+    """Arrays and machine code for some matrices; for one thread at a time."""
+
+    inputs: tuple[Floats, ...]
+    outputs: tuple[Floats, ...]
+    run: Any
+
+    def evaluate(self, inputs: Sequence[Floats], outputs: Sequence[Floats]) -> None:
+        """Computes samples: rows of inputs (rows, size) to rows of outputs (rows, size)."""
+        count = len(outputs[0])
+        for array, rows in zip(self.inputs, inputs, strict=True):
+            array[:count, : rows.shape[1], 0] = rows
+        self.run.set("blocks", count)
+        self.run.unguarded()
+        for array, rows in zip(self.outputs, outputs, strict=True):
+            rows[...] = array[:count].reshape(rows.shape)
+
+
 @final
 class Evaluator:
     """Evaluates a recursion for batches; may be called from several threads.
@@ -91,7 +116,7 @@ class Evaluator:
     def __init__(self, recursion: Recursion) -> None:
         self.recursion = recursion
         self.lanes = max(target().register_bytes // 8, 2)
-        self._idle: dict[bool, list[_Workspace]] = {False: [], True: []}
+        self._idle: dict[bool, list[Any]] = {False: [], True: []}
         self._stores: list[Sequence[Any]] = []
 
     @property
@@ -126,19 +151,41 @@ class Evaluator:
         idle.append(workspace)
 
     def _evaluate_matrices(self, inputs: Sequence[Floats], outputs: Sequence[Floats]) -> None:
-        """As `evaluate`; the procedure reads and writes the arrays where they are."""
+        """As `evaluate`; the procedure reads and writes large arrays where they are."""
         r = self.recursion
+        entries = max(map(prod, r.outputs))
+        if entries <= _ENTRIES_COPIED:
+            self._evaluate_copies(inputs, outputs, max(_ENTRIES_COPIED // (4 * max(entries, 1)), 1))
+            return
         try:
             storage = self._stores.pop()
         except IndexError:
             storage = r.storage(1)
-        step = max(_ENTRIES_AT_ONCE // max(map(prod, r.outputs)), 1)
+        step = max(_ENTRIES_AT_ONCE // entries, 1)
         for first in range(0, len(outputs[0]), step):
             rows = slice(first, first + step)
             read = [x[rows, :, None] for x in inputs]
             written = [x[rows].reshape(-1, *shape) for x, shape in zip(outputs, r.outputs, strict=True)]
             self.procedure(True).bind(*storage, *read, *written, len(written[0])).unguarded()
         self._stores.append(storage)
+
+    def _evaluate_copies(self, inputs: Sequence[Floats], outputs: Sequence[Floats], blocks: int) -> None:
+        """As `evaluate`, so many matrices at a time, or one."""
+        is_batch = len(outputs[0]) > 1
+        step, idle = blocks if is_batch else 1, self._idle[is_batch]
+        try:
+            workspace = idle.pop()
+        except IndexError:
+            r = self.recursion
+            arrays = tuple(np.zeros((step, max(prod(shape), 1), 1)) for shape in r.inputs)
+            results = tuple(np.zeros((step, *shape)) for shape in r.outputs)
+            procedure = self.procedure(True)
+            run = procedure.bind(*r.storage(1), *arrays, *results, step, are_arrays_private=True)
+            workspace = _MatrixWorkspace(arrays, results, run)
+        for first in range(0, len(outputs[0]), step):
+            part = slice(first, first + step)
+            workspace.evaluate([x[part] for x in inputs], [x[part] for x in outputs])
+        idle.append(workspace)
 
     def procedure(self, is_batch: bool) -> Procedure:
         """The procedure for one sample, or for batches."""

@@ -119,6 +119,19 @@ def _tree_table(model: Model, joints: tuple[int, ...] | None) -> TreeTable:
     )
 
 
+def has_mimics(model: Model, tree: TreeTable) -> bool:
+    """Whether some joint mimics another: entries of v are not those of the columns, in order.
+
+    Args:
+        model: The robot.
+        tree: Its whole table.
+
+    Returns:
+        Whether there is such a joint.
+    """
+    return not np.array_equal(tree.entries, np.arange(model.nv))
+
+
 @lru_cache(maxsize=8)
 def step_rows(model: Model, joints: tuple[int, ...] | None = None) -> Mapping[int, int]:
     """The row of the moving frame of each joint; that of -1, the world, is 0.
@@ -187,7 +200,7 @@ def _fixed(step: Step) -> Floats:
         row[9 * k : 9 * k + 9] = part.reshape(9)
     row[27:30], row[30:33], row[33:36] = P.translation, R @ directions[0], R @ directions[1]
     mimic = step.joint.mimic
-    row[RATIO], row[OFFSET] = (mimic.multiplier, mimic.offset) if mimic else (1.0, 0.0)
+    row[RATIO], row[OFFSET] = step.multiplier, mimic.offset if mimic else 0.0
     return row
 
 

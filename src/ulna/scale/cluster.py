@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from multiprocessing import current_process
 from typing import Any
 
 from ulna.errors import InputError, JobStopped, MissingExtra, VersionMismatch
@@ -13,6 +14,11 @@ from ulna.lazy import check_versions, versions
 _ANSWER = 15.0  # s to wait for a scheduler to answer
 _ENVIRONMENT = {"MALLOC_TRIM_THRESHOLD_": 2**28, "MALLOC_MMAP_THRESHOLD_": 2**28}
 """Of the workers of a cluster of this machine: Dask's own setting has every array above 128 KiB begin on new pages."""
+
+_UNGUARDED = (
+    "The workers of a cluster of this machine did not start. In a script, put the call below "
+    "`if __name__ == '__main__':`, because each worker imports the script again; `workers=0` needs none."
+)
 
 _SPAWN = "distributed.nanny.pre-spawn-environ"
 
@@ -31,13 +37,13 @@ def connected(scheduler: Any, workers: int | None, patience: float) -> Iterator[
         The client.
 
     Raises:
-        InputError: If no scheduler answers at the address.
+        InputError: If no scheduler answers at the address, or the workers of this machine do not start.
         JobStopped: If it has no workers.
         VersionMismatch: If a worker has another version, or no Ulna.
         MissingExtra: If Dask's scheduler is not installed.
     """
     try:
-        from distributed import Client, LocalCluster  # pyright: ignore[reportMissingImports]
+        from distributed import Client  # pyright: ignore[reportMissingImports]
     except ImportError:
         raise MissingExtra("distributed", "cluster", "Working on a cluster") from None
     if isinstance(scheduler, Client):
@@ -62,17 +68,29 @@ def connected(scheduler: Any, workers: int | None, patience: float) -> Iterator[
             yield client
         return
     count = os.cpu_count() or 1 if workers is None else workers
-    settings = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": 50}
     from dask import config  # pyright: ignore[reportMissingImports]
 
     with (
         config.set({_SPAWN: worker_environment()}),
-        LocalCluster(n_workers=count, processes=True, **settings) as cluster,
+        _local_cluster(count) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):
         pool: Any = cluster
         pool.adapt(minimum=count, maximum=count, interval="2s")  # starts others in place of lost ones
         yield client
+
+
+def _local_cluster(count: int) -> Any:
+    """A cluster of this machine with so many processes."""
+    from distributed import LocalCluster  # pyright: ignore[reportMissingImports]
+
+    settings = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": 50}
+    if getattr(current_process(), "_inheriting", False):  # a worker that imports the script
+        raise InputError(_UNGUARDED)
+    try:
+        return LocalCluster(n_workers=count, processes=True, **settings)
+    except RuntimeError as error:
+        raise InputError(_UNGUARDED) from error
 
 
 def worker_environment() -> dict[str, Any]:

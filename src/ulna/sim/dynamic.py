@@ -91,6 +91,7 @@ def simulate(
     friction: Friction | Literal["model"] | None = "model",
     constraints: Sequence[Constraint] | Constraint = (),
     kp: float = 100.0,
+    external: Torque | ArrayLike | None = None,
     every: int = 1,
     solver: str | None = None,
     rtol: float = 1e-8,
@@ -111,6 +112,8 @@ def simulate(
         friction: As for `Plant`; smooth when there are constraints.
         constraints: Contacts and loops that bind the robot; contacts hold where they are at the start.
         kp: Gain [1/s^2] that pulls constraints together again, critically damped.
+        external: Generalised forces from outside, shape (nv,) [N m, N], or a function as `torque`: J' f for a force f
+            at a frame with Jacobian J. They are not in the recorded tau.
         every: Records each of so many steps; the start and the end are recorded anyway.
         solver: For "adaptive": a method of `scipy.integrate.solve_ivp`; None for "LSODA" with friction, which bends
             its way around stiffness, and "DOP853" without.
@@ -140,6 +143,7 @@ def simulate(
     start = shaped_array("q", q, model.nq)
     speed = np.zeros(model.nv) if v is None else shaped_array("v", v, model.nv)
     law = _torque_law(torque, model.nv)
+    push = None if external is None else _torque_law(external, model.nv)
     if isinstance(constraints, tuple | list) and not constraints:
         plant = _plant(robot, friction)
     else:
@@ -148,19 +152,25 @@ def simulate(
     every = checked_count("every", every)
     times = np.linspace(0.0, duration, count + 1)
     if method == "adaptive":
-        return _adaptive(
-            plant, start, speed, law, times[[*range(0, count, every), count]], solver, rtol, atol
-        )
+        rows = times[[*range(0, count, every), count]]
+        return _adaptive(plant, start, speed, law, push, rows, solver, rtol, atol)
     if method == "rk4":
         _check_stable_step(plant, start, duration / count)
-    return _equal_steps(plant, start, speed, law, times, method, every)
+    return _equal_steps(plant, start, speed, law, push, times, method, every)
 
 
 def _equal_steps(
-    plant: Plant, q: Floats, v: Floats, law: Torque, times: Floats, method: Method, every: int
+    plant: Plant,
+    q: Floats,
+    v: Floats,
+    law: Torque,
+    push: Torque | None,
+    times: Floats,
+    method: Method,
+    every: int,
 ) -> Recording:
-    """Steps of one length, of which each `every`-th is recorded."""
-    recording, count = Recording(), len(times) - 1
+    """Steps of one length under a law and forces from outside, of which each `every`-th is recorded."""
+    recording, count, total = Recording(), len(times) - 1, _sum(law, push, len(v))
     step = float(times[-1]) / count
     with progress("Simulating") if count >= _LONG else contextlib.nullcontext(silent) as report:
         for k in range(count):
@@ -168,7 +178,11 @@ def _equal_steps(
             tau = checked_torques(law(t, q, v), plant.robot.nv)
             if k % every == 0:
                 recording.add(t, q, v=v, tau=tau)
-            q, v = plant.euler(q, v, tau, step) if method == "euler" else plant.rk4(q, v, law, t, step)
+            if method == "euler":
+                applied = tau if push is None else tau + checked_torques(push(t, q, v), len(v))
+                q, v = plant.euler(q, v, applied, step)
+            else:
+                q, v = plant.rk4(q, v, total, t, step)
             if not np.isfinite(v).all():
                 raise _divergence_error(float(times[k + 1]), v)
             if k % 1000 == 0:
@@ -183,6 +197,7 @@ def _adaptive(
     q: Floats,
     v: Floats,
     law: Torque,
+    push: Torque | None,
     times: Floats,
     solver: str | None,
     rtol: float,
@@ -202,14 +217,14 @@ def _adaptive(
         return float(np.abs(y[:n]).max(initial=0.0)) - 1.5
 
     far.terminal = True  # type: ignore[attr-defined]
-    recording = Recording()
+    recording, total = Recording(), _sum(law, push, n)
     recording.add(times[0], q, v=v, tau=checked_torques(law(float(times[0]), q, v), n))
     t, row = float(times[0]), 1
     while row < len(times):
         base = q
 
         def rates(t: float, y: Floats, base: Floats = base) -> Floats:
-            return np.concatenate(plant._rates(base, y[:n], y[n:], law, t))
+            return np.concatenate(plant._rates(base, y[:n], y[n:], total, t))
 
         solution = solve_ivp(
             rates,
@@ -268,6 +283,13 @@ def _torque_law(torque: Torque | ArrayLike | None, nv: int) -> Torque:
         return torque
     constant = np.zeros(nv) if torque is None else checked_torques(torque, nv)
     return lambda t, q, v: constant
+
+
+def _sum(law: Torque, push: Torque | None, nv: int) -> Torque:
+    """The torques of a law and forces from outside together."""
+    if push is None:
+        return law
+    return lambda t, q, v: checked_torques(law(t, q, v), nv) + checked_torques(push(t, q, v), nv)
 
 
 def _divergence_error(t: float, v: Floats) -> InputError:

@@ -229,7 +229,7 @@ class Inertia(Batched):
         com = (column(self.mass / whole) * self.com) + column(share) * other.com
         return Inertia(mass, com, self.inertia + other.inertia + reduced)
 
-    def matrix(self) -> Array:
+    def as_matrix(self) -> Array:
         """The 6x6 inertia (..., 6, 6) about the origin: momentum = matrix @ twist, linear part first."""
         mc = skew(self.first_moment())
         eye = column(self.mass, 2) * np.eye(3)
@@ -238,6 +238,10 @@ class Inertia(Batched):
         return np.concatenate(
             [np.concatenate([eye, -mc], axis=-1), np.concatenate([mc, corner], axis=-1)], axis=-2
         )
+
+    def matrix(self) -> Array:
+        """The same as `as_matrix()`."""
+        return self.as_matrix()
 
     def first_moment(self) -> Array:
         """Mass times centre of mass (..., 3) [kg m]."""

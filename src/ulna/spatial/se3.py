@@ -104,6 +104,8 @@ class SE3(PoseConstructors, metaclass=Explained):
             )
         return NotImplemented
 
+    __rmul__ = __mul__
+
     @overload
     def __matmul__(self, other: SE3) -> SE3: ...
     @overload
@@ -191,7 +193,7 @@ class SE3(PoseConstructors, metaclass=Explained):
         result[..., row : row + 3, col : col + 3] = corner
         return result
 
-    def matrix(self) -> Array:
+    def as_matrix(self) -> Array:
         """The homogeneous matrix (..., 4, 4)."""
         t = self.translation[..., None]
         batch = np.broadcast_shapes(self.rotation.shape[:-2], t.shape[:-2])
@@ -200,6 +202,10 @@ class SE3(PoseConstructors, metaclass=Explained):
         )
         last = np.broadcast_to(np.array([[0.0, 0.0, 0.0, 1.0]]), (*batch, 1, 4))
         return np.concatenate([top, last], axis=-2)
+
+    def matrix(self) -> Array:
+        """The same as `as_matrix()`."""
+        return self.as_matrix()
 
     def quat_xyzw(self) -> Array:
         """The rotation as a unit quaternion x, y, z, w (..., 4) with w >= 0."""

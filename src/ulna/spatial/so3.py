@@ -150,6 +150,8 @@ class SO3(Batched, metaclass=Explained):
             )
         return NotImplemented
 
+    __rmul__ = __mul__
+
     def __matmul__(self, other: Any) -> Any:
         """The rotation `other` followed by this one; or vectors (..., 3), rotated."""
         if isinstance(other, SO3):
@@ -169,6 +171,10 @@ class SO3(Batched, metaclass=Explained):
         if matrix.shape[-2:] != (3, 3):
             raise ShapeError("the matrix before `@`", matrix.shape, "(..., 3, 3), a rotation")
         return SO3.from_matrix(matrix) @ self
+
+    def as_matrix(self) -> Array:
+        """The rotation matrix (..., 3, 3); `matrix` is the same array."""
+        return self.matrix
 
     def quat_xyzw(self) -> Array:
         """The unit quaternion x, y, z, w (..., 4) with w >= 0."""

@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import final
+from typing import TextIO, final
 
 from ulna.system import forks
 
@@ -88,7 +88,7 @@ class _Task:
             if not self._shown:
                 return
             if _terminal():
-                print(f"\r{' ' * (len(self._what) + 24)}\r", end="", file=sys.stderr, flush=True)
+                print(f"\r{' ' * (len(self._what) + 24)}\r", end="", file=_stream(), flush=True)
             for watcher in tuple(_watchers):
                 watcher(self._what, "")
 
@@ -106,9 +106,14 @@ class _Task:
                 self._report_pending, self._shown = False, True
                 self._reported_at, count = time.monotonic(), self._count or "..."
             if _terminal():
-                print(f"\r{self._what}: {count} ", end="", file=sys.stderr, flush=True)
+                print(f"\r{self._what}: {count} ", end="", file=_stream(), flush=True)
             for watcher in tuple(_watchers):
                 watcher(self._what, count)
+
+
+def _stream() -> TextIO:
+    """Where progress is printed: a notebook draws its error stream in red, so there it is the other one."""
+    return sys.stdout if type(sys.stderr).__module__.startswith("ipykernel") else sys.stderr
 
 
 def _terminal() -> bool:

@@ -195,7 +195,7 @@ class ExportMethods(SceneMethods, abc.ABC):
             camera: The first camera.
 
         Returns:
-            The path of the file.
+            The path of the file; as the last line of a cell, a notebook displays the page.
 
         Raises:
             MissingExtra: viser is not installed.

@@ -60,7 +60,8 @@ def robot_html(robot: Any) -> str:
     Returns:
         The HTML text; the table alone where its meshes cannot be read.
     """
-    table = f'<pre style="line-height:1.2;overflow-x:auto">{html.escape(str(robot))}</pre>'
+    style = "font-family:monospace;line-height:1.2;overflow-x:auto;white-space:pre"
+    table = f'<pre style="{style}">{html.escape(str(robot))}</pre>'
     scene = Scene()
     try:
         scene.add_robot(robot, configuration(robot, None))

@@ -72,8 +72,8 @@ def show(
     flag("browser", browser)
     target_scene = scene if scene is not None else Scene()
     out = Show(robot, start, target_scene, port, host, camera, theme_of(theme), checked_display(show))
-    if browser:
-        open_browser(out.url)
+    if browser and open_browser(out.url):
+        out.page.note_opened()
     return out
 
 

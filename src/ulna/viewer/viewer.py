@@ -84,8 +84,10 @@ class Viewer(ExportMethods):
         """The panel, for sliders, buttons, menus, texts and plots."""
         self._simulation: Simulation | None = None
         self._timeline: Timeline | None = None
-        if browser and self._page is not None:
-            open_browser(self._page.url)
+        if self._page is not None:
+            self._page.play_out = self._play_out
+            if browser:
+                self.open_browser()
 
     # the page -------------------------------------------------------------------------------------------------
 
@@ -103,6 +105,20 @@ class Viewer(ExportMethods):
     def closed(self) -> bool:
         """Whether there is no page, or no longer."""
         return self._page is None or self._page.closed
+
+    def open_browser(self, name: str | None = None) -> bool:
+        """Open the page in a browser, where there is a screen.
+
+        Args:
+            name: The browser, as the module `webbrowser` names it; the user's when not given.
+
+        Returns:
+            Whether a browser was started.
+        """
+        opened = self._page is not None and open_browser(self._page.url, name)
+        if opened and self._page is not None:
+            self._page.note_opened()
+        return opened
 
     def flush(self) -> None:
         """Send what there is now, without waiting for the next sixtieth of a second."""
@@ -185,6 +201,7 @@ class Viewer(ExportMethods):
     def _on_added(self, handle: Handle) -> None:
         if self._page is not None:
             self._page.request_framing()
+            self.keep_frame()
         if isinstance(handle, RobotHandle) and self._simulation is not None:
             self._simulate_robot(handle)
 
@@ -238,6 +255,8 @@ class Viewer(ExportMethods):
         for robot in self.robots:
             robot.set_body(None)
             self._simulate_robot(robot)
+        if self._page is not None:
+            self._page.motion.follow_simulation(lambda: sim.t)
         sim.each_step(self._show_step)
         if self._timeline is not None:
             self._timeline.remove()
@@ -254,6 +273,22 @@ class Viewer(ExportMethods):
         with self.scene.atomic():  # all robots or none: no picture shows them at different times
             for robot in self.robots:
                 robot.show_body_state()
+        self.keep_frame()
+
+    def keep_frame(self) -> None:
+        """Keep the poses at the simulated time for the page, which plays them after the program has ended.
+
+        Each step of a simulation does so 60 times in a second. Without a simulation the page keeps what is sent to it.
+        """
+        if self._page is not None and not self._page.closed:
+            self._page.motion.add_step(self.scene.snapshot)
+
+    def _play_out(self) -> None:
+        """Add to the motion of the page what is left of a trajectory that is being played; take its controls away."""
+        if self._timeline is not None and self._page is not None:
+            motion = self._page.motion
+            self._timeline.play_out(lambda passed: motion.add_later(passed, self.scene.snapshot()))
+            self._timeline.remove()
 
     def _simulated(self) -> Sequence[HandleMotion]:
         return [recorded_motion(r, lambda b=b: b.recording) for r in self.robots if (b := r.body) is not None]

@@ -76,3 +76,13 @@ np.testing.assert_allclose(
     nodes["half"].surfaces[0].vertices[:, 1], 1.5
 )  # coal divides by the normal's length
 assert len(nodes["triangle"].surfaces[0].triangles) == 2
+
+# an SE3 is taken wherever coal takes a Transform3s
+apart = pin.SE3(np.eye(3), np.array([2.0, 0.0, 0.0]))
+np.testing.assert_array_equal(coal.Transform3s(apart).getTranslation(), apart.translation)
+balls = coal.Sphere(0.5), coal.Sphere(0.3)
+asked = (balls[0], pin.SE3.Identity(), balls[1], apart, coal.DistanceRequest(), coal.DistanceResult())
+assert abs(coal.distance(*asked) - 1.2) < 1e-9
+moved = coal.CollisionObject(balls[0], apart)
+moved.setTransform(pin.SE3.Identity())
+np.testing.assert_array_equal(moved.getTranslation(), np.zeros(3))

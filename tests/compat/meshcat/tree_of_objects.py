@@ -80,6 +80,29 @@ def geometries(viz: MeshcatVisualizer) -> None:
     np.testing.assert_allclose(extent(viz, "file"), [[0, 0, 0], [1, 2, 0]])
 
 
+def shapes_of_the_visualizer(viz: MeshcatVisualizer) -> None:
+    """Pinocchio's own methods of its visualizer of MeshCat."""
+    cases = {
+        "a box": (lambda name: viz.addBox(name, [0.2, 0.4, 0.6], [1, 0, 0, 0.5]), [0.1, 0.2, 0.3]),
+        "a sphere": (lambda name: viz.addSphere(name, 0.5, [1, 0, 0, 0.5]), [0.5, 0.5, 0.5]),
+        "a cylinder": (lambda name: viz.addCylinder(name, 1.0, 0.1, [1, 0, 0, 0.5]), [0.1, 0.1, 0.5]),
+        "an ellipsoid": (
+            lambda name: viz.addEllipsoid(name, [0.1, 0.2, 0.3], [1, 0, 0, 0.5]),
+            [0.1, 0.2, 0.3],
+        ),
+    }
+    scene = viz.viewer.gui.scene
+    for name, (add, half) in cases.items():
+        known = set(scene.names)
+        add(name)
+        surfaces = [s for new in set(scene.names) - known for s in scene.node(new).surfaces]
+        points = np.concatenate([s.vertices for s in surfaces])
+        np.testing.assert_allclose(
+            [points.min(axis=0), points.max(axis=0)], [np.negative(half), half], atol=5e-3
+        )
+        np.testing.assert_allclose(surfaces[0].rgba[:3], [1, 0, 0])
+
+
 def points_and_lines(viz: MeshcatVisualizer) -> None:
     tree, ends = viz.viewer, np.array([[0, 1, 1, 0], [0, 0, 1, 1], [0, 0, 0, 0.0]])
     material = mg.LineBasicMaterial(color=0xFF0000, linewidth=3)
@@ -182,6 +205,8 @@ def camera(viz: MeshcatVisualizer) -> None:
     np.testing.assert_allclose(np.tan(viewer.camera.fov / 2), np.tan(usual / 2) / 2)
     tree["/Cameras/default/rotated"].set_object(mg.PerspectiveCamera(fov=90))
     np.testing.assert_allclose(viewer.camera.fov, np.pi / 2)
+    tree["/Cameras/default/rotated"].set_object(mg.PerspectiveCamera())
+    np.testing.assert_allclose(viewer.camera.fov, np.deg2rad(50))  # that of MeshCat
     refused(lambda: tree["/Cameras/default/rotated"].set_object(mg.Box([1, 1, 1])), "PerspectiveCamera")
 
 
@@ -233,6 +258,7 @@ def transformations() -> None:
 def main() -> None:
     viz = visualizer()
     geometries(viz)
+    shapes_of_the_visualizer(viz)
     points_and_lines(viz)
     placement(viz)
     properties(viz)

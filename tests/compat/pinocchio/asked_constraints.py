@@ -109,6 +109,10 @@ l.residualSize(); l.residualSize(pin.ConstraintSelectionType.MAXIMAL); list(l.ac
 l.upperResidualSize(); l.jacobian(m, d, y); l.set(y).project(np.array([-1.0, 2.0])); l.shortname(); l.retrieveCompliance()
 ! f.setFrictionLowerLimit(-np.ones(f.residualSize())); f.setFrictionUpperLimit(np.ones(f.residualSize())); f.setTimeStep(0.1)
 f.getFrictionLowerLimit(); f.getFrictionUpperLimit(); f.getTimeStep()
+! s, t = pin.PGSSolverSettings(), pin.ADMMSolverSettings()
+s.absolute_feasibility_tol; s.relative_feasibility_tol; s.absolute_complementarity_tol; s.relative_complementarity_tol
+s.max_iterations; s.over_relaxation; s.solve_ncp; t.mu_prox; t.tau; t.max_iterations; t.ratio_primal_dual; t.rho_min; t.rho_max
+t.absolute_feasibility_tol; t.relative_feasibility_tol; t.absolute_complementarity_tol; t.relative_complementarity_tol
 """
 
 PUSHED = """

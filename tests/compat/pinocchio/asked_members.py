@@ -13,7 +13,7 @@ from asked import plain
 
 SPATIAL = """
 ! S = pin.Symmetric3(np.diag([1.0, 2, 3]) + 0.2); Z = pin.Symmetric3(np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])); p, r = rng.normal(size=(2, 3))
-pin.Symmetric3(1.0, 2.0, 3.0, 4.0, 5.0, 6.0); pin.Symmetric3(Z); pin.Symmetric3(Z.data); pin.Symmetric3.Zero(); pin.Symmetric3.Identity(); pin.Symmetric3()
+pin.Symmetric3(1.0, 2.0, 3.0, 4.0, 5.0, 6.0); pin.Symmetric3(Z); pin.Symmetric3(Z.data); pin.Symmetric3.Zero(); pin.Symmetric3.Identity(); type(pin.Symmetric3()).__name__
 pin.Symmetric3.Random().data.shape; Z.inverse(np.zeros(3))
 Z - S; Z + S; Z == pin.Symmetric3(Z); Z == S; Z != S; Z == 3
 Z.isZero(); (Z - Z).isZero(); pin.Symmetric3(np.full(6, 1e-13)).isZero(); pin.Symmetric3(np.full(6, 0.1)).isZero(0.2); pin.Symmetric3(np.full(6, 0.1)).isZero(0.05)
@@ -28,7 +28,7 @@ np.array(I); I.np; I.isApprox(I); I.isApprox(pin.Inertia(2.6, p, I.inertia)); I.
 copy.copy(I); copy.copy(I) is I; I * m; I.toPseudoInertia().toMatrix(); I.inertia; I.se3Action(A); I.se3ActionInverse(A)
 ! J = pin.Inertia(I); J.setZero(); K = pin.Inertia(I); K.setIdentity(); H = pin.Inertia(I); H.setRandom(); G = pin.Inertia(I); G += I; E = pin.Inertia(I); E.mass = 7.0; E.lever = r; E.inertia = np.eye(3)
 J; K; H == I; G; E
-pin.Motion.Random().vector.shape; pin.Force.Random().vector.shape; pin.Motion(m); pin.Motion(); pin.Motion(1, 2, 3); pin.Force("a"); m.np; f.np; m.cross(f); m.cross(n); m.cross(3); m ^ n; m ^ f; m == n; m == pin.Motion(m); m != n; m == 3; f == 3
+pin.Motion.Random().vector.shape; pin.Force.Random().vector.shape; pin.Motion(m); type(pin.Motion()).__name__; pin.Motion(1, 2, 3); pin.Force("a"); m.np; f.np; m.cross(f); m.cross(n); m.cross(3); m ^ n; m ^ f; m == n; m == pin.Motion(m); m != n; m == 3; f == 3
 ! a = pin.Motion(m); a.angular = r; a.linear = p; b = pin.Motion(m); b.vector = np.arange(6.0); c = pin.Motion(m); c.setZero(); d = pin.Motion(m); d.setRandom(); e = pin.Force(f); e -= f; g = pin.Force(f); g += f; h = pin.Motion(m); h -= n
 a; b; c; d == m; e; g; h; m.isApprox(n); m.isApprox(pin.Motion(m.vector + 1e-13)); m.isApprox(pin.Motion(m.vector + 0.01), 0.1); m.isZero(); c.isZero(); pin.Motion(np.full(6, 0.1)).isZero(0.2); -f; f * 2.0; f / 4.0; 3.0 * f; f - g; f.dot(m); copy.copy(m); copy.deepcopy(f)
 f.se3Action(A); m.se3ActionInverse(A); m.toHomogeneousMatrix() if hasattr(m, "toHomogeneousMatrix") else 0; m.action; f.isZero(); f.isApprox(g); f.isApprox(pin.Force(f.vector + 1e-13))

@@ -34,6 +34,11 @@ int(pin.VISUAL); int(pin.COLLISION); int(pin.POSITION); int(pin.VELOCITY); int(p
 int(pin.OP_FRAME); int(pin.JOINT); int(pin.FIXED_JOINT); int(pin.BODY); int(pin.SENSOR); int(pin.FrameType.BODY); int(pin.KinematicLevel.VELOCITY)
 int(pin.ReferenceFrame.WORLD); int(pin.GeometryType.VISUAL); int(pin.ArgumentPosition.ARG1); int(pin.Convention.WORLD)
 int(pin.LogLevel.CONSOLE_BRIDGE_LOG_WARN); int(pin.PhysicsMaterialType.WOOD)
+! S = np.cos(np.arange(25.0)).reshape(5, 5); S = S + S.T; D = pin.LanczosDecomposition(S, 4); T = D.Ts(); C = pin.LanczosDecomposition(np.diag([1.0, 1, 2]), 3)
+D.Qs(); T.matrix(); T.diagonal(); T.subDiagonal(); D.size(); D.decompositionSize(); D.copy() == D; C.Qs(); C.Ts().matrix(); T.rows()
+T.computeSpectrum(); T.computeEigenvalue(2, 0.1); T.isDiagonal(); T.isDiagonal(9.0); T.isZero(); T.isIdentity()
+[pin.getFrictionCoefficientMatrix().getFrictionFromMaterialPair(a, b) for a in (pin.ICE, pin.METAL, pin.PLASTIC, pin.WOOD) for b in (pin.METAL, pin.CONCRETE)]
+pin.PGSSolverStats(3).size(); pin.PGSSolverSettings().stat_record; pin.PGSSolverSettings().measure_timings
 """
 
 JOINTS = """
@@ -47,7 +52,7 @@ str(m); [j.shortname() for j in m.joints]; [j.nq for j in m.joints][1:]; [j.nv f
 pin.rnea(m, d, q, v, v); pin.crba(m, d, q); pin.aba(m, d, q, v, v); pin.tangentMap(m, q); pin.compactTangentMap(m, q)
 pin.tangentMapProduct(m, q, np.ones((m.nv, 2))); pin.tangentMapTransposeProduct(m, q, np.ones((m.nq, 2)))
 [list(part) for part in pin.getTangentToConfigurationSparsitySegment(m)]; pin.normalize(m, 1.5 * q); pin.neutral(m)
-[list(s) for s in m.span_indexes_vector]; list(m.sparsity_pattern_vector); [list(s) for s in m.mimic_joint_supports]
+list(m.getChildJoints()); [list(s) for s in m.span_indexes_vector]; list(m.sparsity_pattern_vector); [list(s) for s in m.mimic_joint_supports]
 c.njoints; c.getJointId("second"); [j.shortname() for j in c.joints]; list(c.jointPlacements); str(c); c.nq
 [pin.JointModelRY().getMotionAxis(), pin.JointModelPZ().getMotionAxis(), pin.JointModelHX(0.2).getMotionAxis(), pin.JointModelRUBZ().getMotionAxis()]
 [x.shortname() for x in (pin.JointDataRX(), pin.JointDataRY(), pin.JointDataRZ(), pin.JointDataPX(), pin.JointDataPY())]

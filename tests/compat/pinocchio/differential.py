@@ -44,28 +44,30 @@ DOCUMENTED = (
         r"getFrame\w+|getJoint\w+|jacobianCenterOfMass|(Constraint|Contact)CholeskyDecomposition|JointData\w+|crba|rnea|"
         r"randomConfiguration|loadReferenceConfigurations|computeKineticEnergy|computePotentialEnergy|computeMinverse|"
         r"computeABADerivatives|computeRNEADerivatives|computeAllTerms|update\w+|compute\w+Jacobian\w*|dDifference|"
-        r"interpolate|buildReducedModel)|\(Y\)\.inverse|\(\w+\)\.(addBodyFrame|appendBodyToJoint|addFrame))\(.*\bNone\b.*",
+        r"interpolate|buildReducedModel|computeMechanicalEnergy|computeDistances|computeCollisions|log3|Model|JointModel|"
+        r"JointModelComposite|GeometryModel|computeJointKinematicHessians|computeForwardKinematicsDerivatives|"
+        r"computeJointKinematicRegressor)|\(composite\)\.addJoint|\(g\)\.addGeometryObject|\(Y\)\.inverse|\(\w+\)\.(addBodyFrame|appendBodyToJoint|addFrame))\(.*\bNone\b.*",
         "None stands for an argument that may be left out",
     ),
     (r"refused", r".*\b(None)\b.*", "None is no truth value"),
-    (r"accepted", r"\(M\)\.act(Inv)?\(.*homogeneous.*", "points may be columns, (3, N)"),
+    (r"accepted", r"\(M\)\.act(Inv)?\((.*homogeneous.*|R)\)", "points may be columns, (3, N)"),
     (
         r"accepted",
-        r"pin\.(getFrame\w+|getJoint\w+|frameJacobianTimeVariation)\(m, d, \d(, M)?\)",
+        r"pin\.(getFrame\w+|getJoint\w+|frameJacobianTimeVariation)\(m, d, (q, v, )?\d(, M)?\)",
         "LOCAL where no frame is given",
     ),
     (r"accepted", r"\((mo|fo)\)\.dot\(.*", "arrays of six numbers are taken, too"),
     (r"accepted", r"\(own_m\)\.(getFrameId|existFrame)\(.*", "types may be numbers: they are joined by |"),
-    (r"accepted", r"\(own_m\)\.getChildJoints\(.*", "the joint may be named"),
     (r"accepted", r"pin\.isSameConfiguration\(m, k, six\)", "the tolerance has a default"),
     (
         r"accepted",
-        r"pin\.(isOrthonormal|orthonormalization)\((T|M\.homogeneous\S*), 0\.4\)",
+        r"pin\.(isOrthonormal|orthonormalization)\((T|R|np\.eye\(6\)|M\.homogeneous\S*), 0\.4\)",
         "for matrices of any size",
     ),
     (
         r"accepted",
-        r"pin\.(randomConfiguration\(m, q\)|computeDistances\(m, d, g, gd\))",
+        r"pin\.(randomConfiguration\(m, q\)|compute(Distances|Collisions)\(m, d, g, gd\)|BaumgarteCorrectorParameters\(0\.4\))"
+        r"|\(own_m\)\.appendBodyToJoint\(2, I\)|\(Y\)\.inverse\(\)",
         "the last argument has a default",
     ),
     (r"accepted", r"\(own_m\)\.addBodyFrame\('tool', 2, M\)", "the frame before it has a default"),
@@ -86,25 +88,35 @@ DOCUMENTED = (
         r"pin\.linalg\.(computeLargestEigenvector|inv)\(.*",
         "what is no matrix is refused",
     ),
+    (r"accepted", r".*\.isInside\(three, 3\)", "the tolerance of earlier versions"),
+    (r"refused", r"pin\.log6\(homegeneous_matrix=T\)", "the name is misspelt there"),
+    (
+        r"refused",
+        r"pin\.(computeKKTContactDynamicMatrixInverse|getKKTContactDynamicMatrixInverse)\(.*np\.zeros\(\(0,\)\).*",
+        "an array of one dimension is no Jacobian",
+    ),
+    (r"refused", r".*\.weightedProject\(three, three\)", "weights below zero have no projection; nan there"),
+    (r"refused", r"\(pool\)\.resize\(10\*\*6\)", "sizes are bounded"),
     (r"refused", r".*BoxSet\(.*", "sizes are checked"),
     (
         r"refused",
-        r"pin\.ProximalSettings\(0\.4, 0\.4, 0\.4, -1\)",
+        r"pin\.ProximalSettings\(0\.4, 0\.4, (0\.4, )?-1\)",
         "negative numbers of iterations are refused",
     ),
     (r"refused", r"pin\.JointModelUniversal\(.*", "axes that are not perpendicular are refused"),
     (r"refused", r"pin\.Data\(\)", "data are made for a model"),
-    (r"refused", r"\(own_m\)\.addJoint(Frame)?\(.*", "names are given once"),
+    (r"refused|error class", r"\(own_m\)\.addJoint(Frame)?\(.*", "names are given once"),
     (r"refused", r"\(d\)\.\w+", "intermediate results are refused with a message"),
     (
         r"missing|error class",
-        r"\(d\)\.(B|Ycrb|dAdq|dAdv|iMf|oL|oYaba_augmented|lambda_c_prox|non_mimic_parents_fromRow|"
-        r"primal_dual_contact_solution)",
+        r"\(d\)\.(B|Ycrb|dAdq|dAdv|iMf|oL|oK|oYaba|oYaba_augmented|lambda_c_prox|non_mimic_parents_fromRow|Fcrb|Yaba|vxI|Ivx|"
+        r"[qav]_in|tau_in|of_augmented|d[av]c_d[qv]|mimic_(parents_fromRow|subtree_joint)|idx_vExtended_to_idx_v_fromRow|"
+        r"primal_dual_contact_solution|primal_rhs_contact)|\(gd\)\.contact_patch_functors",
         "workspace of recursions that are compiled as a whole",
     ),
     (
         r"missing|error class",
-        r"\(pin\.JointModel\w+\(.*\)\.createData\(\)\)\.(U|Dinv|UDinv|StU|iMlast|pjMi)",
+        r"\((pin\.JointModel\w+\(.*\)|m\.joints\[2\])\.createData\(\)\)\.(U|Dinv|UDinv|StU|iMlast|pjMi)",
         "workspace of recursions that are compiled as a whole",
     ),
     (
@@ -132,7 +144,24 @@ DOCUMENTED = (
     ),
     (r"value", r"pin\.getJacobianSubtreeCenterOfMass\(m, d, .*", "subtrees are those of the last call"),
     (r"value", r"\(d\)\.(f|h)", "the universe has no force and no momentum here"),
-    (r"value", r"\(d\)\.joints", "data of joints are of their own classes"),
+    (r"value", r"\(d\)\.(D|U)", "factors are made when they are read, not by cholesky.decompose alone"),
+    (r"value", r"\(d\)\.nvSubtree", "of the universe it is not initialised there"),
+    (r"value", r"\(gd\)\.oMg|pin\.SE3\(\)|\(pin\.JointModelH\w\(\)\)\.pitch", "it is not initialised there"),
+    (
+        r"value",
+        r"pin\.(Contact|Constraint)CholeskyDecomposition\(m, (data=)?d\)",
+        "it is not initialised there",
+    ),
+    (
+        r"value",
+        r"\(pin\.JointModelSphericalZYX\(\)\.createData\(\)\)\.S",
+        "the subspace at zero; there all zero before calc",
+    ),
+    (
+        r"value|type",
+        r"\((d|m|composite)\)\.joints|\(m\.joints\[2\]\)\.createData\(\)",
+        "joints and their data are of their own classes",
+    ),
     (r"value", r"\(m\)\.sparsity_pattern_vector", "the universe's row holds what is read past its end there"),
     (r"value", r"\(m\)\.lower\w+Limit", "lower limits are positive there"),
     (
@@ -140,7 +169,7 @@ DOCUMENTED = (
         r"pin\.(Inertia|Symmetric3|Quaternion|AngleAxis|Frame)\(\)|.*JointModelPlanar\(\).createData\(\)\).M",
         "it is not initialised there",
     ),
-    (r"text", r"\(M\)\.actInv\(M=M\)", "rounding, printed"),
+    (r"text", r"\(M\)\.actInv\((M=)?M\)", "rounding, printed"),
     (r"size", r".*JointModelH.*hasConfigurationLimit.*", "one entry for one coordinate"),
     (r"size|type", r"\(d\)\.(mass|joints)", "lists of another kind"),
     (

@@ -129,6 +129,10 @@ def test_limits_of_floating_joints_are_rates_of_their_positions(pin: Any) -> Non
     known, q = limits.createData(), pin.randomConfiguration(model)
     with pytest.raises(Exception, match="calc"):
         limits.jacobian(model, data, known)
+    other = pin.Model()
+    other.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "one")
+    with pytest.raises(Exception, match=f"was made for a model of {model.nv} velocities, not 1"):
+        limits.jacobian(other, other.createData(), known)
     pin.forwardKinematics(model, data, q)
     limits.calc(model, data, known)
     J, before, v = (
@@ -213,7 +217,10 @@ def test_both_solvers_agree_and_start_from_guesses(pin: Any, model: Any) -> None
     iterations = result.iterations
     result.setConstraintImpulseGuess(impulses[1])
     settings.warmstart_rho_with_previous_result = True
+    power = result.spectral_rho_power
+    settings.spectral_rho_power_init = power + 1.0  # of no account: the power goes on, as the weight does
     assert solver.solve(G, g, kinds, known, settings, result) and result.iterations < iterations
+    assert abs(result.spectral_rho_power - power) < 0.5
 
 
 @pytest.mark.parametrize(

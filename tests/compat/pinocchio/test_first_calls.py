@@ -219,3 +219,12 @@ def test_functions_of_configurations_take_lists_and_columns(pin: Any) -> None:
     for function in (pin.neutral, pin.normalize, pin.distance):
         with pytest.raises(TypeError, match="expected a pinocchio.Model"):
             function(3, q, q) if function is pin.distance else function(3, *[q] * (function is pin.normalize))
+
+
+def test_each_link_of_the_core_model_hangs_on_its_joint(pin: Any) -> None:
+    from pinocchio._model.core_model import core_model
+
+    core = core_model(pin.buildSampleModelManipulator())
+    joints = list(range(-1, len(core.joints)))  # -1 is the world
+    assert [link.joint for link in core.links] == [frame.joint for frame in core.frames] == joints
+    assert [joint.parent for joint in core.joints] == joints[:-1]

@@ -107,13 +107,8 @@ def test_what_is_misspelt_offers_the_nearest_name(pin: Any) -> None:
         ("casadi cppad", "ulna.compile"),
         ("buildModelFromSdf WITH_SDF", "convert them to URDF"),
         ("MJCFParser", "buildModelFromMJCF"),
-        ("PGSSolverStats", "PGSConstraintSolver"),
         ("OSQP SPECTRAL", "ADMMUpdateRule"),
-        ("FrictionCoefficientMatrix getFrictionCoefficientMatrix", "contact.setFriction"),
-        ("LanczosDecomposition TridiagonalSymmetricMatrix", "scipy.linalg"),
         ("Panda3dVisualizer RVizVisualizer", "MeshcatVisualizer"),
-        ("JointModelEllipsoid JointDataEllipsoid", "JointModelSphericalZYX"),
-        ("graph", "appendModel"),
         ("numpy inspect", "no part of Pinocchio"),
         (
             "pinocchio_pywrap_default submodules map_indexing_suite_X_entry deprecation",

@@ -65,6 +65,9 @@ def test_callbacks_of_ones_own(pin: Any, arm: Any) -> None:
     own = First(geometries, places)
     assert pin.computeCollisions(manager, own)
     assert own.seen[0] < own.seen[1]
+    count = pin.CollisionCallBackDefault(geometries, places)
+    counted = [manager.collide(count) and count.count for _ in range(2)]
+    assert counted[0] == counted[1] > 0  # each time from the start
     stops = pin.CollisionCallBackDefault(geometries, places, True)
     assert pin.computeCollisions(model, data, manager, stops, np.zeros(6))
     assert 1 <= stops.count < len(geometries.collisionPairs)
@@ -118,8 +121,6 @@ def test_gram_and_schmidt(pin: Any) -> None:
 
 
 def test_kinds_of_joints_that_are_refused(pin: Any) -> None:
-    with pytest.raises(AttributeError, match="JointModelSphericalZYX"):
-        _ = pin.JointModelEllipsoid
     with pytest.raises(InputError, match="expected a plain joint"):
         pin.JointModelComposite().addJoint(pin.JointModelComposite(pin.JointModelRX()))
     with pytest.raises(UnknownName, match="'first'"):
@@ -185,3 +186,49 @@ def test_a_request_that_is_passed_and_arguments_by_name(pin: Any, arm: Any) -> N
     )
     with pytest.raises(InputError, match=r"computeCollisions was given 1 arguments, and places; expected \("):
         pin.computeCollisions(geometries, places=places)
+
+
+def test_lists_of_a_size(pin: Any) -> None:
+    forces = pin.StdVec_Force(3, pin.Force(np.arange(6.0)))
+    forces[0].linear = np.ones(3)
+    np.testing.assert_array_equal(forces[1].vector, np.arange(6.0))
+    assert len(pin.StdVec_Force(forces)) == 3
+    copied = forces.copy()
+    copied[0].linear = np.zeros(3)
+    np.testing.assert_array_equal(forces[0].linear, np.ones(3))
+    with pytest.raises(OverflowError, match="size"):
+        pin.StdVec_Force(2**70, pin.Force())
+
+
+def test_joints_that_roll_on_an_ellipsoid(pin: Any) -> None:
+    joint = pin.JointModelEllipsoid(0.1, 0.2, 0.3)
+    joint.radius_y = 0.4
+    assert (joint.radius_x, joint.radius_y, joint.radius_z, joint.nq, joint.nv) == (0.1, 0.4, 0.3, 3, 3)
+    assert joint != pin.JointModelEllipsoid(0.1, 0.2, 0.3)
+    with pytest.raises(TypeError, match="three radii"):
+        pin.JointModelEllipsoid(0.1)
+    model = pin.Model()
+    model.addJoint(0, joint, pin.SE3.Identity(), "rolls")
+    model.appendBodyToJoint(1, pin.Inertia.Random())
+    data, (q, v, a) = model.createData(), np.random.default_rng(4).uniform(-1.0, 1.0, (3, 3))
+    assert isinstance(joint.createData(), pin.JointDataEllipsoid)
+    pin.forwardKinematics(model, data, q, v)
+    x, y, z = (pin.AngleAxis(angle, axis).matrix() for angle, axis in zip(q, np.eye(3), strict=True))
+    R = x @ y @ z
+    np.testing.assert_allclose(data.oMi[1].rotation, R, atol=1e-14)
+    np.testing.assert_allclose(data.oMi[1].translation, R[:, 2] * (0.1, 0.4, 0.3), atol=1e-14)
+    np.testing.assert_allclose(data.v[1].vector, data.joints[1].S @ v, atol=1e-14)
+    tau = pin.rnea(model, data, q, v, a)
+    np.testing.assert_allclose(pin.aba(model, data, q, v, tau), a, atol=1e-9)
+    again = pin.Model()
+    again.loadFromString(model.saveToString())
+    assert again.joints[1] == model.joints[1]
+
+
+def test_fields_that_are_not_kept_say_what_to_read(pin: Any) -> None:
+    data = pin.buildSampleModelManipulator().createData()
+    for name, words in (("Yaba", "data.Minv"), ("dAdq", "computeRNEADerivatives"), ("oMI", "'oMi'")):
+        with pytest.raises(AttributeError, match=words):
+            getattr(data, name)
+    assert not hasattr(data, "vxI")
+    assert copy.deepcopy(data).M.shape == (6, 6)

@@ -100,3 +100,107 @@ def test_a_copied_model_shares_nothing(pin: Any) -> None:
     assert model.inertias[3] == fresh.inertias[3] and model.frames[-1].placement == fresh.frames[-1].placement
     other.addFrame(pin.Frame("new", 1, 0, pin.SE3.Random(), pin.OP_FRAME))
     assert other.nframes == model.nframes + 1
+
+
+def test_random_configurations_follow_the_seed(pin: Any) -> None:
+    """Numbers are drawn for many configurations at once; a seed starts them anew for every model."""
+    model, other = pin.buildSampleModelHumanoid(), pin.buildSampleModelManipulator()
+    low, high = np.full(model.nq, -2.0), np.full(model.nq, 2.0)
+
+    def drawn() -> tuple[np.ndarray, np.ndarray]:
+        pairs = [
+            (pin.randomConfiguration(model, low, high), pin.randomConfiguration(other)) for _ in range(150)
+        ]
+        return np.array([a for a, _ in pairs]), np.array([b for _, b in pairs])
+
+    pin.seed(7)
+    first = drawn()
+    pin.seed(7)
+    again = drawn()
+    pin.seed(8)
+    third = drawn()
+    for a, b, c in zip(first, again, third, strict=True):
+        assert np.array_equal(a, b) and not np.isclose(a, c).all()
+        assert len({row.tobytes() for row in a}) == len(a)  # no configuration comes twice
+    assert len({row.tobytes() for row in (pin.randomConfiguration(m) for m in (other, other.copy()))}) == 2
+    assert np.allclose(np.linalg.norm(first[0][:, 3:7], axis=1), 1.0)
+    assert abs(first[0][:, 7:]).max() <= 2.0 and np.allclose(first[0][:, 7:].mean(), 0.0, atol=0.1)
+
+
+def test_copies_of_frames_have_inertias_of_their_own(pin: Any) -> None:
+    model = pin.Model()
+    joint = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "joint")
+    body = pin.Inertia(2.0, np.array([0.1, 0.0, 0.0]), np.eye(3))
+    place = model.addFrame(pin.Frame("body", joint, 0, pin.SE3.Identity(), pin.FrameType.BODY, body))
+    copies = [model.copy() for _ in range(2)]
+    copies.append(copies[0].copy())
+    copies[0].frames[place].inertia.mass = 5.0
+    copies[1].frames[place].inertia = pin.Inertia.Zero()
+    assert [m.frames[place].inertia.mass for m in (model, *copies)] == [2.0, 5.0, 0.0, 2.0]
+    kept = copies[0].frames[place].inertia
+    assert copies[0].copy().frames[place].inertia.mass == 5.0 and copies[0].frames[place].inertia is kept
+    count = copies[0]._frame_changes[0]
+    copies[0].frames[place].name = "renamed"
+    assert (
+        copies[0]._frame_changes[0] > count and copies[0].existFrame("renamed") and model.existFrame("body")
+    )
+
+
+def test_overloads_that_are_known_choose_as_at_first(pin: Any) -> None:
+    """Calls with arguments of the same types, but other dimensions or values, lead to their own overloads."""
+    from pinocchio._containers.keywords import overloads
+
+    @overloads("a:matrix b?", "a:list c:bool?", "a d:int e?>b")
+    def called(a: Any = None, b: Any = "no b", c: Any = "no c", d: Any = "no d") -> Any:
+        return np.ndim(a), b, c, d
+
+    line, square = np.ones(3), np.eye(3)
+    cases = (
+        ((square,), (2, "no b", "no c", "no d")),
+        ((square, 2.0), (2, 2.0, "no c", "no d")),
+        (([1.0], True), (1, "no b", True, "no d")),
+        (([1.0], 1), (1, "no b", 1, "no d")),
+        (([[1.0]], 1), (2, 1, "no c", "no d")),
+        (([1.0], 3), (1, "no b", "no c", 3)),
+        ((line, 3), (1, "no b", "no c", 3)),
+        ((line, 3, 4.0), (1, 4.0, "no c", 3)),
+        ((line, 3, None), (1, "no b", "no c", 3)),
+    )
+    for _ in range(3):
+        for arguments, wanted in cases:
+            assert called(*arguments) == wanted
+            assert called(*arguments) == wanted
+        with pytest.raises(TypeError, match="expected .*called"):
+            called(line)
+        with pytest.raises(TypeError, match="expected .*called"):
+            called(line, 0.5)
+        assert called(square, b=5) == (2, 5, "no c", "no d") and called(line, e=4, d=2) == (1, 4, "no c", 2)
+
+
+def test_overloads_of_functions_that_take_names_alone(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, q = model.createData(), pin.neutral(model)
+    J = [pin.jacobianCenterOfMass(model, data, q, False) for _ in range(3)]
+    assert J[0].shape == (3, 6) and np.array_equal(J[0], J[2])
+    assert np.array_equal(pin.jacobianCenterOfMass(model, data, q), pin.jacobianCenterOfMass(model, data, q))
+
+
+def test_checks_of_arguments_look_at_values_that_types_do_not_decide(pin: Any) -> None:
+    from pinocchio._containers.arguments import ArgumentError, checked
+
+    def plain(flag: bool, size: float, name: str = "", place: Any = None) -> Any:
+        return flag, size, name, place
+
+    called: Any = checked(plain)
+
+    for _ in range(2):
+        assert called(1, np.float64(2.0)) == (1, 2.0, "", None) and called(True, 2, "a") == (
+            True,
+            2,
+            "a",
+            None,
+        )
+        for wrong in ((2, 1.0), (True, "1"), (True, np.ones(2)), (True, 1.0, 3), (0.5, 1.0), (None, 1.0)):
+            with pytest.raises(ArgumentError):
+                called(*wrong)
+        assert called(0, 1.0) == (0, 1.0, "", None) and called(True, size=np.array(1.5))[1] == 1.5

@@ -55,11 +55,15 @@ for view, direction in (("xz", (0, -90)), ("yz", (0, 0))):
     other.launch(view=view)
     assert (other.ax.elev, other.ax.azim) == direction
 env.add(robot)
-before = env.getframe()
+before = np.asarray(env.getframe())
 robot.q, robot.qd = robot.qn, 0.1 * np.ones(6)
 env.step(0.5)
-assert np.allclose(robot.q, np.clip(robot.qn + 0.05, *robot.qlim)) and (env.getframe() != before).any()
+assert np.allclose(robot.q, np.clip(robot.qn + 0.05, *robot.qlim)) and (np.asarray(env.getframe()) != before).any()
 number = env.add(robot.vellipse(robot.q))
+import matplotlib.pyplot as plt
+figures = [robot.plot(q, block=False).fig for q in (robot.qz, robot.qn)]  # in one window, as in the toolbox
+assert figures[0] is figures[1] and len(figures[0].axes) == 1
+assert env.getframe().mode == "RGB" and env.getframe().size == (640, 480)
 env.remove(number)
 env.reset()
 robot.default_backend = "swift"

@@ -200,3 +200,17 @@ def test_curves_are_drawn_as_they_are_asked_for(rtb: Any) -> None:
     assert timed.axes[0].lines[0].get_marker() == "x"
     assert timed.axes[0].get_xlim() == (0.0, 2.0)
     plt.close("all")
+
+
+def test_a_class_of_a_script_is_printed_with_its_kind(rtb: Any) -> None:
+    class Lab(rtb.DHRobot):
+        def __init__(self) -> None:
+            super().__init__([rtb.RevoluteDH(a=1.0)], name="arm")
+
+    class Mine(rtb.models.DH.Puma560):
+        pass
+
+    first = "DHRobot.Lab: arm, 1 joints (R), standard DH parameters"
+    assert str(Lab()).splitlines()[0] == first
+    assert str(Mine()).startswith("Puma560.Mine: Puma 560")
+    assert str(rtb.DHRobot([rtb.RevoluteDH(a=1.0)], name="arm")).startswith("DHRobot: arm")

@@ -45,6 +45,7 @@ def named(rtb: Any) -> Any:
 
 REFUSED: list[tuple[Callable[[Any], Any], str]] = [
     (lambda n: n.E.Rz("q1", jindex=2), "says `jindex`"),
+    (lambda n: n.rtb.Robot([n.rtb.Link(n.E.Rz()), 3]), "3 is no link; expected links"),
     (lambda n: n.E.Rz("q0_"), "counts from 1"),
     (lambda n: n.E.Rz(qlim=[1]), r"\(2,\)"),
     (lambda n: setattr(n.E.SE3(n.SE3(1, 2, 3)), "param", 1.0), "whole pose"),
@@ -152,3 +153,18 @@ def test_former_names_work_and_warn(named: Any, capsys: pytest.CaptureFixture[st
         assert et.axis == et.kind == "tx"
     with pytest.warns(DeprecationWarning, match="`eta` is the former name"):
         assert named.E.tx(eta=3.0).param == 3.0
+
+
+def test_robots_of_the_toolbox_that_others_describe_have_its_names(rtb: Any) -> None:
+    names = {"UR3", "UR5", "UR10", "PR2", "Jaco", "KinovaGen3", "Fetch", "YuMi", "Valkyrie"}
+    assert names <= set(rtb.models.URDF.__all__)
+    assert all(getattr(rtb.models.URDF, name).__name__ == name for name in names)
+
+
+def test_modules_that_scripts_import_from_have_their_names(rtb: Any) -> None:
+    from roboticstoolbox._common.module_names import PLACES  # pyright: ignore[reportMissingImports]
+
+    assert len(PLACES) > 20 and "ET" in PLACES["ets.ET"]
+    for module, names in PLACES.items():
+        found = importlib.import_module(f"roboticstoolbox.{module}")
+        assert all(getattr(found, name) is not None for name in names), module

@@ -102,3 +102,45 @@ def test_ellipses_are_made_by_their_class_too(env: Any, robot: Any) -> None:
     for wrong in ({"etype": "x"}, {"etype": "v", "opt": "both"}):
         with pytest.raises(ValueError):
             EllipsePlot(robot, q, **wrong)
+
+
+def test_plots_share_a_figure(robot: Any) -> None:
+    first, second = np.array([0.1, 0.2, 0.3]), np.array([0.5, -0.4, 0.9])
+    env = robot.plot(first, backend="pyplot", color="gray", block=False)
+    assert robot.plot(second, env=env, color="red", shadow=False, block=False) is env
+    assert [plot.looks["color"] for plot in env.robots] == [(128 / 255,) * 3, (1.0, 0.0, 0.0)]
+    assert np.array_equal(env.robots[0].q, first) and np.array_equal(env.robots[1].q, second)
+    robot.vellipse(second), robot.fellipse(second, add=False)
+    assert len(env.ellipses) == 1 and len(env.robots) == 2
+    taught = robot.teach(second, backend="pyplot", vellipse=True, block=False)
+    assert taught.robots[0].ellipsoids == ("velocity",) and len(taught.robots[0].ellipsoid_points()) == 1
+    robot.fellipse(second)
+    assert len(taught.ellipses) == 1 and len(env.ellipses) == 1
+    assert robot.copy()._figure is None
+    with pytest.raises(ValueError, match="x, y, z from and to"):
+        robot.plot(second, backend="pyplot", limits=[1, 2, 3], block=False)
+
+
+def test_a_scene_that_is_there_keeps_how_it_was_made_but_can_be_looked_at_otherwise(robot: Any) -> None:
+    q = np.array([0.1, 0.2, 0.3])
+    env = robot.plot(q, backend="pyplot", limits=[-1, 1], view="xz", block=False)
+    assert (env.ax.elev, env.ax.azim) == (0, -90) and list(env.limits) == [-1, 1] * 3
+    robot.plot(q, env=env, view="xy", backend="swift", block=False)  # the backend of the scene is used
+    assert (env.ax.elev, env.ax.azim) == (90, -90) and len(env.robots) == 2
+    for given in ({"limits": [-2, 2]}, {"fig": "other"}, {"ax": env.ax}, {"notebook": False}):
+        with pytest.raises(ValueError, match=f"env and {next(iter(given))}"):
+            robot.plot(q, env=env, block=False, **given)
+    with pytest.raises(ValueError, match="diagonal"):
+        robot.plot(q, env=env, view="diagonal", block=False)
+    assert len(env.robots) == 2
+
+
+def test_the_viewer_refuses_what_it_cannot_do_and_shows_a_robot_twice(robot: Any) -> None:
+    q = np.array([0.1, 0.2, 0.3])
+    for given in ({"limits": [-1, 1]}, {"fig": "a"}, {"view": "xy"}, {"vellipse": True}, {"movie": "a.gif"}):
+        with pytest.raises(ValueError, match=f"{next(iter(given))} of plot: matplotlib's figures have it"):
+            robot.plot(q, backend="swift", block=False, **given)
+    env = robot.plot(q, backend="swift", block=False)
+    assert robot.plot([q, 2 * q], env=env, block=False) is env
+    assert [item.q.tolist() for item in (env[0], env[1])] == [q.tolist(), (2 * q).tolist()]
+    env.close()

@@ -117,7 +117,8 @@ def test_older_and_newer_spelling_of_the_pose_are_one(sg: Any) -> None:
     from spatialmath import SE3
 
     T = SE3(1, 2, 3)
-    shape = sg.Sphere(0.1, base=T)
+    with pytest.warns(FutureWarning, match="former name of `pose`"):
+        shape = sg.Sphere(0.1, base=T)
     assert np.array_equal(shape.T, sg.Sphere(0.1, pose=T.A).T)
     shape.base = SE3(0, 0, 1)
     assert shape.T[2, 3] == 1 and isinstance(shape.base, SE3)

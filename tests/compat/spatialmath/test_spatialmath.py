@@ -22,7 +22,11 @@ def run(*command: str) -> subprocess.CompletedProcess[str]:
         text=True,
         timeout=600,
         check=False,
-        env={**os.environ, "MPLBACKEND": "Agg"},
+        env={
+            **os.environ,
+            "MPLBACKEND": "Agg",
+            "PYTHONWARNINGS": "ignore::SyntaxWarning",
+        },  # its escapes, since 3.12
     )
 
 

@@ -281,7 +281,8 @@ def test_controls_change_and_go_at_any_time(env: Any, swift: Any) -> None:
     with pytest.raises(InputError, match="each once"):
         select.options = ["d", "d"]
     assert select.options == ["d", "e"]
-    boxes.options, boxes.desc = ["x", "y", "z"], "more"
+    with pytest.warns(DeprecationWarning, match="former name of `label`"):
+        boxes.options, boxes.desc = ["x", "y", "z"], "more"
     heading, *ticks = boxes._controls
     assert heading.label == "more" and [t.value for t in ticks] == [False, True, False] == boxes.checked
     env._controls._enqueue(slider, 50.0)  # the page was quicker than the script
@@ -300,7 +301,8 @@ def test_controls_are_described_as_in_swift(swift: Any) -> None:
         "label": "L", "unit": "m", "precision": 3,
     }  # fmt: skip
     assert swift.Radio(None, "C", ["a", "b"], 1).to_dict()["checked"] == [False, True]
-    assert swift.Label(desc="x").label == "x"
+    with pytest.warns(DeprecationWarning, match="former name of `label`"):
+        assert swift.Label(desc="x").label == "x" == swift.Label("x").desc
     for bad in (
         lambda: swift.Slider(None, 3, 3),
         lambda: swift.Select(None, "x", ["a"], 4),

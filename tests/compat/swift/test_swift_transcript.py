@@ -147,8 +147,8 @@ names.button.update(1)
 setattr(names, "label", swift.Label("words"))
 env.add(names.label)
 names.label.to_dict()
-setattr(names.label, "desc", "others")
-names.label.desc
+setattr(names.label, "label", "others")
+names.label.label
 env.process_events({0: 3})
 env.process_events()
 env.values

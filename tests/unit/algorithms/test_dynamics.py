@@ -56,7 +56,7 @@ def test_pendulum_with_a_mimic_one() -> None:
     weight = MASS * 9.81 * REACH * (np.sin(0.4) + 2.0 * np.sin(2.0 * 0.4 + 0.1))
     np.testing.assert_allclose(alg.gravity_forces(m, q), [weight], rtol=1e-14)
     np.testing.assert_allclose(alg.forward_dynamics(m, q, v, np.zeros(1)), [-weight / (5 * J)], rtol=1e-14)
-    with pytest.raises(InputError, match=r"takes no mimic joints; use forward_dynamics"):
+    with pytest.raises(InputError, match=r"takes no mimic joints and no ellipsoids; use forward_dynamics"):
         alg.aba(m, q, v, np.zeros(1))
 
 

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import ulna
+from ulna import numeric
 from ulna.algorithms import Friction
+from ulna.compiler import compile
 from ulna.errors import InputError, ShapeError
 from ulna.model import Drive, dynamic_parameters, with_drives, with_payload
 
@@ -97,3 +99,12 @@ def test_friction_of_a_drive_is_that_of_the_toolbox() -> None:
     law = Friction(at_joint["damping"], 62.6 * drive.both_ways[0], 62.6 * drive.both_ways[1], width=1e-4)
     for speed in (-1.0, -0.1, 0.2, 2.0):
         assert law.torque(np.array([speed]))[0] == pytest.approx(link.friction(speed), rel=1e-12)
+
+
+def test_derivatives_of_tanh_are_finite_for_all_numbers() -> None:
+    kernel = compile(lambda x: numeric.tanh(x[0]), x=(1,))
+    derivative = kernel.jacobian()
+    for x in (-1e300, -400.0, -3.0, 0.0, 0.5, 19.0, 21.0, 400.0, 1e300):
+        assert kernel([x]) == pytest.approx(np.tanh(x), abs=3e-16)
+        assert derivative([x])[0] == pytest.approx(1.0 / np.cosh(min(abs(x), 300.0)) ** 2, abs=1e-15)
+    assert np.isnan(kernel([np.nan]))

@@ -1,4 +1,4 @@
-"""Large batches in float32 lanes: the same answers as float64, whatever the world, the robot and the threads."""
+"""Checks in float32 lanes: the same answers as float64, whatever the world, the robot and the threads."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ import pytest
 import ulna
 from ulna.collision import SphereChecker, World
 from ulna.collision.compiled import TOUCH
-from ulna.collision.lanes.batches import LEAST, which_touch
+from ulna.collision.lanes.batches import which_touch
 from ulna.collision.lanes.tables import Scene, links_of
+from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
 from ulna.geometry import Box, Capsule, Cylinder, Plane, PointCloud, Sphere
 from ulna.spatial import SE3
 from ulna.typing import Floats
@@ -50,13 +51,15 @@ def test_batches_say_what_float64_says(name: str, margin: float) -> None:
     checker = SphereChecker(robot.model, cluttered(1))
     q = within_limits(robot, 1500, 2)
     answer = checker.collides(q, margin=margin)
-    assert next(iter(checker._batches.values())) is not None  # float32 was asked
+    assert checker._batches  # float32 was asked
     np.testing.assert_array_equal(answer, by_float64(checker, q, margin))
     assert answer.mean() > 0.05 and (margin or answer.mean() < 0.95)
     np.testing.assert_array_equal(checker.collides(q, margin=margin, threads=3), answer)
     np.testing.assert_array_equal(
         checker.collides(q.reshape(5, 300, -1), margin=margin), answer.reshape(5, 300)
     )
+    assert [checker.collides(row, margin=margin) for row in q[:300]] == answer[:300].tolist()
+    assert type(checker.collides(q[0])) is bool
 
 
 def test_what_is_carried_and_margins_of_pairs_count() -> None:
@@ -80,13 +83,15 @@ def test_out_of_limits_and_many_turns_are_left_to_float64() -> None:
     q = within_limits(robot, 200, 6)
     q[::3] *= 3.0
     q[1::3, 0] += 2.0e5 * np.pi  # float32 would place the hand centimetres off
-    np.testing.assert_array_equal(checker.collides(q), by_float64(checker, q))
+    expected = by_float64(checker, q)
+    assert [checker.collides(row) for row in q] == expected.tolist()
+    np.testing.assert_array_equal(checker.collides(q), expected)
 
 
 def test_on_the_very_edge_float64_decides() -> None:
     """Balls that the nearest sphere of the hand touches, or misses, by less than float32 can tell."""
     robot = ulna.load("panda")
-    q = np.repeat(robot.configurations["qr"][None], LEAST, axis=0)
+    q = np.repeat(robot.configurations["qr"][None], 64, axis=0)
     centre = robot.fk(q[0], "panda_hand")[:3, 3] + (0.4, 0.3, 0.5)
     bare = SphereChecker(robot.model, World().add("ball", Sphere(0.01), centre), pairs=())
     gap = float(bare.clearance(q[0]))
@@ -94,30 +99,47 @@ def test_on_the_very_edge_float64_decides() -> None:
         near = SphereChecker(
             robot.model, World().add("ball", Sphere(0.01 + gap + change - TOUCH), centre), pairs=()
         )
-        assert near.collides(q).tolist() == [expected] * LEAST
+        assert near.collides(q[0]) is expected  # one by one, without a kernel
+        assert near.collides(q).tolist() == [expected] * 64
 
 
 def test_worlds_that_float32_cannot_hold_are_checked_all_the_same() -> None:
     robot = ulna.load("panda")
     far = cluttered(8).add("moon", Sphere(10.0), (500.0, 0.0, 0.0))
     checker = SphereChecker(robot.model, far)
-    q = within_limits(robot, LEAST, 9)
+    q = within_limits(robot, 64, 9)
     np.testing.assert_array_equal(checker.collides(q), SphereChecker(robot.model, cluttered(8)).collides(q))
-    assert list(checker._batches.values()) == [None]
+    assert checker._scene is None
 
 
 def test_nan_is_refused_or_touches_as_in_small_batches() -> None:
     robot = ulna.load("panda")
     checker = SphereChecker(robot.model, cluttered(10))
-    q = within_limits(robot, LEAST, 11)
+    q = within_limits(robot, 64, 11)
     q[5, 2] = np.nan
     results = []
-    for rows in (q, q[: LEAST - 1]):
+    for rows in (q, q[:6]):
         try:
             results.append(checker.collides(rows)[5])
         except ulna.errors.UlnaError as error:
             results.append(type(error))
     assert results[0] == results[1]
+
+
+def test_a_single_array_is_checked_as_any_configuration_is() -> None:
+    robot = ulna.load("panda")
+    checker, rows = SphereChecker(robot.model, cluttered(4)), within_limits(robot, 60, 5)
+    answers = checker.collides(rows)
+    for q, answer in zip(rows, answers, strict=True):
+        for given in (q, q.tolist(), q.astype(">f8"), np.stack([q, q], axis=1)[:, 0]):
+            assert checker.collides(given) is bool(answer)
+    for wrong, error in ((np.append(rows[0, :6], np.nan), NonFiniteError), (rows[0, :6], ShapeError)):
+        with pytest.raises(error):
+            checker.collides(wrong)
+    with pytest.raises(DtypeError):
+        checker.collides(rows[0].astype(complex))
+    with pytest.raises(InputError, match="margin"):
+        checker.collides(rows[0], margin=-0.1)
 
 
 def test_interpreter_and_checked_code_agree_with_machine_code() -> None:
@@ -137,6 +159,32 @@ def test_interpreter_and_checked_code_agree_with_machine_code() -> None:
     assert set(results[0].tolist()) <= {0.0, 1.0}
 
 
+def test_spheres_that_can_meet_are_read_from_the_disk(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    from ulna.collision.lanes import sphere_pairs
+
+    folder = tmp_path / "cache"
+    monkeypatch.setenv("ULNA_CACHE", str(folder))
+    checker = SphereChecker(ulna.load("ur5").model)
+    robot = links_of(checker.model, checker.spheres, checker.pairs, "error")
+    numbers = tuple(pair[:2] for pair in robot.pairs)
+    arguments = robot.model, robot.groups, numbers, robot.bounds_of_motion[1]
+    first = sphere_pairs.meeting_spheres(*arguments)
+    expected = [
+        sphere_pairs.can_meet(robot.model, robot.groups[a], robot.groups[b], row)
+        for (a, b), row in zip(numbers, robot.bounds_of_motion[1], strict=True)
+    ]
+    with monkeypatch.context() as patch:
+        patch.setattr(sphere_pairs, "can_meet", None)  # not called again
+        second = sphere_pairs.meeting_spheres(*arguments)
+    for masks in (first, second):
+        assert len(masks) == len(expected)
+        for mask, right in zip(masks, expected, strict=True):
+            np.testing.assert_array_equal(mask, right)
+    monkeypatch.setenv("ULNA_CACHE", "0")
+    assert len(sphere_pairs.meeting_spheres(*arguments)) == len(expected)
+    assert sphere_pairs.meeting_spheres(robot.model, robot.groups, (), robot.bounds_of_motion[1][:0]) == []
+
+
 def test_threads_and_copies_of_a_checker_agree() -> None:
     robot = ulna.load("ur5")
     checker = SphereChecker(robot.model, cluttered(14))
@@ -148,7 +196,7 @@ def test_threads_and_copies_of_a_checker_agree() -> None:
         barrier.wait(30.0)
         answers = []
         for k in range(12):  # more margins than the checker keeps
-            checker.collides(q[:LEAST], margin=1e-3 * k)
+            checker.collides(q[:64], margin=1e-3 * k)
             answers.append(checker.collides(q))
         return answers
 

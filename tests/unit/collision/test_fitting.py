@@ -21,6 +21,7 @@ from ulna.collision import (
 )
 from ulna.collision.cover import cover
 from ulna.collision.polyhedra import distance, split, triangles
+from ulna.collision.region import region
 from ulna.collision.solids import Solid
 from ulna.errors import FormatError, InputError, ModelWarning
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Geometry, Mesh, Shape, Sphere
@@ -168,6 +169,15 @@ def test_balls_are_taken_as_they_are() -> None:
         spheres_of(chain((Box((0.1, 0.1, 0.1)),)))
 
 
+def test_shapes_that_are_spheres_are_not_compared_with_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(*arguments: object, **options: object) -> None:
+        raise AssertionError("the shapes of these links are their spheres")
+
+    monkeypatch.setattr("ulna.collision.covering.Checker", never)
+    found = fit(chain((Sphere(0.1),), (Sphere(0.1),), (Sphere(0.1),), spacing=0.15), tolerance=0.0123)
+    assert found.count == 3 and set(found.excess.values()) == {0.0}
+
+
 def test_refined_spheres_are_free_where_the_shapes_are() -> None:
     block = (Box((0.2, 0.2, 0.2)),)
     model = chain(block, block, block, spacing=0.13)
@@ -189,6 +199,7 @@ def test_refined_spheres_are_free_where_the_shapes_are() -> None:
 
 def test_pairs_whose_spheres_always_touch_are_named() -> None:
     """Plates that slide past each other with less room than one sphere of each allows."""
+    pytest.importorskip("coal")
     plate = (Box((0.5, 0.5, 0.01)),)
     model = chain(plate, (Sphere(0.001),), plate, spacing=0.03)
     with pytest.warns(ModelWarning, match="'link0' and 'link2' touch in every configuration"):
@@ -237,3 +248,12 @@ def test_files_without_spheres(name: str, text: str, said: str, tmp_path: Path) 
         read_spheres(tmp_path / name)
     with pytest.raises(FormatError, match="cannot be read"):
         read_spheres(tmp_path / "none.json")
+
+
+def test_distances_to_a_region_have_their_sign() -> None:
+    from scipy.spatial import ConvexHull
+
+    corners = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    box = region(corners[ConvexHull(corners).simplices], lambda pieces: np.zeros(len(pieces), dtype=bool))
+    points = np.array([[0.5, 0.5, 0.5], [0.5, 0.5, 0.9], [1.3, 0.5, 0.5], [-0.2, 0.4, 0.5], [1.3, 1.4, 0.5]])
+    np.testing.assert_allclose(box.signed_exactly(points), [-0.5, -0.1, 0.3, 0.2, 0.5], atol=1e-9)

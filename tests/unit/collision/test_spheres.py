@@ -10,6 +10,7 @@ import pytest
 import ulna
 from support.scenes import table
 from ulna.collision import LinkSpheres, SphereChecker, Spheres, World, fit, sphere_clearance
+from ulna.collision.compiled import TOUCH
 from ulna.collision.cover import cover
 from ulna.collision.solids import Solid
 from ulna.errors import (
@@ -236,7 +237,7 @@ def test_a_link_whose_mesh_is_skipped_is_not_asked_for_spheres() -> None:
     world = World().add("ball", Sphere(0.1), (1.0, 0.0, 0.0))
     with pytest.warns(ModelWarning, match="nowhere"):
         checker = SphereChecker(builder.build(), world, missing="skip")
-    assert checker.collides([1.0, 0.0]) and not checker.collides([0.0, 1.0])
+        assert checker.collides([1.0, 0.0]) and not checker.collides([0.0, 1.0])
 
 
 def test_spheres_given_to_a_bare_link_are_seen() -> None:
@@ -267,4 +268,22 @@ def test_more_pairs_of_spheres_than_compile_in_seconds_are_refused(monkeypatch: 
     robot = ulna.load("panda")
     spheres = robot.collision_spheres(tolerance=0.03, most=3)
     with pytest.raises(InputError, match=r"pairs of its own spheres, more than the 10 .*method='exact'"):
-        SphereChecker(robot.model, spheres=spheres).collides(np.zeros(7))
+        SphereChecker(robot.model, spheres=spheres).clearance(np.zeros(7))
+    checker = SphereChecker(robot.model, spheres=spheres)
+    q = robot.random_configuration(100, seed=4) * 1.2  # some beyond the limits, where float64 decides
+    touching = checker.collides(q)
+    monkeypatch.undo()
+    np.testing.assert_array_equal(touching, SphereChecker(robot.model, spheres=spheres).clearance(q) <= TOUCH)
+
+
+@pytest.mark.parametrize("smooth", [None, 0.02])
+def test_gradients_in_single_precision_are_finite_inside_of_obstacles(smooth: float | None) -> None:
+    robot = ulna.load("panda")
+    one = LinkSpheres(np.array([[0.0, 0.02, 0.05]]), np.array([0.05]))
+    world = World().add("room", Box((2.0, 3.0, 4.0)), (0.0, 0.0, 0.3))
+    spheres = Spheres({"panda_link4": one, "panda_hand": one})
+    f = sphere_clearance(robot.model, world, spheres=spheres, pairs=(), smooth=smooth)
+    double, single = (ulna.compile(f, robot, dtype=dtype).jacobian() for dtype in ("float64", "float32"))
+    q = robot.configurations["qr"]
+    assert np.abs(double(q)).max() > 1e-3
+    np.testing.assert_allclose(single(q), double(q), atol=1e-5)

@@ -84,6 +84,8 @@ def _missing(found: dict[str, Any]) -> set[str]:
         ("arm = legs.Arm()\narm.wheel = 3\narm.wheel", set()),
         ("arm = legs.Arm()\narm.addconfiguration_attr('up', 0)\narm.up", {"legs.Arm.addconfiguration_attr"}),
         ("thing = legs.Arm()\nthing = legs.Leg()\nthing.size\nthing.toe", {"legs.Arm.toe"}),
+        ("def f(arm: legs.Arm, q: np.ndarray):\n    return arm.wheel, q.T", {"legs.Arm.wheel"}),
+        ("arm: legs.Arm = get()\nleg: legs.Leg\nleg.toe", {"legs.Leg.toe"}),
         ("m = legs.Arm().matrix()\nm.anything_at_all", set()),
     ],
 )  # fmt: skip

@@ -96,6 +96,30 @@ def test_a_pickled_kernel_gives_the_same_bits(samples):
         np.testing.assert_array_equal(got, wanted)
 
 
+@pytest.mark.parametrize("is_deferred", [False, True])
+@pytest.mark.parametrize("name", ["inverse_mass_matrix", "forward_dynamics_derivatives"])
+def test_derivatives_have_no_columns(name, is_deferred):
+    """A derivative once took the form of columns of its function: wrong numbers, and writes beside the arrays."""
+    kinds = ["revolute", "revolute", "prismatic"]
+    robot = Robot(
+        random_model(np.random.default_rng(2), kinds, 7, root="free_flyer", mimics=0, branching=0.5)
+    )
+    function = robot.kernel(name).function if is_deferred else robot.function(name)
+    assert function.columns is not None
+    arguments = [robot.random_configuration(seed=1), *np.random.default_rng(2).normal(size=(2, robot.nv))]
+    arguments = arguments[: len(function.inputs)]
+    seeds = [np.random.default_rng(3).normal(size=x.shape) for x in arguments]
+    derivative = function.jvp()
+    assert derivative.columns is None
+    expected = derivative(*arguments, *seeds)
+    values = compile(derivative)(*arguments, *seeds)
+    values, expected = (x if isinstance(x, tuple) else (x,) for x in (values, expected))
+    for value, right in zip(values, expected, strict=True):
+        np.testing.assert_allclose(value, right, rtol=1e-9, atol=1e-9 * np.abs(right).max())
+    for other in (function.vjp(), function.jacobian()):
+        assert other.columns is None
+
+
 def test_narrow_registers_and_few_columns_take_the_graph():
     f, target = _function(), jit.target()
     wide = replace(target, register_bytes=32, arithmetic=Arithmetic())

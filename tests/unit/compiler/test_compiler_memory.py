@@ -21,7 +21,7 @@ def test_compiling_kernels_with_loops_keeps_no_memory(monkeypatch):
 
     def compiled(count: int) -> None:
         for _ in range(count):
-            original(sources[0], True, jit._machine())
+            original(sources[0], True, jit._machine_of_level(2))
 
     compiled(20)
     most = 100 * 20e3  # bytes; it was 70,000 for each

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +15,11 @@ import pytest
 
 import ulna
 from ulna.compiler import trace
+from ulna.compiler.language.pressure import few_alive, most_alive
+from ulna.compiler.language.scheduling import parts
 from ulna.compiler.runtime.cuda_kernel import cuda_core
 from ulna.compiler.runtime.ptx import ptx, run_on_cpu
-from ulna.errors import DeviceError, DtypeError, InputError, MissingExtra, UnknownName
+from ulna.errors import DeviceError, InputError, MissingExtra, UnknownName
 from ulna.numeric import loop, where
 
 ROBOT = ulna.load("panda", visuals="simple")
@@ -115,10 +119,26 @@ def test_the_kernel_of_a_search_is_for_one_goal_or_near_a_configuration() -> Non
     assert repr(kernel).startswith("<CUDA kernel ik(4,4)->(7),(),(),(),() float64")
     with pytest.raises(UnknownName, match="No option of kernel 'ik' named 'frme'. Did you mean 'frame'"):
         ROBOT.kernel("ik", device="cuda", frme="panda_hand")
-    with pytest.raises(DtypeError, match="has dtype float32; expected float64 for a search"):
-        ROBOT.kernel("ik", device="cuda", dtype="float32")
     with pytest.raises(UnknownName, match="a method that searches"):
         ROBOT.kernel("ik")
+
+
+def test_a_search_in_single_precision_meets_what_it_can() -> None:
+    from ulna.ik.thread_search import thread_search
+
+    T = ROBOT.fk(ROBOT.random_configuration(200, seed=3))
+    f = thread_search(ROBOT.model, position_tolerance=1e-4, rotation_tolerance=1e-4)
+    q, is_met, *_ = run_on_cpu(f, (T,), "float32")
+    assert q.dtype == np.float32 and (is_met == 1.0).all()
+    np.testing.assert_allclose(ROBOT.fk(q.astype(float))[:, :3], T[:, :3], atol=2e-4)
+    kernel = ROBOT.kernel("ik", device="cuda", dtype="float32")
+    assert repr(kernel).startswith("<CUDA kernel ik(4,4)->(7),(),(),(),() float32")
+    with pytest.raises(
+        InputError, match=r"`rotation_tolerance` is 1e-06; expected at least 1e-05 with dtype float32"
+    ):
+        ROBOT.kernel("ik", device="cuda", dtype="float32", rotation_tolerance=1e-6)
+    with pytest.raises(InputError, match="position_tolerance"):
+        ROBOT.kernel("ik", device="cuda", dtype="float32", position_tolerance="small")
 
 
 def test_collisions_of_spheres() -> None:
@@ -132,7 +152,16 @@ def test_collisions_of_spheres() -> None:
     np.testing.assert_allclose(found, ulna.compile(clearance, ROBOT)(Q), atol=1e-13)
 
 
-ASSEMBLER = shutil.which("ptxas")
+def _assembler() -> str | None:
+    """ptxas of a CUDA toolkit, or of the package nvidia-cuda-nvcc."""
+    with suppress(PackageNotFoundError):
+        for file in files("nvidia-cuda-nvcc") or ():
+            if file.name in ("ptxas", "ptxas.exe"):
+                return str(file.locate())
+    return shutil.which("ptxas")
+
+
+ASSEMBLER = _assembler()
 
 
 def _assembled(text: str, folder: Path) -> str:
@@ -147,11 +176,43 @@ def _assembled(text: str, folder: Path) -> str:
 
 
 @pytest.mark.skipif(ASSEMBLER is None, reason="ptxas is not installed")
-@pytest.mark.parametrize("name", ["fk", "jacobian", "inverse_dynamics", "forward_dynamics", "mass_matrix"])
+@pytest.mark.parametrize(
+    "name", ["fk", "jacobian", "inverse_dynamics", "forward_dynamics", "mass_matrix", "ik"]
+)
 def test_the_assembler_accepts_it_and_registers_suffice(name: str, tmp_path: Path) -> None:
-    said = _assembled(ptx([("k", ROBOT.function(name))], "float32"), tmp_path)
+    from ulna.ik.thread_search import thread_search
+
+    function = thread_search(ROBOT.model) if name == "ik" else ROBOT.function(name)
+    said = _assembled(ptx([("k", function)], "float32"), tmp_path)
     assert re.findall(r"(\d+) bytes spill", said)
     assert set(re.findall(r"(\d+) bytes spill", said)) == {"0"}
+
+
+def _spheres(pairs: tuple[Any, ...] | None) -> Any:
+    """How far the Panda's spheres are from a ball and a box, and from each other."""
+    from ulna.collision import World, sphere_clearance
+    from ulna.geometry import Box, Sphere
+
+    world = (
+        World().add("ball", Sphere(0.1), (0.5, 0.0, 0.3)).add("box", Box((0.2, 0.3, 0.4)), (0.0, 0.5, 0.3))
+    )
+    return trace(sphere_clearance(ROBOT.model, world, pairs=pairs), q=(7,))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(ASSEMBLER is None, reason="ptxas is not installed")
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_registers_suffice_for_collisions_of_spheres(dtype: str, tmp_path: Path) -> None:
+    said = _assembled(ptx([("k", _spheres(()))], dtype), tmp_path)
+    assert set(re.findall(r"(\d+) bytes spill", said)) == {"0"}
+
+
+@pytest.mark.slow
+def test_few_values_wait_at_once_though_all_spheres_are_checked() -> None:
+    """A thread has 255 registers; the 101 spheres that move have 303 coordinates."""
+    f = _spheres(None)
+    assert most_alive(f.graph, few_alive(f)) < 200
+    assert most_alive(f.graph, [step for part in parts(f, 1, 1) for step in part]) > 300
 
 
 @pytest.mark.skipif(ASSEMBLER is None, reason="ptxas is not installed")

@@ -559,13 +559,58 @@ def _unknown_field(s: Spheres):
     return s.radius[0]  # type: ignore[attr-defined]
 
 
+def _other_kind_of_return(n: int) -> int:
+    if n > 0:
+        return n
+    return n * 0.5
+
+
 def _different_returns(a: int):
     if a > 0:
         return 1
     return 1, 2
 
 
+def _slice_before_an_index(a: Array2[f32]) -> float:
+    return a[0:8, 0]
+
+
+def _unassigned_in_a_tuple(n: int) -> int:
+    if n > 0:
+        a = 1
+    a, b = 2, a
+    return b
+
+
+@procedure
+def _pair() -> tuple[int, int]:
+    return 1, 2
+
+
+def _three_of_a_pair() -> int:
+    a, b, c = _pair()
+    return a + b + c
+
+
+def _no_array_to_measure() -> int:
+    return len()
+
+
+def _too_much_to_measure(a: Array1[f32]) -> int:
+    return len(a, 3)
+
+
+def _broadcast_without_a_width(x: f32) -> f32:
+    return broadcast(x)
+
+
 REFUSED: dict[Callable[..., Any], str] = {
+    _slice_before_an_index: "Slice expressions cannot be compiled",
+    _unassigned_in_a_tuple: "`a` may have no value here",
+    _three_of_a_pair: "_pair returns 2 values, not 3",
+    _no_array_to_measure: r"len\(...\) takes 1 argument, not 0",
+    _too_much_to_measure: r"len\(...\) takes 1 argument, not 2",
+    _broadcast_without_a_width: r"broadcast\(...\) takes 2 arguments, not 1",
     _f32_meets_f64: "f32 and f64 meet. Convert one of them",
     _unknown_name: "`unknown_thing` is not defined",
     _unassigned: "`b` may have no value here",
@@ -589,6 +634,7 @@ REFUSED: dict[Callable[..., Any], str] = {
     _with: "`with` statements cannot be compiled",
     _unknown_field: "Spheres has no field `radius`; it has centres, radii",
     _different_returns: "2 values are returned here, 1 elsewhere",
+    _other_kind_of_return: "f64 is returned here, int elsewhere. Convert it",
 }
 
 

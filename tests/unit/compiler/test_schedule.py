@@ -10,6 +10,7 @@ import pytest
 from ulna import numeric as nm
 from ulna.compiler import compile, trace
 from ulna.compiler.language.ops import TABLE, Op
+from ulna.compiler.language.pressure import few_alive, most_alive
 from ulna.compiler.language.scheduling import Sines, Store, made, parts, used
 
 schedule = import_module("ulna.compiler.language.scheduling")
@@ -35,12 +36,9 @@ def small_parts(request, monkeypatch):
     monkeypatch.setattr(schedule, "_BEARABLE", 0)
 
 
-@pytest.mark.parametrize(("lanes", "pack"), [(1, 8), (1, 1), (4, 1), (8, 1)])
-def test_everything_is_made_once_and_before_it_is_used(lanes, pack, small_parts):
+def _assert_complete(steps):
+    """Everything is made once and before it is used, and all results are stored."""
     g = FUNCTION.graph
-    pieces = parts(FUNCTION, lanes, pack)
-    assert len(pieces) > 1 and all(pieces)
-    steps = [step for piece in pieces for step in piece]
     known = {index for index in range(len(g)) if g.op[index] in (Op.CONST, Op.BOOL)}
     written: dict[tuple[int, int], int] = {}
     for step in steps:
@@ -55,6 +53,36 @@ def test_everything_is_made_once_and_before_it_is_used(lanes, pack, small_parts)
             known.update(new)
     places = [(k, j) for k, port in enumerate(FUNCTION.outputs) for j in range(port.size)]
     assert [written[place] for place in places] == list(FUNCTION.results)
+
+
+def test_the_order_with_few_values_alive_is_complete():
+    steps = few_alive(FUNCTION)
+    _assert_complete(steps)
+    traced = [step for piece in parts(FUNCTION, 1, 1) for step in piece]
+    assert most_alive(FUNCTION.graph, steps) <= most_alive(FUNCTION.graph, traced)
+
+
+def test_what_is_made_early_and_used_late_is_made_late():
+    """Products of all pairs, then their sums in order: on demand only one product waits."""
+
+    def f(x):
+        products = [a * b for k, a in enumerate(x) for b in x[:k]]
+        total = products[0]
+        for p in products[1:]:
+            total = np.sqrt(total + p)
+        return total
+
+    function = trace(f, x=(8,))
+    traced = [step for piece in parts(function, 1, 1) for step in piece]
+    assert most_alive(function.graph, traced) >= 8 * 7 // 2
+    assert most_alive(function.graph, few_alive(function)) <= 8 + 2
+
+
+@pytest.mark.parametrize(("lanes", "pack"), [(1, 8), (1, 1), (4, 1), (8, 1)])
+def test_everything_is_made_once_and_before_it_is_used(lanes, pack, small_parts):
+    pieces = parts(FUNCTION, lanes, pack)
+    assert len(pieces) > 1 and all(pieces)
+    _assert_complete([step for piece in pieces for step in piece])
 
 
 def test_sines_of_one_sample_are_taken_together():

@@ -40,6 +40,7 @@ NUMBER = r"A traced value has no number yet.*Use np\.sin and the like"
         (lambda x: np.tanh(x), "Traced values cannot do this: .* no callable tanh method. They know"),
         (lambda x: np.isnan(np.array([x])), "Traced values cannot do this: .*'isnan' not supported"),
         (lambda x: x * 1j, "Traced values cannot do this: .*'Scalar' and 'complex'"),
+        (lambda x: x.ndim, "Traced values cannot do this: .* no attribute .ndim.. They know"),
         (lambda x: pickle.dumps(x), "cannot be pickled or copied out of its trace; pickle the Function"),
         (lambda x: copy.deepcopy(x), "cannot be pickled or copied"),
         (lambda x: "text", r"A traced function met 'text' of type str; expected a real number"),

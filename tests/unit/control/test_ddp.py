@@ -10,8 +10,9 @@ import pytest
 import ulna
 from ulna import control
 from ulna.control.backward import backward
-from ulna.errors import InputError, ShapeError
-from ulna.model import Revolute
+from ulna.errors import InputError, ModelError, NonFiniteError, ShapeError, UnknownName
+from ulna.model import ModelBuilder, Revolute
+from ulna.spatial import SE3, Inertia
 
 
 def linear(n, m, seed):
@@ -170,6 +171,9 @@ def test_parameters_of_each_knot():
     np.testing.assert_allclose(solution.states[:, 0], [0.0, 1.0, -1.0, 2.0, 5.0], atol=1e-4)
     with pytest.raises(InputError, match="`parameters` has 0 entries; expected 1: goal"):
         control.ddp(stage, end, [0.0], np.zeros((4, 1)), terminal_parameters=(5.0,))
+    plain = control.custom_stage(lambda x, u: x + u, lambda x, u: np.array([x[0], u[0]]), nx=1, nu=1)
+    with pytest.raises(InputError, match="`parameters` has 1 entries; expected 0: nothing\\.$"):
+        control.ddp(plain, plain.terminal(lambda x: x), [0.0], np.zeros((4, 1)), parameters=(1.0,))
     with pytest.raises(ShapeError, match=r"`goal` has shape \(3,\); expected \(\) or \(4,\)"):
         control.ddp(stage, end, [0.0], np.zeros((4, 1)), parameters=(goals[:3],), terminal_parameters=(5.0,))
 
@@ -192,10 +196,77 @@ def test_what_ends_a_search():
         control.ddp(stage, end, np.zeros(3), controls)
     with pytest.raises(ShapeError, match=r"`controls` has shape \(60,\); expected \(N, 1\)"):
         control.ddp(stage, end, x0, np.zeros(60))
-    with pytest.raises(InputError, match="`x0` holds nan or inf"):
+    with pytest.raises(NonFiniteError, match=r"`x0\[0\]` is nan"):
         control.ddp(stage, end, [np.nan, 0.0], controls)
     with pytest.raises(InputError, match="`controls` lead to a cost that is not finite"):
         control.ddp(stage, end, x0, np.full((60, 1), 1e200))
+    with pytest.raises(ShapeError, match=r"`controls` has shape \(0, 1\); expected one row"):
+        control.ddp(stage, end, x0, np.zeros((0, 1)))
+    with pytest.raises(InputError, match="`controls` is a masked array"):
+        control.ddp(stage, end, x0, np.ma.masked_greater(np.full((60, 1), 2.0), 1.0))
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"iterations": -1}, "`iterations` is -1"),
+        ({"iterations": 2.5}, "`iterations` is 2.5"),
+        ({"tolerance": np.nan}, "`tolerance` is nan"),
+        ({"tolerance": -1e-9}, "`tolerance` is -1e-09"),
+        ({"progress": 3}, "`progress` is 3; expected a function"),
+        ({"stage": None}, "`stage` is None; expected a Stage"),
+        ({"terminal": None}, "`terminal` is None; expected the end"),
+    ],
+)
+def test_arguments_that_make_no_sense_are_refused(options, text):
+    stage, end = pendulum()
+    problem = {"stage": stage, "terminal": end, "x0": [0.1, 0.0], "controls": np.zeros((3, 1))}
+    with pytest.raises(InputError, match=text):
+        control.ddp(**(problem | options))
+
+
+def test_stage_and_end_are_of_one_system():
+    stage, _ = pendulum()
+    other = control.custom_stage(lambda x, u: x + u, lambda x, u: u, nx=1, nu=1)
+    with pytest.raises(InputError, match="`terminal` takes states of 1 numbers, and `stage` makes 2"):
+        control.ddp(stage, other.terminal(lambda x: x), [0.1, 0.0], np.zeros((3, 1)))
+    with pytest.raises(InputError, match="`dt` is 'fast'"):
+        control.stage(ulna.load("panda"), lambda q, v, u: u, dt="fast")
+    with pytest.raises(InputError, match="`robot` is 'panda'; expected a Robot"):
+        control.stage("panda", lambda q, v, u: u, dt=0.1)
+
+
+def two_joints_and_a_follower(inertia):
+    """Joints a and c, and b, which follows a."""
+    builder = ModelBuilder("follower").add_link("base")
+    for parent, name, mimic in (("base", "a", None), ("a", "b", ("a", -2.0, 0.1)), ("b", "c", None)):
+        builder.add_link(name, inertia if name == "c" else Inertia.from_box(1.0, (0.1, 0.2, 0.3)))
+        builder.add_joint(
+            name, Revolute((0.0, 0.6, 0.8)), parent, name, SE3.trans(0.1, 0.0, 0.2), mimic=mimic
+        )
+    return ulna.Robot(builder.build())
+
+
+def test_followers_have_no_control():
+    """Joint b had one of its own, which replaced that of a."""
+    robot = two_joints_and_a_follower(Inertia.from_box(1.0, (0.1, 0.2, 0.3)))
+    stage = control.stage(robot, lambda q, v, u: u, dt=0.01)
+    q, v, u = np.array([0.1, 0.2]), np.array([0.3, -0.4]), np.array([1.0, 2.0])
+    after = v + 0.01 * robot.forward_dynamics(q, v, u)
+    np.testing.assert_allclose(stage.calc([*q, *v], u)[0], [*(q + 0.01 * after), *after], atol=1e-12)
+    with pytest.raises(UnknownName, match="There are: 'a', 'c'"):
+        control.stage(robot, lambda q, v, u: u, dt=0.01, actuated=["b"])
+
+
+def test_joints_that_move_no_inertia_are_named():
+    robot = two_joints_and_a_follower(Inertia.from_point(1.0, (0.0, 0.06, 0.08)))
+    with pytest.raises(ModelError, match="accelerate 'c' of 'follower' without bound"):
+        control.stage(robot, lambda q, v, u: u, dt=0.01)
+
+
+def test_ctrl_c_ends_a_search():
+    stage, end = pendulum()
+    x0, controls = [np.pi, 0.0], np.zeros((60, 1))
 
     def interrupt(_):
         raise KeyboardInterrupt

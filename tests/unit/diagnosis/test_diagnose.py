@@ -68,6 +68,7 @@ def test_a_sound_robot_has_no_findings() -> None:
         ({"limit": limit(velocity=0)}, "no-velocity", "warning", "velocity limit is zero"),
         ({"limit": limit(effort=0)}, "no-effort", "warning", "effort limit is zero"),
         ({"limit": limit(velocity=180)}, "fast", "note", "180 rad/s; .* 3.142 rad/s"),
+        ({"limit": limit("-1e10", "1e10"), "kind": "prismatic"}, "endless", "note", "m stand for none"),
         ({"limit": limit("-inf", "inf")}, "unlimited", "note", "no position limits"),
         ({"limit": limit(0.5, 1.0)}, "neutral-outside", "note", "outside its limits 0.5 to 1"),
         ({"mass": "0", "inertia": moments(0, 0, 0)}, "no-mass", "warning", "moves no mass"),

@@ -232,27 +232,27 @@ def names_of(robot: ulna.Robot) -> list[str]:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("part", range(6))
 @pytest.mark.parametrize("name", ["panda", "g1"])
-def test_kernels_are_those_of_the_interpreter(name: str, tmp_path: Path) -> None:
+def test_every_kernel_is_that_of_the_interpreter(name: str, part: int, tmp_path: Path) -> None:
     robot = ulna.load(name)
-    names = (
-        names_of(robot)
-        if name == "panda"
-        else ["fk", "jacobian", "inverse_dynamics", "forward_dynamics", "com"]
-    )
-    names = [n for n in names if n in QUANTITIES]
-    lib = library(ulna.export(robot, names, to="c", path=tmp_path / "x", name="r", test=False), ["-O1"])
+    names = names_of(robot)[part::6]
+    lib = library(ulna.export(robot, names, to="c", path=tmp_path / "x", name="r", test=False), ["-O0"])
     rng = np.random.default_rng(4)
     for kernel in names:
         f = robot.function(kernel)
         arguments = [rng.uniform(-1.0, 1.0, p.shape) for p in f.inputs]
         expected, *moved = (results(f, x) for x in (arguments, *neighbours(arguments, rng)))
         for k, out in enumerate(call(getattr(lib, f"r_{kernel}"), f, arguments)):
-            right = expected[k]
-            np.testing.assert_array_equal(np.isnan(out), np.isnan(right))
-            sensitivity = max(np.nanmax(abs(m[k] - right), initial=0.0) for m in moved)
-            tolerance = 1e-13 * max(1.0, np.nanmax(abs(right), initial=0.0)) + 10.0 * sensitivity
-            assert np.nanmax(abs(out - right), initial=0.0) <= tolerance, kernel
+            right = np.asarray(expected[k])
+            finite = np.isfinite(right)  # a payload that does not load a joint has the multiple inf
+            np.testing.assert_array_equal(out[~finite], right[~finite], kernel)
+            size = np.max(abs(right[finite]), initial=1.0)
+            sensitivity = max(
+                np.max(abs(np.asarray(m[k])[finite] - right[finite]), initial=0.0) for m in moved
+            )
+            tolerance = 1e-13 * size + 10.0 * sensitivity
+            assert np.max(abs(out[finite] - right[finite]), initial=0.0) <= tolerance, kernel
 
 
 def results(f: Function, arguments: list[Any]) -> tuple[Any, ...]:

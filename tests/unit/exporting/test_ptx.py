@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import ulna
-from ulna.errors import InputError, UnknownName
+from ulna.errors import UnknownName
 
 ROBOT = ulna.load("panda", visuals="simple")
 
@@ -45,14 +45,14 @@ def test_a_search_says_where_it_starts_and_the_architecture_is_an_option(tmp_pat
     ik = json.loads((folder / "panda.json").read_text())["kernels"]["panda_ik"]
     assert [p["name"] for p in ik["inputs"]] == ["T", "q0", "shift", "settings"]
     assert len(ik["starts"]["q0"]) == 7 and "squared tolerances" in ik["summary"]
+    folder = ulna.export(ROBOT, "ik", to="ptx", path=tmp_path / "single", dtype=np.float32)
+    assert "const float* settings" in (folder / "panda.cuh").read_text()
 
 
 def test_refusals_leave_nothing(tmp_path: Path) -> None:
     place = tmp_path / "out"
     with pytest.raises(UnknownName, match="value of option 'architecture' named 'sm_76'. Did you mean 'sm_"):
         ulna.export(ROBOT, "fk", to="ptx", path=place, architecture="sm_76")
-    with pytest.raises(InputError, match="'ik' is a search, which needs float64"):
-        ulna.export(ROBOT, "ik", to="ptx", path=place, dtype=np.float32)
     with pytest.raises(UnknownName, match="No export target named 'ptxx'. Did you mean 'ptx'"):
         ulna.export(ROBOT, "fk", to="ptxx", path=place)
     assert not place.exists()

@@ -157,6 +157,10 @@ CASES = {
         robot(joint(LIMIT + '<origin xyz="0 -inf 0"/>')),
         'xyz="-inf" is infinite; expected a finite number.',
     ),
+    "inf after an underscore": (
+        robot(joint(LIMIT + '<origin xyz="0 _inf 0"/>')),
+        'xyz="_inf" is not a number. In <origin> of joint',
+    ),
     "words": (robot(joint(LIMIT + '<origin xyz="0 x 0"/>')), 'xyz="x" is not a number. In <origin> of joint'),
     "python numbers": (robot(joint(LIMIT + '<origin xyz="0 1_0 0"/>')), 'xyz="1_0" is not a number.'),
     "xacro number": (

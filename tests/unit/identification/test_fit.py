@@ -10,8 +10,16 @@ import pytest
 import ulna
 from ulna.errors import InputError, MissingExtra, ModelError, NonFiniteError, ShapeError
 from ulna.identification import identify
-from ulna.model import dynamic_parameters, lock_joints, perturbed, with_joint_dynamics
+from ulna.model import (
+    FreeFlyer,
+    ModelBuilder,
+    dynamic_parameters,
+    lock_joints,
+    perturbed,
+    with_joint_dynamics,
+)
 from ulna.robot import Robot
+from ulna.spatial import Inertia
 from ulna.typing import Floats
 
 WRIST = [f"panda_joint{k}" for k in (1, 2, 3)]
@@ -133,6 +141,17 @@ def test_report_and_picture(robot: Robot, true: Robot, tmp_path) -> None:
     assert (tmp_path / "fit.png").stat().st_size > 10_000
 
 
+def test_logs_have_as_many_columns_as_q_and_v() -> None:
+    """On a free flyer, seven and six."""
+    builder = ModelBuilder("body").add_link("world").add_link("body", Inertia.from_box(1.0, (0.1, 0.2, 0.3)))
+    robot = Robot(builder.add_joint("free", FreeFlyer(), "world", "body").build())
+    rows = np.tile(robot.neutral, (4, 1))
+    with pytest.raises(ShapeError, match=r"`q` has shape \(4, 6\); expected \(4, 7\)"):
+        identify(robot, rows[:, :6], *np.zeros((3, 4, 6)))
+    with pytest.raises(ShapeError, match=r"`a` has shape \(4, 7\); expected \(4, 6\)"):
+        identify(robot, rows, np.zeros((4, 6)), np.zeros((4, 7)), np.zeros((4, 6)))
+
+
 def test_wrong_logs_are_refused(robot: Robot) -> None:
     q, v, a, tau = log(robot, rows=5)
     with pytest.raises(ShapeError, match="`tau`"):
@@ -163,3 +182,15 @@ def test_a_missing_package_is_named(robot: Robot, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(builtins, "__import__", refuse)
     with pytest.raises(MissingExtra, match="needs the package 'matplotlib'"):
         found.plot()
+
+
+def test_joints_that_did_not_move_are_named() -> None:
+    robot = ulna.load("ur5", visuals="simple")
+    q, v, a = np.random.default_rng(0).uniform(-1.0, 1.0, (3, 100, 6))
+    v[:, 4] = np.random.default_rng(1).normal(0.0, 2e-3, 100)  # noise of the differences of an encoder
+    tau = robot.inverse_dynamics(q, v, a)
+    found = identify(robot, q, v, a, tau, friction=True)
+    assert found.unmoved == ("wrist_2_joint",)
+    assert "not moved in this log: wrist_2_joint" in found.report()
+    moved = identify(robot, q, v, a, tau, friction=True, width=1e-3)
+    assert moved.unmoved == () and "not moved" not in moved.report()

@@ -5,6 +5,7 @@ import pytest
 
 import ulna
 from ulna.collision import World
+from ulna.collision.touches import deepest_touch
 from ulna.errors import InputError, ModelError, ShapeError, UnknownName
 from ulna.geometry import Box, Sphere
 from ulna.model import ModelBuilder, Prismatic
@@ -179,6 +180,35 @@ def test_large_batches_answer_as_single_goals_do(shelf, is_fitted, monkeypatch):
         assert bool(single) == answers.success[k] and (single.reason == "") == (answers.reason[k] == "")
     refused = np.flatnonzero(~answers.success)
     assert all("collide" in answers.reason[k] or "reaches" in answers.reason[k] for k in refused)
+
+
+def test_covering_spheres_decide_when_asked_to(panda, shelf):
+    T = panda.fk(panda.random_configuration(40, seed=7))
+    answers = panda.ik_free(T, shelf, method="spheres", attempts=40)
+    assert 0.2 < answers.success.mean() < 0.95
+    free = answers.q[answers.success]
+    assert not panda.collides(free, shelf, method="spheres").any() and not panda.collides(free, shelf).any()
+    assert np.abs(panda.fk(free) - T[answers.success]).max() < 2e-6
+    checker = panda.collision.checker(shelf, method="spheres")
+    for k in np.flatnonzero(~answers.success & (answers.distance < 0.0)):
+        assert answers.distance[k] == pytest.approx(checker.clearance(answers.q[k]), abs=1e-9)
+        assert "overlap by" in answers.reason[k]
+
+
+def test_covering_spheres_see_a_moving_obstacle_and_name_it(panda):
+    q = np.array(panda.configurations["qr"])
+    world = World().add("ball", Sphere(0.3), (2.0, 0.0, 0.0), moving=True)
+    at_hand = {"ball": panda.fk(q)}
+    assert panda.ik_free(panda.fk(q), world, q, method="spheres")
+    checker = panda.collision.checker(world, method="spheres")
+    for row in (q, *panda.random_configuration(20, seed=3)):
+        for moving in (None, at_hand):
+            distance, *_ = deepest_touch(checker, row, moving)
+            assert distance == pytest.approx(checker.clearance(row, moving), abs=1e-9)
+    refused = panda.ik_free(panda.fk(q), world, q, method="spheres", moving=at_hand, attempts=8)
+    assert not refused and "ball" in refused.reason
+    with pytest.raises(UnknownName, match="spheres"):
+        panda.ik_free(panda.fk(q), method="sphere")
 
 
 def test_wrong_questions(ur5):

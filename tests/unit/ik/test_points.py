@@ -110,3 +110,12 @@ def test_poses_of_obstacles_likewise(pose: Any, advice: str) -> None:
         World().add("b", Box((1, 1, 1)), pose)
     with pytest.raises(ShapeError, match=advice):
         World().add("b", Box((1, 1, 1))).move("b", pose)
+
+
+@pytest.mark.parametrize("second", ["position+z", "z", "rotation"])
+def test_points_are_no_goals_where_a_rotation_of_one_frame_counts(robot: Robot, second: str) -> None:
+    frames = ["panda_link5", "panda_hand"]
+    p = np.stack([robot.fk(robot.configurations["qr"], frame)[:3, 3] for frame in frames])
+    assert robot.ik(p, robot.configurations["qr"], frames, mask="position").success
+    with pytest.raises(ShapeError, match=r"`T` has shape \(2, 3\); expected \(..., 2, 4, 4\)"):
+        robot.ik(p, robot.configurations["qr"], frames, mask=["position", second])

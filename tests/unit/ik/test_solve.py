@@ -14,7 +14,16 @@ from ulna.ik.arguments import problem_of
 from ulna.ik.goal import mask_of
 from ulna.ik.problem import errors
 from ulna.ik.result import IKSolution
-from ulna.model import Continuous, FreeFlyer, ModelBuilder, Planar, Prismatic, Revolute, with_root_joint
+from ulna.model import (
+    Continuous,
+    Fixed,
+    FreeFlyer,
+    ModelBuilder,
+    Planar,
+    Prismatic,
+    Revolute,
+    with_root_joint,
+)
 from ulna.spatial import SE3, so3_log
 
 TIGHT = 1e-6
@@ -509,3 +518,27 @@ def test_what_is_nearest_is_a_local_minimum_within_the_limits(panda):
                 there[k] += sign * 1e-3
                 if panda.limits.contains(there):
                     assert error(there, goal) > here * (1.0 - 1e-3)
+
+
+def test_a_robot_of_another_size_takes_the_same_steps() -> None:
+    """Damping and the test of progress scale with the lengths; a factor of two to the third is exact in floating point."""
+    axes = ((0, 0, 1), (0, 1, 0), (0, 1, 0), (1, 0, 0), (0, 1, 0), (1, 0, 0))
+
+    def arm(size: float) -> ulna.Robot:
+        builder = ModelBuilder("arm").add_link("l0")
+        for k, axis in enumerate(axes):
+            place = SE3.trans(0.02 * size, 0.01 * size * k, 0.25 * size * bool(k))
+            builder.add_link(f"l{k + 1}")
+            builder.add_joint(f"j{k}", Revolute(axis), f"l{k}", f"l{k + 1}", place, lower=-3, upper=3)
+        builder.add_link("tool").add_joint(
+            "end", Fixed(), "l6", "tool", SE3.trans(0.05 * size, 0, 0.1 * size)
+        )
+        return ulna.Robot(builder.build())
+
+    small, large = arm(1.0), arm(8.0)
+    Q, starts = small.random_configuration(20, seed=1), small.random_configuration(20, seed=2)
+    one = small.ik(small.fk(Q), starts, position_tolerance=1e-6)
+    other = large.ik(large.fk(Q), starts, position_tolerance=8e-6)
+    assert one.success.all()
+    np.testing.assert_array_equal(other.iterations, one.iterations)
+    np.testing.assert_array_equal(other.q, one.q)

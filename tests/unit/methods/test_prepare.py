@@ -19,7 +19,7 @@ import ulna
 from support.long_robots import long_robot
 from ulna import cli, disk_cache
 from ulna.errors import InputError, ModelError, UnknownName
-from ulna.methods.preparation import Preparation
+from ulna.methods.background_compilation import Preparation
 from ulna.model import Revolute
 
 LONG = 120.0  # s; a guard against hanging
@@ -78,12 +78,12 @@ def test_without_workers_a_thread_compiles(cache: str, place: Path, monkeypatch:
     monkeypatch.setattr(Preparation, "_new_process", lambda self: pytest.fail("a worker was started"))
     robot = pendulum(0.33)
     assert robot.prepare("fk", workers=4 if cache == "0" else 0).wait(LONG)
-    assert "fk" in robot._kernels
+    assert hasattr(robot._kernels, "fk")
 
 
 @pytest.mark.parametrize("program", ["import sys; sys.exit(1)", "import sys; sys.stdin.buffer.read(5)", None])
 def test_workers_that_fail_cost_only_time(program: Any, place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from ulna.methods import preparation as module
+    from ulna.methods import background_compilation as module
 
     if program is None:
         monkeypatch.setattr(sys, "executable", str(place / "nothing"))
@@ -129,7 +129,7 @@ def test_options_reach_the_kernels_that_have_them(place: Path) -> None:
 
 
 def test_cancelled_preparations_end_their_workers(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from ulna.methods import preparation as module
+    from ulna.methods import background_compilation as module
 
     monkeypatch.setattr(module, "_WORKER", "import sys, time; sys.stdin.buffer.read(5); time.sleep(1000)")
     preparation = pendulum(0.37).prepare("fk", workers=1)
@@ -146,7 +146,7 @@ def test_cancelled_preparations_end_their_workers(place: Path, monkeypatch: pyte
 def test_a_forked_child_does_not_wait_for_workers_of_its_parent(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from ulna.methods import preparation as module
+    from ulna.methods import background_compilation as module
 
     monkeypatch.setattr(module, "_WORKER", "import sys, time; sys.stdin.buffer.read(5); time.sleep(1000)")
     preparation = pendulum(0.38).prepare("fk", workers=1)
@@ -170,7 +170,7 @@ def test_kernels_that_loop_over_joints_are_prepared(place: Path) -> None:
 
 
 def test_the_task_of_a_worker_makes_kernels(place: Path) -> None:
-    from ulna.methods.preparing import _Maker
+    from ulna.methods.prepare_method import _Maker
 
     make = pickle.loads(pickle.dumps(_Maker(pendulum(0.39), {"frame": "bob"})))
     make("fk")
@@ -199,7 +199,7 @@ def test_the_command_refuses_what_it_cannot_do(
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_ctrl_c_ends_the_command_and_its_workers(place: Path) -> None:
     code = (
-        "import ulna.methods.preparation as m; m._WORKER = 'import sys; sys.stdin.buffer.read()';"
+        "import ulna.methods.background_compilation as m; m._WORKER = 'import sys; sys.stdin.buffer.read()';"
         "import ulna.cli, sys; sys.exit(ulna.cli.main(['prepare', 'ur5', '--kernel', 'fk,jacobian']))"
     )
     program = subprocess.Popen(

@@ -154,12 +154,32 @@ def test_wrong_constraints_are_refused() -> None:
         with pytest.raises(InputError, match="`constraints` is"):
             plan(panda(), right(), pose(0.25), constraints=wrong)  # type: ignore[arg-type]
     assert plan(panda(), right(), right(), constraints=None)
-    with pytest.raises(InputError, match="not improved yet"):
-        plan(panda(), right(), pose(0.25), constraints=upright(), improve=100)
     with pytest.raises(InputError, match="finite edges"):
         plan(panda(), right(), Region(pose(0.0), size=ANYWHERE))
     with pytest.raises(InputError, match="edges of a box"):
         Region(pose(0.0), size=(np.nan, 0.0, 0.0))
+
+
+def test_paths_along_constraints_become_shorter_and_stay_proved() -> None:
+    first = [planner().plan(right(), pose(0.25), constraints=upright(), seed=seed) for seed in range(3)]
+    better = [
+        planner().plan(right(), pose(0.25), constraints=upright(), improve=1_000, seed=seed)
+        for seed in range(3)
+    ]
+    assert all(p.is_certified for p in (*first, *better)) and all(p.seconds["improve"] > 0.0 for p in better)
+    assert all(b.cost <= a.cost + 1e-6 for a, b in zip(first, better, strict=True))
+    assert sum(b.cost for b in better) < 0.97 * sum(a.cost for a in first)
+    along = Constraints(panda().model, (upright(),))
+    for p in better:
+        lengths = [length for _, length in p.improvements]
+        assert lengths == sorted(lengths, reverse=True) and p.cost <= lengths[-1] * 1.01
+        assert along.violations(between(p.points)).max() <= 1.0
+    again = planner().plan(right(), pose(0.25), constraints=upright(), improve=1_000, seed=2)
+    np.testing.assert_array_equal(again.points, better[2].points)
+    still = planner().plan(
+        right(), pose(0.25), constraints=upright(), improve=300, joints=panda().joint_names[:7]
+    )
+    assert still.is_certified
 
 
 def test_violations_grow_no_faster_than_their_rates() -> None:

@@ -131,7 +131,7 @@ def test_a_start_or_goal_that_touches_names_both_and_the_depth() -> None:
         p.trajectory()
     folded = np.array([0.0, 1.7, 0.0, -3.0, 0.0, 0.0, 0.0])
     p = plan(robot, folded, ready)
-    assert p.outcome == "start" and "panda_" in p.reason.split("overlaps")[1]
+    assert p.outcome == "start" and "panda_" in p.reason.split("overlaps")[1] and "finer spheres" in p.reason
 
 
 def test_limits_unreachable_poses_and_exhausted_searches_are_named() -> None:
@@ -146,6 +146,9 @@ def test_limits_unreachable_poses_and_exhausted_searches_are_named() -> None:
     far[0, 3] = 5.0
     p = plan(robot, a, far, world)
     assert p.outcome == "unreachable" and "no configuration within the limits" in p.reason
+    assert "panda_hand_tcp stays 4." in p.reason and "m from its goal" in p.reason.replace(
+        "rad from", "m from"
+    )
     apart = World().add("lid", Plane(), (0.0, 0.0, -2.0))
     assert plan(robot, a, b, apart)
 
@@ -174,10 +177,17 @@ def test_wrong_input_is_refused() -> None:
         (ShapeError, "`q0` has shape", (a[:5], b), {}),
         (NonFiniteError, "q0", (a * np.nan, b), {}),
         (ShapeError, "`goal` has shape", (a, b[:5]), {}),
-        (InputError, "`goal\[0\]` is nan", (a, b * np.nan), {}),
+        (InputError, r"`goal\[0\]` is nan", (a, b * np.nan), {}),
         (InputError, "`frame` says whose pose", (a, b), {"frame": "panda_link8"}),
         (InputError, "`step` is 0", (a, b), {"step": 0.0}),
         (InputError, "`margin` is -1", (a, b), {"margin": -1.0}),
+        (InputError, "`margin` is 'wide'", (a, b), {"margin": "wide"}),
+        (InputError, "`margin` is None", (a, b), {"margin": None}),
+        (InputError, "`longest` is 1e\\+300", (a, b), {"longest": 1e300}),
+        (InputError, "5 is no list of pairs", (a, b), {"pairs": 5}),
+        (InputError, "5 is no pair of links", (a, b), {"pairs": [5]}),
+        (InputError, "`spheres` is 3; expected Spheres", (a, b), {"spheres": 3}),
+        (InputError, "`keep_tree` is", (a, b), {"keep_tree": np.ones(2)}),
         (InputError, "`timeout` is nan", (a, b), {"timeout": np.nan}),
     ]
     for kind, text, (start, goal), options in cases:
@@ -187,6 +197,9 @@ def test_wrong_input_is_refused() -> None:
         plan(robot, a, b, "table")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="`robot` is a Model; expected a Robot"):
         plan(robot.model, a, b)
+    with pytest.raises(InputError, match="`robot` is a str; expected a Robot"):
+        Planner("panda")
+    assert Planner(robot, pairs=[["panda_link1", "panda_link4"]]).plan(a, a)
     far = World().add("far", Sphere(0.1), (1e4, 0.0, 0.0))
     with pytest.raises(InputError, match=r"1e\+04 m from the origin"):
         plan(robot, a, b, far)
@@ -322,6 +335,20 @@ def test_certificates_find_what_touches_between_free_points() -> None:
     place = scene(robot.collision_checker(thin, method="spheres"))
     assert certify(place, np.stack([a, b])).unproved == (0,)
     assert certify(place, np.stack([a, a + 0.05]), margin=0.01)
+
+
+def test_certificates_refuse_what_is_no_path() -> None:
+    robot = Planner(panda()).scene
+    q = panda().configurations["ready"]
+    for kind, points, margin in (
+        (NonFiniteError, [q, q * np.nan], 0.0),
+        (ShapeError, np.zeros((2, 3)), 0.0),
+        (ShapeError, np.zeros((0, 7)), 0.0),
+        (ShapeError, q, 0.0),
+        (InputError, [q, q], -1.0),
+    ):
+        with pytest.raises(kind):
+            certify(robot, points, margin)  # type: ignore[arg-type]
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ from ulna import kernels
 from ulna.compiler import compile
 from ulna.errors import InputError, NonFiniteError, ShapeError
 from ulna.model import Model
-from ulna.recursions import quantities
+from ulna.recursions import pairs, quantities, whole_body
 from ulna.recursions.recursion import specialized
 
 REFERENCES = ("world", "local", "local_world_aligned")
@@ -32,8 +32,17 @@ CASES: list[tuple[str, dict[str, Any]]] = [
     ("mass_matrix", {}),
     ("forward_dynamics", {}),
     ("inverse_mass_matrix", {}),
+    ("forward_dynamics_derivatives", {}),
+    *((name, {}) for name in sorted({**whole_body.RECURSIONS, **pairs.RECURSIONS})),
 ]
 NAMES = sorted({name for name, _ in CASES})
+WITHOUT_MIMIC_JOINTS = (
+    "forward_dynamics",
+    "inverse_mass_matrix",
+    "inverse_dynamics_derivatives",
+    "coriolis_matrix",
+    "forward_dynamics_derivatives",
+)
 
 
 def robots() -> dict[str, Model]:
@@ -74,7 +83,7 @@ def test_the_numbers_are_those_of_the_traced_kernel(robot: str, name: str) -> No
     model = ROBOTS[robot]
     for options in [o for n, o in CASES if n == name]:
         looped = kernels.looped(model, name, **options)
-        if robot == "mimic joints" and name in ("forward_dynamics", "inverse_mass_matrix"):
+        if robot == "mimic joints" and name in WITHOUT_MIMIC_JOINTS:
             assert looped is None
             continue
         assert looped is not None
@@ -84,12 +93,18 @@ def test_the_numbers_are_those_of_the_traced_kernel(robot: str, name: str) -> No
             expected = kernels.function(model, name, **options)(*arrays)
         assert close(looped(*arrays), expected), options
         one = looped(*(x[7] for x in arrays))
-        assert close(one, expected[7]), options
+        assert close(one, tuple(x[7] for x in expected) if isinstance(expected, tuple) else expected[7]), (
+            options
+        )
 
 
 @pytest.mark.parametrize(
     "name",
-    [name if name == "gravity_forces" else pytest.param(name, marks=pytest.mark.slow) for name in NAMES],
+    [
+        name if name == "gravity_forces" else pytest.param(name, marks=pytest.mark.slow)
+        for name in NAMES
+        if name != "forward_dynamics_derivatives"  # made of others
+    ],
 )
 def test_no_access_is_beside_an_array(name: str) -> None:
     """The code that checks every access computes the same, for one sample and for lanes."""
@@ -99,10 +114,11 @@ def test_no_access_is_beside_an_array(name: str) -> None:
     assert looped is not None
     recursion = looped.evaluator.recursion
     if recursion.is_matrix:
-        q = arguments(model, name, 2)[0]
-        matrices = np.full((2, model.nv, model.nv), np.nan)
-        specialized(recursion.procedure, 4).checked(*recursion.storage(1), q[:, :, None], matrices, 2)
-        assert close(matrices, looped(q))
+        arrays = arguments(model, name, 2)
+        matrices = [np.full((2, *shape), np.nan) for shape in recursion.outputs]
+        inputs = [np.ascontiguousarray(x)[:, :, None] for x in arrays]
+        specialized(recursion.procedure, 4).checked(*recursion.storage(1), *inputs, *matrices, 2)
+        assert close(tuple(matrices), looped(*arrays))
         return
     for lanes in (1, 4):
         arrays = [np.ascontiguousarray(x.T)[None] for x in arguments(model, name, lanes)]
@@ -132,6 +148,15 @@ def test_large_robots_use_loops_and_small_ones_do_not(monkeypatch: pytest.Monkey
     monkeypatch.setattr(kernels, "LOOPED_ABOVE", 0)
     assert "loops over" in repr(kernels.kernel(long_robot(8), "fk"))
     assert kernels.kernel(long_robot(9), "fk", parameters="placement").operations > 0
+
+
+def test_humanoids_use_straight_line_code() -> None:
+    """Their derivatives take a second or some to compile, and loops seven times as long to compute."""
+    robot = random_model(np.random.default_rng(2), ("revolute",), 29, root="free_flyer", mimics=0)
+    for name in ("forward_dynamics_derivatives", "inverse_dynamics_derivatives", "coriolis_matrix"):
+        quantity = kernels.QUANTITIES[name]
+        assert not kernels._is_long(robot, quantity, quantity.options), name
+        assert kernels._is_long(long_robot(200), quantity, quantity.options), name
 
 
 @pytest.fixture
@@ -211,6 +236,27 @@ def test_the_base_stands_still(chain: ulna.Robot) -> None:
     q = np.zeros((3, 30))
     assert np.array_equal(chain.fk(q, "l0"), np.broadcast_to(np.eye(4), (3, 4, 4)))
     assert not chain.jacobian(q, "l0").any()
+
+
+def test_several_matrices_are_written_where_asked(chain: ulna.Robot) -> None:
+    arrays = arguments(chain.model, "inverse_dynamics_derivatives", 3)
+    kernel = chain.kernel("inverse_dynamics_derivatives")
+    expected = kernel(*arrays)
+    assert len(expected) == 3 and "->(30,30),(30,30),(30,30)" in kernel.signature
+    out = (np.zeros((3, 30, 30)), np.zeros((3, 30, 30), np.float32), np.zeros((30, 30, 3)).transpose(2, 0, 1))
+    results = kernel(*arrays, out=out)
+    for result, target, right in zip(results, out, expected, strict=True):
+        assert result is target
+        assert np.abs(target - right).max() < 1e-5 * np.abs(right).max()
+    shared = np.zeros((3, 30, 30))
+    last = kernel(*arrays, out=(shared, shared, shared))[2]
+    assert np.array_equal(last, expected[2])
+
+
+def test_without_mass_there_is_no_centre() -> None:
+    model = long_robot(4)
+    assert kernels.looped(model, "center_of_mass") is not None
+    assert kernels.looped(model, "center_of_mass", subtree=model.joint_names[2]) is None
 
 
 def test_unknown_options_have_no_loops() -> None:

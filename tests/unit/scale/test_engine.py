@@ -245,3 +245,16 @@ def test_twenty_kills_in_one_job_leave_no_trace(tmp_path: Path) -> None:
             killer.join(600.0)
     np.testing.assert_array_equal(got, _expected(400))
     assert kills[0] >= 5
+
+
+@pytest.mark.slow
+def test_a_script_without_the_guard_is_told_to_have_one(tmp_path: Path) -> None:
+    script = tmp_path / "job.py"
+    script.write_text(
+        'from ulna import scale\nprint(scale.reach("panda", samples=1000, voxel=0.2, workers=1))\n'
+    )
+    result = subprocess.run(
+        [sys.executable, str(script)], check=False, capture_output=True, text=True, timeout=300
+    )
+    assert result.returncode == 1
+    assert result.stderr.rstrip().endswith("`workers=0` needs none.") and "__main__" in result.stderr

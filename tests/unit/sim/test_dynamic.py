@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -103,6 +104,36 @@ def test_torques_are_asked_with_the_state() -> None:
     assert asked[1][0] == 0.01
     np.testing.assert_allclose(out["tau"][:, 0], -4.0 * out["q"][:, 0] - out["v"][:, 0])
     assert abs(out["q"][-1, 0]) < 0.01
+
+
+@pytest.mark.parametrize("method", ["euler", "rk4", "adaptive"])
+def test_forces_from_outside_act_and_are_not_recorded_as_torques(method) -> None:
+    if method == "adaptive":
+        pytest.importorskip("scipy")
+    robot = load("panda", visuals="simple")
+    q0 = robot.configurations["ready"]
+    calls = []
+
+    def law(t, q, v):
+        calls.append(t)
+        return robot.gravity_forces(q)
+
+    def push(t, q, v):
+        return robot.jacobian(q).T @ [0.0, 0.0, -20.0, 0.0, 0.0, 0.0]
+
+    options: dict[str, Any] = {"duration": 0.05, "dt": 5e-3, "method": method, "friction": None}
+    pushed = simulate(robot, q0, torque=law, external=push, **options)
+    steps = len(calls)
+    summed = simulate(robot, q0, torque=lambda t, q, v: law(t, q, v) + push(t, q, v), **options)
+    np.testing.assert_allclose(pushed.q, summed.q, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(pushed["tau"], robot.gravity_forces(pushed.q), rtol=0, atol=1e-9)
+    assert np.abs(pushed.q[-1] - q0).max() > 1e-3
+    constant = simulate(robot, q0, torque=law, external=push(0.0, q0, None), **options)
+    np.testing.assert_allclose(constant.q, pushed.q, rtol=0, atol=1e-3)
+    if method == "euler":
+        assert steps == 11  # once a step, and at the end
+    with pytest.raises(ShapeError):
+        simulate(robot, q0, external=np.zeros(6), **options)
 
 
 def test_recordings() -> None:

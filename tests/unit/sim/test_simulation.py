@@ -68,6 +68,8 @@ def test_what_is_moved_by_hand_is_recorded_with_its_velocity(panda: ulna.Robot) 
     sim.step(0.01)
     np.testing.assert_allclose(arm.recording["v"], [np.zeros(7), qd, qd, np.zeros(7)], atol=1e-12)
     np.testing.assert_array_equal(arm.qd, np.zeros(7))
+    with pytest.raises(UnknownName, match="No control named 'speed'"):
+        arm.control = "speed"  # type: ignore[assignment]
     arm.control = "velocity"  # what was moved by hand has no swing
     sim.step(0.01)
     np.testing.assert_array_equal(arm.recording["v"][-1], np.zeros(7))

@@ -101,3 +101,14 @@ def test_random_rotations_are_even() -> None:
     close(poses.rotation.mean(axis=0), np.zeros((3, 3)), atol=0.04)
     close(np.cos(poses.so3().distance(SO3.identity())).mean(), -0.5, atol=0.05)  # E[trace R] = 0
     assert np.abs(poses.translation).max() == pytest.approx(2.0, abs=0.01)
+
+
+def test_rotations_poses_and_inertias_have_matrices_by_one_name() -> None:
+    """`R.matrix` is an attribute and `T.matrix()` a method; `as_matrix()` is the form for all."""
+    T = SE3(0.1, 0.2, 0.3) @ SE3.rz(np.linspace(0.0, 1.0, 4))
+    R, inertia = T.so3(), Inertia.from_box(2.0, (0.1, 0.2, 0.3))
+    assert R.as_matrix().shape == (4, 3, 3) and T.as_matrix().shape == (4, 4, 4)
+    np.testing.assert_array_equal(R.as_matrix(), R.matrix)
+    np.testing.assert_array_equal(T.as_matrix(), T.matrix())
+    np.testing.assert_array_equal(T.as_matrix()[:, :3, :3], R.as_matrix())
+    np.testing.assert_array_equal(inertia.as_matrix(), inertia.matrix())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,8 @@ from support.limited_paths import PATHS, cornered, dense_times, dense_use, part,
 from ulna import trajectory
 from ulna.errors import InputError
 from ulna.model import FreeFlyer
+from ulna.trajectory import solver
+from ulna.trajectory.certificate import Bound
 from ulna.trajectory.peaks import greatest
 from ulna.trajectory.solver import TOLERANCE
 
@@ -297,3 +300,18 @@ def test_what_is_no_robot_is_named() -> None:
         trajectory.check(None, move)
     with pytest.raises(InputError, match="`robot` is 'panda'; expected a Robot"):
         trajectory.straight("panda", [0.0], [1.0], duration=1.0)
+
+
+def test_only_rows_that_leave_nothing_at_rest_lose_a_part_of_their_limits() -> None:
+    """Others are slowed down instead; row 0 holds at rest, row 1 is above its greatest value there."""
+    low, high = np.full((3, 4, 2), -1.0), np.stack([np.full((3, 4), 1.0), np.full((3, 4), -0.5)], axis=-1)
+    ground: Any = SimpleNamespace(rows=SimpleNamespace(low=low, high=high))
+    over = np.full((3, 2), 0.25)
+    bound = Bound(
+        below=-over, above=over, less_low=np.ones((3, 2)), less_high=np.ones((3, 2)), worst=np.ones(3)
+    )
+    repairs = solver._Repairs(1.0, 1.0, 1.0, 0.0, np.zeros(3), np.ones(4))
+    lowered = solver._lowered(ground, repairs, bound, np.ones(3))
+    np.testing.assert_array_equal(lowered.less[0], 0.0)
+    np.testing.assert_array_equal(lowered.less[1, :, 0], 0.0)
+    assert (lowered.less[1, :, 1] >= 0.25).all()

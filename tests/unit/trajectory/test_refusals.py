@@ -57,6 +57,8 @@ def test_files_that_are_no_trajectories(tmp_path: Path) -> None:
     folder.mkdir()
     with pytest.raises(InputError, match="cannot be read"):
         tr.load(folder)
+    with pytest.raises(InputError, match=r"cannot be read: File name too long\.$"):
+        tr.load(300 * "x" + ".csv")
     (tmp_path / "text.npz").write_text("this is no archive")
     with pytest.raises(InputError, match=r"is no \.npz file"):
         tr.load(tmp_path / "text.npz")

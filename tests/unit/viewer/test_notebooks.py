@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import base64
+import html
 import pickle
 import subprocess
 import sys
+from http.client import HTTPConnection
+from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 import pytest
@@ -24,6 +28,7 @@ PLACES = ("COLAB_RELEASE_TAG", "JUPYTERHUB_SERVICE_PREFIX", "JUPYTERHUB_USER", "
 def here(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
     for name in PLACES:
         monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(notebook, "has_proxy", lambda: False)
     return monkeypatch
 
 
@@ -39,10 +44,31 @@ def test_pictures_display_themselves() -> None:
     import io
 
     np.testing.assert_array_equal(np.asarray(image.open(io.BytesIO(shown))), picture)
+    assert repr(picture) == "<picture of 64 x 40 pixels: array (40, 64, 3), uint8>"
+    assert repr(picture[:, :, 0]) == repr(np.asarray(picture[:, :, 0]))
     assert picture[:, :, 0]._repr_png_() is None  # type: ignore[attr-defined]
     assert type(picture / 255.0) is np.ndarray
     assert isinstance(picture.mean(), float)
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(picture)), picture)
+
+
+def test_pages_display_themselves_without_a_server(tmp_path: Path) -> None:
+    """JupyterHub forbids frames of files and Colab serves none: the cell holds the page itself."""
+    pytest.importorskip("viser")
+    robot = ulna.load("ur5", visuals="simple")
+    viewer = Viewer(page=False)
+    viewer.add(robot)
+    for file in (robot.save_html(tmp_path / "live.html"), viewer.html(tmp_path / "scene.html")):
+        assert file == Path(file) and file.is_file()
+        shown = file._repr_html_()  # type: ignore[attr-defined]
+        assert shown.startswith('<iframe srcdoc="') and shown.endswith("</iframe>")
+        content = shown.removeprefix('<iframe srcdoc="').partition('" width=')[0]
+        assert html.unescape(content) == file.read_text(encoding="utf-8")
+        assert pickle.loads(pickle.dumps(file)) == file
+    script = robot.save_html(tmp_path / "live.js")
+    assert script._repr_html_() is None  # type: ignore[attr-defined]
+    file.unlink()
+    assert file._repr_html_() is None  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize(
@@ -81,7 +107,7 @@ def test_robots_are_displayed_as_picture_and_table() -> None:
     assert text is not None
     data = text.partition("base64,")[2].partition('"')[0]
     assert base64.b64decode(data).startswith(PNG)
-    assert "<pre" in text
+    assert "white-space:pre" in text  # JupyterLab wraps the lines of a plain <pre>
     assert "shoulder_pan_joint" in text
     assert str(Viewer(page=False)._repr_html_()) == "None"
     viewer = Viewer(page=False)
@@ -109,6 +135,40 @@ def test_the_page_is_shown_or_explained(here: pytest.MonkeyPatch) -> None:
             assert ("data:image/png" in shown) is not frame
             assert viewer.url in shown
             here.delenv(variable)
+
+
+@pytest.mark.parametrize("query", ["", "?token=abc"])
+def test_the_page_is_forwarded_by_a_hub_with_a_proxy(here: pytest.MonkeyPatch, query: str) -> None:
+    here.setattr(notebook, "has_proxy", lambda: True)
+    here.setenv("JUPYTERHUB_USER", "ann")
+    assert notebook.place_of_kernel() == "hub"
+    here.setenv("JUPYTERHUB_SERVICE_PREFIX", "/user/ann/")
+    assert notebook.is_reachable(notebook.place_of_kernel())
+    shown = notebook.frame_html(f"http://localhost:8081{query}", 8081)
+    assert shown.startswith(f'<iframe src="/user/ann/proxy/8081/{query}"')
+    assert "jupyter-server-proxy" in shown and "http://localhost:8081" not in shown
+
+
+def test_a_hub_reaches_the_page_under_its_name_with_the_token_only(here: pytest.MonkeyPatch) -> None:
+    """jupyter-server-proxy passes the browser's Host on; hubs may share a machine between users."""
+    pytest.importorskip("viser")
+    here.setattr(notebook, "has_proxy", lambda: True)
+    here.setenv("JUPYTERHUB_SERVICE_PREFIX", "/user/ann/")
+    with Viewer(port=0, browser=False) as viewer:
+        port, token = urlsplit(viewer.url).port, parse_qs(urlsplit(viewer.url).query)["token"][0]
+        assert f'src="/user/ann/proxy/{port}/?token={token}"' in str(viewer._repr_html_())
+        for path, origin, status in (
+            (f"/?token={token}", "https://hub.example.org", 200),
+            (f"/?token={token}", None, 200),
+            (f"/?token={token}", "https://evil.example.org", 403),
+            ("/?token=guess", "https://hub.example.org", 403),
+            ("/", None, 403),
+        ):
+            connection = HTTPConnection("127.0.0.1", port, timeout=30)
+            headers = {"Host": "hub.example.org"} | ({"Origin": origin} if origin else {})
+            connection.request("GET", path, headers=headers)
+            assert connection.getresponse().status == status, (path, origin)
+            connection.close()
 
 
 def test_places_of_kernels(here: pytest.MonkeyPatch) -> None:

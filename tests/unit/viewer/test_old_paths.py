@@ -1,6 +1,7 @@
 """Old import paths and names of the viewer still work."""
 
 import importlib
+import importlib.util
 
 import pytest
 
@@ -69,3 +70,9 @@ def test_old_methods_are_the_new_ones():
     simulation = Simulation()
     simulation.patience = bool
     assert simulation.can_resume is bool is simulation.patience
+
+
+def test_every_old_module_leads_to_modules_that_exist():
+    for old, news in renamed.MODULES.items():
+        for new in news:
+            assert importlib.util.find_spec(f"ulna.viewer.{new}") is not None, (old, new)

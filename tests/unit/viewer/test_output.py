@@ -74,6 +74,20 @@ def test_a_gif_shows_no_picture_for_less_than_browsers_keep_to(fps: float, short
     assert chosen[-1] == 480
 
 
+def test_a_thin_line_keeps_its_colour_in_a_gif(tmp_path: Path) -> None:
+    """Its few pixels had no share in the palette: a red line was grey."""
+    image = pytest.importorskip("PIL.Image")
+    rng = np.random.default_rng(0)
+    grey = np.linspace(60, 230, 240)[:, None] + rng.uniform(-20, 20, (240, 320))
+    scene = np.stack([grey, grey + 5, grey + 12], axis=-1).clip(0, 255).astype(np.uint8)
+    scene[120, 100:160] = (255, 99, 71)
+    path = write_video(tmp_path / "a.gif", [scene, scene], 5.0)
+    with image.open(path) as film:
+        shown = np.asarray(film.convert("RGB")).astype(int)
+    assert np.abs(shown[120, 100:160] - (255, 99, 71)).max() < 10
+    assert np.abs(shown - scene).mean() < 6.0
+
+
 @pytest.mark.parametrize("suffix", [".gif", ".mp4"])
 def test_a_film_that_fails_leaves_what_was_there(tmp_path: Path, suffix: str) -> None:
     pytest.importorskip("PIL" if suffix == ".gif" else "imageio_ffmpeg")

@@ -22,6 +22,11 @@ def test_memory_stays_flat_over_many_steps() -> None:
         arm.frames("panda_hand")
         plot = viewer.panel.plot("speed", ("v",))
         sim = viewer.simulate(realtime=False, record=False)
+        page = viewer._page
+        assert page is not None
+        page.motion._capacity = (
+            100_000  # bytes that the page's motion may take: reached before the count begins
+        )
 
         def run(steps: int) -> int:
             for k in range(steps):

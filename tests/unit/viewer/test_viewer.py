@@ -8,7 +8,8 @@ import pytest
 
 import ulna
 from ulna.errors import InputError, NonFiniteError, ShapeError, UlnaError, UnknownName
-from ulna.geometry import Box, Mesh, Sphere
+from ulna.geometry import Box, Geometry, Mesh, Sphere
+from ulna.model import ModelBuilder, Revolute
 from ulna.sim import Recording
 from ulna.viewer.graph.camera import Camera
 from ulna.viewer.graph.content import Copies, Lines, Points
@@ -348,6 +349,20 @@ def test_ghosts_stand_in_all_their_configurations(viewer: Viewer, panda: ulna.Ro
     assert len(viewer.scene.node(f"{ghosts.name}/panda_hand").content.poses) == 5  # type: ignore[union-attr]
     with pytest.raises(ShapeError):
         ghosts.q = np.zeros(7)
+
+
+@pytest.mark.parametrize(("show", "shown"), [("both", "ball"), ("visual", "ball"), ("collision", "box")])
+def test_ghosts_look_as_the_robot(viewer: Viewer, show: str, shown: str) -> None:
+    builder = ModelBuilder("two")
+    builder.add_link(
+        "base", visuals=[Geometry("", Sphere(0.1))], collisions=[Geometry("", Box((0.1, 0.1, 0.1)))]
+    )
+    builder.add_link("arm").add_joint("turn", Revolute((0.0, 0.0, 1.0)), "base", "arm")
+    handle = viewer.add(ulna.Robot(builder.build()), show=show)
+    content = viewer.scene.node(f"{handle.ghosts([[0.1]]).name}/base").content
+    assert isinstance(content, Copies)
+    (surface,) = content.original
+    assert (len(surface.triangles) > 12) == (shown == "ball")
 
 
 def test_a_fleet_stands_on_its_bases(viewer: Viewer, panda: ulna.Robot) -> None:

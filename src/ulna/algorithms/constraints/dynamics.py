@@ -4,16 +4,16 @@
 |---|---|---|---|---|
 | M, h | mass matrix; torques that give no acceleration | (nv, nv), (nv) | | M = L^T D L, see mass_matrix_factors.py |
 | J, k, c, e | Jacobian, bias, velocity, error of the constraints | (m, nv), (m) | | kinematics.py |
-| g | what the constraint acceleration must be the opposite of | (m) | [m/s^2] | g = k + kd c + kp e |
+| g | constraint drift, with stabilisation | (m) | [m/s^2] | g = k + kd c + kp e |
 | R | compliance | () | [1/kg] | J a + g + R f = 0 |
 | f | constraint forces | (m) | [N], [N m] | M a + h = tau + J^T f |
-| Y, y | J^T and tau - h, seen from inside the factors | (nv, m), (nv) | | Y = L^-T J^T, y = L^-T (tau - h) |
+| Y, y | J^T and tau - h, solved by the factor L^T | (nv, m), (nv) | | Y = L^-T J^T, y = L^-T (tau - h) |
 | G | Delassus matrix | (m, m) | [1/kg] ... | G = J M^-1 J^T = Y^T D^-1 Y |
 | a | joint accelerations | (nv) | [rad/s^2], [m/s^2] | (G + R) f = -(Y^T D^-1 y + g), L a = D^-1 (y + Y f) |
 | v+, i | velocity after an impact; impulses | (nv), (m) | [N s], [N m s] | M (v+ - v) = J^T i, J v+ = -restitution c |
 
-Column i of Y is zero outside the joints that constraint i stands on, which shortens the sums of G; no inverse of M is
-formed. With gains kp and kd the error follows e'' + kd e' + kp e = 0 (exactly for points): critically damped for
+Column i of Y is zero except for joints that move a frame of constraint i, which shortens the sums of G; no inverse of
+M is formed. With gains kp and kd the error follows e'' + kd e' + kp e = 0 (exactly for points): critically damped for
 kd = 2 sqrt(kp). Source: Featherstone 2008, sections 8.1 to 8.4 and 11.7; Baumgarte 1972; Carpentier, Budhiraja &
 Mansard, RSS 2021.
 """
@@ -56,12 +56,12 @@ class ConstrainedMotion(NamedTuple):
 
 
 class Impact(NamedTuple):
-    """How fast a robot is after constraints have taken hold of it."""
+    """The velocity of a robot after an impact on constraints."""
 
     v: Any
     """Velocity after it, (..., nv) [rad/s or m/s]."""
     impulses: Any
-    """What the constraints gave to their first frames, one after the other, (..., m) [N s, N m s]."""
+    """The impulses that the constraints exert on their first frames, one after the other, (..., m) [N s, N m s]."""
     residual: Any
     """The largest entry of J v + restitution c, (...) [m/s, rad/s]."""
     iterations: Any
@@ -69,7 +69,7 @@ class Impact(NamedTuple):
 
 
 class Stabilisation(NamedTuple):
-    """What pulls constraints together again that have drifted apart."""
+    """Baumgarte stabilisation: the gains that reduce errors of constraints, and where contacts are held."""
 
     anchors: Array | None
     """Where the contacts hold, in their order, (..., contacts, 4, 4); None when there is no contact."""
@@ -144,8 +144,8 @@ def forward_dynamics_with_jacobian(
     factors = Factors(mass_matrix(model, q))
     drive = tau - bias_forces(model, q, v, external)
     a, forces, iterations = _response(factors, J, drive, g, compliance, settings)
-    yielding = forces * (compliance[..., None] if isinstance(compliance, np.ndarray) else compliance)
-    residual = apply(J, a) + g + yielding
+    compliance_term = forces * (compliance[..., None] if isinstance(compliance, np.ndarray) else compliance)
+    residual = apply(J, a) + g + compliance_term
     return ConstrainedMotion(a, forces, largest_entry(residual), iterations)
 
 
@@ -157,7 +157,7 @@ def impulse_dynamics(
     restitution: Array | None = None,
     settings: Proximal = Proximal(),  # noqa: B008 - frozen
 ) -> Impact:
-    """The velocity after constraints have started to act on a moving robot at once.
+    """The velocity after constraints are imposed on a moving robot within an instant (impact).
 
     Args:
         model: The robot.
@@ -172,14 +172,14 @@ def impulse_dynamics(
         Velocity after the impact, impulses, residual and rounds.
     """
     J = constraint_jacobian(model, q, bonds, turned=False)
-    back: Any = 0.0
+    returned: Any = 0.0
     if restitution is not None:
-        back = restitution[..., [i for i, bond in enumerate(bonds) for _ in range(bond.size)]]
+        returned = restitution[..., [i for i, bond in enumerate(bonds) for _ in range(bond.size)]]
     before = apply(J, v)
     factors = Factors(mass_matrix(model, q))
-    gain, impulses, iterations = _response(factors, J, 0.0 * v, (1.0 + back) * before, 0.0, settings)
+    gain, impulses, iterations = _response(factors, J, 0.0 * v, (1.0 + returned) * before, 0.0, settings)
     after = v + gain
-    residual = apply(J, after) + back * before
+    residual = apply(J, after) + returned * before
     impulses = along_axes(model, q, impulses[..., None], bonds)[..., 0]
     return Impact(after, impulses, largest_entry(residual), iterations)
 
@@ -236,10 +236,10 @@ def constrained_response(
     Y = solve_transposed_columns(factors, J)
     y = factors.inward([drive[..., k][()] for k in range(len(factors.lower))])
     z = [entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True)]
-    b = [-sum((entry * z[k] for k, entry in row.items()), g[..., i][()]) for i, row in enumerate(Y)]
+    b = [-sum((entry * z[k] for k, entry in column.items()), g[..., i][()]) for i, column in enumerate(Y)]
     forces, *more = solve(delassus_of(factors, Y), b)
-    for row, force in zip(Y, forces, strict=True):
-        for k, entry in row.items():
+    for column, force in zip(Y, forces, strict=True):
+        for k, entry in column.items():
             y[k] = y[k] + entry * force
     a = factors.outward(entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True))
     return vector(*a), vector(*forces), tuple(more)
@@ -274,8 +274,8 @@ def delassus_of(factors: Factors, Y: Sequence[dict[int, Any]]) -> Array:
     """
     m = len(Y)
     G: list[list[Any]] = [[0.0] * m for _ in range(m)]
-    for i, row in enumerate(Y):
-        scaled = {k: entry * factors.reciprocals[k] for k, entry in row.items()}
+    for i, column in enumerate(Y):
+        scaled = {k: entry * factors.reciprocals[k] for k, entry in column.items()}
         for j in range(i + 1):
             G[i][j] = G[j][i] = sum(scaled[k] * entry for k, entry in Y[j].items() if k in scaled)
     return matrix(G)

@@ -7,14 +7,15 @@
 | l | length of t | () | [N] | |
 | K | the forces that friction allows | | | l <= mu n |
 | K* | its dual: what has no negative product with them | | | mu l <= n |
-| P f | the nearest of K | (3) | [N] | 0 where mu l <= -n; f in K; else (x.f) x, x = (mu t / l, 1) / sqrt(1 + mu^2) |
+| P f | the nearest of K | (3) | [N] | f if f in K; 0 if mu l <= -n; else (x.f) x, x = (mu t / l, 1) / sqrt(1 + mu^2) |
 | P* f | the nearest of K* | (3) | [N] | f + P(-f) |
-| P_R f | nearest in the metric of a diagonal R = (r, r, s) | (3) | [N] | R^-1/2 P' R^1/2 f, mu' = mu sqrt(r / s) |
+| P_R f | nearest in the metric of a diagonal R = (r, r, s) | (3) | [N] | R^-1/2 P' R^1/2 f |
+| P' | P for another coefficient mu' | (3) | | mu' = mu sqrt(r / s) |
 | radial | the same normal force, t no longer than mu n | (3) | [N] | |
-| shift | what makes the velocity of a sliding contact one of K* | (3) | [m/s] | (0, 0, mu l), l that of the velocity |
+| shift | De Saxce correction: velocity of a sliding contact + shift is in K* | (3) | [m/s] | (0, 0, mu l), l from v |
 
 Source: Moreau's decomposition, f = P f - P*(-f); Parikh & Boyd, Proximal algorithms (2014), section 6.3.2; de Saxce &
-Feng, The bipotential method (1998), for the shift. The coefficient is a number or a batch of numbers.
+Feng, The bipotential method (1998), for the De Saxce correction. The coefficient is a number or a batch of numbers.
 """
 
 from __future__ import annotations
@@ -40,16 +41,16 @@ def project(f: Array, mu: Any) -> Array:
     """
     x, y, n = (f[..., i][()] for i in range(3))
     length = numeric.sqrt(x * x + y * y)
-    sure = numeric.where(numeric.less(0.0, length), length, 1.0)
+    divisor = numeric.where(numeric.less(0.0, length), length, 1.0)  # not zero
     normal = (mu * length + n) / (1.0 + mu * mu)
-    outside = (mu * normal * x / sure, mu * normal * y / sure, normal)
-    # Without friction, mu n says nothing of a force that pulls.
-    leaves = numeric.less(numeric.where(numeric.less(n, 0.0), n, mu * n), length)
-    pushes = numeric.less(-n, mu * length)
+    on_boundary = (mu * normal * x / divisor, mu * normal * y / divisor, normal)
+    # A force with n < 0 is outside K, which mu n < l does not tell where mu and l are zero.
+    is_outside = numeric.less(numeric.where(numeric.less(n, 0.0), n, mu * n), length)
+    is_nonzero = numeric.less(-n, mu * length)  # of the nearest force
     return vector(
         *(
-            numeric.where(leaves, numeric.where(pushes, found, 0.0), given)
-            for given, found in zip((x, y, n), outside, strict=True)
+            numeric.where(is_outside, numeric.where(is_nonzero, nearest, 0.0), entry)
+            for entry, nearest in zip((x, y, n), on_boundary, strict=True)
         )
     )
 
@@ -100,7 +101,7 @@ def project_radially(f: Array, mu: Any) -> Array:
 
 
 def sliding_shift(v: Array, mu: Any) -> Array:
-    """The shift that makes the velocity of a sliding contact one of K* (De Saxce).
+    """The De Saxce correction: added to the velocity of a sliding contact, the sum is in K*.
 
     Args:
         v: Velocity of the contact, shape (..., 3) [m/s], the normal entry last.
@@ -115,14 +116,14 @@ def sliding_shift(v: Array, mu: Any) -> Array:
 
 
 def excess(f: Array, mu: Any) -> Any:
-    """How far a force is outside K.
+    """How much a force violates the friction cone K.
 
     Args:
         f: Force, shape (..., 3) [N], the normal entry last.
         mu: Coefficient of friction, not below zero [-].
 
     Returns:
-        The larger of |t| - mu n and -n, shape (...) [N]; not above zero inside.
+        max(|t| - mu n, -n), shape (...) [N]; <= 0 inside K. It is not the distance from K.
     """
     tangential = numeric.sqrt(f[..., 0] ** 2 + f[..., 1] ** 2)
     return np.asarray(numeric.maximum(tangential - mu * f[..., 2], -f[..., 2]))[()]

@@ -38,7 +38,7 @@ from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.external_forces import External
 from ulna.algorithms.multibody.mass_moments import MassMoments, rotation_axis
 from ulna.algorithms.multibody.prepared_model import prepare
-from ulna.algorithms.multibody.tree import Step
+from ulna.algorithms.multibody.tree import Step, shares_velocities
 from ulna.errors import InputError
 from ulna.model import Model
 from ulna.spatial import Force, Motion
@@ -93,11 +93,11 @@ def articulated_body_dynamics(
 
 
 def check_no_mimics(model: Model) -> None:
-    """Raises InputError where a model has mimic joints."""
-    if any(joint.mimic is not None for joint in model.joints):
+    """Raises InputError where a model has mimic joints or ellipsoids."""
+    if shares_velocities(model):
         raise InputError(
-            "The articulated-body algorithm takes no mimic joints; use forward_dynamics, which solves with the mass "
-            "matrix for such models."
+            "The articulated-body algorithm takes no mimic joints and no ellipsoids; use forward_dynamics, which "
+            "solves with the mass matrix for such models."
         )
 
 

@@ -22,7 +22,7 @@ from ulna.algorithms.dynamics.mass_matrix_factors import Factors
 from ulna.algorithms.dynamics.rnea_point_accelerations import bias_forces
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.external_forces import External
-from ulna.algorithms.multibody.tree import steps
+from ulna.algorithms.multibody.tree import shares_velocities, steps
 from ulna.model import Model
 from ulna.typing import Array
 
@@ -71,7 +71,7 @@ def by_mass_matrix(model: Model, q: Array, v: Array, tau: Array, external: Exter
 
 def prefers_mass_matrix(model: Model) -> bool:
     """Whether the mass matrix is the cheaper way, or the only one."""
-    if any(joint.mimic is not None for joint in model.joints):
+    if shares_velocities(model):
         return True
     depths: list[int] = []
     squares = 0

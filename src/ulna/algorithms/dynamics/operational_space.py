@@ -4,6 +4,7 @@
 |---|---|---|---|---|
 | x' | twist of the frame, or rates of its position and angles | (6) | | x' = J v |
 | M, C, g | mass matrix, Coriolis matrix, gravity torques | | | crba.py, coriolis.py, rnea.py |
+| d | damping | () | [kg^-1/2], [kg^-1/2 m^-1] | |
 | L | operational-space inertia | (6, 6) | [kg, kg m, kg m^2] | (J M^-1 J^T + d^2 1)^-1 |
 | J+ | dynamically consistent inverse of J | (nv, 6) | | M^-1 J^T L |
 | C_x | Coriolis matrix | (6, 6) | | L (J M^-1 C - dJ/dt) J+ |
@@ -42,15 +43,20 @@ from ulna.numeric import apply, vector
 from ulna.typing import Array
 
 _INFINITE = (
-    "The frame cannot move in all six directions, so that its inertia is infinite in the others; bound it with a "
-    "damping, such as damping=0.01."
+    "The frame cannot move in some of the six directions; its inertia there is infinite. Give damping > 0, e.g. "
+    "damping=0.01."
 )
 
 
 class Task(NamedTuple):
-    """What of a frame counts: its twist in a reference or, with a representation of angles, rates of angles.
+    """The motion x' of a frame that is meant.
 
-    `damping` bounds the inertia near singular configurations.
+    Attributes:
+        frame: A frame of the model.
+        reference: Of the twist: "world", "local" or "local_world_aligned".
+        representation: None for the twist; else x' are the rates of position and of these angles, and `reference` is
+            not used.
+        damping: d, which bounds the inertia near singular configurations [kg^-1/2].
     """
 
     frame: Frame
@@ -94,7 +100,7 @@ def operational_inertia(model: Model, q: Array, task: Task) -> Array:
     Args:
         model: The robot.
         q: Configuration, shape (..., nq) [rad, m].
-        task: What of which frame.
+        task: Which motion of which frame.
 
     Returns:
         L, shape (..., 6, 6).
@@ -113,7 +119,7 @@ def operational_coriolis(model: Model, q: Array, v: Array, task: Task) -> Array:
         model: The robot.
         q: Configuration, shape (..., nq) [rad, m].
         v: Velocity, shape (..., nv) [rad/s, m/s].
-        task: What of which frame.
+        task: Which motion of which frame.
 
     Returns:
         C_x, shape (..., 6, 6).
@@ -121,11 +127,11 @@ def operational_coriolis(model: Model, q: Array, v: Array, task: Task) -> Array:
     Raises:
         InputError: the frame cannot move in all six directions, and there is no damping.
     """
-    mobility, inverse = _mobility(model, q, task)
-    back = np.swapaxes(inverse, -1, -2)
-    change = back @ coriolis_matrix(model, q, v) - task.jacobian_dot(model, q, v)
-    consistent = np.swapaxes(_solve(mobility, back), -1, -2)  # J+, for L is symmetric
-    return _solve(mobility, change @ consistent)
+    mobility, Minv_JT = _mobility(model, q, task)
+    J_Minv = np.swapaxes(Minv_JT, -1, -2)
+    bias_map = J_Minv @ coriolis_matrix(model, q, v) - task.jacobian_dot(model, q, v)
+    J_plus = np.swapaxes(_solve(mobility, J_Minv), -1, -2)  # for L is symmetric
+    return _solve(mobility, bias_map @ J_plus)
 
 
 def operational_gravity(model: Model, q: Array, task: Task) -> Array:
@@ -134,7 +140,7 @@ def operational_gravity(model: Model, q: Array, task: Task) -> Array:
     Args:
         model: The robot.
         q: Configuration, shape (..., nq) [rad, m].
-        task: What of which frame.
+        task: Which motion of which frame.
 
     Returns:
         g_x, shape (..., 6) [N, N m].
@@ -142,8 +148,8 @@ def operational_gravity(model: Model, q: Array, task: Task) -> Array:
     Raises:
         InputError: the frame cannot move in all six directions, and there is no damping.
     """
-    mobility, inverse = _mobility(model, q, task)
-    return _solve(mobility, apply(np.swapaxes(inverse, -1, -2), gravity_forces(model, q)))
+    mobility, Minv_JT = _mobility(model, q, task)
+    return _solve(mobility, apply(np.swapaxes(Minv_JT, -1, -2), gravity_forces(model, q)))
 
 
 def operational_acceleration(model: Model, q: Array, v: Array, tau: Array, task: Task) -> Array:
@@ -176,6 +182,6 @@ def _mobility(model: Model, q: Array, task: Task) -> tuple[Array, Array]:
         raise InputError(_INFINITE)
     J = task.jacobian(model, q)
     factors = Factors(mass_matrix(model, q))
-    rows = [vector(*factors.solve([J[..., i, k] for k in range(model.nv)])) for i in range(6)]
-    inverse = np.stack(rows, axis=-1)
-    return J @ inverse + task.damping**2 * np.eye(6), inverse
+    columns = [vector(*factors.solve([J[..., i, k] for k in range(model.nv)])) for i in range(6)]
+    Minv_JT = np.stack(columns, axis=-1)
+    return J @ Minv_JT + task.damping**2 * np.eye(6), Minv_JT

@@ -71,7 +71,7 @@ def analytical_jacobian(
         representation: "rpy/xyz", "rpy/zyx", "eul" or "exp".
 
     Returns:
-        Shape (..., 6, nv).
+        Shape (..., 6, nv); inf or nan in the last three rows where the angles are singular.
 
     Raises:
         UnknownName: no such representation.
@@ -97,7 +97,7 @@ def analytical_jacobian_dot(
         representation: "rpy/xyz", "rpy/zyx", "eul" or "exp".
 
     Returns:
-        Shape (..., 6, nv).
+        Shape (..., 6, nv); inf or nan in the last three rows where the angles are singular.
 
     Raises:
         UnknownName: no such representation.
@@ -119,7 +119,7 @@ def rate_matrix(R: Array, representation: Representation) -> Array:
         representation: "rpy/xyz", "rpy/zyx", "eul" or "exp".
 
     Returns:
-        B, shape (..., 3, 3) [-].
+        B, shape (..., 3, 3) [-]; inf or nan where the angles are singular.
     """
     if representation == "exp":
         return so3_left_jacobian_inverse(so3_log(R))

@@ -64,8 +64,8 @@ def frame_jacobian(
 def joint_jacobians(model: Model, q: Array) -> Array:
     """The columns of all joints in the reference "world".
 
-    The columns of the joints that a frame stands on, the others set to zero, are its Jacobian in that reference; but
-    the columns of mimic joints are added to their source's, wherever they stand.
+    With the columns of joints that do not move a frame set to zero, it is the frame's Jacobian in that reference. The
+    columns of a mimic joint are added to those of its source, so that this does not hold for models with mimic joints.
 
     Args:
         model: The robot.
@@ -84,12 +84,13 @@ def joint_jacobians(model: Model, q: Array) -> Array:
 def frame_jacobian_of(
     model: Model, J: Array, T_world_body: SE3, frame: Frame, reference: Reference = "local_world_aligned"
 ) -> Array:
-    """The Jacobian of a frame out of the columns of all joints; no pose is computed anew.
+    """The Jacobian of a frame from the columns of all joints and the pose of its body, without forward kinematics.
 
     Args:
-        model: The robot, without mimic joints: their columns are added to their source's and cannot be separated.
+        model: The robot, without mimic joints: `joint_jacobians` adds their columns to those of other joints.
         J: What `joint_jacobians` returns, shape (..., 6, nv).
-        T_world_body: Pose of the moving frame of the frame's joint, at the same configuration [m].
+        T_world_body: Pose in the world of the moving frame of the joint that `frame` is fixed to, at the same
+            configuration [m].
         frame: A frame of the model.
         reference: "world", "local" or "local_world_aligned".
 
@@ -97,16 +98,16 @@ def frame_jacobian_of(
         J of the frame, shape (..., 6, nv).
     """
     check_reference(reference)
-    carried = np.zeros(model.nv)
+    supports = np.zeros(model.nv)
     for step in chain(model, frame):
-        carried[list(step.indices)] = 1.0
-    linear, angular = J[..., :3, :] * carried, J[..., 3:, :] * carried
+        supports[list(step.indices)] = 1.0
+    linear, angular = J[..., :3, :] * supports, J[..., 3:, :] * supports
     if reference != "world":
         pose = T_world_body @ frame.placement
         linear = linear - skew(pose.translation) @ angular
         if reference == "local":
-            back = np.swapaxes(pose.rotation, -1, -2)
-            linear, angular = back @ linear, back @ angular
+            R_frame_world = np.swapaxes(pose.rotation, -1, -2)
+            linear, angular = R_frame_world @ linear, R_frame_world @ angular
     return np.concatenate([linear, angular], axis=-2)
 
 

@@ -10,19 +10,19 @@
 | T | pose of the moving frame in the world | SE3 | [m] | T_i = T_p(i) X_i |
 
 Source: Featherstone, sections 4.1 to 4.4. A *step* is a joint, or one part of a joint that is made of parts
-(composite, universal). Unfolding joints into steps makes every S constant in its own moving frame, so that no
-algorithm needs a derivative of S. Only the last step of a joint carries links and frames. A mimic joint is a
+(composite, universal, ellipsoid). Unfolding joints into steps makes every S constant in its own moving frame, so
+that no algorithm needs a derivative of S. Only the last step of a joint carries links and frames. A mimic joint is a
 step whose position is affine in that of its source; its columns of S, times the multiplier, belong to the
-source's velocity.
+source's velocity. Several steps of an ellipsoid follow one of its angles in the same way.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
-from ulna.model import Composite, Frame, Joint, JointKind, Model, Revolute, Universal
+from ulna.model import Composite, Ellipsoid, Frame, Joint, JointKind, Model, Revolute, Universal
 from ulna.spatial import SE3, Force, Motion
 from ulna.typing import Array
 
@@ -48,11 +48,13 @@ class Step:
     """Whether its moving frame is the joint's, which carries links and frames."""
     offset: float = 0.0
     """What is added to the angle of a revolute joint; see link_frames.py."""
+    ratio: float = 1.0
+    """Its position as a multiple of the joint's; other than 1 for the turns of an ellipsoid only."""
 
     @property
     def multiplier(self) -> float:
-        """The velocity of a mimic joint as a multiple of its source's; 1 for other joints."""
-        return self.joint.mimic.multiplier if self.joint.mimic is not None else 1.0
+        """Its velocity as a multiple of the entry of v that moves it; 1 for all but mimic joints and ellipsoids."""
+        return self.joint.mimic.multiplier if self.joint.mimic is not None else self.ratio
 
     @property
     def indices(self) -> range:
@@ -65,12 +67,14 @@ class Step:
         return self.kind.motion_subspace(self.kind.neutral())
 
     def columns(self) -> list[tuple[int, Motion]]:
-        """The columns of S, times the multiplier of a mimic joint, and the entry of `v` that each belongs to."""
+        """The columns of S, times the multiplier, and the entry of `v` that each belongs to."""
         return [(k, s * self.multiplier) for k, s in zip(self.indices, self.subspace(), strict=True)]
 
     def transform(self, q: Array) -> SE3:
         """J(q)."""
         position = self.joint.q_of(q)[..., self.start_q : self.start_q + self.kind.nq]
+        if self.ratio != 1.0:
+            position = self.ratio * position
         return self.kind.transform(position + self.offset if self.offset else position)
 
     def pose(self, T: SE3 | None, q: Array) -> SE3:
@@ -125,7 +129,8 @@ class Step:
     def motion(self, v: Array) -> Motion:
         """S times the part of `v` that moves this step, in the moving frame; likewise of an acceleration."""
         part = self.joint.v_of(v)
-        terms = [column * part[..., self.start_v + k] for k, column in enumerate(self.subspace())]
+        columns = self.subspace() if self.ratio == 1.0 else [s * self.ratio for s in self.subspace()]
+        terms = [column * part[..., self.start_v + k] for k, column in enumerate(columns)]
         total = terms[0]
         for term in terms[1:]:
             total = total + term
@@ -146,13 +151,23 @@ def steps(model: Model, joints: Iterable[int] | None = None) -> tuple[Step, ...]
     last_of = {-1: -1}
     for index in range(len(model.joints)) if joints is None else joints:
         joint = model.joints[index]
-        parent, start_q, start_v = last_of[joint.parent], 0, 0
-        parts = _unfold(joint.kind, joint.placement)
-        for k, (placement, kind) in enumerate(parts):
-            tree.append(Step(joint, parent, placement, kind, start_q, start_v, k == len(parts) - 1))
-            parent, start_q, start_v = len(tree) - 1, start_q + kind.nq, start_v + kind.nv
+        parent = last_of[joint.parent]
+        parts = parts_of(joint.kind, joint.placement)
+        for k, (placement, kind, q, v, ratio) in enumerate(parts, start=1):
+            tree.append(Step(joint, parent, placement, kind, q, v, k == len(parts), ratio=ratio))
+            parent = len(tree) - 1
         last_of[index] = parent
     return tuple(tree)
+
+
+def shares_velocities(model: Model) -> bool:
+    """Whether an entry of v moves several steps: of mimic joints and their sources, and of ellipsoids."""
+    return any(joint.mimic is not None or _has_ellipsoid(joint.kind) for joint in model.joints)
+
+
+def _has_ellipsoid(kind: JointKind) -> bool:
+    parts = kind.kinds if isinstance(kind, Composite) else (kind,)
+    return any(isinstance(part, Ellipsoid) for part in parts)
 
 
 def chain(model: Model, frame: Frame) -> tuple[Step, ...]:
@@ -256,12 +271,48 @@ def tip_pose(tree: Sequence[Step], q: Array, placement: SE3) -> SE3:
     return fixed @ tip
 
 
-def _unfold(kind: JointKind, placement: SE3) -> list[tuple[SE3, JointKind]]:
-    """The parts of a kind, each with the pose of its fixed frame in the moving frame before it."""
+class Part(NamedTuple):
+    """An elementary joint that a kind is made of."""
+
+    placement: SE3
+    """Pose of its fixed frame in the moving frame of the part before."""
+    kind: JointKind
+    """A kind with a constant motion subspace."""
+    start_q: int
+    """Where its position begins in the kind's position."""
+    start_v: int
+    """Where its velocity begins in the kind's velocity."""
+    ratio: float
+    """Its position as a multiple of that entry."""
+
+
+def parts_of(kind: JointKind, placement: SE3, start_q: int = 0, start_v: int = 0) -> list[Part]:
+    """The elementary joints that a kind is made of, from the fixed frame outward.
+
+    Args:
+        kind: The kind.
+        placement: Pose of its fixed frame in the moving frame before it [m].
+        start_q: What is added to where positions begin.
+        start_v: What is added to where velocities begin.
+
+    Returns:
+        The parts; the kind itself where its motion subspace is constant.
+    """
     if isinstance(kind, Universal):
-        return [(placement, Revolute(kind.axis1)), (SE3.identity(), Revolute(kind.axis2))]
+        first = Part(placement, Revolute(kind.axis1), start_q, start_v, 1.0)
+        return [first, Part(SE3.identity(), Revolute(kind.axis2), start_q + 1, start_v + 1, 1.0)]
+    if isinstance(kind, Ellipsoid):
+        parts = []
+        for turn in kind.turns:
+            place, placement = placement @ SE3.trans(0.0, 0.0, turn.slide), SE3.identity()
+            k = turn.coordinate
+            parts.append(Part(place, turn.kind, start_q + k, start_v + k, turn.ratio))
+        return parts
     if isinstance(kind, Composite):
         assert kind.placements is not None  # a Composite fills them in
-        places = [placement @ kind.placements[0], *kind.placements[1:]]
-        return [part for k, place in zip(kind.kinds, places, strict=True) for part in _unfold(k, place)]
-    return [(placement, kind)]
+        parts, places = [], [placement @ kind.placements[0], *kind.placements[1:]]
+        for inner, place in zip(kind.kinds, places, strict=True):
+            parts += parts_of(inner, place, start_q, start_v)
+            start_q, start_v = start_q + inner.nq, start_v + inner.nv
+        return parts
+    return [Part(placement, kind, start_q, start_v, 1.0)]

@@ -11,6 +11,7 @@ from typing import final
 
 import numpy as np
 
+from ulna.collision.lanes.single import StateCheck
 from ulna.collision.lanes.tables import Scene, links_of
 from ulna.collision.lanes.touching import (
     Tables,
@@ -41,9 +42,6 @@ from ulna.compiler.procedures import (
 from ulna.errors import InputError
 from ulna.model import Model
 from ulna.typing import Array, Floats
-
-LEAST = 64
-"""Fewer configurations than this are not worth the two passes."""
 
 _CHUNK = 4096  # configurations of a call, which cannot be interrupted: some milliseconds
 
@@ -177,10 +175,10 @@ def which_touch(
             is_touching = is_touching & (lane_numbers(W) != lane)
 
 
-def batch_check(
-    model: Model, world: World, spheres: Spheres, pairs: tuple[LinkPair, ...], missing: Missing, reach: float
-) -> BatchCheck | None:
-    """The check of many configurations of a robot in a world.
+def batch_scene(
+    model: Model, world: World, spheres: Spheres, pairs: tuple[LinkPair, ...], missing: Missing
+) -> Scene | None:
+    """What checks of a robot in a world share.
 
     Args:
         model: The robot.
@@ -188,18 +186,17 @@ def batch_check(
         spheres: Spheres of the links.
         pairs: Pairs of links to check against each other.
         missing: What to do about mesh files that are missing: "error", or "skip" them with a warning.
-        reach: How near counts as touching [m].
 
     Returns:
-        The check; None where float32 does not do: joints whose positions are no plain numbers, nothing that moves, or
+        The scene; None where float32 does not do: joints whose positions are no plain numbers, nothing that moves, or
         something more than 100 m away.
     """
     try:
-        return BatchCheck(
-            Scene(links_of(model, spheres, pairs, missing), spheres, pairs, world, missing), reach
-        )
+        scene = Scene(links_of(model, spheres, pairs, missing), spheres, pairs, world, missing)
+        scene.tables(0.0)
     except InputError:
         return None
+    return scene
 
 
 @final
@@ -217,6 +214,8 @@ class BatchCheck:
         self._range = scene.robot.range
         self._procedure = which_touch.specialized(W=scene.lanes)
         self._storage = threading.local()
+        self.state = StateCheck(scene, self._larger, self._smaller)
+        """The check of single configurations."""
 
     def run(self, q: Floats) -> tuple[Array, Array]:
         """Looks at configurations.

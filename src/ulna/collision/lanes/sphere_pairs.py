@@ -13,11 +13,15 @@ Latombe 2005).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from ulna import disk_cache
 from ulna.algorithms import joint_poses
 from ulna.collision.lanes.motion_bounds import Group
 from ulna.model import Model
+from ulna.model.content import fingerprint
 from ulna.spatial import SE3
 from ulna.typing import Array, Floats
 
@@ -28,6 +32,38 @@ _MOST_JOINTS = 2  # between groups that are looked at
 _MOST_CELLS = 6_000
 _FIRST = 0.2  # two points approach by no more in a first cell [m]
 _LEAST = 0.002  # cells in which they approach by no more than this are not divided [m]
+
+
+_VERSION = "meeting spheres 1"
+
+
+def meeting_spheres(
+    model: Model, groups: Sequence[Group], pairs: Sequence[tuple[int, int]], approach: Floats
+) -> list[Array]:
+    """Which spheres of pairs of groups can meet, from the disk where that was found out before.
+
+    Args:
+        model: The robot.
+        groups: Spheres that move together.
+        pairs: Numbers of two groups each.
+        approach: How far they approach at most when a joint moves by one, shape (pairs, nq) [m/rad], [1].
+
+    Returns:
+        For each pair truth values, shape (spheres of the first, spheres of the second), as `can_meet` returns them.
+    """
+    if not pairs:
+        return []
+    sizes = [(len(groups[a].radii), len(groups[b].radii)) for a, b in pairs]
+    ends = np.cumsum([0, *(m * n for m, n in sizes)]).tolist()
+    content = [part for group in groups for part in (group.centres.tobytes(), group.radii.tobytes())]
+    name = disk_cache.key(_VERSION, fingerprint(model), repr((RESERVE, pairs)), approach.tobytes(), *content)
+    stored = disk_cache.read(name)
+    if stored is not None and len(stored) == -(-ends[-1] // 8):
+        bits = np.unpackbits(np.frombuffer(stored, np.uint8), count=ends[-1]).astype(bool)
+        return [bits[i:j].reshape(size) for i, j, size in zip(ends, ends[1:], sizes, strict=False)]
+    masks = [can_meet(model, groups[a], groups[b], row) for (a, b), row in zip(pairs, approach, strict=True)]
+    disk_cache.write(name, np.packbits(np.concatenate([mask.ravel() for mask in masks])).tobytes())
+    return masks
 
 
 def can_meet(model: Model, a: Group, b: Group, approach: Floats) -> Array:

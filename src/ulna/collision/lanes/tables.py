@@ -15,7 +15,7 @@ from ulna.collision.attached import carried
 from ulna.collision.clouds import is_points, point_grid
 from ulna.collision.grids import joined
 from ulna.collision.lanes.motion_bounds import Group, motion_bounds
-from ulna.collision.lanes.sphere_pairs import RESERVE, can_meet
+from ulna.collision.lanes.sphere_pairs import RESERVE, meeting_spheres
 from ulna.collision.lanes.touching import Tables, Work
 from ulna.collision.mask import check_touches
 from ulna.collision.objects import Obstacle
@@ -109,13 +109,8 @@ class Moving:
 
     @cached_property
     def _near_pairs(self) -> dict[str, Any]:
-        approach = self.bounds_of_motion[1]
-        return self._listed(
-            [
-                can_meet(self.model, self.groups[a], self.groups[b], bounds)
-                for (a, b, _), bounds in zip(self.pairs, approach, strict=True)
-            ]
-        )
+        numbers = tuple(pair[:2] for pair in self.pairs)
+        return self._listed(meeting_spheres(self.model, self.groups, numbers, self.bounds_of_motion[1]))
 
     @cached_property
     def _all_pairs(self) -> dict[str, Any]:

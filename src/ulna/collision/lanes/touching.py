@@ -10,11 +10,11 @@
 | cylinder | axis, centre, radius, half length | (8,) | [m] |
 | plane | normal, point | (6,) | [m] |
 
-A point p of an obstacle's frame is as far as the part of abs(p) - h above 0 (Ericson, Real-Time Collision Detection
-2005, section 5.1). Three steps, each for what the one before leaves: the axis-aligned box around a group's bounding
-spheres in all lanes against those of the obstacles, with obstacles in lanes; the bounding spheres against the
-obstacle; the spheres, which are placed only now. Radii include the margin, so that "free" holds with rounding in
-float32; see `tables`.
+In a box's frame the distance of a point p from the box is the norm of max(abs(p) - h, 0) (Ericson, Real-Time Collision
+Detection 2005, section 5.1). Three tests, each only of what passed the one before: (1) a group's axis-aligned box over
+all configurations against the obstacles' boxes, a register of obstacles at once; (2) its bounding spheres against the
+obstacle; (3) its spheres, whose centres are computed only now. Radii include the margin, so that "free" holds with
+rounding in float32; see `tables`.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ class Work(NamedTuple):
         q: Configurations, (nq, W) [rad, m].
         pose: Poses of the bodies, (12 B, W) [1], [m].
         c: Centres of bounding spheres and spheres, (3 (G + S), W) [m].
-        is_placed: Whether a sphere is placed, (S,).
+        is_placed: 1 where the centre of a sphere is computed, else 0, (S,).
     """
 
     q: Array2[f32]
@@ -216,7 +216,7 @@ def near_each_other(c, a, b, r, W):
 
 @procedure
 def placed_row(tables, g, s, work, W):
-    """The row of the centre of a sphere of a group, which is placed unless that was done.
+    """The row of a sphere's centre in `work.c`; computes the centre on first use.
 
     Args:
         tables: What is checked against what [m].
@@ -298,11 +298,11 @@ def _group_touches_clouds(tables, g, work, W):
                 if s >= begin:
                     row, r = placed_row(tables, g, s, work, W), tables.spheres[s, 3] + margin
                 x, y, z = in_cloud(tables.clouds.poses, k, work.c, row, W)
-                is_open = maybe_near(tables.clouds, k, x, y, z, r, W)
+                undecided = maybe_near(tables.clouds, k, x, y, z, r, W)
                 if s < begin:
-                    if not any_of(is_open):
+                    if not any_of(undecided):
                         break
-                elif lane_touches(tables.clouds, k, x, y, z, r, is_open, W):
+                elif lane_touches(tables.clouds, k, x, y, z, r, undecided, W):
                     return True
     return False
 
@@ -344,6 +344,7 @@ def block_touches(tables, work, W):
         work.is_placed[s] = 0
     for g in range(len(tables.bodies)):
         place(tables.bounds, g, work.pose, tables.bodies[g], work.c, 3 * g, W)
+    # Last to first: the last links of an arm move farthest, and the first contact ends the check.
     for i in range(len(tables.bodies)):
         if _group_touches_world(tables, len(tables.bodies) - 1 - i, work, W):
             return True

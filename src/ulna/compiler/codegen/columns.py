@@ -49,7 +49,7 @@ def write_columns(module: Module, f: Function, form: ColumnForm, target: Target,
         target: The processor.
         element: Type of the array elements, "double" or "float".
     """
-    lanes, (n, m) = target.lanes(element), f.outputs[0].shape
+    lanes, m, n = target.lanes(element), f.outputs[0].shape[1], form.body.inputs[1].size
     starts = [*range(0, m - lanes, lanes), m - lanes]
     bodies: dict[tuple[int, frozenset[int]], str] = {}
     inputs = [f"ptr %i{k}" for k in range(len(f.inputs))]

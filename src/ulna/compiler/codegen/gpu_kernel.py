@@ -15,7 +15,8 @@ from ulna.compiler.codegen.target import Target
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ops import Op
-from ulna.compiler.language.scheduling import Sines, Store, parts
+from ulna.compiler.language.pressure import few_alive
+from ulna.compiler.language.scheduling import Sines, Store
 
 GLOBAL = "ptr addrspace(1)"
 """The type of addresses in a GPU's main memory."""
@@ -120,19 +121,18 @@ def _write_thread(module: Module, name: str, f: Function, target: Target, elemen
         w.let(f"{port}.first", f"mul i64 %thread, %{port}.sample")
         w.let(f"{port}.row", f"getelementptr {element}, {GLOBAL} %{port}, i64 %{port}.first")
     _read(w, f, element)
-    for steps in parts(f, 1, 1):
-        for step in steps:
-            if isinstance(step, Sines):
-                _constants(w, f.graph, step.arguments)
-                w.sincos(step.arguments)
-            elif isinstance(step, Store):
-                _constants(w, f.graph, step.values)
-                for at, value in enumerate(step.values, step.start):
-                    place = _place(w, f"o{step.port}", at, element)
-                    w.write(f"store {element} {w.names[value]}, {place}, align {BYTES[element]}")
-            elif step not in w.names:
-                _constants(w, f.graph, f.graph.args[step])
-                w.node(step)
+    for step in few_alive(f):
+        if isinstance(step, Sines):
+            _constants(w, f.graph, step.arguments)
+            w.sincos(step.arguments)
+        elif isinstance(step, Store):
+            _constants(w, f.graph, step.values)
+            for at, value in enumerate(step.values, step.start):
+                place = _place(w, f"o{step.port}", at, element)
+                w.write(f"store {element} {w.names[value]}, {place}, align {BYTES[element]}")
+        elif step not in w.names:
+            _constants(w, f.graph, f.graph.args[step])
+            w.node(step)
     w.jump("done")
     w.open_block("done")
     arguments = ", ".join(["i64 %thread", "i64 %count", *_parameters(f)])

@@ -20,7 +20,11 @@ class Instructions:
         return "\n".join(self.lines)
 
     def begin_function(self, head: str) -> None:
-        """Begins a function, from `define` to its attributes, and its first block."""
+        """Begins a function and its first block.
+
+        Args:
+            head: The line from `define` to the attributes, without the brace.
+        """
         self.lines.append(f"{head} {{")
         self.open_block("entry")
 
@@ -41,22 +45,22 @@ class Instructions:
         """Appends `%name = instruction`.
 
         Args:
-            name: The name without its sign.
+            name: The name without the `%`.
             instruction: The right side.
 
         Returns:
             The name of the result.
         """
-        self.write(f"%{name} = {instruction}")
+        self.lines.append(f"  %{name} = {instruction}")
         return f"%{name}"
 
     def field(self, name: str, base: str, offset: int, kind: str = "ptr") -> str:
-        """Reads a field of a structure.
+        """Appends instructions that load a field of a structure.
 
         Args:
-            name: The name without its sign; that of the address is `name.p`.
+            name: The name without the `%`; the address gets the name `name.p`.
             base: The address of the structure.
-            offset: Where the field is [byte].
+            offset: Offset of the field from that address [byte].
             kind: The type of the field.
 
         Returns:
@@ -66,10 +70,10 @@ class Instructions:
         return self.let(name, f"load {kind}, ptr {pointer}")
 
     def item(self, name: str, base: str, index: int, kind: str = "ptr") -> str:
-        """Reads an item of an array.
+        """Appends instructions that load an item of an array.
 
         Args:
-            name: The name without its sign; that of the address is `name.p`.
+            name: The name without the `%`; the address gets the name `name.p`.
             base: The address of the array.
             index: The number of the item.
             kind: The type of the items.
@@ -81,14 +85,14 @@ class Instructions:
         return self.let(name, f"load {kind}, ptr {pointer}")
 
     def jump(self, label: str) -> None:
-        """Continues at a block."""
+        """Ends the block by a jump to another."""
         self.write(f"br label %{label}")
 
     def branch(self, condition: str, label: str, otherwise: str) -> None:
-        """Continues at a block where a condition holds, else at another.
+        """Ends the block by a jump to one block where a condition holds, else to another.
 
         Args:
-            condition: The name of the truth value.
+            condition: The name of an i1.
             label: The block where it holds.
             otherwise: The block where it does not hold.
         """

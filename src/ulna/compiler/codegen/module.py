@@ -16,7 +16,7 @@ from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.row_table import at, write_rows
 from ulna.compiler.codegen.rows import load, store
 from ulna.compiler.codegen.target import Target
-from ulna.compiler.language.function import Function
+from ulna.compiler.language.function import ColumnForm, Function
 from ulna.compiler.language.ops import TABLE, Op
 from ulna.compiler.language.scheduling import Sines, Step, Store, made, parts, scratch_places, used
 
@@ -128,11 +128,16 @@ def emit_single(f: Function, target: Target, element: DType = "double") -> str:
     """
     module = Module()
     if f.columns is not None and can_write_columns(f, target, element):
-        _write_block(module, f.columns.head, "head", Lanes(1, element), target.packed_sines, target)
-        write_columns(module, f, f.columns, target, element)
+        _write_column_form(module, f, f.columns, target, element)
         return module.text() + _wide_registers(target.lanes(element), element)
     _write_block(module, f, "one", Lanes(1, element), target.packed_sines, target)
     return module.text() + (_wide_registers(f.lanes, element) if f.lanes > 1 else "")
+
+
+def _write_column_form(module: Module, f: Function, form: ColumnForm, target: Target, element: DType) -> None:
+    """`void one(ptr in0, ..., ptr out0, ...)` by a form of columns."""
+    _write_block(module, form.head, "head", Lanes(1, element), target.packed_sines, target)
+    write_columns(module, f, form, target, element)
 
 
 def emit_library(
@@ -189,10 +194,23 @@ def emit_batch(f: Function, target: Target, element: DType = "double") -> str:
     """
     module = Module()
     lanes = 1 if f.lanes > 1 else target.lanes(element)  # or all lanes work on one sample
-    _write_block(module, f, "block", Lanes(lanes, element), 1, target)
+    wide = max(lanes, f.lanes)
+    if f.columns is not None and f.columns.serves_batches and can_write_columns(f, target, element):
+        lanes = 1
+        _write_column_form(module, f, f.columns, target, element)
+        _write_block_of_one(module, f)
+    else:
+        _write_block(module, f, "block", Lanes(lanes, element), 1, target)
     module.declare("declare i32 @feclearexcept(i32)")
     module.definitions["batch"] = batch_loop(f, element, lanes)
-    return module.text() + _wide_registers(max(lanes, f.lanes), element)
+    return module.text() + _wide_registers(wide, element)
+
+
+def _write_block_of_one(module: Module, f: Function) -> None:
+    """`block` for one sample at a time, whose strides are of no use, by `one`."""
+    names = [f"i{k}" for k in range(len(f.inputs))] + [f"o{k}" for k in range(len(f.outputs))]
+    call = f"  call void @one({', '.join(f'ptr %{name}' for name in names)})"
+    _define(module, "block", [f"ptr %{name}, i64 %{name}s" for name in names], "noinline nounwind #0", [call])
 
 
 def _wide_registers(lanes: int, element: DType) -> str:

@@ -24,6 +24,9 @@ from ulna.compiler.language.ops import TABLE, Op
 _sincos_ir, _elementary_ir = cache(sincos_ir), cache(elementary_ir)  # the same text for every node
 
 
+_ARITHMETIC = (int(Op.ADD), int(Op.SUB), int(Op.MUL), int(Op.DIV))
+
+
 @dataclass
 class Module:
     """Function definitions and the declarations they need, each once, in order."""
@@ -83,6 +86,7 @@ class Writer(Instructions):
         self.local_arrays: list[str] = []  # instructions that make them, for the function's first block
         self.records: dict[int, Record] = {}  # of loops
         self.contract = " contract" if arithmetic.fused_multiply_add else ""
+        self._words = {op: f"{TABLE[op].llvm}{self.contract} {layout.real}" for op in _ARITHMETIC}
         self.names: dict[int, str] = {}
         self.rows: dict[str, list[str]] = {}  # pointers to each lane's row of a port, once they are needed
         self._fresh = 0
@@ -111,7 +115,10 @@ class Writer(Instructions):
         """Writes one node; its arguments are written already."""
         g, layout = self.graph, self.layout
         op, args, data = g.op[index], g.args[index], g.data[index]
-        if op == Op.CONST:
+        word = self._words.get(op)
+        if word is not None:  # most nodes are sums and products
+            self.assign(index, f"{word} {self.names[args[0]]}, {self.names[args[1]]}")
+        elif op == Op.CONST:
             self.names[index] = _number(layout, data)
         elif op == Op.BOOL:
             self.names[index] = truth(layout, data)
@@ -159,7 +166,7 @@ class Writer(Instructions):
             name = f"@llvm.{word[1:]}.{layout.suffix}"
             self.module.declare(f"declare {layout.real} {name}({', '.join([layout.real] * len(x))})")
             return f"call {layout.real} {name}({', '.join(f'{layout.real} {v}' for v in x)})"
-        return f"{word}{'' if word.startswith('fcmp') else self.contract} {layout.real} {x[0]}, {x[1]}"
+        return f"{self._words.get(op) or f'{word} {layout.real}'} {x[0]}, {x[1]}"
 
     def sincos(self, arguments: Sequence[int]) -> None:
         """Sine and cosine of each argument, named for every SIN and COS node; several at once where scalar."""

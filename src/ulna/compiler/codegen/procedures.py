@@ -20,7 +20,10 @@ from ulna.compiler.imperative.types import ArrayType, Lanes, Number, element_of,
 WRITERS[t.Operation] = write_operation
 
 SMALL = 120
-"""Instances with fewer instructions are inlined wherever they are called."""
+"""Instances with fewer instructions, with those of what is inlined into them, are inlined wherever they are called."""
+
+LARGE = 1000
+"""Instances with more are inlined only if they are called from one place: copies would take long to compile."""
 
 
 def procedure_ir(
@@ -38,24 +41,31 @@ def procedure_ir(
         LLVM IR with `i64 entry(ptr words, ptr fault)`.
     """
     module = Module()
-    calls: dict[str, int] = {}
     for number, instance in enumerate(instances):
         writer = _FunctionWriter(module, number, is_checked, contract)
         module.definitions[instance.name] = writer.function(instance)
-    for text in module.definitions.values():
-        for instance in instances:
-            calls[instance.name] = calls.get(instance.name, 0) + text.count(f"@{instance.name}(")
-    for instance in instances:
-        text = module.definitions[instance.name]
-        once = calls[instance.name] <= 2  # its definition counts
-        if once or text.count("\n") < SMALL:
-            module.definitions[instance.name] = text.replace(
-                ") nounwind #0 {", ") alwaysinline nounwind #0 {", 1
-            )
+    _choose_inlining(module.definitions, [instance.name for instance in instances])
     module.definitions["entry"] = _entry(instances[-1])
     bits = 8 * register_bytes
     attributes = f'attributes #0 = {{ "prefer-vector-width"="{bits}" "min-legal-vector-width"="{bits}" }}'
     return module.text() + f'\n{attributes}\n!0 = !{{!"branch_weights", i32 1, i32 1000000}}\n'
+
+
+def _choose_inlining(definitions: dict[str, str], names: Sequence[str]) -> None:
+    """Says of each function whether LLVM must, may or must not inline it; callees come before their callers."""
+    sites = {name: sum(text.count(f"@{name}(") for text in definitions.values()) - 1 for name in names}
+    sizes: dict[str, int] = {}
+    inlined: set[str] = set()
+    for name in names:
+        text = definitions[name]
+        sizes[name] = text.count("\n") + sum(text.count(f"@{callee}(") * sizes[callee] for callee in inlined)
+        choice = ""
+        if sites[name] <= 1 or sizes[name] < SMALL:
+            choice = "alwaysinline "
+            inlined.add(name)
+        elif sizes[name] > LARGE:
+            choice = "noinline "
+        definitions[name] = text.replace(") nounwind #0 {", f") {choice}nounwind #0 {{", 1)
 
 
 def _entry(instance: t.Instance) -> str:

@@ -104,7 +104,8 @@ class AssignmentReader(ExpressionReader):
         if not isinstance(node.value, ast.Tuple) or len(node.value.elts) != len(names):
             self.fail(node, f"{len(names)} values are expected on the right")
         # all values before all names: `a, b = b, a`
-        values = [self._variable(node, n, self.read(v)) for n, v in zip(names, node.value.elts, strict=True)]
+        read = [self.read(v) for v in node.value.elts]
+        values = [self._variable(node, n, v) for n, v in zip(names, read, strict=True)]
         for name, value in zip(names, values, strict=True):
             self.scope.types[f"{name}.new"] = value.type
         first = (t.Assign(f"{n}.new", v, node.lineno) for n, v in zip(names, values, strict=True))

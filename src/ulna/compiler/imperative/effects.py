@@ -16,55 +16,57 @@ def written(instance: t.Instance) -> frozenset[str]:
     Returns:
         Their names. What is passed to a kernel, and to parameters that another procedure writes to, counts.
     """
-    return frozenset(_of_block(instance.body)) & {name for name, _ in instance.parameters}
+    return frozenset(_written_in_block(instance.body)) & {name for name, _ in instance.parameters}
 
 
-def _of_block(body: Iterable[t.Statement]) -> Iterator[str]:
+def _written_in_block(body: Iterable[t.Statement]) -> Iterator[str]:
+    """The variables that statements may write to."""
     for statement in body:
-        yield from _of_statement(statement)
+        yield from _written_in_statement(statement)
 
 
-def _of_statement(s: t.Statement) -> Iterator[str]:
+def _written_in_statement(s: t.Statement) -> Iterator[str]:
     match s:
         case t.Store(place=place, value=value):
-            yield _root(place)
-            yield from _of_calls((value, *place.indices))
+            yield _variable_of(place)
+            yield from _written_in_calls((value, place))
         case t.KernelCall(arrays=arrays):
-            yield from map(_root, arrays)
+            yield from map(_variable_of, arrays)
+            yield from _written_in_calls(arrays)
         case t.CallStatement(instance=instance, arguments=arguments):
-            yield from _of_call(instance, arguments)
+            yield from _written_in_call(instance, arguments)
         case t.If(condition=condition, body=body, otherwise=otherwise):
-            yield from _of_calls((condition,))
-            yield from _of_block((*body, *otherwise))
+            yield from _written_in_calls((condition,))
+            yield from _written_in_block((*body, *otherwise))
         case t.While(condition=condition, body=body):
-            yield from _of_calls((condition,))
-            yield from _of_block(body)
+            yield from _written_in_calls((condition,))
+            yield from _written_in_block(body)
         case t.For(start=start, stop=stop, body=body):
-            yield from _of_calls((start, stop))
-            yield from _of_block(body)
+            yield from _written_in_calls((start, stop))
+            yield from _written_in_block(body)
         case t.Assign(value=value):
-            yield from _of_calls((value,))
+            yield from _written_in_calls((value,))
         case t.Return(values=values):
-            yield from _of_calls(values)
+            yield from _written_in_calls(values)
         case _:
             pass
 
 
-def _of_call(instance: t.Instance, arguments: Iterable[t.Expression]) -> Iterator[str]:
+def _written_in_call(instance: t.Instance, arguments: Iterable[t.Expression]) -> Iterator[str]:
     targets = written(instance)
     for (name, _), argument in zip(instance.parameters, arguments, strict=True):
         if name in targets:
-            yield _root(argument)
-    yield from _of_calls(arguments)
+            yield _variable_of(argument)
+    yield from _written_in_calls(arguments)
 
 
-def _of_calls(expressions: Iterable[t.Expression]) -> Iterator[str]:
-    """The same for the calls inside of expressions."""
+def _written_in_calls(expressions: Iterable[t.Expression]) -> Iterator[str]:
+    """The variables that calls within expressions may write to."""
     for e in expressions:
         if isinstance(e, t.Call):
-            yield from _of_call(e.instance, e.arguments)
+            yield from _written_in_call(e.instance, e.arguments)
         else:
-            yield from _of_calls(parts(e))
+            yield from _written_in_calls(parts(e))
 
 
 def parts(e: t.Expression) -> tuple[t.Expression, ...]:
@@ -90,7 +92,7 @@ def parts(e: t.Expression) -> tuple[t.Expression, ...]:
             return ()
 
 
-def _root(e: t.Expression) -> str:
+def _variable_of(e: t.Expression) -> str:
     """The variable that an array, or the record it is a field of, belongs to."""
     while not isinstance(e, t.Local):
         e = parts(e)[0]

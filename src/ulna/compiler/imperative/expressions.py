@@ -38,7 +38,14 @@ class ExpressionReader(IndexReader):
             self.fail(node, "keyword arguments cannot be compiled here", "Pass them by position.")
         special = _SPECIAL.get(function) if _is_hashable(function) else None
         if special is not None:
-            return special(self, node)
+            reader, least, most = special
+            if not least <= len(node.args) <= most:
+                counts = f"{least}" if least == most else f"{least} or {most}"
+                self.fail(
+                    node,
+                    f"{ast.unparse(node.func)}(...) takes {counts} argument{'s' * (most > 1)}, not {len(node.args)}",
+                )
+            return reader(self, node)
         if _is_hashable(function) and function in NUMBERS:
             if len(node.args) != 1:
                 self.fail(node, f"{ast.unparse(node.func)}(...) takes one argument")
@@ -70,7 +77,7 @@ class ExpressionReader(IndexReader):
         Raises:
             ProcedureError: If arguments are missing, too many, or of other types.
         """
-        arguments_in_order = self._by_position(node, definition)
+        arguments_in_order = self._arguments_in_order(node, definition)
         instance = self.scope.instance_of(definition, arguments_in_order)
         names = dict(zip(definition.parameters, arguments_in_order, strict=True))
         arguments = []
@@ -81,7 +88,8 @@ class ExpressionReader(IndexReader):
             arguments.append(value)
         return instance, tuple(arguments)
 
-    def _by_position(self, node: ast.Call, definition: Definition) -> list[t.Expression]:
+    def _arguments_in_order(self, node: ast.Call, definition: Definition) -> list[t.Expression]:
+        """The arguments in the order of the parameters, those passed by name included."""
         values = {k: self.read(a) for k, a in zip(definition.parameters, node.args, strict=False)}
         for keyword in node.keywords:
             if keyword.arg is None or keyword.arg in values or keyword.arg not in definition.parameters:
@@ -109,7 +117,7 @@ class ExpressionReader(IndexReader):
         return converted_explicitly(value, INT, node.lineno)
 
     def _broadcast(self, node: ast.Call) -> t.Expression:
-        value, count = self.read(node.args[0]), self._count(node, node.args[1])
+        value, count = self.read(node.args[0]), self._lane_count(node, node.args[1])
         element = element_of(value.type)
         if not isinstance(value.type, Number) or element is None:
             self.fail(node, f"broadcast takes a number, not {value.type}")
@@ -118,7 +126,7 @@ class ExpressionReader(IndexReader):
         return t.Broadcast(value, Lanes(element, count), node.lineno)
 
     def _lane_numbers(self, node: ast.Call) -> t.Expression:
-        count = self._count(node, node.args[0])
+        count = self._lane_count(node, node.args[0])
         element = NUMBERS.get(self.object_named(node.args[1])) if len(node.args) > 1 else INT
         if element is None or element == BOOL:
             self.fail(node, "lane_numbers takes int, f32 or f64 as its second argument")
@@ -126,20 +134,23 @@ class ExpressionReader(IndexReader):
             return converted_explicitly(literal(0, node.lineno), element, node.lineno)
         return t.Operation("lane_numbers", (), Lanes(element, count), node.lineno)
 
-    def _count(self, node: ast.Call, argument: ast.expr) -> int:
+    def _lane_count(self, node: ast.Call, argument: ast.expr) -> int:
+        """A constant number of lanes."""
         count = self.constant(argument, "a number of lanes")
         if not 1 <= count <= MOST_LANES or count & (count - 1):
             self.fail(node, f"a number of lanes is a power of two from 1 to {MOST_LANES}, not {count}")
         return count
 
 
-_SPECIAL: dict[Any, Callable[[ExpressionReader, ast.Call], t.Expression]] = {
-    len: ExpressionReader._len,
-    math.floor: ExpressionReader._floor,
-    broadcast: ExpressionReader._broadcast,
-    lane_numbers: ExpressionReader._lane_numbers,
+_SPECIAL: dict[Any, tuple[Callable[[ExpressionReader, ast.Call], t.Expression], int, int]] = {
+    len: (ExpressionReader._len, 1, 1),
+    math.floor: (ExpressionReader._floor, 1, 1),
+    broadcast: (ExpressionReader._broadcast, 2, 2),
+    lane_numbers: (ExpressionReader._lane_numbers, 1, 2),
 }
+"""What calls other than operations are read by, with the least and the most arguments."""
 
 
 def _is_hashable(value: Any) -> bool:
+    """Whether a value can be looked up in the tables of functions; None is not."""
     return value is not None and value.__hash__ is not None

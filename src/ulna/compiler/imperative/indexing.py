@@ -46,7 +46,7 @@ class IndexReader(ValueReader):
         *first, last = indices
         fixed = tuple(self.integer(i, "an index") for i in first)
         if isinstance(last, ast.Slice):
-            return self._slice(node, array, kind, fixed, last)
+            return self._lane_slice(node, array, kind, fixed, last)
         index = self.read(last)
         if isinstance(index.type, Lanes) and index.type.element == INT and len(indices) == kind.rank:
             lanes = Lanes(kind.element, index.type.count)
@@ -58,7 +58,7 @@ class IndexReader(ValueReader):
             return t.View(array, (*fixed, index), view, node.lineno)
         return t.Element(array, (*fixed, index), kind.element, node.lineno)
 
-    def _slice(
+    def _lane_slice(
         self,
         node: ast.expr,
         array: t.Expression,

@@ -56,7 +56,7 @@ class ProcedureReader(AssignmentReader):
         return t.Instance(name, self._parameters, variables, self._results or (), body, source.file)
 
     def block(self, nodes: Iterable[ast.stmt]) -> tuple[tuple[t.Statement, ...], bool]:
-        """The statements, and whether they never reach their end; what comes after is left out."""
+        """The statements, and whether control never falls through their end; unreachable ones are left out."""
         statements: list[t.Statement] = []
         for node in nodes:
             read, ends = self.statement(node)
@@ -66,7 +66,7 @@ class ProcedureReader(AssignmentReader):
         return tuple(statements), False
 
     def statement(self, node: ast.stmt) -> tuple[tuple[t.Statement, ...], bool]:
-        """What a statement becomes, and whether it never reaches its end."""
+        """What a statement becomes, and whether control never falls through it."""
         reader = getattr(self, f"_{type(node).__name__.lower()}", None)
         if reader is None:
             self.fail(node, f"`{type(node).__name__.lower()}` statements cannot be compiled")

@@ -97,7 +97,11 @@ class RecordType:
 
 @dataclass(frozen=True)
 class KernelType:
-    """The address of a compiled traced function, and how many numbers each of its arrays holds."""
+    """The address of a compiled traced function.
+
+    Attributes:
+        ports: The number of arrays that a call takes: inputs and outputs.
+    """
 
     ports: int = 2
 

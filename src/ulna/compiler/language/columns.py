@@ -1,4 +1,4 @@
-"""Functions whose results are matrices, column after column by one body: all columns of a register at once.
+"""Functions that return matrices whose columns are computed by one shared body, a SIMD register of columns at a time.
 
 A graph of a matrix has a node for each operation of each column. For one sample that is much straight-line code, and
 fetching it takes longer than computing. Where all columns come from the same operations on other numbers, a function
@@ -28,13 +28,15 @@ class Columns(NamedTuple):
     Attributes:
         table: The numbers that all columns share.
         matrices: One for each result, (n, m): its columns are passed to the body. A float stands for that multiple of
-            the unit matrix.
-        body: The column of a result, (n,), from the table, as an array, and a column of the matrix, (n,).
+            the unit matrix, with rows of zeros below it where n > m.
+        body: The column of a result, (k,), from the table, as an array, and a column of the matrix, (n,).
         rows: How many entries a column has, n.
-        paths: Where the table is to be factored first. It has the rows of a symmetric matrix M = L^T diag(d) L then,
-            where `row_places` says; the body gets the rows of L, whose diagonal it must not use, and then 1/d. Row k
-            has entries in the columns of its path, in rising order, and on the diagonal, then zeros. The path of a
-            column i of a path is that path's part before i. Empty for a table that the body gets as it is.
+        paths: Empty, or the sparsity of a symmetric matrix M whose rows the table holds (offsets: `row_places`). M is
+            then factored as L^T diag(d) L before the body runs; the body receives the rows of L (diagonal entries
+            undefined), followed by 1/d. Row k has its entries in the columns of path k, in rising order, then the
+            diagonal, then zeros. For a column i of a path, path i is the part of that path before i.
+        serves_batches: Whether batches are computed in this form as well, one sample after the other: for functions
+            whose graph is so long that SIMD lanes of samples are no faster.
     """
 
     table: Sequence[Any]
@@ -42,6 +44,7 @@ class Columns(NamedTuple):
     body: Callable[[Any, Any], Any]
     rows: int
     paths: Sequence[Sequence[int]] = ()
+    serves_batches: bool = False
 
 
 PADDING = 8
@@ -49,20 +52,23 @@ PADDING = 8
 
 
 def row_places(paths: Sequence[Sequence[int]]) -> tuple[list[int], int]:
-    """Where the rows of a matrix that is to be factored begin in the table.
+    """The offsets of the rows of a matrix that is to be factored in the table.
 
     Args:
         paths: For each row its columns before the diagonal.
 
     Returns:
-        The place of the first entry of each row, and the size of all rows.
+        The offset of the first entry of each row, and the size of all rows.
     """
     ends = list(accumulate((len(path) // PADDING + 1) * PADDING for path in paths))
     return [0, *ends[:-1]], ends[-1]
 
 
 def with_columns(f: Function, form: Callable[..., Columns], **shapes: Any) -> Function:
-    """The same function with a second form, in which single calls are compiled where registers are wide.
+    """The same function with a second form, which is used for speed; the graph remains the definition.
+
+    Single calls use it on processors with registers of 256 bits or more, where a matrix has at least as many columns as
+    a register has lanes and the matrices fit on the stack. Batches use the graph unless the form has `serves_batches`.
 
     Args:
         f: The function; its outputs are matrices of one shape.
@@ -100,7 +106,7 @@ def column_form(form: Callable[..., Columns], name: str, **shapes: Any) -> Colum
     Raises:
         TraceError: The matrices are not alike.
     """
-    forms: list[Columns] = []
+    forms: list[Columns] = []  # the form, which `head` leaves here while it is traced
 
     def head(*arrays: Any) -> tuple[Any, ...]:
         forms.append(form(*arrays))
@@ -113,13 +119,15 @@ def column_form(form: Callable[..., Columns], name: str, **shapes: Any) -> Colum
     size = len(columns.table) + len(columns.paths)
     body = trace(columns.body, name=f"{name}_column", table=(size,), column=(n,))
     units = tuple(x if isinstance(x, float) else None for x in columns.matrices)
-    sizes = {port.shape for port in traced.outputs[1:]} or {(n, n)}
-    (shape,) = sizes if len(sizes) == 1 else [()]
-    if len(shape) != 2 or shape[0] != n or body.outputs[0].shape != (n,):
+    shapes_of_matrices = {port.shape for port in traced.outputs[1:]} or {(n, n)}
+    (shape,) = shapes_of_matrices if len(shapes_of_matrices) == 1 else [()]
+    if len(shape) != 2 or shape[0] != n or len(body.outputs[0].shape) != 1:
         raise TraceError(
-            f"The matrices of {name!r} have the shapes {sorted(sizes)}; expected one shape ({n}, m)."
+            f"The matrices of {name!r} have the shapes {sorted(shapes_of_matrices)}; expected one shape ({n}, m)."
         )
-    return ColumnForm(traced, body, units, shape, tuple(map(tuple, columns.paths)))
+    results = (*body.outputs[0].shape, shape[1])
+    paths = tuple(map(tuple, columns.paths))
+    return ColumnForm(traced, body, units, results, paths, columns.serves_batches)
 
 
 class DeferredFunction(Function):
@@ -145,6 +153,9 @@ class DeferredFunction(Function):
         f = self._traced
         fields = (f.name, f.graph, f.inputs, f.outputs, f.results, f.single, f.doc, f.lanes, self.columns)
         return Function, fields
+
+    def _derived(self, *arguments: Any) -> Any:
+        return self._traced._derived(*arguments)
 
     @property
     def graph(self) -> Graph:  # type: ignore[override]

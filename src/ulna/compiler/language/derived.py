@@ -1,4 +1,4 @@
-"""The functions that derivatives of a function are."""
+"""Derivatives of a traced function, each again a traced function."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Differentiable:
-    """What a function knows of its derivatives; each is a function again."""
+    """Mixin of `Function`: methods that return its derivatives as functions."""
 
     name: str
     graph: Graph
@@ -27,16 +27,16 @@ class Differentiable:
 
     def jvp(self) -> Any:
         """Forward derivative: inputs and their tangents `d_<name>` in, tangents of the outputs out."""
-        made = differentiation.jvp(self.graph, self.results)
+        derivative = differentiation.jvp(self.graph, self.results)
         ports = (*self.inputs, *prefixed("d_", self.inputs, self.inputs))
-        return self._derived("jvp", made, self.outputs, self.single, ports)
+        return self._derived("jvp", derivative, self.outputs, self.single, ports)
 
     def vjp(self) -> Any:
         """Reverse derivative: inputs and cotangents `bar_<name>` of the outputs in, cotangents of the inputs out."""
-        made = differentiation.vjp(self.graph, self.results)
+        derivative = differentiation.vjp(self.graph, self.results)
         ports = (*self.inputs, *prefixed("bar_", self.outputs, self.inputs))
         outputs = prefixed("bar_", self.inputs)
-        return self._derived("vjp", made, outputs, len(outputs) == 1, ports)
+        return self._derived("vjp", derivative, outputs, len(outputs) == 1, ports)
 
     def jacobian(self, wrt: str | int = 0) -> Any:
         """Derivative of every output by one input: shape output + input.
@@ -47,10 +47,10 @@ class Differentiable:
         Raises:
             UnknownName: If there is no such input.
         """
-        port, numbers = self._chosen(wrt)
-        made = differentiation.jacobian(self.graph, self.results, numbers)
+        port, entries = self._input_and_entries(wrt)
+        derivative = differentiation.jacobian(self.graph, self.results, entries)
         outputs = tuple(Port(f"d{p.name}_d{port.name}", p.shape + port.shape) for p in self.outputs)
-        return self._derived("jacobian", made, outputs, self.single)
+        return self._derived("jacobian", derivative, outputs, self.single)
 
     def value_and_gradient(self, wrt: str | int = 0) -> Any:
         """The number that the function returns, and its gradient by one input, of that input's shape.
@@ -63,11 +63,11 @@ class Differentiable:
             ShapeError: If the function does not return a number.
             InputError: If it has several outputs.
         """
-        port, numbers = self._chosen(wrt)
-        self._check_number("A gradient")
-        made = differentiation.value_and_gradient(self.graph, self.results, numbers)
+        port, entries = self._input_and_entries(wrt)
+        self._require_scalar_output("A gradient")
+        derivative = differentiation.value_and_gradient(self.graph, self.results, entries)
         outputs = (self.outputs[0], Port(f"d{self.outputs[0].name}_d{port.name}", port.shape))
-        return self._derived("value_and_gradient", made, outputs, False)
+        return self._derived("value_and_gradient", derivative, outputs, False)
 
     def hessian(self, wrt: str | int = 0) -> Any:
         """Second derivative of every output by one input: shape output + input + input; symmetric bit for bit.
@@ -78,10 +78,10 @@ class Differentiable:
         Raises:
             UnknownName: If there is no such input.
         """
-        port, numbers = self._chosen(wrt)
-        made = differentiation.hessian(self.graph, self.results, numbers)
+        port, entries = self._input_and_entries(wrt)
+        derivative = differentiation.hessian(self.graph, self.results, entries)
         outputs = tuple(Port(f"d2{p.name}_d{port.name}2", p.shape + 2 * port.shape) for p in self.outputs)
-        return self._derived("hessian", made, outputs, self.single)
+        return self._derived("hessian", derivative, outputs, self.single)
 
     def hvp(self, wrt: str | int = 0) -> Any:
         """Product of the Hessian by one input with a vector: inputs and `d_<name>` in, the product out.
@@ -94,21 +94,40 @@ class Differentiable:
             ShapeError: If the function does not return a number.
             InputError: If it has several outputs.
         """
-        port, numbers = self._chosen(wrt)
-        self._check_number("A product with the Hessian")
-        made = differentiation.hvp(self.graph, self.results, numbers)
+        port, entries = self._input_and_entries(wrt)
+        self._require_scalar_output("A product with the Hessian")
+        derivative = differentiation.hvp(self.graph, self.results, entries)
         ports = (*self.inputs, *prefixed("d_", [port], self.inputs))
-        return self._derived("hvp", made, (Port("out", port.shape),), True, ports)
+        return self._derived("hvp", derivative, (Port("out", port.shape),), True, ports)
+
+    def sweeps(self, what: str, wrt: str | int = 0) -> int:
+        """How many sweeps over the graph a derivative takes, each about as long as the others.
+
+        Args:
+            what: The method of this class that differentiates: "jacobian", "hessian", ...
+            wrt: The name or number of the input, for methods that take one.
+
+        Returns:
+            The number of sweeps.
+
+        Raises:
+            UnknownName: If there is no such input.
+        """
+        if what == "jacobian":
+            return min(len(self.results), len(self._input_and_entries(wrt)[1]))
+        if what == "hessian":
+            return len(self.results) * (1 + len(self._input_and_entries(wrt)[1]))
+        return 2 if what == "hvp" else 1
 
     def _derived(
         self,
         suffix: str,
-        made: tuple[Graph, Sequence[int]],
+        derivative: tuple[Graph, Sequence[int]],
         outputs: tuple[Port, ...],
         single: bool,
         inputs: tuple[Port, ...] = (),
     ) -> Any:
-        graph, results = made
+        graph, results = derivative
         return replace(
             self,  # type: ignore[type-var]
             name=f"{self.name}_{suffix}",
@@ -118,10 +137,11 @@ class Differentiable:
             results=tuple(results),
             single=single,
             doc="",
+            columns=None,  # the form of columns is that of the function itself
         )
 
-    def _chosen(self, wrt: str | int) -> tuple[Port, range]:
-        """An input by name or number, and the numbers of its entries."""
+    def _input_and_entries(self, wrt: str | int) -> tuple[Port, range]:
+        """An input by name or number, and the positions of its entries among those of all inputs."""
         names = [p.name for p in self.inputs]
         number = names.index(wrt) if wrt in names else wrt
         if not isinstance(number, int) or not 0 <= number < len(names):
@@ -129,7 +149,7 @@ class Differentiable:
         first = sum(p.size for p in self.inputs[:number])
         return self.inputs[number], range(first, first + self.inputs[number].size)
 
-    def _check_number(self, what: str) -> None:
+    def _require_scalar_output(self, what: str) -> None:
         """Refuses a function that returns anything but one number."""
         advice = f"{what} is that of a single number; for others take jacobian or hessian."
         if len(self.outputs) != 1:

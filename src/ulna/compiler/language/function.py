@@ -15,6 +15,7 @@ from ulna.compiler.language.derived import Differentiable
 from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.interpreter import copy_into, evaluate_symbols, interpret
 from ulna.compiler.language.ops import TABLE, Op
+from ulna.compiler.language.packing import Packable
 from ulna.compiler.language.ports import Port, Shape
 from ulna.compiler.language.scalar import Scalar, Value, index_in, innermost, number_in, tracing
 from ulna.errors import InputError, ShapeError, TraceError
@@ -32,6 +33,7 @@ class ColumnForm:
         units: For each output the multiple of the unit matrix that stands for its matrix; None for one of the head's.
         shape: That of the outputs.
         paths: The columns of the rows before the diagonal, where the table is to be factored before the body gets it.
+        serves_batches: Whether samples of a batch are computed in this form, too, one by one.
     """
 
     head: Function
@@ -39,10 +41,11 @@ class ColumnForm:
     units: tuple[float | None, ...]
     shape: tuple[int, ...]
     paths: tuple[tuple[int, ...], ...] = ()
+    serves_batches: bool = False
 
 
 @dataclass(frozen=True, eq=False)
-class Function(Differentiable):
+class Function(Differentiable, Packable):
     """A traced function: arrays in, arrays out, every number a node of one graph.
 
     Call it with floats (leading batch axes allowed) to interpret it with NumPy, or inside another trace to inline it.
@@ -227,7 +230,7 @@ def _returned(f: Callable[..., Any], arguments: Sequence[Any]) -> Any:
         return f(*arguments)
     except TraceError:
         raise
-    except TypeError as error:
+    except (TypeError, AttributeError) as error:
         if not re.search(r"Scalar|Condition|dtype\('O'\)|not supported for the input types", str(error)):
             raise
         raise TraceError(f"Traced values cannot do this: {error}. {_KNOWN}") from error
@@ -235,7 +238,7 @@ def _returned(f: Callable[..., Any], arguments: Sequence[Any]) -> Any:
 
 _KNOWN = (
     "They know + - * / // % **, comparisons, abs, np.sqrt, square, hypot, exp, log, floor, ceil, sin, cos, tan, "
-    "arcsin, arccos, arctan, arctan2, and where, minimum, maximum, clip and loop of ulna.numeric; "
+    "arcsin, arccos, arctan, arctan2, and where, minimum, maximum, clip, tanh and loop of ulna.numeric; "
     "ulna.linalg solves small systems."
 )
 

@@ -34,6 +34,9 @@ class Loop:
 
 
 _MOST = 3_000_000
+_COMMUTING = frozenset(int(row.op) for row in TABLE if row.commutes)
+"""Operations of two operands whose order does not matter."""
+_bits = struct.Struct("<d").pack
 
 
 def most_operations() -> float:
@@ -125,7 +128,7 @@ class Graph:
     def constant(self, value: float) -> int:
         """The node of a number, one for each bit pattern."""
         value = float(value)
-        key = struct.pack("<d", value)
+        key = _bits(value)
         index = self._interned.get(key)
         if index is None:
             index = self._interned[key] = self._append(Op.CONST, (), value)
@@ -150,7 +153,7 @@ class Graph:
             The node.
         """
         key = (op, *args)
-        if len(args) == 2 and args[0] > args[1] and TABLE[op].commutes:
+        if op in _COMMUTING and args[0] > args[1]:
             key = (op, args[1], args[0])
         index = self._interned.get(key)
         if index is None:
@@ -278,7 +281,7 @@ def _rebuild(
     graph.op, graph.args, graph.data, graph.inputs = list(op), list(args), list(data), list(inputs)
     for index, (o, a, d) in enumerate(zip(op, args, data, strict=True)):
         if o == Op.CONST:
-            graph._interned[struct.pack("<d", d)] = index
+            graph._interned[_bits(d)] = index
         elif o == Op.BOOL:
             graph._interned[d] = index
         elif o == Op.LANE:

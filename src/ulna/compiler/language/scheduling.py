@@ -8,7 +8,7 @@ the other, which hand values on through a scratch.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import accumulate, pairwise
 from typing import NamedTuple
 
@@ -16,9 +16,10 @@ from ulna.compiler.language.function import Function
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ops import Op
 
-_SIZES = {False: 400, True: 4000}
+_SIZES = {False: 400, True: 250}
 """About how many instructions a part has, without and with SIMD lanes."""
-_BEARABLE = 10_000  # instructions in SIMD lanes, whose values are costly to hand on, that stay in one part
+_SINES = frozenset({int(Op.SIN), int(Op.COS)})
+_BEARABLE = 1_500  # instructions in SIMD lanes, whose values are costly to hand on, that stay in one part
 
 
 class Sines(NamedTuple):
@@ -96,9 +97,9 @@ def parts(f: Function, lanes: int, pack: int) -> list[list[Step]]:
     size += len(f.results) * (2 + lanes.bit_length())  # transposing and writing
     if size < _BEARABLE:
         return _cut(f, order, 1)
-    stores: list[Step] = [step for step in order if isinstance(step, Store)]
+    last: list[Step] = [step for step in order if isinstance(step, Store)]
     rest = [step for step in order if not isinstance(step, Store)]
-    return [*_cut(f, rest, round(size / _SIZES[True])), stores]
+    return [*_cut(f, rest, round(size / _SIZES[True])), last]
 
 
 def scratch_places(
@@ -172,13 +173,22 @@ def chunks(lanes: int, size: int) -> Iterator[tuple[int, int]]:
         start += width
 
 
-def _stores(f: Function, lanes: int) -> list[Store]:
-    stores, start = [], 0
+def stores(f: Function, lanes: int) -> list[Store]:
+    """The stores of all results.
+
+    Args:
+        f: The function.
+        lanes: How many neighbouring numbers of an output are written together, at most; a power of two.
+
+    Returns:
+        The stores, in the order of the outputs.
+    """
+    steps, start = [], 0
     for number, port in enumerate(f.outputs):
         values = f.results[start : start + port.size]
-        stores += [Store(number, at, values[at : at + width]) for at, width in chunks(lanes, port.size)]
+        steps += [Store(number, at, values[at : at + width]) for at, width in chunks(lanes, port.size)]
         start += port.size
-    return stores
+    return steps
 
 
 def _order(f: Function, lanes: int, pack: int) -> Iterator[Step]:
@@ -186,7 +196,7 @@ def _order(f: Function, lanes: int, pack: int) -> Iterator[Step]:
     g = f.graph
     waiting: dict[int, list[Store]] = {}
     missing: dict[Store, int] = {}
-    for store in _stores(f, lanes):
+    for store in stores(f, lanes):
         missing[store] = len(set(store.values))
         for value in set(store.values):
             waiting.setdefault(value, []).append(store)
@@ -218,18 +228,25 @@ def ordered(g: Graph, results: Sequence[int], pack: int) -> Iterator[int | Sines
         Nodes, and groups of sines; a node may come again after the group that computes it.
     """
     live = g.live(results)
-    level: dict[int, int] = {}
-    groups: dict[int, dict[int, None]] = {}
-    for index in live:
-        depth = max((level[a] for a in g.args[index]), default=0)
-        if g.op[index] in (Op.SIN, Op.COS):
-            groups.setdefault(depth, {})[g.args[index][0]] = None
-            depth += 1
-        level[index] = depth
-    for depth in sorted(groups) if pack > 1 else ():
+    groups = _sines_by_depth(g, live) if pack > 1 else {}
+    for depth in sorted(groups):
         arguments = tuple(groups[depth])
         yield from g.live(arguments)
         for k in range(0, len(arguments), pack):
             yield Sines(arguments[k : k + pack])
     for index in live:
-        yield index if pack > 1 or g.op[index] not in (Op.SIN, Op.COS) else Sines(g.args[index])
+        yield index if pack > 1 or g.op[index] not in _SINES else Sines(g.args[index])
+
+
+def _sines_by_depth(g: Graph, live: Iterable[int]) -> dict[int, dict[int, None]]:
+    """The arguments of sines and cosines, by how many sines they are computed from at most, one after the other."""
+    level: dict[int, int] = {}
+    groups: dict[int, dict[int, None]] = {}
+    for index in live:
+        args = g.args[index]
+        depth = max([level[a] for a in args]) if args else 0
+        if g.op[index] in _SINES:
+            groups.setdefault(depth, {})[args[0]] = None
+            depth += 1
+        level[index] = depth
+    return groups

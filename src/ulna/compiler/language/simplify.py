@@ -39,7 +39,9 @@ class Graph(Protocol):
         ...
 
 
-_CONSTANT = frozenset({int(Op.CONST), int(Op.BOOL)})
+# Plain numbers: in Python 3.11 members of an enumeration take longer to look up and to compare.
+_CONST, _NEG, _ADD, _SUB, _MUL = int(Op.CONST), int(Op.NEG), int(Op.ADD), int(Op.SUB), int(Op.MUL)
+_CONSTANT = frozenset({_CONST, int(Op.BOOL)})
 _PLAIN: dict[int, Callable[..., float]] = {Op.ADD: operator.add, Op.SUB: operator.sub, Op.MUL: operator.mul}
 
 
@@ -54,18 +56,16 @@ def simplify(g: Graph, op: int, args: tuple[int, ...]) -> int | None:
     Returns:
         The simpler node, or None where no rule applies.
     """
-    folded = _fold(g, op, args)
-    if folded is not None:
-        return folded
-    rule = _RULES.get(op)
-    return rule(g, *args) if rule is not None else None
-
-
-def _fold(g: Graph, op: int, args: tuple[int, ...]) -> int | None:
-    """Constants in, constant out; computed by the interpreter's own NumPy functions."""
+    kinds = g.op
     for a in args:
-        if g.op[a] not in _CONSTANT:
-            return None
+        if kinds[a] not in _CONSTANT:
+            rule = _RULES.get(op)
+            return rule(g, *args) if rule is not None else None
+    return _folded(g, op, args)
+
+
+def _folded(g: Graph, op: int, args: tuple[int, ...]) -> int:
+    """Constants in, constant out; computed by the interpreter's own NumPy functions."""
     if op in _PLAIN:  # a number of Python is a double as well, and need not be wrapped
         return g.constant(_PLAIN[op](*(g.data[a] for a in args)))
     if op == Op.SELECT:
@@ -99,45 +99,50 @@ def _neg(g: Graph, a: int) -> int | None:
 
 
 def _add(g: Graph, a: int, b: int) -> int | None:
+    kinds = g.op
     for x, y in ((a, b), (b, a)):
-        if _is_minus_zero(g, y) or (g.relaxed and _is_plus_zero(g, y)):
-            return x
-        if g.op[y] == Op.NEG:
-            return g.node(Op.SUB, x, g.args[y][0])
+        kind = kinds[y]
+        if kind == _CONST:
+            if g.data[y] == 0.0 and (g.relaxed or _is_minus_zero(g, y)):
+                return x
+        elif kind == _NEG:
+            return g.node(_SUB, x, g.args[y][0])
     return None
 
 
 def _sub(g: Graph, a: int, b: int) -> int | None:
-    if _is_plus_zero(g, b) or (g.relaxed and _is_minus_zero(g, b)):
-        return a
-    if g.op[b] == Op.NEG:
-        return g.node(Op.ADD, a, g.args[b][0])
-    if _is_minus_zero(g, a):
-        return g.node(Op.NEG, b)
+    kind_a, kind_b = g.op[a], g.op[b]
+    if kind_b == _CONST:
+        if g.data[b] == 0.0 and (g.relaxed or _is_plus_zero(g, b)):
+            return a
+    elif kind_b == _NEG:
+        return g.node(_ADD, a, g.args[b][0])
+    if kind_a == _CONST:
+        return g.node(_NEG, b) if g.data[a] == 0.0 and (g.relaxed or _is_minus_zero(g, a)) else None
     if g.relaxed:
         if a == b:
             return g.constant(0.0)
-        if _is_plus_zero(g, a):
-            return g.node(Op.NEG, b)
-        if g.op[a] == Op.NEG:
-            return g.node(Op.NEG, g.node(Op.ADD, g.args[a][0], b))
+        if kind_a == _NEG:
+            return g.node(_NEG, g.node(_ADD, g.args[a][0], b))
     return None
 
 
 def _mul(g: Graph, a: int, b: int) -> int | None:
+    kinds = g.op
     for x, y in ((a, b), (b, a)):
-        if g.op[y] == Op.CONST:
+        kind = kinds[y]
+        if kind == _CONST:
             c = g.data[y]
+            if c == 0.0 and g.relaxed:
+                return y if math.copysign(1.0, c) > 0 else g.constant(0.0)
             if c == 1.0:
                 return x
             if c == -1.0:
-                return g.node(Op.NEG, x)
-            if c == 0.0 and g.relaxed:
-                return g.constant(0.0)
-            if g.op[x] == Op.NEG:
-                return g.node(Op.MUL, g.args[x][0], g.constant(-c))
-        elif g.op[y] == Op.NEG and g.op[x] != Op.CONST:
-            return g.node(Op.NEG, g.node(Op.MUL, x, g.args[y][0]))
+                return g.node(_NEG, x)
+            if kinds[x] == _NEG:
+                return g.node(_MUL, g.args[x][0], g.constant(-c))
+        elif kind == _NEG and kinds[x] != _CONST:
+            return g.node(_NEG, g.node(_MUL, x, g.args[y][0]))
     return None
 
 

@@ -20,18 +20,20 @@ from ulna.compiler.runtime.object_layout import (
     ARRAY_DESCRIPTOR,
     DATA,
     FLAGS,
+    HEAD,
     LENGTHS,
     NDIM,
     READABLE,
     TUPLE_ITEMS,
+    TYPE,
     TYPE_NUMBER,
     VALUE,
     WORD,
 )
 
 # The instance: PyObject head, then one word each.
-VECTORCALL, DICT, WEAKREFS, SLOW, PLAN, OTHERWISE, ARRAY_TYPE = (16 + WORD * k for k in range(7))
-DESCRIPTOR, NEW, TUPLE_NEW, RETURN, FLOAT, FLOAT64, END = (16 + WORD * k for k in range(7, 14))
+VECTORCALL, DICT, WEAKREFS, SLOW, PLAN, OTHERWISE, ARRAY_TYPE = (HEAD + WORD * k for k in range(7))
+DESCRIPTOR, NEW, TUPLE_NEW, RETURN, FLOAT, FLOAT64, END = (HEAD + WORD * k for k in range(7, 14))
 UNIT_TOLERANCE = 1e-5  # on the squared length of what must be a unit vector
 
 
@@ -186,7 +188,7 @@ def _check_argument(w: Instructions, k: int, port: Port, element: DType, last: b
     following = "work" if last else f"type{k + 1}"
     w.open_block(f"type{k}")
     w.item(f"arg{k}", "%args", k)
-    w.field(f"kind{k}", f"%arg{k}", 8)
+    w.field(f"kind{k}", f"%arg{k}", TYPE)
     number = _may_be_number(port, element)
     if number:
         w.let(f"value{k}", f"getelementptr i8, ptr %arg{k}, i64 {VALUE}")

@@ -2,7 +2,7 @@
 
 A kernel and a bound kernel are instances of small types made here through CPython's own type factory; their vectorcall
 slots point to JIT-compiled code (see `entry_point`, `fast_call`). Where the layout that code relies on differs (another
-interpreter, a free-threaded build, another NumPy), there are no such types, and everything goes through the ufunc.
+interpreter, another NumPy), there are no such types, and everything goes through the ufunc.
 """
 
 from __future__ import annotations

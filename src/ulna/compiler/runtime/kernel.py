@@ -13,6 +13,7 @@ from ulna.compiler.language.function import Function, trace
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.runtime import bound_call, entry_point, gufunc, jit
 from ulna.compiler.runtime.array_call import ELEMENT, ArrayCall, Unit
+from ulna.compiler.runtime.differentiate import differentiated
 from ulna.errors import DtypeError, MissingExtra
 from ulna.idioms import unknown_attribute
 from ulna.lazy import is_deferred
@@ -108,32 +109,79 @@ class KernelBase:
             >>> height.jacobian()(robot.configurations["ready"]).round(3)
             array([ 0.   , -0.307, -0.   ,  0.472,  0.   ,  0.088,  0.   ])
         """
-        return self._derived(self.function.jacobian(wrt))
+        return self._derived("jacobian", wrt)
 
     def value_and_gradient(self, wrt: str | int = 0) -> Any:
         """The kernel of a number and its gradient by input `wrt`, a pair, by one reverse sweep."""
-        return self._derived(self.function.value_and_gradient(wrt))
+        return self._derived("value_and_gradient", wrt)
 
     def hessian(self, wrt: str | int = 0) -> Any:
         """The kernel of the second derivatives of the outputs by input `wrt`, shape output + input + input."""
-        return self._derived(self.function.hessian(wrt))
+        return self._derived("hessian", wrt)
 
     def hvp(self, wrt: str | int = 0) -> Any:
         """The kernel of the product of a number's Hessian by input `wrt` with a vector, its last argument.
 
         It costs a few evaluations of the function, however many inputs there are; the Hessian is not formed.
         """
-        return self._derived(self.function.hvp(wrt))
+        return self._derived("hvp", wrt)
 
     def jvp(self) -> Any:
         """The kernel of the forward derivative: inputs and their tangents in, tangents of the outputs out."""
-        return self._derived(self.function.jvp())
+        return self._derived("jvp")
 
     def vjp(self) -> Any:
         """The kernel of the reverse derivative: inputs and cotangents of the outputs in, cotangents of inputs out."""
-        return self._derived(self.function.vjp())
+        return self._derived("vjp")
 
-    def _derived(self, function: Function) -> Any:
+    def packed(self, zeros: bool = False) -> Any:
+        """The kernel whose matrices are vectors of the entries that must be known, column by column.
+
+        Of a symmetric matrix that is the lower triangle, without entries that are zero at every input. With `zeros` it
+        is LAPACK's packed storage, `uplo="L"`. `kernel.pattern` has the places of the entries. Outputs that are no
+        matrices stay as they are.
+
+        Args:
+            zeros: Whether entries that are always zero are stored, too.
+
+        Returns:
+            The kernel, of the same type and arguments.
+
+        Raises:
+            InputError: If no output is a matrix.
+            TooLargeError: If the function of a large robot cannot be traced.
+
+        Example:
+            >>> mass = ulna.load("panda").kernel("mass_matrix")
+            >>> mass.packed()(np.zeros(7)).shape
+            (28,)
+        """
+        call = self._array_call
+        return compile(self.function.packed(zeros), self.dtype, call.checked, call.unit, call.labels)
+
+    def pattern(self, zeros: bool = False) -> Any:
+        """Which entries of its matrices `packed` stores.
+
+        Args:
+            zeros: Whether entries that are always zero are stored, too.
+
+        Returns:
+            The pattern, with `rows`, `columns`, `starts`, `shape`, `is_symmetric` and `unpack(values)`, which returns
+            whole matrices; of several outputs a tuple, with None for those that are no matrices.
+
+        Raises:
+            InputError: If no output is a matrix.
+            TooLargeError: If the function of a large robot cannot be traced.
+
+        Example:
+            >>> mass = ulna.load("panda").kernel("mass_matrix")
+            >>> mass.pattern()
+            <pattern of a symmetric 7 x 7 matrix, 28 entries stored>
+        """
+        return self.function.pattern(zeros)
+
+    def _derived(self, what: str, *wrt: str | int) -> Any:
+        function = differentiated(self.function, what, *wrt)
         return compile(function, dtype=self.dtype, checked=self._array_call.checked)
 
     def into(

@@ -6,20 +6,21 @@ import ctypes
 import os
 import platform
 import sys
-import sysconfig
 from functools import cache
 from typing import Any
 
 import numpy as np
 
 WORD = 8
-TYPE = 8  # of any object
+HEAD = object.__basicsize__
+"""The size of what every object begins with [byte]: 16, 32 in free-threaded builds; its type is the last word of it."""
+TYPE = HEAD - WORD
 # PyArrayObject: data, number of axes, lengths, descriptor, flags.
-DATA, NDIM, LENGTHS, ARRAY_DESCRIPTOR, FLAGS = 16, 24, 32, 56, 64
+DATA, NDIM, LENGTHS, ARRAY_DESCRIPTOR, FLAGS = (HEAD + offset for offset in (0, 8, 16, 40, 48))
 READABLE = 0x0101  # C-contiguous, aligned
 WRITEABLE = READABLE | 0x0400
-VALUE = 16  # of a Python float and of a NumPy float64
-TUPLE_SIZE, TUPLE_ITEMS = 16, tuple.__basicsize__  # 24; CPython 3.14 keeps a hash before the items
+VALUE = HEAD  # of a Python float and of a NumPy float64
+TUPLE_SIZE, TUPLE_ITEMS = HEAD, tuple.__basicsize__  # CPython 3.14 keeps a hash before the items
 TYPE_NUMBER = {"double": 12, "float": 11}
 NUMPY_TYPE = {"double": np.dtype(np.float64), "float": np.dtype(np.float32)}
 
@@ -29,7 +30,7 @@ def fast_call_works() -> bool:
     """Whether objects lie in memory as compiled code expects; reads only, through known addresses."""
     if os.environ.get("ULNA_FAST", "") == "0" or platform.python_implementation() != "CPython":
         return False
-    if sysconfig.get_config_var("Py_GIL_DISABLED") or ctypes.sizeof(ctypes.c_void_p) != WORD:
+    if ctypes.sizeof(ctypes.c_void_p) != WORD:
         return False
     if sys.byteorder != "little" or hasattr(sys, "gettotalrefcount"):  # debug builds may have longer heads
         return False

@@ -211,7 +211,7 @@ class Procedure(Definition):
 
     def _entry(self, is_checked: bool) -> Any:
         if is_checked not in self._entries:
-            code = load_text(self._compiled(is_checked).ir, ("entry",))
+            code = load_text(self._compiled(is_checked).ir, ("entry",), title=self.__name__)
             function = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(
                 code.address("entry")
             )
@@ -247,6 +247,8 @@ class BoundProcedure:
         arrays = [] if are_arrays_private else [a for a in held if isinstance(a, np.ndarray)]
         self._arrays = [(a, layout(a)) for a in arrays]
         self._first = len(words)
+        self._is_integer = len(compiled.results) == 1 and compiled.results[0] == INT
+        self._integers = {place for place, kind in self._numbers.values() if kind == INT}
         size = len(words) + sum(result_words(r) for r in compiled.results)
         self._words = np.zeros(max(size, 1), np.int64)
         self._words[: len(words)] = words
@@ -267,6 +269,8 @@ class BoundProcedure:
         status = self._entry(*self._pointers)
         if status:
             self._raise(status)
+        if self._is_integer:
+            return self._words.item(self._first)
         results, position = [], self._first
         for result in self._compiled.results:
             results.append(result_from(result, self._words[position:]))
@@ -287,7 +291,7 @@ class BoundProcedure:
             numbers = ", ".join(self._numbers) or "there are none"
             raise InputError(f"`name` is {name!r}; expected a parameter that is a number: {numbers}.")
         place, kind = self._numbers[name]
-        is_plain = kind == INT and type(value) is int and abs(value) < 2**62
+        is_plain = place in self._integers and type(value) is int and -(2**62) < value < 2**62
         self._words[place] = value if is_plain else words_of(name, kind, value, False)[0][0]
 
     def _raise(self, status: int) -> None:

@@ -10,7 +10,7 @@ const DESCENT = __DESCENT__; // steps of a descent to the nearest configuration
 function describeValue(value) {
   if (value === undefined || value === null) return String(value);
   if (typeof value === "number") return `the number ${value}`;
-  if (isArray(value)) return `an array of ${value.length}`;
+  if (isArray(value)) return `${Array.isArray(value) ? "an array" : `a ${value.constructor.name}`} of ${value.length}`;
   return typeof value === "object" ? `an object ${value.constructor ? value.constructor.name : ""}` : `a ${typeof value}`;
 }
 

@@ -170,7 +170,7 @@ def arm_of(model: Model, frame: Frame, joints: Sequence[str], held: Floats) -> A
                 Line(T.rotation @ direction, np.array(T.translation)),
                 step.joint.idx_q + step.start_q,
                 step.joint.idx_v + step.start_v,
-                1.0 if mimic is None else mimic.multiplier,
+                step.multiplier,
                 step.offset + (0.0 if mimic is None else mimic.offset),
             )
         )

@@ -8,6 +8,7 @@ from ulna.model.joints.base import VectorKind as VectorKind
 from ulna.model.joints.circle import Circle as Circle
 from ulna.model.joints.circle import PlanarCircle as PlanarCircle
 from ulna.model.joints.composite import Composite as Composite
+from ulna.model.joints.ellipsoid import Ellipsoid as Ellipsoid
 from ulna.model.joints.fixed import Fixed as Fixed
 from ulna.model.joints.planar import Planar as Planar
 from ulna.model.joints.sliding import Prismatic as Prismatic

@@ -71,6 +71,26 @@ def all_wrenches_out(X, i, F, start, stop, W):
 
 
 @procedure
+def _turned(X, i, t, n, W):
+    """Rotates W vectors to the parent of row i."""
+    x, y, z = _three_rows(t, 0, n, W)
+    x, y, z = _rotated(X, i, x, y, z)
+    _put_rows(t, 0, n, x, y, z, W)
+
+
+@procedure
+def turn_columns(X, i, t, start, stop, W):
+    """Rotates the vectors in columns from `start` to `stop`, (3, columns), to the parent of row i."""
+    n = start
+    while n + W <= stop:
+        _turned(X, i, t, n, W)
+        n += W
+    while n < stop:
+        _turned(X, i, t, n, 1)
+        n += 1
+
+
+@procedure
 def twists_in(X, i, A, p, B, c, n, W):
     """Takes W twists A[p] of the frame of the parent of row i to the moving frame: to B[c]."""
     lx, ly, lz = A[p, 0, n : n + W], A[p, 1, n : n + W], A[p, 2, n : n + W]
@@ -115,3 +135,25 @@ def mirror(M):
             for i in range(first, min(first + 16, n)):
                 for j in range(max(other, i + 1), min(other + 16, n)):
                     M[j, i] = M[i, j]
+
+
+@procedure
+def put_row(A, k, lx, ly, lz, rx, ry, rz):
+    """Writes row k."""
+    A[k, 0] = lx
+    A[k, 1] = ly
+    A[k, 2] = lz
+    A[k, 3] = rx
+    A[k, 4] = ry
+    A[k, 5] = rz
+
+
+@procedure
+def put_column(A, k, lx, ly, lz, rx, ry, rz):
+    """Writes column k."""
+    A[0, k] = lx
+    A[1, k] = ly
+    A[2, k] = lz
+    A[3, k] = rx
+    A[4, k] = ry
+    A[5, k] = rz

@@ -30,7 +30,7 @@ class Composite(NamedTuple):
 
 
 @procedure
-def _add_inertia(X, i, B, p):
+def add_inertia(X, i, B, p):
     """Adds the inertia in row i of B, seen from the parent, to row p."""
     m = B[i, 0]
     hx, hy, hz = rotate(X, i, B[i, 1], B[i, 2], B[i, 3], 1)
@@ -55,7 +55,7 @@ def _add_inertia(X, i, B, p):
 
 
 @procedure
-def _own_columns(tree, work, i):
+def column_wrenches(tree, work, i):
     """The wrenches of the columns of a step."""
     for k in range(tree.columns[i], tree.columns[i + 1]):
         fx, fy, fz, nx, ny, nz = momentum(
@@ -97,12 +97,12 @@ def _upper(tree, places, work, q, M, W):
         for j in range(10):
             work.inertias[i, j] = tree.inertias[i, j]
     for i in range(len(tree.parents) - 1, 0, -1):
-        _own_columns(tree, work, i)
+        column_wrenches(tree, work, i)
         for k in range(tree.columns[i], tree.columns[i + 1]):
             _row(tree, work, M, k, tree.ends[i], W)
         if tree.parents[i] > 0:
             all_wrenches_out(places.X, i, work.F, tree.columns[i], tree.ends[i], W)
-            _add_inertia(places.X, i, work.inertias, tree.parents[i])
+            add_inertia(places.X, i, work.inertias, tree.parents[i])
 
 
 @procedure

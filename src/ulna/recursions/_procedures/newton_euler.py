@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from ulna.compiler.procedures import Array3, broadcast, f64, procedure
 from ulna.recursions._procedures.placements import Placements, place
 from ulna.recursions._procedures.vectors import add_wrench_out, cross, momentum, put, three, twist_into
@@ -19,6 +21,19 @@ class Motions(NamedTuple):
     V: Array3[f64]
     A: Array3[f64]
     F: Array3[f64]
+
+
+def new_motions(rows: int, lanes: int) -> Motions:
+    """Storage for the motions of a table.
+
+    Args:
+        rows: How many rows the table has.
+        lanes: W.
+
+    Returns:
+        The storage; the world, in row 0, rests.
+    """
+    return Motions(*(np.zeros((rows, 6, lanes)) for _ in range(3)))
 
 
 @procedure
@@ -73,7 +88,7 @@ def acceleration_of(tree, X, A, a, i, HAS_A, W):
 
 
 @procedure
-def _body_force(tree, moves, i, HAS_V, W):
+def body_force(tree, moves, i, HAS_V, W):
     """Writes F = I A + V x* I V of a body."""
     lx, ly, lz = three(moves.A, i, 0, W)
     rx, ry, rz = three(moves.A, i, 3, W)
@@ -123,7 +138,7 @@ def _torques(tree, places, moves, q, v, a, tau, HAS_V, HAS_A, W):
         if HAS_V:
             sx, sy, sz, wx, wy, wz = velocity_of(tree, places.X, moves.V, v, i, W)
             add_cross_of_twists(moves.V, i, sx, sy, sz, wx, wy, wz, moves.A, W)
-        _body_force(tree, moves, i, HAS_V, W)
+        body_force(tree, moves, i, HAS_V, W)
     for k in range(len(tau)):
         if HAS_A:
             tau[k, 0:W] = a[k, 0:W] * tree.armature[k]

@@ -44,9 +44,9 @@ def _credit(folder: Path) -> dict[str, str]:
     if licence and not name:
         name = licence.strip().splitlines()[0].strip()
     parts = [f"Licence: {name.strip()}." if name else "No licence was found beside the meshes."]
+    parts.append("The meshes were simplified.")
     if source:
         parts.append(f"Source: {source}")
-    parts.append("The meshes were simplified.")
     text = licence if len(licence) <= _LONG else ""
     return {"title": f"Meshes of {folder.name}", "text": " ".join(parts), "licence": text}
 

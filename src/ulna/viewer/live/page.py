@@ -105,7 +105,7 @@ def document(page: LivePage) -> str:
         f'<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1, viewport-fit=cover">\n'
         f"<style>{_PAGE_STYLE}</style>\n</head>\n<body>\n"
-        f'<ulna-robot robot="{page.name}"{theme}><img src="{page.picture}" alt="{label}"></ulna-robot>\n'
+        f'<ulna-robot robot="{page.name}" keys="page"{theme}><img src="{page.picture}" alt="{label}"></ulna-robot>\n'
         "<noscript>This page needs JavaScript to move the robot.</noscript>\n"
         f"<script>{_inline(script(page))}</script>\n</body>\n</html>\n"
     )

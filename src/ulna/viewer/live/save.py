@@ -15,6 +15,7 @@ from ulna.viewer.live.draggable import draggable_frames
 from ulna.viewer.live.motion import motion_rows
 from ulna.viewer.live.page import document, live_page, script
 from ulna.viewer.output.atomic_file import atomic_write, checked_path
+from ulna.viewer.output.page_file import PageFile
 from ulna.viewer.page.html_file import checked_html_path
 from ulna.viewer.progress import progress
 from ulna.viewer.robot.configuration import configuration
@@ -78,7 +79,7 @@ def save_html(
         content = script(page) if target.suffix.lower() == ".js" else document(page)
         with atomic_write(target, "page") as file:
             file.write_text(content, encoding="utf-8")
-    return target
+    return PageFile(target)
 
 
 def _recorded_page(robot: Any, path: Any, recorded: Any, q: Any, show: Any, theme: str, title: str) -> Path:

@@ -19,6 +19,9 @@ from ulna.viewer.output.atomic_file import atomic_write, checked_path
 
 SUFFIXES = (".mp4", ".gif")
 _MAX_FRAMES = 10**7
+_GIF_COLOURS = 255
+_RARE_COLOURS = 32  # how many of them are kept for what covers few pixels
+_LEAST_PIXELS = 12  # from which a colour counts, in all pictures that are looked at
 _MIN_GIF_DURATION = 2  # hundredths of a second for which a picture of a GIF is shown
 
 
@@ -152,13 +155,43 @@ def _write_gif(target: Path, pictures: Iterable[Array], fps: float, shape: tuple
             return np.frombuffer(spool.read(int(np.prod(size))), dtype=np.uint8).reshape(size)
 
         some = np.unique(np.linspace(0, count - 1, 6).astype(int))
-        palette = Image.fromarray(np.concatenate([read(int(k)) for k in some])).quantize(255)
+        palette = Image.new("P", (1, 1))
+        palette.putpalette(_gif_colours(np.concatenate([read(int(k)) for k in some])).tobytes())
         chosen, durations = gif_frame_durations(count, fps)
         frames = (
             Image.fromarray(read(k)).quantize(palette=palette, dither=Image.Dither.NONE) for k in chosen
         )
         first = next(frames)
         first.save(target, save_all=True, append_images=frames, duration=durations, loop=0, optimize=False)
+
+
+def _gif_colours(picture: Array) -> Array:
+    """The colours of a GIF (256, 3): those that cover most pixels, then rare ones: a thin line keeps its colour.
+
+    The first are found by median cut, each of the others is the one that is farthest from all before it.
+
+    Args:
+        picture: The picture, or several below each other, (h, w, 3) uint8.
+
+    Returns:
+        Colours (256, 3) uint8.
+    """
+    from PIL import Image
+
+    common = Image.fromarray(picture).quantize(_GIF_COLOURS - _RARE_COLOURS).getpalette()
+    colours = np.array(common, dtype=float).reshape(-1, 3)[: _GIF_COLOURS - _RARE_COLOURS]
+    pixels = picture.reshape(-1, 3)
+    levels = pixels.astype(np.uint16) >> 4  # 16 levels of each of red, green and blue
+    code = levels[:, 0] << 8 | levels[:, 1] << 4 | levels[:, 2]
+    counts = np.bincount(code, minlength=4096)
+    is_seen = counts >= _LEAST_PIXELS
+    sums = [np.bincount(code, pixels[:, k], minlength=4096)[is_seen] for k in range(3)]
+    seen = np.stack(sums, axis=1) / counts[is_seen, None]
+    away = np.linalg.norm(seen[:, None] - colours, axis=2).min(axis=1, initial=np.inf)
+    while len(colours) < _GIF_COLOURS and len(seen):
+        colours = np.vstack([colours, seen[away.argmax()]])
+        away = np.minimum(away, np.linalg.norm(seen - colours[-1], axis=1))
+    return np.resize(colours.round().astype(np.uint8), (256, 3))
 
 
 def gif_frame_durations(count: int, fps: float) -> tuple[list[int], list[int]]:

@@ -27,9 +27,17 @@ def somebody_can_look() -> bool:
     return has_screen() or bool(sys.stdin and sys.stdin.isatty() and sys.stdout.isatty())
 
 
-def open_browser(url: str) -> bool:
-    """Open a page in the user's browser; False where there is none."""
-    browser = _browser() if has_screen() else None
+def open_browser(url: str, name: str | None = None) -> bool:
+    """Open a page in a browser; False where there is none.
+
+    Args:
+        url: The address of the page.
+        name: The browser, as the module `webbrowser` names it; the user's when not given.
+
+    Returns:
+        Whether it was started.
+    """
+    browser = _browser(name) if has_screen() else None
     if browser is None:
         return False
     try:
@@ -38,9 +46,9 @@ def open_browser(url: str) -> bool:
         return False
 
 
-def _browser() -> webbrowser.BaseBrowser | None:
+def _browser(name: str | None = None) -> webbrowser.BaseBrowser | None:
     try:
-        browser = webbrowser.get()
+        browser = webbrowser.get(name)
     except webbrowser.Error:
         return None
     # a browser in the terminal would take the terminal over and show nothing

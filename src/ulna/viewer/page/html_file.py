@@ -10,6 +10,7 @@ from ulna.viewer.graph.camera import Camera
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.graph.theme import LIGHT, Theme
 from ulna.viewer.output.atomic_file import atomic_write, checked_path
+from ulna.viewer.output.page_file import PageFile
 from ulna.viewer.page import Page
 from ulna.viewer.page.server import start_recording
 from ulna.viewer.progress import progress
@@ -64,7 +65,7 @@ def write_html(
             content = recording.as_html(dark_mode=theme.dark)
     with atomic_write(target, "page") as file:
         file.write_text(content, encoding="utf-8")
-    return target
+    return PageFile(target)
 
 
 def checked_html_path(path: str | os.PathLike[str]) -> Path:

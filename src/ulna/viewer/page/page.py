@@ -26,12 +26,14 @@ from ulna.viewer.graph.camera import Camera, checked_camera
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.graph.theme import LIGHT, Theme
 from ulna.viewer.page import access as guard
+from ulna.viewer.page.ending import has_tabs, wait_for_tabs
 from ulna.viewer.page.framing import Framing, framing_camera
-from ulna.viewer.page.notebook import frame_html
+from ulna.viewer.page.motion_log import MotionLog
+from ulna.viewer.page.notebook import frame_html, place_of_kernel
 from ulna.viewer.page.notifications import ProgressNotifications
 from ulna.viewer.page.pose_channel import PoseChannel
 from ulna.viewer.page.publisher import Publisher
-from ulna.viewer.page.server import disconnect, serve, stop
+from ulna.viewer.page.server import disconnect, serve, stop, visits_of
 from ulna.viewer.page.surroundings import add_floor, configure_scene, set_camera
 from ulna.viewer.progress import unwatch, watch
 
@@ -79,7 +81,9 @@ class Page:
         self._owned = server is None
         host = host if server is None else server.get_host()
         exposed = self._owned and guard.checked_host(host) not in guard.LOOPBACK
-        self._token = secrets.token_urlsafe(24) if exposed else ""
+        # a hub forwards requests under its own name, and maybe those of its other users: the token tells them apart
+        is_forwarded = self._owned and place_of_kernel() == "proxied hub"
+        self._token = secrets.token_urlsafe(24) if exposed or is_forwarded else ""
         self.server = serve(host, port, title, self._token) if server is None else server
         self._host = "localhost" if host in (*guard.LOOPBACK, "0.0.0.0", "::") else host
         if exposed:
@@ -107,7 +111,9 @@ class Page:
         """Whether any tab has looked at it so far."""
         self._thread = threading.Thread(target=self._run, name="ulna-page", daemon=True)
         self._notifications = ProgressNotifications(self.server)
-        atexit.register(self.close)
+        self.play_out: Callable[[], None] = lambda: None
+        """Called before the whole motion is sent to tabs: adds what a motion that is being played has left."""
+        atexit.register(self._close_at_exit)
         forks.in_child(self._leave)
         if self._owned:
             configure_scene(self.server, theme, self._viser_shadows)
@@ -141,12 +147,33 @@ class Page:
         """Whether `close` was called."""
         return self._stop.is_set()
 
+    @property
+    def motion(self) -> MotionLog:
+        """What the page can play after its program has ended."""
+        return self._publisher.motion
+
     def close(self) -> None:
-        """Stop serving; tabs go grey. May be called twice."""
+        """Stop serving; tabs show the newest state, and play the motion until then. May be called twice."""
+        self._close(at_exit=False)
+
+    def note_opened(self) -> None:
+        """A browser was started with the address: the end of the program waits for its tab."""
+        visits_of(self.server).note_opened()
+
+    def _close_at_exit(self) -> None:
+        self._close(at_exit=True)
+
+    def _close(self, at_exit: bool) -> None:
         if self._stop.is_set():
             return
         try:
             self.flush()  # tabs keep what they had last: the newest, not that of a sixtieth of a second ago
+            if self._live and self._owned and has_tabs(self.server, at_exit):
+                with self._tick_lock:
+                    self.play_out()
+                    self._publisher.send_motion()
+                self.server.flush()
+                wait_for_tabs(self.server, at_exit)
         finally:
             self._stop.set()
             unwatch(self._notifications)
@@ -154,14 +181,14 @@ class Page:
                 self._thread.join(timeout=2.0)
             if self._owned:
                 stop(self.server)
-            atexit.unregister(self.close)
+            atexit.unregister(self._close_at_exit)
 
     def _leave(self) -> None:
         """In a forked child: the page is the parent's; here it is closed, and nothing reaches the tabs."""
         self._stop = threading.Event()  # the lock of the old one may be held
         self._stop.set()
         unwatch(self._notifications)
-        atexit.unregister(self.close)
+        atexit.unregister(self._close_at_exit)
         disconnect(self.server)
 
     def __enter__(self) -> Page:

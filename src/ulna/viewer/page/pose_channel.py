@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ulna.typing import Array
+from ulna.viewer.page.motion_log import MotionPart
 
 KNOWN_VERSIONS = ("1.1.",)
 """Versions of viser whose page has the queue that the hook relies on."""
@@ -21,6 +22,11 @@ KEY_LIGHT, SKY = "/(page)/key", "/(page)/sky"
 
 POSES, APPEARANCES, FLOOR = "/(page)/poses", "/(page)/looks", "/(page)/floor"
 """The names under which all poses, and all looks that are not plain, are sent, which no node has; and the floor's."""
+
+MOTION = "/(page)/motion"
+"""The name, followed by a number, under which parts of the whole motion are sent."""
+
+_SCRIPTS = ("shadow_light", "render_on_demand", "playback", "scene_messages")
 
 
 def is_known_version() -> bool:
@@ -32,11 +38,12 @@ def is_known_version() -> bool:
 
 def _hook_script(title: str) -> str:
     """The program that makes viser's page ours."""
-    source = "".join(_script(name) for name in ("shadow_light", "render_on_demand", "scene_messages"))
+    source = "".join(_script(name) for name in _SCRIPTS)
     names = {
         "POSES": POSES,
         "APPEARANCES": APPEARANCES,
         "FLOOR": FLOOR,
+        "MOTION": MOTION,
         "KEY_LIGHT": KEY_LIGHT,
         "SKY": SKY,
         "TITLE": title,
@@ -80,14 +87,25 @@ class PoseChannel:
             self._script = _messages.RunJavascriptMessage
             self._run(_hook_script(title))
 
-    def send_poses(self, paths: Sequence[str], rows: Array) -> None:
+    def send_poses(self, paths: Sequence[str], rows: Array, t: float | None = None) -> None:
         """Send poses; they replace those not sent yet.
 
         Args:
             paths: Paths of the nodes in the page.
             rows: x y z [m], w x y z of each, (n, 7) float32.
+            t: Their time in the motion [s], which the page keeps; None for poses that are no part of it.
         """
-        self._queue(POSES, {"names": list(paths), "p": rows})
+        self._queue(POSES, {"names": list(paths), "p": rows, "t": t})
+
+    def send_motion(self, parts: Sequence[MotionPart]) -> None:
+        """Send the whole motion, which the page plays after its program has ended.
+
+        Args:
+            parts: Its parts, in order.
+        """
+        for k, part in enumerate(parts):
+            updates = {"names": part.paths, "t": part.t, "p": part.rows, "part": k, "parts": len(parts)}
+            self._queue(f"{MOTION} {k}", updates)
 
     def send_appearances(self, paths: Sequence[str], rows: Array, texts: dict[str, str]) -> None:
         """Send appearances; they replace those not sent yet. Nodes that are not named look plain.

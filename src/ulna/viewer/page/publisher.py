@@ -9,6 +9,7 @@ from ulna.viewer.graph.content import Text
 from ulna.viewer.graph.node import Snapshot
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.graph.theme import Theme
+from ulna.viewer.page.motion_log import MotionLog
 from ulna.viewer.page.pose_channel import PoseChannel
 from ulna.viewer.page.poses import pose_rows
 from ulna.viewer.page.viser_nodes import (
@@ -56,6 +57,9 @@ class Publisher:
         self._sent = (-1, -1, -1)
         self._settled = True
         self._moved_at = 0.0
+        self.motion = MotionLog()
+        """What the page can play after its program has ended."""
+        self._logs = live and channel.is_supported
         self.resend_until = 0.0
         """Until when poses and looks are sent again for newcomers [s, monotonic]."""
 
@@ -82,7 +86,9 @@ class Publisher:
             self._update_nodes(snapshot, now)
         if snapshot.appearance != appearances or snapshot.structure != structure or now < self.resend_until:
             self._update_appearances(snapshot)
+        t = None
         if snapshot[:3] != self._sent:
+            t = self.motion.add_published(snapshot) if self._logs else None
             self._sent, self._settled, self._moved_at = snapshot[:3], False, now
         elif not self._settled and now - self._moved_at > _IDLE_TIME:
             # at rest: leave the poses in viser's own state, too, which newcomers and recordings start from
@@ -91,9 +97,16 @@ class Publisher:
         elif now >= self.resend_until:
             return
         if self._channel.is_supported:
-            self._send(snapshot)
+            self._send(snapshot, t)
         else:
             self._set_each(snapshot)
+
+    def send_motion(self) -> None:
+        """Send the whole motion, for pages to play after the program has ended."""
+        if self._logs:
+            self.motion.add_step(self._scene.snapshot, at_end=True)
+            paths = {name: [h.name for h in node.handles] for name, node in self.shown.items()}
+            self._channel.send_motion(self.motion.parts(paths))
 
     def _update_nodes(self, snapshot: Snapshot, now: float) -> None:
         """Make the nodes of the page those of the scene."""
@@ -159,7 +172,7 @@ class Publisher:
             self._label_texts = texts
             self._channel.send_appearances_to_file(paths, rows, texts)
 
-    def _send(self, snapshot: Snapshot) -> None:
+    def _send(self, snapshot: Snapshot, t: float | None) -> None:
         if self._pose_targets is None:
             pairs = [
                 (h.name, i)
@@ -169,7 +182,7 @@ class Publisher:
             ]
             self._pose_targets = [path for path, _ in pairs], [i for _, i in pairs]
         paths, rows = self._pose_targets
-        self._channel.send_poses(paths, pose_rows(snapshot.poses[rows]))
+        self._channel.send_poses(paths, pose_rows(snapshot.poses[rows]), t)
 
     def _set_each(self, snapshot: Snapshot) -> None:
         for node, row in zip(snapshot.nodes, pose_rows(snapshot.poses), strict=True):

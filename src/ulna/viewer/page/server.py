@@ -25,15 +25,23 @@ from ulna.viewer.page import client_files as client
 from ulna.viewer.page.inherited_sockets import close_inherited
 from ulna.viewer.page.message_filter import filter_messages
 from ulna.viewer.page.pose_channel import early_script, is_known_version
+from ulna.viewer.page.visits import Visits
 
 _construction_lock = forks.lock()
+_visits: weakref.WeakKeyDictionary[Any, Visits] = weakref.WeakKeyDictionary()
 _serving: weakref.WeakKeyDictionary[Any, list[Any]] = weakref.WeakKeyDictionary()  # what opened the sockets
 _log = logging.getLogger("ulna.page")
 _log.setLevel(logging.CRITICAL)
 
 
 def _answer(
-    answer: Callable[[Any, Any], Any], files: Any, token: str, any_host: bool, connection: Any, request: Any
+    answer: Callable[[Any, Any], Any],
+    files: Any,
+    token: str,
+    any_host: bool,
+    visits: Visits,
+    connection: Any,
+    request: Any,
 ) -> Any:
     """The answer to a request for the page, or for its socket: none for whoever is not allowed to see it."""
     headers = request.headers
@@ -41,6 +49,7 @@ def _answer(
         return connection.respond(403, "This page answers its own machine only.\n")
     if not guard.has_token(token, request.path, headers.get("Cookie")):
         return connection.respond(403, "This page answers those who know its token only.\n")
+    visits.note_request(request)
     response = client.response_to(files, request) or answer(connection, request)
     if response is not None:
         response.headers["Content-Security-Policy"] = guard.frame_ancestors(headers["Host"])
@@ -52,7 +61,7 @@ def _answer(
 def serve(host: str, port: int, title: str, token: str = "") -> Any:
     """A viser server that answers its own machine only, shares nothing and prints nothing.
 
-    With a token it answers clients that send it, in the address or in a cookie.
+    With a token it answers clients that send it, in the address or in a cookie, under whatever name they know it.
 
     Args:
         host: Address to listen on.
@@ -76,18 +85,19 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
     if not (isinstance(port, Integral) and 0 <= port <= 65535):
         raise InputError(f"`port` is {port!r}; expected 0 (any free one) to 65535.")
     _check_address(host)
-    any_host = host not in guard.LOOPBACK
+    any_host = host not in guard.LOOPBACK or bool(token)
     page = Path(viser.__file__).parent / "client" / "build" / "index.html"
     page_files = client.ClientFiles(page, early_script(title)) if is_known_version() else None
     original: Any = sockets.serve
     guarded: list[Any] = []
+    visits = Visits()
 
     def guarded_serve(*args: Any, **options: Any) -> Any:
         answer: Any = options.get("process_request")
         if getattr(answer, "__module__", "").startswith("viser"):  # leave servers of other threads alone
             if len(args) > 2 and args[2] > 65535:  # all ports from the one asked for to the last are in use
                 args = (*args[:2], 0, *args[3:])
-            options["process_request"] = partial(_answer, answer, page_files, token, any_host)
+            options["process_request"] = partial(_answer, answer, page_files, token, any_host, visits)
             options["logger"] = _log  # browsers open sockets that they may never use; that is no error
             guarded.append(original(*args, **options))
             return guarded[-1]
@@ -113,7 +123,7 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
         server._websock_server.unregister_handler(getattr(_messages, kind))
     if is_known_version():
         filter_messages(server)
-    _serving[server] = guarded
+    _serving[server], _visits[server] = guarded, visits
     return server
 
 
@@ -142,6 +152,27 @@ def stop(server: Any) -> None:
         server.stop()
     _silence(server)
     server._thread_executor.shutdown(wait=False)
+
+
+def visits_of(server: Any) -> Visits:
+    """What is known of tabs of a server before they are connected."""
+    return _visits.setdefault(server, Visits())
+
+
+def is_connected(server: Any) -> bool:
+    """Whether any tab has opened its socket, also one that has not drawn anything so far."""
+    return bool(server._websock_server._live_connections) if is_known_version() else False
+
+
+def has_delivered(server: Any) -> bool:
+    """Whether all messages for all tabs were handed to the operating system."""
+    sockets = server._websock_server
+    buffer = sockets.get_message_buffer()
+    last = buffer.message_counter - 1
+    return all(
+        buffer.generator_cursors.get(client, -1) >= last and not connection.transport.get_write_buffer_size()
+        for client, connection in list(sockets._live_connections.items())
+    )
 
 
 def disconnect(server: Any) -> None:

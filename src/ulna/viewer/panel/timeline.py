@@ -18,6 +18,7 @@ from ulna.viewer.robot.handle_motion import HandleMotion
 SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "5")
 _UPDATE_INTERVAL = 1 / 15  # s between two updates of the panel
 SPEED_EXPECTED = "seconds of what happened per second, above zero"
+_FRAME_RATE, _MOST_FRAMES = 60.0, 6000  # of what is shown without waiting [1/s], [-]
 _IDLE_TIME = 0.5  # s without a step after which a simulation is not running
 
 
@@ -87,6 +88,21 @@ class Timeline:
         self._playing = False
         if self._simulation is not None and self._running():
             self._simulation.paused = True
+
+    def play_out(self, shown: Callable[[float], object]) -> None:
+        """Show what is left of a motion that is being played, without waiting; of a simulation nothing is left.
+
+        Args:
+            shown: Called after each frame with the time [s] since the one before.
+        """
+        if not self._playing or self._simulation is not None:
+            return
+        self._playing, length = False, self.duration
+        frames = int(min(_FRAME_RATE * length, _MOST_FRAMES)) + 1
+        for t in np.linspace(0.0, length, frames + 1).tolist():
+            if t > self._t:
+                passed, self.time = t - self._t, t
+                shown(passed)
 
     def __repr__(self) -> str:
         state = "running" if self._playing else "at rest"

@@ -105,7 +105,7 @@ DOCUMENTED = (
     Difference("stricter", r"payload\(m=-1", "for a result", "no mass is negative"),
     Difference("stricter", r"ets='foo'|etsbox='|filename=1\.0|'dot', 1\.0", " for ", "unknown options of `graph` raise"),
     Difference("stricter", r"=np\.eye\(3\)|= np\.eye\(3\)|^planar: robot\.(base|tool) = ", "for a result", "a pose in space is (4, 4), in the plane (3, 3)"),
-    Difference("stricter", r"fkine_all\(q=np\.(vstack|r_)|twists\(q=(np\.r_|q\[:-1)|rne\(.*np\.r_\[", "ShapeError for", "a configuration has a number for each joint"),
+    Difference("stricter", r"fkine_all\(q=(np\.(vstack|r_)|q\[:-1)|twists\(q=(np\.r_|q\[:-1)|rne\(.*np\.r_\[", "ShapeError for", "a configuration has a number for each joint"),
     Difference("stricter", r"^(screws|panda): .*(hessian\w|jacob0_analytical)\(", "InputError for a result", "a chain without joints has no Hessian"),
     Difference("stricter", r"get_path\(end='nonsense'\)", "UnknownKey", "unknown links raise"),
     Difference("stricter", r"trapezoidal\(.*t=1\)", "for a result", "one time makes no trapezoid"),

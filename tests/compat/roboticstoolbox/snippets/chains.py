@@ -81,7 +81,7 @@ _add(
     "e = ET.Rz(sympy.pi / 2) * ET.Rz(3 * sympy.pi / 2) * ET.tx(1); e.merge(0); e",
     "a = sympy.symbols('a'); e = ET.Rz() * ET.Rz(a); e.merge(0); (str(e), repr(e), e.eval([0.1]))",
     "a = sympy.symbols('a'); e = ET.Rx(sympy.pi / 2) * ET.ty(a); e.swap(0); e",
-    "a = sympy.symbols('a'); (ET.Rz(a) * ET.tx(1)).compile()",
+    "a = sympy.symbols('a'); [et.A() for et in (ET.Rz(a) * ET.tx(1)).compile()]",
     "a = sympy.symbols('a'); (ET.ty(a) * ET.Rx()).replaced(0, 'x')",
     "a = sympy.symbols('a'); e = ET.Rz(a); e.param = 0.3; (e, e.A())",
     "a = sympy.symbols('a'); Robot(ET.tx(a) * ET.Rz() * ET.ty(2 * a)).fkine([0.3])",

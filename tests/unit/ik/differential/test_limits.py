@@ -17,8 +17,17 @@ from ulna.ik import (
     Strip,
     VelocityLimit,
 )
-from ulna.ik.differential.limits import _speed_to_stop
-from ulna.model import Composite, Continuous, Model, ModelBuilder, Planar, Prismatic, Revolute, Universal
+from ulna.ik.differential.limits import _limited, _speed_to_stop
+from ulna.model import (
+    Composite,
+    Continuous,
+    Model,
+    ModelBuilder,
+    Planar,
+    Prismatic,
+    Revolute,
+    Universal,
+)
 from ulna.spatial import SE3
 
 
@@ -158,3 +167,17 @@ def test_continuous_joints_take_the_short_way(model: Model) -> None:
 def test_linear_task_refuses_another_size(model: Model) -> None:
     with pytest.raises(ShapeError, match=r"\(k, 7\)"):
         LinearTask(np.ones((1, 3))).costs(model)
+
+
+def test_joints_without_limits_of_position_need_none() -> None:
+    """Planar joints, whose positions are no vectors, are refused only where they have such limits."""
+    model = chain(
+        (Planar(), {"velocity": (1.0, 1.0, 1.0)}),
+        (Revolute(), {"velocity": 3.0}),
+        (Revolute(), {"lower": -1.0, "upper": 1.0}),
+        (
+            Revolute(),
+            {"lower": -0.4, "upper": 0.4, "mimic": ("joint2", 2.0, 0.0)},
+        ),  # those of a follower do not count
+    )
+    assert list(_limited(model, 0.1, "limit")) == [(model.nq - 1, model.nv - 1, -0.9, 0.9)]

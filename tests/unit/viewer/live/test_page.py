@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import json
 import re
 import subprocess
@@ -227,8 +228,9 @@ def test_licences_beside_meshes_are_named(tmp_path: Path) -> None:
     (credit,) = credits_of(robot)
     assert credit["title"] == "Meshes of arm_description"
     assert "BSD-3-Clause" in credit["text"] and "example.org/arm" in credit["text"]
-    (package / "LICENSE").write_text("Copyright the makers of the arm")
-    assert credits_of(robot)[0]["licence"] == "Copyright the makers of the arm"
+    for name in ("COPYING", "LICENCE", "LICENSE.md", "LICENSE.txt", "LICENSE"):  # the later ones go first
+        (package / name).write_text(f"Copyright the makers of the arm: {name}")
+        assert credits_of(robot)[0]["licence"] == f"Copyright the makers of the arm: {name}"
 
 
 def test_the_command_writes_a_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -268,3 +270,15 @@ def test_the_bundle_is_what_npm_makes(tmp_path: Path) -> None:
         [sys.executable, str(script), "--check"], capture_output=True, text=True, timeout=600, check=False
     )
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "most"), [("panda", 300_000), ("ur5", 300_000), ("g1", 450_000)])
+def test_pages_with_meshes_are_small(name: str, most: int, tmp_path: Path) -> None:
+    robot = ulna.load(name)
+    shapes = [g.shape for link in robot.model.links for g in link.visuals]
+    assert any(isinstance(s, Mesh) and not s.missing for s in shapes), "the meshes are not installed"
+    content = robot.save_html(tmp_path / "page.html").read_bytes()
+    assert len(gzip.compress(content, 9, mtime=0)) <= most
+    frames = described(tmp_path / "page.html")["frames"]
+    assert len(frames) == (4 if name == "g1" else 1)  # both hands and both feet

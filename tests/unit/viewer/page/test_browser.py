@@ -16,7 +16,7 @@ def linux(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
         monkeypatch.delenv(name, raising=False)
     opened: list[str] = []
     browser = SimpleNamespace(name="firefox", open=lambda url: opened.append(url) or True)
-    monkeypatch.setattr(webbrowser, "get", lambda: browser)
+    monkeypatch.setattr(webbrowser, "get", lambda name=None: browser)
     monkeypatch.opened = opened  # type: ignore[attr-defined]
     return monkeypatch
 
@@ -38,12 +38,12 @@ def test_a_display_and_a_browser_are_a_screen(linux: pytest.MonkeyPatch, name: s
 
 def test_a_browser_in_the_terminal_does_not_count(linux: pytest.MonkeyPatch) -> None:
     linux.setenv("DISPLAY", ":0")
-    linux.setattr(webbrowser, "get", lambda: SimpleNamespace(name="/usr/bin/w3m"))
+    linux.setattr(webbrowser, "get", lambda name=None: SimpleNamespace(name="/usr/bin/w3m"))
     assert not screen.has_screen()
 
 
 def test_no_browser_is_no_screen(linux: pytest.MonkeyPatch) -> None:
-    def none() -> None:
+    def none(name: str | None = None) -> None:
         raise webbrowser.Error("could not locate runnable browser")
 
     linux.setenv("DISPLAY", ":0")

@@ -1,10 +1,14 @@
 """The surfaces of a robot's links, and how far loading them has come."""
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 import ulna
 from ulna.errors import UnknownName
-from ulna.viewer.robot.link_surfaces import surfaces_by_link
+from ulna.viewer.mesh.surface import DEFAULT_COLOUR
+from ulna.viewer.robot.link_surfaces import link_surfaces, surfaces_by_link
 
 
 @pytest.fixture(scope="module")
@@ -27,3 +31,19 @@ def test_both_are_the_shapes_and_the_collision_shapes(panda: ulna.Robot) -> None
         assert len(together) == len(one) + len(other)
     with pytest.raises(UnknownName, match="way to show a robot"):
         surfaces_by_link(panda, "everything")  # type: ignore[arg-type]
+
+
+def test_the_material_of_the_model_colours_a_mesh_without_one(tmp_path: Path) -> None:
+    pytest.importorskip("trimesh")
+    (tmp_path / "one.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    for material, colour in (
+        ('<material name="red"><color rgba="1 0 0 1"/></material>', (1.0, 0.0, 0.0)),
+        ("", DEFAULT_COLOUR[:3]),
+    ):
+        (tmp_path / "arm.urdf").write_text(
+            '<robot name="arm"><link name="base"><visual><geometry><mesh filename="one.obj"/></geometry>'
+            f"{material}</visual></link></robot>"
+        )
+        model = ulna.load(tmp_path / "arm.urdf").model
+        (surface,) = link_surfaces(model.links[0].visuals)
+        np.testing.assert_allclose(surface.rgba[:3], colour)

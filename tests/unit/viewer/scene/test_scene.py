@@ -9,6 +9,7 @@ import pytest
 from ulna.errors import InputError, ModelWarning, NonFiniteError, ShapeError, UnknownName
 from ulna.geometry import Box, Geometry, Material, Mesh, Sphere
 from ulna.spatial import SE3
+from ulna.viewer.graph.node import Node
 from ulna.viewer.mesh.primitives import tessellate
 from ulna.viewer.robot.link_surfaces import link_surfaces
 from ulna.viewer.scene import Scene
@@ -31,6 +32,10 @@ def test_names_and_poses_keep_one_order() -> None:
     scene = three()
     assert scene.names == ("a", "b", "c")
     np.testing.assert_array_equal(scene.poses[:, 0, 3], [0, 1, 2])
+
+
+def test_a_node_casts_a_shadow_and_is_hidden_by_what_is_in_front_of_it() -> None:
+    assert Node("a").shadow and not Node("a").through
 
 
 def test_poses_are_written_by_rows() -> None:

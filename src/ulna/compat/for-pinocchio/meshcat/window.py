@@ -6,6 +6,7 @@ from typing import final
 
 import numpy as np
 from gepetto.corbaserver.gui import Gui
+from gepetto.corbaserver.reach import is_drawable
 from gepetto.corbaserver.tree import PARTS
 
 from meshcat.drawing import Drawn
@@ -54,6 +55,8 @@ class ViewerWindow:
             InputError: A group would be stretched differently along its axes.
         """
         scene, gui = self.gui.scene, self.gui
+        if not is_drawable(matrix, node):
+            return
         linear, pose = matrix[:3, :3], matrix.copy()
         stretch: Floats | None = None
         if np.abs(linear.T @ linear - np.eye(3)).max() > 1e-6 or np.linalg.det(linear) < 0.0:

@@ -36,6 +36,7 @@ from pinocchio._constraints.dynamics import *
 from pinocchio._constraints.dynamics_derivatives import *
 from pinocchio._constraints.frame_pair import *
 from pinocchio._constraints.gauss_seidel import *
+from pinocchio._constraints.gauss_seidel_stats import *
 from pinocchio._constraints.jacobian_dynamics import *
 from pinocchio._constraints.jacobians import *
 from pinocchio._constraints.joint_constraints import *
@@ -54,6 +55,7 @@ from pinocchio._model.frame import Frame as Frame
 from pinocchio._model.joint_compositions import *
 from pinocchio._model.joint_kinds import *
 from pinocchio._model.model import Model as Model
+from pinocchio._package.coal_poses import watch_coal as _watch_coal
 from pinocchio._package.former_modules import register_former_modules as _register_former_modules
 from pinocchio._package.lazy_names import lazy_names as _lazy_names
 from pinocchio._package.lazy_names import load_lazy_name as _load_lazy_name
@@ -79,6 +81,7 @@ from pinocchio._spatial.symmetric3 import Symmetric3 as Symmetric3
 from pinocchio.explog import *
 
 _register_former_modules()
+_watch_coal()
 globals().update(_checked_functions(globals()))
 _check_methods(list(globals().values()))
 _describe_all([*globals().values()])

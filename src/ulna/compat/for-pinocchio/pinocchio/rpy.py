@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arguments import ArgumentError, check_text
 from pinocchio._containers.arrays import matrix, real, vector
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name
@@ -65,6 +65,7 @@ def rotate(axis: str, angle: float) -> Floats:
         UnknownAxis: Another axis.
     """
     turn = real(angle, "angle")
+    check_text(axis, "axis")
     if axis not in ("x", "y", "z"):
         raise UnknownAxis("axis", axis, ("x", "y", "z"))
     return np.array(spatial.rotation_about("xyz".index(axis), turn))

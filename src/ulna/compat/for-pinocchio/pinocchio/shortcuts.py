@@ -48,7 +48,7 @@ def buildModelsFromUrdf(
         root_joint: The joint that the root link hangs from; fixed when not given.
         root_joint_name: Its name; where it is left out, the next arguments take its position.
         verbose: Not needed.
-        meshLoader: Not needed.
+        meshLoader: A coal.MeshLoader for the files of meshes.
         geometry_types: One or several of GeometryType; both, collisions first, when not given.
         mimic: Whether mimic joints follow their leader.
 
@@ -62,7 +62,10 @@ def buildModelsFromUrdf(
     named = {} if root_joint_name is None else {"root_joint_name": root_joint_name}
     model = buildModelFromUrdf(filename, *root, mimic=mimic, **named)
     links = geometries_of_links(filename, package_dirs)
-    return (model, *(geometry_model_of(model, links, kind) for kind in _kinds(geometry_types)))
+    return (
+        model,
+        *(geometry_model_of(model, links, kind, None, meshLoader) for kind in _kinds(geometry_types)),
+    )
 
 
 def _kinds(geometry_types: Any) -> Any:
@@ -95,7 +98,7 @@ def buildModelsFromMJCF(
         root_joint: The joint that its root moves by; as the file says when not given.
         root_joint_name: Its name; where it is left out, the next arguments take its position.
         verbose: Not needed.
-        meshLoader: Not needed.
+        meshLoader: A coal.MeshLoader for the files of meshes.
         geometry_types: One or several of GeometryType; both, collisions first, when not given.
         contacts: Whether the constraints are wanted.
 
@@ -106,7 +109,7 @@ def buildModelsFromMJCF(
     name = root_joint_name or "root_joint"
     model, constraints = buildModelAndLegacyConstraintsFromMJCF(filename, root_joint, name)
     read = (model, constraints) if contacts else (model,)
-    return (*read, *_geometries(model, filename, geometry_types))
+    return (*read, *_geometries(model, filename, geometry_types, meshLoader))
 
 
 @overloads(
@@ -128,7 +131,8 @@ def buildModelsAndConstraintsFromMJCF(
         filename: The file.
         root_joint: The joint of the root body; that of the file by default.
         root_joint_name: Its name.
-        verbose, meshLoader: Accepted and ignored.
+        verbose: Not needed.
+        meshLoader: A coal.MeshLoader for the files of meshes.
         geometry_types: One or several of GeometryType; both, collisions first, by default.
         constraints: Whether to return the constraints.
 
@@ -139,8 +143,8 @@ def buildModelsAndConstraintsFromMJCF(
     model, points, frames = buildModelAndConstraintsFromMJCF(filename, root_joint, name)
     anchors = {"point_anchor_constraint_models": points, "frame_anchor_constraint_models": frames}
     read = (model, anchors) if constraints else (model,)
-    return (*read, *_geometries(model, filename, geometry_types))
+    return (*read, *_geometries(model, filename, geometry_types, meshLoader))
 
 
-def _geometries(model: Model, filename: Any, geometry_types: Any) -> tuple[Any, ...]:
-    return tuple([buildGeomFromMJCF(model, filename, kind) for kind in _kinds(geometry_types)])
+def _geometries(model: Model, filename: Any, geometry_types: Any, mesh_loader: Any) -> tuple[Any, ...]:
+    return tuple([buildGeomFromMJCF(model, filename, kind, mesh_loader) for kind in _kinds(geometry_types)])

@@ -8,6 +8,7 @@ from typing import Any
 
 from roboticstoolbox._common.class_registry import register_class
 from roboticstoolbox._common.former_modules import register_former_modules
+from roboticstoolbox._common.module_aliases import add_module_aliases
 
 _MODULE_NAMES = {
     "roboticstoolbox._ets.elementary_transform": ("ET", "ET2"),
@@ -48,6 +49,19 @@ __all__ = list(_MODULE_OF)
 __all__ += ["backends", "models"]
 __version__ = "1.5.0"  # whose names these are
 register_former_modules()
+add_module_aliases(
+    __name__,
+    (
+        "mobile",
+        "blocks",
+        "demo",
+        "demo.eigdemo",
+        "demo.tripleangledemo",
+        "demo.twistdemo",
+        "_fknm_c",
+        "_frne_c",
+    ),
+)
 
 
 def __getattr__(name: str) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import abc
 import functools
+import warnings
 from collections.abc import Iterable
 from typing import Any
 
@@ -94,7 +95,10 @@ class CollisionShape(Shape):
         distance = self.closest_point(shape, np.inf)[0]
         return distance is not None and distance <= 0.0
 
-    collided = iscollided
+    def collided(self, shape: CollisionShape) -> bool:
+        """The former name of `iscollided`."""
+        warnings.warn("collided is the former name of iscollided", FutureWarning, stacklevel=2)
+        return self.iscollided(shape)
 
 
 @functools.lru_cache(maxsize=1024)

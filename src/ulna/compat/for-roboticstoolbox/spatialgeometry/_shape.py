@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import abc
 import copy
+import warnings
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -44,6 +45,8 @@ class Shape(SceneNode, abc.ABC):
     ) -> None:
         if pose is not None and base is not None:
             raise InputError("Give `pose` or its older name `base`, not both.")
+        if base is not None:
+            warnings.warn("`base` of a shape is the former name of `pose`", FutureWarning, stacklevel=3)
         self.stype = stype or self.kind
         self.changes = 0
         """How often its colour or its size changed; whoever draws it looks here."""
@@ -96,6 +99,7 @@ class Shape(SceneNode, abc.ABC):
 
     def set_alpha(self, alpha: float) -> None:
         """Set the opacity: an older name of it; above 1 it counts to 255."""
+        warnings.warn("set_alpha is the former name of the property opacity", FutureWarning, stacklevel=2)
         self.opacity = alpha / 255.0 if alpha > 1.0 else alpha
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -45,7 +46,12 @@ class Cuboid(CollisionShape):
 
 
 class Box(Cuboid):
-    """A box: another name of `Cuboid`."""
+    """The former name of `Cuboid`."""
+
+    def __init__(self, *arguments: Any, **more: Any) -> None:
+        """A `Cuboid`; see there."""
+        warnings.warn("Box is the former name of Cuboid", FutureWarning, stacklevel=2)
+        super().__init__(*arguments, **more)
 
 
 class Sphere(CollisionShape):

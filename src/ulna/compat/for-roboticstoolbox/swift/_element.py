@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import abc
+import warnings
 from collections.abc import Callable
 from typing import Any, ClassVar
 
@@ -54,6 +55,10 @@ class SwiftElement(abc.ABC):
         self._panel: Any = None
         self.id: int | None = None
         self.cb = cb
+        if desc is not None:
+            warnings.warn(
+                "`desc` of a control is the former name of `label`", DeprecationWarning, stacklevel=3
+            )
         self.label = label if desc is None else desc
 
     label = Setting()
@@ -68,10 +73,12 @@ class SwiftElement(abc.ABC):
     @property
     def desc(self) -> str:
         """An older name of `label`."""
+        warnings.warn("`desc` of a control is the former name of `label`", DeprecationWarning, stacklevel=2)
         return self.label
 
     @desc.setter
     def desc(self, text: str) -> None:
+        warnings.warn("`desc` of a control is the former name of `label`", DeprecationWarning, stacklevel=2)
         self.label = text
 
     @property

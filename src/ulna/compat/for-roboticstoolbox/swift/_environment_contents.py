@@ -84,7 +84,7 @@ class Contents(LaunchedEnvironment):
         for what, alpha in (("robot_alpha", robot_alpha), ("collision_alpha", collision_alpha)):
             if not 0.0 <= alpha <= 1.0:
                 raise InputError(f"`{what}` is {alpha}; expected a number from 0 to 1.")
-        has_separate_state = any(item.thing is robot for item in self._items.values())
+        has_separate_state = self.has(robot)
         alphas = float(robot_alpha), float(collision_alpha)
         more = self._item_options(name, callback)
         return self._register(RobotHandle(self.viewer, robot, alphas, readonly, has_separate_state, **more))
@@ -158,6 +158,7 @@ class Contents(LaunchedEnvironment):
         self._items[item.id] = item
         self._in_order = tuple(self._items.values())
         self._number += 1
+        self.viewer.keep_frame()  # where it stands before the first step
         return item
 
     def remove(self, id: Any) -> None:
@@ -181,6 +182,10 @@ class Contents(LaunchedEnvironment):
                 self._simulation.remove(body)
             del self._items[item.id]
             self._in_order = tuple(self._items.values())
+
+    def has(self, thing: Any) -> bool:
+        """Whether a robot or a shape is in the environment."""
+        return any(item.thing is thing for item in self._items.values())
 
     def __getitem__(self, key: str | int) -> Any:
         """The handle of a robot or the shape of that name or number."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import time
 import warnings
-import webbrowser
 from typing import Any
 
 from swift._controls import Controls, not_open
@@ -13,7 +12,7 @@ from swift._recorder import Recorder
 from swift._scene_items import Item
 from ulna.errors import UlnaWarning
 from ulna.sim import Simulation
-from ulna.viewer.page.browser import open_browser, somebody_can_look
+from ulna.viewer.page.browser import somebody_can_look
 from ulna.viewer.viewer import Viewer
 
 _BROWSER_TIMEOUT = 10.0  # s that `launch` waits for a browser that it opened
@@ -107,6 +106,9 @@ class LaunchedEnvironment:
                 stacklevel=2,
             )
         if browser == "notebook":
+            warnings.warn(
+                'launch(browser="notebook") is now launch(notebook=True)', FutureWarning, stacklevel=2
+            )
             browser, notebook = None, True
         if self._viewer is not None:
             self.close()
@@ -117,7 +119,7 @@ class LaunchedEnvironment:
         self._start(page, 8080, bool(realtime) and (page or headless is True), speed or 1.0, axes)
         if notebook:
             self._in_notebook()
-        elif page and _open(self.viewer.url, browser):
+        elif page and _open(self.viewer, browser):
             self._await_tab()
         elif page:
             print(f"Swift: the page is at {self.viewer.url}", flush=True)
@@ -187,12 +189,10 @@ def _headless_requested() -> bool:
     return any(os.environ.get(name, "") not in ("", "0") for name in ("SWIFT_HEADLESS", "ULNA_HEADLESS"))
 
 
-def _open(url: str, browser: str | None) -> bool:
+def _open(viewer: Viewer, browser: str | None) -> bool:
     """Open a page in a browser, where there is a screen; whether that was done."""
-    if browser is None or not somebody_can_look():
-        return open_browser(url)
-    try:
-        return bool(webbrowser.get(browser).open(url))
-    except webbrowser.Error:
+    if viewer.open_browser(browser):
+        return True
+    if browser is not None and somebody_can_look():
         print(f"There is no browser named {browser!r} here; the usual one is taken.", flush=True)
-        return open_browser(url)
+    return browser is not None and viewer.open_browser()

@@ -44,7 +44,7 @@ class RobotHandle(AssemblyHandle):
         start = self._configuration()
         self._limited_step = limited_step(len(self._low))
         base_pose = np.asarray(self._model.link_poses(self._model.neutral))[0]
-        self._base, self._to_place = self._base_pose(), False
+        self._base, self._to_place, self._unread = self._base_pose(), False, False
         is_checked = {"_q", "_qd", "_control_mode"} <= vars(state).keys()  # as by robots of the toolbox
         self._checked: dict[str, Any] | None = vars(state) if is_checked else None
         self._moved: Floats | None = None
@@ -122,14 +122,18 @@ class RobotHandle(AssemblyHandle):
                 figure.q = self._configuration()
         else:
             self._shown = q
+            if self._unread:  # nobody has looked since the last step: whoever does reads the newest
+                return
             for figure in self.figures:
                 figure.set_checked_q(self._read_shown)
+            self._unread = all(f.body is None and not f.has_traces for f in self.figures)
         if not self._to_place:  # a base seldom moves, and asking for it takes time: not before somebody looks
             self._to_place = True
             self._viewer.scene.later(self, self._place)
 
     def _shown_configuration(self) -> Floats:
         """The configuration of the model at the last step; figures ask for it when somebody looks."""
+        self._unread = False  # before the newest is read, so that nothing that comes meanwhile is missed
         return self._complete(self._shown)
 
     def _place(self) -> None:

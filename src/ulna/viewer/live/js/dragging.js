@@ -5,7 +5,7 @@ import { rayThrough } from "./gizmo.js";
 /** Listens to a canvas. `act` has `select(k)`, `start(k)`, `drag(k, pose)`, `end(k)`. */
 export class Dragging {
   constructor(stage, gizmos, act) {
-    Object.assign(this, { stage, gizmos, act, active: null, lit: null });
+    Object.assign(this, { stage, gizmos, act, active: null, lit: null, fingers: new Set() }); // fingers on the background
     const { canvas } = stage;
     canvas.addEventListener("pointerdown", (event) => this._down(event), { capture: true });
     canvas.addEventListener("pointermove", (event) => this._move(event), { capture: true });
@@ -27,13 +27,17 @@ export class Dragging {
   }
 
   _down(event) {
+    this.stage.canvas.classList.remove("keys");
     if (this.active) {
       event.stopImmediatePropagation(); // a second finger waits until the first is lifted
       return;
     }
     if (event.button !== 0 || event.ctrlKey || event.metaKey) return;
-    const handle = this._handle(event);
-    if (!handle) return;
+    const handle = this.fingers.size ? null : this._handle(event); // a second finger turns a turn into a pinch
+    if (!handle) {
+      if (event.pointerType === "touch") this.fingers.add(event.pointerId);
+      return;
+    }
     event.stopImmediatePropagation();
     event.preventDefault();
     const { canvas, controls } = this.stage;
@@ -61,6 +65,7 @@ export class Dragging {
   }
 
   _up(event) {
+    this.fingers.delete(event.pointerId);
     if (!this.active || event.pointerId !== this.active.id) return;
     event.stopImmediatePropagation();
     this.cancel();

@@ -5,6 +5,7 @@
 import { checkBrowser, checkWebGL, compiled, Unable } from "./capabilities.js";
 import { element } from "./dom.js";
 import { Kinematics } from "./kinematics.js";
+import { cross, dot } from "./pose.js";
 import { Session } from "./session.js";
 import { slidersOf } from "./sliders.js";
 import style from "./style.css";
@@ -22,22 +23,26 @@ export class UlnaRobot extends HTMLElement {
   }
 
   connectedCallback() {
-    if (this.root) return;
+    if (!this.root) this._build();
+    if (this.robot) return; // it was moved only
+    UlnaRobot.waiting.add(this);
+    this._begin();
+  }
+
+  _build() {
     this.root = this.attachShadow({ mode: "open" });
     this.poster = element("div", { class: "poster" }, element("slot"));
     this.root.append(element("style", {}, style), this.poster);
     this.preference = matchMedia("(prefers-color-scheme: dark)");
     this.preference.addEventListener("change", () => this._applyTheme());
     this._applyTheme();
-    UlnaRobot.waiting.add(this);
-    this._begin();
   }
 
   disconnectedCallback() {
     queueMicrotask(() => {
       if (this.isConnected) return; // it was moved only
       UlnaRobot.waiting.delete(this);
-      this.session?.dispose();
+      this._end();
     });
   }
 
@@ -66,7 +71,7 @@ export class UlnaRobot extends HTMLElement {
 
   /** Lets a frame go to T_world_goal, 16 numbers in rows, as dragging does. */
   setTarget(goal, frame = this.frames[0]) {
-    this._session().setTarget(this._number(frame), numbers("goal", goal, 16));
+    this._session().setTarget(this._number(frame), poseOf(numbers("goal", goal, 16)));
   }
 
   /** Moves smoothly to a configuration, or to one that has a name. */
@@ -81,18 +86,43 @@ export class UlnaRobot extends HTMLElement {
     const robot = UlnaRobot.robots.get(name);
     if (!robot || this.robot) return;
     UlnaRobot.waiting.delete(this);
-    this.robot = { ...robot, sliders: slidersOf(robot.sliders) };
+    const begun = { ...robot, start: this.last ?? robot.start, sliders: slidersOf(robot.sliders) };
+    this.robot = begun;
     try {
       checkBrowser();
       const parts = [robot.wasm, robot.meshes.data, robot.motion?.data].map((part) => part && inflated(bytesOf(part)));
       const [code, meshes, motion] = await Promise.all(parts);
-      const kinematics = new Kinematics(this.robot, await compiled(code));
+      const kinematics = new Kinematics(begun, await compiled(code));
+      if (this.robot !== begun) return; // it was taken out of the page
       checkWebGL();
       this.session = new Session(this, this.robot, kinematics, surfacesOf(robot.meshes, meshes), motion);
       this.session.stage.theme = this.dataset.look;
     } catch (error) {
-      this._explain(error);
+      if (this.robot === begun) this._explain(error);
     }
+  }
+
+  /** Ends what runs; the configuration is kept for the next beginning. */
+  _end() {
+    this.last = this.session?.q ?? this.last;
+    this.session?.dispose();
+    this.session = this.robot = null;
+    delete this.dataset.state;
+    this.poster.classList.remove("gone");
+    for (const node of [...this.root.children]) if (node.localName !== "style" && node !== this.poster) node.remove();
+  }
+
+  /** Begins again, as after the graphics processor has lost what it drew. */
+  restart() {
+    this._end();
+    this._begin();
+  }
+
+  /** Shows the picture instead of the drawing that the browser has dropped, and how to go on. */
+  pause() {
+    this.poster.classList.remove("gone");
+    const button = element("button", { class: "resume card", type: "button", onclick: () => this.restart() }, "Draw the robot again");
+    this.root.append(button);
   }
 
   _explain(error) {
@@ -124,6 +154,16 @@ export class UlnaRobot extends HTMLElement {
     if (number < 0) throw new RangeError(`There is no frame ${frame} to drag; there are ${this.frames.join(", ")}.`);
     return number;
   }
+}
+
+/** The pose itself, where its rotation is one to 1e-6. */
+function poseOf(T) {
+  const column = (j) => [T[j], T[4 + j], T[8 + j]];
+  const [x, y, z] = [0, 1, 2].map(column);
+  const products = [dot(x, x) - 1, dot(y, y) - 1, dot(x, y), ...cross(x, y).map((c, k) => c - z[k]), T[12], T[13], T[14], T[15] - 1];
+  if (products.some((error) => Math.abs(error) > 1e-6))
+    throw new RangeError("goal is no pose; expected T_world_frame, 16 numbers in rows: a rotation, the position [m], and 0, 0, 0, 1 last. three.js has columns: transpose its matrices.");
+  return T;
 }
 
 function numbers(what, values, count) {

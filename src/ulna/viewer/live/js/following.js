@@ -6,7 +6,7 @@ import { between, difference } from "./pose.js";
 const MOST = 0.5; // the most a joint moves in one step [rad or m]
 const SHARES = Array.from({ length: 9 }, (_, k) => 0.5 ** k);
 
-/** One step from q towards a goal of a frame: {q, error: [m, rad], rests}. */
+/** One step from q towards a goal of a frame: {q, error: [m, rad], rests, met: the goal of the step is in reach}. */
 export function followed(kinematics, frame, q, goal) {
   const start = kinematics.pose(frame, q);
   for (const share of SHARES) {
@@ -16,9 +16,9 @@ export function followed(kinematics, frame, q, goal) {
     if (size > MOST && !answer.success) continue;
     const next = size > MOST ? q.map((x, i) => x + ((answer.q[i] - x) * MOST) / size) : answer.q;
     const error = difference(kinematics.pose(frame, next), goal);
-    return { q: next, error, rests: size < 1e-7 };
+    return { q: next, error, rests: size < 1e-7, met: answer.success };
   }
-  return { q, error: difference(start, goal), rests: true };
+  return { q, error: difference(start, goal), rests: true, met: false };
 }
 
 function largest(a, b) {

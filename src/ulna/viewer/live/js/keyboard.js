@@ -21,14 +21,16 @@ const WAYS = {
   ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, 1, 0], ArrowDown: [0, -1, 0], PageUp: [0, 0, 1], PageDown: [0, 0, -1],
 };
 
-/** Answers keys of the element. `act` has a function for each thing they do. */
-export function listen(host, canvas, act) {
-  host.addEventListener("keydown", (event) => {
+/** Answers keys of the element, with keys="page" also those of a page in which nothing has the focus; until `signal`. */
+export function listen(host, canvas, act, signal) {
+  const answer = (event) => {
+    canvas.classList.add("keys"); // the focus is shown to those who use keys
+    if (host.root.querySelector("dialog[open]")) return;
     const typing = event.composedPath()[0].matches?.("input, select, textarea");
     if (event.key === "Escape") return act.escape();
     if (typing || event.ctrlKey || event.metaKey) return;
     const way = WAYS[event.key];
-    if (way && event.composedPath()[0] === canvas) {
+    if (way && (event.composedPath()[0] === canvas || event.target === document.body)) {
       act.nudge(way, event.altKey, (event.shiftKey ? 0.1 : 1) * (event.altKey ? TURN : SHIFT));
       event.preventDefault();
       return;
@@ -36,7 +38,10 @@ export function listen(host, canvas, act) {
     const onButton = event.composedPath()[0].matches?.("button, summary, a");
     const done = command(event.key, onButton, act);
     if (done) event.preventDefault();
-  });
+  };
+  host.addEventListener("keydown", answer, { signal });
+  if (host.getAttribute("keys") === "page")
+    document.addEventListener("keydown", (event) => event.target === document.body && answer(event), { signal });
 }
 
 function command(key, onButton, act) {

@@ -45,13 +45,13 @@ export class Panel {
   }
 
   /** Shows a configuration, the pose of the selected frame, and how far it is from its goal. */
-  update(q, pose, error) {
+  update(q, pose, error, met) {
     for (const row of this.rows) this._show(row, row.slider.read(q));
     this.chips?.forEach(([chip, named]) => {
       const same = named.every((x, i) => Math.abs(x - q[i]) < 1e-4);
       if (chip.getAttribute("aria-pressed") !== String(same)) chip.setAttribute("aria-pressed", String(same));
     });
-    if (pose && this.cells) this._showPose(pose, error);
+    if (pose && this.cells) this._showPose(pose, error, met);
   }
 
   /** The row of the frame's joints is opened, its chip pressed. */
@@ -196,10 +196,10 @@ export class Panel {
   }
 
   showAxes(axes) {
-    if (this.axes) this.axes.textContent = axes === "world" ? "world axes" : "own axes";
+    if (this.axes) this.axes.textContent = axes === "world" ? "world axes" : "frame axes";
   }
 
-  _showPose(pose, error) {
+  _showPose(pose, error, met) {
     const place = position(pose).map((x) => `${fixed(1000 * x, 1)} mm`);
     const turn = angles(pose).map((x) => `${fixed((180 / Math.PI) * x, 1)}°`);
     [...place, ...turn].forEach((text, k) => {
@@ -208,8 +208,9 @@ export class Panel {
     const [distance, angle] = error || [0, 0];
     const far = distance > 1e-5 || angle > 1e-4;
     const parts = [distance > 1e-5 && `${fixed(1000 * distance, 1)} mm`, angle > 1e-3 && `${fixed((180 / Math.PI) * angle, 1)}°`];
-    this.status.textContent = far ? `Out of reach: ${parts.filter(Boolean).join(" and ")} short` : error ? "On the target" : "";
-    this.status.classList.toggle("warn", far);
+    const text = !error ? "" : !far ? "On the target" : met ? "On the way" : `Out of reach: ${parts.filter(Boolean).join(" and ")} short`;
+    if (this.status.textContent !== text) this.status.textContent = text;
+    this.status.classList.toggle("warn", far && !met);
   }
 }
 

@@ -150,6 +150,7 @@ export class Stage {
   dispose() {
     this.controls.dispose();
     this.renderer.dispose();
+    if (!this.renderer.getContext().isContextLost()) this.renderer.forceContextLoss(); // browsers have few contexts
   }
 
   _addLights() {

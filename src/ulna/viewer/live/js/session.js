@@ -21,6 +21,7 @@ export class Session {
   constructor(host, robot, kinematics, surfaces, motion) {
     Object.assign(this, { host, robot, kinematics, q: robot.start.slice(), axes: "frame", selected: 0 });
     this.goal = this.error = this.glide = this.hovered = null; // goal of the frame `aimed`
+    this.met = false; // whether the goal is met as soon as the joints have moved there
     this.aimed = 0;
     this.resting = null; // since when nothing comes nearer to the goal [ms]
     this.dragged = this.moved = false;
@@ -38,6 +39,9 @@ export class Session {
     this._addControls(motion);
     this.select(0);
     this._show(this.q);
+    const { signal } = this.ended;
+    this.canvas.addEventListener("webglcontextlost", () => this._pause(), { signal });
+    this.canvas.addEventListener("webglcontextrestored", () => host.restart(), { signal });
     this.observer = new ResizeObserver(() => this._layout());
     this.observer.observe(host);
     this._layout();
@@ -45,6 +49,7 @@ export class Session {
   }
 
   dispose() {
+    this.ended.abort();
     cancelAnimationFrame(this.frame);
     this.observer.disconnect();
     this.stage.dispose();
@@ -75,7 +80,8 @@ export class Session {
       drag: (k, pose) => this._aim(k, pose),
       end: () => (this.dragged = false),
     });
-    listen(host, this.canvas, this._keyActions());
+    this.ended = new AbortController();
+    listen(host, this.canvas, this._keyActions(), this.ended.signal);
   }
 
   _panelActions() {
@@ -212,8 +218,9 @@ export class Session {
   }
 
   _follow(now) {
-    const { q, error, rests } = followed(this.kinematics, this.aimed, this.q, this.goal);
+    const { q, error, rests, met } = followed(this.kinematics, this.aimed, this.q, this.goal);
     this.error = error;
+    this.met = met && !rests;
     if (!rests || this.resting === null) this._show(q);
     this.resting = rests ? this.resting ?? now : null;
     const reached = error[0] < 1e-5 && error[1] < 1e-4;
@@ -243,7 +250,7 @@ export class Session {
   }
 
   _report() {
-    this.panel.update(this.q, this.gizmos.length ? this.pose() : null, this.error);
+    this.panel.update(this.q, this.gizmos.length ? this.pose() : null, this.error, this.met);
   }
 
   _mark() {
@@ -257,6 +264,13 @@ export class Session {
     this.host.poster.classList.add("gone");
     this.host.dataset.state = "ready";
     this.host.dispatchEvent(new CustomEvent("ready"));
+  }
+
+  /** The browser has dropped the drawing: the graphics processor was reset, or too many pages draw. */
+  _pause() {
+    cancelAnimationFrame(this.frame);
+    this.canvas.classList.remove("ready");
+    this.host.pause();
   }
 
   _layout() {

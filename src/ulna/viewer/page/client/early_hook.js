@@ -16,7 +16,9 @@
   const post = Worker.prototype.postMessage, asked = new WeakMap();
   Worker.prototype.postMessage = function (message, ...rest) {
     if (message?.type === "set_server" && !asked.has(this)) this.addEventListener("message", ({data}) => {
+      if (data?.type === "connected") page?.ulnaPlayback?.connected();
       if (data?.type !== "closed") return;
+      page?.ulnaPlayback?.closed();
       asked.set(this, -Infinity);
       if (!data.versionMismatch && document.hasFocus()) setTimeout(() => this.postMessage({type: "retry"}), 250);
     });

@@ -30,6 +30,10 @@
     markChanged(true);
     page.requestRender();
   };
+  page.ulnaShow = update => {
+    if (!apply(update)) return;
+    redraw();
+  };
   // a visible tab reconnects when the program runs again, without a click
   document.hasFocus = () => document.visibilityState === "visible";
   document.addEventListener("visibilitychange", () => window.dispatchEvent(new Event("focus")));
@@ -141,8 +145,13 @@
   Object.defineProperty(queue, "push", {value: (...messages) => {
     for (const m of messages) {
       const update = m.type === "SceneNodeUpdateMessage";
-      if (update && m.name === POSES) markChanged(apply(m.updates));
-      else if (update && m.name === APPEARANCES) {
+      if (update && m.name === POSES) {
+        markChanged(apply(m.updates));
+        page.ulnaPlayback?.record(m.updates);
+      } else if (update && m.name.startsWith(MOTION)) {
+        page.ulnaPlayback?.take(m.updates);
+        markChanged(false);
+      } else if (update && m.name === APPEARANCES) {
         onAppearances(m.updates);
         markChanged(false);  // it requested a frame where it needed one
       } else {

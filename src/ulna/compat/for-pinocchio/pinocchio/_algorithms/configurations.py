@@ -75,8 +75,8 @@ def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any 
     low = model.lowerPositionLimit if lower_bound is None else lower_bound
     high = model.upperPositionLimit if upper_bound is None else upper_bound
     draws = generator()
-    parts = draws.random(model.nq)
-    normal = parts if model.nq == model.nv else draws.standard_normal(model.nq)  # none is a quaternion's
+    numbers = next(model._drawn, None) if model._drawn_by is draws else None
+    parts, normal = numbers or _draw(model, draws)
     q = model._random(parts, normal, low, high)
     if q is NotImplemented:
         low, high = exact(low, model.nq, "lower_bound"), exact(high, model.nq, "upper_bound")
@@ -91,6 +91,21 @@ def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any 
             "randomConfiguration: a lower limit is above the upper one; expected lower_bound <= upper_bound."
         )
     return q
+
+
+_DRAWN_AT_ONCE = 64
+
+
+def _draw(model: Model, draws: np.random.Generator) -> tuple[Floats, Floats]:
+    """Random numbers in [0, 1] and normal deviates, (nq,) each, for a configuration.
+
+    Those for the next ones are kept with the model until `seed` is called: NumPy takes as long for one as for many.
+    """
+    shape = _DRAWN_AT_ONCE, model.nq
+    parts = draws.random(shape)
+    normal = parts if model.nq == model.nv else draws.standard_normal(shape)  # none is a quaternion's
+    model._drawn, model._drawn_by = zip(parts, normal, strict=True), draws
+    return next(model._drawn)
 
 
 def _within(model: CoreModel) -> Any:

@@ -20,6 +20,10 @@ class ModelPool:
     @by_name("model size", "other")
     def __init__(self, model: Model | ModelPool, size: int = 1) -> None:
         if isinstance(model, ModelPool):
+            if size != 1:
+                raise ArgumentError(
+                    f"ModelPool was given a pool and {size!r}; expected (model, size) or (pool)."
+                )
             self._model, self._datas = model._model, StdVec(d.copy() for d in model._datas)
         else:
             if not isinstance(model, Model):

@@ -28,7 +28,7 @@ from pinocchio._constraints.admm_settings import (
     ADMMSolverStats,
     ADMMUpdateRule,
 )
-from pinocchio._constraints.gauss_seidel import constraint_kind, delassus_matrix
+from pinocchio._constraints.solver_problem import constraint_kind, delassus_matrix
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import vector
 from ulna.algorithms.constraints.cone_complementarity import Bounded, Frictional, Kind, Unilateral

@@ -6,7 +6,7 @@ from typing import Any, final
 
 import numpy as np
 
-from pinocchio._containers.arguments import WrongShape
+from pinocchio._containers.arguments import ArgumentError, WrongShape
 from pinocchio._containers.arrays import numbers, real, vector
 from pinocchio._containers.keywords import by_name
 from ulna.algorithms.constraints import friction_cone
@@ -146,6 +146,10 @@ class BoxSet(_Set):
     @by_name("lb ub", "other")
     def __init__(self, lb: Any, ub: Any = None) -> None:
         if isinstance(lb, BoxSet):
+            if ub is not None:
+                raise ArgumentError(
+                    f"BoxSet was given a BoxSet and {ub!r}; expected (lb, ub) or another BoxSet."
+                )
             lb, ub = lb._lb, lb._ub
         self._lb = numbers(lb, "lb").reshape(-1).copy()
         self._ub = vector(ub, len(self._lb), "ub").copy()

@@ -3,25 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, final
 
 import numpy as np
 
-from pinocchio._constraints.anchors import PointContactConstraintModel
-from pinocchio._constraints.delassus import DelassusOperator, DelassusOperatorDense
-from pinocchio._constraints.joint_constraints import JointFrictionConstraintModel, JointLimitConstraintModel
-from pinocchio._containers.arguments import ArgumentError, WrongShape
+from pinocchio._constraints.gauss_seidel_stats import PGSSolverStats, recorded
+from pinocchio._constraints.solver_problem import constraint_kind, delassus_matrix
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import numbers, vector
-from ulna.algorithms.constraints.cone_complementarity import (
-    Bilateral,
-    Bounded,
-    Frictional,
-    Kind,
-    Unilateral,
-    gauss_seidel,
-)
+from ulna.algorithms.constraints.cone_complementarity import Kind, gauss_seidel
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
 from ulna.typing import Floats
@@ -42,22 +33,27 @@ class PGSSolverSettings:
         max_iterations: How many rounds at most.
         over_relaxation: What part of each correction is made, above 0 and below 2.
         solve_ncp: Whether contacts slide as Coulomb says; else a convex problem is solved.
+        measure_timings: Whether `getElapsedTime` is measured.
+        stat_record: Whether residuals of each round are recorded in `solver.stats`, which takes longer.
     """
 
     __slots__ = (
         "absolute_complementarity_tol",
         "absolute_feasibility_tol",
         "max_iterations",
+        "measure_timings",
         "over_relaxation",
         "relative_complementarity_tol",
         "relative_feasibility_tol",
         "solve_ncp",
+        "stat_record",
     )
 
     def __init__(self) -> None:
         self.absolute_feasibility_tol = self.absolute_complementarity_tol = 1e-6
         self.relative_feasibility_tol = self.relative_complementarity_tol = 1e-6
         self.max_iterations, self.over_relaxation, self.solve_ncp = 1000, 1.0, True
+        self.measure_timings = self.stat_record = False
 
     def checkValidity(self) -> None:
         """Raises InputError when a number makes no sense."""
@@ -158,11 +154,16 @@ class PGSSolverResult:
 
 @final
 class PGSConstraintSolver:
-    """Finds impulses of constraints, one after the other, round after round."""
+    """Finds impulses of constraints, one after the other, round after round.
 
-    __slots__ = ("_elapsed", "_valid")
+    Attributes:
+        stats: What was recorded of each round, where the settings say `stat_record`.
+    """
+
+    __slots__ = ("_elapsed", "_valid", "stats")
 
     def __init__(self, problem_size: int = 0) -> None:
+        self.stats = PGSSolverStats()
         self.reset()
 
     def reset(self) -> None:
@@ -174,7 +175,7 @@ class PGSConstraintSolver:
         return self._valid
 
     def getElapsedTime(self) -> float:
-        """How long the last search took [microseconds]."""
+        """How long the last search took [microseconds]; 0 where the settings do not say `measure_timings`."""
         return self._elapsed
 
     def solve(
@@ -226,56 +227,19 @@ class PGSConstraintSolver:
         feasible = settings.absolute_feasibility_tol + settings.relative_feasibility_tol * largest
         complementary = settings.absolute_complementarity_tol + settings.relative_complementarity_tol * power
         begun = time.perf_counter()
-        kernel = _kernel(
-            kinds, int(settings.max_iterations), float(settings.over_relaxation), bool(settings.solve_ncp)
-        )
-        results = kernel(G, g, guess, np.array([feasible, complementary]))
-        self._elapsed, self._valid = 1e6 * (time.perf_counter() - begun), True
+        enough, most = np.array([feasible, complementary]), int(settings.max_iterations)
+        how = float(settings.over_relaxation), bool(settings.solve_ncp)
+        if settings.stat_record:
+            results = recorded(_kernel(kinds, 1, *how), (G, g, guess, enough), most, self.stats)
+        else:
+            results = _kernel(kinds, most, *how)(G, g, guess, enough)
+        elapsed = 1e6 * (time.perf_counter() - begun)
+        self._elapsed, self._valid = elapsed if settings.measure_timings else 0.0, True
         result._impulses, result._velocities, rounds, off, power = results
         result.iterations, result.primal_feasibility = int(rounds), 0.0
         result.dual_feasibility, result.complementarity = float(off), float(power)
         result.converged = bool(off <= feasible and power <= complementary)
         return result.converged
-
-
-def delassus_matrix(delassus: Any, kinds: Sequence[Kind]) -> Floats:
-    """The matrix of a Delassus operator, whose size is checked.
-
-    Args:
-        delassus: Delassus operator, or matrix (m, m).
-        kinds: The constraints.
-
-    Returns:
-        Matrix (m, m).
-
-    Raises:
-        WrongShape: The constraints have not as many rows.
-    """
-    operator = delassus if isinstance(delassus, DelassusOperator) else DelassusOperatorDense(delassus)
-    m, rows = operator.size(), sum(kind.size for kind in kinds)
-    if rows != m:
-        raise WrongShape("delassus", (m, m), f"({rows}, {rows})", "The constraints have as many rows.")
-    return np.ascontiguousarray(DelassusOperator.matrix(operator), dtype=float)
-
-
-def constraint_kind(model: Any, data: Any) -> Kind:
-    """What a constraint is for solvers.
-
-    Args:
-        model: The constraint.
-        data: Its data, after `calc`.
-
-    Returns:
-        Its kind.
-    """
-    if isinstance(model, PointContactConstraintModel):
-        return Frictional(model.getFriction())
-    if isinstance(model, JointLimitConstraintModel):
-        return Unilateral(model.residualSize())
-    if isinstance(model, JointFrictionConstraintModel):
-        bounds = model.set(data)
-        return Bounded(tuple(bounds.lb.tolist()), tuple(bounds.ub.tolist()))
-    return Bilateral(model.residualSize())
 
 
 @lru_cache(maxsize=64)

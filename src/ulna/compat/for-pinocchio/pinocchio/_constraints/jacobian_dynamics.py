@@ -215,6 +215,7 @@ def getKKTContactDynamicMatrixInverse(model: Model, data: Data, constraint_jacob
     Raises:
         InputError: The Jacobian has another shape than in that call.
     """
+    constraint_jacobian = numbers(constraint_jacobian, "constraint_jacobian")
     shape, damping = data.require(data._damped, "forwardDynamics or impulseDynamics with a Jacobian")
     if np.shape(constraint_jacobian) != shape:
         raise InputError(

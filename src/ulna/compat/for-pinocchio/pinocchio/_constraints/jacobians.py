@@ -7,17 +7,20 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.jacobians import computeJointJacobians
+from pinocchio._constraints.constraint_model import AnyConstraint
 from pinocchio._constraints.constraint_set import ConstraintSet, constraint_set_of, known_constraint_set
 from pinocchio._constraints.delassus import damped_inverse, with_inertia
 from pinocchio._constraints.kernels import core_constraints, jacobian_kernel, sizes_of
 from pinocchio._constraints.proximal_settings import damping_of
 from pinocchio._constraints.rigid_constraint import RigidConstraint
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import exact
 from pinocchio._data.data import Data
 from pinocchio._data.states import compiled_for
 from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
 from ulna import algorithms
+from ulna.errors import excerpt
 from ulna.model import Model as CoreModel
 from ulna.quantities.mass import with_mass
 from ulna.typing import Array, Floats
@@ -45,10 +48,19 @@ def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, con
     if constraint_set is None:
         compiled_for(model, data)
         if not all(isinstance(one, RigidConstraint) for one in constraint_models):
-            pairs = zip(constraint_models, constraint_datas, strict=True)
+            pairs = list(zip(constraint_models, constraint_datas, strict=True))
+            _check_constraints(constraint_models)
             return np.vstack([one.jacobian(model, data, known) for one, known in pairs])
         constraint_set = constraint_set_of(model, data, constraint_models, constraint_datas)
     return evaluate(model, data, constraint_set, "jacobian", q)
+
+
+def _check_constraints(constraint_models: Any) -> None:
+    for one in constraint_models:
+        if not isinstance(one, (AnyConstraint, RigidConstraint)):
+            raise ArgumentError(
+                f"The constraint is {excerpt(repr(one))}; expected a constraint model, such as RigidConstraintModel."
+            )
 
 
 def getConstraintJacobian(model: Model, data: Data, constraint_model: Any, constraint_data: Any) -> Floats:

@@ -58,6 +58,10 @@ def _has_class(name: str) -> Callable[[Any], bool]:
     return accepts
 
 
+_NAMED_AS_THEY_ARE = """
+    SE3 Motion Force Inertia Symmetric3 Quaternion Frame JointModel JointData GeometryObject CollisionPair LieGroup
+    PseudoInertia ModelPool GeometryType AngleAxis RigidConstraintModel BaumgarteCorrectorParameters
+"""
 _KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "bool": (is_flag, "True or False"),
     "float": (is_number, "a real number"),
@@ -72,24 +76,7 @@ _KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "Data": (_has_class("Data"), "the data of the model, model.createData()"),
     "GeometryModel": (_has_class("GeometryModel"), "a pinocchio.GeometryModel"),
     "GeometryData": (_has_class("GeometryData"), "the data of the geometries, geometry_model.createData()"),
-    **{
-        name: (_has_class(name), f"a pinocchio.{name}")
-        for name in (
-            *(
-                "SE3",
-                "Motion",
-                "Force",
-                "Inertia",
-                "Symmetric3",
-                "Quaternion",
-                "Frame",
-                "JointModel",
-                "JointData",
-            ),
-            *("GeometryObject", "CollisionPair", "LieGroup", "PseudoInertia", "ModelPool", "GeometryType"),
-            *("AngleAxis", "RigidConstraintModel", "BaumgarteCorrectorParameters"),
-        )
-    },
+    **{name: (_has_class(name), f"a pinocchio.{name}") for name in _NAMED_AS_THEY_ARE.split()},
 }
 """For annotations: what a value must be, and how a message says that."""
 _HINTS = {
@@ -98,6 +85,9 @@ _HINTS = {
     "Model": "The order is (model, data, ...).",
     "NoneType": "Was it made before this call?",
 }
+
+_MOST_TYPES = 64
+"""How many combinations of types are known to be accepted, for each function."""
 
 
 class _Check(NamedTuple):
@@ -117,6 +107,12 @@ class _Check(NamedTuple):
             f"{function}: `{self.name}` is {excerpt(repr(value))}; expected {self.expected}. {hint}".rstrip()
         )
 
+    def decided_by_type(self, value: Any) -> bool:
+        """Whether all values of the type of an accepted value are accepted."""
+        by_value: dict[Any, tuple[type, ...]] = {is_flag: (bool,), is_number: (float, int), is_index: (int,)}
+        usual = by_value.get(self.accepts)
+        return usual is None or type(value) in (*usual, type(None))
+
 
 def checked(function: Function) -> Function:
     """Checks the arguments of a function by their annotations, and that its data is of its model.
@@ -130,21 +126,29 @@ def checked(function: Function) -> Function:
         return function
     title = function.__qualname__.rpartition(">.")[2]
     places = {check.name: check.place for check in checks}
-    relation = (places["model"], places["data"]) if {"model", "data"} <= places.keys() else ()
+    related = {"model", "data"} <= places.keys()
+    at_model, at_data = (places["model"], places["data"]) if related else (0, 0)
+    accepted: set[tuple[type, ...]] = (
+        set()
+    )  # types of arguments that passed the checks, whatever their values
 
     @functools.wraps(function)
     def called(*args: Any, **named: Any) -> Any:
-        count = len(args)
-        for check in checks:
-            place, name, accepts, *_ = check
-            if place < count:
-                if not accepts(args[place]):
-                    check(title, args[place])
-            elif name in named:
-                check(title, named[name])
-        if relation:
-            pair = zip(relation, ("model", "data"), strict=True)
-            check_layout(*(args[k] if k < len(args) else named.get(name) for k, name in pair))
+        types, count = tuple(map(type, args)), len(args)
+        if named or types not in accepted:
+            for check in checks:
+                if check.place < count:
+                    check(title, args[check.place])
+                elif check.name in named:
+                    check(title, named[check.name])
+            decided = not named and all(c.decided_by_type(args[c.place]) for c in checks if c.place < count)
+            if decided and len(accepted) < _MOST_TYPES:
+                accepted.add(types)
+        if related:
+            model = args[at_model] if at_model < count else named.get("model")
+            data = args[at_data] if at_data < count else named.get("data")
+            if data is None or model is None or data._layout is not model._layout:
+                check_layout(model, data)
         return function(*args, **named)
 
     called.arguments_checked = True  # type: ignore[attr-defined]

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, IndexOutOfRange, WrongShape, is_index, is_number
+from pinocchio._containers.arguments import (
+    ArgumentError,
+    IndexOutOfRange,
+    WrongShape,
+    check_size,
+    is_index,
+    is_number,
+)
 from pinocchio._containers.unknown_ids import known
 from ulna.checks.arrays import real_array
 from ulna.errors import excerpt
@@ -144,7 +152,22 @@ def text(array: Floats) -> str:
 
 
 class StdVec(list[Item], Generic[Item]):
-    """A list; what is assigned to an entry is copied into it, so that references to the entry see it."""
+    """A list; what is assigned to an entry is copied into it, so that references to the entry see it.
+
+    Args:
+        *parts: Nothing; entries; or how many entries, and what each is a copy of.
+    """
+
+    def __init__(self, *parts: Any) -> None:
+        if len(parts) == 2 and is_index(parts[0]):
+            check_size(parts[0], "size")
+            super().__init__([copy.copy(parts[1]) for _ in range(parts[0])])
+        else:
+            super().__init__(*parts)
+
+    def copy(self) -> StdVec[Item]:
+        """A copy, with copies of the entries."""
+        return StdVec(copy.copy(entry) for entry in self)
 
     def __setitem__(self, key: Any, value: Any) -> None:
         if isinstance(key, slice):

@@ -181,9 +181,10 @@ def _core_classes() -> dict[str, type]:
         "Points",
         "Surface",
     ]
-    classes = [getattr(geometry, name) for name in names if hasattr(geometry, name)]
-    classes += [k for k in vars(model).values() if isinstance(k, type) and issubclass(k, model.JointKind)]
-    return {"Pose": spatial.SE3, **{cls.__name__: cls for cls in classes}}
+    classes = [k for k in vars(model).values() if isinstance(k, type) and issubclass(k, model.JointKind)]
+    classes += [getattr(geometry, name) for name in names if hasattr(geometry, name)]
+    named = {cls.__name__: cls for cls in classes}  # a shape and a joint are called Ellipsoid
+    return {"Pose": spatial.SE3, "EllipsoidJoint": model.Ellipsoid, **named}
 
 
 def _plain(x: Any) -> Any:

@@ -133,13 +133,19 @@ def overloads(*signatures: str) -> Callable[[Callable[..., Result]], Callable[..
         parameters = list(inspect.signature(function).parameters.values())
         method = parameters[0].name == "self"
         parameters = parameters[method:]
-        body = checked(function)
+        body, places = checked(function), _Places(function, parameters)
+        known: dict[Any, list[int]] = {}  # for kinds of arguments, which parameters they are
 
         def choose(this: tuple[Any, ...], parts: tuple[Any, ...], named: dict[str, Any]) -> Result:
+            kinds = None if named else tuple([x.ndim if type(x) is np.ndarray else type(x) for x in parts])
+            if kinds in known:
+                return body(*this, *places.filled(known[kinds], parts))
             rest = {name: x for name, x in named.items() if x is not None}
-            for way in ways:
+            for k, way in enumerate(ways):
                 chosen = _fitting(way, parts, rest)
                 if chosen is not None:
+                    if kinds and len(known) < _MOST_KINDS and _decided_by_kinds(ways[: k + 1], parts):
+                        known.update(places.of(kinds, way, chosen))
                     return body(*this, **chosen)
             raise ArgumentError(_no_overload(_title(function), parts, rest, ways))
 
@@ -156,6 +162,50 @@ def overloads(*signatures: str) -> Callable[[Callable[..., Result]], Callable[..
         return called
 
     return decorate
+
+
+_MOST_KINDS = 64
+"""How many combinations of kinds of arguments are known, for each function."""
+
+
+class _Places:
+    """The parameters of a function in their order, and their defaults."""
+
+    def __init__(self, function: Any, parameters: list[inspect.Parameter]) -> None:
+        self._names = [parameter.name for parameter in parameters]
+        self._defaults = [parameter.default for parameter in parameters]
+        code = function.__code__  # a wrapper may take fewer arguments by position than its signature says
+        by_position = bool(code.co_flags & inspect.CO_VARARGS) or code.co_argcount >= len(parameters)
+        self._in_order = by_position and all(p.kind is p.POSITIONAL_OR_KEYWORD for p in parameters)
+
+    def of(self, kinds: Any, way: list[Parameter], chosen: dict[str, Any]) -> dict[Any, list[int]]:
+        """The place of each argument, for calls with arguments of these kinds; nothing where some are left out."""
+        targets = [parameter.target for parameter in way[: len(kinds)]]
+        missing = [
+            name
+            for name, default in zip(self._names, self._defaults, strict=True)
+            if default is inspect.Parameter.empty and name not in chosen
+        ]
+        if not self._in_order or missing or targets != list(chosen):
+            return {}
+        return {kinds: [self._names.index(target) for target in targets]}
+
+    def filled(self, places: list[int], parts: tuple[Any, ...]) -> list[Any]:
+        """A value for each parameter: the arguments at their places, and defaults."""
+        values = self._defaults.copy()
+        for place, part in zip(places, parts, strict=True):
+            values[place] = part
+        return values
+
+
+def _decided_by_kinds(ways: list[list[Parameter]], parts: tuple[Any, ...]) -> bool:
+    """Whether other arguments of the same types, and arrays of the same dimensions, lead to the same overload."""
+    by_value = {"matrix": (list, tuple), "bool": (int, np.integer)}
+    return not any(
+        isinstance(part, by_value.get(parameter.kind, ())) and not isinstance(part, bool)
+        for way in ways
+        for parameter, part in zip(way, parts, strict=False)
+    )
 
 
 def general_case(function: Callable[..., Result]) -> Callable[..., Result]:

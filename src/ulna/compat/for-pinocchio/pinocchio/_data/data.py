@@ -11,6 +11,7 @@ import numpy as np
 from pinocchio._containers.arrays import StdVec, matrix, views
 from pinocchio._containers.files import Saved, register
 from pinocchio._data.algorithm import ALGORITHMS
+from pinocchio._data.missing_fields import missing_field_message
 from pinocchio._data.states import BoundAlgorithms, Waiting
 from pinocchio._data.storage import CENTRES, FORCES, MATRICES, MOTIONS, FieldArrays
 from pinocchio._data.tree_fields import TreeFields
@@ -176,6 +177,9 @@ class Data(Saved, TreeFields):
     def copy(self) -> Data:
         """A copy."""
         return copy.deepcopy(self)
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(missing_field_message(name, dir(type(self))), name=name, obj=None)
 
     def __deepcopy__(self, memo: Any) -> Data:
         self.compute_deferred()

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import abc
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arguments import ArgumentError, is_flag
 from pinocchio._containers.arrays import StdVec, index, numbers
 from pinocchio._containers.keywords import by_name
 from pinocchio._geometry.geometry_collection import CollisionPair
 from pinocchio._geometry.geometry_data import GeometryData
 from pinocchio._geometry.geometry_model import GeometryModel
 from pinocchio._geometry.geometry_pool import GeometryPool
+from pinocchio._geometry.pair_calls import calls_of
 from pinocchio._geometry.placements import updateGeometryPlacements
 from ulna.collision.narrow import coal
 from ulna.errors import InputError
@@ -49,8 +49,7 @@ def computeCollision(
     Raises:
         MissingExtra: coal is not installed. `ulna.Robot.collides` answers for a whole robot, batches included.
     """
-    answers = _answers(geometry_model, geometry_data, "collision", pair_index, collision_request)
-    return any(contacts for _, contacts in answers)
+    return bool(_answer(geometry_model, geometry_data, "collision", pair_index, collision_request))
 
 
 def computeDistance(geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int) -> Any:
@@ -64,34 +63,43 @@ def computeDistance(geometry_model: GeometryModel, geometry_data: GeometryData, 
     Returns:
         Coal's DistanceResult.
     """
-    for _ in _answers(geometry_model, geometry_data, "distance", pair_index):
-        pass
+    _answer(geometry_model, geometry_data, "distance", pair_index)
     return geometry_data.distanceResults[pair_index]
 
 
-def _answers(
-    geometry_model: GeometryModel,
-    geometry_data: GeometryData,
-    what: str,
-    pair_id: int | None = None,
-    request: Any = None,
-) -> Iterator[tuple[int, Any]]:
-    """The indices of pairs and what coal answers about them, one by one: of one pair, or of all that are active."""
-    objects, pairs = geometry_model.geometryObjects, geometry_model.collisionPairs
-    if pair_id is None:
-        chosen, at = _checked(geometry_model, geometry_data), geometry_data.placed()
-    else:
-        chosen, at = [pair_id], geometry_data.placed(_pair(geometry_model, geometry_data, pair_id))
+def _answer(
+    geometry_model: GeometryModel, geometry_data: GeometryData, what: str, pair_id: int, request: Any = None
+) -> Any:
+    """What coal answers about a pair."""
+    objects, pair = geometry_model.geometryObjects, _pair(geometry_model, geometry_data, pair_id)
+    at = geometry_data.placed(pair)
     functions, requests, results = (
         getattr(geometry_data, name) for name in (f"{what}_functors", f"{what}Requests", f"{what}Results")
     )
+    i, j = pair.first, pair.second
+    one, two = functions[pair_id].of
+    if one is not objects[i] or two is not objects[j]:
+        functions[pair_id] = type(functions[pair_id])(objects[i], objects[j])
+    query = requests[pair_id] if request is None else request
+    return functions[pair_id].run(at[i], at[j], query, results[pair_id])
+
+
+def _answers(
+    geometry_model: GeometryModel, geometry_data: GeometryData, what: str, stop: bool = False
+) -> tuple[list[int], list[Any]]:
+    """The active pairs, and what coal answers about them; `stop` ends after the first answer above zero."""
+    chosen, at = _checked(geometry_model, geometry_data), geometry_data.placed()
+    known = calls_of(geometry_model, f"Compute{what.capitalize()}")
+    calls, first, second = known.of(chosen), known.first, known.second
+    requests, results = (getattr(geometry_data, f"{what}{name}") for name in ("Requests", "Results"))
+    answers = []
     for k in chosen:
-        i, j = pairs[k].first, pairs[k].second
-        one, two = functions[k].of
-        if one is not objects[i] or two is not objects[j]:
-            functions[k] = type(functions[k])(objects[i], objects[j])
-        query = requests[k] if request is None else request
-        yield k, functions[k].run(at[i], at[j], query, results[k])
+        result = results[k]
+        result.clear()
+        answers.append(calls[k](at[first[k]], at[second[k]], requests[k], result))
+        if stop and answers[-1] > 0:
+            break
+    return chosen, answers
 
 
 @by_name(
@@ -119,12 +127,12 @@ def computeCollisions(*parts: Any) -> bool:
         raise ArgumentError(
             f"computeCollisions was given {rest[1:]!r} after stop_at_first; nothing more is expected."
         )
-    hit = False
-    for _, contacts in _answers(geometry_model, geometry_data, "collision"):
-        hit |= contacts > 0
-        if hit and rest and rest[0]:
-            break
-    return hit
+    if rest and not is_flag(rest[0]):
+        raise ArgumentError(
+            f"computeCollisions: `stop_at_first_collision` is {rest[0]!r}; expected True or False."
+        )
+    _, contacts = _answers(geometry_model, geometry_data, "collision", bool(rest and rest[0]))
+    return any(contacts)
 
 
 @by_name("geometry_model geometry_data", "model data geometry_model geometry_data q")
@@ -133,9 +141,13 @@ def computeDistances(*parts: Any) -> int:
 
     With `(geometry_model, geometry_data)`, placements stay as they are. Without any pair it is their number.
     """
-    geometry_model, geometry_data, _ = _placed(parts)
-    distances = dict(_answers(geometry_model, geometry_data, "distance"))
-    return min(distances, key=distances.__getitem__, default=len(geometry_model.collisionPairs))
+    geometry_model, geometry_data, rest = _placed(parts)
+    if rest:
+        raise ArgumentError(
+            f"computeDistances was given {rest!r} after the configuration or the data; nothing more is expected."
+        )
+    pairs, distances = _answers(geometry_model, geometry_data, "distance")
+    return pairs[distances.index(min(distances))] if pairs else len(geometry_model.collisionPairs)
 
 
 def computeContactPatch(geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int) -> None:

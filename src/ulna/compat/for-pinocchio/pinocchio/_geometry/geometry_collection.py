@@ -163,6 +163,9 @@ class GeometryCollection(Saved):
             out[i, j] = out[j, i] = k
         return out
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_pair_calls"}
+
     def copy(self) -> Self:
         """A copy that shares the shapes."""
         return self._copied(GeometryObject.copy)

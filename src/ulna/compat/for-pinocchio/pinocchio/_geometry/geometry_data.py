@@ -39,18 +39,31 @@ class GeometryData(Saved):
         if name not in self._of_coal:
             from ulna.collision.narrow import coal
 
-            self._of_coal[name] = StdVec(make(coal(), k) for k in range(len(self._pairs)))
+            package = coal()
+            self._of_coal[name] = StdVec([make(package, k) for k in range(len(self._pairs))])
+        return self._of_coal[name]
+
+    def _requests(self, kind: str) -> StdVec[Any]:
+        """Requests whose search begins where the last one ended."""
+        name = f"{kind[0].lower()}{kind[1:]}s"
+        if name not in self._of_coal:
+            from ulna.collision.narrow import coal
+
+            make, guess = getattr(coal(), kind), coal().GJKInitialGuess.CachedGuess
+            self._of_coal[name] = StdVec([make() for _ in self._pairs])
+            for request in self._of_coal[name]:
+                request.gjk_initial_guess = guess
         return self._of_coal[name]
 
     @property
     def collisionRequests(self) -> StdVec[Any]:
         """For each pair what coal is asked about collisions; `security_margin` widens the pair [m]."""
-        return self._made("collisionRequests", lambda c, k: _warm(c, c.CollisionRequest()))
+        return self._requests("CollisionRequest")
 
     @property
     def distanceRequests(self) -> StdVec[Any]:
         """For each pair what coal is asked about distances."""
-        return self._made("distanceRequests", lambda c, k: _warm(c, c.DistanceRequest()))
+        return self._requests("DistanceRequest")
 
     @property
     def contactPatchRequests(self) -> StdVec[Any]:
@@ -203,12 +216,6 @@ class GeometryData(Saved):
 
     def __repr__(self) -> str:
         return f"<places of {len(self.oMg)} geometries, results of {len(self._pairs)} pairs>"
-
-
-def _warm(coal: Any, request: Any) -> Any:
-    """A request whose search begins where the last one ended."""
-    request.gjk_initial_guess = coal.GJKInitialGuess.CachedGuess
-    return request
 
 
 register(GeometryData)

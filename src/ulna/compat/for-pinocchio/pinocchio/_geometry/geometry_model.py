@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NoReturn, final
 
+from pinocchio._containers.arguments import check_methods
 from pinocchio._containers.files import register
 from pinocchio._containers.former_names import replacement_message
 from pinocchio._geometry.geometry_collection import GeometryCollection
@@ -25,4 +26,5 @@ class GeometryModel(GeometryCollection):
         raise AttributeError(text.rstrip(), name=name, obj=self)
 
 
+check_methods([GeometryModel, GeometryData])
 register(GeometryModel)

@@ -76,6 +76,7 @@ class GeometryObject(Placed, Saved):
         is_shape = isinstance(geometry, Shape)
         self._shape: Shape | None = geometry if is_shape else None
         self._coal: Any = None if is_shape else geometry
+        self._mesh_loader: Any = None
         self.meshPath = str(values.get("mesh_path", ""))
         """The file of the mesh; "BOX", "SPHERE", ... for other shapes of a URDF file; else empty."""
         self._scale = np.array(vector(values.get("mesh_scale", np.ones(3)), 3, "meshScale"))
@@ -114,10 +115,18 @@ class GeometryObject(Placed, Saved):
         """Its shape, as an object of coal, made when it is first read; where coal is missing, a shape of Ulna."""
         if self._coal is None and self._shape is not None:
             with contextlib.suppress(MissingExtra):
-                self._coal = _of_coal(self.name, self._shape)
+                self._coal = _of_coal(self.name, self._shape, self._mesh_loader)
                 if not isinstance(self._shape, Mesh):
                     self._shape = None  # coal's object can be changed
         return self._shape if self._coal is None else self._coal
+
+    def read_mesh_with(self, mesh_loader: Any) -> None:
+        """Has the file of its mesh read by a loader of coal, when the geometry is first read.
+
+        Args:
+            mesh_loader: A coal.MeshLoader.
+        """
+        self._mesh_loader = mesh_loader
 
     @geometry.setter
     def geometry(self, geometry: Any) -> None:
@@ -164,7 +173,12 @@ class GeometryObject(Placed, Saved):
 
     def __getstate__(self) -> dict[str, Any]:
         shape = self._shape or _shape_of(self._coal)
-        return {**self.__dict__, "_shape": shape, "_coal": None if shape else self._coal}
+        return {
+            **self.__dict__,
+            "_shape": shape,
+            "_coal": None if shape else self._coal,
+            "_mesh_loader": None,
+        }
 
     @staticmethod
     def CreateCapsule(radius: float, length: float) -> GeometryObject:
@@ -233,8 +247,8 @@ def _shape_of(geometry: Any) -> Shape | None:
     return None
 
 
-def _of_coal(name: str, shape: Shape) -> Any:
-    """The object of coal for a shape; a mesh is read by coal itself, as Pinocchio has it read."""
+def _of_coal(name: str, shape: Shape, mesh_loader: Any = None) -> Any:
+    """The object of coal for a shape; a mesh is read by coal's loader, as Pinocchio has it read."""
     from ulna.collision import Obstacle, World
     from ulna.collision.narrow import coal, geometry_of
     from ulna.collision.solids import obstacle_solids
@@ -242,7 +256,7 @@ def _of_coal(name: str, shape: Shape) -> Any:
     named = shape.path if isinstance(shape, Mesh) and not shape.missing else None
     if isinstance(shape, Mesh) and named is not None and not special_kind(named):
         with contextlib.suppress(ValueError):  # a format that coal's reader does not know
-            mesh = coal().MeshLoader().load(named, np.array(shape.scale))
+            mesh = (mesh_loader or coal().MeshLoader()).load(named, np.array(shape.scale))
             if not isinstance(shape, ConvexMesh):
                 return mesh
             mesh.buildConvexRepresentation(False)

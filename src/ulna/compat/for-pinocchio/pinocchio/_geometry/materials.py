@@ -12,7 +12,14 @@ from pinocchio._containers.enums import _Named
 from pinocchio._containers.files import register
 from ulna.typing import Floats
 
-__all__ = ["GeometryNoMaterial", "GeometryPhongMaterial", "PhysicsMaterial", "PhysicsMaterialType"]
+__all__ = [
+    "FrictionCoefficientMatrix",
+    "GeometryNoMaterial",
+    "GeometryPhongMaterial",
+    "PhysicsMaterial",
+    "PhysicsMaterialType",
+    "getFrictionCoefficientMatrix",
+]
 
 
 @final
@@ -96,6 +103,36 @@ class PhysicsMaterial:
         return vars(self) == vars(other) if isinstance(other, PhysicsMaterial) else NotImplemented
 
     __hash__ = object.__hash__
+
+
+_PAIRS = {
+    "ICE ICE": 0.01, "ICE CONCRETE": 0.25, "METAL METAL": 0.75, "METAL PLASTIC": 0.2, "METAL WOOD": 0.5,
+    "METAL CONCRETE": 0.85, "PLASTIC PLASTIC": 0.2, "WOOD WOOD": 0.4, "CONCRETE CONCRETE": 1.0,
+}  # fmt: skip
+"""Friction coefficients of pairs of materials that Pinocchio knows; 0 for others, as there."""
+
+
+@final
+class FrictionCoefficientMatrix:
+    """The friction coefficients of pairs of materials: `getFrictionCoefficientMatrix()` returns it."""
+
+    def getFrictionFromMaterialPair(self, type1: PhysicsMaterialType, type2: PhysicsMaterialType) -> float:
+        """The coefficient of Coulomb friction between two materials; 0 where none is known.
+
+        Args:
+            type1: One material.
+            type2: The other one.
+
+        Returns:
+            The coefficient [-].
+        """
+        one, two = (PhysicsMaterialType(kind).name for kind in (type1, type2))
+        return _PAIRS.get(f"{one} {two}", _PAIRS.get(f"{two} {one}", 0.0))
+
+
+def getFrictionCoefficientMatrix() -> FrictionCoefficientMatrix:
+    """The friction coefficients of pairs of materials."""
+    return FrictionCoefficientMatrix()
 
 
 ICE, METAL, CONCRETE, PLASTIC, WOOD = PhysicsMaterialType

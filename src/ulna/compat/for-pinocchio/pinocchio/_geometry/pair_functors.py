@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from pinocchio._geometry.geometry_object import GeometryObject
-from ulna.collision.narrow import coal
+from pinocchio._geometry.pair_calls import asking
 
 
 class _PairFunctor:
@@ -31,7 +31,7 @@ class _PairFunctor:
         first, second = one.geometry, two.geometry
         if first is not self._shapes[0] or second is not self._shapes[1]:
             self._shapes = first, second
-            self._ask = getattr(coal(), type(self).__name__)(first, second)
+            self._ask = asking(type(self).__name__, first, second)
         result.clear()
         return self._ask(tf1, tf2, request, result)
 

@@ -18,7 +18,16 @@ from ulna.typing import Array
 class Frame(Placed):
     """`Frame(name, parentJoint, parentFrame, placement, type, inertia)`; parent frame and inertia may be left out."""
 
-    __slots__ = ("_counters", "_inertia", "_name", "_parent_frame", "_parent_joint", "_placement", "_type")
+    __slots__ = (
+        "_counters",
+        "_inertia",
+        "_inertia_as_made",
+        "_name",
+        "_parent_frame",
+        "_parent_joint",
+        "_placement",
+        "_type",
+    )
 
     @by_name(
         "name parent_joint placement type inertia",
@@ -50,7 +59,8 @@ class Frame(Placed):
         self._parent_frame = index(frame, NO_INDEX + 1, "frame", "model.getFrameId(name) returns one.")
         self._placement = SE3(placement)
         self._type = type_
-        self._inertia = Inertia(inertia)
+        self._inertia_as_made = Inertia(inertia)
+        self._inertia: Inertia | None = None
         self._counters: tuple[Array, ...] = ()
 
     def add_counter(self, counter: Array) -> None:
@@ -107,31 +117,34 @@ class Frame(Placed):
 
     @property
     def inertia(self) -> Inertia:
-        """What it added to its joint's body, in its own frame."""
+        """What it added to its joint's body, in its own frame, a live reference."""
+        if self._inertia is None:  # copies of a frame share the other one, which nobody else sees
+            self._inertia = self._inertia_as_made.copy()
         return self._inertia
 
     @inertia.setter
     def inertia(self, inertia: Inertia) -> None:
-        self._inertia._assign(inertia)
+        self.inertia._assign(inertia)
 
     def _assign(self, other: Frame) -> None:
         self._name, self._type = other.name, other.type
         self._parent_joint, self._parent_frame = other.parentJoint, other.parentFrame
         self._placement._assign(other.placement)
-        self._inertia._assign(other.inertia)
+        self.inertia._assign(other.inertia)
         self._count_change()
 
     def copy(self) -> Frame:
         """A copy."""
         return self._placed_at(self._placement.copy())
 
-    def _placed_at(self, placement: SE3) -> Frame:
-        """A copy that holds this placement."""
+    def _placed_at(self, placement: SE3, counters: tuple[Array, ...] = ()) -> Frame:
+        """A copy that holds this placement, and counts its changes."""
         out = object.__new__(Frame)
         out._name, out._type = self._name, self._type
         out._parent_joint, out._parent_frame = self._parent_joint, self._parent_frame
-        out._placement, out._inertia = placement, self._inertia.copy()
-        out._counters = ()
+        out._placement, out._counters = placement, counters
+        out._inertia_as_made = self._inertia_as_made if self._inertia is None else self._inertia.copy()
+        out._inertia = None
         return out
 
     __copy__ = cast = copy

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Self
 
 from pinocchio._containers.arguments import ArgumentError, check_size, is_index
-from pinocchio._containers.arrays import StdVec
+from pinocchio._containers.arrays import StdVec, real
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
 from pinocchio._model.joint_base import NOWHERE
@@ -88,9 +88,9 @@ class JointModelComposite(JointModel):
         return self
 
     def getJointId(self, joint_name: str) -> int:
-        """The place of the joint that was added under a name. Raises UnknownName with the nearest one."""
+        """The place of the joint that was added under a name. Raises UnknownPart with the nearest one."""
         if not joint_name or joint_name not in self._names:
-            raise UnknownName("part of this joint", joint_name, [n for n in self._names if n])
+            raise UnknownPart("part of this joint", joint_name, [n for n in self._names if n])
         return self._names.index(joint_name)
 
     def __str__(self) -> str:
@@ -98,6 +98,10 @@ class JointModelComposite(JointModel):
         return f"JointModelComposite containing following models:\n{parts}"
 
     __repr__ = __str__
+
+
+class UnknownPart(UnknownName, ValueError):
+    """A composite joint has no part of that name; Pinocchio raises a ValueError."""
 
 
 class JointModelMimic(JointModel):
@@ -123,7 +127,7 @@ class JointModelMimic(JointModel):
         self._set_kind("JointModelMimic", joint.kind)
         self._mimic_shortname = joint.shortname()
         self.nq = self.nv = 0
-        self.mimic = (int(followed.id), float(scaling), float(offset))
+        self.mimic = (int(followed.id), real(scaling, "scaling"), real(offset, "offset"))
         self.idx_q, self.idx_v = followed.idx_q, followed.idx_v
 
 

@@ -21,6 +21,7 @@ _KINDS = (
         "PrismaticUnaligned",
         "HelicalUnaligned",
         "Universal",
+        "Ellipsoid",
     ),
     *("FreeFlyer", "Planar", "Spherical", "SphericalZYX", "Translation", "Mimic", "Composite"),
 )
@@ -156,6 +157,8 @@ def data_of(joint: JointBase) -> JointData:
     data.joints = StdVec(data_of(part) for part in joint.parts)
     if joint.kind is not None:
         data.place(joint, joint.kind.neutral(), np.zeros(joint.kind.nv))
+    elif shortname == "JointDataComposite":
+        data._subspace = np.zeros((6, 0))
     return data
 
 

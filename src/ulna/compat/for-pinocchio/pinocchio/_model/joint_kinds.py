@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from pinocchio._model.joint_model import JointModel
 from ulna.model import (
     Circle,
     Composite,
+    Ellipsoid,
     FreeFlyer,
     Helical,
     JointKind,
@@ -29,6 +31,7 @@ from ulna.typing import Floats
 
 __all__ = [
     "JointModel",
+    "JointModelEllipsoid",
     "JointModelFreeFlyer",
     "JointModelHX",
     "JointModelHY",
@@ -121,6 +124,10 @@ class JointModelHelicalUnaligned(JointModel):
     @by_name("axis pitch", "x y z pitch")
     def __init__(self, *parts: Any) -> None:
         *axis, pitch = parts or (_AXES["X"], 0.0)
+        if len(axis) not in (1, 3):
+            raise ArgumentError(
+                f"JointModelHelicalUnaligned was given {parts!r}; expected (axis, pitch) or (x, y, z, pitch)."
+            )
         self._axis: Axis = unit_axis(vector(axis[0] if len(axis) == 1 else axis, 3, "axis"))
         self.pitch = real(pitch, "pitch")
         """Advance per angle [m/rad]."""
@@ -137,6 +144,10 @@ class JointModelUniversal(JointModel):
 
     @by_name("axis1 axis2", "x1 y1 z1 x2 y2 z2")
     def __init__(self, *parts: Any) -> None:
+        if len(parts) not in (0, 2, 6):
+            raise ArgumentError(
+                f"JointModelUniversal was given {parts!r}; expected two axes, or six numbers."
+            )
         first, second = (
             parts if len(parts) == 2 else (parts[:3], parts[3:]) if parts else (_AXES["X"], _AXES["Y"])
         )
@@ -152,6 +163,36 @@ class JointModelUniversal(JointModel):
     def axis2(self) -> Floats:
         """The second unit axis (3,), in the moving frame."""
         return np.array(self._axes[1])
+
+
+def _radius(k: int) -> property:
+    """The property of a radius of an ellipsoid."""
+    name = f"radius_{'xyz'[k]}"
+
+    def read(self: Any) -> float:
+        return self.kind.radii[k]
+
+    def write(self: Any, value: float) -> None:
+        self.kind = replace(self.kind, **{name: real(value, name)})
+
+    return property(read, write, doc=f"Radius along {'xyz'[k]} [m].")
+
+
+class JointModelEllipsoid(JointModel):
+    """Rolls and spins on an ellipsoid, `(radius_x, radius_y, radius_z)` [m]; q is three angles, x then y then z [rad].
+
+    The moving frame has the rotation Rx Ry Rz; its place is the radii times the third column of that.
+    """
+
+    @by_name("radius_x radius_y radius_z")
+    def __init__(self, *radii: float) -> None:
+        if len(radii) not in (0, 3):
+            raise ArgumentError(f"JointModelEllipsoid was given {radii}; expected three radii [m], or none.")
+        values = radii or (0.0, 0.0, 0.0)
+        sizes = (real(r, f"radius_{axis}") for axis, r in zip("xyz", values, strict=True))
+        self._set_kind("JointModelEllipsoid", Ellipsoid(*sizes))
+
+    radius_x, radius_y, radius_z = (_radius(k) for k in range(3))
 
 
 JointModelFreeFlyer = _fixed_kind(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, Literal
 
 import numpy as np
@@ -11,7 +12,7 @@ from pinocchio._model.compiled_model import COMPILING, CompiledModel
 from pinocchio._model.first_calls import FirstCalls
 from pinocchio._model.kernel_parameters import PARAMETERS
 from pinocchio._model.live_parameters import LiveParameters
-from ulna.typing import Array
+from ulna.typing import Array, Floats
 
 _MOST_VARIANTS = 3
 """How many states of a model have kernels compiled for them; what differs among more becomes an input of kernels."""
@@ -30,6 +31,8 @@ class KernelCache(LiveParameters):
     _with_inputs: CompiledModel | None
     first_calls: FirstCalls
     """How often its functions were called before they were compiled."""
+    _drawn: Iterator[tuple[Floats, Floats]]
+    _drawn_by: Any
     joint_table: Any
     """Its `JointTable`, made when first needed."""
 
@@ -49,6 +52,7 @@ class KernelCache(LiveParameters):
         self._integrate = self._difference = self._random = not_applicable
         self._distance = self._normalize = not_applicable
         self._narrowest = np.zeros(())
+        self._drawn, self._drawn_by = iter(()), None  # see randomConfiguration
         self.__dict__.pop("_neutral", None)
         self._frames_changed()
 

@@ -80,6 +80,11 @@ class FrameList(StdVec[Frame]):
         for frame in frames:
             frame.add_counter(self.changes)
 
+    def fill(self, frames: list[Frame]) -> None:
+        """Adds frames that count their changes in `changes` already."""
+        super().extend(frames)
+        self.changes[0] += 1
+
     def append(self, frame: Frame) -> None:
         """Adds a frame at the end."""
         super().append(frame)

@@ -121,11 +121,14 @@ class Model(Saved, Supports, KinematicTree):
     @property
     def children(self) -> StdVec[StdVec[int]]:
         """For each joint, the joints that follow it at once."""
-        return StdVec(self.getChildJoints(i) for i in range(self.njoints))
+        children: StdVec[StdVec[int]] = StdVec(StdVec() for _ in self.names)
+        for i in range(1, self.njoints):
+            children[self.parents[i]].append(i)
+        return children
 
-    def getChildJoints(self, joint_id: int = 0) -> StdVec[int]:
-        """The joints that follow a joint at once; those of the universe without one."""
-        return StdVec(i for i in range(1, self.njoints) if self.parents[i] == joint_id)
+    def getChildJoints(self) -> StdVec[int]:
+        """The joints that no other joint follows: the ends of the tree. Those after a joint are `children[i]`."""
+        return StdVec(i for i, after in enumerate(self.children) if i and not after)
 
     # named configurations ---------------------------------------------------------------------------------------
 
@@ -195,7 +198,8 @@ class Model(Saved, Supports, KinematicTree):
         out.name, out.names, out.parents = self.name, StdVec(self.names), StdVec(self.parents)
         out.joints = StdVec([joint.copy() for joint in self.joints])
         out._placements, out._inertias = StdVec(placements), StdVec(inertias)
-        out.frames = [frame._placed_at(place) for frame, place in zip(self._frames, places, strict=True)]
+        counters = (out._frame_changes,)
+        out._frames.fill([f._placed_at(at, counters) for f, at in zip(self._frames, places, strict=True)])
         configurations = {key: q.copy() for key, q in self.referenceConfigurations.items()}
         out._configurations = StdMap_String_VectorXd(configurations)
         out._gravity = self._gravity.copy()

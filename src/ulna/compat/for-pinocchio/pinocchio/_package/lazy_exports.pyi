@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from pinocchio import cholesky as cholesky
+from pinocchio import graph as graph
 from pinocchio import liegroups as liegroups
 from pinocchio import linalg as linalg
 from pinocchio import robot_wrapper as robot_wrapper
@@ -26,6 +27,8 @@ from pinocchio._algorithms.supported_inertia import (
 from pinocchio._algorithms.supported_inertia import (
     computeSupportedInertiaByFrame as computeSupportedInertiaByFrame,
 )
+from pinocchio._constraints.lanczos import LanczosDecomposition as LanczosDecomposition
+from pinocchio._constraints.lanczos import TridiagonalSymmetricMatrix as TridiagonalSymmetricMatrix
 from pinocchio._containers.arrays import StdVec
 from pinocchio._containers.named_configurations import StdMap_String_VectorXd as StdMap_String_VectorXd
 from pinocchio._geometry.broadphase import BroadPhaseManager, BroadPhaseManagerPool
@@ -51,10 +54,12 @@ from pinocchio._geometry.materials import ICE as ICE
 from pinocchio._geometry.materials import METAL as METAL
 from pinocchio._geometry.materials import PLASTIC as PLASTIC
 from pinocchio._geometry.materials import WOOD as WOOD
+from pinocchio._geometry.materials import FrictionCoefficientMatrix as FrictionCoefficientMatrix
 from pinocchio._geometry.materials import GeometryNoMaterial as GeometryNoMaterial
 from pinocchio._geometry.materials import GeometryPhongMaterial as GeometryPhongMaterial
 from pinocchio._geometry.materials import PhysicsMaterial as PhysicsMaterial
 from pinocchio._geometry.materials import PhysicsMaterialType as PhysicsMaterialType
+from pinocchio._geometry.materials import getFrictionCoefficientMatrix as getFrictionCoefficientMatrix
 from pinocchio._geometry.pair_functors import ComputeCollision as ComputeCollision
 from pinocchio._geometry.pair_functors import ComputeDistance as ComputeDistance
 from pinocchio._geometry.placements import updateGeometryPlacements as updateGeometryPlacements
@@ -144,6 +149,7 @@ JointDataRevoluteUnboundedUnalignedTpl = JointData
 JointDataSpherical = JointData
 JointDataSphericalZYX = JointData
 JointDataTranslation = JointData
+JointDataEllipsoid = JointData
 JointDataUniversal = JointData
 BroadPhaseManagerPool_DynamicAABBTreeCollisionManager = BroadPhaseManagerPool
 BroadPhaseManager_DynamicAABBTreeArrayCollisionManager = BroadPhaseManager

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.enums import FrameType, GeometryType
 from pinocchio._geometry.geometry_model import GeometryModel
 from pinocchio._geometry.geometry_object import ConvexMesh, GeometryObject
 from pinocchio._spatial.se3 import SE3
-from ulna.errors import FormatError
+from ulna.errors import FormatError, excerpt
 from ulna.formats.markup import parse_markup, read_file
 from ulna.geometry import Capsule, Cylinder, Geometry, Mesh
 from ulna.model import Link
@@ -77,7 +78,11 @@ def _with_replaced(link: Link, replacements: Mapping[str, str]) -> Link:
 
 
 def geometry_model_of(
-    model: Model, links: Mapping[str, Link], kind: GeometryType, into: GeometryModel | None = None
+    model: Model,
+    links: Mapping[str, Link],
+    kind: GeometryType,
+    into: GeometryModel | None = None,
+    mesh_loader: Any = None,
 ) -> GeometryModel:
     """The geometries of links, placed by the frames of bodies, in their order.
 
@@ -85,6 +90,7 @@ def geometry_model_of(
         links: The links by name.
         kind: GeometryType.VISUAL or COLLISION.
         into: A GeometryModel to add to; None for a new one.
+        mesh_loader: A coal.MeshLoader for the files of meshes; None for coal's own.
 
     Returns:
         The GeometryModel.
@@ -92,6 +98,7 @@ def geometry_model_of(
     Raises:
         FormatError: No body has the name of a link.
     """
+    check_mesh_loader(mesh_loader)
     out = GeometryModel() if into is None else into
     bodies = [
         (i, f) for i, f in enumerate(model.frames) if (f.type == FrameType.BODY or i == 0) and f.name in links
@@ -111,10 +118,27 @@ def geometry_model_of(
                 named |= {"override_material": True, "mesh_texture_path": material.texture or ""}
                 if material.rgba is not None:
                     named["mesh_color"] = np.array(material.rgba)
-            out.addGeometryObject(
-                GeometryObject(f"{frame.name}_{k}", frame.parentJoint, i, placement, shape, **named)
-            )
+            made = GeometryObject(f"{frame.name}_{k}", frame.parentJoint, i, placement, shape, **named)
+            made.read_mesh_with(mesh_loader)
+            out.addGeometryObject(made)
     return out
+
+
+def check_mesh_loader(mesh_loader: Any) -> None:
+    """Checks what is to read the files of meshes.
+
+    Args:
+        mesh_loader: None, or a coal.MeshLoader.
+
+    Raises:
+        ArgumentError: It is something else.
+    """
+    if mesh_loader is None or any(cls.__name__ == "MeshLoader" for cls in type(mesh_loader).__mro__):
+        return
+    raise ArgumentError(
+        f"The mesh loader is {excerpt(repr(mesh_loader))}; expected None, or one of coal, such as "
+        "coal.MeshLoader(coal.BV_OBBRSS) or coal.CachedMeshLoader(coal.BV_OBBRSS)."
+    )
 
 
 def buildGeomFromUrdf(
@@ -134,7 +158,7 @@ def buildGeomFromUrdf(
         geometry_model: One to add to. Package folders may stand here, too.
         package_dirs: One or several folders to look for packages in. Those around the file and the installed
             example-robot-data are looked in anyway.
-        mesh_loader: Not needed; meshes are read when somebody looks.
+        mesh_loader: A coal.MeshLoader that reads the files of meshes, each when its geometry is first read.
 
     Returns:
         The GeometryModel.
@@ -145,7 +169,7 @@ def buildGeomFromUrdf(
     if geometry_model is not None and not isinstance(geometry_model, GeometryModel):
         geometry_model, package_dirs = None, geometry_model
     return geometry_model_of(
-        model, geometries_of_links(urdf_filename, package_dirs), geom_type, geometry_model
+        model, geometries_of_links(urdf_filename, package_dirs), geom_type, geometry_model, mesh_loader
     )
 
 
@@ -165,7 +189,7 @@ def buildGeomFromUrdfString(
         geom_type: GeometryType.VISUAL or COLLISION.
         geometry_model: A GeometryModel to add to; folders of packages may stand here, too.
         package_dirs: One or several folders to look for packages in.
-        mesh_loader: Accepted and ignored.
+        mesh_loader: A coal.MeshLoader for the files of meshes.
 
     Returns:
         The GeometryModel.
@@ -173,4 +197,4 @@ def buildGeomFromUrdfString(
     if geometry_model is not None and not isinstance(geometry_model, GeometryModel):
         geometry_model, package_dirs = None, geometry_model
     links = geometries_of_links(None, package_dirs, urdf_string)
-    return geometry_model_of(model, links, geom_type, geometry_model)
+    return geometry_model_of(model, links, geom_type, geometry_model, mesh_loader)

@@ -151,14 +151,14 @@ def buildGeomFromMJCF(
 
     Args:
         geom_type: GeometryType.VISUAL or COLLISION.
-        mesh_loader: Accepted and ignored.
+        mesh_loader: A coal.MeshLoader for the files of meshes.
 
     Returns:
         The GeometryModel.
     """
     source = _read(os.fspath(mjcf_filename))
     links = {("universe" if link is source.links[0] else link.name): link for link in source.links}
-    return geometry_model_of(model, links, geom_type)
+    return geometry_model_of(model, links, geom_type, None, mesh_loader)
 
 
 def model_of(source: CoreModel, root: JointModel | None = None, root_name: str = "root_joint") -> Model:

@@ -7,7 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import matrix, text, vector
+from pinocchio._containers.arrays import matrix, real, text, vector
 from pinocchio._containers.files import registered
 from pinocchio._containers.keywords import by_name
 from ulna.identification.physical import (
@@ -95,7 +95,7 @@ class PseudoInertia(_BodyParameters):
 
     @mass.setter
     def mass(self, value: float) -> None:
-        self._p[3, 3] = value
+        self._p[3, 3] = real(value, "mass")
 
     @property
     def h(self) -> Floats:

@@ -262,6 +262,10 @@ class AngleAxis:
                 self.angle, self.axis = one.angle, one.axis.copy()
             else:
                 self.fromRotationMatrix(one.matrix() if hasattr(one, "matrix") else one)
+        elif parts:
+            raise ArgumentError(
+                f"AngleAxis was given {len(parts)} arguments; expected (angle, axis), a matrix, or a quaternion."
+            )
 
     @by_name("rotation", "R")
     def fromRotationMatrix(self, R: Any) -> AngleAxis:

@@ -6,6 +6,7 @@ from typing import Any, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import matrix, text, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.motion_force import skew
@@ -30,8 +31,12 @@ class Symmetric3:
                 self._d[:] = vector(one, 6, "data")
             else:
                 self._d[:] = _packed(matrix(one, (3, 3), "matrix"))
-        elif parts:
+        elif len(parts) == 6:
             self._d[:] = vector(parts, 6, "data")
+        elif parts:
+            raise ArgumentError(
+                f"Symmetric3 was given {len(parts)} arguments; expected a matrix, six numbers, or an array of them."
+            )
 
     @staticmethod
     def Zero() -> Symmetric3:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, final
+from typing import final
 
 import numpy as np
 
 from pinocchio._model.building import KinematicTree
 from pinocchio._tables import recursions as r
+from ulna.algorithms.multibody.tree import Part, parts_of
 from ulna.model import (
     Circle,
-    Composite,
     FreeFlyer,
     Helical,
     JointKind,
@@ -19,8 +19,8 @@ from ulna.model import (
     Revolute,
     Spherical,
     Translation,
-    Universal,
 )
+from ulna.spatial import SE3
 from ulna.typing import Floats
 
 _KINDS: dict[type, int] = {
@@ -61,12 +61,13 @@ class JointTable:
             ratio, offset = joint.mimic[1:] if joint.mimic else (1.0, 0.0)
             q, v = joint.idx_q, joint.idx_v
             first.append(len(self._rows))
-            for place, kind in _unfold(joint.kind, np.eye(4)):
+            for part in _parts(joint.kind):
+                place = part.placement.matrix()
                 if len(self._rows) == first[-1] and not np.array_equal(place, np.eye(4)):
                     self.leading[i - 1] = place
                 inner.append(place)
-                self._add(kind, parent, q, v, ratio, offset)
-                parent, q, v = len(self._rows) - 1, q + kind.nq, v + kind.nv
+                self._add(part.kind, parent, q + part.start_q, v + part.start_v, ratio * part.ratio, offset)
+                parent = len(self._rows) - 1
             last.append(parent)
         self.of_joint = np.array(last[1:], np.int64)
         self.first = np.array(first, np.int64)
@@ -99,18 +100,12 @@ class JointTable:
         )
 
 
-def _unfold(kind: JointKind | None, place: Floats) -> list[tuple[Floats, JointKind]]:
-    """The steps of a kind, each with the placement of its fixed frame in the moving frame before it."""
-    if isinstance(kind, Universal):
-        return [(place, Revolute(kind.axis1)), (np.eye(4), Revolute(kind.axis2))]
-    if isinstance(kind, Composite):
-        assert kind.placements is not None  # a Composite fills them in
-        places: list[Any] = [T.matrix() for T in kind.placements]
-        places[0] = place @ places[0]
-        return [step for T, part in zip(places, kind.kinds, strict=True) for step in _unfold(part, T)]
-    if kind is None or type(kind) not in _KINDS:
+def _parts(kind: JointKind | None) -> list[Part]:
+    """The elementary joints of a kind; raises UnknownKind where tables do not have one of them."""
+    parts = [] if kind is None else parts_of(kind, SE3.identity())
+    if not parts or any(type(part.kind) not in _KINDS for part in parts):
         raise UnknownKind
-    return [(place, kind)]
+    return parts
 
 
 def rows_of(matrices: Floats) -> Floats:

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+from gepetto.corbaserver.reach import is_drawable
 
 from pinocchio._algorithms.frame_motions import getFrameVelocity
 from pinocchio._containers.enums import LOCAL_WORLD_ALIGNED
@@ -72,7 +73,9 @@ class MotionPictures(abc.ABC):
     def updateFrames(self) -> None:
         """Moves the axes to where the frames are in the data."""
         for frame in self._frames:
-            self._scene.set_pose(self._frame_node(frame), self._frame_pose(frame))
+            node, pose = self._frame_node(frame), self._frame_pose(frame)
+            if is_drawable(pose, node):
+                self._scene.set_pose(node, pose)
 
     def _frame_node(self, frame: int) -> str:
         return f"{self._root}/frames/{frame} {self.model.frames[frame].name}".rstrip("/")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from ulna.errors import InputError, ModelError, ShapeError, UnknownName
+from numpy.linalg import LinAlgError
+
+from ulna.errors import FormatError, InputError, ModelError, ShapeError, UnknownName
 
 
 class UnknownOption(UnknownName, ValueError):
@@ -19,6 +21,14 @@ class WrongIndex(InputError, IndexError):
 
 class WrongShape(ShapeError, TypeError):
     """An array has the wrong shape, or what was passed is no array of numbers."""
+
+
+class SingularInertia(InputError, LinAlgError):
+    """The inertia matrix has no inverse, so torques determine no accelerations."""
+
+
+class MissingFile(FormatError, FileNotFoundError):
+    """There is no such file."""
 
 
 class WrongLinks(ModelError, TypeError):

@@ -17,10 +17,16 @@ class _AliasModule(ModuleType):
 
     def __getattr__(self, name: str) -> Any:
         if name == "__all__":
-            return sorted(PLACES.get(_below(self.__name__), {self.__name__.rpartition(".")[2]: ""}))
+            last = self.__name__.rpartition(".")[2]
+            return sorted(
+                PLACES.get(_below(self.__name__), () if _below(self.__name__) in CLOSED else (last,))
+            )
         if name.startswith("__"):
             raise AttributeError(name)
         return name_in(self.__name__, name)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self.__getattr__("__all__")]
 
 
 def _below(place: str) -> str:
@@ -79,12 +85,14 @@ def public_name(place: str, name: str) -> Any:
     Raises:
         AttributeError: There is no such name; says what to use.
     """
-    import roboticstoolbox
-
-    if name in roboticstoolbox.__all__ and _below(place) not in CLOSED:
-        return getattr(roboticstoolbox, name)
+    toolbox = sys.modules["roboticstoolbox"]
+    if name in toolbox.__all__ and _below(place) not in CLOSED:
+        return getattr(toolbox, name)
     module = sys.modules.get(f"{place}.{name}")
     if module is not None:
         return module
+    package, _, last = place.rpartition(".")
+    if name == last and package.startswith("roboticstoolbox.models"):  # the class that the module is for
+        return getattr(sys.modules[package], name)
     advice = ADVICE.get(_below(place), "")
     raise AttributeError(f"module {place!r} has no attribute {name!r}{f': {advice}' if advice else ''}")

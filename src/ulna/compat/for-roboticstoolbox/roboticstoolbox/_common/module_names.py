@@ -59,6 +59,7 @@ PLACES: dict[str, dict[str, str]] = {
     "tools.urdf": {},
     "tools.urdf.urdf": {},
     "tools.urdf.utils": {},
+    "models.catalog": {"catalog": "models:catalog", "list": "models:list"},
     "backends.Connector": {"Connector": "backends._connector:Connector"},
     "backends.PyPlot.PyPlot": {"PyPlot": _FIGURES["PyPlot"]},
     "backends.PyPlot.PyPlot2": {"PyPlot2": _FIGURES["PyPlot2"]},
@@ -66,8 +67,16 @@ PLACES: dict[str, dict[str, str]] = {
     "backends.PyPlot.RobotPlot2": {"RobotPlot2": "_plot.robot_plot:RobotPlot"},
     "backends.PyPlot.EllipsePlot": {"EllipsePlot": "_plot.ellipsoids:EllipsePlot"},
     "bin": {},
-    "bin.rtbtool": {"main": "_common.console_tools:main"},
     "bin._bintools": {},
+    "demo": {},
+    "demo.eigdemo": {},
+    "demo.tripleangledemo": {},
+    "demo.twistdemo": {},
+    "backends.ROS": {},
+    "mobile": {},
+    "blocks": {},
+    "_fknm_c": {},
+    "_frne_c": {},
 }  # fmt: skip
 
 CLOSED = {
@@ -77,12 +86,33 @@ CLOSED = {
     "tools.DHFactor",
     "robot.DHFactor",
     "bin._bintools",
+    "demo",
+    "demo.eigdemo",
+    "demo.tripleangledemo",
+    "demo.twistdemo",
+    "backends.ROS",
+    "mobile",
+    "blocks",
+    "_fknm_c",
+    "_frne_c",
 }
 """Modules whose names mean something else than public names of `roboticstoolbox`."""
 
 _URDF = "`ulna.load(path)`, `models.URDF.URDFRobot(path)` or `Robot.URDF(path)` read a description"
 _PLOTS = "`env.add(robot)` draws a robot in a figure, `env.remove` takes it out"
+_DEMOS = "demonstrations are the toolbox's own; `ulna demo` and the pages of Ulna's gallery show what is here"
+_MOBILE = "Ulna is for robot arms; for mobile robots, maps, filters and block diagrams use the toolbox itself"
+_ROS = "no backend of ROS is offered; `robot.plot` and `backends.PyPlot`, `backends.swift` draw"
 ADVICE: dict[str, str] = {
+    "mobile": _MOBILE,
+    "blocks": _MOBILE,
+    "demo": _DEMOS,
+    "demo.eigdemo": _DEMOS,
+    "demo.tripleangledemo": _DEMOS,
+    "demo.twistdemo": _DEMOS,
+    "backends.ROS": _ROS,
+    "_fknm_c": "`roboticstoolbox.ets.fknm` has the functions of chains",
+    "_frne_c": "`robot.rne(q, qd, qdd)` is compiled",
     "tools.urdf": _URDF,
     "tools.urdf.urdf": _URDF,
     "tools.urdf.utils": _URDF,

@@ -66,6 +66,24 @@ def matrix(T: Any, size: int = 4) -> Floats:
     return M
 
 
+def constant_pose(T: Any, size: int = 4) -> Floats:
+    """A copy of the matrix (size, size) of a pose, which may hold symbols.
+
+    Args:
+        T: A pose object, or an array (size, size).
+        size: 4 in space, 3 in the plane.
+
+    Returns:
+        Matrix (size, size), of objects where there are symbols.
+
+    Raises:
+        WrongShape: It is neither.
+    """
+    values = getattr(T, "data", None)
+    M = values[0] if type(values) is list and len(values) == 1 else np.asarray(T)
+    return M.copy() if M.dtype == object and M.shape == (size, size) else matrix(array(T), size).copy()
+
+
 def matrices(T: Any, size: int = 4) -> Floats:
     """The matrices of poses, (size, size) or (m, size, size).
 
@@ -87,6 +105,8 @@ def matrices(T: Any, size: int = 4) -> Floats:
 
 def describe(T: Floats) -> str:
     """A constant pose as text, "SE3(x, y, z; roll, pitch, yaw)", without the parts that are zero."""
+    if T.dtype == object:
+        return f"SE{len(T) - 1}({T.tolist()})"
     if T.shape == (3, 3):
         angle = math.degrees(math.atan2(T[1, 0], T[0, 0]))
         return f"SE2({T[0, 2]:.4g}, {T[1, 2]:.4g}; {angle:.4g}°)"

@@ -19,6 +19,35 @@ def has_symbols(values: Any) -> bool:
     return entries.dtype == object and any(is_symbol(x) for x in entries.ravel())
 
 
+def exact_entries(values: Any) -> Any:
+    """An array beside symbols: whole numbers as integers, below 1e-15 as zero, so that products of it stay short.
+
+    Args:
+        values: Array of numbers or expressions.
+
+    Returns:
+        Array of objects of the same shape.
+    """
+    out = np.array(values, dtype=object)
+    for place, x in np.ndenumerate(out):
+        if not is_symbol(x):
+            out[place] = 0 if abs(x) < 1e-15 else int(x) if float(x).is_integer() else x
+    return out
+
+
+def with_symbols(text: str, value: Any) -> str:
+    """A number in a format, a symbol as it prints.
+
+    Args:
+        text: A format such as ".3g".
+        value: A number or an expression [any].
+
+    Returns:
+        The text.
+    """
+    return str(value) if is_symbol(value) else format(value, text)
+
+
 def is_nothing(value: Any, rotation: bool) -> bool:
     """Whether a transform is the identity: its value is exactly zero, or a symbolic angle of whole turns.
 

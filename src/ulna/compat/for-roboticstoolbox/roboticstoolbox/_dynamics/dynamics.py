@@ -10,12 +10,13 @@ Source: Corke, Robotics, Vision and Control (2023), chapter 9.
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import Any
 
 import numpy as np
 
-from roboticstoolbox._common.errors import WrongShape, WrongType
+from roboticstoolbox._common.errors import SingularInertia, WrongShape, WrongType
 from roboticstoolbox._common.numbers import numbers
 from roboticstoolbox._common.symbols import has_symbols
 from roboticstoolbox._dynamics.symbolic_torques import symbolic_torques
@@ -226,10 +227,20 @@ class Dynamics:
 
         Returns:
             Accelerations (n,) or (m, n) [rad/s^2 or m/s^2].
+
+        Raises:
+            SingularInertia: A joint moves no mass.
         """
         self._current_dynamic_arrays()
         net_torque = numbers("torque", torque) - self._friction_torques(numbers("qd", qd))
-        return self._evaluate("forward_dynamics", (q, qd, net_torque), gravity)
+        acceleration = self._evaluate("forward_dynamics", (q, qd, net_torque), gravity)
+        flat = acceleration.ravel()
+        if not math.isfinite(flat.dot(flat)) and not np.isfinite(flat).all():
+            raise SingularInertia(
+                f"The inertia matrix of {self.name!r} is singular: one of its joints moves no mass; set m or I "
+                "of the links after it, or Jm of their motors."
+            )
+        return acceleration
 
     def friction(self, qd: Any) -> Floats:
         """The torques of friction, against the motion, (n,) or (m, n)."""

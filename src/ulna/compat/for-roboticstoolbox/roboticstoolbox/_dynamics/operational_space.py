@@ -11,13 +11,8 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.numbers import numbers
-from roboticstoolbox._dynamics.dynamics import vector3
-from roboticstoolbox._ets.compiled_chain import known_angles
-from roboticstoolbox._links.ulna_model import model_of
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.errors import InputError, ShapeError
-from ulna.robot import Robot as Body
-from ulna.spatial import SE3
 from ulna.typing import Floats
 
 _SIX = 6
@@ -28,40 +23,12 @@ _NO_LOAD = 1e-10  # [N m] below which a wrench does not burden a joint
 class OperationalSpace(RobotMixin):
     """Operational space."""
 
-    def _robot_and_end(self) -> tuple[Body, str]:
-        """The robot of Ulna with the present masses, and the name of its end."""
-        self._current_dynamic_arrays()
-        base = np.eye(4) if self._base is None else self._base
-        body = Body(model_of(self.name, self._links, self._grippers, self._gravity, base, moving=False))
-        end, tool = self._default_end()
-        if tool is None and self._tool is None:
-            return body, end.name
-        T = np.eye(4) if tool is None else tool
-        body = body.with_tool(end.name, SE3.from_matrix(T if self._tool is None else T @ self._tool))
-        return body, body.tool
-
-    def _operational_quantity(self, name: str, arrays: tuple[Any, ...], representation: str | None) -> Floats:
-        """A quantity of the end, by Ulna's operational space."""
-        if representation is not None:
-            known_angles(representation)
-            self._check_angles(arrays[0], representation)
-        body, end = self._robot_and_end()
-        try:
-            value = getattr(body, name)(*arrays, frame=end, representation=representation)
-        except ZeroDivisionError:
-            raise InputError(
-                f"The inertia matrix of {self.name!r} is singular: one of its joints moves no mass; set m or I "
-                "of the links after it, or Jm of their motors."
-            ) from None
-        return self._finite(value, representation)
-
-    def _check_angles(self, q: Any, representation: str) -> None:
+    def _check_angles(self, J: Floats, representation: str | None) -> None:
         """Refuses configurations where the Jacobian of the angles is singular but for rounding.
 
         Raises:
             InputError: It is.
         """
-        J = np.asarray(self.jacob0_analytical(q, representation), dtype=float)
         if J.shape[-1] < _SIX:
             return
         scale = np.linalg.norm(J, axis=(-2, -1))
@@ -94,9 +61,7 @@ class OperationalSpace(RobotMixin):
             Inertia (6, 6) or (m, 6, 6).
         """
         at = _rows("q", q)
-        if Ji is None and not self._takes_pseudoinverse(pinv):
-            return self._operational_quantity("operational_inertia", (at,), representation)
-        inverse = self._inverse_jacobian(at, representation, Ji)
+        inverse = self._inverse_jacobian(at, representation, Ji, pinv=pinv)
         return _turned(inverse) @ self.inertia(at) @ inverse
 
     def coriolis_x(
@@ -131,9 +96,6 @@ class OperationalSpace(RobotMixin):
             ShapeError: `q` and `qd` have different shapes.
         """
         at, rate = _rows("q", q), _rows("qd", qd)
-        has_matrices = any(matrix is not None for matrix in (J, Ji, Jd, C, Mx))
-        if not has_matrices and not self._takes_pseudoinverse(pinv):
-            return self._operational_quantity("operational_coriolis", (at, rate), representation)
         if at.shape != rate.shape:
             raise ShapeError("qd", rate.shape, f"{at.shape}, as q")
         inverse = self._inverse_jacobian(at, representation, Ji, J, pinv)
@@ -142,21 +104,31 @@ class OperationalSpace(RobotMixin):
         Jd = self._jacobian_rate(at, rate, representation) if Jd is None else np.asarray(Jd, dtype=float)
         return _turned(inverse) @ C @ inverse - Mx @ Jd @ inverse
 
-    def _takes_pseudoinverse(self, pinv: bool) -> bool:
-        """Whether the Jacobian has only a pseudoinverse that is not of the core's formulas."""
-        return pinv or self.n < 6
+    def _analytical_jacobian(self, q: Any, representation: str) -> Floats:
+        """The analytical Jacobian with a column for each joint of the robot, (..., 6, n)."""
+        J = np.asarray(self.jacob0_analytical(q, representation), dtype=float)
+        self._check_angles(J, representation)
+        return self._with_all_joints(J)
+
+    def _with_all_joints(self, J: Floats) -> Floats:
+        """A matrix with columns of zeros for joints of the robot that do not move its end."""
+        if J.shape[-1] == self.n:
+            return J
+        out = np.zeros((*J.shape[:-1], self.n))
+        out[..., self._chain(None, None).jindices] = J
+        return out
 
     def _inverse_jacobian(
-        self, q: Floats, representation: str, Ji: Any = None, J: Any = None, pinv: bool = True
+        self, q: Floats, representation: str, Ji: Any = None, J: Any = None, pinv: bool = False
     ) -> Floats:
         """The inverse of the analytical Jacobian, (..., n, 6), or what is given instead of it."""
         if Ji is not None:
             return np.asarray(Ji, dtype=float)
-        J = self.jacob0_analytical(q, representation) if J is None else J
+        J = self._analytical_jacobian(q, representation) if J is None else J
         matrix = np.asarray(self._finite(np.asarray(J, dtype=float), representation))
-        return np.asarray(
-            np.linalg.pinv(matrix) if pinv or self.n != 6 else np.linalg.inv(matrix), dtype=float
-        )
+        square = self.n == _SIX and self._chain(None, None).n == _SIX
+        inverse = np.linalg.inv(matrix) if square and not pinv else np.linalg.pinv(matrix)
+        return np.asarray(inverse, dtype=float)
 
     def _jacobian_rate(self, q: Floats, qd: Floats, representation: str) -> Floats:
         """The derivative of the analytical Jacobian by time, (..., 6, n)."""
@@ -164,7 +136,7 @@ class OperationalSpace(RobotMixin):
             self.jacob0_dot(a, v, representation=representation)
             for a, v in zip(np.atleast_2d(q), np.atleast_2d(qd), strict=True)
         ]
-        return np.array(rows).reshape(*q.shape[:-1], 6, self.n)
+        return self._with_all_joints(np.array(rows).reshape(*q.shape[:-1], 6, -1))
 
     def accel_x(
         self,
@@ -189,16 +161,13 @@ class OperationalSpace(RobotMixin):
             Acceleration (6,) or (m, 6).
         """
         at = _rows("q", q)
-        J = self._finite(np.asarray(self.jacob0_analytical(at, representation)), representation)
+        J = self._finite(self._analytical_jacobian(at, representation), representation)
         inverse = self._inverse_jacobian(at, representation, None, J, pinv)
         v = np.squeeze(inverse @ _six("xd", xd)[..., None], -1)
-        tau = np.squeeze(_turned(J) @ _six("wrench", wrench)[..., None], -1) - self._friction_torques(v)
-        gravity_before = self._gravity
-        try:
-            self._gravity = gravity_before if gravity is None else vector3(gravity)
-            return self._operational_quantity("operational_acceleration", (at, v, tau), representation)
-        finally:
-            self._gravity = gravity_before
+        tau = np.squeeze(_turned(J) @ _six("wrench", wrench)[..., None], -1)
+        acceleration = self.accel(at, v, tau, gravity)
+        Jd = self._jacobian_rate(at, v, representation)
+        return np.squeeze(J @ acceleration[..., None] + Jd @ v[..., None], -1)
 
     def payload_capacity(self, q: Any, tau_m: Any, w: Any, frame: str = "base") -> Floats:
         """How many times the wrench `w` at the end each joint can carry, (m, n).
@@ -258,15 +227,8 @@ class OperationalSpace(RobotMixin):
             Force (6,) or (m, 6) [N, N m].
         """
         at = _rows("q", q)
-        if Ji is not None or self._takes_pseudoinverse(pinv):
-            inverse = self._inverse_jacobian(at, representation, Ji)
-            return np.squeeze(_turned(inverse) @ self.gravload(at, gravity)[..., None], -1)
-        gravity_before = self._gravity
-        try:
-            self._gravity = gravity_before if gravity is None else vector3(gravity)
-            return self._operational_quantity("operational_gravity", (at,), representation)
-        finally:
-            self._gravity = gravity_before
+        inverse = self._inverse_jacobian(at, representation, Ji, pinv=pinv)
+        return np.squeeze(_turned(inverse) @ self.gravload(at, gravity)[..., None], -1)
 
     def cinertia(self, q: Any) -> Floats:
         """A former name of `inertia_x`."""

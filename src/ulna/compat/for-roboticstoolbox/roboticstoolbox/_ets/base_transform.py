@@ -11,7 +11,7 @@ import numpy as np
 
 from roboticstoolbox._common.errors import WrongShape, WrongType
 from roboticstoolbox._common.numbers import number, numbers
-from roboticstoolbox._common.symbols import is_nothing, is_symbol
+from roboticstoolbox._common.symbols import exact_entries, is_nothing, is_symbol
 from roboticstoolbox._ets.joint_descriptor import current_name, parse_joint, shown_name
 from roboticstoolbox._ets.transform_text import transform_repr, transform_text
 from ulna.errors import InputError
@@ -57,11 +57,11 @@ class BaseET:
             axis_func: The matrix as a function of the angle or the distance; that of `axis`.
             T: A constant pose, (4, 4) or (3, 3).
             jindex: Which joint coordinate it takes.
-            unit: Of `param`, "rad" or "deg".
+            unit: Of `param` and `offset`, "rad" or "deg".
             flip: Whether the joint coordinate counts backwards.
             qlim: Least and greatest joint coordinate, (2,).
             eta: The former name of `param`.
-            offset: What is added to the joint coordinate [rad or m].
+            offset: What is added to the joint coordinate [m, or in `unit`].
 
         Raises:
             InputError: An argument cannot be used.
@@ -71,10 +71,11 @@ class BaseET:
         if isinstance(param, str):
             param, jindex, flip = self._named(param, jindex, flip)
         self._param = None
+        in_degrees = axis[0] == "R" and unit.lower().startswith("deg")
         if param is not None:
-            if axis[0] == "R" and unit.lower().startswith("deg") and not is_symbol(param):
-                param = math.radians(float(param))
-            self._param = self._constant(param)
+            self._param = self._constant(
+                math.radians(float(param)) if in_degrees and not is_symbol(param) else param
+            )
         self._flip, self._jindex, self._offset = bool(flip), None, 0.0
         if jindex is not None:
             self.jindex = jindex
@@ -82,7 +83,7 @@ class BaseET:
         if axis_func is not None:
             self._check_axis_func(axis_func)
         if not is_nothing(offset, False):
-            self.offset = offset
+            self.offset = math.radians(offset) if in_degrees and not is_symbol(offset) else offset
 
     def _named(self, name: str, jindex: int | None, flip: bool | None) -> tuple[Any, int | None, bool | None]:
         """A constant written as text, or the number and the direction that the name of a joint says."""
@@ -230,11 +231,12 @@ class BaseET:
             return self._T.copy()
         value = self._param
         if self.isjoint:
-            value = 0.0 if q is None else q if is_symbol(q) else number("q", q)
+            value = q if is_symbol(q) else number("q", q)
             value = (-value if self._flip else value) + self._offset
         elif not is_symbol(value):
             return self._to_ulna().transform().matrix()
-        return Transform(self._name_in_ulna(), index=0).transform(value).matrix()
+        A = Transform(self._name_in_ulna(), index=0).transform(value).matrix()
+        return exact_entries(A) if A.dtype == object else A
 
     @property
     def axis_func(self) -> Callable[[Any], Floats] | None:

@@ -48,7 +48,7 @@ class Chain:
         """The robot that Ulna computes with: the chain alone, its end the tool."""
         count = iter(range(self.n))
         if self.is_symbolic:
-            raise InputError("The chain holds symbols; only poses and Jacobians are computed with them.")
+            raise WrongType("The chain holds symbols; only poses and Jacobians are computed with them.")
         parts = [et._parts_in_ulna(next(count) if et.isjoint else None) for et in self.transforms]
         return Robot(Transforms(tuple(one for part in parts for one in part)).model("chain"))
 
@@ -62,6 +62,8 @@ class Chain:
 
     def with_tool(self, T: Floats) -> Chain:
         """The chain that ends in a tool at `T`."""
+        if T.dtype == object:  # of symbols, whose bytes are addresses
+            return Chain([*self.transforms, BaseET("SE3", T=T)])
         key = T.tobytes()
         if key not in self._tools:
             if len(self._tools) > 32:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from roboticstoolbox._common.poses import array, matrix, to_planar, to_spatial
+from roboticstoolbox._common.poses import constant_pose, to_planar, to_spatial
 from roboticstoolbox._ets.base_transform import BaseET
 from roboticstoolbox._ets.joint_descriptor import current_name
 from ulna.formats.ets import ET as Transform
@@ -47,7 +45,7 @@ class ET(BaseET):
         Returns:
             The transform.
         """
-        return cls("SE3", T=_pose_matrix(T, 4), **joint)
+        return cls("SE3", T=constant_pose(T, 4), **joint)
 
 
 class ET2(BaseET):
@@ -68,7 +66,7 @@ class ET2(BaseET):
         Returns:
             The transform.
         """
-        return cls("SE2", T=_pose_matrix(T, 3), **joint)
+        return cls("SE2", T=constant_pose(T, 3), **joint)
 
     def A(self, q: Any = 0.0) -> Floats:
         """The matrix (3, 3), for the joint coordinate `q` where it has one."""
@@ -78,13 +76,6 @@ class ET2(BaseET):
         if self._T is None:
             return super()._to_ulna(joint)
         return Transform.se3(SE3.from_matrix(to_spatial(self._T)))
-
-
-def _pose_matrix(T: Any, size: int) -> Floats:
-    """A copy of a constant pose, which may hold symbols."""
-    values = getattr(T, "data", None)
-    M = values[0] if type(values) is list else np.asarray(T)
-    return M.copy() if M.dtype == object and M.shape == (size, size) else matrix(array(T), size).copy()
 
 
 __all__ = ["ET", "ET2", "BaseET"]

@@ -18,7 +18,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from roboticstoolbox._common.errors import WrongShape
+from roboticstoolbox._common.errors import UnknownOption, WrongShape
 from roboticstoolbox._common.numbers import number
 from roboticstoolbox._common.poses import matrices
 from roboticstoolbox._ets.compiled_chain import Chain
@@ -29,6 +29,7 @@ from ulna.typing import Floats
 
 Kind = Literal["LM", "NR", "GN", "QP"]
 Damping = Literal["chan", "wampler", "sugihara"]
+_DAMPINGS: tuple[Damping, ...] = ("chan", "wampler", "sugihara")
 _STEPS = 30  # of a search, by default
 _SQUARE = 6  # joints of a chain whose Jacobian is square
 _FINE = 1e-6  # [m], [rad]
@@ -284,9 +285,16 @@ def one_row(q0: Any, n: int) -> Any:
 
 
 def damping_name(method: Any) -> Damping:
-    """The method of "LM" by its first letters, as the toolbox reads them; Chan's for any other word."""
+    """The method of "LM" by its first four letters, as the toolbox reads them.
+
+    Raises:
+        UnknownOption: It is none of them.
+    """
     letters = str(method).lower()[:4]
-    return "sugihara" if letters == "sugi" else "wampler" if letters == "wamp" else "chan"
+    for name in _DAMPINGS:
+        if name[:4] == letters:
+            return name
+    raise UnknownOption("method", method, _DAMPINGS)
 
 
 def _starting_rows(q0: Any, n: int, slimit: int) -> Floats:

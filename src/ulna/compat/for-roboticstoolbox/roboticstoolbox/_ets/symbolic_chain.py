@@ -31,9 +31,8 @@ def symbolic_pose(transforms: Sequence[BaseET], q: Any) -> Floats:
     Returns:
         Pose (4, 4) of numbers or expressions.
     """
-    T, coordinates = None, list(q)
-    for et in reversed(transforms):
-        A = to_spatial(et.A(coordinates.pop()) if et.isjoint else et.A())
+    T = None
+    for A in reversed(_matrices(transforms, q)):
         T = A if T is None else A @ T
     return _numbers_if_possible(np.eye(4) if T is None else T)
 
@@ -49,9 +48,9 @@ def symbolic_jacobian(transforms: Sequence[BaseET], q: Any) -> Floats:
         Jacobian (6, n) of numbers or expressions.
     """
     end = symbolic_pose(transforms, q)
-    U, columns, coordinates = np.eye(4), [], iter(q)
-    for et in transforms:
-        U = U @ to_spatial(et.A(next(coordinates)) if et.isjoint else et.A())
+    U, columns = np.eye(4, dtype=int), []
+    for et, A in zip(transforms, _matrices(transforms, q), strict=True):
+        U = U @ A
         if not et.isjoint:
             continue
         z = U[:3, "xyz".index(et.ax or "z")] * (-1 if et.isflip else 1)
@@ -72,6 +71,12 @@ def to_axes_of_end(J: Floats, T: Floats) -> Floats:
     """
     R = T[:3, :3].T
     return _numbers_if_possible(np.vstack([R @ J[:3], R @ J[3:]]))
+
+
+def _matrices(transforms: Sequence[BaseET], q: Any) -> list[Floats]:
+    """The transforms as matrices (4, 4)."""
+    coordinates = iter(q)
+    return [to_spatial(et.A(next(coordinates)) if et.isjoint else et.A()) for et in transforms]
 
 
 def _numbers_if_possible(values: Floats) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -102,12 +103,19 @@ class AnalyticIK:
             count += bool(len(rows)) and bool((np.abs(rows - q).max(axis=1) < 1e-5).any())
         return count / trials
 
-    def __getattr__(self, name: str) -> Any:
-        if name == "generate":
-            raise AttributeError(
-                "Source code of closed forms is not offered; robot.ulna.branch_kernel() is the compiled function."
-            )
-        raise AttributeError(f"'AnalyticIK' object has no attribute {name!r}")
+    def generate(self, language: str = "python", name: str = "ikine") -> str:
+        """Source code of the closed form, which needs no library: a function from a pose to all configurations.
+
+        Args:
+            language: "python", "c" or "c++".
+            name: Name of the function.
+
+        Returns:
+            The source.
+        """
+        from roboticstoolbox._ik.branch_source import closed_form_source
+
+        return closed_form_source(self.robot, language, name)
 
     def __repr__(self) -> str:
         return f"AnalyticIK({self.robot.name!r})"
@@ -169,6 +177,12 @@ class Analytic(RobotMixin):
         Returns:
             Configuration (n,), or (m, n) for m poses; nan where there is none.
         """
+        warnings.warn(
+            "ikine_6s is kept for old scripts; write the closed form of a robot as Puma560.ikine_a does, or take "
+            "ikine_analytic",
+            DeprecationWarning,
+            stacklevel=2,
+        )
         goals = matrices(T)
         base = np.eye(4) if self._base is None else self._base
         tool = np.eye(4) if self._tool is None else self._tool

@@ -12,10 +12,12 @@ Source: Faverjon & Tournassoud 1987, A local based approach for path planning of
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.numbers import vector
 from roboticstoolbox._common.poses import along, matrix
 from roboticstoolbox._links.shapes import obstacle
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
@@ -80,7 +82,19 @@ class Collision(RobotMixin):
             for pair in self._nearby_links(self.q if q is None or skip else q, shape, 0.01)
         )
 
-    collided = iscollided
+    def collided(self, q: Any, shape: Any, skip: bool = False) -> bool:
+        """The former name of `iscollided`.
+
+        Args:
+            q: Configuration (n,) [rad or m]; None for the robot's.
+            shape: A shape of spatialgeometry or a group of them, or the robot itself.
+            skip: Whether to leave links where they are, at the robot's configuration, whatever `q` is.
+
+        Returns:
+            Whether they touch.
+        """
+        warnings.warn("collided is the former name of iscollided", FutureWarning, stacklevel=2)
+        return self.iscollided(q, shape, skip)
 
     def isselfcollided(self, q: Any = None, skip: bool = False) -> bool:
         """Whether two links touch that are not joined.
@@ -132,7 +146,7 @@ class Collision(RobotMixin):
         Returns:
             A (n, n) and b (n,).
         """
-        at = np.asarray(self.q if q is None else q, dtype=float)
+        at = vector("q", self.q if q is None else q, self.n)
         count = self.n if n is None else n
         A, b = np.zeros((count, count)), np.zeros(count)
         for i, (x, low, high) in enumerate(zip(at[:count], *self.qlim[:, :count], strict=True)):

@@ -11,6 +11,7 @@ from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._common.errors import UnknownKey, WrongType
 from roboticstoolbox._common.numbers import numbers
 from roboticstoolbox._common.poses import matrix, pose, to_spatial
+from roboticstoolbox._common.symbols import exact_entries, has_symbols
 from roboticstoolbox._ets.compiled_chain import Chain, known_angles
 from roboticstoolbox._ets.ets import ETS
 from roboticstoolbox._ets.measures import axes_of, measure_name, measure_of
@@ -117,11 +118,22 @@ class Kinematics(RobotSolvers):
             One SE3, with m elements for (m, n).
         """
         T = self._chain(end, start, tool).fk(q)
-        return pose(self._base @ T if self._base is not None and include_base else T)
+        if self._base is None or not include_base:
+            return pose(T)
+        return pose((exact_entries(self._base) if T.dtype == object else self._base) @ T)
 
     def fkine_all(self, q: Any) -> Any:
         """Poses of the base and of all links, those of grippers last, as one SE3."""
-        body, configuration = self._complete_robot(), self._complete_configuration(q)
+        try:
+            body, configuration = self._complete_robot(), self._complete_configuration(q)
+        except (TypeError, InputError):
+            if not has_symbols(q) and not any(
+                et._is_symbolic for link in self._links for et in link.ets.data
+            ):
+                raise
+            base = np.eye(4, dtype=int) if self._base is None else exact_entries(self._base)
+            links = [self.fkine(q, end=name, tool=np.eye(4)).A for name in self.link_dict]
+            return pose(np.array([base, *links], dtype=object))
         return pose(body.fk(configuration, ["base link of the robot", *self.link_dict]))
 
     def _complete_robot(self) -> Body:

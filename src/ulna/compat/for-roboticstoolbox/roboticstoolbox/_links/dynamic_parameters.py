@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from roboticstoolbox._common.symbols import has_symbols, is_symbol
+from roboticstoolbox._common.symbols import exact_entries, has_symbols, is_symbol, with_symbols
 from ulna.errors import InputError, ShapeError
 from ulna.model import Drive
 from ulna.spatial import Inertia
@@ -154,19 +154,19 @@ class DynamicParameters:
         low, high = (0.0, 0.0) if self.qlim is None else self.qlim
 
         def listed(numbers: Any) -> str:
-            return " ".join(f"{x:8.2g}" for x in numbers)
+            return " ".join(f"{with_symbols('8.2g', x)}" for x in numbers)
 
         rows = [f"{listed(row)} | " for row in self.I]
         lines = [
-            f"m     =  {self.m:8.2g} ",
+            f"m     =  {with_symbols('8.2g', self.m)} ",
             f"r     =  {listed(self.r)} ",
             f"        | {rows[0]}",
             f"I     = | {rows[1]}",
             f"        | {rows[2]}",
-            f"Jm    =  {self.Jm:8.2g} ",
-            f"B     =  {self.B:8.2g} ",
+            f"Jm    =  {with_symbols('8.2g', self.Jm)} ",
+            f"B     =  {with_symbols('8.2g', self.B)} ",
             f"Tc    =  {self.Tc[0]:8.2g}(+) {self.Tc[1]:8.2g}(-) ",
-            f"G     =  {self.G:8.2g} ",
+            f"G     =  {with_symbols('8.2g', self.G)} ",
             f"qlim  =  {low:8.2g} to {high:8.2g}",
         ]
         return "\n".join(" " * indent + line for line in lines)
@@ -176,4 +176,10 @@ class DynamicParameters:
         I = self.I
         six = (I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[1, 2], I[0, 2])
         cells = ([self.m], self.r, six, [self.Jm], [self.B], self.Tc, [self.G])
-        return [", ".join(f"{x: .3g}" for x in cell) for cell in cells]
+        return [_table_cell(cell) for cell in cells]
+
+
+def _table_cell(values: Any) -> str:
+    if has_symbols(values):
+        return ", ".join(map(str, exact_entries(values)))
+    return ", ".join(f"{x: .3g}" for x in values)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any, Self
 
 import numpy as np
@@ -263,6 +264,22 @@ class Link2(Link):
     _ets_class = ETS2
 
 
-ELink, ELink2 = Link, Link2
+class ELink(Link):
+    """The former name of `Link`."""
+
+    def __init__(self, *arguments: Any, **more: Any) -> None:
+        """A `Link`; see there."""
+        warnings.warn("ELink is the former name of Link", FutureWarning, stacklevel=2)
+        super().__init__(*arguments, **more)
+
+
+class ELink2(Link2):
+    """The former name of `Link2`."""
+
+    def __init__(self, *arguments: Any, **more: Any) -> None:
+        """A `Link2`; see there."""
+        warnings.warn("ELink2 is the former name of Link2", FutureWarning, stacklevel=2)
+        super().__init__(*arguments, **more)
+
 
 __all__ = ["ET", "ET2", "ELink", "ELink2", "Link", "Link2"]

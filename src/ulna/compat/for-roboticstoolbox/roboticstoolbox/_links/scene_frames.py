@@ -5,6 +5,7 @@ Where a link is follows from its robot's `q`, whenever it is asked for; `update`
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -125,4 +126,15 @@ class LinkNode(Node):
         """
         return any(pair.distance <= 0.0 for pair in self._within(shape, 0.01))
 
-    collided = iscollided
+    def collided(self, shape: Any, skip: bool = False) -> bool:
+        """The former name of `iscollided`.
+
+        Args:
+            shape: A shape of spatialgeometry.
+            skip: Plays no part: links are always where the robot's configuration puts them.
+
+        Returns:
+            Whether they touch.
+        """
+        warnings.warn("collided is the former name of iscollided", FutureWarning, stacklevel=2)
+        return self.iscollided(shape, skip)

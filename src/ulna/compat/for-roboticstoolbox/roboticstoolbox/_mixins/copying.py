@@ -19,7 +19,7 @@ class Copying(RobotMixin):
     def __deepcopy__(self, memo: Any) -> Self:
         out: Any = object.__new__(type(self))
         memo[id(self)] = out
-        shared = {"_kernels", "_chains", "_cached_robot", "_dynamic_arrays"}
+        shared = {"_kernels", "_chains", "_cached_robot", "_dynamic_arrays", "_figure"}
         new = {}
         all_links = list(self.link_dict.values())
         for link in all_links:
@@ -51,7 +51,7 @@ class Copying(RobotMixin):
         state = {
             k: v
             for k, v in self.__dict__.items()
-            if k not in ("_kernels", "_chains", "_cached_robot", "_dynamic_arrays")
+            if k not in ("_kernels", "_chains", "_cached_robot", "_dynamic_arrays", "_figure")
         }
         return _rebuilt, (type(self), state | {"_parent": None})
 

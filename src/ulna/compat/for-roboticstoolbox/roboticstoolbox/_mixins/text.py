@@ -13,8 +13,13 @@ class RobotText(RobotMixin):
 
     def _kind_name(self) -> str:
         kind = type(self)
-        is_model = kind.__module__.startswith("roboticstoolbox.models") and kind.__name__ != "URDFRobot"
-        return f"{kind.__mro__[1].__name__}.{kind.__name__}" if is_model else kind.__name__
+        module, _, part = kind.__module__.partition(".")
+        is_general = module == "roboticstoolbox" and not part.startswith(
+            "models"
+        )  # not of a model or a script
+        if is_general or kind.__name__ == "URDFRobot":
+            return kind.__name__
+        return f"{kind.__mro__[1].__name__}.{kind.__name__}"
 
     def _headline(self) -> str:
         maker = f" (by {self.manufacturer})" if self.manufacturer else ""

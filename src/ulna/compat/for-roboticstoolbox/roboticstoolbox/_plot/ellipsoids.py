@@ -83,12 +83,12 @@ class Ellipsoids(RobotMixin):
             unit: Of angles in `q`, "rad" or "deg".
             centre: Where it is drawn, "ee" for the end.
             scale: What its half axes are multiplied by [m per m/s].
-            add: Plays no part: an ellipsoid is drawn by what it is passed to, such as `env.add`.
+            add: Whether to draw it in the figure in which the robot was plotted last, if there is one.
 
         Returns:
             The ellipsoid.
         """
-        return EllipsePlot(self, self._radians(q, unit), "v", opt, centre, scale)
+        return self._drawn_if(add, EllipsePlot(self, self._radians(q, unit), "v", opt, centre, scale))
 
     def fellipse(
         self,
@@ -107,12 +107,18 @@ class Ellipsoids(RobotMixin):
             unit: Of angles in `q`, "rad" or "deg".
             centre: Where it is drawn, "ee" for the end.
             scale: Factor of its half axes [m/N].
-            add: Plays no part: an ellipsoid is drawn by what it is passed to, such as `env.add`.
+            add: Whether to draw it in the figure in which the robot was plotted last, if there is one.
 
         Returns:
             The ellipsoid.
         """
-        return EllipsePlot(self, self._radians(q, unit), "f", opt, centre, scale)
+        return self._drawn_if(add, EllipsePlot(self, self._radians(q, unit), "f", opt, centre, scale))
+
+    def _drawn_if(self, add: bool, ellipse: EllipsePlot) -> EllipsePlot:
+        """An ellipsoid, added to the figure of the last `plot` or `teach` if that is wanted."""
+        if add and self._figure is not None:
+            self._figure.add(ellipse)
+        return ellipse
 
     def _radians(self, q: Any, unit: str) -> Any:
         """A configuration that was passed in degrees or radians, in radians."""
@@ -236,7 +242,9 @@ class Ellipsoids(RobotMixin):
         at = self.q if q is None else np.asarray(q, dtype=float)
         drawn = self._ellipsoid(at, kind, opt, 0.1, centre) if ellipse is None else ellipse
         env = PyPlot(None, limits)
-        env.show(self, at, self.name, [drawn.points])
+        env.heading, self._figure = self.name, env
+        env.add(self, readonly=True, q=at)
+        env.add(drawn)
         if block:
             env.hold()
         return env

@@ -12,7 +12,7 @@ from roboticstoolbox._common.errors import UnknownOption
 from roboticstoolbox._plot.background import Background
 from roboticstoolbox._plot.robot_plot import RobotPlot
 from ulna.checks.values import number as checked_number
-from ulna.errors import InputError, MissingExtra, UlnaWarning
+from ulna.errors import InputError, MissingExtra, ShapeError, UlnaWarning
 from ulna.typing import Array, Floats
 
 _VIEWS = {"xy": (90, -90), "xz": (0, -90), "yz": (0, 0)}
@@ -68,11 +68,15 @@ class PyPlot:
         self._moving: list[Any] = []
         self._canvas: Any = None
         self._background = Background()
-        self.sim_time = 0.0
+        self.sim_time, self.heading = 0.0, ""
 
     def _set_limits(self, limits: Any) -> None:
         if limits is not None:
             bounds = np.asarray(limits, dtype=float).ravel()
+            if bounds.size not in (2, 6):
+                raise ShapeError(
+                    "limits", np.shape(limits), "(2,) for all axes, or (6,): x, y, z from and to"
+                )
             self.limits = np.tile(bounds, 3) if bounds.size == 2 else bounds
 
     def launch(
@@ -85,13 +89,18 @@ class PyPlot:
             limits: Of the picture, x, y, z from and to [m].
             view: "xy", "xz" or "yz" to look at that plane; None for a corner.
             **options: How the toolbox opens it; a warning says that pictures are Ulna's.
-
-        Raises:
-            UnknownOption: Another `view`.
         """
         _warn_of_options("launch", options)
         self._name = name or self._name
         self._set_limits(limits)
+        self.set_view(view)
+
+    def set_view(self, view: str | None) -> None:
+        """Looks at a plane: "xy", "xz" or "yz"; None leaves the view as it is.
+
+        Raises:
+            UnknownOption: Another `view`.
+        """
         if view is not None:
             if view not in _VIEWS:
                 raise UnknownOption("view", view, _VIEWS)
@@ -101,7 +110,9 @@ class PyPlot:
     def ax(self) -> Any:
         """The axes."""
         if self._ax is None:
-            self._ax = pyplot().figure(self._name or None, figsize=(6.4, 4.8)).add_subplot(projection="3d")
+            figure = pyplot().figure(self._name or None, figsize=(6.4, 4.8))
+            figure.clear()  # one of that name may be there
+            self._ax = figure.add_subplot(projection="3d")
         return self._ax
 
     @property
@@ -173,8 +184,10 @@ class PyPlot:
     def redraw(self) -> None:
         """Draws everything where it is by now."""
         robots = [(plot.robot, plot.q, plot.looks) for plot in self.robots if plot.display]
-        title = f"t = {self.sim_time:.2f} s" if self.sim_time else ""
-        self._show(robots, title, [ob.points for ob in self.ellipses])
+        time = f"t = {self.sim_time:.2f} s" if self.sim_time else ""
+        ellipses = [ob.points for ob in self.ellipses]
+        ellipses += [points for plot in self.robots if plot.display for points in plot.ellipsoid_points()]
+        self._show(robots, "   ".join(filter(None, (self.heading, time))), ellipses)
 
     def show(self, robot: Any, q: Floats, title: str = "", ellipses: Any = ()) -> None:
         """Draws one robot.
@@ -223,7 +236,11 @@ class PyPlot:
         self._background.draw(canvas, self.ax, [*self._moving, self.ax.title])
         return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
-    getframe = picture
+    def getframe(self) -> Any:
+        """What the figure shows, as an image of Pillow in RGB, with `save` and `show`."""
+        from PIL import Image  # which matplotlib needs, too
+
+        return Image.fromarray(self.picture())
 
     def step(self, dt: float = 0.05) -> None:
         """Moves what was added, and lets the window draw for `dt` seconds; at once where there is none.

@@ -13,16 +13,24 @@ import numpy as np
 from roboticstoolbox._common.errors import UnknownOption, WrongShape
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from roboticstoolbox._plot.figure import PyPlot, PyPlot2, has_window
+from roboticstoolbox._plot.robot_plot import RobotPlot
 from ulna.errors import InputError, UlnaWarning
 from ulna.typing import Array, Floats
 
 _BACKENDS = ("pyplot", "pyplot2", "swift")
+_FLAT_ONLY = (
+    "matplotlib's figures have it, the viewer does not. Take backend='pyplot'; for films of the viewer see "
+    "ulna.Viewer.film, for its camera ulna.Viewer.camera."
+)
+_LOOKS = ("color", "options", "display", "jointaxes", "jointlabels", "eeframe", "shadow", "name")
 
 
 class Plotting(RobotMixin):
     """Pictures."""
 
     _backend: str | None = None
+    _figure: PyPlot | None = None
+    """Where it was plotted last: ellipsoids are added there."""
     _backend_of_all: ClassVar[str | None] = None
 
     @property
@@ -42,7 +50,8 @@ class Plotting(RobotMixin):
     def _backend_for(self, backend: str | None, here: bool = False) -> str:
         """The backend to use; `here` where only matplotlib supports the arguments."""
         name = _checked(backend) or self.default_backend
-        return name or ("swift" if not here and self._prefers_viewer() else "pyplot")
+        flat = "pyplot2" if self._size == 3 else "pyplot"  # type: ignore[attr-defined]
+        return name or ("swift" if not here and self._prefers_viewer() else flat)
 
     def plot(
         self,
@@ -69,68 +78,71 @@ class Plotting(RobotMixin):
             backend: "pyplot" or "swift"; None for the viewer where the robot has shapes and there is a screen.
             block: Whether to wait until the window is closed.
             dt: Time from row to row [s].
-            limits: Of the picture, x, y, z from and to [m].
-            vellipse: Whether to draw the ellipsoid of velocities.
-            fellipse: Whether to draw the ellipsoid of forces.
-            fig: Name of the figure.
+            limits: Of the picture, x, y, z from and to [m]; in matplotlib, without `env`.
+            vellipse: Whether to draw the ellipsoid of velocities; in matplotlib.
+            fellipse: Whether to draw the ellipsoid of forces; in matplotlib.
+            fig: Name of the figure, which is drawn anew where there is one of that name; the robot's by default; in
+                matplotlib, without `env`.
             movie: A file to write, .gif or .mp4, each row shown for `dt` seconds.
-            loop: Whether to play for ever.
-            ax: Axes to draw into.
-            env: What an earlier call returned, to draw into it again.
-            view: "xy", "xz" or "yz" to look at that plane; in matplotlib.
+            loop: Whether to play for ever, where there is a window.
+            ax: Axes to draw into; in matplotlib, without `env`.
+            env: What an earlier call returned, to draw the robot beside what is there; its backend is used.
+            view: "xy", "xz" or "yz" to look at that plane, also with `env`; in matplotlib.
             notebook: Whether to draw as in a notebook; only None and what is the case are offered.
-            **options: How the toolbox draws; a warning says that pictures are Ulna's.
+            **options: How the robot is drawn, see `RobotPlot`: `color`, `eeframe`, `shadow` ...; a warning says which
+                have no effect.
 
         Returns:
             The figure or environment; it has `hold()` and `close()`.
 
         Raises:
             WrongShape: `q` has another shape.
+            InputError: The backend or a figure that is there cannot use an argument.
         """
+        rows = np.atleast_2d(np.asarray(q, dtype=float))
+        if rows.shape[-1] != self.n or rows.ndim != 2:
+            raise WrongShape("q", np.shape(q), f"({self.n},) or (m, {self.n})")
+        _check_with_scene(env, limits=limits, fig=fig, ax=ax, notebook=notebook)
+        only_flat = {
+            "limits": limits,
+            "vellipse": vellipse,
+            "fellipse": fellipse,
+            "fig": fig,
+            "ax": ax,
+            "view": view,
+        }
+        used = [
+            name
+            for name, value in {**only_flat, "movie": movie}.items()
+            if value is not None and value is not False
+        ]
+        chosen = self._backend_of(env) or self._backend_for(backend, here=bool(used))
+        looks = {} if chosen == "swift" else {key: options.pop(key) for key in _LOOKS if key in options}
         if options or notebook:
             names = ", ".join([*options, *(["notebook"] if notebook else [])])
             text = f"plot draws Ulna's picture of the robot, without the options {names} of the toolbox's."
             warnings.warn(text, UlnaWarning, stacklevel=2)
-        rows = np.atleast_2d(np.asarray(q, dtype=float))
-        if rows.shape[-1] != self.n or rows.ndim != 2:
-            raise WrongShape("q", np.shape(q), f"({self.n},) or (m, {self.n})")
-        flat = movie is not None or ax is not None or isinstance(env, PyPlot)
-        chosen = self._backend_for(backend, flat)
         if chosen == "swift":
-            return self._play(rows, block, dt, movie, env)
+            if used:
+                raise InputError(f"{', '.join(used)} of plot: {_FLAT_ONLY}")
+            return self._play(rows, block, dt, loop, env)
         if env is None:
-            env = (PyPlot2 if chosen == "pyplot2" else PyPlot)(ax, limits, fig or "")
-            env.launch(view=view)
+            env = (PyPlot2 if chosen == "pyplot2" else PyPlot)(ax, None, fig or f"{self.name} Plot")
+            env.launch(limits=limits)
+        env.set_view(view)
+        env.heading, self._figure = self.name, env
+        drawing = env.add(self, readonly=True, q=rows[0], **looks)
+        drawing.ellipsoids = _kinds(vellipse, fellipse)
         if movie is not None:
             from ulna.viewer.output.video import write_video
 
-            write_video(movie, self._frames(env, rows, dt, vellipse, fellipse), 1.0 / dt)
+            write_video(movie, _frames(drawing, rows, dt), 1.0 / dt)
         else:
-            self._animate(env, rows, dt, vellipse, fellipse, loop)
+            _animate(drawing, rows, dt, loop)
         self.q = rows[-1]
         if block:
             env.hold()
         return env
-
-    def _animate(
-        self, env: PyPlot, rows: Floats, dt: float, vellipse: bool, fellipse: bool, loop: bool
-    ) -> None:
-        wait = has_window()
-        for _ in self._frames(env, rows if wait else rows[-1:], dt, vellipse, fellipse, drawn=False):
-            env.step(dt)
-        while loop and wait:
-            for _ in self._frames(env, rows, dt, vellipse, fellipse, drawn=False):
-                env.step(dt)
-
-    def _frames(
-        self, env: PyPlot, rows: Floats, dt: float, vellipse: bool, fellipse: bool, drawn: bool = True
-    ) -> Iterator[Array]:
-        for i, row in enumerate(rows):
-            kinds = [kind for kind, wanted in (("velocity", vellipse), ("force", fellipse)) if wanted]
-            ellipsoids = [self._ellipsoid(row, kind, "trans", 0.1).points for kind in kinds]
-            title = f"{self.name}   t = {i * dt:.2f} s" if len(rows) > 1 else self.name
-            env.show(self, row, title, ellipsoids)
-            yield env.picture() if drawn else row
 
     def _prefers_viewer(self) -> bool:
         """Whether the robot has shapes and there is a screen."""
@@ -140,18 +152,25 @@ class Plotting(RobotMixin):
             return False
         return has_screen() and importlib.util.find_spec("viser") is not None
 
-    def _play(self, rows: Floats, block: bool, dt: float, movie: str | None, env: Any = None) -> Any:
-        if movie is not None:
-            raise InputError(
-                "`movie` needs backend='pyplot'; for films of the viewer see ulna.Viewer.record."
-            )
-        self.q = rows[0]
+    @staticmethod
+    def _backend_of(env: Any) -> str | None:
+        """The backend of a scene that is there; None without one."""
+        return None if env is None else "pyplot" if isinstance(env, PyPlot) else "swift"
+
+    def _play(self, rows: Floats, block: bool, dt: float, loop: bool, env: Any = None) -> Any:
+        """Plays configurations in the viewer; a robot that is there already stays, and another one is shown."""
+        is_there = env is not None and env.has(self)
+        if not is_there:
+            self.q = rows[0]
         if env is None:
             env = self._launched_environment(realtime=len(rows) > 1)
-            env.add(self, readonly=True)
-        for row in rows:
-            self.q = row
-            env.step(dt)
+        drawing = env.add(self, readonly=True)
+        while True:
+            for row in rows:
+                drawing.q = row
+                env.step(dt)
+            if not loop or env.headless or env.viewer.closed:
+                break
         if block:
             env.hold()
         return env
@@ -163,6 +182,45 @@ class Plotting(RobotMixin):
         env = swift.Swift()
         env.launch(realtime=realtime)
         return env
+
+
+def _check_with_scene(env: Any, **fixed: Any) -> None:
+    """Refuses arguments that are chosen when a scene is made, together with a scene.
+
+    Raises:
+        InputError: One of them is given.
+    """
+    given = [name for name, value in fixed.items() if value is not None]
+    if env is not None and given:
+        raise InputError(
+            f"plot was given env and {', '.join(given)}; what a scene is drawn in is chosen by the plot that makes it. "
+            "Pass them there."
+        )
+
+
+def _kinds(vellipse: bool, fellipse: bool) -> tuple[str, ...]:
+    """The kinds of ellipsoids that are wanted."""
+    return tuple(kind for kind, wanted in (("velocity", vellipse), ("force", fellipse)) if wanted)
+
+
+def _animate(drawing: RobotPlot, rows: Floats, dt: float, loop: bool) -> None:
+    """Plays configurations in a window, for ever with `loop`; without a window the last one is drawn."""
+    wait = has_window()
+    while True:
+        for row in rows if wait else rows[-1:]:
+            drawing.q = row
+            drawing.env.step(dt)
+        if not (loop and wait):
+            return
+
+
+def _frames(drawing: RobotPlot, rows: Floats, dt: float) -> Iterator[Array]:
+    """The pictures of a film."""
+    for row in rows:
+        drawing.q = row
+        drawing.env.redraw()
+        yield drawing.env.picture()
+        drawing.env.sim_time += dt
 
 
 def _checked(backend: str | None) -> str | None:

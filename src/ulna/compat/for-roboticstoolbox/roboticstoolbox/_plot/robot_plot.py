@@ -20,6 +20,7 @@ class RobotPlot:
         env: The figure.
         readonly: Whether steps leave the robot where it is.
         display: Whether it is drawn.
+        ellipsoids: Kinds of ellipsoids to draw at the end: "velocity", "force".
     """
 
     def __init__(
@@ -59,6 +60,7 @@ class RobotPlot:
         given = {"jointaxes": jointaxes, "jointlabels": jointlabels, "name": name}
         self.without_effect = [key for key, value in given.items() if value != _IGNORED[key]]
         self.without_effect += [f"options[{key!r}]" for key in dict(options or {}) if key != "robot"]
+        self.ellipsoids: tuple[str, ...] = ()
         self._q: Floats | None = None
         if q is not None:
             self.q = q
@@ -71,6 +73,10 @@ class RobotPlot:
     @q.setter
     def q(self, q: Any) -> None:
         self._q = vector("q", q, self.robot.n)
+
+    def ellipsoid_points(self) -> list[Floats]:
+        """Points of its ellipsoids, (3, 17, 33) each [m]."""
+        return [self.robot._ellipsoid(self.q, kind, "trans", 0.1).points for kind in self.ellipsoids]
 
     def draw(self) -> None:
         """Draws the figure anew."""

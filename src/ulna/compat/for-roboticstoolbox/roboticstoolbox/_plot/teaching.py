@@ -63,13 +63,13 @@ class Teaching(RobotMixin):
         env = PyPlot(figure.add_axes((0.35, 0.02, 0.63, 0.94), projection="3d"), limits)
         env.launch(view=view)
 
+        env.heading, self._figure = self._end_pose_text(at), env
+        drawing = env.add(self, readonly=True, q=at)
+        drawing.ellipsoids = tuple(kinds)
+
         def draw() -> None:
-            env.show(
-                self,
-                at,
-                self._end_pose_text(at),
-                [self._ellipsoid(at, kind, "trans", 0.1).points for kind in kinds],
-            )
+            drawing.q, env.heading = at, self._end_pose_text(at)
+            env.redraw()
 
         draw()
         low, high = self.qlim

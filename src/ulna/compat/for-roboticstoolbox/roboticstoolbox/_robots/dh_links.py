@@ -68,7 +68,7 @@ class DHLink(Link):
         """The transforms of the present parameters around a joint."""
 
         def constant(make: Any, value: Any) -> list[Any]:
-            return [] if not is_symbol(value) and value == 0 else [make(value)]
+            return [] if value == 0 else [make(value)]
 
         turned = constant(ET.Rz, self.theta if self.sigma else self.offset)
         lifted = constant(ET.tz, self.offset if self.sigma else self.d)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import warnings
 from typing import Any
 
@@ -42,12 +43,9 @@ class DHRobot(DHText, Analytic, Robot):
             raise ModelError("A DHRobot has at least one link; `links` is empty.")
         if len({link.mdh for link in dh_links}) > 1:
             raise ModelError("Some links have standard and some modified parameters; use one convention.")
-        names = [link.name for link in dh_links]
-        for i, link in enumerate(dh_links):
+        for i, (link, name) in enumerate(zip(dh_links, _link_names(dh_links), strict=True)):
             link._parent, link._parent_name = (dh_links[i - 1] if i else None), None
-            link.jindex = i
-            if not link.name or names.count(link.name) > 1:
-                link.name = f"link{i + 1}"
+            link.jindex, link.name = i, name
         super().__init__(dh_links, **more)
 
     def ets(self, start: Any = None, end: Any = None) -> ETS:
@@ -327,6 +325,14 @@ def _dh_links(items: Any) -> list[DHLink]:
             )
         out += links
     return out
+
+
+def _link_names(links: list[DHLink]) -> list[str]:
+    """Names that differ: those of the links, "link1", "link2" ... for those of that form, missing and repeated ones."""
+    numbered = [f"link{i + 1}" for i in range(len(links))]
+    old = [link.name or "" for link in links]
+    named = [re.fullmatch(r"(link\d+)?", name) is None and old.count(name) == 1 for name in old]
+    return [name if keep else number for name, keep, number in zip(old, named, numbered, strict=True)]
 
 
 def _selected_rows(J: Floats, half: str | None) -> Floats:

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.poses import _spatialmath, pose
-from roboticstoolbox._common.symbols import is_symbol
+from roboticstoolbox._common.symbols import has_symbols, is_symbol, with_symbols
 from roboticstoolbox._common.text_table import grid
 from roboticstoolbox._ets.joint_descriptor import shown_offset
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
+from ulna.spatial import matrix_to_euler
 
 
 class DHText(RobotMixin):
@@ -30,7 +31,7 @@ class DHText(RobotMixin):
             length = ("θ", dh.theta) if link.isprismatic else ("d", dh.d)
             for letter, value in (length, ("a", dh.a), ("⍺", dh.alpha)):
                 if value:
-                    rows.append([f"{letter}{j}", f"{value:.4g}"])
+                    rows.append([f"{letter}{j}", with_symbols(".4g", value)])
         print(grid(["param", "value"], rows, [True, False]))
 
     def twists(self, q: Any = None) -> tuple[Any, Any]:
@@ -72,14 +73,16 @@ class DHText(RobotMixin):
         rows = []
         for name, T in (("base", self._base), ("tool", self._tool)):
             if T is not None:
-                from ulna.spatial import matrix_to_euler
-
-                xyz = ", ".join(f"{x:.2g}" for x in T[:3, 3])
-                angles = ", ".join(
-                    f"{math.degrees(x) + 0.0:.2g}°" for x in matrix_to_euler(T[:3, :3], "xyz")[::-1]
-                )
-                rows.append([name, f"t = {xyz}; rpy/xyz = {angles}"])
+                xyz = ", ".join(with_symbols(".2g", x) for x in T[:3, 3])
+                rows.append([name, f"t = {xyz}; {_rotation_text(T[:3, :3])}"])
         return "\n" + grid([], rows, [True, False]) if rows else ""
+
+
+def _rotation_text(R: Any) -> str:
+    if has_symbols(R):
+        return f"R = {R.tolist()}"
+    angles = matrix_to_euler(R.astype(float), "xyz")[::-1]
+    return f"rpy/xyz = {', '.join(f'{math.degrees(x) + 0.0:.2g}°' for x in angles)}"
 
 
 def _short(x: float) -> str:

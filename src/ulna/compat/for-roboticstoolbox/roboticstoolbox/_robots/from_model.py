@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from roboticstoolbox._common.errors import MissingFile
 from roboticstoolbox._ets.elementary_transform import ET
 from roboticstoolbox._ets.ets import ETS
 from roboticstoolbox._links.link import Link
-from ulna.errors import ModelError
+from ulna.errors import FormatError, ModelError
 from ulna.loading import load_model
 from ulna.model import Model, Prismatic, Revolute
 
@@ -27,8 +28,17 @@ def read_model(path: Any, **options: Any) -> tuple[Model, str]:
 
     Returns:
         The model, and the path as text.
+
+    Raises:
+        MissingFile: There is no such file.
+        FormatError: The file is broken.
     """
-    return load_model(path, mimic=False, **options), str(Path(path))
+    try:
+        return load_model(path, mimic=False, **options), str(Path(path))
+    except FormatError as error:
+        if Path(path).exists() or error.file is None or Path(error.file) != Path(path):
+            raise
+        raise MissingFile("there is no such file.", file=str(path)) from None
 
 
 def from_model(

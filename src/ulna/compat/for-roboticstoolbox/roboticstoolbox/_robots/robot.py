@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from roboticstoolbox._common.errors import WrongType
-from roboticstoolbox._common.poses import matrix, pose
+from roboticstoolbox._common.poses import constant_pose, pose
 from roboticstoolbox._dynamics.dynamics import Dynamics, vector3
 from roboticstoolbox._dynamics.mass_parameters import MassParameters
 from roboticstoolbox._dynamics.operational_space import OperationalSpace
@@ -177,6 +178,11 @@ class BaseRobot(
         """
         from roboticstoolbox._robots.from_model import from_model, read_model
 
+        warnings.warn(
+            "Robot.URDF(file) is the former way to read a description; take models.URDF.URDFRobot(file)",
+            DeprecationWarning,
+            stacklevel=2,
+        )
         model, path = read_model(file)
         first = model.links[gripper].name if isinstance(gripper, int) else gripper
         return from_model(cls, model, gripper_link=first, manufacturer=manufacturer, urdf_filepath=path)
@@ -213,8 +219,8 @@ class BaseRobot(
     def _unless_identity(self, T: Any) -> Floats | None:
         if T is None:
             return None
-        M = matrix(T, self._size)
-        return None if np.array_equal(M, np.eye(self._size)) else M.copy()
+        M = constant_pose(T, self._size)
+        return None if np.array_equal(M, np.eye(self._size)) else M
 
     @property
     def gravity(self) -> Floats:

@@ -6,6 +6,8 @@ import importlib
 import warnings
 from typing import Any
 
+from roboticstoolbox._common.module_aliases import add_module_aliases
+
 _KINDS = ("DH", "ETS", "URDF")
 
 
@@ -76,6 +78,9 @@ def _is_here(kind: str, name: str) -> bool:
     from roboticstoolbox.models.URDF import _external_descriptions
 
     return kind != "URDF" or name not in _external_descriptions.ROBOTS or _external_descriptions.is_here(name)
+
+
+add_module_aliases(__name__, ())
 
 
 def __getattr__(name: str) -> Any:

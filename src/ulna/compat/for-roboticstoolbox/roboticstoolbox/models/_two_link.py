@@ -11,7 +11,6 @@ import numpy as np
 
 from roboticstoolbox._robots.dh_links import RevoluteDH, RevoluteMDH
 from roboticstoolbox._robots.dh_robot import DHRobot
-from ulna.spatial import SE3
 
 _RADIUS = 0.1  # of a link, a cylinder along x [m]
 
@@ -53,7 +52,9 @@ class TwoLink(DHRobot):
         }
         for name, q in named.items():
             self.addconfiguration_attr(name, q)
-        self.base = SE3.rx(np.pi / 2).matrix()
+        self.base = np.array(
+            [[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]
+        )  # a quarter turn about x
         self.gravity = [0, 0, g]
 
 
@@ -78,5 +79,5 @@ def _symbols() -> tuple[Any, ...]:
 
 
 def _cylinder(m: Any, r: Any, a: Any) -> Any:
-    across = m * (3 * r**2 + a**2) / 12
-    return [m * r**2 / 2, across, across]
+    across = (1 / 12) * m * (3 * r**2 + a**2)
+    return [0.5 * m * r**2, across, across]

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from roboticstoolbox._common.errors import UnknownOption, WrongType
+from roboticstoolbox._common.numbers import numbers
 from roboticstoolbox._common.poses import to_planar
 from roboticstoolbox._common.symbols import has_symbols, is_symbol
 from ulna.errors import FormatError, InputError, excerpt
@@ -127,7 +128,7 @@ def _evaluated(
         raise WrongType("`chain` is neither text nor a sequence of TrChainToken.")
     joints = np.ravel([] if q is None else np.asarray(q))
     if not has_symbols(joints):
-        joints = joints.astype(float)
+        joints = numbers("q", joints)
     T = np.eye(4)
     for token in tokens:
         if token.op not in makers:

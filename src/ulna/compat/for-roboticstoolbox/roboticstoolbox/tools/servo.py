@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, cast
 
+from roboticstoolbox._common.errors import UnknownOption
 from roboticstoolbox._common.poses import array
 from ulna.control import p_servo as _servo
 from ulna.typing import Floats
@@ -24,8 +25,13 @@ def p_servo(
 
     Returns:
         Twist (6,) [m/s and rad/s], and whether the pose is reached.
+
+    Raises:
+        UnknownOption: There is no such method.
     """
-    if method != "rpy" and isinstance(method, str) and method and "angle-axis".startswith(method):
+    if method != "rpy":
+        if not (isinstance(method, str) and method and "angle-axis".startswith(method)):
+            raise UnknownOption("method", method, ("rpy", "angle-axis"))
         method = "angle-axis"
     factor = float(gain) if isinstance(gain, (int, float)) else gain
     return _servo(array(wTe), array(wTep), factor, threshold, cast(Any, method))

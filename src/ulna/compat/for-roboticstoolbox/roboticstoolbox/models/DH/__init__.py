@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from roboticstoolbox._common.module_aliases import add_module_aliases
 from roboticstoolbox._ik.puma_branches import PumaBranches
 from roboticstoolbox.models._from_tables import dh_class, table
 from roboticstoolbox.models._two_link import TwoLink
@@ -16,6 +17,8 @@ for _each in __all__:
     globals()[_each] = dh_class(_each, __name__, *((PumaBranches,) if _each == "Puma560" else ()))
 
 TwoLink.__module__ = __name__
+
+add_module_aliases(__name__, (name for name in __all__ if name != "URDFRobot"))
 
 
 def __getattr__(name: str) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from roboticstoolbox._common.module_aliases import add_module_aliases
 from roboticstoolbox._ets.elementary_transform import ET2
 from roboticstoolbox._ets.ets import ETS2
 from roboticstoolbox._links.link import Link2
@@ -30,6 +31,9 @@ class Planar2(Robot2):
         )
         self.addconfiguration_attr("qz", [0, 0])
         self.addconfiguration_attr("qb", [0, 90], "deg")
+
+
+add_module_aliases(__name__, (name for name in __all__ if name != "URDFRobot"))
 
 
 def __getattr__(name: str) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from roboticstoolbox._common.module_aliases import add_module_aliases
 from roboticstoolbox._robots.from_model import from_model
 from roboticstoolbox._robots.robot import Robot
 from roboticstoolbox.models._from_tables import table, tree_class
@@ -38,6 +39,8 @@ for _each in _TABULATED:
 
 for _each in ROBOTS:
     globals()[_each] = described_class(_each, __name__)
+
+add_module_aliases(__name__, (name for name in __all__ if name != "URDFRobot"))
 
 
 def __getattr__(name: str) -> Any:

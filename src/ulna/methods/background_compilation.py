@@ -28,7 +28,7 @@ from ulna import disk_cache
 from ulna.system import forks
 
 _running: weakref.WeakSet[Preparation] = weakref.WeakSet()
-_WORKER = "from ulna.methods.preparation import work; work()"
+_WORKER = "from ulna.methods.background_compilation import work; work()"
 
 
 @final

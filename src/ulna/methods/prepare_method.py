@@ -12,8 +12,8 @@ import numpy as np
 from ulna import disk_cache
 from ulna.algorithms.multibody.references import check_reference
 from ulna.errors import InputError, UnknownName
+from ulna.methods.background_compilation import Preparation, processors
 from ulna.methods.ik import InverseKinematics
-from ulna.methods.preparation import Preparation, processors
 from ulna.model import Model
 from ulna.quantities import QUANTITIES
 from ulna.quantities.part import frozen

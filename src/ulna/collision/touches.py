@@ -1,0 +1,71 @@
+"""Which links touch what in one configuration, and by how much, in float64."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol
+
+import numpy as np
+
+from ulna.collision.clearance import Kind
+from ulna.collision.pairs import LinkPair
+from ulna.collision.sphere_kernels import sphere_kernel
+from ulna.collision.spheres import Spheres, sphere_centres
+from ulna.collision.world import World
+from ulna.model import Model
+from ulna.typing import ArrayLike, Floats
+
+
+class _SpheresInWorld(Protocol):
+    """What is asked of a `SphereChecker` here; that class uses this module."""
+
+    model: Model
+    world: World
+    covering: Spheres
+    pairs: tuple[LinkPair, ...]
+    attached_pairs: tuple[LinkPair, ...]
+    carriers: dict[str, str]
+
+    def static_groups(
+        self, moving: Mapping[str, ArrayLike] | None = None
+    ) -> list[tuple[Kind, tuple[str, ...], Floats, tuple[str, ...]]]: ...
+
+    def cloud_distances(
+        self, link: str, centres: Floats, moving: Mapping[str, ArrayLike] | None = None
+    ) -> list[tuple[str, float]]: ...
+
+
+def deepest_touch(
+    checker: _SpheresInWorld, q: Floats, moving: Mapping[str, ArrayLike] | None = None
+) -> tuple[float, str, str]:
+    """The two things that are nearest to each other, or overlap most, by their spheres.
+
+    Args:
+        checker: The robot in its world.
+        q: Configuration, shape (nq,) [rad, m].
+        moving: Poses of moving obstacles by name, T_world_shape, shape (4, 4) [m].
+
+    Returns:
+        Their clearance [m], negative where they overlap, less their margin; a link or attached object, and what is near
+        it: an obstacle, another link or object.
+    """
+    spheres = checker.covering.links
+    placed = sphere_centres(checker.model, q, checker.covering, checker.carriers)
+    nearest = (np.inf, "", "")
+    for kind, links, rows, owners in checker.static_groups(moving):
+        for link in links:
+            c, r = placed[link][:, None], spheres[link].radii[:, None]
+            distances = sphere_kernel("signed", kind)(c, r, rows, 0.0).min(axis=0)
+            part = int(distances.argmin())
+            nearest = min(nearest, (float(distances[part]), link, owners[part]))
+    for link, centres in placed.items():
+        for owner, distance in checker.cloud_distances(link, centres, moving):
+            nearest = min(nearest, (distance, link, owner))
+    still = {link.name for link in checker.model.links if link.joint < 0}
+    for a, b in (*checker.pairs, *checker.attached_pairs):
+        if a in still or b in still:
+            continue  # these count by their real shapes, above
+        apart = np.linalg.norm(placed[a][:, None] - placed[b][None], axis=2) - checker.world.margin(a, b)
+        distance = float((apart - spheres[a].radii[:, None] - spheres[b].radii[None]).min())
+        nearest = min(nearest, (distance, a, b))
+    return nearest
