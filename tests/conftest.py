@@ -40,6 +40,19 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 @pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
+    """Tabs that a test opens are closed after it, also where it fails: pages left open connect to later scripts on their port."""
+    browser = getattr(item, "funcargs", {}).get("chromium")
+    if browser is None:
+        return (yield)
+    before = len(browser.contexts)
+    try:
+        return (yield)
+    finally:
+        browser.close_contexts(before)
+
+
+@pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
@@ -78,6 +91,7 @@ class Chromium:
 
     def __init__(self, driver: Any, program: str) -> None:
         self._driver, self._program, self._browser = driver, program, None
+        self.contexts: list[Any] = []
 
     def new_context(self, **options: Any) -> Any:
         """A context whose operations may take minutes; `options` are Playwright's."""
@@ -88,11 +102,19 @@ class Chromium:
             )  # fmt: skip
         context = self._browser.new_context(**options)
         context.set_default_timeout(_LONGEST)
+        self.contexts.append(context)
         return context
 
     def new_page(self, **options: Any) -> Any:
         """A page in a context of its own."""
         return self.new_context(**options).new_page()
+
+    def close_contexts(self, first: int) -> None:
+        """Close the contexts that were opened from the one of number `first` on."""
+        for context in self.contexts[first:]:
+            with contextlib.suppress(Exception):  # closed already, or its browser has crashed
+                context.close()
+        del self.contexts[first:]
 
     def close(self) -> None:
         """End the browser."""

@@ -215,7 +215,7 @@ def _picture_options(parser: argparse.ArgumentParser, file: str) -> None:
     parser.add_argument("--headless", action="store_true", help="no page: write a picture and end")
     parser.add_argument("--output", metavar="PNG", help=f"file of the picture (headless: {file})")
     parser.add_argument(
-        "--port", type=int, default=8080, help="port of the page (default 8080; 0: any free one)"
+        "--port", type=int, help="port of the page (default $ULNA_PORT or 8080; 0: any free one)"
     )
 
 

@@ -126,7 +126,7 @@ def _step(
 def demo(
     headless: bool | None = None,
     output: str | None = None,
-    port: int = 8080,
+    port: int | None = None,
     size: tuple[int, int] = (1600, 1000),
 ) -> Servoing:
     """Show the Panda servoing to a goal.
@@ -138,7 +138,7 @@ def demo(
     Args:
         headless: Whether to do without a page; None decides by whether there is a screen or a terminal.
         output: File of the picture. Without a screen "ulna-demo.png" when not given; with one, none.
-        port: Port of the page.
+        port: Port of the page; None for that of `ULNA_PORT`, or 8080.
         size: Width and height of the picture [pixels].
 
     Returns:

@@ -39,7 +39,7 @@ def hand_at(q: Any) -> Any:
 def ends(tab: Any, process: Any) -> str:
     """What the script printed, ending because its page was closed."""
     tab.context.close()
-    said, wrong = process.communicate(timeout=600)
+    said, wrong = process.communicate(timeout=120)
     assert process.returncode == 0, wrong
     assert "The page was closed." in said
     return said
@@ -104,12 +104,12 @@ while not pathlib.Path("seen").exists():
     with running(script, tmp_path) as (process, address):
         tab = tab_at(chromium, address())
         last = next((line for line in process.stdout if line.startswith("@")), "")
-        assert last, process.communicate(timeout=600)[1]
+        assert last, process.communicate(timeout=120)[1]
         there = hand_at(json.loads(last[1:]))
         assert wait(lambda: near(tab, HAND, there)), "the arm was not seen to get there"
         assert np.linalg.norm(there - [0.6, -0.3, 0.1 + 0.1034]) < 1e-3
         (tmp_path / "seen").touch()
-        _, wrong = process.communicate(timeout=600)
+        _, wrong = process.communicate(timeout=120)
         assert process.returncode == 0, wrong
         assert near(tab, HAND, there), "the tab lost what it had when the script ended"
         tab.context.close()

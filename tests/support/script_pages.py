@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from support.patience import patient
+from support.ports import free_port
 
 PLACE = "n => window.__viserMutable?.nodeRefFromName[n]?.matrix.toArray() ?? null"
 OPACITIES = """n => { const found = [];
@@ -43,7 +44,14 @@ def running(script: Path, folder: Path) -> Iterator[tuple[subprocess.Popen[str],
     opener = folder / "open"
     opener.write_text(f'#!/bin/sh\necho "$1" > {folder}/part && mv {folder}/part {folder}/url\n')
     opener.chmod(0o755)
-    screen = {"DISPLAY": ":0", "BROWSER": f"{opener} %s", "ULNA_HEADLESS": "", "MPLBACKEND": "Agg"}
+    # not the port of another test's script: tabs that are left there would connect to this one
+    screen = {
+        "ULNA_PORT": str(free_port()),
+        "DISPLAY": ":0",
+        "BROWSER": f"{opener} %s",
+        "ULNA_HEADLESS": "",
+        "MPLBACKEND": "Agg",
+    }
     process = subprocess.Popen(
         [sys.executable, "-m", "ulna", "run", str(script)],
         env={**os.environ, **screen},

@@ -17,6 +17,7 @@ from ulna.model import ModelBuilder, PointContact, Revolute
 from ulna.robot import Robot
 from ulna.spatial import SO3
 from ulna.trajectory import quintic
+from ulna.viewer.page.port import checked_port
 
 
 @pytest.fixture(scope="module")
@@ -148,6 +149,14 @@ def test_the_first_of_two_of_a_name_is_named_with_its_place() -> None:
         plain.add_joint("j", Revolute(), "a", "b")
 
 
-def test_the_page_has_a_port_that_people_remember() -> None:
+def test_the_port_of_a_page_is_that_of_the_environment_or_8080(monkeypatch: pytest.MonkeyPatch) -> None:
     for opens in (ulna.show, ulna.Viewer.__init__):
-        assert inspect.signature(opens).parameters["port"].default == 8080
+        assert inspect.signature(opens).parameters["port"].default is None
+    monkeypatch.delenv("ULNA_PORT", raising=False)
+    assert (checked_port(None), checked_port(0)) == (8080, 0)
+    monkeypatch.setenv("ULNA_PORT", " 9100")
+    assert (checked_port(None), checked_port(7000)) == (9100, 7000)
+    for wrong in ("80 80", "-1", "65536", "http", "²"):
+        monkeypatch.setenv("ULNA_PORT", wrong)
+        with pytest.raises(InputError, match=f"ULNA_PORT='{wrong}'.*0 .any free one. to 65535"):
+            checked_port(None)

@@ -28,7 +28,7 @@ def show(
     robot: Any,
     q: ArrayLike | str | None = None,
     *,
-    port: int = 8080,
+    port: int | None = None,
     host: str = "127.0.0.1",
     browser: bool = True,
     scene: Scene | None = None,
@@ -42,7 +42,8 @@ def show(
         robot: An `ulna.Robot`.
         q: Its configuration: an array (nq,) [rad or m], the name of one of `robot.configurations`, or None for
             the first of these ("qr" where there is one).
-        port: Port of the page; the next free one is taken when it is in use, 0 takes any.
+        port: Port of the page; the next free one is taken when it is in use, 0 takes any; None for that of the
+            environment variable `ULNA_PORT`, or 8080.
         host: Address to listen on. Addresses other than the loopback need a token, which `url` contains.
         browser: Whether to open a browser window, where there is a screen.
         scene: A scene to show the robot in, with other things; an empty one when not given.
@@ -97,7 +98,7 @@ class Show:
         robot: Any,
         q: Floats,
         scene: Scene,
-        port: int,
+        port: int | None,
         host: str,
         camera: Camera | None,
         theme: Theme,

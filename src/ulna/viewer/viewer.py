@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, final
 
-from ulna.checks.values import count, flag, number
+from ulna.checks.values import flag, number
 from ulna.checks.values import short_repr as worded
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import unknown_attribute
@@ -20,6 +20,7 @@ from ulna.viewer.page import Page
 from ulna.viewer.page.access import checked_host
 from ulna.viewer.page.browser import open_browser, somebody_can_look
 from ulna.viewer.page.keep_open import keep_open
+from ulna.viewer.page.port import checked_port
 from ulna.viewer.panel import Panel
 from ulna.viewer.panel.teach_panel import TeachPanel
 from ulna.viewer.panel.timeline import SPEED_EXPECTED, Timeline
@@ -35,7 +36,8 @@ class Viewer(ExportMethods):
     browser or anybody to look, everything works the same, and pictures, films and HTML files can be written.
 
     Args:
-        port: Port of the page; the next free one is taken when it is in use, 0 takes any.
+        port: Port of the page; the next free one is taken when it is in use, 0 takes any; None for that of the
+            environment variable `ULNA_PORT`, or 8080.
         host: Address to listen on. Addresses other than the loopback need a token, which `url` contains.
         browser: Whether to open a browser window, where there is a screen.
         page: Whether there is a page at all; without one nothing but NumPy is needed.
@@ -61,7 +63,7 @@ class Viewer(ExportMethods):
 
     def __init__(
         self,
-        port: int = 8080,
+        port: int | None = None,
         host: str = "127.0.0.1",
         *,
         browser: bool = True,
@@ -74,7 +76,7 @@ class Viewer(ExportMethods):
     ) -> None:
         super().__init__(title, theme, camera, floor)
         flag("browser", browser)
-        count("port", port, 0, 65535)
+        port = checked_port(port)
         checked_host(host)
         _check_server(server, flag("page", page))
         self._page = (

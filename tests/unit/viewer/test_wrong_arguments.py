@@ -189,7 +189,7 @@ def cases(
     out["viewer"] = (
         lambda v, **k: Viewer(page=False, **k),
         {
-            "port": (0, (*NO_NUMBER, None, -1, 70000)), "host": ("127.0.0.1", NO_WORDS), "browser": (False, NO_FLAG),
+            "port": (0, (*NO_NUMBER, -1, 70000)), "host": ("127.0.0.1", NO_WORDS), "browser": (False, NO_FLAG),
             "title": ("t", NO_WORDS), "theme": ("dark", (*NO_CHOICE, None)), "floor": (0.0, (*NO_NUMBER, 1e300, True)),
             **seen,
         },

@@ -49,7 +49,8 @@ class Page:
     Args:
         scene: What to show; the page follows it.
         title: The heading of the panel.
-        port: Port to listen on; the next free one is taken when it is in use, 0 takes any.
+        port: Port to listen on; the next free one is taken when it is in use, 0 takes any; None for that of the
+            environment variable `ULNA_PORT`, or 8080.
         host: Address to listen on. Other than the loopback addresses need a token, which `url` contains.
         camera: The first camera; one that shows the whole scene when not given.
         theme: The colours around.
@@ -68,7 +69,7 @@ class Page:
         self,
         scene: SceneGraph,
         title: str = "Ulna",
-        port: int = 8080,
+        port: int | None = None,
         host: str = "127.0.0.1",
         camera: Camera | None = None,
         theme: Theme = LIGHT,

@@ -13,17 +13,17 @@ import socket
 import weakref
 from collections.abc import Callable, Iterator
 from functools import partial
-from numbers import Integral
 from pathlib import Path
 from typing import Any
 
-from ulna.errors import InputError, MissingExtra, ViewerError
+from ulna.errors import MissingExtra, ViewerError
 from ulna.extras import install_command
 from ulna.system import forks
 from ulna.viewer.page import access as guard
 from ulna.viewer.page import client_files as client
 from ulna.viewer.page.inherited_sockets import close_inherited
 from ulna.viewer.page.message_filter import filter_messages
+from ulna.viewer.page.port import checked_port
 from ulna.viewer.page.pose_channel import early_script, is_known_version
 from ulna.viewer.page.visits import Visits
 
@@ -58,14 +58,14 @@ def _answer(
     return response
 
 
-def serve(host: str, port: int, title: str, token: str = "") -> Any:
+def serve(host: str, port: int | None, title: str, token: str = "") -> Any:
     """A viser server that answers its own machine only, shares nothing and prints nothing.
 
     With a token it answers clients that send it, in the address or in a cookie, under whatever name they know it.
 
     Args:
         host: Address to listen on.
-        port: Port to listen on; 0 takes any free one.
+        port: Port to listen on; 0 takes any free one, None that of `ULNA_PORT`, or 8080.
         title: Title of the tab.
         token: The token; "" for none.
 
@@ -82,8 +82,7 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
         import websockets.asyncio.server as sockets
     except ImportError as error:
         raise MissingExtra("viser", "viewer", "The page in the browser") from error
-    if not (isinstance(port, Integral) and 0 <= port <= 65535):
-        raise InputError(f"`port` is {port!r}; expected 0 (any free one) to 65535.")
+    port = checked_port(port)
     _check_address(host)
     any_host = host not in guard.LOOPBACK or bool(token)
     page = Path(viser.__file__).parent / "client" / "build" / "index.html"
@@ -123,6 +122,8 @@ def serve(host: str, port: int, title: str, token: str = "") -> Any:
         server._websock_server.unregister_handler(getattr(_messages, kind))
     if is_known_version():
         filter_messages(server)
+    if is_known_version():
+        server._websock_server.on_client_connect(lambda _: visits.note_connected())
     _serving[server], _visits[server] = guarded, visits
     return server
 

@@ -11,7 +11,10 @@ _LONGEST_LOADING = 30.0  # s from the request for the page until its tab is conn
 
 @final
 class Visits:
-    """Times at which a browser was last started, asked for the page, and opened its socket.
+    """Times at which a browser was last started, asked for the page, and was connected.
+
+    Tabs that are left from an earlier program on the port connect without asking for the page: they are not those
+    that a browser which was just started opens.
 
     Args:
         now: Returns the time [s].
@@ -28,19 +31,20 @@ class Visits:
         self.opened_at = self.now()
 
     def note_request(self, request: Any) -> None:
-        """A client asks for the page or opens its socket; other requests do not count."""
-        if request.headers.get("Upgrade"):
-            self.connected_at = self.now()
-        elif request.path.partition("?")[0] == "/" and "gzip" in request.headers.get("Accept-Encoding", ""):
+        """A browser asks for the page; other requests do not count."""
+        is_page = request.path.partition("?")[0] == "/" and not request.headers.get("Upgrade")
+        if is_page and "gzip" in request.headers.get("Accept-Encoding", ""):
             self.requested_at = self.now()
 
+    def note_connected(self) -> None:
+        """A tab is connected: it gets the scene from now on."""
+        self.connected_at = self.now()
+
     def is_loading(self) -> bool:
-        """Whether a tab is about to open its socket: it asked for the page, or its browser has just been started."""
-        seen = [t for t in (self.requested_at, self.connected_at) if t is not None]
-        if self.opened_at is not None and self.opened_at > max(seen, default=-1.0):
+        """Whether a tab is about to be connected: it asked for the page, or its browser has just been started."""
+        requested, connected = self.requested_at, self.connected_at
+        if self.opened_at is not None and (requested is None or requested < self.opened_at):
             return True
-        return (
-            self.requested_at is not None
-            and self.requested_at > (-1.0 if self.connected_at is None else self.connected_at)
-            and self.now() - self.requested_at < _LONGEST_LOADING
-        )
+        if requested is None or self.now() - requested > _LONGEST_LOADING:
+            return False
+        return connected is None or connected < requested

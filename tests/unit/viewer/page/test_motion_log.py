@@ -148,11 +148,27 @@ def test_a_tab_loads_from_its_first_request_until_its_socket_opens() -> None:
     assert visits.is_loading()
     now[0] += 1.0
     visits.note_request(request(Upgrade="websocket"))
+    assert visits.is_loading()  # it gets nothing before the socket is open
+    visits.note_connected()
     assert not visits.is_loading()
     now[0] += 1.0
     visits.note_request(request())
     now[0] += 31.0
     assert not visits.is_loading()  # it has gone
+
+
+def test_a_tab_of_an_earlier_program_is_not_the_tab_that_was_just_opened() -> None:
+    now = [10.0]
+    visits = Visits(now=lambda: now[0])
+    visits.note_opened()
+    now[0] += 1.0
+    visits.note_connected()  # an old tab: it did not ask for the page
+    assert visits.is_loading()
+    now[0] += 1.0
+    visits.note_request(request())
+    now[0] += 1.0
+    visits.note_connected()
+    assert not visits.is_loading()
 
 
 @pytest.fixture

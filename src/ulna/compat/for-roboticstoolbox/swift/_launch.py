@@ -116,7 +116,7 @@ class LaunchedEnvironment:
         page = not headless_requested and (headless is False or notebook or somebody_can_look())
         speed = 1.0 if isinstance(realtime, bool) else float(realtime)
         self.headless, self.rate = not page, rate
-        self._start(page, 8080, bool(realtime) and (page or headless is True), speed or 1.0, axes)
+        self._start(page, None, bool(realtime) and (page or headless is True), speed or 1.0, axes)
         if notebook:
             self._in_notebook()
         elif page and _open(self.viewer, browser):
@@ -124,7 +124,7 @@ class LaunchedEnvironment:
         elif page:
             print(f"Swift: the page is at {self.viewer.url}", flush=True)
 
-    def _start(self, page: bool, port: int, realtime: bool, speed: float, axes: bool) -> None:
+    def _start(self, page: bool, port: int | None, realtime: bool, speed: float, axes: bool) -> None:
         self._viewer = Viewer(port, page=page, browser=False, title="Swift")
         # with a page, the viewer records what happens, for its time line; robots are moved here
         self._simulation = (
@@ -177,7 +177,7 @@ class LaunchedEnvironment:
     def reset(self) -> None:
         """Reset to an empty environment at time zero. A tab that looks at the page finds it again."""
         old, sim = self.viewer, self._simulation
-        port = 8080 if old.closed else int(old.url.rsplit(":", 1)[1])
+        port = None if old.closed else int(old.url.rsplit(":", 1)[1])
         page = not (self.headless or old.closed)
         self.close()
         self._start(page, port, sim.realtime, sim.speed, self._axes)
