@@ -1,4 +1,4 @@
-"""Workers in Pythons of their own that take turns, so that a drifting machine hits all alike."""
+"""Workers in separate Python processes that take turns, so that a drifting machine hits all alike."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pinocchio's calls through the face, beside real Pinocchio: each package in a Python of its own, taking turns.
+"""Pinocchio's calls through the face, beside real Pinocchio: each package in a separate Python process, taking turns.
 
 python benchmarks/compat_pinocchio.py
 """

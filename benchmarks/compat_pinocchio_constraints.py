@@ -1,4 +1,4 @@
-"""Calls of constraints through the Pinocchio face, beside real Pinocchio: each in a Python of its own, taking turns.
+"""Calls of constraints through the Pinocchio face, beside real Pinocchio: each in a separate Python process, taking turns.
 
 python benchmarks/compat_pinocchio_constraints.py        # needs pin and example-robot-data
 

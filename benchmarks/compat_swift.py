@@ -27,7 +27,7 @@ REALTIME = "example 3 in real time, 4.31 s"
 
 
 class Chromium(webbrowser.BaseBrowser):
-    """Opens pages in a Chromium without a window, in a process of its own."""
+    """Opens pages in a Chromium without a window, in a separate process."""
 
     def open(self, url: str, new: int = 0, autoraise: bool = True) -> bool:
         """Open a page."""

@@ -169,7 +169,7 @@ def ur5(count: int) -> list[list[str]]:
     try:
         from ik_geo import Robot as GeoRobot
 
-        geo = GeoRobot.ur5()  # its own figures, hence goals of its own
+        geo = GeoRobot.ur5()  # its own figures, hence separate goals
         own = np.tile(np.eye(4), (count, 1, 1))
         for T, x in zip(own, q, strict=True):
             T[:3, :3], T[:3, 3] = geo.forward_kinematics(x)

@@ -106,7 +106,7 @@ class Chromium:
         return context
 
     def new_page(self, **options: Any) -> Any:
-        """A page in a context of its own."""
+        """A page in a separate context."""
         return self.new_context(**options).new_page()
 
     def close_contexts(self, first: int) -> None:

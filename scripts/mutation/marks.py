@@ -87,7 +87,7 @@ def _marked(text: str, path: str, functions: list[tuple[str, int, int]]) -> str:
         decorators = getattr(first, "decorator_list", None)
         row = (decorators[0].lineno if decorators else first.lineno) - 1
         space = lines[row][: len(lines[row]) - len(lines[row].lstrip())]
-        # On a line of its own only where it must be, so that the lines keep their numbers.
+        # On a separate line only where it must be, so that the lines keep their numbers.
         simple = isinstance(
             first, ast.Expr | ast.Assign | ast.AnnAssign | ast.AugAssign | ast.Return | ast.Raise | ast.Assert
         )

@@ -1,4 +1,4 @@
-"""The trial of a mutant: a copy of the sources with it, a cache of its own, and the tests that must notice it."""
+"""The trial of a mutant: a copy of the sources with it, a separate cache, and the tests that must notice it."""
 
 from __future__ import annotations
 

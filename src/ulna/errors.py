@@ -218,7 +218,7 @@ class UnknownAttribute(UlnaError, AttributeError):
         self.name, self.obj = (
             name,
             None,
-        )  # without the object Python appends no guess of its own to this advice
+        )  # without the object Python appends no guess to this advice
 
 
 class UnknownArgument(UlnaError, TypeError):

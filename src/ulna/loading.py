@@ -97,7 +97,7 @@ def load_model(
             (from "<").
         root: how the base hangs in the world: None fixed, "free_flyer", "planar", any joint kind, or "auto": a free
             flyer for the robots of the catalogue that move about.
-        visuals: "auto", "simple" or "cad". For robots with shapes of their own (panda, ur5): the shapes, the CAD
+        visuals: "auto", "simple" or "cad". For Ulna's own robots (panda, ur5): the shapes, the CAD
             meshes of example-robot-data, or the meshes where they are installed. For files, "simple" draws the
             collision shapes of the links that have any.
         package_dirs: folders to look for packages in, before all others.

@@ -66,7 +66,7 @@ def test_without_the_optional_packages_every_test_file_is_collected(tmp_path: Pa
     )
 
 
-def test_a_test_that_lacks_a_package_is_told_from_one_that_fails() -> None:
+def test_a_test_that_lacks_a_package_is_distinguished_from_one_that_fails() -> None:
     assert missing_package(MissingExtra("no-such-package", "all", "This test")) == "no_such_package"
     assert missing_package(ModuleNotFoundError("No module", name="no_such_package.part")) == "no_such_package"
     assert missing_package(ModuleNotFoundError("No module", name="ulna.no_such_part")) == ""

@@ -208,7 +208,7 @@ def test_a_drawing_that_is_dropped_comes_back(robot: ulna.Robot, tab: Tab) -> No
     assert tab.started() == "ready" and tab.ask("q") == q
 
 
-def test_a_page_of_ones_own(robot: ulna.Robot, chromium: Any, tmp_path: Path) -> None:
+def test_a_standalone_page(robot: ulna.Robot, chromium: Any, tmp_path: Path) -> None:
     robot.save_html(tmp_path / "panda.js", show="skeleton")
     text = '<script src="panda.js" defer></script><input id="other"><ulna-robot panel="none" style="height:300px"></ulna-robot>'
     (tmp_path / "own.html").write_text(text)

@@ -153,7 +153,7 @@ def test_dragging_the_target_moves_the_tool(visit: Visit) -> None:
     visit.show.q = "qr"
     start = visit.show.tool
     arrow = start[:3, 2]  # the blue arrow
-    size = visit.show.pendant.gizmo._handle.scale
+    size = visit.show.teach_panel.gizmo._handle.scale
     moved = lambda: visit.show.tool[:3, 3] - start[:3, 3]  # noqa: E731
 
     def drag(pause: float) -> None:

@@ -45,7 +45,7 @@ def ends(tab: Any, process: Any) -> str:
     return said
 
 
-def test_the_first_shows_the_robot(chromium: Any, tmp_path: Path) -> None:
+def test_script_1_shows_the_robot(chromium: Any, tmp_path: Path) -> None:
     with running(SCRIPTS / "rtb_example1.py", tmp_path) as (process, address):
         tab = tab_at(chromium, address())
         assert wait(lambda: near(tab, HAND, hand_at(READY)))
@@ -63,7 +63,7 @@ def test_what_moves_arrives(chromium: Any, name: str, tmp_path: Path) -> None:
         ends(tab, process)
 
 
-def test_the_fourth_is_translucent(chromium: Any, tmp_path: Path) -> None:
+def test_script_4_is_translucent(chromium: Any, tmp_path: Path) -> None:
     with running(SCRIPTS / "rtb_example4.py", tmp_path) as (_, address):
         tab = tab_at(chromium, address())
         for node in (
@@ -77,7 +77,7 @@ def test_the_fourth_is_translucent(chromium: Any, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_fourth_arrives_in_its_time(chromium: Any, tmp_path: Path) -> None:
+def test_script_4_arrives_in_time(chromium: Any, tmp_path: Path) -> None:
     began = time.monotonic()
     with running(SCRIPTS / "rtb_example4.py", tmp_path) as (process, address):
         tab = tab_at(chromium, address())
@@ -88,19 +88,19 @@ def test_the_fourth_arrives_in_its_time(chromium: Any, tmp_path: Path) -> None:
         ends(tab, process)
 
 
-def test_the_sixth_plans_films_and_plays(chromium: Any, tmp_path: Path) -> None:
+def test_script_6_plans_films_and_plays(chromium: Any, tmp_path: Path) -> None:
     """With the line that the document has as a remark: a film by pyplot; then the motion in the page."""
     image = pytest.importorskip("PIL.Image")
     text = (SCRIPTS / "rtb_example6.py").read_text()
     assert text.count("#robot.plot") == 1
     script = tmp_path / "sixth.py"
-    told = """
+    epilogue = """
 import json, pathlib, time
 print("@" + json.dumps(list(map(float, q_pickup))), flush=True)
 while not pathlib.Path("seen").exists():
     time.sleep(0.05)
 """
-    script.write_text(text.replace("#robot.plot", "robot.plot") + told)
+    script.write_text(text.replace("#robot.plot", "robot.plot") + epilogue)
     with running(script, tmp_path) as (process, address):
         tab = tab_at(chromium, address())
         last = next((line for line in process.stdout if line.startswith("@")), "")

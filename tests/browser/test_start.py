@@ -70,7 +70,7 @@ def test_the_program_of_the_page_is_fetched_once(viewer: Viewer, context: Any, t
     again.close()
 
 
-def test_one_lamp_throws_shadows_and_they_are_drawn_when_something_moved(viewer: Viewer, tab: Any) -> None:
+def test_one_light_casts_shadows_which_are_drawn_when_something_moved(viewer: Viewer, tab: Any) -> None:
     assert wait(lambda: tab.evaluate(LAMPS) == 1)
     tab.evaluate(COUNT)
 
@@ -97,7 +97,7 @@ def test_one_lamp_throws_shadows_and_they_are_drawn_when_something_moved(viewer:
         assert wait(lambda: tab.evaluate("window.drawn") > 0)
 
 
-def test_the_shadow_falls_where_the_lamp_throws_it(viewer: Viewer, tab: Any) -> None:
+def test_the_shadow_falls_away_from_the_light(viewer: Viewer, tab: Any) -> None:
     Image = pytest.importorskip("PIL.Image")
     away = np.array(KEY_DIRECTION) / KEY_DIRECTION[2] * 0.6
 

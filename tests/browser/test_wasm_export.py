@@ -58,7 +58,7 @@ def test_a_page_solves_as_native_code_does(page: Any) -> None:
     np.testing.assert_allclose(robot.fk(np.array(got["q"])), T, atol=3e-6)
 
 
-def test_a_browser_without_simd_is_told(page: Any) -> None:
+def test_a_browser_without_simd_shows_a_message(page: Any) -> None:
     page.add_init_script("WebAssembly.validate = () => false;")
     page.goto("http://robot.test/index.html")
     page.wait_for_selector(ENDED, state="attached")

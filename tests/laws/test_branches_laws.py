@@ -28,14 +28,14 @@ def _missing(model: Model, Q: Floats) -> Floats:
 
 
 @pytest.mark.parametrize("name", CLOSED)
-def test_closed_forms_give_back_the_configuration(name: str) -> None:
+def test_closed_forms_recover_the_configuration(name: str) -> None:
     rng = np.random.default_rng(10)
     model = model_of(CLOSED[name](rng), rng)
     assert _missing(model, rng.uniform(-np.pi, np.pi, (200, 6))).max() < 1e-6
 
 
 @pytest.mark.parametrize("name", GENERAL)
-def test_elimination_gives_back_the_configuration(name: str) -> None:
+def test_elimination_recovers_the_configuration(name: str) -> None:
     rng = np.random.default_rng(11)
     model = model_of(GENERAL[name](rng), rng)
     assert _missing(model, rng.uniform(-np.pi, np.pi, (5, 6))).max() < 1e-6
@@ -43,7 +43,7 @@ def test_elimination_gives_back_the_configuration(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*CLOSED, *GENERAL])
-def test_many_arms_of_each_kind_give_back_the_configuration(name: str) -> None:
+def test_many_arms_of_each_kind_recover_the_configuration(name: str) -> None:
     """Three arms at many configurations, since making the solver of an arm costs more than its calls."""
     make = {**CLOSED, **GENERAL}[name]
     for seed in range(3):

@@ -148,7 +148,7 @@ def test_impacts_lose_energy_and_nothing_rebounds(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_saying_it_twice_changes_nothing(seed: int) -> None:
+def test_repeating_it_changes_nothing(seed: int) -> None:
     model = tree(seed)
     q, v, tau = state(model, seed)
     once = alg.constrained_dynamics(model, q, v, tau, bonds(model, [PointContact("tip")]))

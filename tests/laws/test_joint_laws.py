@@ -179,7 +179,7 @@ def test_difference_turns_back_when_swapped(name: str) -> None:
 
 
 @every
-def test_the_way_between_two_positions_is_even(name: str) -> None:
+def test_motion_between_two_positions_is_uniform(name: str) -> None:
     kind, q, v = samples(name)
     end = kind.integrate(q, v)
     np.testing.assert_allclose(poses(kind, kind.interpolate(q, end, 0.0)), poses(kind, q), atol=1e-15)

@@ -45,7 +45,7 @@ def test_jacobians_of_joints_change_as_their_differences_say(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_joints_feel_the_torques_of_inverse_dynamics(seed: int) -> None:
+def test_torques_of_inverse_dynamics_are_those_of_the_joints(seed: int) -> None:
     model, q, v, a = _case(seed)
     tau = np.zeros(model.nv)
     for joint, force in zip(model.joints, algorithms.joint_wrenches(model, q, v, a), strict=True):

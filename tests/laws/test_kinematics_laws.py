@@ -169,7 +169,7 @@ def test_joint_jacobians_hold_every_frames_columns(case: Case) -> None:
 @pytest.mark.parametrize("reference", ["world", "local", "local_world_aligned"])
 def test_jacobians_of_frames_follow_from_the_columns_of_joints(case: Case, reference: str) -> None:
     if any(joint.mimic is not None for joint in case.model.joints):
-        return  # their columns are not told apart
+        return  # their columns are not distinguished
     J, poses = alg.joint_jacobians(case.model, case.q), alg.joint_poses(case.model, case.q)
     for frame in case.frames:
         T = poses[frame.joint] if frame.joint >= 0 else SE3.identity()

@@ -41,9 +41,9 @@ def test_flat_bodies_are_refused_with_the_nearest_body() -> None:
     point = Inertia.from_point(1.0, (0.1, 0.2, 0.3)).parameters()
     with pytest.raises(InputError, match="nearest_physical"):
         log_cholesky(point)
-    mended = nearest_physical(point)
-    assert np.abs(mended - point).max() < 1e-5
-    assert np.isfinite(log_cholesky(mended)).all()
+    nearest = nearest_physical(point)
+    assert np.abs(nearest - point).max() < 1e-5
+    assert np.isfinite(log_cholesky(nearest)).all()
     impossible = np.array([1.0, 0, 0, 0, 1.0, 0, 1.0, 0, 0, -3.0])
     assert Inertia.from_parameters(nearest_physical(impossible)).is_physical()
 

@@ -77,11 +77,11 @@ def test_kernels_with_the_models_parameters_as_inputs_are_the_constant_ones(quan
     if "constraints" in kernels.QUANTITIES[quantity].options:
         options = {"constraints": [PointContact("tip")]}
     baked = kernels.function(model, quantity, **options)
-    told = kernels.function(model, quantity, parameters=EVERY, **options)
-    assert [port.name for port in told.inputs[len(baked.inputs) :]] == list(EVERY)
+    varying = kernels.function(model, quantity, parameters=EVERY, **options)
+    assert [port.name for port in varying.inputs[len(baked.inputs) :]] == list(EVERY)
     own = inputs(baked, model)
     with np.errstate(invalid="ignore"):
-        close(told(*own, *(parameters(model, name) for name in EVERY)), baked(*own), 1e-9)
+        close(varying(*own, *(parameters(model, name) for name in EVERY)), baked(*own), 1e-9)
 
 
 @pytest.mark.parametrize(
@@ -95,8 +95,8 @@ def test_other_numbers_are_another_model(name: str, quantity: str) -> None:
     if "composite" in name or name == "universal":
         values["offset"] *= 0.0  # no model has an offset there; a kernel takes it, see below
     own = inputs(kernels.function(model, quantity, **options), model)
-    told = kernels.function(model, quantity, parameters=EVERY, **options)(*own, *values.values())
-    close(told, kernels.function(with_parameters(model, values), quantity, **options)(*own), 1e-9)
+    varying = kernels.function(model, quantity, parameters=EVERY, **options)(*own, *values.values())
+    close(varying, kernels.function(with_parameters(model, values), quantity, **options)(*own), 1e-9)
 
 
 @pytest.mark.parametrize("key", EVERY)
@@ -111,8 +111,8 @@ def test_each_number_alone_is_another_model(name: str, key: str) -> None:
     for quantity in ("fk", *DYNAMIC):
         options: dict[str, Any] = {"friction": True} if quantity in DYNAMIC else {}
         own = inputs(kernels.function(model, quantity, **options), model)
-        told = kernels.function(model, quantity, parameters=key, **options)(*own, value)
-        close(told, kernels.function(changed, quantity, **options)(*own), 1e-9)
+        varying = kernels.function(model, quantity, parameters=key, **options)(*own, value)
+        close(varying, kernels.function(changed, quantity, **options)(*own), 1e-9)
 
 
 @pytest.mark.parametrize("key", EVERY)
@@ -124,17 +124,17 @@ def test_its_present_parameters_leave_a_model_unchanged(key: str) -> None:
 @pytest.mark.parametrize("name", ["mimics", "floating", "composite", "composite_ball"])
 def test_an_offset_is_added_to_q(name: str) -> None:
     model = tree(name)
-    told = kernels.function(model, "fk", parameters="offset")
+    varying = kernels.function(model, "fk", parameters="offset")
     rng = np.random.default_rng(0)
-    offset = rng.normal(size=told.inputs[1].shape)
+    offset = rng.normal(size=varying.inputs[1].shape)
     q = alg.random(model, rng)
     moved = q.copy()
     moved[[k for k, joint in _coordinates(model) if joint]] += offset
-    close(told(q, offset), kernels.function(model, "fk")(moved))
+    close(varying(q, offset), kernels.function(model, "fk")(moved))
 
 
 def _coordinates(model: Model) -> list[tuple[int, bool]]:
-    """Every entry of q, and whether it is an angle or a length of its own."""
+    """Every entry of q, and whether it is an independent angle or length."""
     whole = ("spherical", "free flyer", "free_flyer", "planar")
     rows = []
     for joint in (j for j in model.joints if j.mimic is None):
@@ -145,11 +145,11 @@ def _coordinates(model: Model) -> list[tuple[int, bool]]:
 
 def test_the_derivative_by_inertia_is_the_regressor() -> None:
     model = tree("floating")
-    told = kernels.kernel(model, "inverse_dynamics", parameters="inertia").jacobian("inertia")
-    q, v, a, p = inputs(told.function, model)
+    varying = kernels.kernel(model, "inverse_dynamics", parameters="inertia").jacobian("inertia")
+    q, v, a, p = inputs(varying.function, model)
     Y = kernels.kernel(model, "joint_torque_regressor")(q, v, a)
-    close(told(q, v, a, dynamic_parameters(model)), Y)
-    close(told(q, v, a, p), Y)  # it is linear: the same everywhere
+    close(varying(q, v, a, dynamic_parameters(model)), Y)
+    close(varying(q, v, a, p), Y)  # it is linear: the same everywhere
     row = kernels.kernel(model, "kinetic_energy", parameters="inertia").jacobian("inertia")(q, v, p)
     close(row, kernels.kernel(model, "kinetic_energy_regressor")(q, v))
 
@@ -158,32 +158,32 @@ def test_the_derivative_by_inertia_is_the_regressor() -> None:
 def test_derivatives_by_placements_are_those_of_differences(key: str) -> None:
     model = tree("floating")
     q = alg.random(model, np.random.default_rng(1))
-    told = kernels.function(model, "fk", parameters=key)
-    slope = told.jacobian(key)
+    varying = kernels.function(model, "fk", parameters=key)
+    slope = varying.jacobian(key)
     for value in (
         parameters(model, key),
         others(model, key),
     ):  # nothing off is a removable singularity of exp
         steps = 1e-6 * np.eye(value.size).reshape(value.size, *value.shape)
-        numeric = (told(q, value + steps) - told(q, value - steps)) / 2e-6
+        numeric = (varying(q, value + steps) - varying(q, value - steps)) / 2e-6
         close(np.moveaxis(slope(q, value).reshape(4, 4, -1), -1, 0), numeric, 1e-8)
 
 
 def test_batches_of_models_and_of_states_broadcast() -> None:
     model = tree("revolute")
-    told = kernels.kernel(model, "forward_dynamics", parameters=("inertia", "placement"))
+    varying = kernels.kernel(model, "forward_dynamics", parameters=("inertia", "placement"))
     rng = np.random.default_rng(0)
     q, v, tau = alg.random(model, rng, (5,)), *rng.standard_normal((2, 5, model.nv))
     p = np.stack([others(model, "inertia", seed) for seed in range(3)])
     off = np.stack([others(model, "placement", seed) for seed in range(3)])
     for states, models in ((slice(0, 3), slice(0, 3)), (0, slice(0, 3)), (slice(None), 0)):
-        found = told(q[states], v[states], tau[states], p[models], off[models])
+        found = varying(q[states], v[states], tau[states], p[models], off[models])
         rows = np.broadcast_arrays(np.arange(5)[states], np.arange(3)[models])
-        single = [told(q[i], v[i], tau[i], p[j], off[j]) for i, j in zip(*rows, strict=True)]
+        single = [varying(q[i], v[i], tau[i], p[j], off[j]) for i, j in zip(*rows, strict=True)]
         close(found, np.stack(single))
-    every = told(q[:, None], v[:, None], tau[:, None], p, off)
+    every = varying(q[:, None], v[:, None], tau[:, None], p, off)
     assert every.shape == (5, 3, model.nv)
-    close(every[4, 2], told(q[4], v[4], tau[4], p[2], off[2]))
+    close(every[4, 2], varying(q[4], v[4], tau[4], p[2], off[2]))
 
 
 def test_a_base_that_is_off_moves_everything() -> None:
@@ -256,17 +256,17 @@ def test_the_order_of_parameters_does_not_matter() -> None:
     for name, value in values.items():  # one is a number of the model, the others come with the trace
         rest = {other: x for other, x in values.items() if other != name}
 
-        def pose(q: Any, *told: Any, known: Any = {name: value}, names: Any = tuple(rest)) -> Any:  # noqa: B006
-            varied = with_parameters(model, known | dict(zip(names, told, strict=True)))
+        def pose(q: Any, *varying: Any, known: Any = {name: value}, names: Any = tuple(rest)) -> Any:  # noqa: B006
+            varied = with_parameters(model, known | dict(zip(names, varying, strict=True)))
             return alg.frame_pose(varied, q, varied.frame("tip")).matrix()
 
         shapes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate((q, *rest.values()))}
         close(trace(pose, **shapes)(q, *rest.values()), expected)
 
 
-def test_frames_that_were_added_have_parameters_of_their_own() -> None:
+def test_added_frames_have_separate_parameters() -> None:
     model = tree("mimics")
     assert parameter_names(model)[-2:] == ("frame:tip", "frame:side")
     q, x = alg.random(model, np.random.default_rng(0)), others(model, "frame:side")
-    told = kernels.function(model, "fk", frame="side", parameters=("frame:side",))
-    close(told(q, x), kernels.function(with_parameters(model, {"frame:side": x}), "fk", frame="side")(q))
+    varying = kernels.function(model, "fk", frame="side", parameters=("frame:side",))
+    close(varying(q, x), kernels.function(with_parameters(model, {"frame:side": x}), "fk", frame="side")(q))

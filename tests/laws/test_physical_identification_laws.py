@@ -226,6 +226,6 @@ def test_ctrl_c_ends_the_search(ur5: Robot, true: Robot) -> None:
 
 @pytest.mark.parametrize("noise", [0.0, -1.0, np.inf, np.nan, [1.0, 1.0, 0.0, 1.0, 1.0, 1.0]])
 @pytest.mark.parametrize("physical", [False, True])
-def test_noise_that_is_none_is_refused(ur5: Robot, noise: Any, physical: bool) -> None:
+def test_invalid_noise_is_refused(ur5: Robot, noise: Any, physical: bool) -> None:
     with pytest.raises(InputError, match=r"`noise` is .*; expected finite numbers above zero"):
         identify(ur5, *log(ur5, 0.0, 5), noise=noise, physical=physical)

@@ -70,10 +70,10 @@ def test_jacobian_is_how_the_error_shrinks(model: Model, name: str) -> None:
         q = alg.random(model, rng)
         # far from the target, but not half a turn away, where the error of a rotation jumps
         away = alg.integrate(model, q, 0.4 * rng.standard_normal(model.nv))
-        told = task.reached_by(model, away).values()
-        rows = task.rows(model, q, *told)
+        reached = task.reached_by(model, away).values()
+        rows = task.rows(model, q, *reached)
         assert rows.J.shape == (len(task.costs(model)), model.nv)
-        shrinks = -by_configuration(model, q, lambda x, told=told: task.rows(model, x, *told).e)
+        shrinks = -by_configuration(model, q, lambda x, reached=reached: task.rows(model, x, *reached).e)
         np.testing.assert_allclose(
             rows.J, np.moveaxis(shrinks, 0, -1), atol=2e-8 * max(1.0, np.abs(rows.J).max())
         )

@@ -141,7 +141,7 @@ def test_impacts(name: str, restitution: float) -> None:
 
 @pytest.mark.parametrize("damping", [0.0, 0.2])
 @pytest.mark.parametrize("name", FEET)
-def test_a_jacobian_of_ones_own(name: str, damping: float) -> None:
+def test_a_custom_jacobian(name: str, damping: float) -> None:
     t = twin(name)
     q, v, tau = state(t)
     rng = np.random.default_rng(7)

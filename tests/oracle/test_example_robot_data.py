@@ -114,7 +114,7 @@ def test_refused_by_both(name):
         pin.buildModelFromUrdf(str(file))
 
 
-def test_what_is_odd_is_said():
+def test_warnings_name_unusual_values():
     for name in NAMES:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")

@@ -204,6 +204,6 @@ def test_same_velocity_under_a_constraint(name: str) -> None:
         constraints=[rigid],
         primal_tol=1e-12,
     )
-    told = {name: case.targets[name] for name in ours.inputs}
-    v = ours.velocity(case.q, DT, **told)
+    goals_of_tasks = {name: case.targets[name] for name in ours.inputs}
+    v = ours.velocity(case.q, DT, **goals_of_tasks)
     np.testing.assert_allclose(v, theirs[np.argsort(case.twin.order)], atol=1e-7 * np.abs(v).max())

@@ -147,7 +147,7 @@ def test_the_table_knows_what_the_files_of_robots_have() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("file", files(), ids=lambda f: f.stem)
-def test_files_of_robots_need_no_word_about_what_is_left_out(file: Path) -> None:
+def test_files_of_robots_cause_no_warning_about_omitted_elements(file: Path) -> None:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:

@@ -148,8 +148,8 @@ def instrumented(ir: str) -> tuple[str, list[str]]:
 
     def check(kind: str, pointer: str, align: str | None, right: int, line: str) -> str:
         name = f"%site{len(sites)}"
-        told = f"i64 {len(sites)}, i64 {_bytes(kind)}, i64 {align or _natural(kind)}, i64 {right}"
-        lines.append(f"  {name} = call ptr @checked(ptr {pointer}, {told})")
+        arguments = f"i64 {len(sites)}, i64 {_bytes(kind)}, i64 {align or _natural(kind)}, i64 {right}"
+        lines.append(f"  {name} = call ptr @checked(ptr {pointer}, {arguments})")
         sites.append(line.strip())
         return name
 

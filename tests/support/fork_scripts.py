@@ -1,4 +1,4 @@
-"""Scripts whose forked children must end, each run in an interpreter of its own."""
+"""Scripts whose forked children must end, each run in a separate interpreter."""
 
 from __future__ import annotations
 

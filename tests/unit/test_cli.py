@@ -139,7 +139,7 @@ def test_a_tour_goes_through_the_range_of_every_joint_and_back() -> None:
     assert 5.0 < rows.t[-1] < 15.0
 
 
-def test_show_does_not_wait_where_nobody_can_look(headless: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_show_does_not_wait_without_a_screen(headless: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("viser")
     assert main(["show", "ur5", "--port", "0"]) == 0
     said = capsys.readouterr().out
@@ -189,7 +189,7 @@ def test_errors_are_one_line_with_the_fix(
     assert expected in err
 
 
-def test_a_word_that_is_no_command_is_an_error_of_use(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_command_is_a_usage_error(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
         main(["dance"])
     assert end.value.code == 2
@@ -245,7 +245,7 @@ def test_the_module_runs_and_a_closed_pipe_is_no_accident() -> None:
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
-def test_a_full_disk_is_said_in_one_line() -> None:
+def test_a_full_disk_is_reported_in_one_line() -> None:
     command = f"{sys.executable!r} -m ulna info panda >/dev/full"
     done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False, timeout=600)
     assert done.returncode == 2

@@ -77,7 +77,7 @@ def test_each_step_can_be_watched_and_stopped(panda: ulna.Robot) -> None:
     np.testing.assert_allclose(times, [0.01, 0.02, 0.03, 0.04, 0.05])
 
 
-def test_a_goal_out_of_reach_ends_all_the_same(panda: ulna.Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_search_for_a_goal_out_of_reach_ends(panda: ulna.Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(demo_module, "_LONGEST_MOTION", 0.5)
     far = goal_of(panda)
     far[0, 3] += 5

@@ -90,7 +90,7 @@ COMPARED = {"roboticstoolbox", "spatialmath", "spatialgeometry", "swift", "pinoc
 """Packages whose scripts `ulna run` runs without them, or that pages name beside ours."""
 
 HEAVY = {"torch", "jax"}
-"""Gigabytes: each has an extra of its own."""
+"""Gigabytes: each has a separate extra."""
 
 
 def imported_by_documents() -> dict[str, str]:

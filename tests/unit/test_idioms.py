@@ -143,7 +143,7 @@ def test_every_expression_runs(words: dict[str, Any], subject: str) -> None:
         assert eval(use, {}, dict(here)) is not ..., use
 
 
-def test_the_rest_is_guessed(things: dict[str, Any]) -> None:
+def test_unknown_attributes_offer_the_nearest(things: dict[str, Any]) -> None:
     for subject, given, nearest in [
         ("viewer", "spere", "sphere"),
         ("kernel", "operation", "operations"),

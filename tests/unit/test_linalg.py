@@ -114,8 +114,8 @@ def test_pseudoinverse_of_floats_batches_and_traces(shape: tuple[int, int]) -> N
     kernel = compile(linalg.pseudoinverse, a=shape)
     for inverse, condition in (linalg.pseudoinverse(a), kernel(a)):
         np.testing.assert_allclose(inverse, np.linalg.pinv(a), rtol=0.0, atol=1e-12)
-        told = np.linalg.norm(a, axis=(-2, -1)) * np.linalg.norm(inverse, axis=(-2, -1))
-        np.testing.assert_allclose(condition, told, rtol=1e-12)
+        estimate = np.linalg.norm(a, axis=(-2, -1)) * np.linalg.norm(inverse, axis=(-2, -1))
+        np.testing.assert_allclose(condition, estimate, rtol=1e-12)
         assert (condition >= np.linalg.cond(a) * (1.0 - 1e-12)).all()
 
 
@@ -129,10 +129,10 @@ def test_pseudoinverse_is_as_good_as_by_singular_values(condition: float) -> Non
         with mpmath.workdps(60):
             wide = mpmath.matrix(a.tolist())
             exact = wide.T * (wide * wide.T) ** -1
-            inverse, told = kernel(a)
+            inverse, estimate = kernel(a)
             error = mpmath.norm(mpmath.matrix(inverse.tolist()) - exact) / mpmath.norm(exact)
         assert error < 4.0 * np.finfo(float).eps * condition
-        assert condition <= told <= 6.0 * condition * (1.0 + 1e-3)
+        assert condition <= estimate <= 6.0 * condition * (1.0 + 1e-3)
 
 
 def test_pseudoinverse_reports_where_the_rank_is_lost() -> None:

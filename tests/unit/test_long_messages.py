@@ -75,9 +75,9 @@ def test_messages_about_arguments_stay_short() -> None:
 
 def test_warnings_stay_short() -> None:
     text = f'<robot name="r"><link name="a"><visual><geometry><mesh filename="{LONG}"/></geometry></visual></link></robot>'
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         ulna.load(text)
-    assert told and issubclass(told[0].category, ModelWarning)
-    assert all(len(str(w.message)) <= LONGEST_MESSAGE for w in told)
+    assert caught and issubclass(caught[0].category, ModelWarning)
+    assert all(len(str(w.message)) <= LONGEST_MESSAGE for w in caught)
     assert len(str(UlnaWarning(LONG))) <= LONGEST_MESSAGE

@@ -29,13 +29,13 @@ def test_the_target_of_a_task_for_the_centre_of_mass_is_its_default(panda: Robot
     q = np.array(panda.configurations["qr"])
     target = panda.center_of_mass(q) + [0.02, 0.01, -0.02]
     given = DifferentialIK(panda, [ComTask(target=target), PostureTask(1e-3, target="qr")])
-    told = DifferentialIK(panda, [ComTask(), PostureTask(1e-3, target="qr")])
+    adjustable = DifferentialIK(panda, [ComTask(), PostureTask(1e-3, target="qr")])
     v = given.velocity(q, 0.01)
-    np.testing.assert_allclose(v, told.velocity(q, 0.01, com=target), atol=1e-12)
+    np.testing.assert_allclose(v, adjustable.velocity(q, 0.01, com=target), atol=1e-12)
     assert np.abs(v).max() > 0.1
     np.testing.assert_allclose(given.velocity(q, 0.01, com=panda.center_of_mass(q)), 0.0, atol=1e-6)
     with pytest.raises((InputError, TypeError, UnknownName), match="com"):
-        told.velocity(q, 0.01)
+        adjustable.velocity(q, 0.01)
 
 
 @pytest.mark.parametrize(
@@ -59,7 +59,7 @@ def test_the_target_of_a_task_for_the_centre_of_mass_is_its_default(panda: Robot
         b"xyz",
     ],
 )
-def test_euler_axes_that_are_none_are_refused(axes: Any) -> None:
+def test_invalid_euler_axes_are_refused(axes: Any) -> None:
     rotation = SO3.rx(0.3)
     for call in (lambda: rotation.euler(axes), lambda: SO3.from_euler([0.1, 0.2, 0.3], axes)):
         with pytest.raises(InputError, match="`axes` is .*; expected three of the letters x, y, z"):

@@ -28,7 +28,7 @@ def grouped(
 ) -> list[Group]:
     """What spheres are checked against, by formula and by the links: fixed links, and the world's obstacles.
 
-    Attached objects have groups of their own, and so have links that keep another distance.
+    Attached objects have separate groups, and so have links that keep another distance.
 
     Args:
         model: The robot.

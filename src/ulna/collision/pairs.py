@@ -25,8 +25,8 @@ def link_pairs(
     Args:
         model: The Model, or its Robot.
         without: More pairs to exclude.
-        adjacent: Whether links joined by one movable joint are checked all the same.
-        disabled: Whether the pairs that the model disables are checked all the same.
+        adjacent: Whether links joined by one movable joint are checked anyway.
+        disabled: Whether the pairs that the model disables are checked anyway.
 
     Returns:
         Pairs of link names.

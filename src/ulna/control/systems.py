@@ -59,7 +59,7 @@ def robot_system(robot: Robot, dt: float, actuated: Sequence[str] | None) -> Sys
 
     Raises:
         ModelError: If a joint moves no inertia.
-        UnknownName: If a name is that of no joint with a torque of its own.
+        UnknownName: If a name is that of no joint with an independent torque.
     """
     check_mass(robot.model)
     model, nq, nv = robot.model, robot.nq, robot.nv

@@ -1,4 +1,4 @@
-"""Checks of joints: limits in degrees, joints that cannot move, limits that are none, drives without power."""
+"""Checks of joints: limits in degrees, joints that cannot move, limits of thousands of turns, drives without power."""
 
 from __future__ import annotations
 

@@ -200,7 +200,7 @@ def _too_large(file: str | None) -> FormatError:
     return FormatError(
         f"the file is too large; expected at most {MAX_BYTES / 1e6:.0f} MB.",
         file=file,
-        fix="Meshes belong in files of their own.",
+        fix="Meshes belong in separate files.",
     )
 
 

@@ -63,7 +63,7 @@ def model_from_mjcf(
     Args:
         source: a path, or text (from "<").
         root: how the world of the file hangs in the world: None fixed, "free_flyer", or any joint kind. Robots with a
-            free joint of their own need none.
+            free joint need none.
         mimic: whether joints coupled by a linear equality follow their leader; False lets each move on its own.
         trusted: whether MuJoCo compiles it in this process and without limits of time and memory.
 

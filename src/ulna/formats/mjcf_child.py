@@ -1,4 +1,4 @@
-"""MuJoCo's compiler in a process of its own, which a file can neither keep busy for ever nor make fill the memory."""
+"""MuJoCo's compiler in a separate process, which a file can neither keep busy for ever nor make fill the memory."""
 
 from __future__ import annotations
 

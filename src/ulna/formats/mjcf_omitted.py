@@ -199,7 +199,7 @@ class Audit:
             "<body mocap>",
             np.flatnonzero(m.body_mocapid >= 0),
             "it is fixed where the file puts it.",
-            'Give it a free joint, or load it as a robot of its own with root="free_flyer".',
+            'Give it a free joint, or load it as a separate robot with root="free_flyer".',
         )
         if on.other_passive:
             yield from self._at_bodies(
@@ -245,13 +245,13 @@ class Audit:
             yield Omission(
                 "<geom contype conaffinity>, <contact><pair>",
                 "of these bodies only some geoms may touch each other; checks of collision look at all of them.",
-                "Put the geoms on bodies of their own, if that matters.",
+                "Put the geoms on separate bodies, if that matters.",
                 mixed,
             )
         if not self._switches.filtered_parents and np.any(m.body_jntnum):
             yield Omission(
                 '<flag filterparent="disable">',
-                "links joined by one joint are left out of the checks of collision all the same.",
+                "links joined by one joint are still left out of the checks of collision.",
                 "Pass pairs=link_pairs(model, adjacent=True) to the checker.",
             )
 

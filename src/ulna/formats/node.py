@@ -71,7 +71,7 @@ class Node:
                 yield node
 
     def foreign(self) -> Iterator[tuple[str, int | None]]:
-        """The tags, at any depth, with a namespace of their own, and their lines."""
+        """The tags, at any depth, with a namespace, and their lines."""
         for element in self._element.iterdescendants(tag=etree.Element):
             tag = _local(element.tag, self._namespace)
             if _is_foreign(tag):

@@ -58,7 +58,7 @@ def log_cholesky(parameters: ArrayLike) -> Floats:
         least = float(np.linalg.eigvalsh(P).min())
         raise InputError(
             f"The parameters are not those of a body with volume: the least eigenvalue of the pseudo-inertia is "
-            f"{least:.3g}; expected more than zero. `nearest_physical` gives a body near it."
+            f"{least:.3g}; expected more than zero. `nearest_physical` computes the nearest possible body."
         ) from None
     U = lower[..., ::-1, ::-1]
     corner = U[..., 3, 3]

@@ -155,7 +155,7 @@ def problem_of(
         raise InputError(
             f"{', '.join(f.name for f in carried)} is moved by {n} joint coordinates, too few for all {problem.rows} "
             'directions of its goal. Say what counts: mask="position", mask="position+z" (and where the tool\'s z axis '
-            'points), mask="z", or six weights (x, y, z, rx, ry, rz). mask="pose" asks for all the same. '
+            'points), mask="z", or six weights (x, y, z, rx, ry, rz). mask="pose" asks for all six anyway. '
             'For a plan: ulna.planning.Region(T, turns="z") keeps the z axis, Region(point, turns="any") the point.'
         )
     return problem

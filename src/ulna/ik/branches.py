@@ -219,7 +219,7 @@ def _turns(source: Source) -> int:
 
 
 def _goals(T: Any) -> Floats:
-    """The goals (..., 4, 4); a rotation that is none shows when forward kinematics does not meet it, see `Sift`."""
+    """The goals (..., 4, 4); an invalid rotation shows when forward kinematics does not meet it, see `Sift`."""
     check_not_masked("T", T)
     if isinstance(T, np.ndarray) and T.dtype == np.float64 and T.shape[-2:] == (4, 4):
         return T

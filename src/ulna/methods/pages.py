@@ -45,7 +45,7 @@ class Pages(Part):
         in docs/live_page.md.
 
         Args:
-            path: A file that ends in .html: a page of its own; or in .js: a script for other pages, which shows the
+            path: A file that ends in .html: a complete page; or in .js: a script for other pages, which shows the
                 robot in each element `<ulna-robot>`.
             recorded: What is played with a time line: a recording, a trajectory, a plan, or configurations (n, nq).
             live: False for a page without kinematics that only plays what is recorded, as `Viewer.html` writes it; it

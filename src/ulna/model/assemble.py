@@ -291,7 +291,7 @@ def _warn_of_inertias(state: BuilderState) -> None:
 
 
 def _default_tool(joints: tuple[Joint, ...], links: tuple[Link, ...]) -> str:
-    """The leaf link with the most joints of its own before it; the first of those."""
+    """The leaf link with the most independent joints before it; the first of those."""
     depth = [0] * (len(joints) + 1)
     for i, joint in enumerate(joints):
         depth[i] = depth[joint.parent] + (joint.mimic is None)

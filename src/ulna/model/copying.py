@@ -78,7 +78,7 @@ def _refuse_shared_names(builder: PartsBuilder, model: Model, prefix: str) -> No
             raise ModelError(
                 f"{builder.name!r} has a {what} named {shared[0]!r} already"
                 + (f" (and {len(shared) - 1} more that {model.name!r} has)" if len(shared) > 1 else "")
-                + f". Give a prefix that tells the parts apart, such as prefix={model.name + '_'!r}."
+                + f". Give a prefix that distinguishes the parts, such as prefix={model.name + '_'!r}."
             )
 
 

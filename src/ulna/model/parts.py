@@ -32,7 +32,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Mimic:
-    """A joint that has no position of its own: q = multiplier * q_source + offset.
+    """A joint without an independent position: q = multiplier * q_source + offset.
 
     A continuous joint that is followed by a slide, or not in a whole ratio, comes out of the builder as a
     revolute one without limits: a turn more or less is another place for its follower.
@@ -60,7 +60,7 @@ class Joint:
         idx_q: Where its part of q begins; for a mimic joint, its source's part.
         idx_v: Where its part of v begins; for a mimic joint, its source's part.
         limits: Its limits; those of a mimic joint are kept but do not bind its source.
-        damping: Viscous friction, per entry of its own velocity [N s/m, N m s/rad].
+        damping: Viscous friction, per entry of its velocity [N s/m, N m s/rad].
         friction: Coulomb friction, likewise [N, N m].
         armature: Inertia of the drive seen at the joint, likewise [kg, kg m^2].
         mimic: Which joint it follows, if it follows one.

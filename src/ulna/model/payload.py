@@ -122,7 +122,7 @@ def with_drives(model: Model, drives: Mapping[str, Drive]) -> Model:
         joint = joints[k]
         if joint.nv != 1:
             why = "mimics another" if joint.mimic is not None else f"has {joint.nv} velocities"
-            raise InputError(f"Joint {name!r} {why}; a drive moves a joint with one velocity of its own.")
+            raise InputError(f"Joint {name!r} {why}; a drive moves a joint with one independent velocity.")
         changes: dict[str, Any] = {key: (value,) for key, value in drive.at_joint.items()}
         if drive.torque is not None:
             changes["limits"] = replace(joint.limits, effort=(drive.torque * abs(drive.gear),))

@@ -28,7 +28,7 @@ def lock_joints(model: Model, joints: Mapping[str, Any] | Iterable[str], q: Any 
         joints: Names of the joints to lock, at the position `q` gives them; or a dictionary from names to
             positions [rad, m], one number or (nq of the joint,).
         q: The position (nq,) the named joints are locked at, the name of a configuration, or a dictionary;
-            None for neutral. Joints with a position of their own in `joints` do not look at it.
+            None for neutral. Joints with a position in `joints` ignore it.
 
     Returns:
         The reduced model.

@@ -196,7 +196,7 @@ class LoopedKernel(KernelBase):
 
     @property
     def gufunc(self) -> NoReturn:
-        """Refused: NumPy's inner loop is machine code of its own, which this kernel has not."""
+        """Refused: NumPy's inner loop is separate machine code, which this kernel has not."""
         self._refuse("no generalised ufunc", "Call the kernel: it takes batches and `out`.")
 
     @property

@@ -11,7 +11,7 @@ from ulna.typing import Array, Floats
 
 BELTS, SECTORS = 6, 9
 DIRECTIONS = BELTS * SECTORS
-"""How many directions are told apart: belts of equal area around the vertical, cut into sectors."""
+"""How many directions are distinguished: belts of equal area around the vertical, cut into sectors."""
 
 
 @final

@@ -42,7 +42,7 @@ Reporter = Callable[[Progress], object]
 
 
 def reporter(progress: bool | Reporter, name: str) -> Reporter:
-    """What is told how far a job is.
+    """Receives how far a job is.
 
     Args:
         progress: True for lines on standard error, False for none, or a function of a `Progress`.

@@ -1,7 +1,7 @@
 """Rotations as three angles or as angle and axis, and how their rates make an angular velocity.
 
 Three angles about the axes "ijk" mean R = R_i(a1) R_j(a2) R_k(a3): turns about moving axes read from the
-left, or about fixed axes read from the right. Of the twelve sequences two have names of their own:
+left, or about fixed axes read from the right. Of the twelve sequences two have names:
 
 | name  | angles            | matrix                  | used by                              |
 |-------|-------------------|-------------------------|--------------------------------------|

@@ -126,7 +126,7 @@ def _take(fork: _Fork) -> tuple[int, Any] | None:
 def _of_python() -> list[tuple[int, Any]]:
     """The locks of Python that a fork takes, after those of Ulna.
 
-    The module logging takes its lock after this, in a hook of its own. A thread that has it may import, as
+    The module logging takes its lock after this, in a separate hook. A thread that has it may import, as
     `logging.config` does, and would then wait for the fork that waits for it: so it is taken before the imports stop.
     """
     logging = getattr(sys.modules.get("logging"), "_lock", None)

@@ -77,7 +77,7 @@ class Trajectory(ABC):
     """What moves: the names of the directions, and how points differ."""
 
     kind: str
-    """What made it, in a word or two."""
+    """The function that made it, such as "quintic"."""
 
     @property
     @abstractmethod
@@ -134,7 +134,7 @@ class Trajectory(ABC):
         """Rows of times, points, velocities and accelerations, with the last at the very end.
 
         Args:
-            rate: Rows a second [1/s]; the end makes a last row of its own where the duration is no multiple.
+            rate: Rows a second [1/s]; the end is an additional last row where the duration is no multiple.
             n: How many rows, evenly spaced, instead.
             jerk: Whether to add the jerk.
 

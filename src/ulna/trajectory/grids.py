@@ -141,7 +141,7 @@ def graded(s: Floats, first: Any, last: Any) -> Floats:
 
 
 def _distinct(knots: Floats, length: float) -> Floats:
-    """The knots, one of those that rounding alone tells apart, from 0 to the length."""
+    """The knots, one of those that differ by rounding alone, from 0 to the length."""
     if (knots[1:] - knots[:-1] > _SAME * length).all():
         return knots
     inner = knots[(knots > _SAME * length) & (knots < length * (1.0 - _SAME))]

@@ -61,9 +61,9 @@ def test_every_call_of_the_interface_is_there(gui: Gui) -> None:
     assert len(NAMES) == len(set(NAMES)) == 97
     assert not [name for name in NAMES if not callable(getattr(gui, name)) or not getattr(gui, name).__doc__]
     for name, word in REFUSED.items():
-        with pytest.raises(ViewerError, match=name) as told:
+        with pytest.raises(ViewerError, match=name) as raised:
             getattr(gui, name)("any", "thing")
-        assert word in str(told.value)
+        assert word in str(raised.value)
 
 
 def test_placements_take_effect_at_refresh(gui: Gui) -> None:

@@ -1,4 +1,4 @@
-"""ViserVisualizer draws on the server it is given, and lets that of its own be used."""
+"""ViserVisualizer draws on the server it is given, and lets its own server be used."""
 
 from __future__ import annotations
 

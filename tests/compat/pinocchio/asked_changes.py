@@ -87,15 +87,15 @@ def asked() -> list[dict[str, Any]]:
     data = model.createData()
     state = rng.normal(size=(3, model.nv))
     q = pin.integrate(model, pin.neutral(model), state[0])
-    told = []
+    results = []
     for what in ("mass", "inertia", "place", "gravity", "armature"):  # of which Ulna's package makes inputs
         change(model, what, rng)
         pin.rnea(model, data, q, *state[1:])
     for _ in range(ROUNDS):
         for what in ("mass", "inertia", "place", "gravity", "armature", "frame"):
             change(model, what, rng)
-        told.append({k: np.asarray(x).tolist() for k, x in answers(model, data, q, *state[1:]).items()})
-    return told
+        results.append({k: np.asarray(x).tolist() for k, x in answers(model, data, q, *state[1:]).items()})
+    return results
 
 
 if __name__ == "__main__":

@@ -140,7 +140,7 @@ computeCentroidalDynamicsDerivatives(m, d, q, v, a)
 computeJointTorqueRegressor(m, d, q, v, a)
 constraintDynamics(m, d, q, v, tau, cm, cm_data); computeConstraintDynamicsDerivatives(m, d, cm, cm_data)
 """
-"""What each of the calls follows on a Data of its own."""
+"""What each of the calls follows on a separate Data."""
 FIELDS = """
 M Minv C J dJ Ag dAg Jcom tau nle g ddq dtau_dq dtau_dv ddq_dq ddq_dv ddq_dtau dHdq dFdq dFdv dFda dq_after
 kineticEnergyRegressor potentialEnergyRegressor jointTorqueRegressor staticRegressor lambda_c impulse_c
@@ -284,11 +284,11 @@ def main(target, file, root, mimic, used):
     elif used == "each":
         before |= {call: [call] for call in EARLIER.strip().splitlines()}
     found = {f"{name} | {call}": asked.after(ones, call) for name, ones in before.items() for call in calls}
-    told = {"after": found}
+    recorded = {"after": found}
     if REAL:
-        told["truths"] = [asked.truths(asked.first), asked.truths(asked.second)]
+        recorded["truths"] = [asked.truths(asked.first), asked.truths(asked.second)]
     with open(target, "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "answers": told}, out)
+        json.dump({"file": pin.__file__, "answers": recorded}, out)
 
 
 REAL = "site-packages" in pin.__file__

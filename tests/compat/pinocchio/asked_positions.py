@@ -1,4 +1,4 @@
-"""Calls by position whose overloads are told apart by types, asked of the package and of Pinocchio.
+"""Calls by position whose overloads are distinguished by types, asked of the package and of Pinocchio.
 
 `python asked_positions.py out.json ur5.urdf panda.urdf packages`
 """

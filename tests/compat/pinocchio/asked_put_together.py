@@ -12,7 +12,7 @@ warnings.simplefilter("ignore")
 M = pin.XYZQUATToSE3(np.array([0.1, 0.2, 0.3, 0.0, 0.0, np.sin(0.3), np.cos(0.3)]))
 
 
-def told(model):
+def described(model):
     """All of a model, in lists."""
     out = {"sizes": [model.nq, model.nv, model.nbodies, model.name], "names": list(model.names)}
     out["joints"] = [[j.shortname(), j.idx_q, j.idx_v] for j in list(model.joints)[1:]]
@@ -64,10 +64,10 @@ def main(target, *files):
         n = model.njoints
         q = pin.integrate(model, pin.neutral(model), np.linspace(-1.0, 1.0, model.nv))
         for locked in ([1], [n - 1], [2, 4], [4, 2, 3], list(range(2, n)), list(range(1, n)), []):
-            found[f"{name} without {locked}"] = told(pin.buildReducedModel(model, locked, q))
+            found[f"{name} without {locked}"] = described(pin.buildReducedModel(model, locked, q))
         for frame in (0, 1, model.nframes // 2, model.nframes - 1):
             both, shapes = pin.appendModel(model, second, solids(model, "a"), solids(second, "b"), frame, M)
-            found[f"{name} and another on frame {frame}"] = told(both) | {"shapes": all_of(shapes)}
+            found[f"{name} and another on frame {frame}"] = described(both) | {"shapes": all_of(shapes)}
     with open(target, "w", encoding="utf-8") as out:
         json.dump({"file": pin.__file__, "answers": found}, out)
 

@@ -25,7 +25,7 @@ from typing import Any, NoReturn
 from ulna.compat.packages import environment
 
 _LIBRARIES = ("site-packages", "ulna", "lib/python")
-"""Parts of the paths of files that wait for servers of their own, not for a loop of the program."""
+"""Parts of the paths of files that wait for separate servers, not for a loop of the program."""
 
 
 class Enough(BaseException):

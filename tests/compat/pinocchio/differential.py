@@ -160,7 +160,7 @@ DOCUMENTED = (
     (
         r"value|type",
         r"\((d|m|composite)\)\.joints|\(m\.joints\[2\]\)\.createData\(\)",
-        "joints and their data are of their own classes",
+        "joints and their data have separate classes",
     ),
     (r"value", r"\(m\)\.sparsity_pattern_vector", "the universe's row holds what is read past its end there"),
     (r"value", r"\(m\)\.lower\w+Limit", "lower limits are positive there"),

@@ -145,7 +145,7 @@ def test_limits_of_floating_joints_are_rates_of_their_positions(pin: Any) -> Non
     np.testing.assert_allclose((known.constraint_residual - before) / 1e-7, J @ v, atol=1e-6)
 
 
-def test_limits_that_are_none_have_no_row(pin: Any, model: Any) -> None:
+def test_infinite_limits_have_no_row(pin: Any, model: Any) -> None:
     assert pin.JointLimitConstraintModel(model, [1]).residualSize() == 0
     assert pin.JointLimitConstraintModel(model).residualSize() == 56  # as in Pinocchio
 

@@ -117,7 +117,7 @@ def test_limits_locks_merges_and_geometries(pin: Any) -> None:
     assert seen.geometryObjects[1].parentJoint == m.getJointId("prismatic")
 
 
-def test_what_a_graph_refuses(pin: Any) -> None:
+def test_invalid_graphs_are_refused(pin: Any) -> None:
     G = pin.graph
     g, one = graph_of(pin, ["revolute", "prismatic"]), pin.SE3.Identity()
     with pytest.raises(UnknownName, match="'b0'"):

@@ -233,7 +233,7 @@ def test_results_are_copies_and_blocks_are_live(pin: Any, model: Any) -> None:
     assert data.oMf[-1].translation.any()
 
 
-def test_data_is_let_go(pin: Any, model: Any) -> None:
+def test_data_is_freed(pin: Any, model: Any) -> None:
     data = model.createData()
     _all(pin, model, data)
     seen = weakref.ref(data)

@@ -134,7 +134,7 @@ def test_groups_normalize_and_refuse_what_they_cannot_take(pin: Any) -> None:
     assert repr(groups.R3()).startswith("<LieGroup ")
 
 
-def test_models_refuse_joints_and_indices_that_are_none(pin: Any) -> None:
+def test_models_refuse_joints_and_indices_that_do_not_exist(pin: Any) -> None:
     model = pin.buildSampleModelManipulator()
     q = np.zeros(6)
     for call in (

@@ -73,7 +73,7 @@ def test_a_loader_reads_the_meshes(pin: Any, file: str) -> None:
         assert kept.geometryObjects[0].meshPath == geometries.geometryObjects[0].meshPath
 
 
-def test_what_is_no_loader_is_refused(pin: Any, file: str) -> None:
+def test_an_invalid_loader_is_refused(pin: Any, file: str) -> None:
     model = pin.buildModelFromUrdf(file)
     for wrong in (3, "x", object()):
         with pytest.raises(TypeError, match="MeshLoader"):

@@ -20,7 +20,7 @@ BODIES = """
         <joint name="j1" axis="1 0 0" pos="0.1 0.02 0.03" range="-1 1" damping="0.1" armature="0.01" frictionloss="0.3"/>
         <joint name="j2" type="slide" axis="0 1 0"/>
         <geom name="seen" type="capsule" pos="0 0 0.5" size="0.05 0.5" contype="0" conaffinity="0" group="1" mass="0"/>
-        <geom name="felt" type="capsule" pos="0 0 0.5" size="0.05 0.5" group="3" material="red"/>
+        <geom name="sheet" type="capsule" pos="0 0 0.5" size="0.05 0.5" group="3" material="red"/>
         <site name="s" pos="0.1 0 0.4"/>
         <body name="z" pos="0 0 1"><joint name="j3" type="ball" pos="0 0.1 0"/>
           <geom type="box" size="0.1 0.2 0.3" rgba="0 1 0 1"/></body>
@@ -52,8 +52,8 @@ def test_models_of_mjcf_files(tmp_path: Path) -> None:
     own, wanted = both(Path(__file__).parent / "mjcf_asked.py", tmp_path, str(folder))
     for file, questions in wanted.items():
         for question, value in questions.items():
-            told = own[file][question]
+            answer = own[file][question]
             if value and isinstance(np.ravel(np.asarray(value, dtype=object))[0], str):
-                assert told == value, (file, question)
+                assert answer == value, (file, question)
             else:
-                np.testing.assert_allclose(told, value, atol=1e-9, err_msg=f"{file}: {question}")
+                np.testing.assert_allclose(answer, value, atol=1e-9, err_msg=f"{file}: {question}")

@@ -43,7 +43,7 @@ def _own(thing: Any) -> bool:
     return str(getattr(thing, "__module__", "")).startswith("pinocchio")
 
 
-def test_everything_public_is_said_in_words(pin: Any) -> None:
+def test_every_public_name_is_documented_in_words(pin: Any) -> None:
     silent = []
     for module in (pin, *(importlib.import_module(f"pinocchio.{name}") for name in MODULES)):
         assert module.__doc__

@@ -52,7 +52,7 @@ def test_every_broad_phase_finds_what_the_pairs_do(pin: Any, arm: Any) -> None:
             assert manager.getManager().size() == 6
 
 
-def test_callbacks_of_ones_own(pin: Any, arm: Any) -> None:
+def test_custom_callbacks(pin: Any, arm: Any) -> None:
     model, data, geometries, places = arm
 
     class First(pin.CollisionCallBackBase):
@@ -151,7 +151,7 @@ def test_what_the_world_carries_counts_the_first_joint(pin: Any) -> None:
     assert whole.mass == pytest.approx(pin.computeTotalMass(model))
 
 
-def test_settings_that_cannot_be(pin: Any) -> None:
+def test_impossible_settings_are_refused(pin: Any) -> None:
     assert pin.sharedMemory()
     with pytest.raises(InputError, match="live references"):
         pin.sharedMemory(False)

@@ -75,7 +75,7 @@ def test_motions_and_quaternions(pin: Any) -> None:
     np.testing.assert_allclose(A * np.ones(3), A.rotation @ np.ones(3) + A.translation, atol=1e-15)
 
 
-def test_nearly_equal_objects_are_told_by_each_part(pin: Any) -> None:
+def test_nearly_equal_objects_differ_in_each_part(pin: Any) -> None:
     A = pin.SE3.Random()
     B = A.copy()
     assert A.isApprox(B) and A == B
@@ -127,7 +127,7 @@ def test_random_configurations_follow_the_seed(pin: Any) -> None:
     assert abs(first[0][:, 7:]).max() <= 2.0 and np.allclose(first[0][:, 7:].mean(), 0.0, atol=0.1)
 
 
-def test_copies_of_frames_have_inertias_of_their_own(pin: Any) -> None:
+def test_copies_of_frames_have_independent_inertias(pin: Any) -> None:
     model = pin.Model()
     joint = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "joint")
     body = pin.Inertia(2.0, np.array([0.1, 0.0, 0.0]), np.eye(3))

@@ -1,4 +1,4 @@
-"""Threads with a Data of their own compute as one does, and what they need is compiled once."""
+"""Threads with separate Data compute as one does, and what they need is compiled once."""
 
 from __future__ import annotations
 

@@ -100,7 +100,7 @@ def test_what_is_no_model_or_no_data_of_it(call: str, names: dict[str, Any]) -> 
 
 
 @pytest.mark.parametrize("call", ALONE)
-def test_what_is_no_model(call: str, names: dict[str, Any]) -> None:
+def test_an_invalid_model_is_refused(call: str, names: dict[str, Any]) -> None:
     for m in ("None", "d", "q"):
         with pytest.raises(TypeError, match=r"expected a pinocchio.Model"):
             eval(call.format(m=m), names)

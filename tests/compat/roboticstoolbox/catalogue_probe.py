@@ -101,7 +101,7 @@ def _without_motors(robot: Any, found: Any) -> Any:
     return np.array([[J - extra, B] for (_, (J, B)), extra in zip(found, twice, strict=True)])
 
 
-def felt(rtb: Any, sm: Any) -> dict[str, Any]:
+def operational_space(rtb: Any, sm: Any) -> dict[str, Any]:
     """Operational space, of arms with six joints and with more."""
     out: dict[str, Any] = {}
     for name, q in (
@@ -233,7 +233,7 @@ def goals(rtb: Any, sm: Any) -> dict[str, Any]:
 PARTS: dict[str, Callable[[Any, Any], dict[str, Any]]] = {
     "derivatives": derivatives,
     "weights": weights,
-    "felt": felt,
+    "operational_space": operational_space,
     "words": words,
     "goals": goals,
 }

@@ -144,7 +144,7 @@ def shapes(rtb: Any, sm: Any) -> dict[str, Any]:
         out[f"{kind} place"] = np.array(
             [*shape.fk_dict()["t"], *shape.fk_dict()["q"], *np.ravel(shape.T), *shape.v]
         )
-        out[f"{kind} told"] = [shape.to_dict()["stype"]]
+        out[f"{kind} described"] = [shape.to_dict()["stype"]]
         if k < len(solids):
             for world in (False, True):
                 out[f"{kind} {world}"] = shape.extents(world=world)

@@ -1,4 +1,4 @@
-"""Ulna's package gives the toolbox's answers: each probe is asked of both, of Ulna's package in a Python of its own."""
+"""Ulna's package gives the toolbox's answers: each probe is asked of both, of Ulna's package in a separate Python process."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def answers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 def test_answers_are_those_of_the_toolbox(part: str, answers: dict[str, Any]) -> None:
     asked = next(probe.PARTS[part] for probe in PROBES.values() if part in probe.PARTS)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # what the toolbox says of its own calls
+        warnings.simplefilter("ignore")  # warnings of the toolbox about its calls
         theirs = asked(rtb, spatialmath)
     assert not str(rtb.__file__).startswith(str(FOLDERS["roboticstoolbox"]))
     ours = answers[part]

@@ -75,7 +75,7 @@ def test_in_doubt_numpy_decides(panda: Any) -> None:
             np.linalg.inv(wrong)
 
 
-def test_nobody_notices(panda: Any) -> None:
+def test_jacobians_behave_like_plain_arrays(panda: Any) -> None:
     J, q = panda.jacobe(panda.qr), np.arange(7.0)
     P = plain(J)
     assert (repr(J), str(J), np.array_repr(J)) == (repr(P), str(P), np.array_repr(P))

@@ -27,9 +27,9 @@ def heavy(inertia: Any) -> dict[str, Any]:
     }
 
 
-def answers(robot: Any, told: dict[str, Any], joint: int, frame: int) -> dict[str, Any]:
+def answers(robot: Any, inputs: dict[str, Any], joint: int, frame: int) -> dict[str, Any]:
     model, data = robot.model, robot.data
-    q, v, a, tau = (np.array(told[key]) for key in ("q", "v", "a", "tau"))
+    q, v, a, tau = (np.array(inputs[key]) for key in ("q", "v", "a", "tau"))
     out: dict[str, Any] = {"com": np.array(robot.com(q)), "Jcom": robot.Jcom(q), "M": robot.mass(q)}
     out |= {"nle": robot.nle(q, v), "gravity": robot.gravity(q)}
     out["rnea"] = pin.rnea(model, data, q, v, a)
@@ -73,9 +73,9 @@ def plain(value: Any) -> Any:
 
 def main(table: str, out: str, folder: str) -> None:
     with open(table, encoding="utf-8") as file:
-        told = json.load(file)
+        inputs = json.load(file)
     found = {}
-    for name, figures in told.items():
+    for name, figures in inputs.items():
         root = pin.JointModelFreeFlyer() if figures["free_flyer"] else None
         robot = RobotWrapper.BuildFromURDF(f"{folder}/{figures['urdf']}", [folder + "/.."], root)
         model = robot.model

@@ -30,9 +30,9 @@ def test_the_recorded_figures_of_three_robots(tmp_path: Path) -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    told, found = (json.loads(p.read_text(encoding="utf-8")) for p in (table, out))
-    assert set(told) == {"ur5", "panda", "solo12"}
-    for name, figures in told.items():
+    expected, found = (json.loads(p.read_text(encoding="utf-8")) for p in (table, out))
+    assert set(expected) == {"ur5", "panda", "solo12"}
+    for name, figures in expected.items():
         for key in ("sizes", "names", "parents", "visual_names", "collision_names"):
             assert found[name][key] == figures[key], f"{name}: {key}"
         for key in ("total_mass", "neutral"):

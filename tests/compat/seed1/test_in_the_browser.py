@@ -38,10 +38,13 @@ def test_the_ball_sticks_to_the_tool(chromium: Any) -> None:
         page.goto(url)
         for _ in range(3):
             print(file=script.stdin, flush=True)
-            told = np.array(script.stdout.readline().split(), dtype=float).reshape(2, 3)
+            reported = np.array(script.stdout.readline().split(), dtype=float).reshape(2, 3)
             names = ("/world/sphere", "/world/pinocchio › visuals › wrist_3_link_0")
             seen = lambda names=names: np.array([page.evaluate(WHERE, name) for name in names], dtype=float)  # noqa: E731
-            assert wait(lambda seen=seen, told=told: np.allclose(seen(), told, atol=1e-5)), (seen(), told)
+            assert wait(lambda seen=seen, reported=reported: np.allclose(seen(), reported, atol=1e-5)), (
+                seen(),
+                reported,
+            )
         page.close()
         script.stdin.close()
         assert script.wait(600) == 0

@@ -60,8 +60,8 @@ parent.T = sm.SE3(1, 0, 0) * sm.SE3.Rx(0.7)
 parent.update()
 out["tree"] = [child._wT.tolist(), child.T.tolist(), child._wq.tolist(), len(parent.scene_children), parent.tree()]
 for kind in (sg.Axes(0.1, pose=sm.SE3(1, 0, 0)), sg.Arrow(0.3, head_length=0.3), sg.Polyline(np.arange(12).reshape(3, 4))):
-    told = kind.to_dict()
-    out[told["stype"]] = {k: told[k] for k in ("t", "q", "v", "opacity") }
+    described = kind.to_dict()
+    out[described["stype"]] = {k: described[k] for k in ("t", "q", "v", "opacity") }
 print(json.dumps(out))
 """
 
@@ -186,7 +186,7 @@ def test_groups_are_lists_that_move_together(sg: Any) -> None:
         (lambda sg: sg.Torus, AttributeError),
     ],
 )
-def test_what_cannot_be_is_refused(sg: Any, bad: Any, error: type[Exception]) -> None:
+def test_impossible_shapes_are_refused(sg: Any, bad: Any, error: type[Exception]) -> None:
     with pytest.raises(error):
         bad(sg)
 

@@ -20,13 +20,13 @@ DRIVER = """
 import json, runpy, sys
 space = runpy.run_path(sys.argv[1], run_name="__main__")
 robot, env = space.get("robot", space.get("panda")), space.get("env")
-told = {"q": [float(x) for x in robot.q], "time": env and env.sim_time}
+state = {"q": [float(x) for x in robot.q], "time": env and env.sim_time}
 if env is not None:
-    told["alphas"] = [(h.show, h.opacity) for h in env.viewer.robots]
+    state["alphas"] = [(h.show, h.opacity) for h in env.viewer.robots]
 if "sol" in space:
-    told |= {"sol": list(map(float, space["q_pickup"])), "at": robot.fkine(space["q_pickup"]).A.tolist()}
-    told["goal"] = space["Tep"].A.tolist()
-print("\\n@" + json.dumps(told))
+    state |= {"sol": list(map(float, space["q_pickup"])), "at": robot.fkine(space["q_pickup"]).A.tolist()}
+    state["goal"] = space["Tep"].A.tolist()
+print("\\n@" + json.dumps(state))
 """
 
 
@@ -48,14 +48,14 @@ def end_of(script: Path, tmp_path: Path) -> tuple[dict[str, Any], str]:
     return json.loads(done.stdout.rpartition("\n@")[2]), done.stdout
 
 
-def test_the_first_prints_a_table(tmp_path: Path) -> None:
+def test_script_1_prints_a_table(tmp_path: Path) -> None:
     _, said = end_of(SCRIPTS / "rtb_example1.py", tmp_path)
     assert "panda_link7" in said and "qr" in said
 
 
-def test_the_second_moves(tmp_path: Path) -> None:
-    told, _ = end_of(SCRIPTS / "rtb_example2.py", tmp_path)
-    assert np.abs(np.array(told["q"]) - [0.5, -0.3, 0, -2.2, 0, 2.0, np.pi / 4 + 0.5]).max() < 1e-12
+def test_script_2_moves_the_robot(tmp_path: Path) -> None:
+    state, _ = end_of(SCRIPTS / "rtb_example2.py", tmp_path)
+    assert np.abs(np.array(state["q"]) - [0.5, -0.3, 0, -2.2, 0, 2.0, np.pi / 4 + 0.5]).max() < 1e-12
 
 
 ENDS = {
@@ -84,10 +84,10 @@ ENDS = {
 @pytest.mark.parametrize("name", ENDS)
 def test_servo_loops_end_where_the_toolbox_ends(name: str, tmp_path: Path) -> None:
     steps, dt, q = ENDS[name]
-    told, _ = end_of(SCRIPTS / f"{name}.py", tmp_path)
-    assert round(told["time"] / dt) == steps
-    assert np.abs(np.array(told["q"]) - q).max() < 1e-9
-    assert told["alphas"] == (
+    state, _ = end_of(SCRIPTS / f"{name}.py", tmp_path)
+    assert round(state["time"] / dt) == steps
+    assert np.abs(np.array(state["q"]) - q).max() < 1e-9
+    assert state["alphas"] == (
         [["visual", 0.5], ["collision", 0.5]] if name.endswith("4") else [["visual", 1.0]]
     )
 
@@ -96,16 +96,16 @@ def test_holding_within_the_loop_as_the_document_has_it(tmp_path: Path) -> None:
     text = (SCRIPTS / "rtb_example3.py").read_text()
     script = tmp_path / "printed.py"
     script.write_text(text.replace("\nenv.hold()", "\n    env.hold()"))
-    told, said = end_of(script, tmp_path)
-    assert round(told["time"] / 0.01) == 431 and said.count("Nobody can look") == 1
+    state, said = end_of(script, tmp_path)
+    assert round(state["time"] / 0.01) == 431 and said.count("Nobody can look") == 1
 
 
-def test_the_sixth_plans_and_plays(tmp_path: Path) -> None:
-    told, _ = end_of(SCRIPTS / "rtb_example6.py", tmp_path)
-    assert np.abs(np.array(told["at"]) - told["goal"]).max() < 1e-3
+def test_script_6_plans_and_plays(tmp_path: Path) -> None:
+    state, _ = end_of(SCRIPTS / "rtb_example6.py", tmp_path)
+    assert np.abs(np.array(state["at"]) - state["goal"]).max() < 1e-3
 
 
-def test_the_sixth_writes_a_film_of_the_right_speed(tmp_path: Path) -> None:
+def test_script_6_writes_a_film_of_the_right_speed(tmp_path: Path) -> None:
     image = pytest.importorskip("PIL.Image")
     text = (SCRIPTS / "rtb_example6.py").read_text()
     assert text.count("#robot.plot") == 1

@@ -148,7 +148,7 @@ def test_translucent_robots_and_what_they_collide_with(env: Any, arm: Any) -> No
     assert np.array_equal(look.q, arm.q) and np.array_equal(hull.q, arm.q)
     env.remove(arm)
     assert not env.viewer.robots
-    env.add(arm, robot_alpha=0)  # not to be seen, and moves all the same
+    env.add(arm, robot_alpha=0)  # not to be seen, and still moves
     q = arm.q.copy()
     env.step(1.0)
     assert not env.viewer.robots and arm.q[0] == pytest.approx(q[0] + 0.1)
@@ -313,7 +313,7 @@ def test_controls_are_described_as_in_swift(swift: Any) -> None:
             bad()
 
 
-def test_nothing_waits_where_nobody_can_look(
+def test_nothing_waits_without_a_screen(
     swift: Any, arm: Any, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("ULNA_HEADLESS", "1")

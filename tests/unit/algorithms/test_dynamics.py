@@ -152,7 +152,7 @@ def test_massless_ends_have_no_centre() -> None:
     np.testing.assert_allclose(alg.center_of_mass(m, np.array([0.3, 1.0])), [0.3, 0.0, 0.0])
 
 
-def test_which_road_forward_dynamics_takes() -> None:
+def test_which_algorithm_forward_dynamics_uses() -> None:
     assert prefers_mass_matrix(panda())
     assert prefers_mass_matrix(random_model(np.random.default_rng(0), mimics=1))
     legs = random_model(np.random.default_rng(0), ["revolute"] * 12, root="free_flyer", mimics=0)

@@ -75,7 +75,7 @@ def test_an_attached_object_is_an_obstacle_no_longer() -> None:
         (lambda w: w.set_margin("can", "table", None), InputError, "not below 0"),
     ],
 )
-def test_what_cannot_be_attached(make: Any, error: type[Exception], text: str) -> None:
+def test_invalid_attachments_are_refused(make: Any, error: type[Exception], text: str) -> None:
     with pytest.raises(error, match=text):
         make(held())
 
@@ -95,7 +95,7 @@ def test_robots_refuse_what_they_cannot_carry(method: Any) -> None:
 
 
 def test_distances_of_attached_objects_are_those_of_obstacles_that_move_along() -> None:
-    """The same object as an obstacle at the hand's pose, and on a flying body of its own, by other code."""
+    """The same object as an obstacle at the hand's pose, and on a separate flying body, by other code."""
     robot, q = panda(), configurations(150)
     world = table().attach("can", "panda_hand", HAND, shape=Cylinder(0.03, 0.12), touches=FINGERS)
     T = robot.fk(q, "panda_hand") @ HAND.matrix()

@@ -103,7 +103,7 @@ def test_on_the_very_edge_float64_decides() -> None:
         assert near.collides(q).tolist() == [expected] * 64
 
 
-def test_worlds_that_float32_cannot_hold_are_checked_all_the_same() -> None:
+def test_worlds_that_float32_cannot_hold_are_still_checked() -> None:
     robot = ulna.load("panda")
     far = cluttered(8).add("moon", Sphere(10.0), (500.0, 0.0, 0.0))
     checker = SphereChecker(robot.model, far)

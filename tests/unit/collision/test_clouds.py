@@ -100,7 +100,7 @@ def test_machine_code_of_grids_agrees_with_the_interpreter() -> None:
 
 @pytest.mark.parametrize("method", ["exact", "spheres"])
 def test_a_cloud_is_balls_about_its_points(method: Any) -> None:
-    """The same as obstacles of their own."""
+    """The same as separate obstacles."""
     robot, q, points = panda(), configurations(60), scan(60)
     T = SE3.from_translation([0.1, 0.0, 0.2]) @ SE3.from_rpy([0.1, 0.2, 0.3])
     balls = World()
@@ -198,7 +198,7 @@ def test_very_many_points_are_merged_and_stay_covered() -> None:
     assert thinned(few)[1] == 0.01 and thinned(few)[0] is few.points
 
 
-def test_clouds_that_are_none() -> None:
+def test_invalid_point_clouds_are_refused() -> None:
     robot = panda()
     for make, error, text in [
         (

@@ -221,7 +221,7 @@ def test_meshes_and_their_hulls(tmp_path: Path) -> None:
     np.testing.assert_allclose(float(Checker(model, world, convex=True).distance([2.0])), 1.3, atol=1e-6)
 
 
-def test_coal_that_is_not_there(monkeypatch: pytest.MonkeyPatch, robot: ulna.Robot) -> None:
+def test_without_coal_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, robot: ulna.Robot) -> None:
     true_import = builtins.__import__
 
     def without(name: str, *args: Any, **kwargs: Any) -> Any:

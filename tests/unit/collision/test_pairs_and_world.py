@@ -53,7 +53,7 @@ def test_disabled_pairs_and_those_named_are_left_out() -> None:
         ("panda_link0", InputError, "no pair"),
     ],
 )
-def test_pairs_that_are_none(pair: object, error: type, text: str) -> None:
+def test_invalid_pairs_are_refused(pair: object, error: type, text: str) -> None:
     with pytest.raises(error, match=text):
         link_pairs(panda(), without=[pair])  # type: ignore[list-item]
     with pytest.raises(error, match=text):
@@ -72,7 +72,7 @@ def test_a_world_is_a_value() -> None:
     assert world.fingerprint == moved.move("ball", (1.0, 0.0, 0.0)).fingerprint
 
 
-def test_what_no_world_takes() -> None:
+def test_invalid_obstacles_are_refused() -> None:
     world = World().add("ball", Sphere(0.1))
     with pytest.raises(InputError, match="has an obstacle named 'ball' already.*remove"):
         world.add("ball", Sphere(0.2))

@@ -91,7 +91,7 @@ def test_covers_hold_the_shape_and_keep_to_their_bound(shape: Shape) -> None:
     assert KDTree(x).query(rim)[0].max() <= excess + 0.02
 
 
-def test_spheres_that_others_make_needless_go() -> None:
+def test_redundant_spheres_are_removed() -> None:
     big, small = solid(Sphere(0.2)), solid(Box((0.05, 0.05, 0.05)))
     centres, _, _ = cover([small, big], [SE3.identity(), SE3.identity()], 0.012, 24)
     np.testing.assert_allclose(centres, np.zeros((1, 3)))
@@ -123,7 +123,7 @@ def test_spheres_are_values() -> None:
         ([[0.0, np.nan, 0.0]], [0.1], NonFiniteError),
     ],
 )
-def test_spheres_that_are_none(centres: object, radii: object, error: type) -> None:
+def test_invalid_spheres_are_refused(centres: object, radii: object, error: type) -> None:
     with pytest.raises(error):
         LinkSpheres(np.asarray(centres), np.asarray(radii))
 

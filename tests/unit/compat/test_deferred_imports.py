@@ -97,7 +97,7 @@ def test_what_is_imported_already_stays(folder: Path) -> None:
     assert library.Thing is real.Thing and sys.modules["heavy_one"] is real
 
 
-def test_what_nobody_spoke_of_imports_the_package(folder: Path) -> None:
+def test_unlisted_imports_are_resolved_to_the_package(folder: Path) -> None:
     (folder / "library.py").write_text("from heavy_two.part import VALUES\nimport heavy_one\n")
     library = imported()
     assert library.VALUES == (7,) and "heavy_two.part" in sys.modules and "heavy_one" not in sys.modules
@@ -115,7 +115,7 @@ def test_a_part_of_a_package_brings_the_whole(folder: Path) -> None:
     assert importlib.import_module("heavy_two").part.VALUES == (7,)
 
 
-def test_stand_ins_leave_with_an_error(folder: Path) -> None:
+def test_placeholders_are_removed_when_an_import_fails(folder: Path) -> None:
     (folder / "library.py").write_text("import heavy_one\n1 / 0\n")
     finders = list(sys.meta_path)
     with pytest.raises(ZeroDivisionError):

@@ -9,7 +9,7 @@ import pytest
 from ulna.compiler.runtime.array_call import _in_threads
 
 
-def test_parts_whose_thread_cannot_start_are_computed_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_parts_whose_thread_cannot_start_are_still_computed(monkeypatch: pytest.MonkeyPatch) -> None:
     start, started, computed = threading.Thread.start, [], []
 
     def start_once(thread: threading.Thread) -> None:

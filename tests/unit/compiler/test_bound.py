@@ -78,7 +78,7 @@ def test_out_of_another_form_still_works(kernel, targets):
         ((np.zeros(3), np.zeros(3)), InputError),
     ],
 )
-def test_what_out_cannot_be(out, error):
+def test_invalid_out_arguments_are_refused(out, error):
     with pytest.raises(error):
         compile(lambda q: 2.0 * q, q=(3,))(Q, out=out)
 
@@ -271,7 +271,7 @@ def test_a_checked_kernel_checks():
     assert target.tolist() == [0.3, 0.4, 3.5]
 
 
-def test_bound_kernels_keep_what_they_need_and_let_it_go():
+def test_bound_kernels_keep_what_they_need_and_free_it():
     kernel = compile(lambda q: q + 0.125, q=(3,))
     target, live = np.zeros(3), np.zeros(9)
     step = kernel.into(target, watch=[(live, live.copy())], otherwise=_refused)

@@ -111,7 +111,7 @@ def test_a_read_only_given_or_watched_array_is_read(twice):
 
 
 def test_memory_that_was_freed_is_not_written():
-    # glibc checks its free lists when told to: a write into freed memory ends the process
+    # glibc checks its free lists when asked to: a write into freed memory ends the process
     text = (
         "import numpy as np\nfrom ulna.compiler import compile\n"
         "f = compile(lambda q: 2.0 * q, q=(500,))\nq = np.ones(500)\n"

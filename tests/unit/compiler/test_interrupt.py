@@ -67,11 +67,13 @@ def test_watchers_are_called_by_the_thread_that_compiles(monkeypatch) -> None:
     """They may take locks that it holds."""
     monkeypatch.setenv("ULNA_CACHE", "0")
     monkeypatch.setattr(jit, "_ANNOUNCE_FROM", 0.0)
-    told: list[tuple[str, str]] = []
-    monkeypatch.setattr(jit, "watchers", [lambda *_: told.append((threading.current_thread().name, _[1]))])
+    reported: list[tuple[str, str]] = []
+    monkeypatch.setattr(
+        jit, "watchers", [lambda *_: reported.append((threading.current_thread().name, _[1]))]
+    )
     compile(trace(lambda q: q * 1.2345 + 6.0, q=()))(1.0)  # without the fast call, the first call compiles
-    assert told and {name for name, _ in told} == {threading.current_thread().name}
-    assert told[-1][1] == ""
+    assert reported and {name for name, _ in reported} == {threading.current_thread().name}
+    assert reported[-1][1] == ""
 
 
 def test_an_interruption_that_nobody_catches_ends_the_process_at_once() -> None:

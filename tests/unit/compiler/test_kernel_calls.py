@@ -247,7 +247,7 @@ def test_threads_with_broadcast_inputs_and_wider_outputs(kernel, double):
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1.5, "two"])
-def test_a_number_of_threads_that_is_none_is_refused(double, threads):
+def test_an_invalid_number_of_threads_is_refused(double, threads):
     with pytest.raises(InputError, match="expected a whole number, 1 or more"):
         double(np.ones((4, 3)), threads=threads)
 

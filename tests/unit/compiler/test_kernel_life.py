@@ -173,7 +173,7 @@ def test_a_hundred_thousand_calls_do_not_grow_the_process(kernel):
     assert least_growth(lambda: calls(100_000), 4 * 2**20) < 4 * 2**20
 
 
-def test_code_of_kernels_that_are_let_go_is_given_back(monkeypatch):
+def test_machine_code_of_deleted_kernels_is_freed(monkeypatch):
     monkeypatch.setenv("ULNA_CACHE", "0")
     from support.memory import least_growth
 
@@ -354,7 +354,7 @@ print(len(made), sum(code() is not None for code in made))
 """
 
 
-def test_without_the_fast_call_code_is_given_back_too():
+def test_without_the_fast_call_machine_code_is_freed_too():
     child = subprocess.run(
         [sys.executable, "-c", _LEAVES],
         env={**os.environ, "ULNA_FAST": "0"},

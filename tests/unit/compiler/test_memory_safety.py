@@ -68,7 +68,7 @@ def test_nothing_beyond_an_array_is_touched():
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs mprotect")
-def test_the_fence_holds():
+def test_reads_past_the_end_end_the_process():
     """Proof that the test above would see a read one number too far."""
     code = (
         "import sys; sys.path[:0] = sys.argv[1:]; import numpy as np; from support.fenced import fenced; "

@@ -136,7 +136,7 @@ def test_powers(exponent):
     np.testing.assert_allclose(kernel(x), x**exponent, rtol=2e-15)
 
 
-def test_halves_are_taken_by_the_square_root():
+def test_powers_of_one_half_use_the_square_root():
     counts = [trace(lambda x, e=e: x**e, x=()).operation_counts for e in (0.5, 1.5, -0.5, 2.5)]
     assert counts == [{"sqrt": 1}, {"mul": 1, "sqrt": 1}, {"div": 1, "sqrt": 1}, {"mul": 2, "sqrt": 1}]
 
@@ -175,7 +175,7 @@ def test_the_table_stands_in_the_order_of_the_operations():
             assert len(row.partials) == row.arity
 
 
-def test_constants_leave_unharmed_in_both_formats():
+def test_constants_are_exported_exactly_in_both_formats():
     values = [0.1, -0.0, 1e300, 5e-324, np.inf, -np.inf, np.nan]
     for dtype in (np.float64, np.float32):
         kernel = compile(

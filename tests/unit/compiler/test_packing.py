@@ -118,7 +118,7 @@ def test_matrices_of_a_tree_are_sparse(name):
     )
 
 
-def test_what_is_no_matrix_is_refused():
+def test_an_invalid_matrix_is_refused():
     with pytest.raises(InputError, match=r"returns out \(3,\); expected a matrix among its outputs"):
         compile(np.sin, x=(3,)).packed()
     with pytest.raises(InputError, match="expected a matrix"):

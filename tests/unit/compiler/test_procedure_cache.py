@@ -108,7 +108,7 @@ def test_a_record_counts_only_while_folders_and_numbers_are_the_same(
     assert procedure_cache.read("two") is None
 
 
-def test_functions_that_files_do_not_decide_are_not_kept() -> None:
+def test_functions_not_determined_by_files_are_not_cached() -> None:
     factor = 3.0
 
     @procedure

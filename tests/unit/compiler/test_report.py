@@ -43,7 +43,7 @@ def test_batches_use_lanes_and_small_functions_wait_for_memory() -> None:
         assert report.bytes_moved == 6 * size and report.limit == "memory"
 
 
-def test_large_code_and_many_functions_are_limits_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_large_code_and_many_functions_are_separate_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     functions = compile(lambda x: np.sin(np.exp(np.sin(np.exp(np.sin(x))))), x=(2,)).report(batch=True)
     assert functions.limit == "arithmetic"
     monkeypatch.setattr(module, "_INSTRUCTION_CACHE", 1024)

@@ -87,7 +87,7 @@ def test_values_of_another_trace_are_refused():
             trace(f, y=())
 
 
-def test_arithmetic_with_what_is_no_number_is_a_type_error():
+def test_arithmetic_with_non_numbers_is_a_type_error():
     for f in (
         lambda x: x + "a",
         lambda x: x * None,
@@ -301,7 +301,7 @@ def test_the_fingerprint_is_that_of_what_is_computed():
     assert made(loop(5, 1.0), x=()) != made(loop(5, 2.0), x=())
 
 
-def test_a_condition_is_a_value_of_its_own():
+def test_comparisons_are_traced_as_conditions():
     kinds = []
     trace(lambda x: kinds.append(type(x < 1.0)) or x, x=())
     assert kinds == [Condition]

@@ -248,7 +248,7 @@ def two_joints_and_a_follower(inertia):
 
 
 def test_followers_have_no_control():
-    """Joint b had one of its own, which replaced that of a."""
+    """Joint b had one, which replaced that of a."""
     robot = two_joints_and_a_follower(Inertia.from_box(1.0, (0.1, 0.2, 0.3)))
     stage = control.stage(robot, lambda q, v, u: u, dt=0.01)
     q, v, u = np.array([0.1, 0.2]), np.array([0.3, -0.4]), np.array([1.0, 2.0])

@@ -138,7 +138,7 @@ def test_operational_space_control_moves_the_tool_as_a_free_mass(panda):
     np.testing.assert_allclose(away, away[0] * fall[:, None], atol=5e-4)
 
 
-def test_admittance_gives_way_as_a_mass_on_a_spring(panda):
+def test_admittance_moves_as_a_mass_on_a_spring(panda):
     law = control.admittance()
     T = panda.fk(panda.configurations["qr"])
     mass, damping, stiffness = np.full(6, 2.0), np.full(6, 30.0), np.full(6, 100.0)
@@ -274,7 +274,7 @@ def test_reactive_over_computed_torque_keeps_its_limits(panda):
     assert np.linalg.norm(panda.fk(log.q[-1])[:3, 3] - goal[:3, 3]) < 5e-3
 
 
-def test_admittance_over_impedance_gives_way_to_a_pushing_hand(panda):
+def test_admittance_over_impedance_yields_to_a_pushing_hand(panda):
     """A stiff arm that measures a push moves as the soft spring of its admittance would."""
     give, hold = control.admittance(), control.impedance(panda)
     q0 = np.array(panda.configurations["qr"])

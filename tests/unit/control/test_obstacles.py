@@ -37,7 +37,7 @@ def test_rows_are_the_velocity_dampers_of_the_near_pairs(panda, q):
     assert A[0] @ v == pytest.approx(-rate, abs=1e-3)
 
 
-def test_links_keep_away_from_each_other_within_lengths_of_their_own(panda):
+def test_rows_of_the_robot_itself_use_their_distances(panda):
     folded = np.array([0.0, -1.0, 0.0, -3.0, 0.0, 3.5, 0.8])
     found = panda.collision_checker().nearest(folded, within=0.1)
     A, b = control.obstacle_rows(panda, folded, own=(0.1, 0.02))

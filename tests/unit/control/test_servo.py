@@ -97,7 +97,7 @@ def test_mistakes_are_named() -> None:
 
 
 @pytest.mark.parametrize("method", ["rpy", "angle-axis"])
-def test_what_is_no_pose_is_never_reached(method: str) -> None:
+def test_an_invalid_pose_is_never_reached(method: str) -> None:
     shifted = np.eye(4)
     shifted[3, :3] = 0.01  # a transposed pose
     for bad in (np.zeros((4, 4)), 2.0 * np.eye(4), shifted):

@@ -65,7 +65,7 @@ def test_an_arm_becomes_a_model() -> None:
     np.testing.assert_allclose(
         robot.fk(robot.configurations["home"], "tip")[:3, 3], _tip((0.1, 0.2, 0.05)), atol=1e-15
     )
-    assert "fore_site" in robot.model.frame_names, "a site whose name a body has keeps a name of its own"
+    assert "fore_site" in robot.model.frame_names, "a site whose name a body has keeps a separate name"
 
 
 def _tip(q: tuple[float, ...]) -> Any:

@@ -1,4 +1,4 @@
-"""MuJoCo compiles files that are not trusted in a process of its own: nothing in a file can stop or fill this one."""
+"""MuJoCo compiles files that are not trusted in a separate process: nothing in a file can stop or fill this one."""
 
 from __future__ import annotations
 

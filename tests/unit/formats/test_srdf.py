@@ -72,7 +72,7 @@ def test_applying_twice_changes_nothing():
     assert with_srdf(once, parse_srdf(SRDF)) == once
 
 
-def test_twins_warn():
+def test_duplicate_elements_warn():
     with pytest.warns(ModelWarning, match="a second group 'g'"):
         parse_srdf('<robot><group name="g"/><group name="g"/></robot>')
     with pytest.warns(ModelWarning, match="a second value for joint 'j'"):

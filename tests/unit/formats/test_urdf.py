@@ -284,7 +284,7 @@ def test_size_limit(tmp_path):
     with pytest.raises(FormatError) as caught:
         read_urdf(big)
     assert str(caught.value) == (
-        f"{big}: the file is too large; expected at most 67 MB. Meshes belong in files of their own."
+        f"{big}: the file is too large; expected at most 67 MB. Meshes belong in separate files."
     )
 
 

@@ -1,4 +1,4 @@
-"""Identification of known robots from logs of their own."""
+"""Identification of known robots from separate logs."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ def panda() -> ulna.Robot:
     return ulna.load("panda")
 
 
-def test_the_eight_ways_of_a_ur5(ur5: ulna.Robot) -> None:
+def test_the_eight_solutions_of_a_ur5(ur5: ulna.Robot) -> None:
     q = np.array([0.3, -1.2, 1.4, -0.6, 0.9, 0.2])
     T = ur5.fk(q)
     found = ur5.ik_all(T)
@@ -115,7 +115,7 @@ def test_poses_reached_only_outside_the_limits_say_so() -> None:
     assert len(found) == 0 and found.found > 0 and "outside its limits" in found.reason
 
 
-def test_what_is_no_pose_is_refused(ur5: ulna.Robot) -> None:
+def test_an_invalid_pose_is_refused(ur5: ulna.Robot) -> None:
     T = ur5.fk(np.zeros(6))
     with pytest.raises(NonFiniteError):
         ur5.ik_all(np.where(np.eye(4) > 0, np.nan, T))

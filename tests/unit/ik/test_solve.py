@@ -308,7 +308,7 @@ def test_an_se3_and_a_list_are_goals_too(panda, goals):
     np.testing.assert_array_equal(panda.ik(T.tolist()).q, expected)
 
 
-def test_what_is_no_pose_is_refused(panda, goals):
+def test_an_invalid_pose_is_refused(panda, goals):
     T = goals[1][0]
     with pytest.raises(InputError, match="transposed"):
         panda.ik(T.T.copy())

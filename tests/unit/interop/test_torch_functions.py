@@ -83,7 +83,7 @@ def test_transformations_of_torch_func() -> None:
     assert torch.equal(func.vmap(inverse, in_dims=(0, 0, None))(Q, v, a), expected)
     nested = func.vmap(func.vmap(inverse, in_dims=(None, 0, None)), in_dims=(0, None, None))(Q, v, a)
     assert torch.equal(nested[1, 1], inverse(Q[1], v[1], a))
-    # One batched argument has a batch axis of its own besides, the other has not.
+    # One batched argument has a batch axis besides, the other has not.
     mixed = func.vmap(inverse, in_dims=(0, 0, None))(Q, v[:, None].expand(3, 2, 7), a)
     assert torch.equal(mixed[:, 1], expected)
     J = ROBOT.kernel("fk").jacobian()(Q[0].numpy())
@@ -113,7 +113,7 @@ def test_the_result_shares_memory_and_inputs_are_not_copied(monkeypatch: pytest.
     assert np.shares_memory(T.numpy(), made[0])
 
 
-def test_it_learns() -> None:
+def test_gradients_through_a_kernel_reach_a_goal() -> None:
     fk = to_torch(ROBOT.kernel("fk"))
     goal = fk(torch.tensor(ROBOT.configurations["qr"]))[:3, 3]
     q = torch.tensor(ROBOT.configurations["qr"] + 0.3, requires_grad=True)

@@ -109,7 +109,7 @@ def test_every_choice_has_another_kernel(robot: ulna.Robot, state) -> None:
     np.testing.assert_array_equal(plain.a, robot.constrained_dynamics(q, v, tau, (tip,)).a)
 
 
-def test_what_constraints_must_be(robot: ulna.Robot, state) -> None:
+def test_invalid_constraints_are_refused(robot: ulna.Robot, state) -> None:
     q, v, tau = (x[0, 0] for x in state)
 
     def ask(*constraints: Any, **options: Any) -> Any:
@@ -173,7 +173,7 @@ def test_what_constraints_must_be(robot: ulna.Robot, state) -> None:
 @pytest.mark.parametrize(
     "wrong", [{"mu": -1e-8}, {"tolerance": 0.0}, {"iterations": 0}, {"mu": np.nan}, {"mu": "a"}]
 )
-def test_what_a_solver_must_be(wrong: dict[str, Any]) -> None:
+def test_invalid_solvers_are_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=next(iter(wrong))):
         Proximal(**wrong)
 

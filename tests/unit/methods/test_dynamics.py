@@ -90,7 +90,7 @@ def test_the_kernel_takes_the_wrenches_side_by_side(robot: ulna.Robot, state) ->
     )
 
 
-def test_what_forces_must_be(robot: ulna.Robot, state) -> None:
+def test_invalid_forces_are_refused(robot: ulna.Robot, state) -> None:
     q = state[0][0, 0]
     with pytest.raises(UnknownName, match="Did you mean 'panda_hand'"):
         robot.static_torque(q, {"panda_hnd": np.zeros(6)})

@@ -39,7 +39,7 @@ def test_a_unit_axis_keeps_its_bits() -> None:
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 0), (0, 1), (math.nan, 0, 1), (math.inf, 0, 0), "xyz", None, 5])
-def test_what_is_no_axis_is_refused(axis: object) -> None:
+def test_an_invalid_axis_is_refused(axis: object) -> None:
     with pytest.raises(InputError, match="`axis`"):
         Revolute(axis)  # type: ignore[arg-type]
 

@@ -188,7 +188,7 @@ def test_quarter_turns_leave_no_rounding_noise() -> None:
 # -------- mimics
 
 
-def test_a_mimic_joint_has_no_position_of_its_own() -> None:
+def test_a_mimic_joint_has_no_entry_in_q() -> None:
     m = arm()
     grip, follower = m.joint("grip"), m.joint("grip2")
     assert follower.mimic == Mimic(m.joint_index("grip"), -1.0, 0.01)
@@ -343,7 +343,7 @@ REFUSED: dict[str, tuple[Build, str]] = {
     ),
     "itself": (lambda: pair().add_joint("j", HINGE, "a", "a"), "connects link 'a' with itself"),
     "an empty name": (lambda: pair().add_link(""), "A link is named ''"),
-    "a name that is none": (
+    "an invalid name": (
         lambda: pair().add_joint("j", HINGE, "a", None),
         "child of joint 'j' is named None",
     ),  # type: ignore[arg-type]
@@ -545,9 +545,9 @@ def test_thin_plates_and_placeholders_are_not_warned_of() -> None:
     b.add_link("plate", Inertia(1.0, np.zeros(3), np.diag([0.34, 0.34, 0.69])))  # rounded to two digits
     b.add_link("mark", Inertia(1e-6, np.zeros(3), np.diag([1e-6, 1e-6, 3e-6])))
     b.add_link(
-        "felt", Inertia(0.0, np.zeros(3), np.diag([0.0, 0.35, 0.0]))
-    )  # as the first body of the Puma is told
-    for name in ("plate", "mark", "felt"):
+        "sheet", Inertia(0.0, np.zeros(3), np.diag([0.0, 0.35, 0.0]))
+    )  # as the first body of the Puma is described
+    for name in ("plate", "mark", "sheet"):
         b.add_joint(f"to_{name}", Prismatic(), "b", name)
     assert b.build().nq == 4
 

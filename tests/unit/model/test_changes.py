@@ -82,8 +82,8 @@ def test_locked_joints_stand_at_the_position_passed() -> None:
 def test_locking_at_a_position_of_the_whole() -> None:
     m = arm()
     q = np.array([0.3, -0.2, 0.7, 0.02])
-    for told in (q, dict(zip(m.position_names, q, strict=True))):
-        small = lock_joints(m, ["j0", "j2"], told)
+    for locked_at in (q, dict(zip(m.position_names, q, strict=True))):
+        small = lock_joints(m, ["j0", "j2"], locked_at)
         assert_same_poses(poses(m, q), poses(small, q[[1, 3]]))
     home = lock_joints(m, ["j0", "j2"], "home")
     at_home = m.configurations["home"]
@@ -131,7 +131,7 @@ def test_locking_in_random_robots(seed: int) -> None:
     assert small.mass == pytest.approx(m.mass)
 
 
-def test_what_cannot_be_locked() -> None:
+def test_invalid_locks_are_refused() -> None:
     with pytest.raises(InputError, match=r"expected names in a list, such as \['j1'\]"):
         lock_joints(arm(), "j1")
     with pytest.raises(UnknownName, match="No movable joint named 'wrist'"):

@@ -101,8 +101,8 @@ def test_what_mimic_joints_add_is_kept_beside_a_drive_and_replaced_by_the_whole(
     assert model.friction[k] == pytest.approx(source.friction[0] + abs(ratio) * 0.5)
     driven = with_drives(model, {"grip": Drive(inertia=1e-3, gear=10.0)})
     assert driven.armature[k] == pytest.approx(0.1 + ratio**2 * 0.5)
-    told = with_joint_dynamics(model, armature=0.3)
-    assert (told.armature == 0.3).all()
+    with_armature = with_joint_dynamics(model, armature=0.3)
+    assert (with_armature.armature == 0.3).all()
 
 
 def test_numbers_of_the_joints() -> None:

@@ -101,7 +101,7 @@ def test_a_robot_with_nothing_to_offset() -> None:
     np.testing.assert_allclose(kernel(q, robot.parameters("offset")), robot.fk(q))
 
 
-def test_the_price_of_parameters() -> None:
+def test_operation_counts_of_parameters() -> None:
     """Scalar operations of the Panda's inverse dynamics; the baked kernel has 624."""
     model = ulna.load("panda").model
     for names, budget in {

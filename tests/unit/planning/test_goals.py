@@ -161,7 +161,7 @@ def test_many_joints_are_planned_for() -> None:
         assert not robot.collides(x + t * (y - x), world).any()
 
 
-def test_goals_that_are_none() -> None:
+def test_invalid_goals_are_refused() -> None:
     robot, q0 = panda(), ready()
     for make, error, text in [
         (lambda: Region(np.zeros(7)), ShapeError, "SE3"),

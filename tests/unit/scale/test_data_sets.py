@@ -61,7 +61,7 @@ def test_a_stopped_data_set_continues_and_is_the_same(tmp_path: Path) -> None:
     assert not (tmp_path / "data.zarr.job").exists()
 
 
-def test_what_cannot_be_a_data_set(tmp_path: Path) -> None:
+def test_invalid_data_sets_are_refused(tmp_path: Path) -> None:
     to = tmp_path / "data.zarr"
     with pytest.raises(UnknownName, match="jacobian"):
         scale.data_set("panda", 10, ["jacobain"], to=to)

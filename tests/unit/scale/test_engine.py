@@ -248,7 +248,7 @@ def test_twenty_kills_in_one_job_leave_no_trace(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_script_without_the_guard_is_told_to_have_one(tmp_path: Path) -> None:
+def test_a_script_without_the_main_guard_gets_a_hint(tmp_path: Path) -> None:
     script = tmp_path / "job.py"
     script.write_text(
         'from ulna import scale\nprint(scale.reach("panda", samples=1000, voxel=0.2, workers=1))\n'

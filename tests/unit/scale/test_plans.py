@@ -47,7 +47,7 @@ def test_plans_are_those_of_the_planner(panda: ulna.Robot) -> None:
     assert "12 of 12 problems solved, 12 certified" in repr(found)
 
 
-def test_problems_of_your_own_in_several_worlds(panda: ulna.Robot) -> None:
+def test_custom_problems_in_several_worlds(panda: ulna.Robot) -> None:
     q = np.array(panda.configurations["qr"])
     starts = q + np.array([[-0.6], [-0.6], [0.5], [0.0]]) * np.eye(7)[0]
     goals = np.array(panda.fk(q + 0.6 * np.eye(7)[0]))
@@ -88,7 +88,7 @@ def test_plans_are_the_same_on_a_cluster_that_loses_a_worker(client: Any, tmp_pa
         scale.plans("panda", 24, WORLD, chunk=3, to=to, seed=1, **QUIET)
 
 
-def test_what_cannot_be_planned(panda: ulna.Robot, tmp_path: Path) -> None:
+def test_invalid_plans_are_refused(panda: ulna.Robot, tmp_path: Path) -> None:
     q = np.zeros(7)
     for arguments, error, text in (
         ({}, InputError, "Expected `problems`"),

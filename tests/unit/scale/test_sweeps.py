@@ -124,7 +124,7 @@ def test_a_stopped_sweep_continues_with_the_same_bits(
                 np.testing.assert_array_equal(getattr(other, field.name), getattr(expected, field.name))
 
 
-def test_what_cannot_be_swept(panda: ulna.Robot) -> None:
+def test_invalid_sweeps_are_refused(panda: ulna.Robot) -> None:
     for quantity, vary, more, error, text in (
         ("inverse_dynamcs", VARY, {}, UnknownName, "inverse_dynamics"),
         ("fk", {"mas": 0.1}, {}, UnknownName, "mass"),

@@ -1,4 +1,4 @@
-"""The simulation: what robots are told means the same whenever they are told, limits hold, time is kept."""
+"""The simulation: commands mean the same whenever they are set, limits hold, time is kept."""
 
 import time
 
@@ -32,7 +32,7 @@ def test_velocity_moves_and_stops_at_limits(panda: ulna.Robot) -> None:
     sim.step(0.5)
     assert arm.q[0] == pytest.approx(0.05)
     assert arm.q[1] == panda.limits.lower[1]
-    assert arm.qd[1] == -10  # as it was told
+    assert arm.qd[1] == -10  # as it was set
     assert arm.recording["v"][-1, 1] == pytest.approx((panda.limits.lower[1] + 0.3) / 0.5)  # as it was
     assert sim.t == 0.5
     np.testing.assert_array_equal(arm.recording.t, [0.0, 0.5])

@@ -151,7 +151,7 @@ def test_what_llvm_makes_is_sound_and_what_is_cut_is_not(place):
     assert not is_sound(content, f"{other}-unknown-linux-gnu")
 
 
-def test_a_sealed_object_that_is_none_is_compiled_anew(place):
+def test_a_signed_cache_entry_without_machine_code_is_compiled_anew(place):
     path, content = _object(place)
     disk_cache.write(path.name, b"\x7fELF" + bytes(300))
     kernel = _stored()

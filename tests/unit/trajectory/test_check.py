@@ -98,7 +98,7 @@ def test_short_pieces_between_knots_are_seen(panda: ulna.Robot) -> None:
     assert trajectory.check(panda, even, acceleration=10.0, torque=False, tolerance=1e-5)
 
 
-def test_what_is_no_question_is_refused(panda: ulna.Robot) -> None:
+def test_an_invalid_query_is_refused(panda: ulna.Robot) -> None:
     q = panda.configurations["qr"]
     fast = trajectory.quintic(q, q + 1.0, 0.1)
     for tolerance in (np.nan, np.inf, -1.0):

@@ -293,7 +293,7 @@ def test_paths_on_the_manifold_of_configurations() -> None:
     np.testing.assert_allclose(flyer.difference(best.end, q1), 0.0, atol=1e-9)
 
 
-def test_what_is_no_robot_is_named() -> None:
+def test_an_invalid_robot_is_named() -> None:
     """It was "'NoneType' object has no attribute 'nq'"."""
     move = trajectory.quintic([0.0], [1.0], duration=1.0)
     with pytest.raises(InputError, match="`robot` is None; expected a Robot"):

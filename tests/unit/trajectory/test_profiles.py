@@ -85,7 +85,7 @@ def test_a_longer_duration_slows_down() -> None:
         trajectory.trapezoidal(A, B, V, ACC, duration=0.1)
 
 
-def test_no_way_waits() -> None:
+def test_equal_end_points_make_a_constant_trajectory() -> None:
     t = trajectory.s_curve(A, A, 1.0, 1.0, 1.0, duration=2.0)
     np.testing.assert_array_equal(t(1.0), A)
     assert trajectory.trapezoidal(A, A, duration=2.0).duration == 2.0

@@ -36,7 +36,7 @@ def test_all_names_of_css_are_known():
     assert all(len(colour(name)) == 4 for name in NAMES)
 
 
-def test_what_is_no_colour_is_refused():
+def test_an_invalid_colour_is_refused():
     with pytest.raises(UnknownName, match="tomato"):
         colour("tomatoe")
     for wrong in ((255.0, 128.0, 0.0), (300, 0, 0), (-0.1, 0, 0), (0.5, 2, 0)):

@@ -39,7 +39,7 @@ def run(script: str, folder: Path, **environment: str) -> subprocess.CompletedPr
     )
 
 
-def test_a_script_that_just_ends_ends_without_a_word(tmp_path: Path) -> None:
+def test_a_script_that_just_ends_prints_nothing(tmp_path: Path) -> None:
     done = run(
         OPEN + "other = ulna.Viewer(port=0, browser=False)\nviewer.pendant(viewer['panda'])\nprint('end')",
         tmp_path,
@@ -47,7 +47,7 @@ def test_a_script_that_just_ends_ends_without_a_word(tmp_path: Path) -> None:
     assert (done.returncode, done.stdout, done.stderr) == (0, "end\n", "")
 
 
-def test_hold_where_nobody_can_look_returns_with_a_word(tmp_path: Path) -> None:
+def test_hold_without_a_screen_returns_with_a_message(tmp_path: Path) -> None:
     done = run(OPEN + "viewer.hold()", tmp_path, ULNA_HEADLESS="1")
     assert done.returncode == 0 and done.stderr == ""
     assert done.stdout.count("\n") == 1 and "Nobody can look" in done.stdout
@@ -100,7 +100,7 @@ def test_many_pages_after_another_leave_no_thread_and_no_file_open() -> None:
     def once() -> None:
         with Viewer(port=0, browser=False) as viewer, Viewer(port=0, browser=False) as second:
             assert viewer.url != second.url
-            viewer.pendant(viewer.add(ulna.load("panda", visuals="simple"), "qr"))
+            viewer.teach_panel(viewer.add(ulna.load("panda", visuals="simple"), "qr"))
             viewer.panel.slider("gain", 0, 1)
             viewer.simulate(realtime=False).step(0.01)
 

@@ -168,7 +168,7 @@ def test_it_moves(viewer: Viewer, kind: str, panda: ulna.Robot, tmp_path: Path) 
     ],
     ids=["frames", "centre of mass", "inertias", "manipulability", "force", "ghosts"],
 )
-def test_what_moves_along_has_looks_of_its_own(
+def test_attached_shapes_have_separate_appearances(
     viewer: Viewer, panda: ulna.Robot, extra: Callable[[Any], Any]
 ) -> None:
     arm = viewer.add(panda, "qr")

@@ -126,7 +126,7 @@ def test_a_full_disk_is_reported_and_leaves_no_file(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_is_no_film_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_invalid_film_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import sys
 
     with pytest.raises(UnknownName, match=r"\.mp4"):

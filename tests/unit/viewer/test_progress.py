@@ -1,4 +1,4 @@
-"""Long work is told of after a moment, to the terminal and to watchers, and never once it is done."""
+"""Long work is reported after a moment, to the terminal and to watchers, and never once it is done."""
 
 from __future__ import annotations
 

@@ -56,11 +56,14 @@ def test_setting_q_moves_everything(shown: Show, panda: ulna.Robot) -> None:
     shown.q = "qz"
     np.testing.assert_allclose(in_scene(shown, "panda_hand"), panda.fk(np.zeros(7), "panda_hand"), atol=1e-12)
     np.testing.assert_allclose(shown.tool, panda.fk(np.zeros(7)))
-    assert wait(lambda: shown.pendant.sliders[1].value == 0.0)
-    assert wait(lambda: bool(np.abs(shown.pendant.gizmo.pose - shown.tool).max() < 1e-6))
+    assert wait(lambda: shown.teach_panel.sliders[1].value == 0.0)
+    assert wait(lambda: bool(np.abs(shown.teach_panel.gizmo.pose - shown.tool).max() < 1e-6))
     x, _, z = shown.tool[:3, 3]
     assert wait(
-        lambda: f"{x:.3f} m" in shown.pendant.readout.value and f"{z:.3f} m" in shown.pendant.readout.value
+        lambda: (
+            f"{x:.3f} m" in shown.teach_panel.readout.value
+            and f"{z:.3f} m" in shown.teach_panel.readout.value
+        )
     )
 
 
@@ -79,8 +82,8 @@ def test_from_out_of_reach_the_target_returns_to_the_tool(shown: Show, panda: ul
     goal = shown.tool
     goal[0, 3] = 3.0
     shown.aim(goal)
-    assert wait(lambda: shown.pendant.goal is None)
-    assert wait(lambda: bool(np.abs(shown.pendant.gizmo.pose - shown.tool).max() < 1e-6))
+    assert wait(lambda: shown.teach_panel.goal is None)
+    assert wait(lambda: bool(np.abs(shown.teach_panel.gizmo.pose - shown.tool).max() < 1e-6))
     assert panda.limits.contains(shown.q)
     assert shown.tool[0, 3] > 0.6
 
@@ -88,21 +91,21 @@ def test_from_out_of_reach_the_target_returns_to_the_tool(shown: Show, panda: ul
 def test_while_it_is_held_the_target_stays_in_the_hand(shown: Show) -> None:
     goal = shown.tool
     goal[0, 3] = 3.0
-    shown.pendant.gizmo.is_dragged = True
+    shown.teach_panel.gizmo.is_dragged = True
     shown.aim(goal)
     time.sleep(1.0)
-    np.testing.assert_allclose(shown.pendant.gizmo.pose, goal, atol=1e-6)
-    shown.pendant.gizmo.is_dragged = False
-    assert wait(lambda: bool(np.abs(shown.pendant.gizmo.pose - shown.tool).max() < 1e-6))
+    np.testing.assert_allclose(shown.teach_panel.gizmo.pose, goal, atol=1e-6)
+    shown.teach_panel.gizmo.is_dragged = False
+    assert wait(lambda: bool(np.abs(shown.teach_panel.gizmo.pose - shown.tool).max() < 1e-6))
 
 
 def test_a_glide_ends_exactly_at_its_configuration(shown: Show, panda: ulna.Robot) -> None:
-    shown.pendant.glide_to(panda.configurations["qz"])
+    shown.teach_panel.move_to(panda.configurations["qz"])
     assert wait(lambda: bool((shown.q == 0).all()))
 
 
 def test_setting_q_ends_a_glide(shown: Show, panda: ulna.Robot) -> None:
-    shown.pendant.glide_to(panda.configurations["qz"])
+    shown.teach_panel.move_to(panda.configurations["qz"])
     shown.q = "qr"
     time.sleep(0.3)
     np.testing.assert_array_equal(shown.q, panda.configurations["qr"])
@@ -154,7 +157,7 @@ def test_joints_of_several_coordinates_have_a_slider_for_each_and_stay_whole() -
     robot = odd_robot()
     with show(robot, port=0, browser=False) as shown:
         labels = [dial.label for dial in shown.teach_panel.coordinates]
-        assert len(labels) == len(shown.pendant.sliders) == 6 + 3 + 2
+        assert len(labels) == len(shown.teach_panel.sliders) == 6 + 3 + 2
         assert any("yaw [rad]" in label for label in labels)
         for dial in shown.teach_panel.coordinates:
             q = dial.write(robot.neutral, 0.04)
@@ -165,7 +168,7 @@ def test_joints_of_several_coordinates_have_a_slider_for_each_and_stay_whole() -
         goal = shown.tool
         goal[:3, 3] += (0.03, 0.02, 0.0)
         shown.aim(goal)
-        assert wait(lambda: shown.pendant.goal is None)
+        assert wait(lambda: shown.teach_panel.goal is None)
         assert robot.limits.contains(shown.q)
         np.testing.assert_allclose(shown.q[:11], robot.neutral[:11])  # base and ball do not move
 
@@ -174,7 +177,7 @@ def test_a_robot_that_cannot_move_can_be_looked_at() -> None:
     robot = ulna.Robot(ModelBuilder("block").add_link("base").build())
     with show(robot, port=0, browser=False) as shown:
         assert shown.q.shape == (0,)
-        assert not shown.pendant.sliders
+        assert not shown.teach_panel.sliders
 
 
 def test_the_usual_configuration() -> None:

@@ -455,7 +455,7 @@ def test_a_viewer_without_a_page_says_so_and_draws(
     assert viewer._repr_html_() is None
     arm = viewer.add(panda)
     with pytest.raises(InputError, match="no page"):
-        viewer.pendant(arm)
+        viewer.teach_panel(arm)
     viewer.text("here", (0.3, 0, 0.9))
     light = viewer.picture(tmp_path / "a.png", 96, 60)
     viewer.theme = "dark"

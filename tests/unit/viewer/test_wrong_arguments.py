@@ -1,4 +1,4 @@
-"""Nonsense in place of one argument at a time: it is refused by a word of Ulna's own, and nothing has happened."""
+"""Invalid values in place of one argument at a time: they raise errors of Ulna, and nothing is changed."""
 
 import reprlib
 from collections.abc import Callable
@@ -54,7 +54,7 @@ NO_PATH: tuple[Any, ...] = (*(o for o in OBJECTS if not isinstance(o, str)), 3, 
 NO_RANGE: tuple[Any, ...] = (*NO_NUMBER, None, -1.0, True)
 
 Q = np.zeros(7)
-ALWAYS_REFUSED = ("remove", "remove from", "pendant", "html")  # without the right thing, or a page
+ALWAYS_REFUSED = ("remove", "remove from", "teach_panel", "html")  # without the right thing, or a page
 PLAIN = (
     "add",
     "box",
@@ -113,7 +113,7 @@ def cases(
     mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     ways = {"show": ("visual", NO_CHOICE), "detail": ("full", NO_CHOICE)}
     size = {"width": (16, NO_COUNT), "height": (10, NO_COUNT), "samples": (1, (*NO_COUNT, 5))}
-    told = {
+    common = {
         "control": ("torque", NO_CHOICE), "limits": ("all", NO_CHOICE), "friction": (None, NO_CHOICE),
         "record": (True, NO_FLAG),
     }  # fmt: skip
@@ -160,10 +160,10 @@ def cases(
             "picture": {"path": (folder / "a.png", NO_PATH), **size, **seen},
             "remove": {"thing": ("there", (*NO_CHOICE, None))},
             "simulate": {
-                "realtime": (False, NO_FLAG), "speed": (1.0, (*NO_RANGE, 0.0)), "substep": (1e-3, (*NO_RANGE, 0.0)), **told,
+                "realtime": (False, NO_FLAG), "speed": (1.0, (*NO_RANGE, 0.0)), "substep": (1e-3, (*NO_RANGE, 0.0)), **common,
             },
             "hold": {"seconds": (0.1, (*NO_NUMBER, -1.0, True))},
-            "pendant": {"robot": ("", (*OBJECTS, None, "x"))},
+            "teach_panel": {"robot": ("", (*OBJECTS, None, "x"))},
         }.items()
     }  # fmt: skip
 
@@ -254,7 +254,7 @@ def cases(
         },
     }.items():
         out[f"robot.{name}"] = (method(name, lambda v: v["arm"]), given)
-    for name, (function, given) in sim_cases(panda, told).items():
+    for name, (function, given) in sim_cases(panda, common).items():
         out[name] = (without_viewer(function), given)
     out |= panel_cases()
     out["stick_figure"] = (
@@ -267,7 +267,7 @@ def cases(
     return out
 
 
-def sim_cases(panda: ulna.Robot, told: dict[str, Any]) -> dict[str, Any]:
+def sim_cases(panda: ulna.Robot, common: dict[str, Any]) -> dict[str, Any]:
     positive, robot = (*NO_RANGE, 0.0), (*OBJECTS, None, "x")
 
     def simulation() -> Simulation:
@@ -295,11 +295,11 @@ def sim_cases(panda: ulna.Robot, told: dict[str, Any]) -> dict[str, Any]:
                 "speed": (1.0, positive), "realtime": (False, NO_FLAG), "substep": (0.1, positive), "paused": (False, NO_FLAG),
             }.items()
         },
-        "Body": (Body, {"robot": (panda, robot), "q": (Q, NO_Q), "qd": (Q, NO_Q), "name": ("x", NO_WORDS[:-3]), **told}),
+        "Body": (Body, {"robot": (panda, robot), "q": (Q, NO_Q), "qd": (Q, NO_Q), "name": ("x", NO_WORDS[:-3]), **common}),
         **{
             f"body.{name}": (assign(name), {"value": given})
             for name, given in {
-                "q": (Q, state), "qd": (Q, state), "qdd": (Q, state), "tau": (Q, state), "target": (Q, NO_Q), **told,
+                "q": (Q, state), "qd": (Q, state), "qdd": (Q, state), "tau": (Q, state), "target": (Q, NO_Q), **common,
             }.items()
             if name != "friction"
         },
@@ -314,14 +314,14 @@ def sim_cases(panda: ulna.Robot, told: dict[str, Any]) -> dict[str, Any]:
             dynamic_step,
             {
                 "robot": (panda, robot), "q": (Q, state), "v": (Q, state), "tau": (Q, state), "dt": (1e-3, positive),
-                "friction": told["friction"],
+                "friction": common["friction"],
             },
         ),
         "simulate by itself": (
             simulate,
             {
                 "robot": (panda, robot), "q": (Q, state), "v": (Q, NO_Q), "torque": (Q, NO_Q), "duration": (1e-3, (*positive, 1e300)),
-                "dt": (1e-3, (*positive, 1e-300)), "method": ("rk4", NO_CHOICE), "friction": told["friction"],
+                "dt": (1e-3, (*positive, 1e-300)), "method": ("rk4", NO_CHOICE), "friction": common["friction"],
                 "constraints": ((), (*OBJECTS, None, "x", 3)), "kp": (100.0, NO_RANGE), "every": (1, NO_COUNT[-5:]),
             },
         ),
@@ -389,7 +389,7 @@ def panda() -> ulna.Robot:
     return ulna.load("panda", visuals="simple")
 
 
-def test_nonsense_is_refused_by_a_word_and_nothing_has_happened(panda: ulna.Robot, tmp_path: Path) -> None:
+def test_invalid_arguments_raise_ulna_errors_and_change_nothing(panda: ulna.Robot, tmp_path: Path) -> None:
     pytest.importorskip("trimesh")
     pytest.importorskip("matplotlib").use("Agg")
     pytest.importorskip("PIL")

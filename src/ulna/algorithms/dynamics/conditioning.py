@@ -8,9 +8,9 @@
 | sigma, v | singular values and right singular vectors of A diag(1 / d) | | [1] | M diag(1 / d) v = 0 for sigma = 0 |
 | kappa | condition number of the mass matrix in units of its diagonal | () | [1] | (sigma_max / sigma_min)^2 |
 
-The factors of `mass_matrix_factors.py` do not change with the units of joints, so kappa tells what they lose: about
+The factors of `mass_matrix_factors.py` do not change with the units of joints, so kappa measures what they lose: about
 kappa times the relative precision of the numbers. A is made of the bodies' Jacobians and of square roots of their
-inertias, without M, so that it tells a matrix that is singular for every mass from one that is close to singular:
+inertias, without M, so that it distinguishes a matrix that is singular for every mass from one close to singular:
 sigma is known to about 1e-15, which is 1e-30 in M.
 
 Source: Golub & Van Loan, Matrix Computations, sections 2.6 and 3.5 (scaling, condition), 5.3 (normal equations).

@@ -10,7 +10,7 @@
 | d integrate | its derivatives by q and by v | (..., nv, nv) | | Ad(exp(v))^-1 and J_r(v), in blocks |
 
 Source: Sola, Deray & Atchuthan, A micro Lie theory (2018), sections II and III. A mimic joint has no
-coordinate of its own, so it does not appear here.
+separate coordinate, so it does not appear here.
 """
 
 from __future__ import annotations

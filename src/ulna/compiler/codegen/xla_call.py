@@ -16,7 +16,7 @@ VERSION = (0, 1)
 """The first version of the interface that asks for one; later ones accept it."""
 
 # Offsets in bytes: of the call frame, of its lists of arguments and results, of a buffer, of the extension by which
-# XLA asks for the version, and of what it then is told.
+# XLA asks for the version of the interface, and of its metadata.
 _EXTENSION, _ARGUMENTS, _RESULTS, _ITEMS = 8, 40, 80, 32
 _DATA, _RANK, _LENGTHS = 24, 32, 40
 _TYPE, _NEXT, _METADATA, _MAJOR, _MINOR = 8, 16, 24, 24, 28

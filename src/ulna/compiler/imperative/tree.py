@@ -259,7 +259,7 @@ class Instance:
     Attributes:
         name: Unique within a program.
         parameters: Names and types.
-        variables: Names and types of the variables that are assigned to, arrays of its own among them.
+        variables: Names and types of the variables that are assigned to, local arrays among them.
         results: The types of what it returns.
         body: Its statements.
         file: The file of the source.

@@ -69,7 +69,7 @@ def refuse_size(what: str, seconds: float = 0.0, memory: float = 0.0) -> NoRetur
     cost = f", which take about {seconds:.0f} s and {memory / 1e9:.1f} GB to compile" if seconds else ""
     raise TooLargeError(
         f"{what}{cost}; the limit is {most_operations():,}. Set the environment variable ULNA_MOST_OPERATIONS to a "
-        "greater number (0 for no limit) to compile it all the same. Matrices and derivatives grow with the square or "
+        "greater number (0 for no limit) to compile it anyway. Matrices and derivatives grow with the square or "
         "the cube of the number of joints, inverse_dynamics and forward_dynamics with the number itself; "
         "robot.lock(...) takes joints out."
     )

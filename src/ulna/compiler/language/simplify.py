@@ -78,7 +78,7 @@ def _folded(g: Graph, op: int, args: tuple[int, ...]) -> int:
 
 
 def _is(g: Graph, a: int, value: float) -> bool:
-    """Whether `a` is the constant `value`; zeros of either sign are told apart by the caller's rule."""
+    """Whether `a` is the constant `value`; zeros of either sign are distinguished by the caller's rule."""
     return g.op[a] == Op.CONST and g.data[a] == value
 
 

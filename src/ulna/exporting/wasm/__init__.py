@@ -2,7 +2,7 @@
 
 | module | content |
 |---|---|
-| `linking.py` | LLVM's relocatable object as a module of its own: memory, stack and exports instead of imports |
+| `linking.py` | LLVM's relocatable object as a separate module: memory, stack and exports instead of imports |
 | `code.py` | functions and searches as such a module |
 | `description.py` | what the JavaScript module knows of functions and robot |
 | `declarations.py` | the types, for TypeScript and editors |

@@ -56,7 +56,10 @@ class Framing:
         before, self._initial = self._initial, framing_camera(self._scene)
         set_initial_camera(self._server, self._initial)
         for number, client in clients.items():
-            view, is_new = client.camera, number not in self._given  # a new one may not have told where it is
+            view, is_new = (
+                client.camera,
+                number not in self._given,
+            )  # a new one may not have sent its position
             given = self._given.setdefault(number, before)
             better = framing_camera(self._scene, view.aspect)
             unmoved = is_new or _is_near(view.position, view.look_at, given, _UNMOVED)

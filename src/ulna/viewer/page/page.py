@@ -82,7 +82,7 @@ class Page:
         self._owned = server is None
         host = host if server is None else server.get_host()
         exposed = self._owned and guard.checked_host(host) not in guard.LOOPBACK
-        # a hub forwards requests under its own name, and maybe those of its other users: the token tells them apart
+        # a hub forwards requests under its own name, and maybe those of its other users: the token distinguishes them
         is_forwarded = self._owned and place_of_kernel() == "proxied hub"
         self._token = secrets.token_urlsafe(24) if exposed or is_forwarded else ""
         self.server = serve(host, port, title, self._token) if server is None else server

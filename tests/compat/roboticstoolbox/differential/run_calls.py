@@ -99,7 +99,7 @@ def made(call: dict[str, Any], objects: dict[str, Any], base: dict[str, Any]) ->
 
 
 def is_check(error: BaseException) -> bool:
-    """Whether the toolbox raised on purpose: by a `raise` of its own, or in a check of arguments of spatialmath."""
+    """Whether the toolbox raised on purpose: by a `raise`, or in a check of arguments of spatialmath."""
     frames = traceback.extract_tb(error.__traceback__)
     last = frames[-1] if frames else None
     if last is None or not (last.line or "").startswith("raise"):

@@ -1,4 +1,4 @@
-"""Fewer triangles: never farther from the surface than told, colours closed against each other, kept by content."""
+"""Fewer triangles: never farther from the surface than the given bound, colours closed against each other, kept by content."""
 
 import os
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Mesh files as surfaces: colours, units, sharp edges, and errors that say what mends them."""
+"""Mesh files as surfaces: colours, units, sharp edges, and errors that say how to fix them."""
 
 import os
 import struct

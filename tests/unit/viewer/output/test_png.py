@@ -53,7 +53,7 @@ def test_folders_are_made(tmp_path: Path) -> None:
     assert write_png(tmp_path / "x" / "y.png", np.zeros((2, 2, 3), np.uint8)).is_file()
 
 
-def test_what_is_no_image_is_refused(tmp_path: Path) -> None:
+def test_an_invalid_image_is_refused(tmp_path: Path) -> None:
     folder = tmp_path / "folder.png"
     folder.mkdir()
     with pytest.raises(ShapeError, match=r"\(height, width, 3\)"):

@@ -19,7 +19,7 @@ OURS = "localhost:8080"
         (OURS, None),  # a program, or the page itself being fetched
     ],
 )
-def test_own_pages_and_programs_may(host: str, origin: str | None) -> None:
+def test_own_pages_and_programs_may_connect(host: str, origin: str | None) -> None:
     assert is_allowed(host, origin)
 
 
@@ -40,7 +40,7 @@ def test_own_pages_and_programs_may(host: str, origin: str | None) -> None:
         ("localhost:8080@evil.example", None),
     ],
 )
-def test_others_may_not(host: str | None, origin: str | None) -> None:
+def test_other_origins_may_not_connect(host: str | None, origin: str | None) -> None:
     assert not is_allowed(host, origin)
 
 

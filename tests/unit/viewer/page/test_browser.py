@@ -58,7 +58,7 @@ def test_the_environment_can_say_no(linux: pytest.MonkeyPatch) -> None:
     assert not screen.somebody_can_look()
 
 
-def test_someone_at_the_terminal_can_look_through_a_tunnel(linux: pytest.MonkeyPatch) -> None:
+def test_the_page_is_reachable_through_a_tunnel(linux: pytest.MonkeyPatch) -> None:
     terminal = SimpleNamespace(isatty=lambda: True)
     linux.setattr(sys, "stdin", terminal)
     linux.setattr(sys, "stdout", terminal)

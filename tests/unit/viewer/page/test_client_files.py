@@ -67,7 +67,7 @@ def test_a_page_that_is_built_in_another_way_is_served_as_it_is(
     assert response_to(ClientFiles(other), request("/")) is None
 
 
-def test_it_is_taken_apart_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_client_archive_is_unpacked_once(monkeypatch: pytest.MonkeyPatch) -> None:
     first = ClientFiles(PAGE)._files
     monkeypatch.setattr(client, "unpacked_parts", lambda _: pytest.fail("it should be on disk"))
     again = ClientFiles(PAGE)._files

@@ -111,7 +111,7 @@ def test_it_listens_on_the_loopback_only(page: Page) -> None:
         socket.create_connection(("127.0.0.2", page.port), timeout=0.5).close()
 
 
-def test_nobody_can_share_it(page: Page) -> None:
+def test_the_page_offers_no_share_url(page: Page) -> None:
     from viser import _messages
 
     handlers = page.server._websock_server._incoming_handlers
@@ -150,7 +150,7 @@ def test_a_port_in_use_gives_the_next() -> None:
         assert second.port != first.port
 
 
-def test_a_port_that_is_none_is_refused() -> None:
+def test_an_invalid_port_is_refused() -> None:
     with pytest.raises(InputError, match="65535"):
         Page(Scene(), port=70000)
 
@@ -252,7 +252,7 @@ def test_functions_are_called_sixty_times_a_second_at_most(page: Page) -> None:
     assert called[20] - called[0] > 20 / 60 - 0.1  # a busy thread would take all of a core
 
 
-def test_hold_returns_at_once_where_nobody_can_look(
+def test_hold_returns_at_once_without_a_screen(
     page: Page, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(hold_module, "somebody_can_look", lambda: False)

@@ -175,18 +175,18 @@ def test_a_teach_panel_is_removed_with_its_robot_and_alone(
 ) -> None:
     if viewer.url == "":
         with pytest.raises(InputError, match="no page"):
-            viewer.pendant(viewer.add(ulna.load("panda", visuals="simple")))
+            viewer.teach_panel(viewer.add(ulna.load("panda", visuals="simple")))
         return
     arm, other = (viewer.add(ulna.load("panda", visuals="simple"), "qr") for _ in range(2))
-    pendants = [viewer.pendant(robot) for robot in (arm, other)]
+    panels = [viewer.teach_panel(robot) for robot in (arm, other)]
     arm.remove()
     due = time.monotonic() + 30.0
-    while not pendants[0].sliders[0].removed and time.monotonic() < due:
+    while not panels[0].sliders[0].removed and time.monotonic() < due:
         time.sleep(0.02)
-    assert pendants[0].sliders[0].removed and not pendants[1].sliders[0].removed
-    pendants[1].remove()
-    pendants[1].remove()
-    assert pendants[1].sliders[0].removed
+    assert panels[0].sliders[0].removed and not panels[1].sliders[0].removed
+    panels[1].remove()
+    panels[1].remove()
+    assert panels[1].sliders[0].removed
     viewer.flush()
     assert capsys.readouterr().err == ""
     viewer.clear()

@@ -123,7 +123,7 @@ def test_an_empty_scene_is_a_floor() -> None:
 
 
 @pytest.mark.parametrize("size", [(0, 10), (10, 20000), (-1, 5)])
-def test_sizes_that_are_none_are_refused(size: tuple[int, int]) -> None:
+def test_invalid_sizes_are_refused(size: tuple[int, int]) -> None:
     with pytest.raises(InputError, match="1 to 16384"):
         render(Scene(), *size)
 

@@ -72,7 +72,7 @@ def test_sliders_have_labels_limits_and_steps() -> None:
     np.testing.assert_array_equal(q, (0.01, 0.02, 0.03))
 
 
-def test_a_joint_without_room_has_a_slider_all_the_same() -> None:
+def test_a_joint_without_range_still_has_a_slider() -> None:
     stuck = slider_coordinates(robot(URDF.replace('"0.05"', '"-0.1"')))[0]
     assert (stuck.low, stuck.high, stuck.step) == (-0.1, pytest.approx(-0.1 + 1e-6), 1e-6)
     assert stuck.high > stuck.low

@@ -18,11 +18,11 @@ def panda() -> ulna.Robot:
 
 @pytest.mark.parametrize("show", ["visual", "collision", "both"])
 def test_progress_goes_from_none_to_all_links(panda: ulna.Robot, show: str) -> None:
-    told: list[tuple[int, int]] = []
-    surfaces = surfaces_by_link(panda, show, report=lambda done, of: told.append((done, of)))  # type: ignore[arg-type]
+    reported: list[tuple[int, int]] = []
+    surfaces = surfaces_by_link(panda, show, report=lambda done, of: reported.append((done, of)))  # type: ignore[arg-type]
     count = len(panda.model.links)
     assert len(surfaces) == count
-    assert told == [(k, count) for k in range(count + 1)]
+    assert reported == [(k, count) for k in range(count + 1)]
 
 
 def test_both_are_the_shapes_and_the_collision_shapes(panda: ulna.Robot) -> None:

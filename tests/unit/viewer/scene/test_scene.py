@@ -129,7 +129,7 @@ def test_many_nodes_are_added_in_time_that_grows_with_their_number() -> None:
     assert scene.poses[-1, 0, 3] == 2999
 
 
-def test_versions_tell_structure_from_motion() -> None:
+def test_versions_distinguish_structure_from_motion() -> None:
     scene = three()
     structure, motion, looks = scene.version
     scene.set_pose("a", at(1))

@@ -1,4 +1,4 @@
-"""MeshCat's tree of named objects, drawn into Ulna's viewer, without a server of its own."""
+"""MeshCat's tree of named objects, drawn into Ulna's viewer, without a separate server."""
 
 from __future__ import annotations
 

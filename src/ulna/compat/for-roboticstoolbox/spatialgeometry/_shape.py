@@ -77,7 +77,7 @@ class Shape(SceneNode, abc.ABC):
 
     @property
     def color(self) -> RGBA:
-        """Red, green, blue and opacity from 0 to 1; whatever tells a colour can be assigned."""
+        """Red, green, blue and opacity from 0 to 1; anything that names a colour can be assigned."""
         return self._rgba
 
     @color.setter

@@ -91,7 +91,7 @@ class ShapeHandle(Item):
         elif np.count_nonzero(shape.v):
             pose, sound = pose_step()(shape.T, shape.v, dt)
             if not math.isfinite(sound):
-                shape.v = shape.v  # which tells what is wrong with it
+                shape.v = shape.v  # which raises an error that names what is wrong
             shape.put(pose)
 
     def show(self) -> None:

@@ -12,7 +12,7 @@ from ulna.errors import UnknownName, ViewerError
 REFUSED = {
     "addRod": "addCapsule and addCylinder draw rods.",
     "attachCameraToNode": "Set the camera in your loop: setCameraTransform(wid, configuration).",
-    "registerNodeCallback": "Panels of `viewer.panel` and `viewer.pendant(robot)` report clicks and drags.",
+    "registerNodeCallback": "Panels of `viewer.panel` and `viewer.teach_panel(robot)` report clicks and drags.",
     "setCaptureTransform": "viewer.html(path, recording) writes what moves as a file that plays.",
     "captureTransformOnRefresh": "viewer.html(path, recording) writes what moves as a file that plays.",
     "captureTransform": "getNodeGlobalTransform(nodeName) returns where a node is; write it down in your loop.",

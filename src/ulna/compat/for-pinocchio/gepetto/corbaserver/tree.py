@@ -16,7 +16,7 @@ from ulna.typing import Floats
 from ulna.viewer.viewer import Viewer
 
 PARTS = "·"
-"""Begins the names of what a node is made of, which are no nodes of their own."""
+"""Begins the names of what a node is made of, which are not separate nodes."""
 
 
 @describe_arguments

@@ -163,7 +163,7 @@ def _bind_at(
         return J
     watch = model.watched("structure" if fixed_frame is not None else "frame", key)  # first: see `run`
     compiled = data.attach(model)
-    if model.nvExtended != model.nv:  # columns of mimic joints are not told apart in `data.J`
+    if model.nvExtended != model.nv:  # columns of mimic joints are not separate in `data.J`
         if fixed_frame is None:
             updateFramePlacement(model, data, key)
         return _jacobian(model, data, reference, key, fixed_frame)(q)

@@ -1,4 +1,4 @@
-"""What the ADMM solver is told and what it answers: settings, results, and a record of the iterations."""
+"""Input and output of the ADMM solver: settings, results, and a record of the iterations."""
 
 from __future__ import annotations
 

@@ -203,7 +203,7 @@ def _plain(x: Any) -> Any:
         return {"#": kind, "items": [_plain(entry) for entry in x]}
     if name is None:
         raise InputError(
-            f"A {type(x).__name__} that was made in memory is not written to files. Write a mesh to a file of its own, "
+            f"A {type(x).__name__} that was made in memory is not written to files. Write a mesh to a separate file, "
             "and name it as meshPath; or use pickle, which keeps all that there is."
         )
     if isinstance(x, enum.Enum):

@@ -197,7 +197,7 @@ def computeBodyRadius(model: Model, geometry_model: GeometryModel, geometry_data
 
 
 def box_corners(geometry: Any) -> Any:
-    """The corners (8, 3) of the box around a geometry of coal, along the axes of its own frame [m]."""
+    """The corners (8, 3) of the box around a geometry of coal, along the axes of its frame [m]."""
     geometry.computeLocalAABB()
     ends = np.array([geometry.aabb_local.min_, geometry.aabb_local.max_]).reshape(2, 3)
     return np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])

@@ -49,7 +49,7 @@ class JointBase:
 
     @property
     def nvExtended(self) -> int:
-        """How many velocities it has of its own, also where it mimics."""
+        """How many velocities the joint has, also where it mimics."""
         return 1 if self.kind is None else self.kind.nv
 
     @property

@@ -108,7 +108,7 @@ class JointModelMimic(JointModel):
     """A joint that follows another one: q = scaling * q_followed + offset.
 
     `JointModelMimic(followed, scaling, offset)` is of the kind of what it follows; `JointModelMimic(joint, followed,
-    scaling, offset)` of its own.
+    scaling, offset)`.
     """
 
     @by_name("joint_model scaling offset")

@@ -66,7 +66,7 @@ class CameraVisualizer(BaseVisualizer, abc.ABC):
         """Lets the mouse move the camera, as it always may."""
 
     def disableCameraControl(self) -> None:
-        """Leaves the camera to calls; the mouse may move it all the same."""
+        """Leaves the camera to calls; the mouse may still move it."""
 
     def setBackgroundColor(
         self,

@@ -9,7 +9,7 @@ from ulna.errors import ViewerError
 
 
 class UnsupportedVisualizer(BaseVisualizer):
-    """A visualizer that needs a program of its own.
+    """A visualizer that needs a separate program.
 
     Args:
         *_: Accepted and ignored.

@@ -70,7 +70,7 @@ class IKSolver:
         self.We = np.diag(weights)
 
     def _set_null_motion(self, name: str, kq: float, km: float, ps: float, pi: Any) -> None:
-        """Sets the gains of the null space, and the name, which tells of them."""
+        """Sets the gains of the null space, and the name, which contains them."""
         self.kq, self.km, self.ps, self.pi = kq, km, ps, pi
         self.name = name + (" Σ" if kq > 0.0 else "") + (" Jm" if km > 0.0 else "")
 

@@ -47,7 +47,7 @@ def xplot(
         labels: Names of the coordinates, a list or text with spaces; "q0" and so on by default.
         loc: Where the legend is, as matplotlib names it.
         grid: Whether there is a grid.
-        stack: Whether each coordinate has axes of its own.
+        stack: Whether each coordinate has separate axes.
         **options: Those of matplotlib's `plot`.
 
     Returns:
