@@ -34,6 +34,7 @@ def load(
     mimic: bool = True,
     xacro_args: Mapping[str, str] | None = None,
     trusted: bool = False,
+    tool: str | None = None,
 ) -> Robot:
     """The robot of that name or in that file, ready to compute with.
 
@@ -48,13 +49,15 @@ def load(
         xacro_args: values for the arguments of a .xacro file.
         trusted: for MJCF, whether MuJoCo compiles it in this process; otherwise another process does, which is ended
             after a minute, or when it needs more than 4 GiB. Other formats are read alike either way.
+        tool: name of the frame that is the tool; None for the file's, which in a URDF is the leaf link behind the
+            most joints.
 
     Returns:
         The robot.
 
     Raises:
         InputError: what is to be loaded is neither a name nor a path nor text.
-        UnknownName: no robot of that name; offers the nearest one.
+        UnknownName: no robot, or no frame, of that name; offers the nearest one.
         FormatError: the file is missing or broken; says where and how to fix it.
         MissingExtra: the robot needs a package that is not installed.
 
@@ -75,7 +78,8 @@ def load(
         xacro_args=xacro_args,
         trusted=trusted,
     )
-    return Robot(model)
+    robot = Robot(model)
+    return robot if tool is None else robot.with_tool(tool)
 
 
 @check_keywords

@@ -19,6 +19,7 @@ _ONE_THREAD = (
     8192  # entries; scalar products of more take threads of OpenBLAS, which wait by keeping processors busy
 )
 _NAMED = 'Configurations with names are arrays in robot.configurations: robot.configurations["qr"].'
+_OF_SOLUTION = "Pass its configuration, `.q`, after a look at `.success`."
 _IN_ORDER = "Put its values in order: np.array([q[name] for name in robot.joint_names])."
 
 
@@ -77,6 +78,8 @@ def _from_objects(
     """An array of objects as numbers of `dtype`, if none of them is a symbol."""
     if array.ndim == 0 and isinstance(array[()], Mapping):
         raise DtypeError(name, "dict", expected, _IN_ORDER)
+    if array.ndim == 0 and hasattr(array[()], "q") and hasattr(array[()], "success"):
+        raise DtypeError(name, type(array[()]).__name__, expected, _OF_SOLUTION)
     for x in array.flat:  # NumPy would make nan of None, parse text and drop imaginary parts
         if x is None or isinstance(x, (str, bytes, complex)):
             raise DtypeError(name, f"object and holds {short_repr(x)}", expected)

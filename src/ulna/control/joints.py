@@ -6,7 +6,8 @@
 | e | q* (-) q, the step that leads there | (nv,) [rad or m] | |
 | K, D | gains; of torque for a spring, of acceleration for computed torque | (nv,) | |
 | joint_pd | tau = K e + D (v* - v) + g(q) | (nv,) [N m or N] | Siciliano et al. 2009, eq. 8.51 |
-| computed_torque | tau = M (a* + D (v* - v) + K e) + C v + g | (nv,) [N m or N] | eq. 8.56, 8.57 |
+| computed_torque | tau = M (a* + D (v* - v) + K e) + C v + g - f | (nv,) [N m or N] | eq. 8.56, 8.57 |
+| f | torque of friction at v*, if asked for | (nv,) [N m or N] | joint_friction.py |
 
 Each function makes a kernel for one robot: a pure function of the state, which costs well under a microsecond a call
 and takes batches. The error is that of the configuration manifold, so that continuous joints take the short way and
@@ -18,7 +19,9 @@ from __future__ import annotations
 from typing import Any
 
 from ulna import algorithms
+from ulna.algorithms import Friction
 from ulna.control.bounds import within_effort
+from ulna.quantities.forces import friction_of
 from ulna.robot import Robot, compile
 from ulna.typing import Array
 
@@ -62,7 +65,7 @@ def joint_pd(robot: Robot, *, bounded: bool = True) -> Any:
     )
 
 
-def computed_torque(robot: Robot, *, bounded: bool = True) -> Any:
+def computed_torque(robot: Robot, *, bounded: bool = True, friction: bool | Friction = False) -> Any:
     """Inverse dynamics in the loop: each joint follows like a free mass on a spring and a damper: a kernel.
 
     `law(q, v, q_goal, v_goal, a_goal, kp, kd)` returns torques (nv,) [N m or N]; `kp` (nv,) [1/s^2] and `kd` (nv,)
@@ -72,6 +75,8 @@ def computed_torque(robot: Robot, *, bounded: bool = True) -> Any:
     Args:
         robot: The robot.
         bounded: Whether torques are kept within the effort limits.
+        friction: Whether joint friction is compensated, that of the model, or a law. It is computed at the desired
+            velocity: at the measured one, noise about standstill would switch Coulomb friction.
 
     Returns:
         The kernel `law`.
@@ -84,11 +89,12 @@ def computed_torque(robot: Robot, *, bounded: bool = True) -> Any:
         >>> law(q, zero, q, zero, zero, kp, kd).round(1)  # at rest at the goal: gravity
         array([-0. , -4. , -0.6, 22. ,  0.6,  2.3,  0. ])
     """
-    model = robot.model
+    model, resisting = robot.model, friction_of(robot.model, friction)
 
     def law(q: Array, v: Array, q_goal: Array, v_goal: Array, a_goal: Array, kp: Array, kd: Array) -> Array:
         a = a_goal + kd * (v_goal - v) + kp * algorithms.difference(model, q, q_goal)
         tau = algorithms.inverse_dynamics(model, q, v, a)
+        tau = tau if resisting is None else tau - algorithms.friction_torque(v_goal, resisting)
         return within_effort(model, tau) if bounded else tau
 
     nv = robot.nv

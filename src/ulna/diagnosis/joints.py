@@ -20,6 +20,9 @@ _MANY_TURNS = 1000.0
 _FAST = 100.0
 """Few joints turn faster; 90 to 360 degrees a second are common [rad/s]."""
 
+_LEAVES = 4
+"""How many leaf links a note names."""
+
 _FAR = 20.0
 """No slide is longer; in millimetres many are [m]."""
 
@@ -42,6 +45,25 @@ def joint_findings(model: Model) -> Iterator[Finding]:
             'Asked for by name, the frame is that of the link; the frame of the joint is "joint:NAME".',
         )
     yield from _neutral(model)
+    yield from _tool(model)
+
+
+def _tool(model: Model) -> Iterator[Finding]:
+    """A note where other joints move other leaf links than the tool, which may be one finger of a gripper."""
+    parents = {link.parent for link in model.links}
+    leaves = {link.name: link.joint for link in model.links if link.name not in parents}
+    carrier = leaves.get(model.tool)
+    others = [name for name, joint in leaves.items() if joint not in (carrier, model.links[0].joint)]
+    if carrier is None or not others:
+        return
+    shown = ", ".join(map(repr, others[:_LEAVES])) + (", ..." if len(others) > _LEAVES else "")
+    yield Finding(
+        "note",
+        "several-tools",
+        f"tool {model.tool!r}",
+        f"it is one of several leaf links that joints move; others are {shown}",
+        "Choose the frame you mean: ulna.load(..., tool=NAME) or robot.with_tool(NAME).",
+    )
 
 
 def _of_one_axis(joint: Joint) -> Iterator[Finding]:

@@ -80,7 +80,10 @@ class Branches(Collection):
         if self.count:
             return ""
         if self.total:
-            return f"{self.total} configurations reach the pose, each with a joint outside its limits"
+            return (
+                f"{self.total} configurations reach the pose, each with a joint outside its limits "
+                "(ik_all(T, limits=False) returns them)"
+            )
         return (
             f"no configuration reaches the pose: the nearest candidate misses it by {self.miss[0]:.3g} m and "
             f"{self.miss[1]:.3g} rad"

@@ -50,7 +50,7 @@ class FreeSolution:
         rotation_error: Angle from the goal [rad], likewise.
         distance: How far everything is apart at least [m], (...): computed where there is no solution, else nan.
         candidates: How many configurations that reach the goal were looked at, (...).
-        reason: Why there is no solution, in words; "" where there is one. A list of such for a batch.
+        reason: Why there is no solution, in words; "" where there is one. An array of such for a batch.
     """
 
     q: Floats
@@ -70,10 +70,11 @@ class FreeSolution:
 
     def __repr__(self) -> str:
         if np.ndim(self.success):
-            return f"<{self.success.size} free IK solutions, {int(self.success.sum())} of them met>"
+            return f"<{self.success.size} free IK solutions, {int(self.success.sum())} of them successful>"
         status = "free solution" if self.success else f"no free solution: {self.reason}"
+        counted = f"{self.candidates} candidate{'' if self.candidates == 1 else 's'}"
         with np.printoptions(precision=4, suppress=True):
-            return f"<IK {status}, q={self.q}, {self.candidates} candidates>"
+            return f"<IK {status}, q={self.q}, {counted}>"
 
 
 @final
@@ -362,7 +363,7 @@ def _stacked(answers: Sequence[FreeSolution], batch: tuple[int, ...], nq: int, f
         return np.array([getattr(answer, name) for answer in answers], dtype=kind).reshape(*batch, *core)
 
     each = (frames,) if frames > 1 else ()
-    reasons = of("reason", object).tolist()
+    reasons = of("reason", object)
     return FreeSolution(
         of("q", float, nq),
         of("success", bool),

@@ -151,9 +151,12 @@ def distance(
     s, c, weights = _sine_and_cosine(R, R_goal, mask)
     turning = None if J is None else J[3:] if mask.axis is None else R.T @ J[3:]
     if any(weights):
-        chord = s / numeric.sqrt(numeric.maximum(0.5 * (1.0 + c), _HALF_TURN))
+        half = 0.5 * (1.0 + c)
+        chord = s / numeric.sqrt(numeric.maximum(half, _HALF_TURN))
         turned = [k for k, weight in enumerate(weights) if weight]
         is_whole = mask.axis is not None or all(weights)
+        if is_whole:  # at half a turn s vanishes; without this the worst rotation would count as the best one
+            chord[turned[0]] = numeric.where(half < _HALF_TURN, 2.0, chord[turned[0]])
         arc = _arc(s, c, chord) if by_angle or not is_whole else 1.0
         rotation = sum((chord[k] * chord[k] for k in turned), 0.0)
         if is_whole:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 _AT_LIMIT = 1e-9
 _SHOWN = 4
+_ROUNDING = 1e-12
 
 
 @final
@@ -80,14 +81,14 @@ class IKSolution(Collection, metaclass=Explained):
 
     @property
     def reason(self) -> Any:
-        """Why there is no solution, in words; "" where there is one. A list of such for a batch."""
+        """Why there is no solution, in words; "" where there is one. An array of such, (...), for a batch."""
         self._require_numbers("reason")
         if self._raw.ndim == 1:
             return self._reason_of(self._raw)
         rows = self._raw.reshape(-1, self._raw.shape[-1])
         reasons = np.empty(len(rows), dtype=object)
         reasons[:] = [self._reason_of(row) for row in rows]
-        return reasons.reshape(self._raw.shape[:-1]).tolist()
+        return reasons.reshape(self._raw.shape[:-1])
 
     def __len__(self) -> int:
         if self._raw.ndim == 1:
@@ -113,7 +114,7 @@ class IKSolution(Collection, metaclass=Explained):
         if self.is_lazy:
             return f"<lazy IK solutions {self._raw.shape[:-1]}; .compute() solves for them>"
         if self._raw.ndim > 1:
-            return f"<{self._raw[..., 0].size} IK solutions, {int(self.success.sum())} of them met>"
+            return f"<{self._raw[..., 0].size} IK solutions, {int(self.success.sum())} of them successful>"
         status = "solution" if self.success else f"no solution: {self.reason}"
         with np.printoptions(precision=_SHOWN, suppress=True):
             return f"<IK {status}, q={self.q}, {self.iterations} iterations>"
@@ -146,7 +147,7 @@ class IKSolution(Collection, metaclass=Explained):
         if row[nq] > 0.5:
             return ""
         parts = [
-            f"{frame.name} stays {row[nq + 3 + 2 * k]:.3g} m and {row[nq + 4 + 2 * k]:.3g} rad from its goal"
+            f"{frame.name} stays {_shown(row[nq + 3 + 2 * k])} m and {_shown(row[nq + 4 + 2 * k])} rad from its goal"
             for k, frame in enumerate(self._problem.frames)
         ]
         lower, upper = self._problem.limits
@@ -158,3 +159,8 @@ class IKSolution(Collection, metaclass=Explained):
         ]
         end = f", with {', '.join(at_limit)} at the limit" if at_limit else ""
         return f"the nearest found: {'; '.join(parts)}{end}"
+
+
+def _shown(error: float) -> str:
+    """An error with three digits; one below 1e-12 is rounding."""
+    return f"{error:.3g}" if error > _ROUNDING else "0"

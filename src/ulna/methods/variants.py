@@ -8,7 +8,7 @@ from typing import Any, Self
 from ulna import model as models
 from ulna.errors import InputError
 from ulna.quantities.part import Part
-from ulna.spatial import SE3
+from ulna.spatial import SE3, Inertia
 from ulna.typing import ArrayLike
 
 
@@ -111,6 +111,27 @@ class Variants(Part):
             ShapeError, NonFiniteError, ModelError: If they are no parameters of bodies.
         """
         return self._of_model(models.with_dynamic_parameters(self.model, parameters, check=check))
+
+    def with_link_inertias(self, inertias: Mapping[str, Inertia]) -> Self:
+        """The robot with other inertias of some links; see `ulna.model.with_link_inertias`.
+
+        Args:
+            inertias: For names of links, their inertia in the link's frame [kg, kg m, kg m^2].
+
+        Returns:
+            The other robot.
+
+        Raises:
+            UnknownName: If there is no such link; names the nearest.
+            ModelError: If an inertia cannot be one.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> heavy = robot.with_link_inertias({"panda_hand": ulna.Inertia.from_box(1.5, (0.2, 0.06, 0.1))})
+            >>> round(heavy.model.links[heavy.model.link_index("panda_hand")].inertia.mass, 3)
+            1.5
+        """
+        return self._of_model(models.with_link_inertias(self.model, inertias))
 
     def with_parameters(self, values: Mapping[str, Any], *, check: bool = True) -> Self:
         """The robot with other inertias, placements, offsets, gravity ...; see `ulna.model.with_parameters`.

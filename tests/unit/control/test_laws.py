@@ -7,7 +7,9 @@ import pytest
 
 import ulna
 from ulna import control
+from ulna.algorithms import Friction
 from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.model import with_joint_dynamics
 from ulna.sim import simulate
 from ulna.spatial import so3_exp, so3_log
 
@@ -35,6 +37,35 @@ def test_joint_pd_is_its_formula_and_comes_to_rest_at_the_goal(panda, state):
         panda, start, torque=lambda t, q, v: law(q, v, goal, np.zeros(7), k, d), duration=6.0, dt=1e-3
     )
     assert np.abs(log.q[-1] - goal).max() < 1e-3 and np.abs(log["v"][-1]).max() < 1e-3
+
+
+def test_computed_torque_compensates_friction(panda: ulna.Robot) -> None:
+    arm = ulna.Robot(with_joint_dynamics(panda.model, damping=2.0, friction=1.5))
+    kp, kd = np.full(7, 100.0), np.full(7, 20.0)
+    goal = np.array(arm.configurations["qr"])
+
+    def wanted(t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        swing = 0.4 * np.sin(2.0 * t)
+        return goal + swing, 0.8 * np.cos(2.0 * t) * np.ones(7), -4.0 * swing * np.ones(7)
+
+    def largest_error(**options: bool) -> float:
+        law = control.computed_torque(arm, bounded=False, **options)
+        run = simulate(
+            arm,
+            *wanted(0.0)[:2],
+            torque=lambda t, q, v: law(q, v, *wanted(t), kp, kd),
+            duration=1.5,
+            dt=1e-3,
+        )
+        return float(np.abs(run.q - np.array([wanted(t)[0] for t in run.t])).max())
+
+    assert largest_error(friction=True) < 0.005
+    assert largest_error() > 0.05
+    q, v = goal + 0.1, np.full(7, 0.3)
+    plain = control.computed_torque(arm, bounded=False)
+    given = control.computed_torque(arm, bounded=False, friction=Friction(viscous=2.0))
+    arguments = (q, v, goal, v, np.zeros(7), kp, kd)
+    np.testing.assert_allclose(given(*arguments) - plain(*arguments), 2.0 * v, atol=1e-9)
 
 
 def test_computed_torque_follows_a_motion_as_a_free_mass_would(panda, state):

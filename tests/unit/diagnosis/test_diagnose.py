@@ -53,6 +53,18 @@ def moments(xx: float, yy: float, zz: float, xy: float = 0.0) -> str:
     return f'ixx="{xx}" iyy="{yy}" izz="{zz}" ixy="{xy}" ixz="0" iyz="0"'
 
 
+def test_one_of_several_leaf_links_as_the_tool_is_noted() -> None:
+    fork = '<link name="{0}"/><joint name="{0} joint" type="{1}"><parent link="arm"/><child link="{0}"/>{2}</joint>'
+    text = urdf(more=fork.format("tip", "revolute", SOUND["limit"]) + fork.format("camera", "fixed", ""))
+    assert diagnose(urdf(more=fork.format("tip", "fixed", "") + fork.format("camera", "fixed", ""))) == ()
+    (note,) = (f for f in diagnose(text) if f.kind == "several-tools")
+    assert (note.severity, note.kind, note.subject) == ("note", "several-tools", "tool 'tip'")
+    assert "'camera'" in note.message and "tool=NAME" in note.advice
+    assert ulna.load(text, tool="camera").tool == "camera"
+    with pytest.raises(UnknownName, match="Did you mean 'camera'"):
+        ulna.load(text, tool="camer")
+
+
 def test_a_sound_robot_has_no_findings() -> None:
     assert diagnose(urdf()) == ()
     assert report(()) == "Nothing looks wrong."

@@ -97,7 +97,7 @@ def test_goals_within_a_shelf_that_a_redundant_arm_can_reach_are_reached(panda, 
     alone = panda.collides([panda.ik(goal).q for goal in T], shelf)
     assert alone.any()  # it matters
     found = panda.ik_free(T, shelf)
-    assert found.success.all() and found.reason == [""] * len(T)
+    assert found.success.all() and found.reason.tolist() == [""] * len(T)
     assert np.abs(panda.fk(found.q) - T).max() < 2e-6 and panda.limits.contains(found.q, 1e-12).all()
     assert not panda.collides(found.q, shelf).any()
     assert (found.candidates[alone] > 1).all()
@@ -154,9 +154,11 @@ def test_batches_take_a_start_for_each_goal(ur5):
     q = np.array([[HERE, HERE + 0.1]])
     T = ur5.fk(q)
     found = ur5.ik_free(T, q0=q)
-    assert found.q.shape == (1, 2, 6) and found.success.shape == (1, 2) and found.reason == [["", ""]]
+    assert (
+        found.q.shape == (1, 2, 6) and found.success.shape == (1, 2) and found.reason.tolist() == [["", ""]]
+    )
     np.testing.assert_allclose(found.q, q, atol=1e-5)
-    assert repr(found) == "<2 free IK solutions, 2 of them met>"
+    assert repr(found) == "<2 free IK solutions, 2 of them successful>"
     with pytest.raises(TypeError, match="no single truth"):
         bool(found)
     assert ur5.ik_free(np.zeros((0, 4, 4))).q.shape == (0, 6)

@@ -223,6 +223,30 @@ def test_out_of_reach_is_said_with_the_nearest_that_can_be_had(panda):
     assert solution.position_error == pytest.approx(5.0 - stretched, abs=1e-3)
     batch = panda.ik(np.stack([T, panda.fk(panda.configurations["qr"])]), mask="position")
     assert batch.success.tolist() == [False, True] and batch.reason[1] == ""
+    assert batch.reason[~batch.success].tolist() == [batch.reason[0]]
+    assert "1 of them successful" in repr(batch)
+
+
+def test_a_solution_in_place_of_a_configuration_is_named(panda):
+    solution = panda.ik(panda.fk(panda.configurations["qr"]))
+    with pytest.raises(DtypeError, match=r"`q0` has dtype IKSolution; .*Pass its configuration, `.q`"):
+        panda.plan(solution, solution.q)
+
+
+def test_a_pose_turned_half_around_is_not_the_nearest():
+    """In the plane y = 0 the tool of this arm can be at the goal, but turned by exactly half a turn about it."""
+    revolute = '<joint name="j{0}" type="revolute"><parent link="l{0}"/><child link="l{1}"/>{2}</joint>'
+    parts = [("0 0 0.1", "0 0 1", 2.9), ("0 0 0.2", "0 1 0", 1.9), ("0 0 0.4", "0 1 0", 2.4)]
+    parts += [("0 0 0.3", "0 0 1", 2.9), ("0 0 0.1", "0 1 0", 2.1), ("0 0 0.08", "0 0 1", 3.1)]
+    inner = '<origin xyz="{0}"/><axis xyz="{1}"/><limit lower="-{2}" upper="{2}" velocity="1" effort="1"/>'
+    links = "".join(f'<link name="l{k}"/>' for k in range(7))
+    joints = "".join(revolute.format(k, k + 1, inner.format(*part)) for k, part in enumerate(parts))
+    arm = ulna.load(f'<robot name="arm">{links}{joints}</robot>')
+    goal = ulna.SE3.pointing_down((0.5, 0.0, 0.2))
+    assert arm.ik_all(goal, limits=False).count > 0 == arm.ik_all(goal).count
+    answer, batch = arm.ik(goal), arm.ik(ulna.SE3.from_matrix(np.tile(goal.as_matrix(), (9, 1, 1))))
+    assert not answer.success and answer.rotation_error < 0.1 and "j5 at the limit" in answer.reason
+    assert not batch.success.any() and (batch.rotation_error < 0.1).all()
 
 
 def test_many_goals_some_out_of_reach(panda, goals):

@@ -163,6 +163,7 @@ def test_robots_offer_the_same() -> None:
     robot = Robot(arm())
     p = robot.dynamic_parameters
     assert robot.with_dynamic_parameters(p) == robot
+    assert robot.with_link_inertias({robot.model.links[0].name: robot.model.links[0].inertia}) == robot
     assert robot.with_payload("camera", 2.0).model == with_payload(robot.model, "camera", 2.0)
     assert robot.perturbed(0.2, 1).model == perturbed(robot.model, 0.2, 1)
     negative = p.copy()

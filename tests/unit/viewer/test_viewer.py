@@ -207,6 +207,10 @@ def test_a_group_carries_what_is_in_it(viewer: Viewer) -> None:
 
 
 def test_points_lines_words_and_copies_change(viewer: Viewer) -> None:
+    named = viewer.points(np.zeros((3, 3)), "red")
+    np.testing.assert_array_equal(named.colors, [(1, 0, 0)] * 3)
+    with pytest.raises(UnknownName, match="tomato"):
+        viewer.points(np.zeros((3, 3)), "tomatoe")
     cloud = viewer.points(np.zeros((3, 3)), (1, 0, 0))
     cloud.points = np.ones((5, 3))
     assert cloud.points.shape == cloud.colors.shape == (5, 3)

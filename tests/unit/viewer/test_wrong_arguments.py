@@ -133,7 +133,7 @@ def cases(
             "mesh": {"path": (mesh, (*NO_PATH, folder)), "scale": (1.0, (*NO_NUMBER, 0.0, (1, 2), 1e300)), **COMMON},
             "copies": {
                 "thing": (Box((1, 1, 1)), NO_PATH), "positions": (POINTS, NO_POINTS), **PLACED,
-                "colors": ((1, 0, 0), (*NO_NUMBER, (1, 2), (2.0, 0, 0), "red")),
+                "colors": ((1, 0, 0), (*NO_NUMBER, (1, 2), (2.0, 0, 0), "rde")),
                 "scales": (1.0, (*NO_NUMBER, 0.0, -1.0, 1e300)),
             },
             "fleet": {
@@ -150,7 +150,7 @@ def cases(
             "curve": {"points": (POINTS, NO_POINTS), "steps": (3, NO_COUNT), **line},
             "points": {
                 "positions": (POINTS, NO_POINTS), "size": (0.1, NO_LENGTH), **PLACED,
-                "colors": ((0, 0, 1), (*NO_NUMBER, None, (1, 2), (2.0, 0, 0), "red", np.zeros((2, 3)))),
+                "colors": ((0, 0, 1), (*NO_NUMBER, None, (1, 2), (2.0, 0, 0), "rde", np.zeros((2, 3)))),
             },
             "text": {
                 "words": ("hi", NO_WORDS), "position": ((0, 0, 0), NO_PLACE), "height": (0.1, NO_LENGTH),

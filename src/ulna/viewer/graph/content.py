@@ -295,7 +295,8 @@ def _read_only(name: str, value: ArrayLike, *shape: int | None) -> Floats:
     return out
 
 
-def _colours(value: ArrayLike, count: int) -> Array:
+def _colours(value: Any, count: int) -> Array:
+    value = colour(value)[:3] if isinstance(value, str) else value
     out = colour_values("colors", value)
     if out.shape not in ((3,), (4,), (count, 3)):
         raise ShapeError("colors", out.shape, f"({count}, 3) or (3,), from 0 to 1")

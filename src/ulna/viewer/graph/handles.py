@@ -157,16 +157,16 @@ class PointCloud(Handle):
         return self._content().colours
 
     @colors.setter
-    def colors(self, colors: ArrayLike) -> None:
+    def colors(self, colors: ArrayLike | str) -> None:
         old: Points = self._content()
         self._scene.set_content(self._name, Points(old.positions, colors, old.size))
 
-    def set(self, points: ArrayLike, colors: ArrayLike) -> None:
+    def set(self, points: ArrayLike, colors: ArrayLike | str) -> None:
         """Replace points and their colours at once.
 
         Args:
             points: Positions, (n, 3) [m].
-            colors: Red, green, blue from 0 to 1, or to 255 as integers, (n, 3) or (3,).
+            colors: Red, green, blue from 0 to 1, or to 255 as integers, (n, 3) or (3,); or a name.
         """
         self._scene.set_content(
             self._name, Points(length_array("points", points, None, 3), colors, self._content().size)
@@ -239,7 +239,7 @@ class Instances(Handle):
         return self._content().colours
 
     @colors.setter
-    def colors(self, colors: ArrayLike | None) -> None:
+    def colors(self, colors: ArrayLike | str | None) -> None:
         self._change(colours=colors)
 
     def _change(self, **changes: Any) -> None:

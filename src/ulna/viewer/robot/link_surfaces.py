@@ -12,6 +12,7 @@ import numpy as np
 from ulna.checks.values import one_of
 from ulna.errors import MissingExtra, ModelWarning, UlnaError
 from ulna.geometry import Geometry, Mesh
+from ulna.model import Link
 from ulna.viewer.mesh.mesh_files import Detail, check_detail, load_mesh
 from ulna.viewer.mesh.primitives import ball, tessellate, tube
 from ulna.viewer.mesh.surface import DEFAULT_COLOUR, RGBA, Surface, colour
@@ -72,7 +73,7 @@ def surfaces_by_link(
         report(k, len(links))
         pieces: tuple[Surface, ...] = ()
         if show in ("visual", "both"):
-            pieces += link_surfaces(link.visuals, link.name, rgba, detail)
+            pieces += link_surfaces(_visuals(link), link.name, rgba, detail)
         if show in ("collision", "both"):
             base_colour = rgba or _COLLISION_COLOUR
             collision_colour = (*base_colour[:3], base_colour[3] * (0.35 if show == "both" else 1.0))
@@ -80,6 +81,13 @@ def surfaces_by_link(
         out.append(pieces)
     report(len(links), len(links))
     return out
+
+
+def _visuals(link: Link) -> tuple[Geometry, ...]:
+    """What a link looks like: its collision shapes where every mesh of its visuals is missing."""
+    shapes = [geometry.shape for geometry in link.visuals]
+    all_missing = bool(shapes) and all(isinstance(shape, Mesh) and shape.missing for shape in shapes)
+    return link.collisions if all_missing else link.visuals
 
 
 def link_surfaces(

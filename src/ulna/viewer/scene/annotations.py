@@ -178,7 +178,7 @@ class AnnotationMethods(HandleRegistry):
     def points(
         self,
         positions: ArrayLike,
-        colors: ArrayLike = (0.2, 0.4, 0.75),
+        colors: ArrayLike | str = (0.2, 0.4, 0.75),
         size: float = 0.01,
         *,
         name: str | None = None,
@@ -189,7 +189,7 @@ class AnnotationMethods(HandleRegistry):
 
         Args:
             positions: The points, shape (n, 3) [m].
-            colors: Red, green, blue from 0 to 1, shape (n, 3), or (3,) for all points.
+            colors: Red, green, blue from 0 to 1, shape (n, 3); or one colour for all points, (3,) or a name.
             size: Diameter of a point [m].
             name: Its name, with its groups; an unused one when not given.
             pose: T_group_thing, shape (4, 4), or a position (3,) [m].

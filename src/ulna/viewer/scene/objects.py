@@ -177,7 +177,7 @@ class SceneMethods(PlanMethods):
         poses: ArrayLike | None = None,
         *,
         positions: ArrayLike | None = None,
-        colors: ArrayLike | None = None,
+        colors: ArrayLike | str | None = None,
         scales: ArrayLike | None = None,
         name: str | None = None,
         pose: Any = None,
@@ -189,7 +189,7 @@ class SceneMethods(PlanMethods):
             thing: A shape, a surface or the path of a mesh file.
             poses: T_group_copy of each, (n, 4, 4); or
             positions: (n, 3) [m].
-            colors: Red, green, blue of each, (n, 3), or of all, (3,).
+            colors: Red, green, blue of each, (n, 3); or one colour for all, (3,) or a name.
             scales: A factor along each axis, (n, 3).
             name: Its name.
             pose: Where the whole stands.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import ulna
-from ulna.errors import UnknownName
+from ulna.errors import ModelWarning, UnknownName
 from ulna.viewer.mesh.surface import DEFAULT_COLOUR
 from ulna.viewer.robot.link_surfaces import link_surfaces, surfaces_by_link
 
@@ -23,6 +23,20 @@ def test_progress_goes_from_none_to_all_links(panda: ulna.Robot, show: str) -> N
     count = len(panda.model.links)
     assert len(surfaces) == count
     assert reported == [(k, count) for k in range(count + 1)]
+
+
+def test_links_whose_meshes_are_missing_are_drawn_by_their_collision_shapes() -> None:
+    box, mesh = '<box size="0.1 0.2 0.3"/>', '<mesh filename="absent.stl"/>'
+    text = "<robot name='one'><link name='a'>{}<collision><geometry>{}</geometry></collision></link></robot>"
+    visual = f"<visual><geometry>{mesh}</geometry></visual>"
+    with pytest.warns(ModelWarning, match="absent.stl"):
+        robot = ulna.load(text.format(visual, box))
+    ((surface,),) = surfaces_by_link(robot, "visual")
+    np.testing.assert_allclose(np.ptp(surface.vertices, axis=0), [0.1, 0.2, 0.3], atol=1e-12)
+    assert surface.rgba == DEFAULT_COLOUR
+    assert surfaces_by_link(ulna.load(text.format("", box)), "visual") == [
+        ()
+    ]  # a link without visuals stays hidden
 
 
 def test_both_are_the_shapes_and_the_collision_shapes(panda: ulna.Robot) -> None:
