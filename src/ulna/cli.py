@@ -108,6 +108,11 @@ def _robot_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
     info.add_argument("name", metavar="NAME", help=_ROBOT)
     info.add_argument("--check", action="store_true", help="list what looks wrong, with the file's lines")
     info.add_argument(
+        "--repair",
+        metavar="FILE",
+        help="write a copy of a URDF file whose inertias bodies can have; then list the rest",
+    )
+    info.add_argument(
         "--package-dirs", nargs="+", default=(), metavar="FOLDER", help="folders to look for packages in"
     )
     show = command(
@@ -236,6 +241,12 @@ def _list(chosen: argparse.Namespace) -> None:
 
 
 def _info(chosen: argparse.Namespace) -> int:
+    if chosen.repair:
+        from ulna.diagnosis import repair_inertias
+
+        changed = repair_inertias(chosen.name, chosen.repair)
+        print(f"{chosen.repair}: {', '.join(changed) or 'nothing'} repaired")
+        chosen.name, chosen.check = chosen.repair, True
     if chosen.check:
         from ulna.diagnosis import diagnose, report
 

@@ -3,3 +3,4 @@
 from ulna.diagnosis.diagnose import diagnose as diagnose
 from ulna.diagnosis.diagnose import report as report
 from ulna.diagnosis.finding import Finding as Finding
+from ulna.diagnosis.repair import repair_inertias as repair_inertias

@@ -139,6 +139,24 @@ def _fix_of_syntax(message: str) -> str:
     )
 
 
+def parse_tree(data: bytes, file: str | None) -> Any:
+    """The root element of a document with its comments, as lxml has it, to be changed and written again.
+
+    Args:
+        data: The document.
+        file: Its name, for messages.
+
+    Returns:
+        The root element.
+
+    Raises:
+        FormatError: The document is broken or declares entities.
+    """
+    root = _parse_tree(with_plain_declaration(data)[0], file, None)
+    _refuse_entities(root, file)
+    return root
+
+
 def lenient_tree(data: bytes) -> Any:
     """The root element of what can be read of a document, however broken it is; None where nothing can."""
     try:

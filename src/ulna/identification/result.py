@@ -107,10 +107,19 @@ class Identification:
                 f"  {name:24s} {self.rms_before[k]:12.4g} {self.rms[k]:12.4g} {greatest[k]:12.4g} "
                 f"{100 * self.explained[k]:9.2f}%"
             )
+        lines += self._drives()
         if self.unmoved:
             lines += ["", f"  not moved in this log: {', '.join(self.unmoved)}"]
             lines.append("  (their friction and armature cannot be found from it)")
         return "\n".join(lines)
+
+    def _drives(self) -> list[str]:
+        """A table of the drives, where any number of them was sought."""
+        if not any(name.startswith(("armature(", "damping(", "friction(")) for name in self.base.names):
+            return []
+        lines = ["", f"  {'joint':24s} {'armature':>12s} {'damping':>12s} {'friction':>12s}"]
+        numbers = zip(self.model.velocity_names, self.armature, self.damping, self.friction, strict=True)
+        return lines + [f"  {name:24s} {a:12.4g} {b:12.4g} {c:12.4g}" for name, a, b, c in numbers]
 
     def plot(self, path: str | Path | None = None, t: Any = None) -> Any:
         """Measured and fitted torques with residuals, joint by joint.

@@ -192,5 +192,15 @@ def test_joints_that_did_not_move_are_named() -> None:
     found = identify(robot, q, v, a, tau, friction=True)
     assert found.unmoved == ("wrist_2_joint",)
     assert "not moved in this log: wrist_2_joint" in found.report()
+    (row,) = [
+        x.split() for x in found.report().splitlines() if x.split()[:1] == ["elbow_joint"] and "%" not in x
+    ]
+    np.testing.assert_allclose(
+        [float(x) for x in row[1:]],
+        [x[2] for x in (found.armature, found.damping, found.friction)],
+        rtol=1e-3,
+        atol=1e-12,
+    )
+    assert "damping" not in identify(robot, q, v, a, tau).report()
     moved = identify(robot, q, v, a, tau, friction=True, width=1e-3)
     assert moved.unmoved == () and "not moved" not in moved.report()

@@ -1,0 +1,82 @@
+"""Repair of inertias in URDF text: those that no body can have become the nearest possible ones, all else stays.
+
+| symbol | meaning | unit | equation |
+|---|---|---|---|
+| I | inertia about the centre of mass | kg m^2 | |
+| S | second moments of the mass distribution, positive semidefinite for every body | kg m^2 | S = tr(I) E / 2 - I |
+
+I has positive principal moments that obey the triangle inequality where S is positive definite; so negative eigenvalues
+of S are raised to a small fraction of the largest, which changes S least in the Frobenius norm. Source: Wensing, Kim &
+Slotine, Linear matrix inequalities for physically consistent inertial parameter identification (2018).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
+
+from ulna.formats.markup import parse_tree
+from ulna.formats.urdf_parse import parse_urdf
+from ulna.typing import Floats
+
+_LEAST = 1e-6
+"""What the smallest second moment is raised to, as a part of the largest."""
+
+_ENTRIES = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+
+
+def nearest_inertia(inertia: Floats) -> Floats:
+    """The nearest inertia that a body can have.
+
+    Args:
+        inertia: About the centre of mass, symmetric, (3, 3) [kg m^2].
+
+    Returns:
+        An inertia (3, 3) [kg m^2]; the same where a body can have it.
+    """
+    values, vectors = np.linalg.eigh(0.5 * np.trace(inertia) * np.eye(3) - inertia)
+    floor = _LEAST * max(float(values.max()), 0.0)
+    if values.min() >= 0.0 or floor == 0.0:
+        return inertia
+    S = (vectors * np.maximum(values, floor)) @ vectors.T
+    return np.trace(S) * np.eye(3) - S
+
+
+def with_possible_inertias(data: bytes, file: str | None = None) -> tuple[bytes, tuple[str, ...]]:
+    """A URDF document whose inertias bodies can have.
+
+    Args:
+        data: The document.
+        file: Its name, for messages.
+
+    Returns:
+        The document with its comments, and the names of the links that were changed; the very document where none was.
+
+    Raises:
+        FormatError: The document is broken.
+    """
+    parse_urdf(data, file)  # which says what is wrong with a broken document, and where
+    root = parse_tree(data, file)
+    changed = []
+    for link in root.iterfind("link"):
+        for element in link.iterfind("inertial/inertia"):
+            if _repair(element):
+                changed.append(link.get("name"))
+    if not changed:
+        return data, ()
+    return etree.tostring(root.getroottree(), encoding="utf-8", xml_declaration=True) + b"\n", tuple(changed)
+
+
+def _repair(element: Any) -> bool:
+    """Writes the nearest possible inertia into an <inertia> element; returns whether it was another one."""
+    present = np.zeros((3, 3))
+    for name, (i, j) in _ENTRIES.items():
+        present[i, j] = present[j, i] = float(element.get(name, "0"))
+    nearest = nearest_inertia(present)
+    if nearest is present:
+        return False
+    for name, entry in _ENTRIES.items():
+        element.set(name, f"{nearest[entry]:.9g}")
+    return True
