@@ -25,7 +25,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ulna.collision.problem import Problem, far
+from ulna.collision.problem import Problem, far, squares
 from ulna.typing import Array, Floats
 
 _ROUNDS = 40
@@ -131,26 +131,30 @@ def _exchanged(problem: Problem, c: Floats) -> Floats:
 def _moved(problem: Problem, c: Floats) -> Floats:
     """Centres moved by shorter and shorter steps while that makes the excess of their points less."""
     region, x, step = problem.region, problem.points, 2.0 * problem.region.h
+    along = np.ascontiguousarray(x.T)
     s, there = region.signed(c), np.zeros((len(c), len(_DIRECTIONS)))
+    lengths = far(c, x)
     stale = np.ones(len(c), dtype=bool)
     for _ in range(_ROUNDS):
         trials = c[:, None] + step * _DIRECTIONS
         there[stale] = region.signed(trials[stale].reshape(-1, 3)).reshape(-1, len(_DIRECTIONS))
         stale[:] = False
-        costs = far(x, c) + s
-        owners = costs.argmin(axis=1)
-        least = costs[np.arange(len(x)), owners]
+        costs = lengths + s[:, None]
+        owners = costs.argmin(axis=0)
+        least = costs[owners, np.arange(len(x))]
         for k in range(len(c)):
             mine = np.flatnonzero(owners == k)
             if not len(mine):
                 continue
             most = float(least[mine].max())
-            near = x[mine[least[mine] > most - 2.0 * step]]  # no other can be the farthest after the step
-            e = np.sqrt(((near[:, None] - trials[k]) ** 2).sum(axis=-1).max(axis=0)) + there[k]
+            near = mine[least[mine] > most - 2.0 * step]  # no other can be the farthest after the step
+            e = np.sqrt(squares(trials[k], along[:, near]).max(axis=1)) + there[k]
             best = int(e.argmin())
             if e[best] < most - 1e-5:
                 c[k], s[k], stale[k] = trials[k, best], there[k, best], True
-        if not stale.any():
+        if stale.any():
+            lengths[stale] = far(c[stale], x)
+        else:
             step /= 2.0
             stale[:] = True
             if step < region.h / 8.0:
@@ -172,23 +176,25 @@ def covered(problem: Problem, c: Floats) -> tuple[Floats, Floats]:
         Centres and radii of the spheres that are needed, shapes (n, 3), (n,) [m].
     """
     s = problem.region.signed(c)
-    lengths = np.stack([np.sqrt(((problem.pieces - p) ** 2).sum(axis=-1).max(axis=1)) for p in c], axis=1)
-    r = _grown(np.zeros(len(c)), lengths, s)
+    corners = [np.ascontiguousarray(problem.pieces[:, k].T) for k in range(3)]
+    farthest = np.zeros((len(c), len(problem.pieces)))
+    for corner in corners:
+        np.maximum(farthest, squares(c, corner), out=farthest)
+    r = _grown(np.zeros(len(c)), np.sqrt(farthest, out=farthest), s)
     for _ in range(3):
         hollows = _hollows(problem, c, r)
         if not len(hollows):
             break
-        lengths = np.stack([np.linalg.norm(hollows - p, axis=1) for p in c], axis=1)
-        r = _grown(r, lengths, s)
+        r = _grown(r, np.sqrt(squares(c, np.ascontiguousarray(hollows.T))), s)
     used = r > 0.0
     return c[used], r[used] * (1.0 + 1e-12) + 1e-12
 
 
 def _grown(r: Floats, lengths: Floats, s: Floats) -> Floats:
-    """Radii not less than r with which each row of distances is within the sphere that it makes stick out least."""
-    owners = (np.maximum(lengths, r) + s).argmin(axis=1)
+    """Radii not less than r with which each column of distances is within the sphere that it makes stick out least."""
+    owners = (np.maximum(lengths, r[:, None]) + s[:, None]).argmin(axis=0)
     r = r.copy()
-    np.maximum.at(r, owners, lengths[np.arange(len(lengths)), owners])
+    np.maximum.at(r, owners, lengths[owners, np.arange(lengths.shape[1])])
     return r
 
 
@@ -197,11 +203,12 @@ def _hollows(problem: Problem, c: Floats, r: Floats) -> Floats:
     from scipy import ndimage
 
     region = problem.region
-    x = region.centres(np.ones_like(region.inside))
-    free = np.ones(len(x), dtype=bool)
+    axes = [region.origin[k] + (np.arange(n) + 0.5) * region.h for k, n in enumerate(region.inside.shape)]
+    free = np.ones(region.inside.shape, dtype=bool)
     for centre, radius in zip(c, r, strict=True):
-        free &= ((x - centre) ** 2).sum(axis=1) > radius**2
-    labels, count = ndimage.label(free.reshape(region.inside.shape))  # type: ignore[misc]
+        x, y, z = ((axis - centre[k]) ** 2 for k, axis in enumerate(axes))
+        free &= x[:, None, None] + y[:, None] + z > radius**2
+    labels, count = ndimage.label(free)  # type: ignore[misc]
     if count < 2:
         return np.zeros((0, 3))
     rim = np.ones_like(region.inside)

@@ -119,7 +119,7 @@ def _held(triangles: Floats, c: Floats, r: Floats) -> Array:
     """Which triangles (or points) are wholly within one of some spheres."""
     held = np.zeros(len(triangles), dtype=bool)
     for centre, radius in zip(c, r, strict=True):
-        held |= (((triangles - centre) ** 2).sum(axis=-1) <= radius**2).all(axis=1)
+        held |= (sum((triangles[..., k] - centre[k]) ** 2 for k in range(3)) <= radius**2).all(axis=1)
     return held
 
 
@@ -128,7 +128,24 @@ def _outermost(points: Floats) -> Array:
     if not len(points):
         return np.zeros(0, dtype=int)
     directions = np.random.default_rng(0).standard_normal((3, 60))
-    return np.unique((points @ directions).argmax(axis=0))
+    return np.unique((directions.T @ points.T).argmax(axis=1))
+
+
+def squares(a: Floats, b: Floats) -> Floats:
+    """Squared distances of points from points.
+
+    Args:
+        a: Shape (n, 3) [m].
+        b: Coordinates by rows, which numpy adds several times as fast, shape (3, m) [m].
+
+    Returns:
+        Squares, shape (n, m) [m^2].
+    """
+    total = np.subtract.outer(a[:, 0], b[0]) ** 2
+    for axis in (1, 2):
+        apart = np.subtract.outer(a[:, axis], b[axis])
+        total += np.multiply(apart, apart, out=apart)
+    return total
 
 
 def far(a: Floats, b: Floats) -> Floats:
@@ -142,16 +159,14 @@ def far(a: Floats, b: Floats) -> Floats:
         Distances, shape (n, m) [m].
     """
     a, b = a.astype(np.float32), b.astype(np.float32)  # type: ignore[assignment]
-    squared: Any = np.zeros((len(a), len(b)), np.float32)
-    for axis in range(3):
-        squared += np.subtract.outer(a[:, axis], b[:, axis]) ** 2
-    return np.sqrt(squared)
+    squared: Any = squares(a, np.ascontiguousarray(b.T))
+    return np.sqrt(squared, out=squared)
 
 
 def _greedy(cost: Floats, e: float) -> list[int]:
     """Candidates that cover all samples with an excess of at most e; none if that cannot be."""
     covers = cost <= e
-    gains = covers.sum(axis=0)
+    gains = covers.sum(axis=0, dtype=np.int32)
     open_ = np.ones(len(cost), dtype=bool)
     chosen: list[int] = []
     while open_.any():
@@ -160,6 +175,6 @@ def _greedy(cost: Floats, e: float) -> list[int]:
             return []
         chosen.append(best)
         new = open_ & covers[:, best]
-        gains = gains - covers[new].sum(axis=0)
+        gains -= covers[new].sum(axis=0, dtype=np.int32)
         open_ &= ~new
     return chosen

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, final
 
 import numpy as np
@@ -29,7 +30,7 @@ _CELLS = 50_000  # of a grid, about
 _AXIS = 150  # cells along an axis, at most
 _TREE = 10_000  # corners in the search tree
 _BORDER = 4
-_NEIGHBOURS = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+_TABLE = 30  # as many cells for each point are looked up in a table; sorting is faster for more
 
 
 @final
@@ -152,11 +153,20 @@ def region(triangles: Floats, buried: Callable[[Floats], Array]) -> Region:
 def _wall(corners: Floats, origin: Floats, h: float, size: Array) -> Array:
     """The cells whose centres are near corners, shape of the grid."""
     wall = np.zeros(size, dtype=bool)
-    cells, reach = np.floor((corners - origin) / h).astype(int), h * (0.5 + 1.0 / np.sqrt(3.0))
-    for shift in _NEIGHBOURS:
-        near = cells + shift
-        close = ((origin + (near + 0.5) * h - corners) ** 2).sum(axis=1) <= reach**2
-        wall[tuple(near[close].T)] = True
+    flat, strides = wall.reshape(-1), (int(size[1] * size[2]), int(size[2]))
+    reach = h * (0.5 + 1.0 / np.sqrt(3.0))
+    cells = [np.floor((corners[:, k] - origin[k]) / h).astype(int) for k in range(3)]
+    here = (cells[0] * strides[0] + cells[1] * strides[1]) + cells[2]
+    apart = {
+        (k, step): (origin[k] + (cells[k] + step + 0.5) * h - corners[:, k]) ** 2
+        for k in range(3)
+        for step in (-1, 0, 1)
+    }
+    for i, j in product((-1, 0, 1), repeat=2):
+        across = apart[0, i] + apart[1, j]
+        for k in (-1, 0, 1):
+            close = across + apart[2, k] <= reach**2
+            flat[here[close] + i * strides[0] + j * strides[1] + k] = True
     return wall
 
 
@@ -193,4 +203,8 @@ def _one_in_each_cell(points: Floats, low: Floats, step: float) -> Array:
     cell = np.floor((points - low) / step).astype(np.int64)
     size = cell.max(axis=0) + 1
     keys = (cell[:, 0] * size[1] + cell[:, 1]) * size[2] + cell[:, 2]
-    return np.unique(keys, return_index=True)[1]
+    if float(np.prod(size.astype(float))) > _TABLE * len(points):
+        return np.unique(keys, return_index=True)[1]
+    first = np.full(int(np.prod(size)), -1)
+    first[keys[::-1]] = np.arange(len(points))[::-1]  # of equal keys the last one written stays
+    return first[first >= 0]
