@@ -142,16 +142,18 @@ def _moved(problem: Problem, c: Floats) -> Floats:
         costs = lengths + s[:, None]
         owners = costs.argmin(axis=0)
         least = costs[owners, np.arange(len(x))]
-        for k in range(len(c)):
-            mine = np.flatnonzero(owners == k)
-            if not len(mine):
-                continue
-            most = float(least[mine].max())
-            near = mine[least[mine] > most - 2.0 * step]  # no other can be the farthest after the step
-            e = np.sqrt(squares(trials[k], along[:, near]).max(axis=1)) + there[k]
-            best = int(e.argmin())
-            if e[best] < most - 1e-5:
-                c[k], s[k], stale[k] = trials[k, best], there[k, best], True
+        most = np.full(len(c), -np.inf)
+        np.maximum.at(most, owners, least)
+        near = np.flatnonzero(least > most[owners] - 2.0 * step)  # no other can be the farthest after the step
+        near = near[np.argsort(owners[near], kind="stable")]
+        starts = np.flatnonzero(np.diff(owners[near], prepend=-1))
+        k = owners[near[starts]]
+        e = np.sqrt(np.maximum.reduceat(_squares(along[:, near], trials, owners[near]), starts, axis=1))
+        e += there[k].T
+        best = e.argmin(axis=0)
+        better = e[best, np.arange(len(k))] < most[k] - 1e-5
+        k, best = k[better], best[better]
+        c[k], s[k], stale[k] = trials[k, best], there[k, best], True
         if stale.any():
             lengths[stale] = far(c[stale], x)
         else:
@@ -160,6 +162,14 @@ def _moved(problem: Problem, c: Floats) -> Floats:
             if step < region.h / 8.0:
                 break
     return c
+
+
+def _squares(points: Floats, trials: Floats, owners: Array) -> Floats:
+    """Squared distances of points, shape (3, n), from the trials of their owners, shape (directions, n) [m^2]."""
+    total = (points[0] - trials[..., 0].T[:, owners]) ** 2
+    for axis in (1, 2):
+        total += (points[axis] - trials[..., axis].T[:, owners]) ** 2
+    return total
 
 
 def covered(problem: Problem, c: Floats) -> tuple[Floats, Floats]:
