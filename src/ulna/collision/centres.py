@@ -144,7 +144,9 @@ def _moved(problem: Problem, c: Floats) -> Floats:
         least = costs[owners, np.arange(len(x))]
         most = np.full(len(c), -np.inf)
         np.maximum.at(most, owners, least)
-        near = np.flatnonzero(least > most[owners] - 2.0 * step)  # no other can be the farthest after the step
+        near = np.flatnonzero(
+            least > most[owners] - 2.0 * step
+        )  # no other can be the farthest after the step
         near = near[np.argsort(owners[near], kind="stable")]
         starts = np.flatnonzero(np.diff(owners[near], prepend=-1))
         k = owners[near[starts]]

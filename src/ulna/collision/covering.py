@@ -15,6 +15,7 @@ import json
 import warnings
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import nullcontext
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,9 +24,10 @@ from ulna import algorithms
 from ulna import disk_cache as cache
 from ulna.collision.cover import Task, task
 from ulna.collision.exact import Checker
+from ulna.collision.link_covers import LinkCover
 from ulna.collision.pairs import LinkPair, link_pairs
 from ulna.collision.solids import Missing, Solid, link_solids
-from ulna.collision.spheres import LinkSpheres, Spheres, sphere_centres
+from ulna.collision.spheres import Spheres, sphere_centres
 from ulna.errors import InputError, MissingExtra, ModelWarning
 from ulna.geometry import Mesh
 from ulna.model import Model
@@ -181,23 +183,22 @@ def _fit(
 ) -> tuple[Spheres, list[LinkPair]]:
     """The spheres, and the pairs of links whose spheres always touch though the links do not."""
     steps = 2 * len(solids) + _ROUNDS
-    by_content: dict[str, Task] = {}
+    by_content: dict[str, LinkCover] = {}
     for k, (name, parts) in enumerate(solids.items()):
         progress(k, steps)
         if contents[name] not in by_content:
-            by_content[contents[name]] = link_task(model, name, parts)
-    tasks = {name: by_content[content] for name, content in contents.items()}
+            key = cache.key("spheres of a link", str(_VERSION), contents[name])
+            by_content[contents[name]] = LinkCover(key, partial(link_task, model, name, parts))
+        by_content[contents[name]].is_done  # noqa: B018 the task is made while its step is shown
+    covers = {name: by_content[content] for name, content in contents.items()}
     weights = _weights(model, list(solids))
-    exact_links = {name for name, ready in tasks.items() if ready.is_done}
-    solved: dict[tuple[str, int], LinkSpheres] = {}
+    exact_links = {name for name, cover in covers.items() if cover.is_done}
     for attempt in range(_ROUNDS):
         found = {}
-        for k, (name, count) in enumerate(_counts(tasks, weights, tolerance, budget).items()):
+        for k, (name, count) in enumerate(_counts(covers, weights, tolerance, budget).items()):
             if not attempt:
                 progress(len(solids) + k, steps)
-            if (contents[name], count) not in solved:
-                solved[contents[name], count] = LinkSpheres(*tasks[name].solve(count))
-            found[name] = solved[contents[name], count]
+            found[name] = covers[name].solve(count)
         fitted = Spheres(found)
         progress(2 * len(solids) + attempt, steps)
         close = close_pairs(model, fitted, exact_links)
@@ -205,6 +206,8 @@ def _fit(
             break
         for name in {name for pair, share in close.items() if share > _OFTEN for name in pair}:
             weights[name] *= _CLOSER
+    for cover in by_content.values():
+        cover.keep()
     progress(steps, steps)
     return fitted, [pair for pair, share in close.items() if share == 1.0]
 
@@ -226,13 +229,13 @@ def _weights(model: Model, links: Sequence[str]) -> dict[str, float]:
 
 
 def _counts(
-    tasks: Mapping[str, Task], weights: Mapping[str, float], tolerance: float, budget: int
+    covers: Mapping[str, LinkCover], weights: Mapping[str, float], tolerance: float, budget: int
 ) -> dict[str, int]:
     """How many spheres each link takes with the least E that keeps to the budget."""
 
     def counts(step: int) -> dict[str, int]:
         E = tolerance * _RATIO**step
-        return {name: ready.count(E * weights[name]) for name, ready in tasks.items()}
+        return {name: cover.count(E * weights[name]) for name, cover in covers.items()}
 
     low, high = -1, _STEPS
     while high - low > 1:

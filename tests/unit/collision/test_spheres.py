@@ -224,6 +224,12 @@ def test_spheres_are_kept_on_disk_and_links_of_equal_shape_are_fitted_once(
     assert steps == sorted(steps) and steps[0][0] == 0 and steps[-1][0] == steps[-1][1]
     np.testing.assert_array_equal(first.links["left"].centres, first.links["right"].centres)
     assert fit(model) == first and fit(model).excess == first.excess and len(made) == 1
+    other = fit(two_links("left", "other", Box((0.1, 0.1, 0.1234)))).links[
+        "other"
+    ]  # a robot that has such links
+    np.testing.assert_array_equal(other.centres, first.links["left"].centres)
+    np.testing.assert_array_equal(other.radii, first.links["left"].radii)
+    assert other.excess == first.links["left"].excess and len(made) == 1
     fit(two_links("left", "right", Box((0.1, 0.1, 0.1235))))
     assert len(made) == 2
 
