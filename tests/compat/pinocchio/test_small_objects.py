@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from typing import Any
 
@@ -100,6 +101,62 @@ def test_a_copied_model_shares_nothing(pin: Any) -> None:
     assert model.inertias[3] == fresh.inertias[3] and model.frames[-1].placement == fresh.frames[-1].placement
     other.addFrame(pin.Frame("new", 1, 0, pin.SE3.Random(), pin.OP_FRAME))
     assert other.nframes == model.nframes + 1
+
+
+def test_a_copied_model_is_of_the_moment_it_was_made(pin: Any) -> None:
+    """Its placements, inertias and frames are objects only when they are first asked for."""
+    model, fresh = pin.buildSampleModelHumanoid(), pin.buildSampleModelHumanoid()
+    copies = [model.copy(), pin.Model(model), model.copy().copy()]
+    for frame in model.frames:
+        frame.name, frame.type, frame.parentJoint = "other", pin.FrameType.SENSOR, 0
+        frame.placement, frame.inertia = pin.SE3.Random(), pin.Inertia.Random()
+    for i in range(model.njoints):
+        model.inertias[i], model.jointPlacements[i] = pin.Inertia.Random(), pin.SE3.Random()
+    for copy in copies:
+        assert copy.nframes == fresh.nframes and copy == fresh and copy != model
+        q, last = pin.neutral(copy), copy.nframes - 1
+        placement = copy.frames[last].placement
+        assert placement is copy.frames[last].placement
+        placement.translation[0] += 1.0  # a live reference, as in any other model
+        moved, unmoved = (one.createData() for one in (copy, fresh))
+        pin.framesForwardKinematics(copy, moved, q)
+        pin.framesForwardKinematics(fresh, unmoved, q)
+        assert np.isclose(moved.oMf[last].translation, unmoved.oMf[last].translation).sum() < 3
+        assert copy.addJoint(1, pin.JointModelRX(), pin.SE3.Identity(), "new") == fresh.njoints
+        assert copy.addJointFrame(fresh.njoints) == fresh.nframes
+    with pytest.raises(AttributeError, match="no attribute 'unknown'"):
+        _ = copies[0].unknown
+
+
+def test_threads_that_ask_a_copy_for_its_frames_get_the_same_ones(pin: Any) -> None:
+    model = pin.buildSampleModelHumanoid()
+    for _ in range(20):
+        copy, start, found = model.copy(), threading.Barrier(4), []
+
+        def ask(copy: Any = copy, start: threading.Barrier = start, found: list[Any] = found) -> None:
+            start.wait()
+            found.append((copy.frames, copy.inertias, copy.jointPlacements))
+
+        threads = [threading.Thread(target=ask) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert len(found) == 4 and all(a is b for each in found for a, b in zip(each, found[0], strict=True))
+
+
+def test_random_configurations_follow_limits_that_change(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    for low, high in ((-0.2, 0.2), (1.0, 1.5)):
+        model.lowerPositionLimit[:], model.upperPositionLimit = low, np.full(model.nq, high)
+        drawn = np.array([pin.randomConfiguration(model) for _ in range(100)])
+        assert drawn.min() >= low and drawn.max() <= high and np.ptp(drawn) > 0.8 * (high - low)
+    model.lowerPositionLimit[2] = 2.0
+    with pytest.raises(ValueError, match="a lower limit is above the upper one"):
+        pin.randomConfiguration(model)
+    model.addJoint(6, pin.JointModelRX(), pin.SE3.Identity(), "one more")
+    model.lowerPositionLimit[2] = 1.0
+    assert pin.randomConfiguration(model).shape == (7,)
 
 
 def test_random_configurations_follow_the_seed(pin: Any) -> None:

@@ -72,24 +72,40 @@ def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any 
     """
     if not isinstance(model, Model):
         raise wrong_model("randomConfiguration", model)
-    low = model.lowerPositionLimit if lower_bound is None else lower_bound
-    high = model.upperPositionLimit if upper_bound is None else upper_bound
     draws = generator()
-    numbers = next(model._drawn, None) if model._drawn_by is draws else None
-    parts, normal = numbers or _draw(model, draws)
-    q = model._random(parts, normal, low, high)
-    if q is NotImplemented:
-        low, high = exact(low, model.nq, "lower_bound"), exact(high, model.nq, "upper_bound")
+    drawn = next(model._drawn, None) if model._drawn_by is draws else None
+    parts, normal = drawn or _draw(model, draws)
+    if lower_bound is None and upper_bound is None:
+        q = model._random_within_own_limits(parts, normal)
+    else:
+        low = model.lowerPositionLimit if lower_bound is None else lower_bound
+        high = model.upperPositionLimit if upper_bound is None else upper_bound
         q = model._random(parts, normal, low, high)
     if q is NotImplemented:
-        shapes = dict.fromkeys(("parts", "normal", "low", "high"), (model.nq,))
-        kernel = model.compiled_structure().compile("random", _within, **shapes)
-        model._random = BoundKernel(kernel, others=[model._narrowest]).call
-        q = model._random(parts, normal, low, high)
+        q = _random_bound_anew(model, parts, normal, lower_bound, upper_bound)
     if not model._narrowest[()] >= 0.0:
         raise InputError(
             "randomConfiguration: a lower limit is above the upper one; expected lower_bound <= upper_bound."
         )
+    return q
+
+
+def _random_bound_anew(model: Model, parts: Floats, normal: Floats, low: Any, high: Any) -> Floats:
+    """A random configuration where the bound kernel did not apply: converts the limits, and binds it."""
+    kernel = model.compiled_structure().compile(
+        "random", _within, **dict.fromkeys(("parts", "normal", "low", "high"), (model.nq,))
+    )
+    own = model.lowerPositionLimit, model.upperPositionLimit
+    if low is None and high is None:
+        step = BoundKernel(kernel, others=[model._narrowest], last_inputs=own).call
+        model._random_within_own_limits = step
+        return step(parts, normal)
+    low = own[0] if low is None else exact(low, model.nq, "lower_bound")
+    high = own[1] if high is None else exact(high, model.nq, "upper_bound")
+    q = model._random(parts, normal, low, high)
+    if q is NotImplemented:
+        model._random = BoundKernel(kernel, others=[model._narrowest]).call
+        q = model._random(parts, normal, low, high)
     return q
 
 
@@ -104,7 +120,8 @@ def _draw(model: Model, draws: np.random.Generator) -> tuple[Floats, Floats]:
     shape = _DRAWN_AT_ONCE, model.nq
     parts = draws.random(shape)
     normal = parts if model.nq == model.nv else draws.standard_normal(shape)  # none is a quaternion's
-    model._drawn, model._drawn_by = zip(parts, normal, strict=True), draws
+    pairs = [(row, row) for row in parts] if normal is parts else list(zip(parts, normal, strict=True))
+    model._drawn, model._drawn_by = iter(pairs), draws
     return next(model._drawn)
 
 

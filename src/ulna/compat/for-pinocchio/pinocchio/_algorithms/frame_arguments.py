@@ -86,9 +86,8 @@ def repeated_call(
         scope: dict[str, Any] = {
             "general": general_case(function),
             "LOCAL": LOCAL,
-            "new": object.__new__,
+            "new_motion": functools.partial(object.__new__, Motion),
         }
-        scope["Motion"] = Motion
         exec(compile(source, f"<repeated call of {name}>", "exec"), scope)
         made: Any = functools.update_wrapper(scope[name], function)
         made.arguments_checked = True
@@ -120,4 +119,4 @@ def {name}(model, data, {parameters}):
                 {returned}
     return general(model, data, {place}, reference)
 """
-_AS_MOTION = "motion = new(Motion); motion._v = result; return motion"
+_AS_MOTION = "motion = new_motion(); motion._v = result; return motion"

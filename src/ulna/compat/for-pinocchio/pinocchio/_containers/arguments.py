@@ -134,21 +134,26 @@ def checked(function: Function) -> Function:
 
     @functools.wraps(function)
     def called(*args: Any, **named: Any) -> Any:
-        types, count = tuple(map(type, args)), len(args)
-        if named or types not in accepted:
-            for check in checks:
-                if check.place < count:
-                    check(title, args[check.place])
-                elif check.name in named:
-                    check(title, named[check.name])
-            decided = not named and all(c.decided_by_type(args[c.place]) for c in checks if c.place < count)
-            if decided and len(accepted) < _MOST_TYPES:
-                accepted.add(types)
+        if not named and tuple(map(type, args)) in accepted:  # as it is nearly always: nothing else is asked
+            if related and args[at_data]._layout is not args[at_model]._layout:
+                check_layout(args[at_model], args[at_data])
+            return function(*args)
+        count = len(args)
+        for check in checks:
+            if check.place < count:
+                check(title, args[check.place])
+            elif check.name in named:
+                check(title, named[check.name])
         if related:
             model = args[at_model] if at_model < count else named.get("model")
             data = args[at_data] if at_data < count else named.get("data")
             if data is None or model is None or data._layout is not model._layout:
                 check_layout(model, data)
+        decided = not named and all(c.decided_by_type(args[c.place]) for c in checks if c.place < count)
+        if related and decided:
+            decided = max(at_model, at_data) < count and None not in (args[at_model], args[at_data])
+        if decided and len(accepted) < _MOST_TYPES:
+            accepted.add(tuple(map(type, args)))
         return function(*args, **named)
 
     called.arguments_checked = True  # type: ignore[attr-defined]
@@ -168,11 +173,11 @@ def check_methods(classes: Iterable[Any]) -> None:
     """Has those methods of classes check their arguments whose annotations name a class, or a number.
 
     Args:
-        classes: Classes of the package; others are left alone.
+        classes: Classes of the package; others are left alone, and so are bases whose `_called_by_users` is False.
     """
     public = [cls for cls in classes if inspect.isclass(cls) and cls.__module__.startswith("pinocchio.")]
     for cls in dict.fromkeys(base for one in public for base in one.__mro__):
-        if not cls.__module__.startswith("pinocchio."):
+        if not cls.__module__.startswith("pinocchio.") or not vars(cls).get("_called_by_users", True):
             continue
         for name, member in list(vars(cls).items()):
             function = member.__func__ if isinstance(member, staticmethod) else member

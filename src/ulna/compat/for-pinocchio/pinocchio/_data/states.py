@@ -41,6 +41,9 @@ class Waiting(NamedTuple):
 class FieldStates:
     """The part of a Data that manages its fields."""
 
+    _called_by_users: ClassVar[bool] = False
+    """Whether arguments of its methods are checked; see `check_methods`."""
+
     slots: ClassVar[dict[str, int]]
     """Where the mark of a field is."""
 

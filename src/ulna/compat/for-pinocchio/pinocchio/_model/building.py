@@ -18,6 +18,7 @@ from pinocchio._model.kernel_cache import KernelCache
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
 from ulna.errors import InputError, ModelError, ModelWarning
+from ulna.typing import Floats
 
 FREE = float(np.finfo(float).max)
 """What limits are where there is none."""
@@ -77,7 +78,7 @@ class KinematicTree(KernelCache):
         """
         check_text(name, "name")
         types = self._frame_type(type)
-        matches = [i for i, frame in enumerate(self.frames) if frame._name == name and frame._type & types]
+        matches = self._frames_named(name, types)
         if len(matches) == 1:
             return matches[0]
         if matches:
@@ -109,7 +110,12 @@ class KinematicTree(KernelCache):
         """
         check_text(name, "name")
         types = self._frame_type(type)
-        return any([frame._name == name and frame._type & types for frame in self._frames])
+        return bool(self._frames_named(name, types))
+
+    def _frames_named(self, name: str, types: int) -> list[int]:
+        """Indices of the frames of that name, and of one of these types."""
+        frames = self._frames
+        return [i for i, f in enumerate(frames) if f._facts[0] == name and f._facts[1] & types]
 
     def existBodyName(self, name: str) -> bool:
         """Whether there is a body of that name."""
@@ -161,14 +167,8 @@ class KinematicTree(KernelCache):
         follows = joint.mimic is not None
         place = (joint.idx_q, joint.idx_v) if follows else (self.nq, self.nv)
         joint.setIndexes(self.njoints, *place, self.nvExtended)
-        for key, default in (*PER_Q.items(), *PER_V.items()):
-            size = joint.nq if key in PER_Q else joint.nv
-            entries: Any = values.get(key)
-            if entries is None:
-                entries = np.full(size, default)
-            elif entries.shape != (size,) or entries.dtype != float:
-                entries = numbers(np.broadcast_to(entries, size), key)
-            self._arrays[key] = np.concatenate([self._arrays[key], entries])
+        self._arrays |= _extended(self._arrays, PER_Q, self.nq, joint.nq, values)
+        self._arrays |= _extended(self._arrays, PER_V, self.nv, joint.nv, values)
         self.joints.append(joint)
         self.names.append(joint_name)
         self.parents.append(int(parent_id))
@@ -176,7 +176,7 @@ class KinematicTree(KernelCache):
         self._inertias.append(Inertia())
         self.nq, self.nv = self.nq + joint.nq, self.nv + joint.nv
         self.nvExtended += joint.nvExtended
-        self._changed()
+        self._joint_added()
         return joint.id
 
     def make_mimic(self, followed: int, joint_id: int, scaling: float, offset: float) -> None:
@@ -232,10 +232,10 @@ class KinematicTree(KernelCache):
             parent = self.parents[joint_id]
             kinds = (FrameType.JOINT, FrameType.FIXED_JOINT)
             matches = [
-                i for i, f in enumerate(self._frames) if f._parent_joint == parent and f._type in kinds
+                i for i, f in enumerate(self._frames) if f._facts[2] == parent and f._facts[1] in kinds
             ]
             frame_id = matches[0] if matches else 0
-        return self.addFrame(Frame(self.names[joint_id], joint_id, frame_id, SE3(), FrameType.JOINT))
+        return self._add_new_frame(self.names[joint_id], joint_id, frame_id, SE3(), FrameType.JOINT)
 
     def addBodyFrame(
         self, body_name: str, parentJoint: int, body_placement: SE3, previous_frame: int = -1
@@ -254,7 +254,20 @@ class KinematicTree(KernelCache):
         if previous_frame < 0:
             joints = int(FrameType.JOINT) | int(FrameType.FIXED_JOINT)
             previous_frame = known(self.getFrameId(self.names[parentJoint], joints))
-        return self.addFrame(Frame(body_name, parentJoint, previous_frame, body_placement, FrameType.BODY))
+        return self._add_new_frame(body_name, parentJoint, previous_frame, body_placement, FrameType.BODY)
+
+    def _add_new_frame(self, name: str, joint: int, frame: int, placement: SE3, type: FrameType) -> int:
+        """Adds a frame without inertia; see `addFrame`."""
+        made = Frame(name, joint, frame, placement, type)
+        valid = made.parentJoint < self.njoints and made.parentFrame < self.nframes
+        if valid and not self._frames_named(name, type):
+            return self._append_frame(made)
+        return self.addFrame(made)
+
+    def _append_frame(self, frame: Frame) -> int:
+        self._frames.append(frame)
+        self._store_last_frame()
+        return self.nframes - 1
 
     def addFrame(self, frame: Frame, append_inertia: bool = True) -> int:
         """Adds a frame, and its inertia to the body of the joint.
@@ -276,11 +289,9 @@ class KinematicTree(KernelCache):
                     "Give another name.", ModelWarning, stacklevel=2,
                 )  # fmt: skip
             return present
-        self.frames.append(frame.copy())
         if append_inertia and not frame.inertia.isZero():
             self._inertias[frame.parentJoint] += frame.inertia.se3Action(frame.placement)
-        self._frames_changed()
-        return self.nframes - 1
+        return self._append_frame(frame.copy())
 
     def appendBodyToJoint(
         self, joint_id: int, body_inertia: Inertia, body_placement: SE3 | None = None
@@ -295,6 +306,30 @@ class KinematicTree(KernelCache):
         M = SE3() if body_placement is None else body_placement
         self._inertias[joint_id] += body_inertia.se3Action(M)
         self.nbodies += 1
+
+
+def _extended(
+    arrays: dict[str, Floats], defaults: dict[str, float], before: int, more: int, values: dict[str, Any]
+) -> dict[str, Floats]:
+    """The arrays of those names with entries for one more joint, as rows of one block.
+
+    Args:
+        arrays: The arrays of the model, of `before` entries each.
+        defaults: What new entries are where `values` says nothing, by the names of the arrays.
+        before: How many entries there are.
+        more: How many are added.
+        values: The new entries (more,) or (1,) by the names of their arrays.
+
+    Returns:
+        The new arrays by their names.
+    """
+    block = np.empty((len(defaults), before + more))
+    out: dict[str, Floats] = {}
+    for row, (key, default) in zip(block, defaults.items(), strict=True):
+        row[:before] = arrays[key]
+        row[before:] = values.get(key, default)
+        out[key] = row
+    return out
 
 
 def _limits(limits: tuple[Any, ...]) -> dict[str, Any]:

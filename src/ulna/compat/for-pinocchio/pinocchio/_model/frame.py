@@ -13,21 +13,16 @@ from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3, Placed
 from ulna.typing import Array
 
+Facts = tuple[str, FrameType, int, int, Inertia]
+"""Name, type, indices of the joint and of the frame before it, and the inertia that a frame was made with."""
+_new = object.__new__
+
 
 @final
 class Frame(Placed):
     """`Frame(name, parentJoint, parentFrame, placement, type, inertia)`; parent frame and inertia may be left out."""
 
-    __slots__ = (
-        "_counters",
-        "_inertia",
-        "_inertia_as_made",
-        "_name",
-        "_parent_frame",
-        "_parent_joint",
-        "_placement",
-        "_type",
-    )
+    __slots__ = ("_counters", "_facts", "_inertia", "_placement")
 
     @by_name(
         "name parent_joint placement type inertia",
@@ -46,20 +41,20 @@ class Frame(Placed):
                 f"Frame was given {parts}; expected name, parent_joint, parent_frame (or none), placement, type, "
                 "inertia."
             )
-        default: Any = ("", 0, 0, SE3(), FrameType.OP_FRAME, Inertia())
+        default: Any = ("", 0, 0, None, FrameType.OP_FRAME, None)
         name, joint, frame, placement, type_, inertia = (*values, *default[len(values) :])
+        placement = SE3() if placement is None and len(values) < 4 else placement
         if not isinstance(name, str):
             raise ArgumentError(f"The name of a frame is {name!r}; expected a string.")
-        self._name: str = name
         if not isinstance(type_, FrameType):
             raise ArgumentError(f"The type of a frame is {type_!r}; expected a FrameType, such as OP_FRAME.")
         if not isinstance(placement, SE3):
             raise ArgumentError(f"The placement of a frame is {placement!r}; expected an SE3.")
-        self._parent_joint = index(joint, NO_INDEX + 1, "joint", "model.getJointId(name) returns one.")
-        self._parent_frame = index(frame, NO_INDEX + 1, "frame", "model.getFrameId(name) returns one.")
+        joint = index(joint, NO_INDEX + 1, "joint", "model.getJointId(name) returns one.")
+        frame = index(frame, NO_INDEX + 1, "frame", "model.getFrameId(name) returns one.")
         self._placement = SE3(placement)
-        self._type = type_
-        self._inertia_as_made = Inertia(inertia)
+        as_made = Inertia() if inertia is None and len(values) < 6 else Inertia(inertia)
+        self._facts: Facts = name, type_, joint, frame, as_made
         self._inertia: Inertia | None = None
         self._counters: tuple[Array, ...] = ()
 
@@ -78,48 +73,51 @@ class Frame(Placed):
     @property
     def name(self) -> str:
         """Its name."""
-        return self._name
+        return self._facts[0]
 
     @name.setter
     def name(self, name: str) -> None:
-        self._name = name
+        self._facts = name, *self._facts[1:]
         self._count_change()
+
+    @property
+    def type(self) -> FrameType:
+        """What it belongs to."""
+        return self._facts[1]
+
+    @type.setter
+    def type(self, type_: FrameType) -> None:
+        name, _, joint, frame, inertia = self._facts
+        self._facts = name, FrameType(type_), joint, frame, inertia
 
     @property
     def parentJoint(self) -> int:
         """The index of the joint it moves with."""
-        return self._parent_joint
+        return self._facts[2]
 
     @parentJoint.setter
     def parentJoint(self, joint: int) -> None:
-        self._parent_joint = int(joint)
+        name, type_, _, frame, inertia = self._facts
+        self._facts = name, type_, int(joint), frame, inertia
         self._count_change()
 
     @property
     def parentFrame(self) -> int:
         """The index of the frame before it."""
-        return self._parent_frame
+        return self._facts[3]
 
     @parentFrame.setter
     def parentFrame(self, frame: int) -> None:
-        self._parent_frame = int(frame)
+        name, type_, joint, _, inertia = self._facts
+        self._facts = name, type_, joint, int(frame), inertia
 
     parent, previousFrame = parentJoint, parentFrame
-
-    @property
-    def type(self) -> FrameType:
-        """What it belongs to."""
-        return self._type
-
-    @type.setter
-    def type(self, type_: FrameType) -> None:
-        self._type = FrameType(type_)
 
     @property
     def inertia(self) -> Inertia:
         """What it added to its joint's body, in its own frame, a live reference."""
         if self._inertia is None:  # copies of a frame share the other one, which nobody else sees
-            self._inertia = self._inertia_as_made.copy()
+            self._inertia = self._facts[4].copy()
         return self._inertia
 
     @inertia.setter
@@ -127,24 +125,24 @@ class Frame(Placed):
         self.inertia._assign(inertia)
 
     def _assign(self, other: Frame) -> None:
-        self._name, self._type = other.name, other.type
-        self._parent_joint, self._parent_frame = other.parentJoint, other.parentFrame
+        self._facts = (*other._facts[:4], self._facts[4])
         self._placement._assign(other.placement)
         self.inertia._assign(other.inertia)
         self._count_change()
 
     def copy(self) -> Frame:
         """A copy."""
-        return self._placed_at(self._placement.copy())
+        return Frame._from_facts(self.facts(), self._placement.copy())
 
-    def _placed_at(self, placement: SE3, counters: tuple[Array, ...] = ()) -> Frame:
-        """A copy that holds this placement, and counts its changes."""
-        out = object.__new__(Frame)
-        out._name, out._type = self._name, self._type
-        out._parent_joint, out._parent_frame = self._parent_joint, self._parent_frame
-        out._placement, out._counters = placement, counters
-        out._inertia_as_made = self._inertia_as_made if self._inertia is None else self._inertia.copy()
-        out._inertia = None
+    def facts(self) -> Facts:
+        """All of it but its placement, which copies share."""
+        return self._facts if self._inertia is None else (*self._facts[:4], self._inertia.copy())
+
+    @staticmethod
+    def _from_facts(facts: Facts, placement: SE3, counters: tuple[Array, ...] = ()) -> Frame:
+        """A frame that holds this placement, and counts its changes."""
+        out = _new(Frame)
+        out._facts, out._placement, out._counters, out._inertia = facts, placement, counters, None
         return out
 
     __copy__ = cast = copy

@@ -36,25 +36,37 @@ class KernelCache(LiveParameters):
     joint_table: Any
     """Its `JointTable`, made when first needed."""
 
-    def _create_storage(self) -> None:
-        super()._create_storage()
+    def _create_counters(self) -> None:
+        super()._create_counters()
         self._version = np.zeros(1, np.int64)
         self.first_calls = FirstCalls()
 
     def _changed(self) -> None:
         """Joints were added: kernels compiled before no longer apply, and Data made before do not fit."""
         self._layout = tuple((j.shortname(), j.idx_q, j.idx_v) for j in self.joints)
-        self._version[0] += 1
         self._store_joints()
+        self._forget_kernels()
+        self._frames_changed()
+
+    def _joint_added(self) -> None:
+        """One joint was added at the end; see `_changed`."""
+        last = self.joints[-1]
+        self._layout = (*self._layout, (last.shortname(), last.idx_q, last.idx_v))
+        self._store_last_joint()
+        self._forget_kernels()
+        self._frame_changes[0] += 1
+
+    def _forget_kernels(self) -> None:
+        self._version[0] += 1
         self._variants, self._with_inputs = {}, None
         self.joint_table = None
         self._compiled_for, self._newest, self._structure = (), None, None
-        self._integrate = self._difference = self._random = not_applicable
+        self._integrate = self._difference = not_applicable
+        self._random = self._random_within_own_limits = not_applicable
         self._distance = self._normalize = not_applicable
         self._narrowest = np.zeros(())
         self._drawn, self._drawn_by = iter(()), None  # see randomConfiguration
         self.__dict__.pop("_neutral", None)
-        self._frames_changed()
 
     def compiled(self) -> CompiledModel:
         """Ulna's model of the present parameters, and its kernels.

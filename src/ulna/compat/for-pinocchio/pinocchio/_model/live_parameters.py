@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from operator import is_
-from typing import Any, Self, final
+from typing import TYPE_CHECKING, Any, Self, final
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from pinocchio._model.joint_model import JointModel
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
+from ulna.system import forks
 from ulna.typing import Array, Floats
 
 _BLOCK_ROWS = 64
@@ -31,40 +32,62 @@ class RowStorage:
         self._slot = slot
         self._owners: list[Any] = []
         self._blocks: list[Floats] = []
+        self.count = 0
+        """How many rows are in use."""
 
     def adopt(self, owners: list[Any]) -> bool:
         """Moves the arrays of new objects into rows; returns whether there were any."""
         known = len(self._owners)
-        same = len(owners) >= known and all(map(is_, owners, self._owners))
+        made = known == self.count  # else these are not the objects of a copied storage
+        same = made and len(owners) >= known and all(map(is_, owners, self._owners))
         if same and len(owners) == known:
             return False
         if not same:
-            self._owners, self._blocks = [], []
+            self._owners, self._blocks, self.count = [], [], 0
         for owner in owners[len(self._owners) :]:
-            values = getattr(owner, self._slot)
-            at = len(self._owners) % _BLOCK_ROWS
-            if at == 0:
-                self._blocks.append(np.zeros((_BLOCK_ROWS, *values.shape)))
-            row = self._blocks[-1][at]
-            row[...] = values
-            setattr(owner, self._slot, row)
-            self._owners.append(owner)
+            self._append(owner)
         return True
 
-    def copied(self, make: Callable[[Floats], Any]) -> tuple[RowStorage, list[Any]]:
-        """A storage with copies of the rows, and new objects that `make` makes of them."""
+    def adopt_last(self, owner: Any, count: int) -> bool:
+        """Moves the array of the last object into a row, where it alone is new.
+
+        Args:
+            owner: The last of the objects.
+            count: How many there are.
+
+        Returns:
+            Whether it alone was new; else nothing has changed.
+        """
+        if count != self.count + 1:
+            return False
+        self._append(owner)
+        return True
+
+    def _append(self, owner: Any) -> None:
+        values = getattr(owner, self._slot)
+        at = self.count % _BLOCK_ROWS
+        if at == 0:
+            self._blocks.append(np.zeros((_BLOCK_ROWS, *values.shape)))
+        row = self._blocks[-1][at]
+        row[...] = values
+        setattr(owner, self._slot, row)
+        self._owners.append(owner)
+        self.count += 1
+
+    def copied(self) -> RowStorage:
+        """A storage with copies of the rows, whose objects are not made yet; see `objects`."""
         out = RowStorage(self._slot)
-        out._blocks = [block.copy() for block in self._blocks]
-        out._owners = [make(row) for block in out.blocks_of(len(self._owners)) for row in block]
-        return out, [*out._owners]
+        out._blocks, out.count = [block.copy() for block in self._blocks], self.count
+        return out
+
+    def objects(self, make: Callable[[Floats], Any]) -> list[Any]:
+        """The objects of a copy, each made of its row by `make`."""
+        self._owners = [make(row) for block in self.blocks() for row in block]
+        return [*self._owners]
 
     def blocks(self) -> list[Floats]:
         """The rows in use."""
-        return self.blocks_of(len(self._owners))
-
-    def blocks_of(self, count: int) -> list[Floats]:
-        """The first rows."""
-        return [block[: count - k * _BLOCK_ROWS] for k, block in enumerate(self._blocks)]
+        return [block[: self.count - k * _BLOCK_ROWS] for k, block in enumerate(self._blocks)]
 
 
 class FrameList(StdVec[Frame]):
@@ -146,15 +169,59 @@ class LiveParameters:
     _inertias: StdVec[Inertia]
     _gravity: Motion
     _arrays: dict[str, Floats]
+    _frames: FrameList
+    _frames_of_copy: list[Any]
+    """What a copy knows of its frames, until these are made."""
 
     def _create_storage(self) -> None:
-        self._frames, self._counted_changes, self._frame_owners = FrameList(), -1, ()
-        self._frame_changes = self._frames.changes
+        self._create_counters()
+        self._frames = FrameList((), self._frame_changes)
         self._rows = {
             "placements": RowStorage("_m"),
             "inertias": RowStorage("_p"),
             "frames": RowStorage("_m"),
         }
+
+    def _create_counters(self) -> None:
+        self._counted_changes, self._frame_owners = -1, ()
+        self._frame_changes: Array = np.zeros(1, np.int64)
+
+    def _copy_rows(self, other: LiveParameters) -> None:
+        """Copies placements, inertias and frames of another model; their objects are made when needed."""
+        with _MAKING:
+            if {"_placements", "_inertias"} <= other.__dict__.keys():
+                other._store_joints()
+            frames: Any = other.__dict__.get("_frames")
+            if frames is not None:
+                other._store_frames()
+            self._rows = {name: rows.copied() for name, rows in other._rows.items()}
+            self._frames_of_copy = (
+                other._frames_of_copy if frames is None else [frame.facts() for frame in frames]
+            )
+
+    if not TYPE_CHECKING:  # for type checkers the attributes are there
+
+        def __getattr__(self, name: str) -> Any:
+            """Placements, inertias and frames of a copy, made when they are first asked for."""
+            if name not in _MADE_OF_ROWS or "_rows" not in self.__dict__:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            with _MAKING:
+                if name not in self.__dict__:  # another thread may have made it meanwhile
+                    setattr(self, name, _MADE_OF_ROWS[name](self))
+            return self.__dict__[name]
+
+    def _made_frames(self) -> FrameList:
+        """The frames of a copy."""
+        places, counters = self._rows["frames"].objects(SE3._of), (self._frame_changes,)
+        out = FrameList((), self._frame_changes.copy())
+        out.fill(
+            [
+                Frame._from_facts(facts, at, counters)
+                for facts, at in zip(self._frames_of_copy, places, strict=True)
+            ]
+        )
+        out.changes, self._frames_of_copy = self._frame_changes, []
+        return out
 
     @property
     def njoints(self) -> int:
@@ -164,7 +231,8 @@ class LiveParameters:
     @property
     def nframes(self) -> int:
         """How many frames there are."""
-        return len(self._frames)
+        frames: Any = self.__dict__.get("_frames")
+        return self._rows["frames"].count if frames is None else len(frames)
 
     @property
     def frames(self) -> StdVec[Frame]:
@@ -218,8 +286,19 @@ class LiveParameters:
         self._rows["placements"].adopt(self._placements)
         self._rows["inertias"].adopt(self._inertias)
 
+    def _store_last_joint(self) -> None:
+        """A joint was added at the end."""
+        for name, owners in (("placements", self._placements), ("inertias", self._inertias)):
+            if not self._rows[name].adopt_last(owners[-1], len(owners)):
+                self._rows[name].adopt(owners)
+
     def _store_frames(self) -> None:
         self._rows["frames"].adopt([frame._placement for frame in self._frames])
+
+    def _store_last_frame(self) -> None:
+        """A frame was added at the end."""
+        if not self._rows["frames"].adopt_last(self._frames[-1]._placement, len(self._frames)):
+            self._store_frames()
 
     def _frames_changed(self) -> None:
         """Frames or joints were added."""
@@ -238,3 +317,12 @@ class LiveParameters:
             self._frame_owners = tuple((f.name, f.parentJoint) for f in self._frames)
             self._store_frames()
         return self._frame_owners, b"".join(part.tobytes() for part in self._rows["frames"].blocks())
+
+
+_MADE_OF_ROWS: dict[str, Callable[[Any], Any]] = {
+    "_placements": lambda model: StdVec(model._rows["placements"].objects(SE3._of)),
+    "_inertias": lambda model: StdVec(model._rows["inertias"].objects(Inertia._of)),
+    "_frames": LiveParameters._made_frames,
+}
+"""How the objects of a copied model are made."""
+_MAKING = forks.lock(forks.KERNEL)

@@ -49,6 +49,9 @@ class Model(Saved, Supports, KinematicTree):
 
     @by_name("clone", "other")
     def __init__(self, other: Model | None = None) -> None:
+        if other is not None:
+            self._become_copy(other)
+            return
         self._create_storage()
         self.name = ""
         """The name of the model."""
@@ -67,8 +70,6 @@ class Model(Saved, Supports, KinematicTree):
         self.nq = self.nv = self.nvExtended = 0
         self.nbodies = 1
         self._changed()
-        if other is not None:
-            self.__setstate__(other.__getstate__())
 
     # sizes and the tree ---------------------------------------------------------------------------------
 
@@ -188,25 +189,22 @@ class Model(Saved, Supports, KinematicTree):
     def copy(self) -> Model:
         """A copy."""
         out = object.__new__(Model)
-        out._create_storage()
-        self._store_joints()
-        self._store_frames()
-        rows, copies = self._rows, out._rows
-        copies["placements"], placements = rows["placements"].copied(SE3._of)
-        copies["inertias"], inertias = rows["inertias"].copied(Inertia._of)
-        copies["frames"], places = rows["frames"].copied(SE3._of)
-        out.name, out.names, out.parents = self.name, StdVec(self.names), StdVec(self.parents)
-        out.joints = StdVec([joint.copy() for joint in self.joints])
-        out._placements, out._inertias = StdVec(placements), StdVec(inertias)
-        counters = (out._frame_changes,)
-        out._frames.fill([f._placed_at(at, counters) for f, at in zip(self._frames, places, strict=True)])
-        configurations = {key: q.copy() for key, q in self.referenceConfigurations.items()}
-        out._configurations = StdMap_String_VectorXd(configurations)
-        out._gravity = self._gravity.copy()
-        out._arrays = {key: values.copy() for key, values in self._arrays.items()}
-        out.nq, out.nv, out.nvExtended, out.nbodies = self.nq, self.nv, self.nvExtended, self.nbodies
-        out._changed()
+        out._become_copy(self)
         return out
+
+    def _become_copy(self, other: Model) -> None:
+        self._create_counters()
+        self._copy_rows(other)
+        self.name, self.names, self.parents = other.name, StdVec(other.names), StdVec(other.parents)
+        self.joints = StdVec([joint.copy() for joint in other.joints])
+        self._configurations = StdMap_String_VectorXd(
+            {key: q.copy() for key, q in other._configurations.items()}
+        )
+        self._gravity = other._gravity.copy()
+        self._arrays = {key: values.copy() for key, values in other._arrays.items()}
+        self.nq, self.nv, self.nvExtended, self.nbodies = other.nq, other.nv, other.nvExtended, other.nbodies
+        self._layout = other._layout
+        self._forget_kernels()
 
     __copy__ = cast = copy
 

@@ -145,7 +145,7 @@ def _dress(model: Model, joint: int, name: str) -> None:
 def _random_limits(joint: JointModel) -> list[Any]:
     """Effort, velocity, position, margin, friction and damping between 0 and 2, lower ones below zero."""
     rng, nq, nv = generator(), joint.nq, joint.nv
-    draw = rng.uniform(0.0, 2.0, (4, nv)), rng.uniform(0.0, 2.0, (3, nq))
+    draw = 2.0 * rng.random((4, nv)), 2.0 * rng.random((3, nq))
     (effort, velocity, low_friction, high_friction), (low, high, margin) = draw
     least = [-effort, effort, -velocity, velocity, -low, high]
     return [*least, margin, -low_friction, high_friction, np.zeros(nv)]
