@@ -14,6 +14,7 @@ from ulna.files import read_regular
 from ulna.formats.comments import line_of_double_hyphen, without_comments
 from ulna.formats.node import Node, short
 from ulna.formats.prolog import prolog_of, with_plain_declaration
+from ulna.system.callers import level_of_caller
 
 MAX_BYTES = 64 * 1024 * 1024
 """Model files above this size [bytes] are refused; the largest known robots are below one megabyte."""
@@ -75,7 +76,7 @@ def parse_markup(data: bytes | str, file: str | None, root_tag: str, kind: str) 
     data, oddity = with_plain_declaration(data)
     if oddity:
         words = f"{file or '<string>'}:1: {oddity}; it is read as XML 1.0."
-        warnings.warn(words, ModelWarning, stacklevel=2)
+        warnings.warn(words, ModelWarning, stacklevel=level_of_caller())
     root = _parse_tree(data, file, encoding)
     _refuse_entities(root, file)
     tag = str(root.tag)

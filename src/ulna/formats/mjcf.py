@@ -122,7 +122,7 @@ class _Reading:
         self._add_configurations(builder)
         self._disable_pairs(builder)
         audit = Audit(self._compiled, self._switches, self._drives, self._joined, self._touching)
-        warn_of_omissions(audit.omissions(self._shapes.left), self._file, stacklevel=4)
+        warn_of_omissions(audit.omissions(self._shapes.left), self._file)
         return builder
 
     def _inertia(self, body: int) -> Inertia:

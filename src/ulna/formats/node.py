@@ -11,6 +11,7 @@ from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
 from ulna.errors import FormatError, ModelWarning, excerpt
 from ulna.errors import nearest as nearest_names
+from ulna.system.callers import level_of_caller
 
 MAX_NUMBER = 1e50
 """Numbers above this magnitude are refused: their products would leave the range of a double."""
@@ -232,7 +233,9 @@ class Node:
     def warn(self, message: str) -> None:
         """Warn about this element; the file stays usable."""
         place = f"{self.file or '<string>'}:{self.line}"
-        warnings.warn(f"{place}: {message} (in {self.describe()}).", ModelWarning, stacklevel=2)
+        warnings.warn(
+            f"{place}: {message} (in {self.describe()}).", ModelWarning, stacklevel=level_of_caller()
+        )
 
     def warn_of_strangers(self, known: Sequence[str]) -> None:
         """Warn about child elements that look like a misspelling of a known one."""

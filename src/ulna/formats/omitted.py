@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from ulna.errors import ModelWarning
 from ulna.formats.node import short
+from ulna.system.callers import level_of_caller
 
 SHOWN = 3
 """So many places of one kind are named; the others are counted."""
@@ -52,18 +53,17 @@ def place(kind: str, name: str, line: int | None) -> str:
     return f"{named} (line {line})" if line else named
 
 
-def warn_of_omissions(omissions: Sequence[Omission], file: str | None, stacklevel: int = 3) -> None:
+def warn_of_omissions(omissions: Sequence[Omission], file: str | None) -> None:
     """Warn (ModelWarning) once about everything in a file that a model cannot hold.
 
     Args:
         omissions: What is left out.
         file: The file, for the message; None for text.
-        stacklevel: As for `warnings.warn`.
     """
     if omissions:
         rows = "".join(f"\n- {omission}" for omission in omissions)
         warnings.warn(
             f"{file or '<string>'}: parts of this file are left out of the model, or are in it only in part:{rows}",
             ModelWarning,
-            stacklevel=stacklevel,
+            stacklevel=level_of_caller(),
         )

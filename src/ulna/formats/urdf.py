@@ -37,6 +37,7 @@ from ulna.model import (
     Spherical,
 )
 from ulna.spatial import Inertia
+from ulna.system.callers import level_of_caller
 
 
 def read_urdf(path: str | os.PathLike[str]) -> UrdfDocument:
@@ -251,5 +252,5 @@ class _Shapes:
             f"ROS_PACKAGE_PATH is {ros or 'not set'}. Set it, or pass package_dirs=[folder of the packages]. "
             "The robot is loaded without it.",
             ModelWarning,
-            stacklevel=4,
+            stacklevel=level_of_caller(),
         )

@@ -74,7 +74,7 @@ def parse_urdf(data: bytes | str, file: str | None = None) -> UrdfDocument:
         root.fail("the robot has no links.", 'Write at least <link name="..."/>.')
     check_mimics(joints, nodes)
     top = check_tree(links, joints, nodes, root)
-    warn_of_omissions(omissions_of(root), file, stacklevel=3)
+    warn_of_omissions(omissions_of(root), file)
     name = root.string("name") or "robot"
     return UrdfDocument(name, tuple(links.values()), tuple(joints.values()), palette.named, top, file)
 

@@ -18,6 +18,7 @@ from ulna.model.positions import position
 from ulna.model.records import BuilderState, FrameRecord, JointRecord, LinkRecord, at, wrong
 from ulna.model.tree import depth_first, joints_above, root_link
 from ulna.spatial import SE3, Inertia
+from ulna.system.callers import level_of_caller
 
 
 def assemble(state: BuilderState) -> Model:
@@ -286,7 +287,7 @@ def _warn_of_inertias(state: BuilderState) -> None:
             f"Model {state.name!r} has inertias that no body has, {'; and '.join(said)}. "
             f"Kinematics are right; {trust}.",
             ModelWarning,
-            stacklevel=4,
+            stacklevel=level_of_caller(),
         )
 
 
