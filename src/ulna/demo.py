@@ -133,7 +133,7 @@ def demo(
 
     With a screen a page opens, the motion runs in real time, and the page stays open at the end for sliders
     and dragging. Without a screen, at a terminal, the page waits until somebody opens its address, such as through
-    SSH. Where nobody can look the motion runs at once, its result is printed and a picture of it is written.
+    SSH. Without a screen the motion runs at once, its result is printed and a picture of it is written.
 
     Args:
         headless: Whether to do without a page; None decides by whether there is a screen or a terminal.

@@ -143,7 +143,7 @@ def test_show_does_not_wait_without_a_screen(headless: Path, capsys: pytest.Capt
     pytest.importorskip("viser")
     assert main(["show", "ur5", "--port", "0"]) == 0
     said = capsys.readouterr().out
-    assert "Nobody can look" in said
+    assert "There is no screen" in said
     assert "--headless" in said
 
 

@@ -242,7 +242,7 @@ class _Shapes:
         others = f" and {count - 1} more were" if count > 1 else " was"
         place = (self._file or "<string>") + (f":{line}" if line else "")
         if uri.startswith(("http://", "https://", "ftp://")):
-            where = "It lies on the network, where Ulna does not go."
+            where = "It is on the network, and Ulna reads local files only."
         else:
             places = ", ".join(tried[:6]) + (f", ... ({len(tried)} places)" if len(tried) > 6 else "")
             where = f"Looked in: {places or 'nowhere'}."

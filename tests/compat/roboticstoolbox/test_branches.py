@@ -1,4 +1,4 @@
-"""Robots with branches: what speaks of the whole robot has the joints in the order that scripts have them in."""
+"""Robots with branches: quantities of the whole robot have the joints in the order that scripts have them in."""
 
 from __future__ import annotations
 

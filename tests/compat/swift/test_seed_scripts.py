@@ -97,7 +97,7 @@ def test_holding_within_the_loop_as_the_document_has_it(tmp_path: Path) -> None:
     script = tmp_path / "printed.py"
     script.write_text(text.replace("\nenv.hold()", "\n    env.hold()"))
     state, said = end_of(script, tmp_path)
-    assert round(state["time"] / 0.01) == 431 and said.count("Nobody can look") == 1
+    assert round(state["time"] / 0.01) == 431 and said.count("There is no screen") == 1
 
 
 def test_script_6_plans_and_plays(tmp_path: Path) -> None:

@@ -329,7 +329,7 @@ def test_nothing_waits_without_a_screen(
     env.run()
     env.hold(10)
     assert waited == [] and env.headless and env.viewer.url == ""
-    assert capsys.readouterr().out.count("Nobody can look") == 1
+    assert capsys.readouterr().out.count("There is no screen") == 1
 
 
 def test_headless_steps_keep_their_time_when_asked_to(swift: Any) -> None:

@@ -50,7 +50,7 @@ def test_a_script_that_just_ends_prints_nothing(tmp_path: Path) -> None:
 def test_hold_without_a_screen_returns_with_a_message(tmp_path: Path) -> None:
     done = run(OPEN + "viewer.hold()", tmp_path, ULNA_HEADLESS="1")
     assert done.returncode == 0 and done.stderr == ""
-    assert done.stdout.count("\n") == 1 and "Nobody can look" in done.stdout
+    assert done.stdout.count("\n") == 1 and "There is no screen" in done.stdout
 
 
 def test_an_error_of_the_script_is_all_that_is_said(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ def keep_open(page: Page, seconds: float | None = None) -> None:
     if page.closed:
         return
     if page.clients == 0 and not somebody_can_look():
-        print(f"Nobody can look at {page.url} (no screen here), so it is not held open.", flush=True)
+        print(f"There is no screen to show {page.url} on, so it is not held open.", flush=True)
         return
     print_address(page)
     was_visited, without_tabs = page.visited, 0.0

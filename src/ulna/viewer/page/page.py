@@ -89,8 +89,8 @@ class Page:
         self._host = "localhost" if host in (*guard.LOOPBACK, "0.0.0.0", "::") else host
         if exposed:
             warnings.warn(
-                f"The page is open to the network of {host}, port {self.port}: whoever has its address with the token "
-                "can look, drag and press. The connection is not encrypted. "
+                f"The page is open to the network of {host}, port {self.port}: anyone who has its address with the "
+                "token can look, drag and press. The connection is not encrypted. "
                 f"A tunnel is safer: ssh -L {self.port}:localhost:{self.port} ...",
                 UlnaWarning,
                 stacklevel=2,

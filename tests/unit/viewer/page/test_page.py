@@ -257,7 +257,7 @@ def test_hold_returns_at_once_without_a_screen(
 ) -> None:
     monkeypatch.setattr(hold_module, "somebody_can_look", lambda: False)
     hold_module.keep_open(page)
-    assert "Nobody can look" in capsys.readouterr().out
+    assert "There is no screen" in capsys.readouterr().out
 
 
 def test_hold_ends_with_ctrl_c(

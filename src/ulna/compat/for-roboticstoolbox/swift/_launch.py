@@ -70,11 +70,11 @@ class LaunchedEnvironment:
         browser_timeout: float | None = 5,
         **kwargs: Any,
     ) -> None:
-        """Open the environment: a page in the browser, where somebody can look.
+        """Open the environment: a page in the browser, where there is a screen.
 
         Args:
             realtime: Whether steps wait for their time; a number for that many simulated seconds a second. Where
-                nobody can look they wait only if `headless` was asked for as well.
+                there is no screen they wait only if `headless` was asked for as well.
             headless: True for no page, False for one in any case; None for one where there is a screen or somebody at
                 the terminal. SWIFT_HEADLESS or ULNA_HEADLESS in the environment says True.
             rate: How often the page is drawn [1/s]; it is 60 times a second at most whatever is said.

@@ -22,7 +22,7 @@ from ulna.viewer.page.browser import somebody_can_look
 class Swift(Contents):
     """An environment of robots and shapes.
 
-    `launch` it, `add` things, `step` it. Where nobody can look everything works the same, and nothing waits.
+    `launch` it, `add` things, `step` it. Without a screen everything works the same, and nothing waits.
     """
 
     def step(self, dt: float = 0.05, render: bool = True) -> None:
@@ -91,7 +91,7 @@ class Swift(Contents):
     def hold(self, duration: float | None = None, timeout: float | None = None) -> None:
         """Keeps the page open until it is closed, Ctrl-C, or for some time.
 
-        It returns at once where nobody can look.
+        It returns at once without a screen.
 
         Args:
             duration: How long [s]; None for until it is closed.
@@ -117,7 +117,7 @@ class Swift(Contents):
 
     def _print_once(self, what: str) -> None:
         if not self._printed:
-            page = "It was closed" if not self.headless and self.viewer.closed else "Nobody can look here"
+            page = "It was closed" if not self.headless and self.viewer.closed else "There is no screen"
             print(f"Swift: {page}, {what}", flush=True)
         self._printed = True
 
@@ -156,10 +156,10 @@ class Swift(Contents):
             format: "webm" or "mp4" for an MP4 film, "gif", or "png" for a folder of pictures.
 
         Raises:
-            InputError: A recording goes on already.
+            InputError: A recording is running already.
         """
         if self._recorder is not None:
-            raise InputError("A recording goes on already; call env.stop_recording() first.")
+            raise InputError("A recording is running already; call env.stop_recording() first.")
         self._recorder = Recorder(self.viewer, file_name, framerate, format)
         self._record()
 
@@ -167,10 +167,10 @@ class Swift(Contents):
         """End the film and write it.
 
         Raises:
-            InputError: No recording goes on.
+            InputError: No recording is running.
         """
         if self._recorder is None:
-            raise InputError("No recording goes on; call env.start_recording(file_name, framerate) first.")
+            raise InputError("No recording is running; call env.start_recording(file_name, framerate) first.")
         recorder, self._recorder = self._recorder, None
         print(f"Swift: wrote {recorder.write()}", flush=True)
 

@@ -129,7 +129,7 @@ class Viewed:
         self._visualizer().displayVisuals(visibility)
 
     def play(self, q_trajectory: Any, dt: float) -> None:
-        """Shows configurations one after the other, `dt` seconds each; where nobody can look, without waiting.
+        """Shows configurations one after the other, `dt` seconds each; without a screen, without waiting.
 
         Args:
             q_trajectory: Configurations, (N, nq) or a list.

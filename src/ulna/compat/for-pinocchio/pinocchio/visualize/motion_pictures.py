@@ -107,7 +107,7 @@ class MotionPictures(abc.ABC):
         capture: bool = False,
         **named: Any,
     ) -> list[Any] | None:
-        """Shows configurations one after the other, `dt` seconds each; where nobody can look, without waiting.
+        """Shows configurations one after the other, `dt` seconds each; without a screen, without waiting.
 
         Args:
             q_trajectory: Configurations, (N, nq) or a list; an array (nq, N) as of older scripts, too.

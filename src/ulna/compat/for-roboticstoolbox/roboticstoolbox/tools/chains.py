@@ -134,7 +134,7 @@ def _evaluated(
         if token.op not in makers:
             raise UnknownOption("transform", token.op, makers)
         if token.index > len(joints):
-            raise InputError(f"`q` has {len(joints)} numbers; the chain speaks of {qvar}{token.index}.")
+            raise InputError(f"`q` has {len(joints)} numbers; the chain needs {qvar}{token.index}.")
         names = {**_KNOWN, **variables}
         if token.index:
             names[f"{qvar}{token.index}"] = joints[token.index - 1]
@@ -159,7 +159,7 @@ def _parsed(text: str, qvar: str) -> tuple[TrChainToken, ...]:
         arg = text[match.end() : at - 1]
         numbers = joint.findall(arg)
         if len(numbers) > 1:
-            raise FormatError(f"{match[1]}({arg}) speaks of {len(numbers)} joints; expected one at most")
+            raise FormatError(f"{match[1]}({arg}) names {len(numbers)} joints; expected one at most")
         out.append(TrChainToken(match[1], arg, int(numbers[0]) if numbers else 0))
     return tuple(out)
 
