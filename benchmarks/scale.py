@@ -1,6 +1,6 @@
 """Jobs on two worker processes beside one process, and beside joblib over Pinocchio; twenty kills in one job.
 
-    python benchmarks/scale.py [--samples 1e7] [--rounds 3] [--kills 20]
+    python benchmarks/scale.py [--samples 1e8] [--rounds 3] [--kills 20] [--part jobs]
 
 Ratios are medians of rounds in which all take turns. The cluster is started before the clock. One process has the
 settings of the workers: one thread of BLAS, and memory that is kept. On a machine that does other work, processor time says more
@@ -201,33 +201,25 @@ def kills(count: int) -> None:
     print(f"{done[0]} kills in {seconds:.0f} s: {'the same bits' if same else 'OTHER BITS'}")
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--samples", type=float, default=1e7)
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--kills", type=int, default=20)
-    chosen = parser.parse_args()
-    if "MALLOC_TRIM_THRESHOLD_" not in os.environ:  # read when a process starts
-        os.environ.update({name: str(value) for name, value in worker_environment().items()})
-        os.execv(sys.executable, [sys.executable, *sys.argv])
-    n, small = int(chosen.samples), int(chosen.samples) // 100
-    options: Any = {"voxel": 0.1, "progress": False}
-    with connected(None, 2, 60.0) as client:
-        jobs(client, n, chosen.rounds)
-        scale.reach("ur5", 2e6, chunk=100_000, scheduler=client, **options)
-        first = worker_memory(client)
-        times = in_turns(
-            {
-                "one process": lambda: scale.reach("ur5", n, chunk=1_000_000, workers=0, **options),
-                "two workers": lambda: scale.reach("ur5", n, chunk=1_000_000, scheduler=client, **options),
-                "two workers, chunks of 1e5": lambda: scale.reach(
-                    "ur5", n, chunk=100_000, scheduler=client, **options
-                ),
-                "joblib over Pinocchio, 1/100 of them": lambda: joblib_heights(small, 2),
-            },
-            chosen.rounds,
-        )
-        last = worker_memory(client)
+def maps(client: Any, n: int, rounds: int) -> None:
+    """A reachability map, beside joblib over Pinocchio, which does forward kinematics alone."""
+    small, options = n // 100, {"voxel": 0.1, "progress": False}
+
+    def mapped(chunk: int, **where: Any) -> Callable[[], Any]:
+        return lambda: scale.reach("ur5", n, chunk=chunk, **where, **options)
+
+    scale.reach("ur5", 2e6, chunk=100_000, scheduler=client, **options)
+    first = worker_memory(client)
+    times = in_turns(
+        {
+            "one process": mapped(1_000_000, workers=0),
+            "two workers": mapped(1_000_000, scheduler=client),
+            "two workers, chunks of 1e5": mapped(100_000, scheduler=client),
+            "joblib over Pinocchio, 1/100 of them": lambda: joblib_heights(small, 2),
+        },
+        rounds,
+    )
+    last = worker_memory(client)
     one = times["one process"]
     for name, seconds in times.items():
         print(f"{name:40s} {seconds:8.2f} s   {one / seconds:6.2f} x one process")
@@ -236,9 +228,26 @@ def main() -> None:
         f"joblib over Pinocchio (FK alone) would take {per_sample / times['two workers']:.0f} times as long as two workers"
     )
     print(
-        f"largest memory of a worker: {first:.0f} MiB after 2e6 samples, {last:.0f} MiB after {2 * chosen.rounds * n:.0e} more"
+        f"largest memory of a worker: {first:.0f} MiB after 2e6 samples, {last:.0f} MiB after {2 * rounds * n:.0e} more"
     )
-    if chosen.kills:
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--samples", type=float, default=1e8)
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--part", choices=("jobs", "map", "kills", "all"), default="all")
+    chosen = parser.parse_args()
+    if "MALLOC_TRIM_THRESHOLD_" not in os.environ:  # read when a process starts
+        os.environ.update({name: str(value) for name, value in worker_environment().items()})
+        os.execv(sys.executable, [sys.executable, *sys.argv])
+    with connected(None, 2, 60.0) as client:
+        if chosen.part in ("jobs", "all"):
+            jobs(client, int(chosen.samples), chosen.rounds)
+        if chosen.part in ("map", "all"):
+            maps(client, int(chosen.samples), chosen.rounds)
+    if chosen.kills and chosen.part in ("kills", "all"):
         kills(chosen.kills)
 
 

@@ -90,13 +90,14 @@ class CollisionQueries(Part):
             world: Obstacles; None for none.
             moving: Poses of the world's moving obstacles by name, T_world_shape (..., 4, 4).
             stop_below: The first pair this near ends the search [m].
-            **options: Of `robot.collision.checker`.
+            **options: Of `robot.collision.checker`; distances are those of its method "exact".
 
         Returns:
             An `ulna.collision.Distance`: `.distance` (...) [m], `.points`, `.normal` and the two names.
 
         Raises:
             ShapeError, DtypeError, NonFiniteError, ModelError, UnknownName, MissingExtra: As for `collides`.
+            InputError: If `method` is "spheres".
 
         Example:
             >>> from ulna.collision import World
@@ -108,7 +109,7 @@ class CollisionQueries(Part):
             (0.07, array(['panda_link2', 'panda_link4'], dtype=object))
         """
         only_numbers("robot.distance", _TRACED, q)
-        return _checker(self, world, **options).distance(q, moving, stop_below=stop_below)
+        return _exact(self, world, "robot.distance", options).distance(q, moving, stop_below=stop_below)
 
 
 @final
@@ -143,7 +144,7 @@ class Collision(Part):
             ShapeError, DtypeError, NonFiniteError, ModelError, UnknownName, MissingExtra: As for `robot.collides`.
         """
         only_numbers("robot.collision.distance_gradient", _TRACED, q)
-        return _checker(self, world, **options).gradient(q, moving)
+        return _exact(self, world, "robot.collision.distance_gradient", options).gradient(q, moving)
 
     def first_contact(
         self,
@@ -174,7 +175,9 @@ class Collision(Part):
         from ulna import collision
 
         only_numbers("robot.collision.first_contact", _TRACED, q0, q1)
-        return collision.first_contact(_checker(self, world, **options), q0, q1, margin, moving)
+        return collision.first_contact(
+            _exact(self, world, "robot.collision.first_contact", options), q0, q1, margin, moving
+        )
 
     def checker(self, world: World | None = None, *, method: Method = "exact", **options: Any) -> Any:
         """What answers these questions, for hot loops; the last ones used are kept.
@@ -234,6 +237,15 @@ def _checker(part: Part, world: World | None = None, *, method: Method = "exact"
     for old in list(cache)[:-_KEPT]:
         cache.pop(old, None)  # another thread may have been faster
     return checker
+
+
+def _exact(part: Part, world: World | None, asked: str, options: Mapping[str, Any]) -> Any:
+    """The exact checker; spheres know no distances."""
+    if options.get("method", "exact") == "spheres":
+        raise InputError(
+            f"`{asked}` is exact, by coal, and takes no method='spheres'; `robot.collides` does."
+        )
+    return _checker(part, world, **options)
 
 
 def _frozen(value: Any) -> Any:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
+import socket
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from multiprocessing import current_process
 from typing import Any
 
-from ulna.errors import InputError, JobStopped, MissingExtra, VersionMismatch
+from ulna.errors import InputError, MissingExtra, VersionMismatch
 from ulna.lazy import check_versions, versions
+from ulna.scale import ctrl_c
+from ulna.scale.tasks import Interrupted
 
 _ANSWER = 15.0  # s to wait for a scheduler to answer
 _ENVIRONMENT = {"MALLOC_TRIM_THRESHOLD_": 2**28, "MALLOC_MMAP_THRESHOLD_": 2**28}
@@ -20,7 +23,7 @@ _UNGUARDED = (
     "`if __name__ == '__main__':`, because each worker imports the script again; `workers=0` needs none."
 )
 
-_SPAWN = "distributed.nanny.pre-spawn-environ"
+_SPAWN, _PRELOAD = "distributed.nanny.pre-spawn-environ", "distributed.worker.preload"
 
 
 @contextmanager
@@ -38,7 +41,7 @@ def connected(scheduler: Any, workers: int | None, patience: float) -> Iterator[
 
     Raises:
         InputError: If no scheduler answers at the address, or the workers of this machine do not start.
-        JobStopped: If it has no workers.
+        Interrupted: If it has no workers.
         VersionMismatch: If a worker has another version, or no Ulna.
         MissingExtra: If Dask's scheduler is not installed.
     """
@@ -57,6 +60,7 @@ def connected(scheduler: Any, workers: int | None, patience: float) -> Iterator[
                 "distributed.Client, or None for a cluster of this machine."
             )
         try:
+            _check_address(scheduler)
             client = Client(scheduler, timeout=min(_ANSWER, max(patience, 0.1)), set_as_default=False)
         except (OSError, ValueError) as error:
             raise InputError(
@@ -71,7 +75,9 @@ def connected(scheduler: Any, workers: int | None, patience: float) -> Iterator[
     from dask import config  # pyright: ignore[reportMissingImports]
 
     with (
-        config.set({_SPAWN: worker_environment()}),
+        config.set(
+            {_SPAWN: worker_environment(), _PRELOAD: [*config.get(_PRELOAD, []), "ulna.scale.preload"]}
+        ),
         _local_cluster(count) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):
@@ -80,17 +86,36 @@ def connected(scheduler: Any, workers: int | None, patience: float) -> Iterator[
         yield client
 
 
-def _local_cluster(count: int) -> Any:
+@contextmanager
+def _local_cluster(count: int) -> Iterator[Any]:
     """A cluster of this machine with so many processes."""
     from distributed import LocalCluster  # pyright: ignore[reportMissingImports]
 
     settings = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": 50}
     if getattr(current_process(), "_inheriting", False):  # a worker that imports the script
         raise InputError(_UNGUARDED)
-    try:
-        return LocalCluster(n_workers=count, processes=True, **settings)
-    except RuntimeError as error:
-        raise InputError(_UNGUARDED) from error
+    with ExitStack() as stack:
+        with ctrl_c.later():
+            try:
+                cluster = LocalCluster(n_workers=count, processes=True, **settings)
+            except RuntimeError as error:
+                raise InputError(_UNGUARDED) from error
+            stack.enter_context(cluster)
+        yield cluster
+
+
+def _check_address(address: str) -> None:
+    """Raises ValueError or OSError for what is no address; a Client of such ends half a minute late."""
+    from distributed.comm.addressing import (  # pyright: ignore[reportMissingImports]
+        get_address_host_port,
+    )
+
+    whole = address if "://" in address else f"tcp://{address}"
+    if whole.startswith(("tcp://", "tls://")):
+        host, _ = get_address_host_port(whole, strict=True)
+        socket.getaddrinfo(host, None)
+    elif not whole.startswith("inproc://"):
+        get_address_host_port(whole)
 
 
 def worker_environment() -> dict[str, Any]:
@@ -104,8 +129,9 @@ def _check_workers(client: Any, patience: float) -> None:
     try:
         client.wait_for_workers(1, timeout=patience)
     except TimeoutError:
-        raise JobStopped(
-            "The scheduler has no workers: `dask worker ADDRESS` starts one.", 0, 0, ""
+        address = client.scheduler.address
+        raise Interrupted(
+            f"The scheduler has no workers, after {patience:g} s: `dask worker {address}` starts one."
         ) from None
     answers = client.run(check_versions, versions(), on_error="return")  # a worker may be lost meanwhile
     for answer in answers.values():

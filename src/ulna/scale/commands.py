@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 from ulna.errors import InputError
@@ -120,16 +121,22 @@ def _cluster_options(parser: argparse.ArgumentParser) -> None:
 
 def _reach(chosen: argparse.Namespace) -> None:
     from ulna.scale.reachability import reach
+    from ulna.viewer.output.png import checked_png_path
+    from ulna.viewer.page.html_file import checked_html_path
 
     if not (chosen.to or chosen.picture or chosen.page):
         raise InputError("Nothing is asked for: give --to, --picture or --page.")
+    if chosen.picture:
+        checked_png_path(chosen.picture)  # before the work, which may take hours
+    if chosen.page:
+        checked_html_path(chosen.page)
     found = reach(
         chosen.name,
         chosen.samples,
         voxel=chosen.voxel,
         frame=chosen.frame,
         solutions=chosen.solutions,
-        chunk=_whole(chosen.chunk),
+        chunk=chosen.chunk,
         seed=chosen.seed,
         to=chosen.to,
         **_where(chosen),
@@ -147,34 +154,32 @@ def _data_set(chosen: argparse.Namespace) -> None:
 
     if not chosen.to:
         raise InputError("A data set needs a place: give --to, such as --to data.zarr.")
-    group = data_set(
+    found = data_set(
         chosen.name,
         chosen.samples,
         chosen.columns or ("q", "fk"),
         to=chosen.to,
         dtype=chosen.dtype,
         seed=chosen.seed,
-        chunk=_whole(chosen.chunk),
+        chunk=chosen.chunk,
         **_where(chosen),
     )
-    print("\n".join(f"{name}: {array.dtype} {array.shape}" for name, array in sorted(group.arrays())))
+    if hasattr(found, "schema"):  # of Parquet files
+        lines = [f"{column.name}: {column.type}" for column in found.schema] + [f"{found.count_rows()} rows"]
+    else:
+        lines = [f"{name}: {array.dtype} {array.shape}" for name, array in sorted(found.arrays())]
+    print("\n".join(lines))
 
 
 def _plans(chosen: argparse.Namespace) -> None:
-    import numpy as np
-
     from ulna.collision import World
     from ulna.geometry import Box
+    from ulna.scale import npz
     from ulna.scale.many_plans import plans
 
     given: dict[str, Any] = {"problems": chosen.problems}
     if chosen.problem_file:
-        with np.load(chosen.problem_file, allow_pickle=False) as file:
-            if not {"starts", "goals"} <= set(file.files):
-                raise InputError(
-                    f"{chosen.problem_file!r} holds {sorted(file.files)}; expected the arrays `starts` and `goals`."
-                )
-            given |= {name: file[name] for name in ("starts", "goals")}
+        given |= npz.read(chosen.problem_file, ("starts", "goals"))
     world = World()
     for k, numbers in enumerate(chosen.box):
         world = world.add(f"box {k + 1}", Box(tuple(numbers[3:])), tuple(numbers[:3]))
@@ -183,7 +188,7 @@ def _plans(chosen: argparse.Namespace) -> None:
         world=world if chosen.box else None,
         margin=chosen.margin,
         seed=chosen.seed,
-        chunk=_whole(chosen.chunk),
+        chunk=chosen.chunk,
         to=chosen.to,
         **given,
         **_where(chosen),
@@ -200,12 +205,12 @@ def _sweep(chosen: argparse.Namespace) -> None:
     found = sweep(
         robot,
         chosen.quantity,
-        dict(_range(words) for words in chosen.vary),
+        _ranges(chosen.vary),
         chosen.samples,
         levels=chosen.levels,
         at=at,
         seed=chosen.seed,
-        chunk=_whole(chosen.chunk),
+        chunk=chosen.chunk,
         to=chosen.to,
         **_where(chosen),
     )
@@ -229,13 +234,22 @@ def _identify(chosen: argparse.Namespace) -> None:
         friction=chosen.friction,
         physical=chosen.physical,
         noise=chosen.noise,
-        chunk=_whole(chosen.chunk),
+        chunk=chosen.chunk,
         to=chosen.to,
         **_where(chosen),
     )
-    print(found.report())
     if chosen.parameters:
+        Path(chosen.parameters).parent.mkdir(parents=True, exist_ok=True)
         np.save(chosen.parameters, found.parameters)
+    print(found.report())
+
+
+def _ranges(given: Sequence[str]) -> dict[str, Any]:
+    ranges = [_range(words) for words in given]
+    for name, _ in ranges:
+        if sum(other == name for other, _ in ranges) > 1:
+            raise InputError(f"`--vary {name}=` is given more than once; leave out all but one.")
+    return dict(ranges)
 
 
 def _range(words: str) -> tuple[str, Any]:
@@ -252,7 +266,3 @@ def _range(words: str) -> tuple[str, Any]:
 
 def _where(chosen: argparse.Namespace) -> dict[str, Any]:
     return {"scheduler": chosen.scheduler, "workers": chosen.workers}
-
-
-def _whole(value: float) -> Any:
-    return int(value) if value == int(value) else value

@@ -73,8 +73,7 @@ def data_set(
         (1000, 4, 4)
     """
     robot = load(robot) if isinstance(robot, str) else robot
-    if np.dtype(dtype).name not in ("float64", "float32"):
-        raise DtypeError("dtype", str(np.dtype(dtype)), "float64 or float32")
+    numbers = _dtype(dtype)
     names = tuple(dict.fromkeys([columns] if isinstance(columns, str) else columns))
     if not names:
         raise InputError("`columns` is empty; expected names such as ('q', 'fk').")
@@ -89,8 +88,18 @@ def data_set(
     plan = Samples(
         whole_number("samples", samples), whole_number("chunk", chunk), whole_number("seed", seed, 0)
     )
-    job = DataSet(robot, plan, names, world, np.dtype(dtype).name, str(Path(to).absolute()))
+    job = DataSet(robot, plan, names, world, numbers, str(Path(to).absolute()))
     return run(job, to, **options)
+
+
+def _dtype(dtype: Any) -> str:
+    try:
+        name = np.dtype(dtype).name
+    except TypeError:
+        name = str(dtype)
+    if name not in ("float64", "float32"):
+        raise DtypeError("dtype", name, "float64 or float32")
+    return name
 
 
 @final

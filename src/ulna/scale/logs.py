@@ -13,11 +13,12 @@ import numpy as np
 from ulna.errors import InputError, ShapeError
 from ulna.model import Model
 from ulna.model.content import fingerprint
-from ulna.scale import archive
+from ulna.scale import archive, npz
 from ulna.system.cached import cached_property
 from ulna.typing import Array
 
 NAMES = ("q", "v", "a", "tau")
+_FILES = ", ".join(f"{name}.npy" for name in NAMES)
 _LOOK = 1000  # rows at both ends by which a log is known again
 
 
@@ -51,8 +52,7 @@ class LogSource:
         if isinstance(log, str | os.PathLike):
             path = Path(log).absolute()
             if path.suffix == ".npz":
-                with np.load(path, allow_pickle=False) as file:
-                    return cls({name: file[name] for name in NAMES if name in file.files}, None)
+                return cls(npz.read(path, NAMES), None)
             return cls(None, str(path))
         if hasattr(log, "keys"):
             return cls({name: log[name] for name in NAMES if name in log}, None)
@@ -68,11 +68,17 @@ class LogSource:
             return self.arrays or {}
         folder = Path(self.path)
         if not folder.is_dir():
-            raise InputError(f"There is no log in {self.path!r}; expected a folder.")
+            raise InputError(
+                f"There is no log in {self.path!r}; expected a Zarr group, a folder with {_FILES}, "
+                "or an NPZ file, whose name ends in .npz."
+            )
         files = {name: folder / f"{name}.npy" for name in NAMES}
         if any(file.exists() for file in files.values()):
             return {name: np.load(file, mmap_mode="r") for name, file in files.items() if file.exists()}
-        group = archive.zarr().open_group(self.path, mode="r")
+        try:
+            group = archive.zarr().open_group(self.path, mode="r")
+        except (FileNotFoundError, ValueError) as error:
+            raise InputError(f"{self.path!r} holds neither {_FILES} nor a Zarr group: {error}.") from None
         return {name: group[name] for name in NAMES if name in group}
 
     def checked(self, model: Model) -> int:

@@ -44,11 +44,6 @@ class Store:
             self.close()
             raise
 
-    @property
-    def is_new(self) -> bool:
-        """Whether no part of the job has been done yet."""
-        return not (self.folder / "state.npz").exists()
-
     def load(self) -> tuple[State, int] | None:
         """The state, and how many parts are in it; None where there is none.
 
@@ -63,9 +58,10 @@ class Store:
                 state = {name: file[name] for name in file.files}
             return state, int(state.pop(_DONE))
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-            raise InputError(
-                f"{str(path)!r} is damaged ({error}); remove {str(self.folder)!r} to begin anew."
-            ) from error
+            raise self._damaged(path, error) from error
+
+    def _damaged(self, path: Path, error: Exception) -> InputError:
+        return InputError(f"{str(path)!r} is damaged ({error}); remove {str(self.folder)!r} to begin anew.")
 
     def save(self, state: State, done: int) -> None:
         """Writes the state, whole or not at all.
@@ -108,11 +104,23 @@ class Store:
             ) from None
 
     def _check(self) -> None:
-        """Compares the job with the one whose progress is there, or writes down this one."""
+        """Compares the job with the one whose progress is there, or writes down this one where nothing is done."""
         path = self.folder / "job.json"
         if path.exists():
-            check_same(json.loads(path.read_text("utf-8")), self._description, self.to)
-            return
+            try:
+                there = json.loads(path.read_text("utf-8"))
+            except ValueError as error:
+                raise self._damaged(path, error) from error
+            if there == self._description:
+                return
+            known = self.load()
+            if known is not None and known[1] > 0:
+                folder = str(self.folder)
+                remedy = (
+                    f"Give the same arguments to continue it, or `to` another name, or remove {folder!r}."
+                )
+                check_same(there, self._description, self.to, remedy)
+            (self.folder / "state.npz").unlink(missing_ok=True)
         with replacing(path) as place:
             place.write_text(json.dumps(self._description, indent=1), "utf-8")
 
@@ -122,13 +130,16 @@ def job_folder(to: Path) -> Path:
     return to.with_name(to.name + ".job")
 
 
-def check_same(there: Mapping[str, Any], here: Mapping[str, Any], to: Path) -> None:
-    """Refuses to continue another job.
+def check_same(
+    there: Mapping[str, Any], here: Mapping[str, Any], to: Path, remedy: str = "Give `to` another name."
+) -> None:
+    """Refuses another job than the one that is there.
 
     Args:
         there: The description of the job in the store.
         here: That of this job.
         to: The store.
+        remedy: What to do, for the message.
 
     Raises:
         InputError: If they differ; names the first difference.
@@ -137,7 +148,7 @@ def check_same(there: Mapping[str, Any], here: Mapping[str, Any], to: Path) -> N
         if there.get(name) != here.get(name):
             raise InputError(
                 f"{str(to)!r} holds another job: its {name} is {_short(there.get(name))}, here it is "
-                f"{_short(here.get(name))}. Give the same arguments to continue it, or `to` another name."
+                f"{_short(here.get(name))}. {remedy}"
             )
 
 

@@ -169,6 +169,9 @@ def test_distances(robot: ulna.Robot, world: World, Q: Any, lazy: Any) -> None:
     for name in ("distance", "points", "normal", "names"):
         same(getattr(got, name), getattr(expected, name))
     assert got.compute(scheduler="sync").names.tolist() == expected.names.tolist()
+    for ask in (robot.distance, robot.collision.distance_gradient):
+        with pytest.raises(InputError, match="takes no method='spheres'; `robot.collides` does"):
+            ask(lazy, world, method="spheres")
     with pytest.raises(InputError, match="lazy"):
         robot.collision.distance_gradient(lazy, world)
     with pytest.raises(InputError, match="lazy"):

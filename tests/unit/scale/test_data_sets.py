@@ -12,6 +12,7 @@ import pytest
 import ulna
 from ulna import scale
 from ulna.errors import InputError, MissingExtra, UnknownName
+from ulna.scale.cluster import connected
 
 zarr = pytest.importorskip("zarr")
 
@@ -42,6 +43,12 @@ def test_rows_are_what_the_robot_says(tmp_path: Path) -> None:
     np.testing.assert_array_equal(other["q"][...], q.astype("float32"))
 
 
+def _ignores_ctrl_c() -> bool:
+    import signal
+
+    return signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
 def test_a_stopped_data_set_continues_and_is_the_same(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     whole = _made(tmp_path / "whole.zarr")
@@ -54,7 +61,9 @@ def test_a_stopped_data_set_continues_and_is_the_same(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         _made(to, progress=stop)
     assert zarr.open_group(to, mode="r").attrs["complete"] is False
-    again = _made(to, workers=1)
+    with connected(None, 1, 60.0) as client:
+        assert list(client.run(_ignores_ctrl_c).values()) == [True]
+        again = _made(to, workers=None, scheduler=client)
     for name in COLUMNS:
         np.testing.assert_array_equal(again[name][...], whole[name][...])
     assert again.attrs["checksums"] == whole.attrs["checksums"]

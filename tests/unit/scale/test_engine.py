@@ -121,11 +121,22 @@ def test_another_job_in_the_store_is_not_continued(tmp_path: Path) -> None:
 
     with pytest.raises(RuntimeError, match="no more"):
         scale.run(Sums(9), to, workers=0, progress=stop)
-    with pytest.raises(InputError, match="holds another job: its count is 9, here it is 10"):
+    with pytest.raises(
+        InputError, match="holds another job: its count is 9, here it is 10.* remove '.*sums.npy.job'"
+    ):
         scale.run(Sums(10), to, workers=0, progress=False)
-    (tmp_path / "sums.npy.job" / "state.npz").write_bytes(b"PK damaged")
-    with pytest.raises(InputError, match="is damaged"):
-        scale.run(Sums(9), to, workers=0, progress=False)
+    for name in ("state.npz", "job.json"):
+        (tmp_path / "sums.npy.job" / name).write_bytes(b"PK damaged")
+        with pytest.raises(InputError, match=f"{name}' is damaged .*; remove '.*sums.npy.job' to begin anew"):
+            scale.run(Sums(9), to, workers=0, progress=False)
+
+
+def test_a_store_without_any_part_is_that_of_the_next_job(tmp_path: Path) -> None:
+    to = tmp_path / "sums.npy"
+    with pytest.raises(InputError, match="No scheduler answers"):
+        scale.run(Sums(9), to, scheduler="nonsense", progress=False)
+    assert (tmp_path / "sums.npy.job").exists()
+    np.testing.assert_array_equal(scale.run(Sums(10), to, workers=0, progress=False), _expected(10))
 
 
 def test_two_processes_do_not_share_a_store(tmp_path: Path) -> None:
@@ -148,6 +159,16 @@ def test_wrong_arguments() -> None:
         scale.run(Sums(3), workers=-1)
     with pytest.raises(InputError, match="`scheduler` is a int"):
         scale.run(Sums(3), scheduler=3, progress=False)
+
+
+def test_a_scheduler_without_workers_is_said(tmp_path: Path) -> None:
+    from distributed import Client, LocalCluster
+
+    settings: Any = {"n_workers": 0, "processes": False, "dashboard_address": ":0", "silence_logs": 50}
+    with LocalCluster(**settings) as local, Client(local) as alone:
+        message = r"no workers, after 0.1 s: `dask worker .*` starts one. 0 of 3 parts are in"
+        with pytest.raises(JobStopped, match=message):
+            scale.run(Sums(3), tmp_path / "s.npy", scheduler=alone, progress=False, patience=0.1)
 
 
 def _pretend(version: str) -> None:
