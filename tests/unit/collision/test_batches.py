@@ -162,9 +162,8 @@ def test_interpreter_and_checked_code_agree_with_machine_code() -> None:
 def test_spheres_that_can_meet_are_read_from_the_disk(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     from ulna.collision.lanes import sphere_pairs
 
-    folder = tmp_path / "cache"
-    monkeypatch.setenv("ULNA_CACHE", str(folder))
     checker = SphereChecker(ulna.load("ur5").model)
+    monkeypatch.setenv("ULNA_CACHE", str(tmp_path / "cache"))
     robot = links_of(checker.model, checker.spheres, checker.pairs, "error")
     numbers = tuple(pair[:2] for pair in robot.pairs)
     arguments = robot.model, robot.groups, numbers, robot.bounds_of_motion[1]
