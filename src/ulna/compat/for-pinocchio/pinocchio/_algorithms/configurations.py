@@ -120,8 +120,9 @@ def _draw(model: Model, draws: np.random.Generator) -> tuple[Floats, Floats]:
     shape = _DRAWN_AT_ONCE, model.nq
     parts = draws.random(shape)
     normal = parts if model.nq == model.nv else draws.standard_normal(shape)  # none is a quaternion's
-    pairs = [(row, row) for row in parts] if normal is parts else list(zip(parts, normal, strict=True))
-    model._drawn, model._drawn_by = iter(pairs), draws
+    same = normal is parts  # then one view of a row serves for both
+    model._drawn = iter([(row, row) for row in parts]) if same else zip(parts, normal, strict=True)
+    model._drawn_by = draws
     return next(model._drawn)
 
 
