@@ -71,6 +71,19 @@ def test_a_test_that_lacks_a_package_is_distinguished_from_one_that_fails() -> N
     assert missing_package(ModuleNotFoundError("No module", name="no_such_package.part")) == "no_such_package"
     assert missing_package(ModuleNotFoundError("No module", name="ulna.no_such_part")) == ""
     assert missing_package(MissingExtra("numpy", "all", "A test that hides it")) == ""
+    assert missing_package(importlib.metadata.PackageNotFoundError("no-such-package")) == "no-such-package"
+    lacking = MissingExtra("no-such-package", "all", "This test")
+    printed = "Traceback (most recent call last):\n  ...\nModuleNotFoundError: No module named 'no_such_package.part'\n"
+    assert missing_package(AssertionError(printed)) == "no_such_package"
+    assert (
+        missing_package(AssertionError(f"ulna.errors.{MissingExtra.__name__}: {lacking}"))
+        == "no_such_package"
+    )
+    assert missing_package(AssertionError(printed.replace("no_such_package", "numpy"))) == ""
+    assert (
+        missing_package(AssertionError("expected ModuleNotFoundError: No module named 'no_such_package'"))
+        == ""
+    )
     assert missing_package(ImportError("cannot import name", name="numpy")) == ""
     assert missing_package(ValueError("something else")) == ""
     chained = AssertionError("another error")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import sysconfig
 from dataclasses import replace
 
 import numpy as np
@@ -50,6 +51,8 @@ TEXTS = {
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_ir(golden, name):
+    if name == "affine_entry.ll" and sysconfig.get_config_var("Py_GIL_DISABLED"):
+        pytest.skip("the entry point reads fields of objects, which lie elsewhere in a free-threaded CPython")
     golden(name, TEXTS[name]())
 
 

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from ulna.errors import MissingExtra
+
 
 def numbers(values: Any) -> str:
     """Numbers with six digits, and no -0."""
@@ -103,6 +105,8 @@ def transcript(calls: Iterable[str], names: dict[str, Any], scene: Any) -> str:
 def _result(call: str, names: dict[str, Any]) -> str:
     try:
         return words(eval(call, {"np": np}, names))
+    except MissingExtra:  # a package that the tests of this place do without
+        raise
     except Exception as error:
         return f"{type(error).__name__}: {_without_folders(str(error))}"
 

@@ -35,6 +35,8 @@ POSE = np.ma.array(np.eye(4), mask=np.eye(4, dtype=bool))
         ("q0", lambda r: r.ik(r.fk(ZERO), Q[0])),
         ("q0", lambda r: r.difference(Q, Q)),
         ("q0", lambda r: trajectory.quintic(Q[0], ZERO, 1.0)),
+        ("q1", lambda r: trajectory.quintic_states(ZERO, Q[0], 1.0, [0.0, 1.0])),
+        ("values", lambda r: r.kernel("mass_matrix").pattern().unpack(np.ma.array(np.ones(21), mask=True))),
         ("matrix", lambda r: SE3.from_matrix(POSE)),
         ("configuration", lambda r: r.with_configuration("a", Q[0])),
         ("x", lambda r: ulna.compile(lambda x: 2.0 * x, x=(6,))(Q)),

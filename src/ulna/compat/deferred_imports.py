@@ -89,7 +89,10 @@ class DeferredName:
         self._module, self._name = module, name
 
     def _real(self) -> Any:
-        return getattr(importlib.import_module(self._module), self._name)
+        module = importlib.import_module(self._module)
+        if type(module) is DeferredModule:  # it is used while imports are still deferred
+            module = module._import_module()
+        return getattr(module, self._name)
 
     def __call__(self, *args: Any, **options: Any) -> Any:
         """Calls the function or class, which is imported at the first use.

@@ -53,8 +53,10 @@ class ConstrainedWorkspace(Workspace):
         super().__init__(scene, storage, margin, step, STRIDE, coarse)
         model, self._step = constraints.model, constraints.step_kernel
         inputs = np.concatenate([np.zeros(model.nq), np.ones(model.nq), constraints.numbers])
+        with np.errstate(over="ignore"):  # tolerances and edges may be as good as infinite
+            inputs = inputs.astype(np.float32)
         self.projection = Projection(
-            inputs.astype(np.float32)[:, None].copy(), np.zeros((model.nq + 1, 1), np.float32),
+            inputs[:, None].copy(), np.zeros((model.nq + 1, 1), np.float32),
             model.lower_position.astype(np.float32), model.upper_position.astype(np.float32),
             np.float32(LEFT), _ROUNDS, np.float32(STRIDE),
         )  # fmt: skip

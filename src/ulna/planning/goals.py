@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple, final
 
 import numpy as np
 
-from ulna.checks.arrays import finite_array
+from ulna.checks.arrays import finite_array, real_array
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.ik.result import IKSolution
 from ulna.model import Model
@@ -36,7 +36,7 @@ class Region:
 
     Raises:
         ShapeError: If `pose` is none.
-        InputError: If `size` is no box.
+        InputError, DtypeError: If `size` is no box.
         UnknownName: If `turns` is none of these.
     """
 
@@ -50,7 +50,7 @@ class Region:
         matrix = pose.matrix() if isinstance(pose, SE3) else finite_array("pose", pose)
         if matrix.shape not in ((3,), (4, 4)):
             raise ShapeError("pose", matrix.shape, "an SE3, (4, 4), or a position (3,)")
-        edges = np.array(size, dtype=float)
+        edges = np.array(real_array("size", size), dtype=float)
         if edges.shape != (3,) or not (edges >= 0.0).all():
             raise InputError(f"`size` is {size!r}; expected three edges of a box, not below 0 [m].")
         if turns not in _TURNS:

@@ -115,6 +115,7 @@ def quintic_states(
     first, last = (np.zeros(start.shape) if v is None else np.asarray(v) for v in (v0, v1))
     ends, n = (start, end, first, last), start.size
     is_usual = all(x.shape == (n,) and x.dtype == np.float64 for x in ends) and at.ndim == 1
+    is_usual = is_usual and not any(isinstance(x, np.ma.MaskedArray) for x in (q0, q1, t, v0, v1))
     if is_usual and n and at.size and at.dtype.kind in "fiu":
         q, v, a = _states(n)(*ends, checked_duration("duration", duration), at)
         if np.isfinite(q).all():

@@ -171,6 +171,7 @@ def test_robots_in_the_plane_begin_and_end_at_the_links_passed(rtb: Any) -> None
 def test_a_robot_with_shapes_is_taught_in_the_viewer_where_there_is_a_screen(
     panda: Any, puma: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    pytest.importorskip("viser")
     monkeypatch.delenv("SWIFT_HEADLESS", raising=False)
     for robot in (panda, puma):
         monkeypatch.setattr(type(robot), "_teach_in_viewer", lambda *_: "viewer")

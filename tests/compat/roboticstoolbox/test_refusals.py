@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from support.compat_packages import using
+from ulna.errors import InputError
 
 pytest.importorskip("spatialmath")
 
@@ -168,3 +169,21 @@ def test_modules_that_scripts_import_from_have_their_names(rtb: Any) -> None:
     for module, names in PLACES.items():
         found = importlib.import_module(f"roboticstoolbox.{module}")
         assert all(getattr(found, name) is not None for name in names), module
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda n, q: n.puma.fkine(q),
+        lambda n, q: n.puma.jacob0(q),
+        lambda n, q: n.puma.ikine_LM(n.puma.fkine(n.q), q0=q),
+        lambda n, q: n.rtb.jtraj(n.q, q, 5),
+        lambda n, q: n.chain.fkine(q[:2]),
+        lambda n, q: setattr(n.puma, "q", q),
+    ],
+)
+def test_masked_entries_are_refused(named: Any, call: Any) -> None:
+    masked = np.ma.array(np.ones(6), mask=[True, False, False, False, False, False])
+    with pytest.raises(InputError, match="masked array with 1 masked entry"):
+        call(named, masked)
+    call(named, np.ma.array(np.ones(6)))

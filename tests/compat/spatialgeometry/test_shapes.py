@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from importlib.metadata import distribution
 from pathlib import Path
 from typing import Any
 
@@ -101,6 +102,7 @@ def test_it_answers_as_the_package_does() -> None:
 
 
 def test_every_public_name_of_the_package_is_there(sg: Any) -> None:
+    distribution("spatialgeometry")  # what is compared with
     code = "import json, spatialgeometry as sg; print(json.dumps({n: [m for m in dir(getattr(sg, n)) if m[0] != '_'] for n in sg.__all__}))"
     plain = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
     done = subprocess.run([sys.executable, "-c", code], env=plain, capture_output=True, text=True, check=True)

@@ -126,6 +126,17 @@ def test_nan_is_refused_or_touches_as_in_small_batches() -> None:
     assert results[0] == results[1]
 
 
+def test_what_float32_cannot_hold_is_left_to_float64_without_a_warning() -> None:
+    robot = ulna.load("panda")
+    checker, q = SphereChecker(robot.model, cluttered(4)), within_limits(robot, 64, 7)
+    q[::2, 3], q[1::2, 5] = 1e308, -1e39
+    expected = by_float64(checker, q)
+    assert checker.collides(q).tolist() == expected.tolist() == [checker.collides(row) for row in q]
+    for margin in (1e39, 1e308):
+        assert checker.collides(q[0], margin=margin) is True
+        assert checker.collides(q, margin=margin).all()
+
+
 def test_a_single_array_is_checked_as_any_configuration_is() -> None:
     robot = ulna.load("panda")
     checker, rows = SphereChecker(robot.model, cluttered(4)), within_limits(robot, 60, 5)

@@ -115,6 +115,16 @@ def test_a_part_of_a_package_brings_the_whole(folder: Path) -> None:
     assert importlib.import_module("heavy_two").part.VALUES == (7,)
 
 
+def test_what_is_used_while_the_library_is_imported_is_imported(folder: Path) -> None:
+    """As matplotlib.markers makes a Path when pyplot is imported: the placeholder called itself without end."""
+    (folder / "library.py").write_text(
+        "from heavy_one import Thing, make\nx, y = Thing.of(1), make(2).number\n"
+    )
+    library, real = imported(), importlib.import_module("heavy_one")
+    assert type(library.x) is real.Thing and (library.x.number, library.y) == (1, 2)
+    assert library.Thing(3).number == 3 and isinstance(library.x, real.Thing)
+
+
 def test_placeholders_are_removed_when_an_import_fails(folder: Path) -> None:
     (folder / "library.py").write_text("import heavy_one\n1 / 0\n")
     finders = list(sys.meta_path)

@@ -11,7 +11,7 @@ import pytest
 
 import ulna
 from ulna.collision import World
-from ulna.errors import InputError, UnknownName
+from ulna.errors import DtypeError, InputError, UnknownName
 from ulna.geometry import Box, Sphere
 from ulna.planning import PathConstraint, Planner, Region, plan, projected_rrt, scene
 from ulna.planning.constrained import ConstrainedSearch
@@ -158,6 +158,14 @@ def test_wrong_constraints_are_refused() -> None:
         plan(panda(), right(), Region(pose(0.0), size=ANYWHERE))
     with pytest.raises(InputError, match="edges of a box"):
         Region(pose(0.0), size=(np.nan, 0.0, 0.0))
+    with pytest.raises(DtypeError, match="`size`"):
+        Region(pose(0.0), size="large")  # type: ignore[arg-type]
+
+
+def test_tolerances_and_edges_beyond_float32_are_as_good_as_infinite() -> None:
+    loose = PathConstraint(panda().model.tool, Region(pose(0.0), size=(1e300,) * 3, turns="z"), 1e300, 1e300)
+    path = planner().plan(right(), pose(0.25), constraints=loose)
+    assert path.is_certified
 
 
 def test_paths_along_constraints_become_shorter_and_stay_proved() -> None:

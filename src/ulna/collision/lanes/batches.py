@@ -210,7 +210,8 @@ class BatchCheck:
 
     def __init__(self, scene: Scene, reach: float) -> None:
         self._scene = scene
-        self._larger, self._smaller = (scene.check_tables(reach, sign) for sign in (1.0, -1.0))
+        with np.errstate(over="ignore"):  # whatever is within a reach of inf touches
+            self._larger, self._smaller = (scene.check_tables(reach, sign) for sign in (1.0, -1.0))
         self._range = scene.robot.range
         self._procedure = which_touch.specialized(W=scene.lanes)
         self._storage = threading.local()
@@ -227,7 +228,8 @@ class BatchCheck:
             Which touch, and which are in doubt and counted as touching: those between the two passes, and those
             out of the range in which the bounds of rounding hold; truth values (n,).
         """
-        q32 = np.ascontiguousarray(q, np.float32)
+        with np.errstate(over="ignore"):  # what is inf in float32 is out of range, and in doubt
+            q32 = np.ascontiguousarray(q, np.float32)
         touching = self._pass(self._larger, q32)
         rows = np.flatnonzero(touching)
         is_doubtful = np.zeros(len(q), dtype=bool)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ulna.checks.masked import check_not_masked
 from ulna.compiler.language.ops import Op
 from ulna.compiler.language.ports import Port
 from ulna.errors import InputError, ShapeError
@@ -59,7 +60,9 @@ class Pattern:
 
         Raises:
             ShapeError: If the last axis has another size.
+            InputError: If entries are masked.
         """
+        check_not_masked("values", values)
         stored = np.asarray(values)
         if stored.ndim == 0 or stored.shape[-1] != self.count:
             raise ShapeError(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.errors import WrongShape, WrongType
+from ulna.checks.masked import check_not_masked
 from ulna.errors import excerpt
 from ulna.typing import Floats
 
@@ -23,9 +24,12 @@ def numbers(name: str, value: Any) -> Floats:
 
     Raises:
         WrongType: It holds no numbers.
+        InputError: Entries are masked.
     """
     if value is None:
         raise WrongType(f"`{name}` is None; expected numbers.")
+    if type(value) is not np.ndarray:
+        check_not_masked(name, value)
     try:
         return np.asarray(value, dtype=float)
     except (TypeError, ValueError):

@@ -19,7 +19,7 @@ from typing import Any, Literal
 import numpy as np
 
 from roboticstoolbox._common.errors import UnknownOption, WrongShape
-from roboticstoolbox._common.numbers import number
+from roboticstoolbox._common.numbers import number, numbers
 from roboticstoolbox._common.poses import matrices
 from roboticstoolbox._ets.compiled_chain import Chain
 from roboticstoolbox._ets.ik_solution import IKSolution
@@ -298,7 +298,7 @@ def damping_name(method: Any) -> Damping:
 
 
 def _starting_rows(q0: Any, n: int, slimit: int) -> Floats:
-    rows = np.asarray(q0, dtype=float)
+    rows = numbers("q0", q0)
     if rows.ndim not in (1, 2) or rows.shape[-1] != n or (rows.ndim == 2 and not 0 < len(rows) <= slimit):
         raise WrongShape("q0", rows.shape, f"({n},), or at most slimit = {slimit} rows (m, {n})")
     return rows if rows.ndim == 2 else rows[None]
