@@ -252,7 +252,7 @@ def test_a_plane_does_not_move() -> None:
 
 def test_first_contact_refuses_what_it_cannot_answer(robot: ulna.Robot) -> None:
     q = robot.configurations["qr"]
-    with pytest.raises(InputError, match="asks coal"):
+    with pytest.raises(InputError, match="is exact, by coal"):
         robot.first_contact(q, q + 0.1, method="spheres")
     far = Checker(slider(Sphere(0.1)), World().add("wall", Sphere(0.1), (0.0, 0.0, 9.0)))
     with pytest.raises(InputError, match="units"):
