@@ -156,15 +156,16 @@ def in_turns(calls: dict[str, Callable[[], Any]], rounds: int) -> dict[str, floa
     return {name: statistics.median(values) for name, values in times.items()}
 
 
-def worker_memory(client: Any) -> float:
-    """The largest resident memory of a worker [MiB]."""
+def peak() -> float:
+    """The largest resident memory of this process so far [MiB]."""
+    import resource
 
-    def peak() -> float:
-        import resource
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
-    return max(client.run(peak).values())
+def memory(client: Any) -> str:
+    """The largest resident memory of a worker, and of this process."""
+    return f"{max(client.run(peak).values()):.0f} MiB of a worker, {peak():.0f} MiB of the coordinator"
 
 
 def kills(count: int) -> None:
@@ -209,7 +210,7 @@ def maps(client: Any, n: int, rounds: int) -> None:
         return lambda: scale.reach("ur5", n, chunk=chunk, **where, **options)
 
     scale.reach("ur5", 2e6, chunk=100_000, scheduler=client, **options)
-    first = worker_memory(client)
+    first = memory(client)
     times = in_turns(
         {
             "one process": mapped(1_000_000, workers=0),
@@ -219,7 +220,7 @@ def maps(client: Any, n: int, rounds: int) -> None:
         },
         rounds,
     )
-    last = worker_memory(client)
+    last = memory(client)
     one = times["one process"]
     for name, seconds in times.items():
         print(f"{name:40s} {seconds:8.2f} s   {one / seconds:6.2f} x one process")
@@ -227,9 +228,8 @@ def maps(client: Any, n: int, rounds: int) -> None:
     print(
         f"joblib over Pinocchio (FK alone) would take {per_sample / times['two workers']:.0f} times as long as two workers"
     )
-    print(
-        f"largest memory of a worker: {first:.0f} MiB after 2e6 samples, {last:.0f} MiB after {2 * rounds * n:.0e} more"
-    )
+    print(f"largest memory after 2e6 samples: {first}")
+    print(f"after {3 * rounds * n:.0e} more: {last}")
 
 
 def main() -> None:
