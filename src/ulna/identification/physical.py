@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ulna.checks.arrays import finite_array
 from ulna.errors import InputError, ShapeError
 from ulna.typing import ArrayLike, Floats
 
@@ -125,7 +126,7 @@ def _factor(t: Floats) -> Floats:
 
 
 def _ten(name: str, parameters: ArrayLike) -> Floats:
-    array = np.asarray(parameters, dtype=float)
+    array = finite_array(name, parameters)
     if array.shape[-1:] != (10,):
         raise ShapeError(name, array.shape, "(..., 10)")
     return array

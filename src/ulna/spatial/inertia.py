@@ -117,7 +117,11 @@ class Inertia(Batched):
 
         Returns:
             The inertia.
+
+        Raises:
+            InputError: If the radius is negative.
         """
+        _check_lengths(radius=radius)
         return cls._solid(mass, 0.4 * radius**2, 0.4 * radius**2, 0.4 * radius**2)
 
     @classmethod
@@ -145,12 +149,17 @@ class Inertia(Batched):
         Returns:
             The inertia.
 
+        Raises:
+            InputError: If a length is negative.
+
         Example:
             >>> inertia = ulna.Inertia.from_box(12.0, (1.0, 2.0, 3.0))
             >>> np.diag(inertia.inertia)
             array([13., 10.,  5.])
         """
-        a, b, c = batched_array("size", size, (3,)) ** 2
+        edges = batched_array("size", size, (3,))
+        _check_lengths(size=edges)
+        a, b, c = edges**2
         return cls._solid(mass, (b + c) / 12, (a + c) / 12, (a + b) / 12)
 
     @classmethod
@@ -164,7 +173,11 @@ class Inertia(Batched):
 
         Returns:
             The inertia.
+
+        Raises:
+            InputError: If a length is negative.
         """
+        _check_lengths(radius=radius, length=length)
         across = radius**2 / 4 + length**2 / 12
         return cls._solid(mass, across, across, radius**2 / 2)
 
@@ -179,7 +192,11 @@ class Inertia(Batched):
 
         Returns:
             The inertia.
+
+        Raises:
+            InputError: If a length is negative.
         """
+        _check_lengths(radius=radius, length=length)
         cylinder, ball = length, 4 * radius / 3  # volumes over pi radius^2
         share = cylinder / (cylinder + ball)
         half_sphere = 2 * radius**2 / 5 + length**2 / 4 + 3 * length * radius / 8
@@ -197,7 +214,11 @@ class Inertia(Batched):
 
         Returns:
             The inertia.
+
+        Raises:
+            InputError: If a length is negative.
         """
+        _check_lengths(radius=radius, length=length)
         across = 3 * radius**2 / 20 + 3 * length**2 / 80
         body = cls._solid(mass, across, across, 3 * radius**2 / 10)
         return cls(body.mass, np.array([0.0, 0.0, -length / 4]), body.inertia)
@@ -334,3 +355,11 @@ def _checked_inertia(inertia: ArrayLike) -> Array:
             "expected none. Give the upper triangle instead: xx, xy, xz, yy, yz, zz."
         )
     return 0.5 * (array + np.swapaxes(array, -1, -2))
+
+
+def _check_lengths(**lengths: Any) -> None:
+    """Refuses negative lengths; symbols pass."""
+    for name, value in lengths.items():
+        array = np.asarray(value)
+        if array.dtype.kind in "fiu" and (array < 0).any():
+            raise InputError(f"`{name}` is {value!r} m; expected zero or more.")

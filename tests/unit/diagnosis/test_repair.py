@@ -11,7 +11,7 @@ import ulna
 from ulna import Inertia
 from ulna.cli import main
 from ulna.diagnosis import diagnose, repair_inertias
-from ulna.errors import FormatError, InputError, ModelWarning, UnknownName
+from ulna.errors import FormatError, InputError, ModelWarning, UlnaError, UnknownName
 from ulna.formats.urdf_repair import nearest_inertia
 from ulna.identification import nearest_physical
 
@@ -82,3 +82,11 @@ def test_what_cannot_be_repaired_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="Cannot write"):
         repair_inertias(bad, tmp_path / "no folder" / "good.urdf")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["bad.urdf"]
+
+
+@pytest.mark.parametrize(
+    "wrong", [np.full(10, np.nan), np.ones(10) * 1j, np.ma.array(np.ones(10), mask=True), ["a"] * 10]
+)
+def test_parameters_that_are_no_numbers_are_refused(wrong) -> None:
+    with pytest.raises(UlnaError, match="`parameters"):
+        nearest_physical(wrong)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from ulna.errors import InputError
 from ulna.spatial import SE3, Inertia, Motion
 
 close = np.testing.assert_allclose
@@ -94,3 +95,18 @@ def test_physical_bodies_obey_the_triangle_inequality(
     moments: list[float], mass: float, physical: bool
 ) -> None:
     assert bool(Inertia(mass, np.zeros(3), np.diag(np.array(moments, float))).is_physical()) is physical
+
+
+@pytest.mark.parametrize(
+    ("name", "call"),
+    [
+        ("size", lambda: Inertia.from_box(1.0, (1.0, -1.0, 1.0))),
+        ("radius", lambda: Inertia.from_sphere(1.0, -0.5)),
+        ("radius", lambda: Inertia.from_cylinder(1.0, -0.5, 1.0)),
+        ("length", lambda: Inertia.from_capsule(1.0, 0.5, -1.0)),
+        ("length", lambda: Inertia.from_cone(1.0, 0.5, -1)),
+    ],
+)
+def test_negative_lengths_are_refused(name, call) -> None:
+    with pytest.raises(InputError, match=f"`{name}` is .*; expected zero or more"):
+        call()
