@@ -116,6 +116,7 @@ NAMES = [
     "ulna.control.joint_pd",
     "ulna.control.stage",
     "ulna.diagnosis.diagnose",
+    "ulna.diagnosis.repair_inertias",
     "ulna.export",
     "ulna.identification.base_parameters",
     "ulna.identification.identify",

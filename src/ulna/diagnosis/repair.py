@@ -30,7 +30,11 @@ def repair_inertias(path: str | os.PathLike[str], output: str | os.PathLike[str]
         InputError: The file cannot be written.
 
     Example:
-        >>> ulna.diagnosis.repair_inertias("arm.urdf", "repaired.urdf")  # doctest: +SKIP
+        >>> inertia = '<mass value="1"/><inertia ixx="1" iyy="1" izz="3" ixy="0" ixz="0" iyz="0"/>'
+        >>> text = f'<robot name="arm"><link name="upper"><inertial>{inertia}</inertial></link></robot>'
+        >>> from pathlib import Path
+        >>> _ = Path("arm.urdf").write_text(text)
+        >>> ulna.diagnosis.repair_inertias("arm.urdf", "repaired.urdf")
         ('upper',)
     """
     for name in (path, output):
