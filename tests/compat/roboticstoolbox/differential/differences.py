@@ -107,7 +107,7 @@ DOCUMENTED = (
     Difference("stricter", r"=np\.eye\(3\)|= np\.eye\(3\)|^planar: robot\.(base|tool) = ", "for a result", "a pose in space is (4, 4), in the plane (3, 3)"),
     Difference("stricter", r"fkine_all\(q=(np\.(vstack|r_)|q\[:-1)|twists\(q=(np\.r_|q\[:-1)|rne\(.*np\.r_\[", "ShapeError for", "a configuration has a number for each joint"),
     Difference("stricter", r"^(screws|panda): .*(hessian\w|jacob0_analytical)\(", "InputError for a result", "a chain without joints has no Hessian"),
-    Difference("stricter", r"get_path\(end='nonsense'\)", "UnknownKey", "unknown links raise"),
+    Difference("stricter", r"get_path\(end='nonsense'\)|jacobm\((start|end)='nonsense'", "UnknownKey", "unknown links raise"),
     Difference("stricter", r"trapezoidal\(.*t=1\)", "for a result", "one time makes no trapezoid"),
     Difference("stricter", r"quintic_func\(q0=None", " for ", "None is no number"),
 
