@@ -14,6 +14,7 @@ from ulna.model import (
     Circle,
     Composite,
     Continuous,
+    Cylindrical,
     Ellipsoid,
     Fixed,
     FreeFlyer,
@@ -45,6 +46,8 @@ KINDS: dict[str, JointKind] = {
     "prismatic": Prismatic(SKEW),
     "helical z": Helical((0, 0, 1), 0.2),
     "helical": Helical(SKEW, -0.7),
+    "cylindrical z": Cylindrical(),
+    "cylindrical": Cylindrical(SKEW),
     "universal": Universal(),
     "universal askew": Universal(SKEW, (1, 0.2, 0)),
     "translation": Translation(),
@@ -126,6 +129,22 @@ def test_the_motion_subspace_is_the_derivative_of_the_pose(name: str) -> None:
             backward = pose.inverse() @ kind.transform(kind.integrate(at, -step))
             twist = (forward.log().vector() - backward.log().vector()) / (2 * h)
             np.testing.assert_allclose(column.vector(), twist, atol=1e-9)
+
+
+@moving
+def test_elementary_joints_in_a_row_are_the_joint(name: str) -> None:
+    kind, q, _ = samples(name)
+    parts = kind.elementary_joints(TILT)
+    pose = SE3.identity()
+    for part in parts:
+        position = part.ratio * q[..., part.start_q : part.start_q + part.kind.nq]
+        pose = pose @ part.placement @ part.kind.transform(position)
+        for column in part.kind.motion_subspace(position):
+            assert column.vector().shape == (6,)  # constant: no batch axes
+    np.testing.assert_allclose(pose.matrix(), (TILT @ kind.transform(q)).matrix(), atol=5e-15)
+    assert {k for part in parts for k in range(part.start_v, part.start_v + part.kind.nv)} == set(
+        range(kind.nv)
+    )
 
 
 @moving

@@ -11,6 +11,7 @@ import pytest
 from ulna.model import (
     Composite,
     Continuous,
+    Cylindrical,
     FreeFlyer,
     Helical,
     JointKind,
@@ -48,6 +49,14 @@ def composite() -> Any:
     return joint
 
 
+def cylindrical() -> Any:
+    """Pinocchio has none; a prismatic and a revolute joint about the same axis are one."""
+    joint = pin.JointModelComposite()
+    joint.addJoint(pin.JointModelPrismaticUnaligned(AXIS), pin.SE3.Identity())
+    joint.addJoint(pin.JointModelRevoluteUnaligned(AXIS), pin.SE3.Identity())
+    return joint
+
+
 CASES: dict[str, tuple[JointKind, Callable[[], Any], Callable[[np.ndarray], np.ndarray]]] = {
     "RX": (Revolute((1, 0, 0)), pin.JointModelRX, same),
     "RY": (Revolute((0, 1, 0)), pin.JointModelRY, same),
@@ -59,6 +68,7 @@ CASES: dict[str, tuple[JointKind, Callable[[], Any], Callable[[np.ndarray], np.n
     "HelicalUnaligned": (Helical(AXIS, -0.2), lambda: pin.JointModelHelicalUnaligned(AXIS, -0.2), same),
     "RUBX": (Continuous((1, 0, 0)), pin.JointModelRUBX, cos_sin),
     "RUBZ": (Continuous((0, 0, 1)), pin.JointModelRUBZ, cos_sin),
+    "Cylindrical": (Cylindrical(AXIS), cylindrical, same),
     "Universal": (
         Universal((1, 0, 0), (0, 1, 0)),
         lambda: pin.JointModelUniversal(np.eye(3)[0], np.eye(3)[1]),

@@ -10,7 +10,6 @@ import pinocchio as pin
 
 from ulna.errors import ModelWarning
 from ulna.model import (
-    Composite,
     Continuous,
     Frame,
     FreeFlyer,
@@ -23,7 +22,6 @@ from ulna.model import (
     Revolute,
     Spherical,
     Translation,
-    Universal,
 )
 from ulna.spatial import SE3, Inertia
 from ulna.typing import Floats
@@ -199,10 +197,12 @@ def _pin_kind(kind: JointKind):
         return pin.JointModelPrismaticUnaligned(np.array(kind.axis))
     if isinstance(kind, Helical):
         return pin.JointModelHelicalUnaligned(np.array(kind.axis), kind.pitch)
-    if isinstance(kind, Universal):  # Pinocchio's wants perpendicular axes
-        return _composite([(SE3.identity(), Revolute(kind.axis1)), (SE3.identity(), Revolute(kind.axis2))])
-    if isinstance(kind, Composite):
-        return _composite(list(zip(kind.placements or (), kind.kinds, strict=True)))
+    parts = kind.elementary_joints(SE3.identity())
+    if len(parts) > 1:  # also for Universal, as Pinocchio's wants perpendicular axes
+        out = pin.JointModelComposite()
+        for part in parts:
+            out.addJoint(_pin_kind(part.kind), _pin_pose(part.placement))
+        return out
     plain = {
         Translation: pin.JointModelTranslation,
         Planar: pin.JointModelPlanar,
@@ -210,14 +210,3 @@ def _pin_kind(kind: JointKind):
         FreeFlyer: pin.JointModelFreeFlyer,
     }
     return plain[type(kind)]()
-
-
-def _composite(parts: list[tuple[SE3, JointKind]]):
-    out = pin.JointModelComposite()
-    for placement, kind in parts:
-        if isinstance(kind, Universal):
-            out.addJoint(pin.JointModelRevoluteUnaligned(np.array(kind.axis1)), _pin_pose(placement))
-            out.addJoint(pin.JointModelRevoluteUnaligned(np.array(kind.axis2)), pin.SE3.Identity())
-        else:
-            out.addJoint(_pin_kind(kind), _pin_pose(placement))
-    return out

@@ -9,6 +9,7 @@ import numpy as np
 from ulna.model import (
     Composite,
     Continuous,
+    Cylindrical,
     Fixed,
     FreeFlyer,
     Helical,
@@ -60,8 +61,9 @@ KINDS: dict[str, Callable[[Rng], JointKind]] = {
     "composite_ball": lambda rng: Composite(
         (Spherical(), Helical(random_axis(rng), 0.2)), (random_pose(rng), random_pose(rng))
     ),
+    "cylindrical": lambda rng: Cylindrical(random_axis(rng)),
 }
-"""For each kind a maker with random constants."""
+"""For each kind a maker with random constants. New ones come last, so that the models of the seeds in use keep their order."""
 
 SCALAR_KINDS = ("revolute", "continuous", "prismatic", "helical")
 """The kinds with one coordinate, which can mimic one another."""

@@ -20,6 +20,8 @@ from ulna.model.joints import Circle as Circle
 from ulna.model.joints import Composite as Composite
 from ulna.model.joints import Continuous as Continuous
 from ulna.model.joints import Coordinate as Coordinate
+from ulna.model.joints import Cylindrical as Cylindrical
+from ulna.model.joints import ElementaryJoint as ElementaryJoint
 from ulna.model.joints import Ellipsoid as Ellipsoid
 from ulna.model.joints import Fixed as Fixed
 from ulna.model.joints import FreeFlyer as FreeFlyer

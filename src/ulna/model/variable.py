@@ -35,7 +35,7 @@ from ulna.model.inertial import (
     with_dynamic_parameters,
     with_joint_dynamics,
 )
-from ulna.model.joints import Composite, Ellipsoid, Fixed, JointKind, Universal
+from ulna.model.joints import Composite, Fixed, JointKind
 from ulna.model.joints.axes import snap_pose
 from ulna.model.joints.base import VectorKind
 from ulna.model.model import Model
@@ -235,7 +235,7 @@ def _shifted(model: Model, value: Array) -> Model:
         return replace(model, joints=tuple(joints))
     off = []
     for joint, zero in zip(model.joints, parts, strict=True):
-        if isinstance(joint.kind, (Composite, Ellipsoid, Universal)) and zero.any():
+        if len(joint.kind.elementary_joints(joint.placement)) > 1 and zero.any():
             raise InputError(
                 f"An offset of joint {joint.name!r} ({joint.kind.describe()}) cannot be made part of a model; add it "
                 'to q, or ask a kernel with parameters=("offset",).'

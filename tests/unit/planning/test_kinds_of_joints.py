@@ -13,7 +13,16 @@ from ulna.collision import World
 from ulna.collision.lanes.motion_bounds import Group, motion_bounds
 from ulna.errors import InputError
 from ulna.geometry import Box, Cylinder, Geometry
-from ulna.model import Continuous, Helical, ModelBuilder, Planar, Prismatic, Translation, Universal
+from ulna.model import (
+    Continuous,
+    Cylindrical,
+    Helical,
+    ModelBuilder,
+    Planar,
+    Prismatic,
+    Translation,
+    Universal,
+)
 from ulna.model.joints.base import JointKind
 from ulna.planning import plan
 from ulna.spatial import SE3
@@ -36,6 +45,7 @@ def robot_of(first: JointKind, second: JointKind, **limits: Any) -> ulna.Robot:
         (Universal((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)), Helical((0.0, 1.0, 0.0), -0.2)),
         (Continuous((0.0, 1.0, 0.0)), Translation()),
         (Translation(), Universal((1.0, 0.0, 0.0), (0.0, 0.0, 1.0))),
+        (Cylindrical((0.0, 1.0, 0.0)), Cylindrical((1.0, 0.0, 0.0))),
     ],
 )
 def test_nothing_moves_or_approaches_faster_than_its_bound(first: JointKind, second: JointKind) -> None:
@@ -70,6 +80,7 @@ def test_nothing_moves_or_approaches_faster_than_its_bound(first: JointKind, sec
     [
         (Helical((0.0, 0.0, 1.0), 0.05), [-1.0, 0.5], [1.0, -0.5]),
         (Universal((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)), [0.0, 0.0, 0.5], [0.4, 0.4, -0.5]),
+        (Cylindrical((0.0, 0.0, 1.0)), [0.1, -1.0, 0.5], [-0.1, 1.0, -0.5]),
         (Translation(), [-0.6, 0.0, 0.0, 1.57], [0.6, 0.0, 0.0, 1.57]),
     ],
 )

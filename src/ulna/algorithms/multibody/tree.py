@@ -10,8 +10,8 @@
 | T | pose of the moving frame in the world | SE3 | [m] | T_i = T_p(i) X_i |
 
 Source: Featherstone, sections 4.1 to 4.4. A *step* is a joint, or one part of a joint that is made of parts
-(composite, universal, ellipsoid). Unfolding joints into steps makes every S constant in its own moving frame, so
-that no algorithm needs a derivative of S. Only the last step of a joint carries links and frames. A mimic joint is a
+(composite, universal, ellipsoid; see `JointKind.elementary_joints`). Unfolding joints into steps makes every S constant
+in its own moving frame, so that no algorithm needs a derivative of S. Only the last step of a joint carries links and frames. A mimic joint is a
 step whose position is affine in that of its source; its columns of S, times the multiplier, belong to the
 source's velocity. Several steps of an ellipsoid follow one of its angles in the same way.
 """
@@ -20,9 +20,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
-from ulna.model import Composite, Ellipsoid, Frame, Joint, JointKind, Model, Revolute, Universal
+from ulna.model import Frame, Joint, JointKind, Model
 from ulna.spatial import SE3, Force, Motion
 from ulna.typing import Array
 
@@ -152,7 +152,7 @@ def steps(model: Model, joints: Iterable[int] | None = None) -> tuple[Step, ...]
     for index in range(len(model.joints)) if joints is None else joints:
         joint = model.joints[index]
         parent = last_of[joint.parent]
-        parts = parts_of(joint.kind, joint.placement)
+        parts = joint.kind.elementary_joints(joint.placement)
         for k, (placement, kind, q, v, ratio) in enumerate(parts, start=1):
             tree.append(Step(joint, parent, placement, kind, q, v, k == len(parts), ratio=ratio))
             parent = len(tree) - 1
@@ -162,12 +162,10 @@ def steps(model: Model, joints: Iterable[int] | None = None) -> tuple[Step, ...]
 
 def shares_velocities(model: Model) -> bool:
     """Whether an entry of v moves several steps: of mimic joints and their sources, and of ellipsoids."""
-    return any(joint.mimic is not None or _has_ellipsoid(joint.kind) for joint in model.joints)
-
-
-def _has_ellipsoid(kind: JointKind) -> bool:
-    parts = kind.kinds if isinstance(kind, Composite) else (kind,)
-    return any(isinstance(part, Ellipsoid) for part in parts)
+    return (
+        any(joint.mimic is not None for joint in model.joints)
+        or sum(s.kind.nv for s in steps(model)) > model.nv
+    )
 
 
 def chain(model: Model, frame: Frame) -> tuple[Step, ...]:
@@ -269,50 +267,3 @@ def tip_pose(tree: Sequence[Step], q: Array, placement: SE3) -> SE3:
     tip = last.transform(q) @ placement
     fixed = poses(before, q)[-1] @ last.placement if before else last.placement
     return fixed @ tip
-
-
-class Part(NamedTuple):
-    """An elementary joint that a kind is made of."""
-
-    placement: SE3
-    """Pose of its fixed frame in the moving frame of the part before."""
-    kind: JointKind
-    """A kind with a constant motion subspace."""
-    start_q: int
-    """Where its position begins in the kind's position."""
-    start_v: int
-    """Where its velocity begins in the kind's velocity."""
-    ratio: float
-    """Its position as a multiple of that entry."""
-
-
-def parts_of(kind: JointKind, placement: SE3, start_q: int = 0, start_v: int = 0) -> list[Part]:
-    """The elementary joints that a kind is made of, from the fixed frame outward.
-
-    Args:
-        kind: The kind.
-        placement: Pose of its fixed frame in the moving frame before it [m].
-        start_q: What is added to where positions begin.
-        start_v: What is added to where velocities begin.
-
-    Returns:
-        The parts; the kind itself where its motion subspace is constant.
-    """
-    if isinstance(kind, Universal):
-        first = Part(placement, Revolute(kind.axis1), start_q, start_v, 1.0)
-        return [first, Part(SE3.identity(), Revolute(kind.axis2), start_q + 1, start_v + 1, 1.0)]
-    if isinstance(kind, Ellipsoid):
-        parts = []
-        for turn in kind.turns:
-            place, placement = placement @ SE3.trans(0.0, 0.0, turn.slide), SE3.identity()
-            k = turn.coordinate
-            parts.append(Part(place, turn.kind, start_q + k, start_v + k, turn.ratio))
-        return parts
-    if isinstance(kind, Composite):
-        assert kind.placements is not None  # a Composite fills them in
-        parts, places = [], [placement @ kind.placements[0], *kind.placements[1:]]
-        for inner, place in zip(kind.kinds, places, strict=True):
-            parts += parts_of(inner, place, start_q, start_v)
-            start_q, start_v = start_q + inner.nq, start_v + inner.nv
-        return parts
-    return [Part(placement, kind, start_q, start_v, 1.0)]

@@ -331,7 +331,7 @@ def links_of(model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...], missin
                 advice = "Make a planar base of two prismatic joints and a continuous one, or lock it."
             raise InputError(
                 f"Joint {joint.name!r} is {type(joint.kind).__name__}; planning takes joints whose positions are plain "
-                f"numbers: revolute, continuous, prismatic, helical, universal, translation. {advice}"
+                f"numbers, such as revolute, prismatic and universal ones. {advice}"
             )
     groups = []
     for name, balls in spheres.links.items():

@@ -3,6 +3,7 @@
 from ulna.model.joints.ball import FreeFlyer as FreeFlyer
 from ulna.model.joints.ball import Spherical as Spherical
 from ulna.model.joints.base import Coordinate as Coordinate
+from ulna.model.joints.base import ElementaryJoint as ElementaryJoint
 from ulna.model.joints.base import JointKind as JointKind
 from ulna.model.joints.base import VectorKind as VectorKind
 from ulna.model.joints.circle import Circle as Circle
@@ -14,6 +15,7 @@ from ulna.model.joints.planar import Planar as Planar
 from ulna.model.joints.sliding import Prismatic as Prismatic
 from ulna.model.joints.sliding import Translation as Translation
 from ulna.model.joints.turning import Continuous as Continuous
+from ulna.model.joints.turning import Cylindrical as Cylindrical
 from ulna.model.joints.turning import Helical as Helical
 from ulna.model.joints.turning import Revolute as Revolute
 from ulna.model.joints.turning import Universal as Universal

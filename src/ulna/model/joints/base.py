@@ -36,6 +36,21 @@ class Coordinate(NamedTuple):
     high: float = 1.0
 
 
+class ElementaryJoint(NamedTuple):
+    """A joint with a constant motion subspace that a kind is made of."""
+
+    placement: SE3
+    """Pose of its fixed frame in the moving frame of the elementary joint before."""
+    kind: JointKind
+    """A kind with a constant motion subspace."""
+    start_q: int
+    """Where its position begins in the kind's position."""
+    start_v: int
+    """Where its velocity begins in the kind's velocity."""
+    ratio: float
+    """Its position as a multiple of that entry."""
+
+
 def angle(name: str = "") -> Coordinate:
     """A coordinate that is an angle."""
     return Coordinate(name, "rad", -math.pi, math.pi)
@@ -119,6 +134,20 @@ class JointKind(abc.ABC):
             Acceleration in the moving frame [m/s^2, rad/s^2].
         """
         return Motion.zero()
+
+    def elementary_joints(self, placement: SE3) -> tuple[ElementaryJoint, ...]:
+        """The chain of joints with constant motion subspaces that the kind is made of, which algorithms go through.
+
+        By default the kind itself. A kind whose motion subspace depends on q overrides it, and so does one that costs
+        fewer operations as a chain.
+
+        Args:
+            placement: Pose of the kind's fixed frame in the moving frame before it [m].
+
+        Returns:
+            The elementary joints, from the fixed frame outward.
+        """
+        return (ElementaryJoint(placement, self, 0, 0, 1.0),)
 
     # the space of its coordinates --------------------------------------------------------------------------
 

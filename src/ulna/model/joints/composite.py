@@ -10,7 +10,7 @@ import numpy as np
 
 from ulna.errors import InputError
 from ulna.model.joints.axes import snap_pose
-from ulna.model.joints.base import Coordinate, JointKind
+from ulna.model.joints.base import Coordinate, ElementaryJoint, JointKind
 from ulna.numeric import is_symbolic
 from ulna.spatial import SE3, Motion
 from ulna.spatial.batched import column
@@ -94,6 +94,16 @@ class Composite(JointKind):
             velocity = step.act_inverse(velocity) + part_twist
             total = step.act_inverse(total) + kind.bias(part, v[..., rates]) + velocity.cross(part_twist)
         return total
+
+    def elementary_joints(self, placement: SE3) -> tuple[ElementaryJoint, ...]:
+        """Those of the kinds, in a row."""
+        assert self.placements is not None  # __post_init__ filled them in
+        places = (placement @ self.placements[0], *self.placements[1:])
+        return tuple(
+            part._replace(start_q=part.start_q + i.start, start_v=part.start_v + j.start)
+            for (kind, i, j), place in zip(self._slices(), places, strict=True)
+            for part in kind.elementary_joints(place)
+        )
 
     def integrate(self, q: Array, v: Array) -> Array:
         """Each kind's part by its own rule."""

@@ -27,7 +27,7 @@ from typing import ClassVar, NamedTuple
 
 from ulna.errors import InputError
 from ulna.model.joints.axes import ZERO, rotation_about, unit
-from ulna.model.joints.base import Coordinate, VectorKind, angle
+from ulna.model.joints.base import Coordinate, ElementaryJoint, VectorKind, angle
 from ulna.model.joints.turning import Revolute
 from ulna.numeric import vector
 from ulna.spatial import SE3, Motion
@@ -111,6 +111,14 @@ class Ellipsoid(VectorKind):
             velocity = T.act_inverse(velocity) + twist
             total = T.act_inverse(total) + velocity.cross(twist)
         return total
+
+    def elementary_joints(self, placement: SE3) -> tuple[ElementaryJoint, ...]:
+        """The turns."""
+        parts = []
+        for turn in self.turns:
+            place, placement = placement @ SE3.trans(0.0, 0.0, turn.slide), SE3.identity()
+            parts.append(ElementaryJoint(place, turn.kind, turn.coordinate, turn.coordinate, turn.ratio))
+        return tuple(parts)
 
     def _poses(self, q: Array) -> Iterator[SE3]:
         """The pose of the moving frame of each turn in that of the turn before."""

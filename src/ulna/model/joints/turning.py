@@ -1,4 +1,4 @@
-"""Joints that turn about fixed axes: revolute, continuous, universal and the screw."""
+"""Joints that turn about fixed axes: revolute, continuous, the screw, cylindrical and universal."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ import numpy as np
 
 from ulna.errors import InputError
 from ulna.model.joints.axes import ZERO, Axis, rotate_about, rotation_about, scaled_axis, unit, unit_axis
-from ulna.model.joints.base import Coordinate, VectorKind, angle
+from ulna.model.joints.base import Coordinate, ElementaryJoint, VectorKind, angle, length
+from ulna.model.joints.sliding import Prismatic
 from ulna.model.joints.words import axis_name
 from ulna.numeric import ceil, cross
 from ulna.spatial import SE3, Motion
@@ -111,6 +112,42 @@ class Helical(VectorKind):
 
 
 @dataclass(frozen=True)
+class Cylindrical(VectorKind):
+    """Slides along an axis and turns about it, each by itself; q is the distance [m] and the angle [rad].
+
+    Args:
+        axis: Axis in the fixed frame; scaled to length 1.
+    """
+
+    axis: Axis = (0.0, 0.0, 1.0)
+    name: ClassVar[str] = "cylindrical"
+    symbol: ClassVar[str] = "C"
+    coordinates: ClassVar[tuple[Coordinate, ...]] = (length("d"), angle("theta"))
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axis", unit_axis(self.axis))
+
+    def describe(self) -> str:
+        """A few words for tables."""
+        return f"cylindrical {axis_name(self.axis)}"
+
+    def transform(self, q: Array) -> SE3:
+        """T_fixed_moving: a translation by q1 along the axis and a rotation by q2 about it."""
+        return SE3(rotation_about(self.axis, q[..., 1]), scaled_axis(self.axis, q[..., 0]))
+
+    def motion_subspace(self, q: Array) -> tuple[Motion, ...]:
+        """(axis; 0) and (0; axis)."""
+        return Motion(unit(self.axis), ZERO), Motion(ZERO, unit(self.axis))
+
+    def elementary_joints(self, placement: SE3) -> tuple[ElementaryJoint, ...]:
+        """A prismatic and a revolute joint, whose link frames and inertias can be chosen to save operations."""
+        return (
+            ElementaryJoint(placement, Prismatic(self.axis), 0, 0, 1.0),
+            ElementaryJoint(SE3.identity(), Revolute(self.axis), 1, 1, 1.0),
+        )
+
+
+@dataclass(frozen=True)
 class Universal(VectorKind):
     """Turns about a first axis, then about a second one that the first carries; q is both angles [rad].
 
@@ -145,6 +182,13 @@ class Universal(VectorKind):
     def motion_subspace(self, q: Array) -> tuple[Motion, ...]:
         """The first axis as the moving frame sees it, R(axis2, q2)^T axis1, and the second axis."""
         return Motion(ZERO, self._first(q)), Motion(ZERO, unit(self.axis2))
+
+    def elementary_joints(self, placement: SE3) -> tuple[ElementaryJoint, ...]:
+        """Two revolute joints."""
+        return (
+            ElementaryJoint(placement, Revolute(self.axis1), 0, 0, 1.0),
+            ElementaryJoint(SE3.identity(), Revolute(self.axis2), 1, 1, 1.0),
+        )
 
     def bias(self, q: Array, v: Array) -> Motion:
         """d/dt (R(axis2, q2)^T axis1) v1 = (S1 x axis2) v1 v2."""

@@ -8,9 +8,9 @@ import numpy as np
 
 from pinocchio._model.building import KinematicTree
 from pinocchio._tables import recursions as r
-from ulna.algorithms.multibody.tree import Part, parts_of
 from ulna.model import (
     Circle,
+    ElementaryJoint,
     FreeFlyer,
     Helical,
     JointKind,
@@ -100,9 +100,9 @@ class JointTable:
         )
 
 
-def _parts(kind: JointKind | None) -> list[Part]:
+def _parts(kind: JointKind | None) -> tuple[ElementaryJoint, ...]:
     """The elementary joints of a kind; raises UnknownKind where tables do not have one of them."""
-    parts = [] if kind is None else parts_of(kind, SE3.identity())
+    parts = () if kind is None else kind.elementary_joints(SE3.identity())
     if not parts or any(type(part.kind) not in _KINDS for part in parts):
         raise UnknownKind
     return parts
