@@ -10,10 +10,11 @@
 | T | pose of the moving frame in the world | SE3 | [m] | T_i = T_p(i) X_i |
 
 Source: Featherstone, sections 4.1 to 4.4. A *step* is a joint, or one part of a joint that is made of parts
-(composite, universal, ellipsoid; see `JointKind.elementary_joints`). Unfolding joints into steps makes every S constant
-in its own moving frame, so that no algorithm needs a derivative of S. Only the last step of a joint carries links and frames. A mimic joint is a
-step whose position is affine in that of its source; its columns of S, times the multiplier, belong to the
-source's velocity. Several steps of an ellipsoid follow one of its angles in the same way.
+(composite, universal, ellipsoid; see `JointKind.elementary_joints`). Unfolding joints into steps makes every S
+constant in its own moving frame, so that no algorithm needs a derivative of S. Only the last step of a joint
+carries links and frames. A mimic joint is a step whose position is affine in that of its source; its columns of S,
+times the multiplier, belong to the source's velocity. Several steps of an ellipsoid follow one of its angles in the
+same way.
 """
 
 from __future__ import annotations
