@@ -10,6 +10,7 @@ import numpy as np
 
 NEAR = 1e-9
 BY_DIFFERENCES = 1e-4  # of what the toolbox computes by differences
+BY_ROOTS = 1e-7  # of the square root of a determinant, which rounding makes 1e-8 at a singularity
 CLASSES = ("LinAlgError",)  # that scripts catch, beside the built-in ones
 
 
@@ -83,6 +84,8 @@ def _same_numbers(ours: Any, theirs: Any, near: float) -> bool:
 
 
 def nearness(key: str) -> float:
-    """How near the numbers of a call must be, relative to the largest: less where the toolbox takes differences."""
+    """How near the numbers of a call must be, relative to the largest: less where the toolbox takes differences or roots."""
     by_differences = ("_x(", "jacob0_dot", "exp", "numerical", "jacobm", "partial")
-    return BY_DIFFERENCES if any(word in key for word in by_differences) else NEAR
+    if any(word in key for word in by_differences):
+        return BY_DIFFERENCES
+    return BY_ROOTS if "manipulability" in key else NEAR
