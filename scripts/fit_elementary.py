@@ -58,15 +58,20 @@ def exp_weight(r: Any) -> Any:
     return abs(r) ** 3 / mpmath.exp(r)
 
 
+def expm1_weight(r: Any) -> Any:
+    """What turns an error of the tail into a relative error of the exponential less 1."""
+    return abs(r) ** 3 / abs(mpmath.expm1(r)) if r else mpf(0)
+
+
 DEGREES = {
-    "F64": {"ASIN": 12, "ATAN": 11, "LOG": 6, "EXP": 8},
-    "F32": {"ASIN": 4, "ATAN": 4, "LOG": 2, "EXP": 3},
+    "F64": {"ASIN": 12, "ATAN": 11, "LOG": 6, "EXP": 8, "EXPM1": 9},
+    "F32": {"ASIN": 4, "ATAN": 4, "LOG": 2, "EXP": 3, "EXPM1": 4},
 }
 
 
 def constants() -> dict[str, list[Any]]:
     """All constants, by their names in `ulna.compiler.codegen.coefficients` and the format."""
-    found: dict[str, list[Any]] = {}
+    fitted: dict[str, list[Any]] = {}
     log_upper = (3 - 2 * mpmath.sqrt(2)) ** 2
     functions = {
         "ASIN": (asin_tail, asin_weight, mpf(1) / 4),
@@ -78,25 +83,26 @@ def constants() -> dict[str, list[Any]]:
             # A little beyond the interval, since its ends are met with rounding errors.
             upper = end * (1 + mpf(2) ** -16)
             coefficients, worst = fit(tail, weight, (upper / 10**6, upper), DEGREES[suffix][name], bits)
-            found[f"{name}_{suffix}"] = coefficients
+            fitted[f"{name}_{suffix}"] = coefficients
             report(f"{name}_{suffix}", worst)
         half = mpmath.log(2) / 2 * (1 + mpf(2) ** -10)
-        exact, worst = remez(exp_tail, exp_weight, -half, half, range(DEGREES[suffix]["EXP"] + 1))
-        found[f"EXP_{suffix}"] = [float(round_to(c, bits)) for c in exact]
-        report(f"EXP_{suffix}", worst)
+        for name, weight in (("EXP", exp_weight), ("EXPM1", expm1_weight)):
+            exact, worst = remez(exp_tail, weight, -half, half, range(DEGREES[suffix][name] + 1))
+            fitted[f"{name}_{suffix}"] = [float(round_to(c, bits)) for c in exact]
+            report(f"{name}_{suffix}", worst)
         # The first part leaves room for the exponent, so that its product with it is exact.
         high = round_to(mpmath.log(2), bits - 12)
-        found[f"LN2_{suffix}"] = [float(high), float(round_to(mpmath.log(2) - high, bits))]
-        found[f"LOG2E_{suffix}"] = [float(round_to(1 / mpmath.log(2), bits))]
+        fitted[f"LN2_{suffix}"] = [float(high), float(round_to(mpmath.log(2) - high, bits))]
+        fitted[f"LOG2E_{suffix}"] = [float(round_to(1 / mpmath.log(2), bits))]
         # Short enough to be multiplied by 1, 2, 3 or 4 without rounding.
-        found[f"QUARTER_PI_{suffix}"] = [p / 2 for p in half_pi_parts((bits - 2, bits))]
-    return found
+        fitted[f"QUARTER_PI_{suffix}"] = [p / 2 for p in half_pi_parts((bits - 2, bits))]
+    return fitted
 
 
 def main(arguments: Sequence[str]) -> int:
     """Print the constants, or compare them with the committed ones."""
-    found = constants()
-    return print_or_check(found, "--check" in arguments)
+    fitted = constants()
+    return print_or_check(fitted, "--check" in arguments)
 
 
 if __name__ == "__main__":

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from ulna.compiler import Function, Port
 from ulna.compiler.language.graph import Graph, Loop
-from ulna.compiler.language.ops import Op
+from ulna.compiler.language.ops import TABLE, Op
 
-UNARY = (Op.NEG, Op.ABS, Op.SQRT, Op.SIN, Op.COS, Op.FLOOR, Op.ASIN, Op.ACOS, Op.EXP, Op.LOG, Op.TAN)
+UNARY = (Op.NEG, *(row.op for row in TABLE if row.c and row.arity == 1))
 EXACT_UNARY = (Op.NEG, Op.ABS, Op.SQRT, Op.FLOOR)
 BINARY = (Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.MIN, Op.MAX, Op.ATAN2)
 EXACT_BINARY = (Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.MIN, Op.MAX)

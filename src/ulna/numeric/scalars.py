@@ -53,11 +53,8 @@ def exp(x: Any) -> Any:
 
 
 def tanh(x: Any) -> Any:
-    """Hyperbolic tangent; traced by the exponential, to an absolute error of one unit in the last place of 1."""
-    if not is_symbolic(x):
-        return np.tanh(x)
-    # beyond 20 it is 1 for doubles; the exponential of more would overflow, and derivatives be nan
-    return 1.0 - 2.0 / (exp(minimum(2.0 * x, 40.0)) + 1.0)
+    """Hyperbolic tangent."""
+    return _elementwise(_tanh, x) if is_symbolic(x) else np.tanh(x)
 
 
 def arctan2(y: Any, x: Any) -> Any:
@@ -164,6 +161,10 @@ def _sqrt(x: Any) -> Any:
 
 def _exp(x: Any) -> Any:
     return _call("exp", x)
+
+
+def _tanh(x: Any) -> Any:
+    return _call("tanh", x)
 
 
 def _call(name: str, x: Any) -> Any:

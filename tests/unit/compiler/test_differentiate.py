@@ -22,6 +22,8 @@ ONE = {
     Op.ACOS: (lambda x: np.arccos(x * 0.25), lambda x: mpmath.acos(x * 0.25)),
     Op.EXP: (np.exp, mpmath.exp),
     Op.LOG: (np.log, mpmath.log),
+    Op.EXPM1: (np.expm1, mpmath.expm1),
+    Op.LOG1P: (lambda x: np.log1p(x * 0.25), lambda x: mpmath.log1p(x * 0.25)),
     Op.FLOOR: (lambda x: np.floor(x) * x, lambda x: mpmath.floor(x) * x),
 }
 TWO = {

@@ -12,11 +12,12 @@ import pytest
 from lane_tools import NUMPY, compiled, worst_ulp, worst_ulp_extended
 
 from ulna.compiler.codegen.elementary import OPERATIONS, elementary_ir
+from ulna.compiler.language.ops import TABLE
 
 mpmath = pytest.importorskip("mpmath")
 LIMIT = 0.9
-EXACT = {"tan": mpmath.tan, "asin": mpmath.asin, "acos": mpmath.acos, "exp": mpmath.exp, "log": mpmath.log}
-NUMPY_NAME = {"tan": np.tan, "asin": np.arcsin, "acos": np.arccos, "exp": np.exp, "log": np.log}
+EXACT = {op: getattr(mpmath, op) for op in OPERATIONS if op != "atan2"}
+NUMPY_NAME = {row.op.name.lower(): row.numpy for row in TABLE}
 SHAPES = [(1, "double"), (4, "double"), (8, "double"), (1, "float"), (16, "float")]
 
 
@@ -44,6 +45,17 @@ def samples(op, dtype, size, rng):
             rng.uniform(-745, 709, size) if double else rng.uniform(-103, 88, size),
         ],
         "log": [rng.uniform(0.4, 3, size), 10.0 ** rng.uniform(-tens - (23 if double else 7), tens, size)],
+        "expm1": [
+            rng.uniform(-1, 1, size),
+            rng.uniform(-45, 709 if double else 88, size),
+            rng.choice([-1, 1], size) * 10.0 ** rng.uniform(-tens, 0, size),
+        ],
+        "log1p": [
+            rng.uniform(-1, 3, size),
+            -near_one[near_one < 1 - 1e-7],
+            10.0 ** rng.uniform(-tens, tens, size),
+            -(10.0 ** rng.uniform(-tens, 0, size)),
+        ],
     }
     parts["acos"] = parts["asin"]
     return np.concatenate(parts[op]).astype(NUMPY[dtype])

@@ -46,6 +46,9 @@ CLOSE = {
     "atan": (1, np.arctan),
     "exp": (1, np.exp),
     "log": (1, np.log),
+    "expm1": (1, np.expm1),
+    "log1p": (1, np.log1p),
+    "tanh": (1, np.tanh),
     "atan2": (2, np.arctan2),
 }
 ORDINARY = tuple(np.linspace(-4.0, 4.0, 23)) + (1e-5, -1e-9, 30.0, -700.0, 1e6)

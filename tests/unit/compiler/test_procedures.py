@@ -101,7 +101,7 @@ def test_division_of_integers_by_zero_raises_with_its_line() -> None:
 def functions(x: f64, y: f64) -> Any:
     return (
         math.sqrt(x), math.sin(y), math.cos(y), math.tan(y), math.asin(y), math.acos(y), math.atan2(y, x),
-        math.exp(y), math.log(x), np.floor(y), np.ceil(y), math.floor(y),
+        math.exp(y), math.log(x), math.expm1(y), np.log1p(y), np.floor(y), np.ceil(y), math.floor(y),
     )  # fmt: skip
 
 
@@ -116,7 +116,7 @@ def test_elementary_functions_agree_with_python() -> None:
         math.acos(y),
         math.atan2(y, x),
     ]
-    expected += [math.exp(y), math.log(x), -1.0, 0.0, -1]
+    expected += [math.exp(y), math.log(x), math.expm1(y), math.log1p(y), -1.0, 0.0, -1]
     for call in (functions, functions.checked, functions.interpret):
         np.testing.assert_allclose(call(x, y), expected, rtol=4e-16)
     assert type(functions(x, y)[-1]) is int

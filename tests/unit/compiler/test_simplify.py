@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 from trace_tools import SPECIAL, grid, same_bits
 
+from support.random_functions import BINARY, UNARY
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.interpreter import interpret
 from ulna.compiler.language.ops import TABLE, Op
 
-UNARY = (Op.NEG, Op.ABS, Op.SQRT, Op.SIN, Op.COS, Op.TAN, Op.ASIN, Op.ACOS, Op.EXP, Op.LOG, Op.FLOOR)
-BINARY = (Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.MIN, Op.MAX, Op.ATAN2)
 CONSTANTS = (*SPECIAL, 2.0, -8.0, 2.0**-1022, 2.0**1023, 3.0)
 X, Y = ("x",), ("y",)
 

@@ -37,7 +37,7 @@ NUMBER = r"A traced value has no number yet.*Use np\.sin and the like"
         (lambda x: np.array([x, 1.0], dtype=float), NUMBER),
         (lambda x: [1.0, 2.0][x], NUMBER),
         (lambda x: np.linalg.inv(np.array([[x]])), "Traced values cannot do this: .* ulna.linalg solves small systems"),
-        (lambda x: np.tanh(x), "Traced values cannot do this: .* no callable tanh method. They know"),
+        (lambda x: np.sinh(x), "Traced values cannot do this: .* no callable sinh method. They know .* np.sqrt, sin, "),
         (lambda x: np.isnan(np.array([x])), "Traced values cannot do this: .*'isnan' not supported"),
         (lambda x: x * 1j, "Traced values cannot do this: .*'Scalar' and 'complex'"),
         (lambda x: x.ndim, "Traced values cannot do this: .* no attribute .ndim.. They know"),

@@ -78,6 +78,14 @@ EXP = _numbers(
 )
 """Exponential: (e^r - 1 - r - r^2/2) / r^3."""
 
+EXPM1 = _numbers(
+    "0x1.5555555555559p-3 0x1.5555555555548p-5 0x1.111111110f7bbp-7 0x1.6c16c16c1cdb3p-10 "
+    "0x1.a01a01af8c59fp-13 0x1.a01a0182d5b27p-16 0x1.71ddf9138f8b8p-19 0x1.27e52b66628e3p-22 "
+    "0x1.af5d9b74779dcp-26 0x1.1ef5177ce61bfp-29",
+    "0x1.555554p-3 0x1.5554f2p-5 0x1.1111ccp-7 0x1.6d40fep-10 0x1.9fbdap-13",
+)
+"""The same, by its error relative to the exponential less 1."""
+
 LN2 = _numbers("0x1.62e42fefa4p-1 -0x1.8432a1b0e2634p-43", "0x1.62ep-1 0x1.0bfbe8p-15")
 """log 2 in parts; the first leaves room for the exponent, so that its product with it is exact."""
 

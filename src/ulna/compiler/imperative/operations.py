@@ -82,6 +82,20 @@ def _first(mask: Any) -> np.int64:
     return np.int64(np.argmax(mask) if mask.any() else len(mask))
 
 
+_ELEMENTARY: dict[str, np.ufunc] = {
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "asin": np.arcsin,
+    "acos": np.arccos,
+    "atan2": np.arctan2,
+    "exp": np.exp,
+    "log": np.log,
+    "expm1": np.expm1,
+    "log1p": np.log1p,
+}
+"""The elementary functions, by their names in the module `math`."""
+
 TABLE: dict[str, Row] = {
     "add": Row(2, "arithmetic", np.add),
     "sub": Row(2, "arithmetic", np.subtract),
@@ -102,14 +116,7 @@ TABLE: dict[str, Row] = {
     "sqrt": Row(1, "real", np.sqrt),
     "floor": Row(1, "real", np.floor),
     "ceil": Row(1, "real", np.ceil),
-    "sin": Row(1, "real", np.sin),
-    "cos": Row(1, "real", np.cos),
-    "tan": Row(1, "real", np.tan),
-    "asin": Row(1, "real", np.arcsin),
-    "acos": Row(1, "real", np.arccos),
-    "atan2": Row(2, "real", np.arctan2),
-    "exp": Row(1, "real", np.exp),
-    "log": Row(1, "real", np.log),
+    **{name: Row(numpy.nin, "real", numpy) for name, numpy in _ELEMENTARY.items()},
     "lt": Row(2, "comparison", np.less),
     "le": Row(2, "comparison", np.less_equal),
     "gt": Row(2, "comparison", np.greater),
@@ -170,10 +177,10 @@ def broadcast(value: Any, count: int) -> Any:
 FUNCTIONS: dict[Any, str] = {
     abs: "abs", min: "minimum", max: "maximum", np.minimum: "minimum", np.maximum: "maximum", np.abs: "abs",
     math.sqrt: "sqrt", np.sqrt: "sqrt", math.floor: "floor_int", np.floor: "floor", np.ceil: "ceil",
-    math.sin: "sin", np.sin: "sin", math.cos: "cos", np.cos: "cos", math.tan: "tan", np.tan: "tan",
-    math.asin: "asin", np.arcsin: "asin", math.acos: "acos", np.arccos: "acos", math.atan2: "atan2",
-    np.arctan2: "atan2", math.exp: "exp", np.exp: "exp", math.log: "log", np.log: "log", np.where: "where",
+    np.where: "where",
     any_of: "any_of", all_of: "all_of", count_of: "count_of", first_of: "first_of", sum_of: "sum_of",
     least_of: "least_of", greatest_of: "greatest_of",
+    **{numpy: name for name, numpy in _ELEMENTARY.items()},
+    **{getattr(math, name): name for name in _ELEMENTARY},
 }  # fmt: skip
 """The Python functions that procedures may call, and the operations they are."""

@@ -237,9 +237,8 @@ def _returned(f: Callable[..., Any], arguments: Sequence[Any]) -> Any:
 
 
 _KNOWN = (
-    "They know + - * / // % **, comparisons, abs, np.sqrt, square, hypot, exp, log, floor, ceil, sin, cos, tan, "
-    "arcsin, arccos, arctan, arctan2, and where, minimum, maximum, clip, tanh and loop of ulna.numeric; "
-    "ulna.linalg solves small systems."
+    f"They know + - * / // % **, comparisons, abs, np.{', '.join(n for n in vars(Scalar) if n[0] != '_')}, "
+    "and where, minimum, maximum, clip and loop of ulna.numeric; ulna.linalg solves small systems."
 )
 
 

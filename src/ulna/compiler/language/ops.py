@@ -1,4 +1,4 @@
-"""The closed table of operations: arity, function of NumPy, LLVM instruction, derivatives, SymPy name, drawing.
+"""The closed table of operations: arity, function of NumPy, LLVM instruction, derivatives, SymPy and C name, drawing.
 
 A new operation is one member of `Op` and one row here and, if LLVM has no instruction for it, one generator in
 `codegen.elementary`.
@@ -53,6 +53,8 @@ class Op(IntEnum):
     LANE = 30  # the number of the SIMD lane; data = how many lanes
     ANY = 31  # whether a condition holds in any lane
     LEAST = 32  # the smallest number in any lane; nan does not count
+    EXPM1 = 33
+    LOG1P = 34
 
 
 Partial = Callable[..., Any]
@@ -73,15 +75,20 @@ class Row:
     kind: str = "function"  # the group it belongs to in drawings
     sign: str = ""  # what stands between two arguments in drawings
     symbols: Callable[..., Any] | str = ""  # on symbols of other packages: a function, or SymPy's name
+    c: str = ""  # the function of C's math.h
     commutes: bool = False
     is_condition: bool = False
     cost: int = 1  # 0: not counted as an operation
 
 
-def _unary(
-    op: Op, numpy: Any, llvm: str, partial: Partial | None, kind: str = "function", symbols: Any = ""
-) -> Row:
-    return Row(op, 1, numpy, llvm, (partial,), kind, symbols=symbols)
+def _unary(op: Op, numpy: Any, llvm: str, partial: Partial | None, symbols: Any, c: str = "") -> Row:
+    return Row(op, 1, numpy, llvm, (partial,), "sum", symbols=symbols, c=c)
+
+
+def _function(op: Op, numpy: Any, *partials: Partial, llvm: str = "", symbols: Any = "") -> Row:
+    """A function whose name in C, and in SymPy if not given otherwise, is that of the operation."""
+    name = op.name.lower()
+    return Row(op, len(partials), numpy, llvm, partials, symbols=symbols or name, c=name)
 
 
 def _condition(op: Op, numpy: Any, llvm: str, sign: str, symbols: Any, commutes: bool = False) -> Row:
@@ -96,6 +103,12 @@ def _least_lane(x: Any) -> Any:
     return np.fmin.reduce(x, axis=-1, keepdims=True) if np.ndim(x) else x
 
 
+def _log_of_one_more(a: Any) -> Any:
+    import sympy
+
+    return sympy.log(1 + a)
+
+
 _ADD = (lambda a, b, y: 1.0, lambda a, b, y: 1.0)
 _SUB = (lambda a, b, y: 1.0, lambda a, b, y: -1.0)
 _MUL = (lambda a, b, y: b, lambda a, b, y: a)
@@ -108,24 +121,24 @@ TABLE: tuple[Row, ...] = (
     Row(Op.INPUT, 0, kind="input", cost=0),
     Row(Op.CONST, 0, kind="constant", cost=0),
     Row(Op.BOOL, 0, kind="constant", is_condition=True, cost=0),
-    _unary(Op.NEG, np.negative, "fneg", lambda a, y: -1.0, "sum", operator.neg),
-    _unary(Op.ABS, np.abs, "@fabs", lambda a, y: (a < 0.0)._where_(-1.0, 1.0), "sum", abs),
-    _unary(Op.SQRT, np.sqrt, "@sqrt", lambda a, y: 0.5 / y, symbols="sqrt"),
-    _unary(Op.SIN, np.sin, "", lambda a, y: a.cos(), symbols="sin"),
-    _unary(Op.COS, np.cos, "", lambda a, y: -a.sin(), symbols="cos"),
-    _unary(Op.TAN, np.tan, "", lambda a, y: 1.0 + y * y, symbols="tan"),
-    _unary(Op.ASIN, np.arcsin, "", lambda a, y: 1.0 / (1.0 - a * a).sqrt(), symbols="asin"),
-    _unary(Op.ACOS, np.arccos, "", lambda a, y: -1.0 / (1.0 - a * a).sqrt(), symbols="acos"),
-    _unary(Op.EXP, np.exp, "", lambda a, y: y, symbols="exp"),
-    _unary(Op.LOG, np.log, "", lambda a, y: 1.0 / a, symbols="log"),
-    _unary(Op.FLOOR, np.floor, "@floor", None, "sum", "floor"),
+    _unary(Op.NEG, np.negative, "fneg", lambda a, y: -1.0, operator.neg),
+    _unary(Op.ABS, np.abs, "@fabs", lambda a, y: (a < 0.0)._where_(-1.0, 1.0), abs, "fabs"),
+    _function(Op.SQRT, np.sqrt, lambda a, y: 0.5 / y, llvm="@sqrt"),
+    _function(Op.SIN, np.sin, lambda a, y: a.cos()),
+    _function(Op.COS, np.cos, lambda a, y: -a.sin()),
+    _function(Op.TAN, np.tan, lambda a, y: 1.0 + y * y),
+    _function(Op.ASIN, np.arcsin, lambda a, y: 1.0 / (1.0 - a * a).sqrt()),
+    _function(Op.ACOS, np.arccos, lambda a, y: -1.0 / (1.0 - a * a).sqrt()),
+    _function(Op.EXP, np.exp, lambda a, y: y),
+    _function(Op.LOG, np.log, lambda a, y: 1.0 / a),
+    _unary(Op.FLOOR, np.floor, "@floor", None, "floor", "floor"),
     Row(Op.ADD, 2, np.add, "fadd", _ADD, "sum", "+", operator.add, commutes=True),
     Row(Op.SUB, 2, np.subtract, "fsub", _SUB, "sum", "−", operator.sub),
     Row(Op.MUL, 2, np.multiply, "fmul", _MUL, "product", "×", operator.mul, commutes=True),
     Row(Op.DIV, 2, np.divide, "fdiv", _DIV, "product", "÷", operator.truediv),
     Row(Op.MIN, 2, np.minimum, "@minimum", _MIN, "choice", "min", numeric.minimum, commutes=True),
     Row(Op.MAX, 2, np.maximum, "@maximum", _MAX, "choice", "max", numeric.maximum, commutes=True),
-    Row(Op.ATAN2, 2, np.arctan2, "", _ATAN2, symbols="atan2"),
+    _function(Op.ATAN2, np.arctan2, *_ATAN2),
     _condition(Op.LT, np.less, "fcmp olt", "<", operator.lt),
     _condition(Op.LE, np.less_equal, "fcmp ole", "≤", operator.le),
     _condition(Op.EQ, np.equal, "fcmp oeq", "=", "Eq", commutes=True),
@@ -138,5 +151,7 @@ TABLE: tuple[Row, ...] = (
     Row(Op.LANE, 0, cost=0),
     Row(Op.ANY, 1, _any_lane, is_condition=True),
     Row(Op.LEAST, 1, _least_lane),
+    _function(Op.EXPM1, np.expm1, lambda a, y: y + 1.0, symbols=lambda a: numeric.exp(a) - 1),
+    _function(Op.LOG1P, np.log1p, lambda a, y: 1.0 / (1.0 + a), symbols=_log_of_one_more),
 )
 assert all(row.op == number for number, row in enumerate(TABLE)), "rows of TABLE stand in the order of Op"

@@ -214,6 +214,8 @@ class Scalar(Value):
     arccos = _unary_method(Op.ACOS, "Inverse cosine [rad].")
     exp = _unary_method(Op.EXP, "Exponential.")
     log = _unary_method(Op.LOG, "Natural logarithm.")
+    expm1 = _unary_method(Op.EXPM1, "Exponential less 1, also of small numbers.")
+    log1p = _unary_method(Op.LOG1P, "Natural logarithm of 1 more, also of small numbers.")
     floor = _unary_method(Op.FLOOR, "The largest whole number that is not larger.")
     arctan2 = _binary_method(Op.ATAN2, doc="Angle of the point (other, self) [rad].")
     _minimum_, _maximum_ = _binary_method(Op.MIN), _binary_method(Op.MAX)
@@ -235,6 +237,14 @@ class Scalar(Value):
     def hypot(self, other: Any) -> Scalar:
         """Length of the vector (self, other); plain, so it can overflow beyond 1e154."""
         return (self * self + other * other).sqrt()
+
+    def tanh(self) -> Scalar:
+        """Hyperbolic tangent."""
+        twice = (self * 2.0)._minimum_(
+            40.0
+        )  # where it is 1 already; more would overflow, and derivatives be nan
+        e = twice.expm1()
+        return e / (e + 2.0)
 
     def deg2rad(self) -> Scalar:
         """Degrees to radians."""

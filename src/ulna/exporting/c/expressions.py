@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from ulna.compiler.language.ops import Op
+from ulna.compiler.language.ops import TABLE, Op
 
 _WORDS = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl complex const const_cast
@@ -23,17 +23,7 @@ _WORDS = """
 _INFIX = {Op.ADD: "+", Op.SUB: "-", Op.MUL: "*", Op.DIV: "/"}
 _COMPARE = {Op.LT: "<", Op.LE: "<=", Op.EQ: "=="}
 _LOGIC = {Op.AND: "&&", Op.OR: "||"}
-_CALLS = {
-    Op.ABS: "fabs",
-    Op.SQRT: "sqrt",
-    Op.TAN: "tan",
-    Op.ASIN: "asin",
-    Op.ACOS: "acos",
-    Op.EXP: "exp",
-    Op.LOG: "log",
-    Op.FLOOR: "floor",
-    Op.ATAN2: "atan2",
-}
+_CALLS = {row.op: row.c for row in TABLE if row.c}
 
 
 def expression(op: int, x: Sequence[str], real: str, prefix: str) -> str:
