@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from enum import IntEnum
 from typing import Any
 
@@ -75,6 +75,7 @@ class Row:
     kind: str = "function"  # the group it belongs to in drawings
     sign: str = ""  # what stands between two arguments in drawings
     symbols: Callable[..., Any] | str = ""  # on symbols of other packages: a function, or SymPy's name
+    _: KW_ONLY
     c: str = ""  # the function of C's math.h
     commutes: bool = False
     is_condition: bool = False
@@ -92,7 +93,7 @@ def _function(op: Op, numpy: Any, *partials: Partial, llvm: str = "", symbols: A
 
 
 def _condition(op: Op, numpy: Any, llvm: str, sign: str, symbols: Any, commutes: bool = False) -> Row:
-    return Row(op, 2, numpy, llvm, (None, None), "choice", sign, symbols, commutes, is_condition=True)
+    return Row(op, 2, numpy, llvm, (None, None), "choice", sign, symbols, commutes=commutes, is_condition=True)
 
 
 def _any_lane(c: Any) -> Any:
