@@ -113,6 +113,14 @@ def _robot_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
         help="write a copy of a URDF file whose inertias bodies can have; then list the rest",
     )
     info.add_argument(
+        "--from-shapes",
+        nargs="+",
+        default=(),
+        metavar="LINK",
+        help="with --repair: links whose inertias are computed from their shapes and masses",
+    )
+    info.add_argument("--density", type=float, help="with --from-shapes: of links that have no mass [kg/m^3]")
+    info.add_argument(
         "--package-dirs", nargs="+", default=(), metavar="FOLDER", help="folders to look for packages in"
     )
     show = command(
@@ -241,10 +249,18 @@ def _list(chosen: argparse.Namespace) -> None:
 
 
 def _info(chosen: argparse.Namespace) -> int:
+    if (chosen.from_shapes or chosen.density is not None) and not chosen.repair:
+        raise InputError("--from-shapes and --density are for --repair FILE, which names the file to write.")
     if chosen.repair:
         from ulna.diagnosis import repair_inertias
 
-        changed = repair_inertias(chosen.name, chosen.repair)
+        changed = repair_inertias(
+            chosen.name,
+            chosen.repair,
+            chosen.from_shapes,
+            density=chosen.density,
+            package_dirs=chosen.package_dirs,
+        )
         print(f"{chosen.repair}: {', '.join(changed) or 'nothing'} repaired")
         chosen.name, chosen.check = chosen.repair, True
     if chosen.check:

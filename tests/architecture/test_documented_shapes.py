@@ -80,6 +80,8 @@ UNUSUAL = (
     "algorithms/dynamics/center_of_mass.py: total_mass",  # one number
     "algorithms/kinematics/configuration_space.py: random",  # takes the shape of the batch, which is () here
     "algorithms/kinematics/jacobian_partials.py: jacobian_partials",  # as many axes as its order
+    "spatial/solid_moments.py: solid_moments",  # takes closed surfaces
+    "spatial/solid_moments.py: is_closed",
 )
 EULER_AXES = "zyx"
 ROTATIONS = ("R", "rotation")

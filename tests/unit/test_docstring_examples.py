@@ -37,6 +37,7 @@ SLOW = {"ulna.Robot.save_html", "ulna.identification.identify", "ulna.interop.to
 
 NAMES = [
     "ulna.Inertia.from_box",
+    "ulna.Inertia.from_mesh",
     "ulna.ModelBuilder",
     "ulna.ModelBuilder.add_joint",
     "ulna.ModelBuilder.add_link",
@@ -117,6 +118,7 @@ NAMES = [
     "ulna.control.stage",
     "ulna.diagnosis.diagnose",
     "ulna.diagnosis.repair_inertias",
+    "ulna.diagnosis.shape_inertias",
     "ulna.export",
     "ulna.identification.base_parameters",
     "ulna.identification.identify",

@@ -12,6 +12,7 @@ Slotine, Linear matrix inequalities for physically consistent inertial parameter
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
 from ulna.formats.markup import parse_tree
 from ulna.formats.urdf_parse import parse_urdf
+from ulna.spatial import Inertia
 from ulna.typing import Floats
 
 _LEAST = 1e-6
@@ -66,7 +68,52 @@ def with_possible_inertias(data: bytes, file: str | None = None) -> tuple[bytes,
                 changed.append(link.get("name"))
     if not changed:
         return data, ()
-    return etree.tostring(root.getroottree(), encoding="utf-8", xml_declaration=True) + b"\n", tuple(changed)
+    return _document(root), tuple(changed)
+
+
+def with_inertias(data: bytes, inertias: Mapping[str, Inertia], file: str | None = None) -> bytes:
+    """A URDF document with other inertias of some links.
+
+    Args:
+        data: The document.
+        inertias: For names of links, the inertia in the frame of the link.
+        file: The document's name, for messages.
+
+    Returns:
+        The document with its comments; the <inertial> elements of these links are written anew.
+
+    Raises:
+        FormatError: The document is broken.
+    """
+    parse_urdf(data, file)
+    root = parse_tree(data, file)
+    for link in root.iterfind("link"):
+        inertia = inertias.get(link.get("name"))
+        if inertia is None:
+            continue
+        element = link.find("inertial")
+        if element is None:
+            element = etree.Element("inertial")
+            element.tail = "\n  "
+            link.insert(0, element)
+        _write(element, inertia)
+    return _document(root)
+
+
+def _document(root: Any) -> bytes:
+    return etree.tostring(root.getroottree(), encoding="utf-8", xml_declaration=True) + b"\n"
+
+
+def _write(element: Any, inertia: Inertia) -> None:
+    """Replaces the content of an <inertial> element."""
+    for child in list(element):
+        element.remove(child)
+    element.text = None
+    xyz = " ".join(f"{x:.9g}" for x in inertia.com)
+    etree.SubElement(element, "origin", xyz=xyz, rpy="0 0 0")
+    etree.SubElement(element, "mass", value=f"{float(inertia.mass):.9g}")
+    moments = {name: f"{inertia.inertia[entry]:.9g}" for name, entry in _ENTRIES.items()}
+    etree.SubElement(element, "inertia", **moments)
 
 
 def _repair(element: Any) -> bool:

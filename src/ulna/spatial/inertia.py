@@ -11,6 +11,7 @@ from ulna.checks.arrays import batched_array
 from ulna.errors import InputError
 from ulna.numeric import apply, cross, dot, is_symbolic, matrix, skew, vector, where
 from ulna.spatial.batched import Batched, as_array, column
+from ulna.spatial.solid_moments import solid_moments
 from ulna.spatial.vectors import Force, Motion
 from ulna.typing import Array, ArrayLike
 
@@ -222,6 +223,32 @@ class Inertia(Batched):
         across = 3 * radius**2 / 20 + 3 * length**2 / 80
         body = cls._solid(mass, across, across, 3 * radius**2 / 10)
         return cls(body.mass, np.array([0.0, 0.0, -length / 4]), body.inertia)
+
+    @classmethod
+    def from_mesh(cls, mass: float, vertices: ArrayLike, triangles: ArrayLike) -> Inertia:
+        """A solid of one density inside a closed surface.
+
+        Source: Tonon, Explicit exact formulas for the 3-D tetrahedron inertia tensor (2005).
+
+        Args:
+            mass: Mass [kg].
+            vertices: Corners, shape (n, 3) [m].
+            triangles: The corners of each triangle, all in one direction of rotation seen from outside, shape (m, 3).
+
+        Returns:
+            The inertia in the frame of the vertices.
+
+        Raises:
+            InputError: If the surface encloses no volume or is not closed.
+
+        Example:
+            >>> vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+            >>> ulna.Inertia.from_mesh(2.0, vertices, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).com
+            array([0.25, 0.25, 0.25])
+        """
+        volume, com, moments = solid_moments(vertices, triangles)
+        second = mass / volume * moments
+        return cls.from_com(mass, com, np.trace(second) * np.eye(3) - second)
 
     @classmethod
     def _solid(cls, mass: float, x: float, y: float, z: float) -> Inertia:

@@ -93,7 +93,9 @@ def _function(op: Op, numpy: Any, *partials: Partial, llvm: str = "", symbols: A
 
 
 def _condition(op: Op, numpy: Any, llvm: str, sign: str, symbols: Any, commutes: bool = False) -> Row:
-    return Row(op, 2, numpy, llvm, (None, None), "choice", sign, symbols, commutes=commutes, is_condition=True)
+    return Row(
+        op, 2, numpy, llvm, (None, None), "choice", sign, symbols, commutes=commutes, is_condition=True
+    )
 
 
 def _any_lane(c: Any) -> Any:
