@@ -42,7 +42,14 @@ def test_help_of_every_command(capsys: pytest.CaptureFixture[str], monkeypatch: 
     monkeypatch.setenv("COLUMNS", "400")
     for command, arguments in {
         "list": ["[WORD ...]"],
-        "info": ["[--check]", "[--repair FILE]", "[--from-shapes LINK [LINK ...]]", "[--density DENSITY]", "[--package-dirs FOLDER [FOLDER ...]]", "NAME"],
+        "info": [
+            "[--check]",
+            "[--repair FILE]",
+            "[--from-shapes LINK [LINK ...]]",
+            "[--density DENSITY]",
+            "[--package-dirs FOLDER [FOLDER ...]]",
+            "NAME",
+        ],
         "show": [
             *("[-q VALUE [VALUE ...]]", "[--show WHAT]", "[--theme THEME]", "[--film FILE]", "[--html FILE]"),
             *("[--live FILE]", "[--headless]", "[--output PNG]", "[--port PORT]", "NAME"),

@@ -127,6 +127,7 @@ NAMES = [
     "ulna.interop.to_torch",
     "ulna.load",
     "ulna.p_servo",
+    "ulna.planning.PathConstraint.pointing",
     "ulna.planning.Plan.trajectory",
     "ulna.planning.Planner",
     "ulna.scale.data_set",

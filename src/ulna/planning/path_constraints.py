@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, final
+from typing import Any, Literal, final
 
 import numpy as np
 
@@ -27,12 +27,13 @@ from ulna.checks.values import number
 from ulna.collision.lanes.motion_bounds import Group, motion_bounds
 from ulna.compiler import compile, trace
 from ulna.compiler.procedures import lanes_kernel
-from ulna.errors import InputError
+from ulna.errors import InputError, UnknownName
 from ulna.linalg import solve_damped
 from ulna.model import Frame, Model
 from ulna.numeric import apply, arctan2, clip, cross, maximum, sqrt, where
 from ulna.planning.goals import Region, Turns
-from ulna.typing import Array, Floats
+from ulna.spatial import SE3
+from ulna.typing import Array, ArrayLike, Floats
 
 SPARE = 0.2
 """What paths leave of the tolerances for motions that cut their corners."""
@@ -45,10 +46,10 @@ _AXES = ("x", "y", "z")
 @final
 @dataclass(frozen=True, eq=False)
 class PathConstraint:
-    """What a frame keeps on the whole way: a region for its origin, and how it may turn.
+    """What a frame keeps on the whole path: a region for its origin, and how it may turn.
 
     `PathConstraint("hand", Region(T, size=(np.inf,) * 3, turns="z"))` keeps the z axis of the frame along that of T
-    and leaves its position free: an upright cup.
+    and leaves its position free: an upright cup, for which `PathConstraint.pointing("hand")` is shorter.
 
     Args:
         frame: The frame's name.
@@ -72,6 +73,41 @@ class PathConstraint:
         number("rotation_tolerance", self.rotation_tolerance, "an angle of at least 0.001 [rad]", least=1e-3)
         if self.region.turns == "any" and np.isinf(self.region.size).all():
             raise InputError(f"The constraint of {self.frame!r} leaves position and rotation free.")
+
+    @classmethod
+    def pointing(
+        cls,
+        frame: str,
+        direction: ArrayLike = (0.0, 0.0, -1.0),
+        axis: Literal["x", "y", "z"] = "z",
+        rotation_tolerance: float = 0.02,
+    ) -> PathConstraint:
+        """An axis of a frame keeps pointing in one direction; the position is free, and so are turns about the axis.
+
+        Args:
+            frame: The frame's name.
+            direction: Where the axis points in the world, shape (3,), of any length; down by default.
+            axis: Which axis of the frame.
+            rotation_tolerance: The largest angle between axis and direction [rad].
+
+        Returns:
+            The constraint.
+
+        Raises:
+            UnknownName: If `axis` is none of these.
+            InputError: If the direction has no length, or the tolerance makes no sense.
+
+        Example:
+            >>> constraint = ulna.planning.PathConstraint.pointing("panda_hand")
+            >>> constraint.region.pose.rotation[:, 2]
+            array([ 0.,  0., -1.])
+        """
+        if axis not in _AXES:
+            raise UnknownName("axis", axis, _AXES)
+        along_z = SE3.pointing((0.0, 0.0, 0.0), direction).rotation
+        rotation = np.roll(along_z, _AXES.index(axis) - 2, axis=1)  # a cyclic exchange keeps it right-handed
+        region = Region(SE3(rotation, np.zeros(3)), size=(np.inf,) * 3, turns=axis)
+        return cls(frame, region, rotation_tolerance=rotation_tolerance)
 
     @property
     def numbers(self) -> Floats:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from itertools import pairwise
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -54,6 +54,32 @@ def upright(**tolerances: float) -> PathConstraint:
 def between(points: Any, count: int = 300) -> Any:
     t = np.linspace(0.0, 1.0, count)[:, None]
     return np.concatenate([a + t * (b - a) for a, b in pairwise(points)])
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_an_axis_points_in_a_direction(axis: Literal["x", "y", "z"]) -> None:
+    constraint = PathConstraint.pointing("panda_hand", (0.3, -2.0, 0.5), axis, 0.1)
+    R, region = np.asarray(constraint.region.pose.rotation), constraint.region
+    unit = np.array([0.3, -2.0, 0.5]) / np.linalg.norm([0.3, -2.0, 0.5])
+    np.testing.assert_allclose(R[:, "xyz".index(axis)], unit, atol=1e-12)
+    np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-12)
+    assert np.linalg.det(R) > 0.0 and region.turns == axis and np.isinf(region.size).all()
+    assert constraint.rotation_tolerance == 0.1
+
+
+def test_pointing_down_is_the_upright_cup() -> None:
+    path = planner().plan(
+        right(), pose(0.25), constraints=PathConstraint.pointing(panda().model.tool), seed=3
+    )
+    assert path.is_certified
+    z = panda().fk(between(path.points))[:, :3, 2]
+    assert (z[:, 2] <= -np.cos(0.02)).all()
+
+
+def test_wrong_directions_are_refused() -> None:
+    for arguments in (("hand", (0, 0, 0)), ("hand", (0, 0, 1), "w"), ("hand", (0, 0, 1), "z", -1.0)):
+        with pytest.raises((InputError, UnknownName)):
+            PathConstraint.pointing(*arguments)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("seed", range(4))
