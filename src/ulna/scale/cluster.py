@@ -18,6 +18,14 @@ _ANSWER = 15.0  # s to wait for a scheduler to answer
 _ENVIRONMENT = {"MALLOC_TRIM_THRESHOLD_": 2**28, "MALLOC_MMAP_THRESHOLD_": 2**28}
 """Of the workers of a cluster of this machine: Dask's own setting has every array above 128 KiB begin on new pages."""
 
+_QUIET = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "500ms",
+    "distributed.admin.system-monitor.interval": "5s",
+}
+"""What such a cluster leaves out: Dask looks at the stack of each task every 10 ms, and at the event loop every 20 ms,
+for its dashboard; that takes processor time from the work."""
+
 _UNGUARDED = (
     "The workers of a cluster of this machine did not start. In a script, put the call below "
     "`if __name__ == '__main__':`, because each worker imports the script again; `workers=0` needs none."
@@ -76,7 +84,11 @@ def connected(scheduler: Any, workers: int | None, patience: float) -> Iterator[
 
     with (
         config.set(
-            {_SPAWN: worker_environment(), _PRELOAD: [*config.get(_PRELOAD, []), "ulna.scale.preload"]}
+            {
+                **_QUIET,
+                _SPAWN: worker_environment(),
+                _PRELOAD: [*config.get(_PRELOAD, []), "ulna.scale.preload"],
+            }
         ),
         _local_cluster(count) as cluster,
         Client(cluster, set_as_default=False) as client,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, final
@@ -80,7 +80,7 @@ def run(
 
 
 def _results(
-    job: Job, parts: list[int], scheduler: Any, workers: int | None, retries: int, patience: float
+    job: Job, parts: Sequence[int], scheduler: Any, workers: int | None, retries: int, patience: float
 ) -> Iterator[tuple[int, State]]:
     """The results of parts, as they come."""
     if workers == 0:
@@ -120,7 +120,7 @@ class _Run:
         Returns:
             What the job returns.
         """
-        missing = list(range(self._done, self._job.parts))
+        missing = range(self._done, self._job.parts)
         self._tell()
         try:
             if missing:

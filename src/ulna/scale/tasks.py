@@ -1,12 +1,14 @@
 """Parts of a job on a cluster: some of them under way at any time, repeated when their worker is lost.
 
-Parts that take less than some tenths of a second are sent several at a time, for the scheduler needs about a
-millisecond for a task. Which parts are sent together changes nothing in the results.
+A task takes the coordinator, the scheduler and the worker some milliseconds together, so short parts are sent several
+at a time: many at first, fewer at the end, so that all workers end together [Polychronopoulos & Kuck, Guided
+self-scheduling, 1987]. Which parts are sent together changes nothing in the results.
 """
 
 from __future__ import annotations
 
 import errno
+import pickle
 import queue
 import time
 from asyncio import CancelledError
@@ -22,8 +24,11 @@ _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, err
 _ATTEMPTS = 3  # of a part whose work raises an error that is not Ulna's
 _COUNT = 3.0  # s between two questions how many workers there are
 _TICK = 0.25  # s between looks at the connection
-_SECONDS = 0.3  # that a task takes, where several parts are sent at a time
-_BYTES = 2**24  # that the results of a task may have
+_SHORTEST, _LONGEST = 0.03, 0.3  # s that a task takes, where several parts are sent at a time
+_SHARES = 1.5  # of the parts that are left, for each thread: a task has one of them
+_SCHEDULER = 0.005  # s by which tasks grow for each thread, so that the scheduler keeps up with many workers
+_FIRST, _FIRST_SECONDS = 16, 0.05  # parts of a task, and s for it, where nothing is known of their time yet
+_SENT, _RETURNED = 2**23, 2**24  # bytes that parts of a task may need, and return, together
 
 Inputs = Callable[[int], tuple[Any, ...]]
 """The further arguments of the work of a part."""
@@ -39,24 +44,33 @@ class Interrupted(Exception):
 
 
 def work_parts(
-    task: Portable, parts: Sequence[int], inputs: Sequence[tuple[Any, ...]]
-) -> tuple[list[State], float]:
-    """The results of some parts, one after the other; what a task does on a worker.
+    task: Callable[..., State], parts: Sequence[int], inputs: Sequence[tuple[Any, ...]] | None, limit: float
+) -> tuple[bytes, float, int]:
+    """The results of some parts, one after the other, until time or memory is used up; what a task does on a worker.
 
     Args:
         task: `task(part, *inputs)` does one part.
         parts: Their numbers.
-        inputs: The further arguments of each.
+        inputs: The further arguments of each; None for none.
+        limit: For how long another part may begin [s].
 
     Returns:
-        The results, and how long the last part took [s].
+        The results of the first parts, at least of one, pickled: Dask would send each array with a header of its own;
+        how long a part took [s]; and how many bytes the results have.
     """
-    out, seconds = [], 0.0
-    for part, further in zip(parts, inputs, strict=True):
-        start = time.perf_counter()
-        out.append(task(part, *further))
-        seconds = time.perf_counter() - start
-    return out, seconds
+    out: list[State] = []
+    size, start = 0, time.perf_counter()
+    first = now = start
+    for k, part in enumerate(parts):
+        out.append(task(part, *(inputs[k] if inputs else ())))
+        size += sum(array.nbytes for array in out[-1].values())
+        now = time.perf_counter()
+        first = now if k == 0 else first
+        if now - start > limit or size >= _RETURNED:
+            break
+    is_alone = len(out) == 1  # else the first, where functions may be compiled, says nothing of the others
+    seconds = now - start if is_alone else (now - first) / (len(out) - 1)
+    return pickle.dumps(out, protocol=5), seconds, size
 
 
 @final
@@ -81,10 +95,12 @@ class Tasks:
         retries: int,
         patience: float,
     ) -> None:
-        self._client, self._task, self._parts, self._inputs = client, task, parts, inputs
+        self._client, self._task, self._inputs = client, task, inputs
+        self._waiting, self._returned = parts, list[int]()  # both in order; the returned ones go first
         self._retries, self._patience = retries, patience
         self._futures: dict[int, tuple[Any, tuple[int, ...]]] = {}  # by the first of the parts of a task
-        self._together = 1  # parts of a task
+        self._seconds: float | None = None  # that a part takes
+        self._longest, self._most = _FIRST_SECONDS, _FIRST  # s and parts of a task
         self._failures: dict[int, int] = {}
         self._losses: dict[int, int] = {}
         self._submissions = 0
@@ -103,10 +119,9 @@ class Tasks:
             Interrupted: If the scheduler is lost, a part fails again and again, or nothing can be written.
             UlnaError: What the work of a part raised.
         """
-        following = 0
         try:
-            while following < len(self._parts) or self._futures:
-                following = self._submitted(following)
+            while self._returned or self._waiting or self._futures:
+                self._submit_waiting()
                 for first in sorted(self._ended_tasks()):
                     if first in self._futures and self._futures[first][0].done():
                         yield from self._results(first)
@@ -115,21 +130,30 @@ class Tasks:
                 with suppress(Exception, CancelledError):
                     future.cancel()
 
-    def _submitted(self, following: int) -> int:
-        """Submits parts while there is room; returns the place of the next one."""
-        room = 2 * self._threads() + 2 if self._is_connected() else 0
-        first = min(self._futures, default=None)
-        while following < len(self._parts) and len(self._futures) < room:
-            left = -(
-                -(len(self._parts) - following) // (2 * room)
-            )  # at the end all workers have something to do
-            parts = tuple(self._parts[following : following + min(self._together, left)])
-            if first is not None and parts[-1] - first > 2 * room * self._together:
-                break  # the first is late: what waits for it must not fill the memory
-            self._submit(parts)
-            first = parts[0] if first is None else first
-            following += len(parts)
-        return following
+    def _submit_waiting(self) -> None:
+        """Submits parts while there is room."""
+        if not self._is_connected():
+            return
+        threads = self._threads()
+        room = 2 * threads + (self._seconds is not None)
+        while (self._returned or self._waiting) and len(self._futures) < room:
+            together = self._together(threads)
+            again = self._returned[:together]
+            parts = (*again, *self._waiting[: together - len(again)])
+            last = min(self._futures, default=parts[0]) + 2 * room * self._most
+            parts = tuple(part for part in parts if part <= last)
+            if not parts:
+                return  # the first is late: what waits for it must not fill the memory
+            sent = self._submit(parts)
+            del self._returned[:sent]
+            self._waiting = self._waiting[max(sent - len(again), 0) :]
+
+    def _together(self, threads: int) -> int:
+        """How many of the parts that are left the next task has: a share of them, within limits of time and memory."""
+        share = (len(self._returned) + len(self._waiting)) / (_SHARES * threads)
+        if self._seconds is None:
+            return max(1, int(min(share / 2, self._most)))
+        return max(1, int(min(max(share, _SHORTEST / self._seconds), self._most)))
 
     def _threads(self) -> int:
         """How many threads the workers have; asked now and then, since workers come and go.
@@ -147,13 +171,25 @@ class Tasks:
             raise Interrupted("All workers are lost.")
         return max(self._count, 1)
 
-    def _submit(self, parts: tuple[int, ...]) -> None:
+    def _submit(self, parts: tuple[int, ...]) -> int:
+        """Submits parts as one task, as many as may be sent at a time; returns how many."""
+        from dask.sizeof import sizeof  # pyright: ignore[reportMissingImports]
+
         self._submissions += 1
         key = f"ulna-part-{parts[0]}-{self._task.digest[:8]}-{id(self)}-{self._submissions}"
-        inputs = [self._inputs(part) for part in parts]
-        future = self._client.submit(work_parts, self._task, parts, inputs, key=key, pure=False)
+        inputs, size = [], 0
+        for part in parts:
+            inputs.append(self._inputs(part))
+            size += sizeof(inputs[-1])
+            if size > _SENT:
+                break
+        parts = parts[: len(inputs)]
+        further = inputs if any(inputs) else None
+        limit = 2 * self._longest if self._seconds is not None else _FIRST_SECONDS
+        future = self._client.submit(work_parts, self._task, parts, further, limit, key=key, pure=False)
         self._futures[parts[0]] = future, parts
         future.add_done_callback(lambda _: self._ended.put(parts[0]))
+        return len(parts)
 
     def _ended_tasks(self) -> set[int]:
         """First parts of tasks that have ended since the last look; all where the connection was lost meanwhile."""
@@ -182,24 +218,26 @@ class Tasks:
         future, parts = self._futures.pop(first)
         if future.status == "finished":
             try:
-                results, seconds = future.result(timeout=60.0)
+                content, seconds, size = future.result(timeout=60.0)
             except (Exception, CancelledError) as error:  # its worker was lost with it
                 self._lose(parts, error)
                 return
-            self._adapt(results, seconds)
-            yield from zip(parts, results, strict=True)
+            results = pickle.loads(content)
+            self._adapt(seconds, size / len(results))
+            self._returned = sorted([*self._returned, *parts[len(results) :]])
+            yield from zip(parts, results, strict=False)
         elif future.status == "error":
             self._examine(parts, future.exception())
         else:
             self._lose(parts, None)
 
-    def _adapt(self, results: Sequence[State], seconds: float) -> None:
-        """Chooses how many parts the next tasks have: some tenths of a second of work, and not too many results."""
-        size = sum(array.nbytes for array in results[-1].values())
-        most = min(_SECONDS / max(seconds, 1e-9), _BYTES / max(size, 1))
-        self._together = max(1, int(min(most, 2 * self._together)))
+    def _adapt(self, seconds: float, size: float) -> None:
+        """Learns how many parts the next tasks may have: some tenths of a second of work, and not too many results."""
+        self._seconds = max(seconds, 1e-9)
+        self._longest = max(_LONGEST, _SCHEDULER * self._count)
+        self._most = max(1, int(min(self._longest / self._seconds, _RETURNED / max(size, 1.0))))
 
-    def _examine(self, parts: tuple[int, ...], error: BaseException) -> None:
+    def _examine(self, parts: Sequence[int], error: BaseException) -> None:
         """Decides what an error of a task means: the end, or another attempt."""
         from distributed import KilledWorker  # pyright: ignore[reportMissingImports]
 
@@ -219,7 +257,7 @@ class Tasks:
                 ) from error
         self._submit_each(parts)
 
-    def _lose(self, parts: tuple[int, ...], error: BaseException | None) -> None:
+    def _lose(self, parts: Sequence[int], error: BaseException | None) -> None:
         """Does parts again whose worker was lost."""
         while not self._is_connected():
             time.sleep(_TICK)
@@ -231,7 +269,7 @@ class Tasks:
                 )
         self._submit_each(parts)
 
-    def _submit_each(self, parts: tuple[int, ...]) -> None:
+    def _submit_each(self, parts: Sequence[int]) -> None:
         """Submits parts in tasks of one, so that the one that fails is known."""
         for part in parts:
             self._submit((part,))

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 import subprocess
 import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,6 +20,7 @@ from support.clusters import cluster
 from support.jobs import Rows, Sums
 from ulna import scale
 from ulna.errors import InputError, JobStopped, VersionMismatch
+from ulna.scale import tasks
 from ulna.scale.cluster import worker_environment
 
 pytest.importorskip("distributed")
@@ -52,6 +55,32 @@ def test_parts_are_sent_together_and_what_they_need_with_them(
     got = scale.run(Rows(rows), scheduler=client, progress=False)
     np.testing.assert_array_equal(got, scale.run(Rows(rows), workers=0, progress=False))
     assert len(set(tasks)) == len(tasks) < 500, "of 1000 parts"
+
+
+@pytest.mark.parametrize(
+    ("limit", "size", "many"), [(100.0, 3, 6), (8.0, 3, 3), (0.0, 3, 1), (100.0, 2**20, 2)]
+)
+def test_a_task_ends_early_where_time_or_memory_is_used_up(
+    monkeypatch: pytest.MonkeyPatch, limit: float, size: int, many: int
+) -> None:
+    now = iter([0.0, *np.arange(5.0, 50.0, 2.0)])  # the first part compiles for 3 s
+    monkeypatch.setattr(tasks, "time", SimpleNamespace(perf_counter=lambda: next(now)))
+
+    def work(part: int, row: int) -> dict[str, Any]:
+        return {"numbers": np.array([part, row]), "zeros": np.zeros(size)}
+
+    content, seconds, total = tasks.work_parts(work, range(5, 11), [(k,) for k in range(6)], limit)
+    numbers = [result["numbers"].tolist() for result in pickle.loads(content)]
+    assert numbers == [[5 + k, k] for k in range(many)]
+    assert seconds == (5.0 if many == 1 else 2.0) and total == many * 8 * (size + 2)
+
+
+def test_parts_that_a_task_left_are_done_by_others(client: Any) -> None:
+    """Several slow parts are sent together as long as nothing is known of them; tasks then end after one."""
+    job, seen = Sums(30, seconds=0.06), list[int]()
+    got = scale.run(job, scheduler=client, progress=lambda progress: seen.append(progress.done))
+    np.testing.assert_array_equal(got, _expected(30))
+    assert seen == sorted(seen) and len(seen) > 10
 
 
 def test_workers_have_one_thread_for_linear_algebra() -> None:
