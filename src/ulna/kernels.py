@@ -261,9 +261,9 @@ def named_options(model: Model, quantity: Quantity, options: Mapping[str, Any]) 
     Returns:
         The names by option; the tool's where a frame is None.
     """
-    given = {**quantity.options, **options}
-    names = {key: value for key, value in given.items() if isinstance(value, str)}
-    frame = given.get("frame", "")
+    chosen = {**quantity.options, **options}
+    names = {key: value for key, value in chosen.items() if isinstance(value, str)}
+    frame = chosen.get("frame", "")
     if frame is None:
         return {"frame": model.tool, **names}
     return names if isinstance(frame, str) else {"frame": ", ".join(map(str, frame)), **names}
@@ -307,13 +307,13 @@ def _quaternions(model: Model, quantity: Quantity) -> tuple[tuple[int, tuple[int
     return tuple((number, entries) for number in inputs for entries in model.quaternions)
 
 
-def shapes_for(model: Model, names: Sequence[str], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Shapes of the arguments of a user's function: those of q, q0, q1, v, a, tau, qd, qdd are known, others given.
+def shapes_for(model: Model, names: Sequence[str], known: Mapping[str, Any]) -> dict[str, Any]:
+    """Shapes of the arguments of a user's function: those of q, q0, q1, v, a, tau, qd and qdd are the model's.
 
     Args:
         model: The robot.
         names: The names of the arguments.
-        given: Shapes by name; they count also where they are known.
+        known: Shapes by name; they count also where they are known.
 
     Returns:
         The shape of each argument.
@@ -325,15 +325,15 @@ def shapes_for(model: Model, names: Sequence[str], given: Mapping[str, Any]) -> 
         "qd": "nv",
         "qdd": "nv",
     }
-    for name in given:
+    for name in known:
         if name not in names:
             raise UnknownName("argument of the function", name, names)
     shapes = {}
     for name in names:
-        if name not in given and name not in sizes:
+        if name not in known and name not in sizes:
             fix = f"Give the shape of other arguments: compile(f, robot, {name}=(3,))."
             raise UnknownName("argument of known shape", name, sizes, fix)
-        shapes[name] = given[name] if name in given else _shape(model, sizes[name])
+        shapes[name] = known[name] if name in known else _shape(model, sizes[name])
     return shapes
 
 

@@ -28,14 +28,14 @@ from ulna.algorithms.dynamics.operational_space import Task
 from ulna.algorithms.multibody.mass_moments import body_moments
 from ulna.algorithms.multibody.tree import steps
 from ulna.model import FrameContact
-from ulna.model.constraint import bonds
+from ulna.model.constraint import frame_pairs
 from ulna.spatial import SE3, Motion
 
 FOLDERS = ("algorithms/", "spatial/", "linalg.py", "numeric.py")
 BATCH = (2, 3)
 MODEL = ulna.load("panda", visuals="simple").model
 FRAME = MODEL.frame(MODEL.tool)
-BONDS = bonds(MODEL, [FrameContact(FRAME.name)])
+FRAME_PAIRS = frame_pairs(MODEL, [FrameContact(FRAME.name)])
 LENGTHS = {
     "nq": MODEL.nq,
     "nv": MODEL.nv,
@@ -55,7 +55,7 @@ OTHERS: dict[str, Any] = {
     "tree": steps(MODEL),
     "step": steps(MODEL)[1],
     "I": body_moments(MODEL, steps(MODEL)),
-    "bonds": BONDS,
+    "frame_pairs": FRAME_PAIRS,
     "placement": FRAME.placement,
     "T_world_body": SE3.identity(),
     "V": Motion(np.ones((*BATCH, 3)), np.ones((*BATCH, 3))),

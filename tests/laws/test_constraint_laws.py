@@ -19,7 +19,7 @@ from ulna.model import (
     PointLoop,
     Revolute,
 )
-from ulna.model.constraint import bonds
+from ulna.model.constraint import frame_pairs
 from ulna.robot import Robot
 from ulna.spatial import SE3, Inertia
 from ulna.typing import Floats
@@ -76,7 +76,7 @@ def test_the_velocity_is_the_rate_of_the_error(seed: int) -> None:
             here = alg.frame_pose(model, q, model.frame(a)) @ pose_a
             there = alg.frame_pose(model, q, model.frame(b)).inverse() @ here
             constraint = FrameLoop(a, b, pose_a, there)
-        found = bonds(model, [constraint])
+        found = frame_pairs(model, [constraint])
         rate = along(model, q, v, lambda x, f=found, at=anchors: alg.constraint_error(model, x, at, f))
         close(alg.constraint_velocity(model, q, v, found), rate, 1e-7)
 
@@ -86,7 +86,7 @@ def test_the_bias_is_the_rate_of_the_velocity(seed: int) -> None:
     model = tree(seed)
     q, v, _ = state(model, seed)
     for constraint in held(seed):
-        found = bonds(model, [constraint])
+        found = frame_pairs(model, [constraint])
         rate = along(model, q, v, lambda x, f=found: alg.constraint_velocity(model, x, v, f))
         close(alg.constraint_bias(model, q, v, found), rate, 1e-7)
 
@@ -96,7 +96,7 @@ def test_the_bias_is_the_rate_of_the_velocity(seed: int) -> None:
 def test_the_equations_of_motion_hold(seed: int, mu: float) -> None:
     model = tree(seed)
     q, v, tau = state(model, seed)
-    found = bonds(model, held(seed)[:1])
+    found = frame_pairs(model, held(seed)[:1])
     pull = Stabilisation(np.eye(4)[None], np.array([[9.0, 2.0]]))
     motion = alg.constrained_dynamics(model, q, v, tau, found, None, pull, Proximal(mu=mu))
     J = alg.constraint_jacobian(model, q, found)
@@ -111,7 +111,7 @@ def test_too_many_constraints_are_kept_in_the_sense_of_least_squares(seed: int) 
     """No force reduces what remains of the errors, and the forces have no part that causes no motion."""
     model = tree(seed)
     q, v, tau = state(model, seed)
-    found = bonds(model, held(seed))
+    found = frame_pairs(model, held(seed))
     motion = alg.constrained_dynamics(model, q, v, tau, found)
     J = alg.constraint_jacobian(model, q, found)
     left = J @ motion.a + alg.constraint_bias(model, q, v, found)
@@ -126,8 +126,10 @@ def test_too_many_constraints_are_kept_in_the_sense_of_least_squares(seed: int) 
 def test_axes_choose_how_forces_are_written_and_nothing_else(seed: int) -> None:
     model = tree(seed)
     q, v, tau = state(model, seed)
-    world = alg.constrained_dynamics(model, q, v, tau, bonds(model, [PointContact("tip")]))
-    local = alg.constrained_dynamics(model, q, v, tau, bonds(model, [PointContact("tip", axes="local")]))
+    world = alg.constrained_dynamics(model, q, v, tau, frame_pairs(model, [PointContact("tip")]))
+    local = alg.constrained_dynamics(
+        model, q, v, tau, frame_pairs(model, [PointContact("tip", axes="local")])
+    )
     close(local.a, world.a)
     close(alg.frame_pose(model, q, model.frame("tip")).rotation @ local.forces, world.forces)
 
@@ -136,7 +138,7 @@ def test_axes_choose_how_forces_are_written_and_nothing_else(seed: int) -> None:
 def test_impacts_lose_energy_and_nothing_rebounds(seed: int) -> None:
     model = tree(seed)
     q, v, _ = state(model, seed)
-    found = bonds(model, held(seed)[:1])
+    found = frame_pairs(model, held(seed)[:1])
     J, M = alg.constraint_jacobian(model, q, found), alg.mass_matrix(model, q)
     for restitution in (0.0, 0.6):
         impact = alg.impulse_dynamics(model, q, v, found, np.array([restitution]))
@@ -151,8 +153,8 @@ def test_impacts_lose_energy_and_nothing_rebounds(seed: int) -> None:
 def test_repeating_it_changes_nothing(seed: int) -> None:
     model = tree(seed)
     q, v, tau = state(model, seed)
-    once = alg.constrained_dynamics(model, q, v, tau, bonds(model, [PointContact("tip")]))
-    twice = bonds(model, [PointContact("tip"), PointContact("tip")])
+    once = alg.constrained_dynamics(model, q, v, tau, frame_pairs(model, [PointContact("tip")]))
+    twice = frame_pairs(model, [PointContact("tip"), PointContact("tip")])
     shared = alg.constrained_dynamics(model, q, v, tau, twice)
     close(shared.a, once.a)
     close(shared.forces, 0.5 * np.tile(once.forces, 2), 1e-6)
@@ -164,7 +166,7 @@ def test_repeating_it_changes_nothing(seed: int) -> None:
 def test_contradictions_are_met_halfway_with_forces_that_are_finite() -> None:
     model = tree(0)
     q, v, tau = state(model, 0)
-    found = bonds(model, [PointContact("tip"), PointContact("tip")])
+    found = frame_pairs(model, [PointContact("tip"), PointContact("tip")])
     here = alg.frame_pose(model, q, model.frame("tip")).matrix()
     apart = np.stack([here, here])
     apart[0, 0, 3] += 0.1
@@ -184,7 +186,7 @@ def test_what_is_clamped_does_not_accelerate() -> None:
     model = tree(0)
     q, v, tau = state(model, 0)
     names = [link for link in model.link_names if model.frame(link).joint >= 0]
-    found = bonds(model, [FrameContact(name) for name in names])
+    found = frame_pairs(model, [FrameContact(name) for name in names])
     motion = alg.constrained_dynamics(model, q, 0.0 * v, tau, found)
     close(motion.a, 0.0 * v, 1e-6)
     assert np.isfinite(motion.forces).all()
@@ -197,7 +199,7 @@ def test_what_cannot_move_needs_no_force(mu: float) -> None:
         ModelBuilder("wheel").add_link("ground").add_link("wheel", Inertia.from_box(1.0, (0.1, 0.2, 0.3)))
     )
     model = builder.add_joint("axle", Revolute((0, 0, 1)), "ground", "wheel").build()
-    found = bonds(model, [PointContact("wheel")])
+    found = frame_pairs(model, [PointContact("wheel")])
     pull = Stabilisation(SE3.trans(0.5, 0.0, 0.0).matrix()[None], np.array([[4.0, 4.0]]))
     q, v, tau = np.array([0.3]), np.array([2.0]), np.array([0.7])
     motion = alg.constrained_dynamics(model, q, v, tau, found, None, pull, Proximal(mu=mu))
@@ -209,7 +211,7 @@ def test_what_cannot_move_needs_no_force(mu: float) -> None:
 def test_without_rounds_later_constraints_come_first() -> None:
     model = tree(0)
     q, v, tau = state(model, 0)
-    found = bonds(model, [PointContact("tip"), PointContact("tip")])
+    found = frame_pairs(model, [PointContact("tip"), PointContact("tip")])
     anchors = np.stack([SE3.trans(0.1, 0.0, 0.0).matrix(), np.eye(4)])
     gains = np.array([[100.0, 20.0]] * 2)
     direct = Proximal(mu=0.0)

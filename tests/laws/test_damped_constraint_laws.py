@@ -15,7 +15,7 @@ from ulna.algorithms.constraints.damped_dynamics import Damped, DampedMotion, da
 from ulna.algorithms.constraints.dynamics_derivatives import bound_terms
 from ulna.algorithms.constraints.frame_errors import constraint_twists, frame_of, relative_motion
 from ulna.model import Model
-from ulna.model.constraint import Bond, End
+from ulna.model.constraint import End, FramePair
 from ulna.typing import Floats
 
 SEEDS = range(2)
@@ -43,7 +43,7 @@ def tree(seed: int) -> Model:
     return random_model(np.random.default_rng(seed), KINDS, root="free_flyer" if seed % 2 else None, mimics=1)
 
 
-def bonds(model: Model, seed: int) -> list[Bond]:
+def frame_pairs(model: Model, seed: int) -> list[FramePair]:
     """Points and frames, held in the world and to each other, along either axes, on one branch and on two."""
     rng = np.random.default_rng(100 + seed)
     last = len(model.joints) - 1
@@ -52,11 +52,11 @@ def bonds(model: Model, seed: int) -> list[Bond]:
         return End(joint, random_pose(rng))
 
     return [
-        Bond(end(last), end(-1), 3, local=True),
-        Bond(end(last - 1), end(1), 3, local=False),
-        Bond(end(2), end(last), 6, local=True),
-        Bond(end(-1), end(3), 3, local=True),
-        Bond(end(last - 2), end(-1), 6, local=False),
+        FramePair(end(last), end(-1), 3, local=True),
+        FramePair(end(last - 1), end(1), 3, local=False),
+        FramePair(end(2), end(last), 6, local=True),
+        FramePair(end(-1), end(3), 3, local=True),
+        FramePair(end(last - 2), end(-1), 6, local=False),
     ]
 
 
@@ -71,9 +71,9 @@ def close(actual: Floats, expected: Floats, tolerance: float) -> None:
 
 
 def solved(
-    model: Model, found: list[Bond], q: Floats, v: Floats, tau: Floats, wanted: Floats, damped: Damped
+    model: Model, found: list[FramePair], q: Floats, v: Floats, tau: Floats, wanted: Floats, damped: Damped
 ) -> DampedMotion:
-    owner = [i for i, bond in enumerate(found) for _ in range(bond.size)]
+    owner = [i for i, frame_pair in enumerate(found) for _ in range(frame_pair.size)]
     twists = constraint_twists(model, q, v, found)
     pull = GAINS[owner, 1] * twists.velocity + GAINS[owner, 0] * twists.error
     return damped_dynamics(model, q, v, tau, twists.J, twists.bias + pull - wanted, damped)
@@ -83,11 +83,13 @@ def solved(
 def test_the_bias_in_local_axes_is_the_rate_of_the_velocity(seed: int) -> None:
     model = tree(seed)
     q, v, _, _ = state(model, seed)
-    bond = bonds(model, seed)[2]
-    assert bond.local and bond.size == 6
-    twists = constraint_twists(model, q, v, [bond])
+    frame_pair = frame_pairs(model, seed)[2]
+    assert frame_pair.local and frame_pair.size == 6
+    twists = constraint_twists(model, q, v, [frame_pair])
     close(twists.velocity, twists.J @ v, 1e-12)
-    close(twists.bias, along(model, q, v, lambda x: constraint_twists(model, x, v, [bond]).velocity), 1e-8)
+    close(
+        twists.bias, along(model, q, v, lambda x: constraint_twists(model, x, v, [frame_pair]).velocity), 1e-8
+    )
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -95,12 +97,15 @@ def test_spatial_accelerations_meet(seed: int) -> None:
     """Along the world's axes J a + k'' is the difference of the spatial accelerations at the first frame."""
     model = tree(seed)
     q, v, a, _ = state(model, seed)
-    bond = Bond(bonds(model, seed)[2].first, bonds(model, seed)[2].second, 6, local=False)
-    twists = constraint_twists(model, q, v, [bond])
-    assert bond.second is not None
-    origin = alg.frame_pose(model, q, frame_of(bond.first)).translation
+    frame_pair = FramePair(
+        frame_pairs(model, seed)[2].first, frame_pairs(model, seed)[2].second, 6, local=False
+    )
+    twists = constraint_twists(model, q, v, [frame_pair])
+    assert frame_pair.second is not None
+    origin = alg.frame_pose(model, q, frame_of(frame_pair.first)).translation
     one, other = (
-        alg.frame_acceleration(model, q, v, a, frame_of(end), "world") for end in (bond.first, bond.second)
+        alg.frame_acceleration(model, q, v, a, frame_of(end), "world")
+        for end in (frame_pair.first, frame_pair.second)
     )
     linear = one.linear - other.linear + np.cross(one.angular - other.angular, origin)
     close(twists.J @ a + twists.bias, np.concatenate([linear, one.angular - other.angular]), 1e-9)
@@ -110,13 +115,13 @@ def test_spatial_accelerations_meet(seed: int) -> None:
 def test_the_error_of_a_frame_is_its_logarithm(seed: int) -> None:
     model = tree(seed)
     q, v, _, _ = state(model, seed)
-    for bond in bonds(model, seed):
-        assert bond.second is not None
-        T = alg.frame_pose(model, q, frame_of(bond.first))
-        between = alg.frame_pose(model, q, frame_of(bond.second)).inverse() @ T
-        e = constraint_twists(model, q, v, [bond]).error
-        axes = np.eye(3) if bond.local else T.rotation.T
-        if bond.size == 6:
+    for frame_pair in frame_pairs(model, seed):
+        assert frame_pair.second is not None
+        T = alg.frame_pose(model, q, frame_of(frame_pair.first))
+        between = alg.frame_pose(model, q, frame_of(frame_pair.second)).inverse() @ T
+        e = constraint_twists(model, q, v, [frame_pair]).error
+        axes = np.eye(3) if frame_pair.local else T.rotation.T
+        if frame_pair.size == 6:
             close(np.concatenate([axes @ e[:3], axes @ e[3:]]), between.log().vector(), 1e-12)
         else:
             close(axes @ e, between.rotation.T @ between.translation, 1e-12)
@@ -127,18 +132,18 @@ def test_the_motion_of_the_second_frame_in_the_first_one(seed: int) -> None:
     """The place of a point, its velocity and acceleration are rates of each other; so are twist and its rate."""
     model = tree(seed)
     q, v, a, _ = state(model, seed)
-    for bond in bonds(model, seed)[1:3]:
-        motion = relative_motion(model, q, v, a, bond)
+    for frame_pair in frame_pairs(model, seed)[1:3]:
+        motion = relative_motion(model, q, v, a, frame_pair)
         close(motion.velocity, motion.J @ v, 1e-12)
 
-        def parts(x: Floats, bond: Bond = bond) -> Floats:
-            at_rest = relative_motion(model, x, v, 0.0 * a, bond)
+        def parts(x: Floats, frame_pair: FramePair = frame_pair) -> Floats:
+            at_rest = relative_motion(model, x, v, 0.0 * a, frame_pair)
             return np.concatenate([at_rest.place, at_rest.velocity], axis=-1)
 
         rates = along(model, q, v, parts)
-        if bond.size == 3:
+        if frame_pair.size == 3:
             close(motion.velocity, rates[:3], 1e-8)
-        close(motion.acceleration, rates[bond.size :] + motion.J @ a, 1e-8)
+        close(motion.acceleration, rates[frame_pair.size :] + motion.J @ a, 1e-8)
 
 
 @pytest.mark.parametrize("rounds", [1, 3])
@@ -146,7 +151,7 @@ def test_the_motion_of_the_second_frame_in_the_first_one(seed: int) -> None:
 def test_rounds_are_those_of_the_proximal_point_algorithm(seed: int, rounds: int) -> None:
     model = tree(seed)
     q, v, _, tau = state(model, seed)
-    found, mu = bonds(model, seed)[:2], 0.3
+    found, mu = frame_pairs(model, seed)[:2], 0.3
     wanted = np.arange(6.0)
     motion = solved(model, found, q, v, tau, wanted, Damped(mu, 0.0, 0.0, rounds))
     twists = constraint_twists(model, q, v, found)
@@ -168,7 +173,7 @@ def test_rounds_are_those_of_the_proximal_point_algorithm(seed: int, rounds: int
 def test_rounds_end_when_what_is_left_is_small_enough() -> None:
     model = tree(0)
     q, v, _, tau = state(model, 0)
-    found = bonds(model, 0)[:1]
+    found = frame_pairs(model, 0)[:1]
     for change, residual in ((1e-6, 0.0), (0.0, 1e-6)):
         motion = solved(model, found, q, v, tau, np.zeros(3), Damped(1e-2, change, residual, 200))
         assert 1 < motion.rounds < 200
@@ -181,8 +186,8 @@ def test_derivatives_of_damped_dynamics(seed: int, rounds: int) -> None:
     """By v and tau after any rounds; by q after one, or after as many as leave nothing."""
     model = tree(seed)
     q, v, _, tau = state(model, seed)
-    found, mu = bonds(model, seed), 0.5
-    wanted = np.linspace(-1.0, 1.0, sum(bond.size for bond in found))
+    found, mu = frame_pairs(model, seed), 0.5
+    wanted = np.linspace(-1.0, 1.0, sum(frame_pair.size for frame_pair in found))
     damped = Damped(mu, 0.0, 0.0, rounds)
 
     def f(q: Floats, v: Floats, tau: Floats) -> Floats:
@@ -205,7 +210,7 @@ def test_derivatives_of_damped_dynamics(seed: int, rounds: int) -> None:
 def test_derivatives_of_impacts(seed: int) -> None:
     model = tree(seed)
     q, v, _, _ = state(model, seed)
-    found, damped = bonds(model, seed), Damped(0.5, 0.0, 0.0, 1)
+    found, damped = frame_pairs(model, seed), Damped(0.5, 0.0, 0.0, 1)
 
     def f(q: Floats, v: Floats) -> Floats:
         twists = constraint_twists(model, q, v, found)
@@ -224,7 +229,7 @@ def test_derivatives_of_impacts(seed: int) -> None:
 def test_an_impact_of_frames_leaves_them_at_rest(seed: int) -> None:
     model = tree(seed)
     q, v, _, _ = state(model, seed)
-    found = bonds(model, seed)[:2]
+    found = frame_pairs(model, seed)[:2]
     twists = constraint_twists(model, q, v, found)
     impact = damped_impact(model, q, twists.J, 1.3 * twists.velocity, Damped(0.0, 0.0, 0.0, 1))
     close(twists.J @ (v + impact.a), -0.3 * twists.velocity, 1e-9)

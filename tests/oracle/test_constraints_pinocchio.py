@@ -13,7 +13,7 @@ from support.pinocchio_models import Twin, from_pinocchio  # noqa: E402
 from ulna import algorithms as alg  # noqa: E402
 from ulna.algorithms import Proximal  # noqa: E402
 from ulna.model import Constraint, FrameContact, FrameLoop, PointContact, PointLoop  # noqa: E402
-from ulna.model.constraint import bonds  # noqa: E402
+from ulna.model.constraint import frame_pairs  # noqa: E402
 from ulna.robots import example_robot_data  # noqa: E402
 from ulna.typing import Floats  # noqa: E402
 
@@ -101,7 +101,7 @@ def ours_in_six(constraints: list[Constraint], forces: Floats) -> Floats:
 def test_contacts(name: str, axes) -> None:
     t = twin(name)
     constraints = contacts(name, axes)
-    found = bonds(t.model, constraints)
+    found = frame_pairs(t.model, constraints)
     q, v, tau = state(t)
     v = at_rest(t, q, v, found)
     data, models, datas = theirs(t, constraints)
@@ -121,7 +121,7 @@ def test_delassus_matrix(name: str) -> None:
     q, _, _ = state(t)
     data, models, datas = theirs(t, constraints)
     expected = pin.computeDelassusMatrix(t.pin, data, t.q(q), models, datas)
-    close(alg.delassus_matrix(t.model, q, bonds(t.model, constraints)), expected)
+    close(alg.delassus_matrix(t.model, q, frame_pairs(t.model, constraints)), expected)
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.3])
@@ -129,7 +129,7 @@ def test_delassus_matrix(name: str) -> None:
 def test_impacts(name: str, restitution: float) -> None:
     t = twin(name)
     constraints = contacts(name, "local_world_aligned")
-    found = bonds(t.model, constraints)
+    found = frame_pairs(t.model, constraints)
     q, v, _ = state(t)
     J = alg.constraint_jacobian(t.model, q, found)
     data = t.pin.createData()
@@ -168,7 +168,7 @@ def test_loops_between_two_legs(kind, axes) -> None:
         if kind is FrameLoop
         else PointLoop(a, b, point_b=tuple(T.translation), axes=axes)
     ]
-    found = bonds(t.model, constraints)
+    found = frame_pairs(t.model, constraints)
     close(alg.constraint_error(t.model, q, None, found), np.zeros(found[0].size))
     v = at_rest(t, q, v, found)
     data, models, datas = theirs(t, constraints)
@@ -183,7 +183,7 @@ def test_redundant_contacts_give_the_acceleration_of_the_proximal_solver() -> No
     """Four feet of which three say all there is to say about a rigid trunk, at rest: 24 rows of which 18 count."""
     t = twin("solo12")
     constraints: list[Constraint] = [FrameContact(name_of(t, foot)) for foot in FEET["solo12"][0]]
-    found = bonds(t.model, constraints)
+    found = frame_pairs(t.model, constraints)
     q, v, tau = state(t)
     data, models, datas = theirs(t, constraints)
     settings = pin.ProximalSettings(
@@ -199,7 +199,7 @@ def test_redundant_contacts_give_the_acceleration_of_the_proximal_solver() -> No
 def test_stabilisation_by_a_point() -> None:
     t = twin("solo12")
     constraints = contacts("solo12", "local_world_aligned")
-    found = bonds(t.model, constraints)
+    found = frame_pairs(t.model, constraints)
     q, v, tau = state(t)
     data, models, datas = theirs(t, constraints, (30.0, 4.0))
     expected = pin.constraintDynamics(t.pin, data, t.q(q), t.v(v), t.v(tau), models, datas)

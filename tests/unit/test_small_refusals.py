@@ -107,7 +107,7 @@ def test_impacts_of_joints_that_stand_still(zeros: str) -> None:
     else:
         assert np.abs(impact.impulses).max() > 1e-3
     plain = ulna.algorithms.impulse_dynamics  # the same on floats, without the compiler
-    found = ulna.model.constraint.bonds(robot.model, held)
+    found = ulna.model.constraint.frame_pairs(robot.model, held)
     expected = plain(robot.model, q, v, found, np.zeros(1))
     np.testing.assert_allclose(impact.v, expected.v, atol=1e-8)
     np.testing.assert_allclose(impact.impulses, expected.impulses, atol=1e-8)

@@ -118,9 +118,9 @@ def _exchanged(problem: Problem, c: Floats) -> Floats:
         trial, half = c.copy(), (problem.points[least.argmax()] - c[largest]) / 2.0
         trial[spare], trial[largest] = c[largest] + half, c[largest] - half
         trial = _moved(problem, trial)
-        found = far(problem.points, trial) + problem.region.signed(trial)
-        if found.min(axis=1).max() < least.max() - 1e-5:
-            c, costs, failed = trial, found, []
+        distances = far(problem.points, trial) + problem.region.signed(trial)
+        if distances.min(axis=1).max() < least.max() - 1e-5:
+            c, costs, failed = trial, distances, []
         else:
             failed.append((largest, spare))
             if len(failed) == min(_FAILURES, len(c) - 1):

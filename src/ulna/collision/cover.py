@@ -30,11 +30,11 @@ class Task:
     """Solids to cover.
 
     Attributes:
-        given: Centres (n, 3) and radii (n,) of the solids that are balls [m].
+        solid_balls: Centres (n, 3) and radii (n,) of the solids that are balls [m].
         problem: The others; None where there are none.
     """
 
-    given: tuple[Floats, Floats]
+    solid_balls: tuple[Floats, Floats]
     problem: Problem | None
 
     @property
@@ -63,10 +63,10 @@ class Task:
             Centres, shape (n, 3) [m], radii, shape (n,) [m], and the excess [m].
         """
         if self.is_done or self.problem is None:
-            return *self.given, 0.0
+            return *self.solid_balls, 0.0
         c, r = covered(self.problem, place(self.problem, count))
         e = float((r + self.problem.region.signed_exactly(c)).max(initial=0.0))
-        return np.vstack([self.given[0], c]), np.concatenate([self.given[1], r]), max(e, 0.0)
+        return np.vstack([self.solid_balls[0], c]), np.concatenate([self.solid_balls[1], r]), max(e, 0.0)
 
 
 def task(solids: Sequence[Solid], places: Sequence[SE3]) -> Task:
@@ -88,24 +88,24 @@ def task(solids: Sequence[Solid], places: Sequence[SE3]) -> Task:
         for s, T in zip(solids, places, strict=True)
         if isinstance(s.shape, Sphere)
     ]
-    given = np.array([c for c, _ in balls]).reshape(-1, 3), np.array([r for _, r in balls])
+    solid_balls = np.array([c for c, _ in balls]).reshape(-1, 3), np.array([r for _, r in balls])
     others = [
         (T @ triangles(s).reshape(-1, 3)).reshape(-1, 3, 3)
         for s, T in zip(solids, places, strict=True)
         if not isinstance(s.shape, Sphere)
     ]
     if not others:
-        return Task(given, None)
+        return Task(solid_balls, None)
 
     def buried(corners: Floats) -> Array:
         """Which triangles are inside one of the shapes that are convex."""
-        found = np.zeros(len(corners), dtype=bool)
+        is_inside = np.zeros(len(corners), dtype=bool)
         for solid, at in zip(solids, places, strict=True):
             x = (at.inverse() @ corners.reshape(-1, 3)).reshape(corners.shape)
-            found |= interior(solid.shape, x).all(axis=1)
-        return found
+            is_inside |= interior(solid.shape, x).all(axis=1)
+        return is_inside
 
-    return Task(given, problem(region(np.concatenate(others), buried), given))
+    return Task(solid_balls, problem(region(np.concatenate(others), buried), solid_balls))
 
 
 def cover(solids: Sequence[Solid], places: Sequence[SE3], tolerance: float, most: int) -> Cover:

@@ -84,5 +84,5 @@ def _answer(checker: Any, question: str, names: tuple[str, ...], options: Any, q
 
 
 def _nearest(checker: Any, names: tuple[str, ...], options: Any, q: Any, *poses: Any) -> tuple[Any, ...]:
-    found = checker.distance(q, dict(zip(names, poses, strict=True)) or None, **options)
-    return found.distance, found.points, found.normal, found.names
+    nearest = checker.distance(q, dict(zip(names, poses, strict=True)) or None, **options)
+    return nearest.distance, nearest.points, nearest.normal, nearest.names

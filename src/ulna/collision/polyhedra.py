@@ -42,12 +42,12 @@ def triangles(solid: Solid) -> Floats:
                 f"The mesh {solid.shape.path} of {solid.owner!r} has no triangles; no spheres cover it."
             )
         return solid.vertices[solid.triangles]
-    found = _polyhedron(solid.shape)
-    if found is None:
+    corners_found = _polyhedron(solid.shape)
+    if corners_found is None:
         raise InputError(
             f"The {solid.shape.describe()} of {solid.owner!r} is boundless; no spheres cover it."
         )
-    return found
+    return corners_found
 
 
 def _polyhedron(shape: Shape) -> Floats | None:
@@ -98,8 +98,8 @@ def _revolved(outline: Floats) -> Floats:
     low, high = rings[:-1], rings[1:]
     low_next, high_next = np.roll(low, -1, axis=1), np.roll(high, -1, axis=1)
     pairs = [np.stack([low, low_next, high_next], axis=2), np.stack([low, high_next, high], axis=2)]
-    found = np.concatenate(pairs).reshape(-1, 3, 3)
-    return found[_areas(found) > 0.0]
+    corners_found = np.concatenate(pairs).reshape(-1, 3, 3)
+    return corners_found[_areas(corners_found) > 0.0]
 
 
 def _areas(corners: Floats) -> Array:

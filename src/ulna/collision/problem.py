@@ -91,12 +91,12 @@ def _level(e: float) -> int:
     return int(np.floor(np.log(e) / np.log(_RATIO) + 1e-9))
 
 
-def problem(region: Region, given: tuple[Floats, Floats] | None = None) -> Problem:
+def problem(region: Region, existing: tuple[Floats, Floats] | None = None) -> Problem:
     """A region to cover.
 
     Args:
         region: The region.
-        given: Centres (n, 3) and radii (n,) of spheres that are there already [m]; what they hold needs no others.
+        existing: Centres (n, 3) and radii (n,) of spheres that are there already [m]; what they hold needs no others.
 
     Returns:
         The problem.
@@ -105,9 +105,9 @@ def problem(region: Region, given: tuple[Floats, Floats] | None = None) -> Probl
     several = inside, region.centres(region.shallow), region.centres(region.wall)
     candidates = np.vstack([thinned(x, _CANDIDATES) for x in several])
     pieces, corners = region.pieces, region.corners
-    if given is not None and len(given[1]):
-        pieces = pieces[~_held(pieces, *given)]
-        corners, inside = (x[~_held(x[:, None], *given)] for x in (corners, inside))
+    if existing is not None and len(existing[1]):
+        pieces = pieces[~_held(pieces, *existing)]
+        corners, inside = (x[~_held(x[:, None], *existing)] for x in (corners, inside))
     surface = np.vstack([thinned(corners, _SAMPLES), corners[_outermost(corners)]])
     samples = np.vstack([surface, thinned(inside, _SAMPLES // 4)])
     cost = far(samples, candidates) + region.signed(candidates).astype(np.float32)

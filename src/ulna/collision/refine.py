@@ -94,13 +94,15 @@ def refine(
 
 def _divided(task: Task, old: LinkSpheres, numbers: set[int], most: int) -> LinkSpheres | None:
     """The spheres of a link with two in place of each of some; None where that cannot be."""
-    given = len(task.given[1])
-    chosen = sorted(k - given for k in numbers if k >= given)[: max(0, most - len(old.radii))]
+    ball_count = len(task.solid_balls[1])
+    chosen = sorted(k - ball_count for k in numbers if k >= ball_count)[: max(0, most - len(old.radii))]
     if task.problem is None or task.is_done or not chosen:
         return None
-    c, r = covered(task.problem, divided(task.problem, old.centres[given:].copy(), chosen))
+    c, r = covered(task.problem, divided(task.problem, old.centres[ball_count:].copy(), chosen))
     e = float((r + task.problem.region.signed_exactly(c)).max(initial=0.0))
-    return LinkSpheres(np.vstack([task.given[0], c]), np.concatenate([task.given[1], r]), max(e, 0.0))
+    return LinkSpheres(
+        np.vstack([task.solid_balls[0], c]), np.concatenate([task.solid_balls[1], r]), max(e, 0.0)
+    )
 
 
 def _blame(

@@ -144,9 +144,9 @@ def region(triangles: Floats, buried: Callable[[Floats], Array]) -> Region:
         near[tuple(np.floor((pieces - origin) / h).astype(int).reshape(-1, 3).T)].reshape(-1, 3).any(axis=1)
     )
     outer &= ~hidden
-    seen = near[tuple(np.floor((corners - origin) / h).astype(int).T)]
-    wall = _wall(corners[seen], origin, h, np.array(wall.shape))
-    tree = KDTree(thinned(corners[seen], _TREE), leafsize=64)
+    is_reached = near[tuple(np.floor((corners - origin) / h).astype(int).T)]
+    wall = _wall(corners[is_reached], origin, h, np.array(wall.shape))
+    tree = KDTree(thinned(corners[is_reached], _TREE), leafsize=64)
     return Region(pieces, pieces[outer], corners, h, origin, ~outside & ~wall, wall & ~outside, tree)
 
 

@@ -221,17 +221,17 @@ def hull(vertices: Floats) -> tuple[Floats, Array]:
     except ImportError as error:
         raise MissingExtra("scipy", "collision", "Taking convex hulls") from error
     try:
-        found = ConvexHull(vertices)
+        qhull = ConvexHull(vertices)
     except QhullError as error:
         raise InputError(
             "The points of a mesh lie in a plane and have no convex hull with a volume. "
             "Put a thin Box in its place, or ask for exact checks with convex=False."
         ) from error
-    corners = found.vertices
+    corners = qhull.vertices
     place = np.full(len(vertices), -1)
     place[corners] = np.arange(len(corners))
-    triangles = found.simplices.copy()
+    triangles = qhull.simplices.copy()
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    inward = (np.cross(b - a, c - a) * found.equations[:, :3]).sum(axis=1) < 0
+    inward = (np.cross(b - a, c - a) * qhull.equations[:, :3]).sum(axis=1) < 0
     triangles[inward] = triangles[inward][:, ::-1]
     return vertices[corners], place[triangles]

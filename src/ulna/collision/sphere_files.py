@@ -33,7 +33,7 @@ def spheres_of(model: Model | Any) -> Spheres:
         FormatError: If a link has another shape, or no link has any.
     """
     model = model_of(model, "model")
-    found = {}
+    spheres_by_link = {}
     for link in model.links:
         balls = [
             (g.placement.translation, g.shape.radius) for g in link.collisions if isinstance(g.shape, Sphere)
@@ -45,12 +45,14 @@ def spheres_of(model: Model | Any) -> Spheres:
                 fix="Fit spheres with ulna.collision.fit(model).",
             )
         if balls:
-            found[link.name] = LinkSpheres(np.array([c for c, _ in balls]), np.array([r for _, r in balls]))
-    if not found:
+            spheres_by_link[link.name] = LinkSpheres(
+                np.array([c for c, _ in balls]), np.array([r for _, r in balls])
+            )
+    if not spheres_by_link:
         raise FormatError(
             f"{model.name!r} has no balls as collision geometry", fix="Use ulna.collision.fit(model)."
         )
-    return Spheres(found)
+    return Spheres(spheres_by_link)
 
 
 def read_spheres(path: str | os.PathLike[str]) -> Spheres:
@@ -104,18 +106,18 @@ def _by_link(file: Path, content: Any) -> Spheres:
             content = content[key]
     if isinstance(content, str):
         return read_spheres(file.parent / content)
-    found = {}
+    spheres_by_link = {}
     try:
         for name, balls in content.items():
             rows = [(*ball["center"], ball["radius"]) for ball in balls if ball["radius"] > 0.0]
             if rows:
                 table = np.array(rows, dtype=float)
-                found[name] = LinkSpheres(table[:, :3], table[:, 3])
+                spheres_by_link[name] = LinkSpheres(table[:, :3], table[:, 3])
     except (TypeError, KeyError, AttributeError, ValueError) as error:
         raise FormatError(
             f"{file} has no spheres by link ({type(error).__name__}: {error})",
             fix="Expected {link: [{center: [x, y, z], radius: r}, ...]}, or what `Spheres.to_json()` writes.",
         ) from error
-    if not found:
+    if not spheres_by_link:
         raise FormatError(f"{file} has no spheres", fix="Fit some with ulna.collision.fit(model).")
-    return Spheres(found)
+    return Spheres(spheres_by_link)

@@ -59,9 +59,11 @@ def examine(path: str | Path) -> list[Finding]:
     for line, name in sorted(_used(tree, frozenset(known_modules))):
         used.setdefault(name, line)
     with compatibility_imports(FOLDERS.values(), known_modules):
-        found = [Finding(line, name, *_is_offered(name)) for name, line in used.items()]
+        from_names = [Finding(line, name, *_is_offered(name)) for name, line in used.items()]
         objects = _of_objects(tree, frozenset(known_modules))
-    return sorted({one.name: one for one in [*reversed(objects), *found]}.values(), key=lambda one: one.line)
+    return sorted(
+        {one.name: one for one in [*reversed(objects), *from_names]}.values(), key=lambda one: one.line
+    )
 
 
 def _of_objects(tree: ast.Module, known_modules: frozenset[str]) -> list[Finding]:

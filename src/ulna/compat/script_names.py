@@ -53,12 +53,12 @@ def expressions(tree: ast.Module) -> Iterator[tuple[ast.expr, Scope]]:
     Yields:
         An attribute or a call, and its scope.
     """
-    found: list[tuple[ast.expr, Scope]] = []
-    _walk(tree, Scope(None), found)
-    yield from found
+    uses: list[tuple[ast.expr, Scope]] = []
+    _walk(tree, Scope(None), uses)
+    yield from uses
 
 
-def _walk(node: ast.AST, scope: Scope, found: list[tuple[ast.expr, Scope]]) -> None:
+def _walk(node: ast.AST, scope: Scope, uses: list[tuple[ast.expr, Scope]]) -> None:
     for child in ast.iter_child_nodes(node):
         inner = scope
         _bind(child, scope)
@@ -68,8 +68,8 @@ def _walk(node: ast.AST, scope: Scope, found: list[tuple[ast.expr, Scope]]) -> N
                 if isinstance(argument, ast.arg):
                     inner.bind(argument.arg, _instance_of(argument.annotation))
         if isinstance(child, (ast.Attribute, ast.Call)):
-            found.append((child, scope))
-        _walk(child, inner, found)
+            uses.append((child, scope))
+        _walk(child, inner, uses)
 
 
 def _instance_of(annotation: ast.expr | None) -> ast.expr | None:

@@ -93,10 +93,10 @@ class ObjectsOf:
         return None
 
     def _of_name(self, name: str, scope: Scope) -> Objects:
-        found = scope.find(name)
-        if found is None:
+        owner_and_bindings = scope.find(name)
+        if owner_and_bindings is None:
             return ()
-        owner, bindings = found
+        owner, bindings = owner_and_bindings
         return _joined([self._of_binding(binding, owner) for binding in bindings])
 
     def _of_binding(self, binding: ast.expr | str | None, scope: Scope) -> Objects:

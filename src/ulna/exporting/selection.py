@@ -183,8 +183,8 @@ def options_of(item: Any) -> tuple[str, ...]:
 def _of_quantity(name: str, model: Model, item: str, options: Mapping[str, Any]) -> ExportedFunction:
     quantity, function = QUANTITIES[item], kernels.function(model, item, **options)
     summary, source = cited(quantity.summary)
-    given = {key: _listed(value) for key, value in options.items() if value is not None and value != ()}
-    choices = {**given, **kernels.named_options(model, quantity, options)}
+    set_options = {key: _listed(value) for key, value in options.items() if value is not None and value != ()}
+    choices = {**set_options, **kernels.named_options(model, quantity, options)}
     if choices.get("frame") == "all":
         choices["frame"] = ", ".join(model.frame_names)
     if source:

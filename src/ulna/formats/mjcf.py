@@ -29,7 +29,7 @@ from ulna.errors import FormatError, InputError, ModelError, UnknownName
 from ulna.formats.mjcf_contacts import contacts
 from ulna.formats.mjcf_couplings import couplings
 from ulna.formats.mjcf_drives import Drives
-from ulna.formats.mjcf_omitted import Audit
+from ulna.formats.mjcf_omitted import OmissionSearch
 from ulna.formats.mjcf_parse import (
     BALL,
     FREE,
@@ -121,8 +121,8 @@ class _Reading:
         self._add_frames(builder)
         self._add_configurations(builder)
         self._disable_pairs(builder)
-        audit = Audit(self._compiled, self._switches, self._drives, self._joined, self._touching)
-        warn_of_omissions(audit.omissions(self._shapes.left), self._file)
+        search = OmissionSearch(self._compiled, self._switches, self._drives, self._joined, self._touching)
+        warn_of_omissions(search.omissions(self._shapes.left), self._file)
         return builder
 
     def _inertia(self, body: int) -> Inertia:

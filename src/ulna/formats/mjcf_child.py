@@ -64,8 +64,8 @@ def compiled(text: str, file: str | None, trusted: bool) -> tuple[Any, Any]:
         count = f"{answer['elements']} bodies, joints, geoms and the like"
         raise FormatError(f"its model has {count}; expected at most {ELEMENTS}.", file=file, fix=_TRUST)
     facts = answer["facts"]
-    lines = {kind: {int(k): line for k, line in found.items()} for kind, found in facts["lines"].items()}
-    references = {int(k): found for k, found in facts["mesh_references"].items()}
+    lines = {kind: {int(k): line for k, line in of_kind.items()} for kind, of_kind in facts["lines"].items()}
+    references = {int(k): reference for k, reference in facts["mesh_references"].items()}
     facts |= {"lines": lines, "mesh_references": references}
     return model_of(content), SimpleNamespace(**facts)
 
@@ -132,11 +132,11 @@ class _CompilerProcess:
     def waiting(cls) -> _CompilerProcess | None:
         """The process that waits for another file, which is the caller's from now on; None where there is none."""
         with cls._lock:
-            found, cls._waiting = cls._waiting, None
-        if found is not None and found._process.poll() is not None:
-            found.end()
+            child, cls._waiting = cls._waiting, None
+        if child is not None and child._process.poll() is not None:
+            child.end()
             return None
-        return found
+        return child
 
     def ask(self, content: bytes, file: str | None) -> tuple[dict[str, Any], bytes]:
         """The reply to a request, and the binary model; the process is ended when it takes too long.

@@ -17,7 +17,7 @@ from ulna.formats.omitted import Omission, place
 ADD_TO_TAU = "Add their torques to `tau`."
 
 
-class Audit:
+class OmissionSearch:
     """Looks through one compiled file for what a model cannot hold.
 
     Args:
@@ -119,7 +119,7 @@ class Audit:
         }
         for attribute, (matters, tendons) in kinds.items():
             if matters and tendons:
-                places = tuple(self._place("tendon", m.tendon(t).name, t) for t in tendons)
+                places = tuple(self._location("tendon", m.tendon(t).name, t) for t in tendons)
                 yield Omission(f"<tendon {attribute}>", *effects[attribute], places)
 
     def _equalities(self) -> Iterator[Omission]:
@@ -128,7 +128,7 @@ class Audit:
         for e in range(m.neq):
             if self._switches.equalities and m.eq_active0[e] and e not in self._joined.kept:
                 not_expressed.setdefault(reason_omitted(m, e), []).append(
-                    self._place("equality", m.equality(e).name, e)
+                    self._location("equality", m.equality(e).name, e)
                 )
         for (element, effect, advice), places in not_expressed.items():
             yield Omission(element, effect, advice, tuple(places))
@@ -256,23 +256,23 @@ class Audit:
             )
 
     def _at_joints(self, element: str, joints: Iterable[int], effect: str, advice: str) -> Iterator[Omission]:
-        places = tuple(self._place("joint", self._joints[j], j) for j in joints)
+        places = tuple(self._location("joint", self._joints[j], j) for j in joints)
         if places:
             yield Omission(element, effect, advice, places)
 
     def _at_bodies(self, element: str, bodies: Iterable[Any], effect: str, advice: str) -> Iterator[Omission]:
-        places = tuple(self._place("body", self._links[b], b) for b in bodies)
+        places = tuple(self._location("body", self._links[b], b) for b in bodies)
         if places:
             yield Omission(element, effect, advice, places)
 
     def _at_actuators(
         self, element: str, actuators: Iterable[Any], effect: str, advice: str
     ) -> Iterator[Omission]:
-        places = tuple(self._place("actuator", self._m.actuator(int(a)).name, a) for a in actuators)
+        places = tuple(self._location("actuator", self._m.actuator(int(a)).name, a) for a in actuators)
         if places:
             yield Omission(element, effect, advice, places)
 
-    def _place(self, kind: str, name: str, index: Any) -> str:
+    def _location(self, kind: str, name: str, index: Any) -> str:
         return place(kind, name, self._lines.get(kind, {}).get(int(index)))
 
     @staticmethod

@@ -105,13 +105,13 @@ def branches(
 
 
 def _padded(ask: Any, most: int, T: Floats, q0: Any = None) -> tuple[Any, ...]:
-    found = ask(T, q0)
-    short = most - found.q.shape[-2]
-    rows = [(0, 0)] * (found.q.ndim - 2)
-    q = np.pad(found.q, [*rows, (0, short), (0, 0)], constant_values=np.nan)
+    branches_found = ask(T, q0)
+    short = most - branches_found.q.shape[-2]
+    rows = [(0, 0)] * (branches_found.q.ndim - 2)
+    q = np.pad(branches_found.q, [*rows, (0, short), (0, 0)], constant_values=np.nan)
     errors = [
         np.pad(e, [*rows, (0, short)], constant_values=np.nan)
-        for e in (found.position_error, found.rotation_error)
+        for e in (branches_found.position_error, branches_found.rotation_error)
     ]
-    total = np.asarray(found.total, dtype=np.int64)
-    return q, *errors, total, np.asarray(found.miss), np.full(total.shape, found.complete)
+    total = np.asarray(branches_found.total, dtype=np.int64)
+    return q, *errors, total, np.asarray(branches_found.miss), np.full(total.shape, branches_found.complete)

@@ -62,9 +62,9 @@ def thread_search(
 
     def ik(T: Any, q0: Any = home) -> Any:
         """Inverse kinematics: configuration, whether it meets the goals, steps, errors of position and rotation."""
-        found = search(T, q0, shift, settings)
-        position, rotation = (reduce(numeric.maximum, found[nq + 3 + k :: 2]) for k in (0, 1))
-        return found[:nq], found[nq], found[nq + 1], position, rotation
+        solution = search(T, q0, shift, settings)
+        position, rotation = (reduce(numeric.maximum, solution[nq + 3 + k :: 2]) for k in (0, 1))
+        return solution[:nq], solution[nq], solution[nq + 1], position, rotation
 
     shapes: dict[str, Any] = {"T": (4, 4) if count == 1 else (count, 4, 4)}
     if near:

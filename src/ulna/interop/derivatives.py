@@ -43,7 +43,7 @@ class Derivatives:
         Returns:
             A function of all inputs and then of the tangents; its outputs are those of the function.
         """
-        return self._once(("forward", moving), lambda f: _forward(f, moving))
+        return self._cached(("forward", moving), lambda f: _forward(f, moving))
 
     def reverse(self, wanted: Choice, without: int = 0) -> Function:
         """The derivatives by some inputs of the sum of the outputs, weighted by cotangents.
@@ -56,9 +56,9 @@ class Derivatives:
         Returns:
             A function of the inputs and then of the cotangents of all outputs; its outputs are as the wanted inputs.
         """
-        return self._once(("reverse", wanted, without), lambda f: _reverse(f, wanted, without))
+        return self._cached(("reverse", wanted, without), lambda f: _reverse(f, wanted, without))
 
-    def _once(self, key: Any, make: Any) -> Function:
+    def _cached(self, key: Any, make: Any) -> Function:
         with _lock:
             made = self._made.get(key)
             if made is None:

@@ -56,10 +56,12 @@ class JaxFunction:
             InputError: If an array lies on another device than the CPU.
         """
         check_count(self.function, arrays)
-        given = [self._array(x, p.name) for x, p in zip(arrays, self.function.inputs, strict=True)]
-        kinds = [x.dtype if jnp.issubdtype(x.dtype, jnp.floating) else jnp.result_type(float) for x in given]
+        converted = [self._array(x, p.name) for x, p in zip(arrays, self.function.inputs, strict=True)]
+        kinds = [
+            x.dtype if jnp.issubdtype(x.dtype, jnp.floating) else jnp.result_type(float) for x in converted
+        ]
         kind = jnp.float64 if jnp.float64 in kinds else jnp.float32
-        results = _evaluate(self.function, 0, [x.astype(kind) for x in given])
+        results = _evaluate(self.function, 0, [x.astype(kind) for x in converted])
         return results[0] if self.function.single else results
 
     def __repr__(self) -> str:
@@ -126,9 +128,9 @@ def _forward(primals: Sequence[Any], tangents: Sequence[Any], *, function: Funct
     """The rule of the forward derivative."""
     moving = tuple(type(t) is not ad.Zero for t in tangents)
     derivative = derivatives_of(function).forward(moving)
-    kept = [t for t, m in zip(tangents, moving, strict=True) if m]
+    moving_tangents = [t for t, m in zip(tangents, moving, strict=True) if m]
     results = _call.bind(*primals, function=function, linear=linear)
-    return results, _call.bind(*primals, *kept, function=derivative, linear=len(kept))
+    return results, _call.bind(*primals, *moving_tangents, function=derivative, linear=len(moving_tangents))
 
 
 def _transposed(cotangents: Sequence[Any], *arrays: Any, function: Function, linear: int) -> list[Any]:
@@ -149,8 +151,8 @@ def _transposed(cotangents: Sequence[Any], *arrays: Any, function: Function, lin
     ]
     back = derivatives_of(function).reverse(unknown, without=linear)
     # It is linear in the cotangents, the last inputs, in turn.
-    found = iter(_call.bind(*arrays[:count], *bars, function=back, linear=len(bars)))
-    return [next(found) if u else None for u in unknown]
+    cotangents_of_inputs = iter(_call.bind(*arrays[:count], *bars, function=back, linear=len(bars)))
+    return [next(cotangents_of_inputs) if u else None for u in unknown]
 
 
 def _batched(arrays: Sequence[Any], axes: Sequence[Any], *, function: Function, linear: int) -> Any:

@@ -157,10 +157,11 @@ class _Evaluation(torch.autograd.Function):
     def backward(ctx: Any, *cotangents: Any) -> Any:
         tensors, wanted = ctx.saved_tensors, ctx.needs_input_grad[1:]
         derivative = ctx.f.derivative("reverse", tuple(wanted))
-        found = iter(_evaluate(derivative, *tensors, *cotangents))
+        cotangents_of_inputs = iter(_evaluate(derivative, *tensors, *cotangents))
         # Where an input was broadcast along batch axes, its derivative is the sum along them.
         return None, *(
-            next(found).sum_to_size(x.shape) if w else None for x, w in zip(tensors, wanted, strict=True)
+            next(cotangents_of_inputs).sum_to_size(x.shape) if w else None
+            for x, w in zip(tensors, wanted, strict=True)
         )
 
     @staticmethod

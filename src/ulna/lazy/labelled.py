@@ -58,10 +58,10 @@ def apply_labelled(
         if len(dims) == 1 and len(slot.shape) == 1
     }
     results = [_result_dims(slot, vectors, taken) for slot in outputs]
-    found = xarray.apply_ufunc(
+    applied = xarray.apply_ufunc(
         run, *ordered, input_core_dims=cores, output_core_dims=results, dask="allowed", keep_attrs=False
     )
-    return found if is_single or isinstance(found, tuple) else (found,)
+    return applied if is_single or isinstance(applied, tuple) else (applied,)
 
 
 def _core_dims(array: Any, slot: Slot) -> tuple[Any, tuple[Any, ...]]:

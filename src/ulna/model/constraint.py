@@ -1,8 +1,8 @@
 """What binds a robot beyond its joints, as frozen data: contacts with the world, loops between two of its frames.
 
-A constraint names frames; `bonds` finds them in a model. A loop says that its second frame, seen from the world, goes
-with its first; a contact says so of an anchor that stands still. Forces act on the first frame, and on the second the
-other way round.
+A constraint names frames; `frame_pairs` finds them in a model. A loop says that its second frame moves with its first,
+seen from the world; a contact says so of an anchor that stands still. Forces act on the first frame, and opposite
+ones on the second.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ class End(NamedTuple):
     """Its pose in the moving frame of that joint."""
 
 
-class Bond(NamedTuple):
-    """A constraint whose frames have been found."""
+class FramePair(NamedTuple):
+    """A constraint with its frames in a model."""
 
     first: End
     second: End | None
@@ -213,7 +213,7 @@ def listed(constraints: Any) -> tuple[Constraint, ...]:
     return listing
 
 
-def bonds(model: Model, constraints: Sequence[Constraint] | Constraint) -> tuple[Bond, ...]:
+def frame_pairs(model: Model, constraints: Sequence[Constraint] | Constraint) -> tuple[FramePair, ...]:
     """The constraints with their frames looked up in a model.
 
     Args:
@@ -221,16 +221,16 @@ def bonds(model: Model, constraints: Sequence[Constraint] | Constraint) -> tuple
         constraints: The constraints, or one.
 
     Returns:
-        One bond a constraint.
+        One frame_pair a constraint.
 
     Raises:
         UnknownName: There is no such frame.
         InputError: They are no constraints; or no joint can move what one of them holds.
     """
-    return tuple(_bond(model, constraint) for constraint in listed(constraints))
+    return tuple(_frame_pair(model, constraint) for constraint in listed(constraints))
 
 
-def _bond(model: Model, constraint: Constraint) -> Bond:
+def _frame_pair(model: Model, constraint: Constraint) -> FramePair:
     ends = []
     for name, pose in constraint.ends():
         frame = model.frame(name)
@@ -244,7 +244,7 @@ def _bond(model: Model, constraint: Constraint) -> Bond:
         raise InputError(
             f"{constraint} is between frames of one body, so that it binds nothing; name frames of different bodies."
         )
-    return Bond(first, second, constraint.size, constraint.axes == "local")
+    return FramePair(first, second, constraint.size, constraint.axes == "local")
 
 
 def _at(point: tuple[float, float, float]) -> SE3:

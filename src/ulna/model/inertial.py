@@ -114,10 +114,10 @@ def with_joint_dynamics(model: Model, **values: ArrayLike) -> Model:
         ShapeError: neither one number nor (nv,).
         InputError: a value below zero, or nan, or inf.
     """
-    for name, given in values.items():
+    for name, numbers in values.items():
         if name not in _OF_DRIVES:
             raise UnknownName("number of the drives", name, _OF_DRIVES)
-        value = number_or_array(name, given, model.nv)
+        value = number_or_array(name, numbers, model.nv)
         if np.isnan(value).any() or (value < 0.0).any() or (name != "effort" and np.isinf(value).any()):
             raise InputError(f"`{name}` is {value}; expected finite numbers, none below zero.")
         model = with_drive_values(model, name, value)

@@ -9,25 +9,27 @@ from typing import Any
 from ulna import algorithms
 from ulna.algorithms import Proximal, Stabilisation
 from ulna.model import Model
-from ulna.model.constraint import bonds
+from ulna.model.constraint import frame_pairs
 from ulna.quantities.forces import friction_of, wrenches
 from ulna.quantities.quantity import Arguments
 from ulna.typing import Array
 
 
-def of_bonds(algorithm: Callable[..., Any]) -> Callable[..., Any]:
+def of_frame_pairs(algorithm: Callable[..., Any]) -> Callable[..., Any]:
     """An algorithm that takes resolved constraints last, as one that takes the option `constraints`."""
 
     @functools.wraps(algorithm)
     def run(model: Model, *arrays: Array, constraints: Any) -> Any:
-        return algorithm(model, *arrays, bonds(model, constraints))
+        return algorithm(model, *arrays, frame_pairs(model, constraints))
 
     return run
 
 
 def constraint_error(model: Model, q: Array, *anchors: Array, constraints: Any) -> Array:
     """Errors of constraints, against the anchors of contacts."""
-    return algorithms.constraint_error(model, q, anchors[0] if anchors else None, bonds(model, constraints))
+    return algorithms.constraint_error(
+        model, q, anchors[0] if anchors else None, frame_pairs(model, constraints)
+    )
 
 
 def anchor_arguments(options: Mapping[str, Any]) -> Arguments:
@@ -50,7 +52,7 @@ def constrained_dynamics(
     solver: Proximal,
 ) -> tuple[Any, ...]:
     """Accelerations, constraint forces, residual and rounds; the options say which arrays follow `tau`."""
-    resolved, law, remaining = bonds(model, constraints), friction_of(model, friction), list(rest)
+    resolved, law, remaining = frame_pairs(model, constraints), friction_of(model, friction), list(rest)
     external = pull = None
     if forces:
         frames = [model.frame(name) for name in forces]
@@ -89,7 +91,7 @@ def impulse_dynamics(
 ) -> tuple[Any, ...]:
     """Velocity after an impact, impulses, residual and rounds."""
     back = restitution[0] if elastic else None
-    return tuple(algorithms.impulse_dynamics(model, q, v, bonds(model, constraints), back, solver))
+    return tuple(algorithms.impulse_dynamics(model, q, v, frame_pairs(model, constraints), back, solver))
 
 
 def impact_arguments(options: Mapping[str, Any]) -> Arguments:

@@ -113,12 +113,12 @@ class Constraints(Part):
         return ConstrainedMotion(*self._kernel("constrained_dynamics", listing, *options)(*arrays))
 
     @quantity(
-        kernels.of_bonds(algorithms.constrained_dynamics_derivatives),
+        kernels.of_frame_pairs(algorithms.constrained_dynamics_derivatives),
         "(nv+m, nv), (nv+m, nv), (nv+m, nv)",
         options=_OF,
         nodes=(900, 400, 30),
         inverts_mass=True,
-        columns=kernels.of_bonds(algorithms.columns_of_constrained_derivatives),
+        columns=kernels.of_frame_pairs(algorithms.columns_of_constrained_derivatives),
     )
     def forward_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, constraints: AnyConstraints
@@ -233,7 +233,7 @@ class Constraints(Part):
         return Impact(*self._kernel("impulse_dynamics", listing, True, checked)(q, v, back))
 
     @quantity(
-        kernels.of_bonds(algorithms.delassus_matrix),
+        kernels.of_frame_pairs(algorithms.delassus_matrix),
         "(m, m) [1/kg, 1/(kg m), 1/(kg m^2)]",
         options=_OF,
         nodes=(60, 40, 1),
@@ -246,18 +246,20 @@ class Constraints(Part):
         return self._kernel("delassus_matrix", listed(constraints))(q)
 
     @quantity(
-        kernels.of_bonds(algorithms.constraint_jacobian), "(m, nv) [m/rad or 1, 1 or rad/m]", options=_OF
+        kernels.of_frame_pairs(algorithms.constraint_jacobian),
+        "(m, nv) [m/rad or 1, 1 or rad/m]",
+        options=_OF,
     )
     def jacobian(self, q: ArrayLike, constraints: AnyConstraints) -> Floats:
         """The matrix that maps `v` to the constraint velocity."""
         return self._kernel("constraint_jacobian", listed(constraints))(q)
 
-    @quantity(kernels.of_bonds(algorithms.constraint_velocity), "(m,) [m/s, rad/s]", options=_OF)
+    @quantity(kernels.of_frame_pairs(algorithms.constraint_velocity), "(m,) [m/s, rad/s]", options=_OF)
     def velocity(self, q: ArrayLike, v: ArrayLike, constraints: AnyConstraints) -> Floats:
         """The constraint velocity: that of the first frames relative to the second ones, or to the world."""
         return self._kernel("constraint_velocity", listed(constraints))(q, v)
 
-    @quantity(kernels.of_bonds(algorithms.constraint_bias), "(m,) [m/s^2, rad/s^2]", options=_OF)
+    @quantity(kernels.of_frame_pairs(algorithms.constraint_bias), "(m,) [m/s^2, rad/s^2]", options=_OF)
     def bias(self, q: ArrayLike, v: ArrayLike, constraints: AnyConstraints) -> Floats:
         """The rate of the constraint velocity when the joints do not accelerate, dJ/dt v."""
         return self._kernel("constraint_bias", listed(constraints))(q, v)

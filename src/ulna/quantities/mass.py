@@ -107,8 +107,8 @@ def _worst(model: Model) -> _Conditioning:
 def _by_pivots(model: Model) -> _Conditioning:
     """The conditioning of a large model at a drawn configuration, as far as its pivots tell."""
     drawn = np.random.default_rng(0).uniform(-1.0, 1.0, model.nv)
-    found = conditioning_by_pivots(model, algorithms.integrate(model, model.neutral, drawn))
-    return _Conditioning(found, found, "")
+    estimate = conditioning_by_pivots(model, algorithms.integrate(model, model.neutral, drawn))
+    return _Conditioning(estimate, estimate, "")
 
 
 _warned: set[tuple[str, str]] = set()

@@ -52,10 +52,10 @@ class Part:
     def _kernel(self, name: str, *options: Any) -> Any:
         """The kernel of all options, lists among them too, or of default ones."""
         try:
-            found = self._by_options[name] if options else getattr(self._kernels, name)
+            kernel = self._by_options[name] if options else getattr(self._kernels, name)
             for value in options:
-                found = found[value]
-            return found
+                kernel = kernel[value]
+            return kernel
         except (AttributeError, KeyError, TypeError):
             pass  # an error of `make` is not raised from this one
         return self._kernel_table.make(name, *map(frozen, options))

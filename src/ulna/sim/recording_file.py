@@ -59,14 +59,16 @@ def read_csv(path: str | Path) -> dict[str, Floats]:
     except (OSError, ValueError, csv.Error) as error:
         raise InputError(f"The file {str(path)!r} cannot be read: {error}.") from None
     table = _numbers(rows, len(head), source)
-    found: dict[str, dict[tuple[int, ...], Floats]] = {}
+    columns_by_name: dict[str, dict[tuple[int, ...], Floats]] = {}
     for title, values in zip((name.strip() for name in head), table.T, strict=True):
         match = _INDEXED.fullmatch(title)
         name, place = (match[1], tuple(map(int, match[2][1:].split("_")))) if match else (title, ())
-        if place in found.setdefault(name, {}):
+        if place in columns_by_name.setdefault(name, {}):
             raise InputError(f"{source} has two columns {title!r}.")
-        found[name][place] = values
-    columns = {title: values for name, parts in found.items() for title, values in _stacked(name, parts)}
+        columns_by_name[name][place] = values
+    columns = {
+        title: values for name, parts in columns_by_name.items() for title, values in _stacked(name, parts)
+    }
     if not {"t", "q"} <= columns.keys() or columns["t"].ndim != 1:
         raise InputError(
             f"{source} has the columns {', '.join(head[:8])}; expected 't' and 'q_0', 'q_1', ... in the head line. "

@@ -146,7 +146,7 @@ def acceleration_rows(tangent: Floats, curvature: Floats, limits: Bounds) -> Row
     Returns:
         Rows of the joints with finite limits.
     """
-    return _kept("acceleration", (tangent, curvature, limits.low[None], limits.high[None]), limits)
+    return _finite_rows("acceleration", (tangent, curvature, limits.low[None], limits.high[None]), limits)
 
 
 def torque_rows(
@@ -170,7 +170,7 @@ def torque_rows(
     else:  # by a parameter from 0 to 1: else torques that accelerate drown in the rounding of those that hold
         a, b, c = _along_path(model)(q, tangent * length, curvature * length**2)
         a, b = a / length, b / length**2
-    return _kept("torque", (a, b, limits.low - c, limits.high - c), limits)
+    return _finite_rows("torque", (a, b, limits.low - c, limits.high - c), limits)
 
 
 def joined(rows: Sequence[Rows]) -> Rows:
@@ -183,7 +183,7 @@ def joined(rows: Sequence[Rows]) -> Rows:
     return Rows(a, b, low, high, limits, tuple(x for r in rows for x in r.quantities))
 
 
-def _kept(what: str, arrays: tuple[Floats, Floats, Floats, Floats], limits: Bounds) -> Rows:
+def _finite_rows(what: str, arrays: tuple[Floats, Floats, Floats, Floats], limits: Bounds) -> Rows:
     """The rows whose limits are finite."""
     both = limits.both
     if not limits.all:

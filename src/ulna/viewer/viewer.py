@@ -341,7 +341,7 @@ def _check_server(server: Any, page: bool) -> None:
         InputError: It is none, or it comes without a page.
     """
     if server is not None and not (page and hasattr(server, "scene") and hasattr(server, "get_clients")):
-        given = "page=False and a server" if not page else f"`server` = {worded(server)}"
+        arguments = "page=False and a server" if not page else f"`server` = {worded(server)}"
         raise InputError(
-            f"The viewer was given {given}; expected a viser.ViserServer, whose page shows the scene."
+            f"The viewer was given {arguments}; expected a viser.ViserServer, whose page shows the scene."
         )

@@ -14,7 +14,7 @@ from ulna import algorithms as alg
 from ulna.algorithms import Proximal
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.model import FrameContact, FrameLoop, PointContact, PointLoop
-from ulna.model.constraint import bonds
+from ulna.model.constraint import frame_pairs
 from ulna.robots.panda import panda
 from ulna.sim import simulate
 from ulna.spatial import SE3
@@ -36,7 +36,7 @@ def state(robot: ulna.Robot) -> tuple[np.ndarray, ...]:
 
 def test_compiled_equals_plain_and_batches_are_stacks(robot: ulna.Robot, state) -> None:
     q, v, tau = state
-    found = bonds(robot.model, CONSTRAINTS)
+    found = frame_pairs(robot.model, CONSTRAINTS)
     plain = alg.constrained_dynamics(robot.model, q, v, tau, found)
     motion = robot.constrained_dynamics(q, v, tau, CONSTRAINTS)
     for ours, expected in zip(motion, plain, strict=True):
@@ -216,7 +216,7 @@ def test_symbols_pass_through() -> None:
     rod = model.add_frame("end", "rod", SE3.trans(0.0, 0.0, -1.0)).build()
     x = sympy.Symbol("x", positive=True)
     q = np.array([x], dtype=object)
-    G = alg.delassus_matrix(rod, q, bonds(rod, [PointContact("end")]))
+    G = alg.delassus_matrix(rod, q, frame_pairs(rod, [PointContact("end")]))
     assert sympy.simplify(G[0, 0] - sympy.cos(x) ** 2 / 0.5) == 0
 
 

@@ -11,7 +11,7 @@ import pytest
 
 import ulna
 from ulna.errors import InputError, ModelError, ShapeError, UnknownAttribute, UnknownName
-from ulna.model.constraint import FrameContact, FrameLoop, PointContact, PointLoop, bonds
+from ulna.model.constraint import FrameContact, FrameLoop, PointContact, PointLoop, frame_pairs
 from ulna.model.inertial import dynamic_parameters, with_dynamic_parameters
 from ulna.model.joints import (
     Circle,
@@ -138,9 +138,9 @@ def test_constraints_are_equal_by_value_and_name_what_they_hold() -> None:
 def test_constraints_that_bind_nothing_are_refused() -> None:
     model = ulna.load("panda").model
     tip, base = model.tool, model.links[0].name
-    (bond,) = bonds(model, FrameContact(tip, axes="local"))
-    assert bond.size == 6 and bond.local is True and bond.second is None
-    assert bonds(model, [PointContact(tip)])[0].local is False
+    (frame_pair,) = frame_pairs(model, FrameContact(tip, axes="local"))
+    assert frame_pair.size == 6 and frame_pair.local is True and frame_pair.second is None
+    assert frame_pairs(model, [PointContact(tip)])[0].local is False
     for constraints, text in (
         ([], "`constraints` is empty"),
         (["a"], "expected a list of PointContact"),
@@ -148,9 +148,9 @@ def test_constraints_that_bind_nothing_are_refused() -> None:
         (FrameLoop(tip, tip), "between frames of one body"),
     ):
         with pytest.raises(InputError, match=text):
-            bonds(model, constraints)  # type: ignore[arg-type]
+            frame_pairs(model, constraints)  # type: ignore[arg-type]
     with pytest.raises(UnknownName):
-        bonds(model, PointContact("nothing"))
+        frame_pairs(model, PointContact("nothing"))
 
 
 def test_named_values_are_read_by_name_only() -> None:

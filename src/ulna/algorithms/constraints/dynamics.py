@@ -37,7 +37,7 @@ from ulna.algorithms.dynamics.mass_matrix_factors import Factors, is_zero
 from ulna.algorithms.dynamics.rnea_point_accelerations import bias_forces
 from ulna.algorithms.multibody.external_forces import External
 from ulna.model import Model
-from ulna.model.constraint import Bond
+from ulna.model.constraint import FramePair
 from ulna.numeric import apply, matrix, vector
 from ulna.typing import Array
 
@@ -82,7 +82,7 @@ def constrained_dynamics(
     q: Array,
     v: Array,
     tau: Array,
-    bonds: Sequence[Bond],
+    frame_pairs: Sequence[FramePair],
     external: External = None,
     stabilisation: Stabilisation | None = None,
     settings: Proximal = Proximal(),  # noqa: B008 - frozen
@@ -94,7 +94,7 @@ def constrained_dynamics(
         q: Configuration, shape (..., nq) [rad, m].
         v: Velocity, shape (..., nv) [rad/s, m/s].
         tau: Joint torques, shape (..., nv) [N m, N].
-        bonds: The constraints.
+        frame_pairs: The constraints.
         external: Forces on the bodies [N, N m]; None for none.
         stabilisation: Gains against drift; None for none.
         settings: How the forces are computed.
@@ -102,15 +102,15 @@ def constrained_dynamics(
     Returns:
         Accelerations, constraint forces along the axes of their constraints, residual and rounds.
     """
-    J = constraint_jacobian(model, q, bonds, turned=False)
-    g = constraint_bias(model, q, v, bonds, turned=False)
+    J = constraint_jacobian(model, q, frame_pairs, local_axes=False)
+    g = constraint_bias(model, q, v, frame_pairs, local_axes=False)
     if stabilisation is not None:
-        owner = [i for i, bond in enumerate(bonds) for _ in range(bond.size)]
+        owner = [i for i, frame_pair in enumerate(frame_pairs) for _ in range(frame_pair.size)]
         kp, kd = stabilisation.gains[..., owner, 0], stabilisation.gains[..., owner, 1]
-        error = constraint_error(model, q, stabilisation.anchors, bonds, turned=False)
+        error = constraint_error(model, q, stabilisation.anchors, frame_pairs, local_axes=False)
         g = g + kd * apply(J, v) + kp * error
     motion = forward_dynamics_with_jacobian(model, q, v, tau, J, g, 0.0, external, settings)
-    forces = along_axes(model, q, motion.forces[..., None], bonds)[..., 0]
+    forces = along_axes(model, q, motion.forces[..., None], frame_pairs)[..., 0]
     return motion._replace(forces=forces)
 
 
@@ -153,7 +153,7 @@ def impulse_dynamics(
     model: Model,
     q: Array,
     v: Array,
-    bonds: Sequence[Bond],
+    frame_pairs: Sequence[FramePair],
     restitution: Array | None = None,
     settings: Proximal = Proximal(),  # noqa: B008 - frozen
 ) -> Impact:
@@ -163,7 +163,7 @@ def impulse_dynamics(
         model: The robot.
         q: Configuration, shape (..., nq) [rad, m].
         v: Velocity before, shape (..., nv) [rad/s, m/s].
-        bonds: The constraints.
+        frame_pairs: The constraints.
         restitution: The fraction of its velocity that each constraint returns, shape (..., constraints) [-]; None for
             none.
         settings: How the impulses are computed.
@@ -171,32 +171,34 @@ def impulse_dynamics(
     Returns:
         Velocity after the impact, impulses, residual and rounds.
     """
-    J = constraint_jacobian(model, q, bonds, turned=False)
+    J = constraint_jacobian(model, q, frame_pairs, local_axes=False)
     returned: Any = 0.0
     if restitution is not None:
-        returned = restitution[..., [i for i, bond in enumerate(bonds) for _ in range(bond.size)]]
+        returned = restitution[
+            ..., [i for i, frame_pair in enumerate(frame_pairs) for _ in range(frame_pair.size)]
+        ]
     before = apply(J, v)
     factors = Factors(mass_matrix(model, q))
     gain, impulses, iterations = _response(factors, J, 0.0 * v, (1.0 + returned) * before, 0.0, settings)
     after = v + gain
     residual = apply(J, after) + returned * before
-    impulses = along_axes(model, q, impulses[..., None], bonds)[..., 0]
+    impulses = along_axes(model, q, impulses[..., None], frame_pairs)[..., 0]
     return Impact(after, impulses, largest_entry(residual), iterations)
 
 
-def delassus_matrix(model: Model, q: Array, bonds: Sequence[Bond]) -> Array:
+def delassus_matrix(model: Model, q: Array, frame_pairs: Sequence[FramePair]) -> Array:
     """The Delassus matrix J M^-1 J^T of constraints.
 
     Args:
         model: The robot.
         q: Configuration, shape (..., nq) [rad, m].
-        bonds: The constraints.
+        frame_pairs: The constraints.
 
     Returns:
         G, shape (..., m, m) [1/kg]: symmetric, semidefinite, singular where constraints depend on each other.
     """
     factors = Factors(mass_matrix(model, q))
-    return delassus_of(factors, solve_transposed_columns(factors, constraint_jacobian(model, q, bonds)))
+    return delassus_of(factors, solve_transposed_columns(factors, constraint_jacobian(model, q, frame_pairs)))
 
 
 def _response(

@@ -44,7 +44,7 @@ from ulna.algorithms.derivatives.velocity import (
 from ulna.algorithms.kinematics.forward_kinematics import frame_acceleration, frame_pose, frame_velocity
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.model import Frame, Model
-from ulna.model.constraint import Bond, End
+from ulna.model.constraint import End, FramePair
 from ulna.numeric import apply, skew
 from ulna.spatial import SE3, Force, Motion
 from ulna.spatial.exponential import se3_right_jacobian_inverse
@@ -95,7 +95,7 @@ def bound_terms(
     forces: Array,
     gains: Array,
     wanted: Array,
-    bonds: Sequence[Bond],
+    frame_pairs: Sequence[FramePair],
     impact: bool = False,
 ) -> BoundTerms:
     """The derivatives of what is left of dynamics and constraints.
@@ -109,54 +109,61 @@ def bound_terms(
         gains: kp [1/s^2] and kd [1/s] of each constraint, shape (constraints, 2).
         wanted: The required J a + k + kd c + kp e, each along the axes of its constraint, shape (m,) [m/s^2,
             rad/s^2].
-        bonds: The constraints, all with a second frame.
+        frame_pairs: The constraints, all with a second frame.
         impact: Whether a is a jump of v and the forces are impulses, so that gravity and v count for nothing in r.
 
     Returns:
         The derivatives of both residuals, and the matrices they come with.
     """
     external: list[Force | None] = [None] * len(model.joints)
-    m = sum(bond.size for bond in bonds)
+    m = sum(frame_pair.size for frame_pair in frame_pairs)
     J, c_q, g_q, g_v, X_q = (batch_zeros((m, model.nv), q, v, a, forces) for _ in range(5))
     X = batch_zeros((m, m), q)
     extra = batch_zeros((model.nv, model.nv), q, v, a, forces)
     start = 0
-    for k, bond in enumerate(bonds):
-        assert bond.second is not None, "the frame that holds it"
-        rows = slice(start, start + bond.size)
+    for k, frame_pair in enumerate(frame_pairs):
+        assert frame_pair.second is not None, "the frame that holds it"
+        rows = slice(start, start + frame_pair.size)
         f = forces[rows]
-        T = frame_pose(model, q, frame_of(bond.first))
+        T = frame_pose(model, q, frame_of(frame_pair.first))
         back = np.swapaxes(T.rotation, -1, -2)
-        in_first = _parts(f, SE3(back, np.zeros(3))) if not bond.local else _parts(f, SE3.identity())
-        second, first = _second(model, q, bond, T), frame_of(bond.first)
-        one, other = _side(model, q, v, a, first, bond.size), _side(model, q, v, a, second, bond.size)
+        in_first = _parts(f, SE3(back, np.zeros(3))) if not frame_pair.local else _parts(f, SE3.identity())
+        second, first = _second(model, q, frame_pair, T), frame_of(frame_pair.first)
+        one, other = (
+            _side(model, q, v, a, first, frame_pair.size),
+            _side(model, q, v, a, second, frame_pair.size),
+        )
         _act(external, first, in_first)
         _act(external, second, -in_first)
         s = one.J - other.J
         turn = one.turns - other.turns
         J[rows, :] = s
-        c_q[rows, :], g_q[rows, :], g_v[rows, :] = _changes(model, q, bond, one, other, s, turn, gains[k])
+        c_q[rows, :], g_q[rows, :], g_v[rows, :] = _changes(
+            model, q, frame_pair, one, other, s, turn, gains[k]
+        )
         extra = extra + other.J.T @ _moved(in_first, s, turn)
-        for part in range(start, start + bond.size, 3):
+        for part in range(start, start + frame_pair.size, 3):
             triple = slice(part, part + 3)
-            X[triple, triple] = np.eye(3) if bond.local else T.rotation
-            if not bond.local:
+            X[triple, triple] = np.eye(3) if frame_pair.local else T.rotation
+            if not frame_pair.local:
                 X_q[triple, :] = -skew(forces[triple]) @ (T.rotation @ one.turns)
                 g_q[triple, :] = g_q[triple, :] - skew(apply(back, wanted[triple])) @ one.turns
-        start += bond.size
+        start += frame_pair.size
     if impact:
         model, v = replace(model, gravity=np.zeros(3)), 0.0 * v
     r_q, r_v, M = inverse_dynamics_derivatives(model, q, v, a, external)
     return BoundTerms(r_q + extra, r_v, M, J, c_q, g_q, g_v, X, X_q)
 
 
-def _second(model: Model, q: Array, bond: Bond, T: SE3) -> Frame:
+def _second(model: Model, q: Array, frame_pair: FramePair, T: SE3) -> Frame:
     """The second frame, laid on the first one (of a point, only turned like it), as one of the second body."""
-    assert bond.second is not None
-    joint = bond.second.joint
+    assert frame_pair.second is not None
+    joint = frame_pair.second.joint
     carrier = frame_pose(model, q, frame_of(End(joint, SE3.identity())))
     on = carrier.inverse() @ T
-    return frame_of(End(joint, on if bond.size == 6 else SE3(on.rotation, bond.second.placement.translation)))
+    return frame_of(
+        End(joint, on if frame_pair.size == 6 else SE3(on.rotation, frame_pair.second.placement.translation))
+    )
 
 
 def _side(model: Model, q: Array, v: Array, a: Array, frame: Frame, size: int) -> _Side:
@@ -172,26 +179,36 @@ def _side(model: Model, q: Array, v: Array, a: Array, frame: Frame, size: int) -
 
 
 def _changes(
-    model: Model, q: Array, bond: Bond, one: _Side, other: _Side, s: Array, turn: Array, gains: Array
+    model: Model,
+    q: Array,
+    frame_pair: FramePair,
+    one: _Side,
+    other: _Side,
+    s: Array,
+    turn: Array,
+    gains: Array,
 ) -> tuple[Array, Array, Array]:
     """dc/dq, dg/dq and dg/dv of one constraint."""
-    assert bond.second is not None
-    if bond.size == 3:
+    assert frame_pair.second is not None
+    if frame_pair.size == 3:
         V_q = other.V_q + skew(other.V) @ turn
         c_q = one.V_q - V_q
         g_q, g_v = one.A_q - other.A_q - skew(other.A) @ turn, one.A_v - other.A_v
-        T, back = frame_pose(model, q, frame_of(bond.first)), frame_pose(model, q, frame_of(bond.second))
+        T, back = (
+            frame_pose(model, q, frame_of(frame_pair.first)),
+            frame_pose(model, q, frame_of(frame_pair.second)),
+        )
         e = apply(np.swapaxes(T.rotation, -1, -2), T.translation - back.translation)
         e_q = s + skew(e) @ one.turns
     else:
         V_q = other.V_q + _cross(other.V) @ s
         c_q = one.V_q - V_q
         g_q, g_v = one.A_q - other.A_q - _cross(other.A) @ s, one.A_v - other.A_v
-        if bond.local:
+        if frame_pair.local:
             c = one.V - other.V
             g_q = g_q - _cross(other.V) @ c_q + _cross(c) @ V_q
             g_v = g_v - _cross(other.V) @ s + _cross(c) @ other.J
-        e_q = se3_right_jacobian_inverse(relative_log(model, q, bond)) @ s
+        e_q = se3_right_jacobian_inverse(relative_log(model, q, frame_pair)) @ s
     kp, kd = gains[0], gains[1]
     return c_q, g_q + kd * c_q + kp * e_q, g_v + kd * s
 

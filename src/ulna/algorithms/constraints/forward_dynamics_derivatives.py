@@ -42,7 +42,7 @@ from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.compiler.language.columns import Columns
 from ulna.errors import InputError
 from ulna.model import Model
-from ulna.model.constraint import Bond, End
+from ulna.model.constraint import End, FramePair
 from ulna.numeric import matrix, skew, vector
 from ulna.spatial import SE3
 from ulna.typing import Array
@@ -123,7 +123,7 @@ def _sparse_dot(start: Any, pairs: Iterable[tuple[Any, Any]]) -> Any:
 
 
 def columns_of_constrained_derivatives(
-    model: Model, q: Array, v: Array, tau: Array, bonds: Sequence[Bond]
+    model: Model, q: Array, v: Array, tau: Array, frame_pairs: Sequence[FramePair]
 ) -> Columns:
     """The derivatives, column by column from those of the residuals of dynamics and constraints, for one sample.
 
@@ -132,7 +132,7 @@ def columns_of_constrained_derivatives(
         q: Configuration, shape (nq,) [rad, m].
         v: Velocity, shape (nv,) [rad/s, m/s].
         tau: Joint torques, shape (nv,) [N m, N].
-        bonds: The constraints.
+        frame_pairs: The constraints.
 
     Returns:
         Three matrices (nv + m, nv), by q, v and tau: accelerations, then forces.
@@ -140,7 +140,7 @@ def columns_of_constrained_derivatives(
     Raises:
         InputError: There is a loop between frames.
     """
-    solver, terms = _solver(model, q, v, tau, bonds)
+    solver, terms = _solver(model, q, v, tau, frame_pairs)
     nothing = np.zeros(terms.X_q.shape)
     by_q = np.concatenate([terms.r_q, terms.g_q, terms.X_q])
     by_v = np.concatenate([terms.r_v, terms.g_v, nothing])
@@ -152,7 +152,7 @@ def columns_of_constrained_derivatives(
 
 
 def constrained_dynamics_derivatives(
-    model: Model, q: Array, v: Array, tau: Array, bonds: Sequence[Bond]
+    model: Model, q: Array, v: Array, tau: Array, frame_pairs: Sequence[FramePair]
 ) -> tuple[Array, Array, Array]:
     """The derivatives of accelerations and forces of constrained dynamics.
 
@@ -161,7 +161,7 @@ def constrained_dynamics_derivatives(
         q: Configuration, shape (..., nq) [rad, m].
         v: Velocity, shape (..., nv) [rad/s, m/s].
         tau: Joint torques, shape (..., nv) [N m, N].
-        bonds: The constraints.
+        frame_pairs: The constraints.
 
     Returns:
         By q, v and tau, each of shape (..., nv + m, nv): accelerations, then forces along the axes of constraints.
@@ -173,21 +173,21 @@ def constrained_dynamics_derivatives(
     arrays = [np.asarray(x) for x in (q, v, tau)]
     batch = np.broadcast_shapes(*(x.shape[:-1] for x in arrays))
     if not batch:
-        return _of_one(model, q, v, tau, bonds)
+        return _of_one(model, q, v, tau, frame_pairs)
     rows = [np.broadcast_to(x, (*batch, x.shape[-1])).reshape(-1, x.shape[-1]) for x in arrays]
-    m = sum(bond.size for bond in bonds)
+    m = sum(frame_pair.size for frame_pair in frame_pairs)
     by_q, by_v, by_tau = (np.zeros((len(rows[0]), model.nv + m, model.nv)) for _ in range(3))
     for k in range(len(by_q)):
-        by_q[k], by_v[k], by_tau[k] = _of_one(model, rows[0][k], rows[1][k], rows[2][k], bonds)
+        by_q[k], by_v[k], by_tau[k] = _of_one(model, rows[0][k], rows[1][k], rows[2][k], frame_pairs)
     shape = (*batch, model.nv + m, model.nv)
     return by_q.reshape(shape), by_v.reshape(shape), by_tau.reshape(shape)
 
 
 def _of_one(
-    model: Model, q: Array, v: Array, tau: Array, bonds: Sequence[Bond]
+    model: Model, q: Array, v: Array, tau: Array, frame_pairs: Sequence[FramePair]
 ) -> tuple[Array, Array, Array]:
     """The derivatives of one sample."""
-    solver, terms = _solver(model, q, v, tau, bonds)
+    solver, terms = _solver(model, q, v, tau, frame_pairs)
     n, m = model.nv, len(solver.Y)
     nothing = np.zeros(m)
     results = []
@@ -207,15 +207,15 @@ def _of_one(
 
 
 def _solver(
-    model: Model, q: Array, v: Array, tau: Array, bonds: Sequence[Bond]
+    model: Model, q: Array, v: Array, tau: Array, frame_pairs: Sequence[FramePair]
 ) -> tuple[_Solver, BoundTerms]:
     """The factors at a state, and the derivatives of the residuals of dynamics and constraints there."""
-    if any(bond.size == 6 and bond.second is not None for bond in bonds):
+    if any(frame_pair.size == 6 and frame_pair.second is not None for frame_pair in frame_pairs):
         raise InputError(
             "`constraints` has a FrameLoop; expected contacts and PointLoops. For the derivatives at a FrameLoop take "
             "differences of forward_dynamics, or compile it and differentiate: ulna.compile(...).jacobian."
         )
-    J, g = constraint_jacobian(model, q, bonds), constraint_bias(model, q, v, bonds)
+    J, g = constraint_jacobian(model, q, frame_pairs), constraint_bias(model, q, v, frame_pairs)
     factors = Factors(mass_matrix(model, q))
     Y = solve_transposed_columns(factors, J)
     m = len(Y)
@@ -225,28 +225,31 @@ def _solver(
         return (of_forces.solve(b),)
 
     a, forces, _ = constrained_response(factors, J, tau - bias_forces(model, q, v), g, solve)
-    held = [bond if bond.second else bond._replace(second=End(-1, SE3.identity())) for bond in bonds]
-    terms = bound_terms(model, q, v, a, forces, np.zeros((len(bonds), 2)), np.zeros(m), held)
+    held = [
+        frame_pair if frame_pair.second else frame_pair._replace(second=End(-1, SE3.identity()))
+        for frame_pair in frame_pairs
+    ]
+    terms = bound_terms(model, q, v, a, forces, np.zeros((len(frame_pairs), 2)), np.zeros(m), held)
     S = of_forces.inverse()
     unique = numeric.less(0.0, reduce(numeric.minimum, of_forces.reciprocals))
     S = matrix([[numeric.where(unique, S[i, j], np.nan) for j in range(m)] for i in range(m)])
-    g_q, g_v = _by_state(model, q, v, bonds, terms)
+    g_q, g_v = _by_state(model, q, v, frame_pairs, terms)
     rotated = terms._replace(g_q=_rotate_blocks(terms.X, g_q), g_v=_rotate_blocks(terms.X, g_v))
     return _Solver(factors, Y, S), rotated
 
 
 def _by_state(
-    model: Model, q: Array, v: Array, bonds: Sequence[Bond], terms: BoundTerms
+    model: Model, q: Array, v: Array, frame_pairs: Sequence[FramePair], terms: BoundTerms
 ) -> tuple[Array, Array]:
     """dg/dq and dg/dv where origins of frames accelerate as points: w x u is added to spatial accelerations."""
     g_q, g_v, start = terms.g_q.copy(), terms.g_v.copy(), 0
-    for bond in bonds:
-        if bond.size == 6:
-            frame, rows = frame_of(bond.first), slice(start, start + 3)
+    for frame_pair in frame_pairs:
+        if frame_pair.size == 6:
+            frame, rows = frame_of(frame_pair.first), slice(start, start + 3)
             V = frame_velocity(model, q, v, frame, "local")
             V_q, V_v = frame_velocity_derivatives(model, q, v, frame)
             turning, moving = skew(V.angular), skew(V.linear)
             g_q[rows] = g_q[rows] + turning @ V_q[:3] - moving @ V_q[3:]
             g_v[rows] = g_v[rows] + turning @ V_v[:3] - moving @ V_v[3:]
-        start += bond.size
+        start += frame_pair.size
     return g_q, g_v

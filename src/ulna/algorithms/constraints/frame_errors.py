@@ -37,7 +37,7 @@ from ulna.algorithms.constraints.kinematics import (
 from ulna.algorithms.kinematics.forward_kinematics import frame_acceleration, frame_pose
 from ulna.algorithms.kinematics.jacobian import frame_jacobian
 from ulna.model import Frame, Model
-from ulna.model.constraint import Bond, End
+from ulna.model.constraint import End, FramePair
 from ulna.numeric import apply, cross, skew
 from ulna.spatial import SE3
 from ulna.spatial.exponential import log_parts
@@ -57,37 +57,37 @@ class Twists(NamedTuple):
     """e, (..., m) [m, rad]."""
 
 
-def constraint_twists(model: Model, q: Array, v: Array, bonds: Sequence[Bond]) -> Twists:
+def constraint_twists(model: Model, q: Array, v: Array, frame_pairs: Sequence[FramePair]) -> Twists:
     """Jacobian, velocity, bias and error of constraints, the frames' on SE(3).
 
     Args:
         model: The robot.
         q: Configuration, shape (..., nq) [rad, m].
         v: Velocity, shape (..., nv) [rad/s, m/s].
-        bonds: The constraints, all with a second frame.
+        frame_pairs: The constraints, all with a second frame.
 
     Returns:
         All of them along the axes of the constraints.
     """
-    J = constraint_jacobian(model, q, bonds, turned=False)
+    J = constraint_jacobian(model, q, frame_pairs, local_axes=False)
     c = apply(J, v)
     k, e = [], []
-    bias = constraint_bias(model, q, v, bonds, turned=False)
-    points = constraint_error(model, q, None, bonds, turned=False)
+    bias = constraint_bias(model, q, v, frame_pairs, local_axes=False)
+    points = constraint_error(model, q, None, frame_pairs, local_axes=False)
     start = 0
-    for bond in bonds:
-        rows = slice(start, start + bond.size)
+    for frame_pair in frame_pairs:
+        rows = slice(start, start + frame_pair.size)
         k.append(bias[..., rows])
-        if bond.size == 3:
+        if frame_pair.size == 3:
             e.append(points[..., rows])
         else:
-            k[-1] = k[-1] + _added(model, q, v, c[..., rows], bond)
-            e.append(_log(model, q, bond))
-        start += bond.size
+            k[-1] = k[-1] + _added(model, q, v, c[..., rows], frame_pair)
+            e.append(_log(model, q, frame_pair))
+        start += frame_pair.size
     parts = np.broadcast_arrays(c, np.concatenate(k, axis=-1), np.concatenate(e, axis=-1))
     columns = np.stack(parts, axis=-1)
-    turned = along_axes(model, q, columns, bonds)
-    return Twists(along_axes(model, q, J, bonds), turned[..., 0], turned[..., 1], turned[..., 2])
+    turned = along_axes(model, q, columns, frame_pairs)
+    return Twists(along_axes(model, q, J, frame_pairs), turned[..., 0], turned[..., 1], turned[..., 2])
 
 
 class RelativeMotion(NamedTuple):
@@ -103,7 +103,7 @@ class RelativeMotion(NamedTuple):
     """z, (..., m) [m/s^2, rad/s^2]."""
 
 
-def relative_motion(model: Model, q: Array, v: Array, a: Array, bond: Bond) -> RelativeMotion:
+def relative_motion(model: Model, q: Array, v: Array, a: Array, frame_pair: FramePair) -> RelativeMotion:
     """The motion of the second frame of a constraint in the first one.
 
     Args:
@@ -111,17 +111,17 @@ def relative_motion(model: Model, q: Array, v: Array, a: Array, bond: Bond) -> R
         q: Configuration, shape (..., nq) [rad, m].
         v: Velocity, shape (..., nv) [rad/s, m/s].
         a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
-        bond: The constraint, with a second frame.
+        frame_pair: The constraint, with a second frame.
 
     Returns:
         Position, Jacobian, velocity and acceleration along the axes of the first frame.
     """
-    twists = constraint_twists(model, q, v, [bond._replace(local=True)])
+    twists = constraint_twists(model, q, v, [frame_pair._replace(local=True)])
     y = -twists.error
     acceleration = -(apply(twists.J, a) + twists.bias)
-    if bond.size == 6:
+    if frame_pair.size == 6:
         return RelativeMotion(y, -twists.J, -twists.velocity, acceleration)
-    first = frame_of(bond.first)
+    first = frame_of(frame_pair.first)
     turns = frame_jacobian(model, q, first, "local")[..., 3:, :]
     w = apply(turns, v)
     S = -(twists.J - skew(y) @ turns)
@@ -137,33 +137,35 @@ def frame_of(end: End) -> Frame:
     return Frame("", end.joint, end.placement, "user", "", SE3.identity())
 
 
-def relative_log(model: Model, q: Array, bond: Bond) -> Array:
+def relative_log(model: Model, q: Array, frame_pair: FramePair) -> Array:
     """The error of a frame on SE(3): log6(T_b^-1 T_a).
 
     Args:
         model: The robot.
         q: Configuration, shape (..., nq) [rad, m].
-        bond: The constraint, with a second frame.
+        frame_pair: The constraint, with a second frame.
 
     Returns:
         The error, shape (..., 6) [m, rad].
     """
-    assert bond.second is not None, "the frame that holds it"
-    T = frame_pose(model, q, frame_of(bond.second)).inverse() @ frame_pose(model, q, frame_of(bond.first))
+    assert frame_pair.second is not None, "the frame that holds it"
+    T = frame_pose(model, q, frame_of(frame_pair.second)).inverse() @ frame_pose(
+        model, q, frame_of(frame_pair.first)
+    )
     return np.concatenate(log_parts(T.rotation, T.translation), axis=-1)
 
 
-def _log(model: Model, q: Array, bond: Bond) -> Array:
+def _log(model: Model, q: Array, frame_pair: FramePair) -> Array:
     """The same along the world's axes."""
-    R, log = frame_pose(model, q, frame_of(bond.first)).rotation, relative_log(model, q, bond)
+    R, log = frame_pose(model, q, frame_of(frame_pair.first)).rotation, relative_log(model, q, frame_pair)
     return np.concatenate([apply(R, log[..., :3]), apply(R, log[..., 3:])], axis=-1)
 
 
-def _added(model: Model, q: Array, v: Array, c: Array, bond: Bond) -> Array:
+def _added(model: Model, q: Array, v: Array, c: Array, frame_pair: FramePair) -> Array:
     """k' - k, or k'' - k, along the world's axes."""
-    first_twist = constraint_velocity(model, q, v, [Bond(bond.first, None, 6, local=False)])
+    first_twist = constraint_velocity(model, q, v, [FramePair(frame_pair.first, None, 6, local=False)])
     l, d = c[..., :3], c[..., 3:]
-    if bond.local:
+    if frame_pair.local:
         w = first_twist[..., 3:]
         return np.concatenate([cross(l, w), cross(d, w)], axis=-1)
     return np.concatenate([-cross(d, first_twist[..., :3]), 0.0 * d], axis=-1)

@@ -33,7 +33,7 @@ from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.prepared_model import PreparedModel, prepare
 from ulna.algorithms.multibody.tree import Step, poses
 from ulna.model import Model
-from ulna.model.constraint import Bond, End
+from ulna.model.constraint import End, FramePair
 from ulna.numeric import apply, cross
 from ulna.spatial import SE3
 from ulna.spatial.exponential import so3_log
@@ -41,7 +41,7 @@ from ulna.typing import Array
 
 
 class Side(NamedTuple):
-    """One end of a bond, somewhere on its way."""
+    """One frame of a pair, at a configuration."""
 
     step: int
     """The step that carries it, between optimised frames; -1 for the world."""
@@ -58,52 +58,54 @@ class Side(NamedTuple):
         return self.carrier @ self.placement
 
 
-def constraint_jacobian(model: Model, q: Array, bonds: Sequence[Bond], turned: bool = True) -> Array:
+def constraint_jacobian(
+    model: Model, q: Array, frame_pairs: Sequence[FramePair], local_axes: bool = True
+) -> Array:
     """The Jacobian of constraints.
 
     Args:
         model: The robot.
         q: Configuration, shape (..., nq) [rad, m].
-        bonds: The constraints.
-        turned: Whether rows of "local" constraints are written along the axes of their first frame.
+        frame_pairs: The constraints.
+        local_axes: Whether rows of "local" constraints are written along the axes of their first frame.
 
     Returns:
         J, shape (..., m, nv).
     """
     prepared = prepare(model)
-    J = batch_zeros((sum(bond.size for bond in bonds), model.nv), q)
+    J = batch_zeros((sum(frame_pair.size for frame_pair in frame_pairs), model.nv), q)
     start = 0
-    for bond in bonds:
-        first, second = _sides(model, prepared, q, bond)
+    for frame_pair in frame_pairs:
+        first, second = _sides(model, prepared, q, frame_pair)
         for sign, columns in ((1.0, first.columns), (-1.0, second.columns if second else [])):
             for column in columns:
                 linear, angular = column.motion.linear, column.motion.angular
-                if bond.size == 6 and second is not None and sign < 0.0:
+                if frame_pair.size == 6 and second is not None and sign < 0.0:
                     linear = linear + cross(angular, first.pose.translation - second.pose.translation)
                 J[..., start : start + 3, column.index] += sign * linear
-                if bond.size == 6:
+                if frame_pair.size == 6:
                     J[..., start + 3 : start + 6, column.index] += sign * angular
-        start += bond.size
-    return along_axes(model, q, J, bonds) if turned else J
+        start += frame_pair.size
+    return along_axes(model, q, J, frame_pairs) if local_axes else J
 
 
-def constraint_velocity(model: Model, q: Array, v: Array, bonds: Sequence[Bond]) -> Array:
+def constraint_velocity(model: Model, q: Array, v: Array, frame_pairs: Sequence[FramePair]) -> Array:
     """The velocity of constraints.
 
     Args:
         model: The robot.
         q: Configuration, shape (..., nq) [rad, m].
         v: Velocity, shape (..., nv) [rad/s, m/s].
-        bonds: The constraints.
+        frame_pairs: The constraints.
 
     Returns:
         c, shape (..., m) [m/s, rad/s].
     """
-    return apply(constraint_jacobian(model, q, bonds), v)
+    return apply(constraint_jacobian(model, q, frame_pairs), v)
 
 
 def constraint_error(
-    model: Model, q: Array, anchors: Array | None, bonds: Sequence[Bond], turned: bool = True
+    model: Model, q: Array, anchors: Array | None, frame_pairs: Sequence[FramePair], local_axes: bool = True
 ) -> Array:
     """The error of constraints: how far their frames are from where they should be.
 
@@ -112,18 +114,18 @@ def constraint_error(
         q: Configuration, shape (..., nq) [rad, m].
         anchors: Where the contacts hold, in their order, as poses of shape (..., contacts, 4, 4) [m]; of a point only
             the position is read. None without contacts.
-        bonds: The constraints.
-        turned: Whether rows of "local" constraints are written along the axes of their first frame.
+        frame_pairs: The constraints.
+        local_axes: Whether rows of "local" constraints are written along the axes of their first frame.
 
     Returns:
         e, shape (..., m) [m, rad].
     """
     prepared = prepare(model)
     inputs = (q,) if anchors is None else (q, anchors[..., 0, 0])
-    e = batch_zeros((sum(bond.size for bond in bonds),), *inputs)
+    e = batch_zeros((sum(frame_pair.size for frame_pair in frame_pairs),), *inputs)
     start = contacts = 0
-    for bond in bonds:
-        first, second = _sides(model, prepared, q, bond)
+    for frame_pair in frame_pairs:
+        first, second = _sides(model, prepared, q, frame_pair)
         if second is not None:
             to = second.pose
         else:
@@ -131,22 +133,24 @@ def constraint_error(
             to = SE3(anchors[..., contacts, :3, :3], anchors[..., contacts, :3, 3])
             contacts += 1
         e[..., start : start + 3] = first.pose.translation - to.translation
-        if bond.size == 6:
+        if frame_pair.size == 6:
             turn = first.pose.rotation @ np.swapaxes(to.rotation, -1, -2)
             e[..., start + 3 : start + 6] = so3_log(turn)
-        start += bond.size
-    return along_axes(model, q, e[..., None], bonds)[..., 0] if turned else e
+        start += frame_pair.size
+    return along_axes(model, q, e[..., None], frame_pairs)[..., 0] if local_axes else e
 
 
-def constraint_bias(model: Model, q: Array, v: Array, bonds: Sequence[Bond], turned: bool = True) -> Array:
+def constraint_bias(
+    model: Model, q: Array, v: Array, frame_pairs: Sequence[FramePair], local_axes: bool = True
+) -> Array:
     """The acceleration of constraints at zero joint acceleration, dJ/dt v.
 
     Args:
         model: The robot.
         q: Configuration, shape (..., nq) [rad, m].
         v: Velocity, shape (..., nv) [rad/s, m/s].
-        bonds: The constraints.
-        turned: Whether rows of "local" constraints are written along the axes of their first frame.
+        frame_pairs: The constraints.
+        local_axes: Whether rows of "local" constraints are written along the axes of their first frame.
 
     Returns:
         k, shape (..., m) [m/s^2, rad/s^2].
@@ -163,55 +167,57 @@ def constraint_bias(model: Model, q: Array, v: Array, bonds: Sequence[Bond], tur
         velocity = sum((c.motion.linear * v[..., c.index, None] for c in side.columns), np.zeros(3))
         return velocity, apply(R, rate.w), linear, apply(R, rate.e)
 
-    k = batch_zeros((sum(bond.size for bond in bonds),), q, v)
+    k = batch_zeros((sum(frame_pair.size for frame_pair in frame_pairs),), q, v)
     start = 0
-    for bond in bonds:
-        first, second = _sides(model, prepared, q, bond)
+    for frame_pair in frame_pairs:
+        first, second = _sides(model, prepared, q, frame_pair)
         u, _, linear, angular = motion(first)
         if second is not None:
             u_b, w_b, linear_b, angular_b = motion(second)
             linear, angular = linear - linear_b, angular - angular_b
-            if bond.size == 6:
+            if frame_pair.size == 6:
                 d = first.pose.translation - second.pose.translation
                 linear = linear - cross(angular_b, d) - cross(w_b, u - u_b)
         k[..., start : start + 3] = linear
-        if bond.size == 6:
+        if frame_pair.size == 6:
             k[..., start + 3 : start + 6] = angular
-        start += bond.size
-    return along_axes(model, q, k[..., None], bonds)[..., 0] if turned else k
+        start += frame_pair.size
+    return along_axes(model, q, k[..., None], frame_pairs)[..., 0] if local_axes else k
 
 
-def along_axes(model: Model, q: Array, rows: Array, bonds: Sequence[Bond]) -> Array:
+def along_axes(model: Model, q: Array, rows: Array, frame_pairs: Sequence[FramePair]) -> Array:
     """Rows along the world's axes, written along the axes of their constraints.
 
     Args:
         model: The robot.
         q: Configuration, shape (..., nq) [rad, m].
         rows: What is rewritten, shape (..., m, n).
-        bonds: The constraints.
+        frame_pairs: The constraints.
 
     Returns:
         The same rows, those of "local" constraints along the axes of their first frames, shape (..., m, n).
     """
-    if not any(bond.local for bond in bonds):
+    if not any(frame_pair.local for frame_pair in frame_pairs):
         return rows
     prepared = prepare(model)
     parts, start = [], 0
-    for bond in bonds:
-        for first_row in range(start, start + bond.size, 3):
+    for frame_pair in frame_pairs:
+        for first_row in range(start, start + frame_pair.size, 3):
             part = rows[..., first_row : first_row + 3, :]
-            if bond.local:
-                R = _sides(model, prepared, q, bond)[0].pose.rotation
+            if frame_pair.local:
+                R = _sides(model, prepared, q, frame_pair)[0].pose.rotation
                 part = np.swapaxes(R, -1, -2) @ part
             parts.append(part)
-        start += bond.size
+        start += frame_pair.size
     return np.concatenate(parts, axis=-2)
 
 
-def _sides(model: Model, prepared: PreparedModel, q: Array, bond: Bond) -> tuple[Side, Side | None]:
-    return _side(model, prepared, q, bond.first), _side(
-        model, prepared, q, bond.second
-    ) if bond.second else None
+def _sides(
+    model: Model, prepared: PreparedModel, q: Array, frame_pair: FramePair
+) -> tuple[Side, Side | None]:
+    return _side(model, prepared, q, frame_pair.first), _side(
+        model, prepared, q, frame_pair.second
+    ) if frame_pair.second else None
 
 
 def _side(model: Model, prepared: PreparedModel, q: Array, end: End) -> Side:

@@ -62,7 +62,7 @@ def constrained_factors(M: Array, J: Array, mu: Array) -> ConstrainedFactors:
     of_forces = damped_factors(G, mu)
     lower = list(of_forces.lower)
     for k, (row, reciprocal) in enumerate(zip(of_joints.lower, of_joints.reciprocals, strict=True)):
-        lower.append({i: seen[k] * reciprocal for i, seen in enumerate(Y) if k in seen})
+        lower.append({i: column[k] * reciprocal for i, column in enumerate(Y) if k in column})
         lower[-1] |= {m + j: entry for j, entry in row.items()}
     reciprocals = [-r for r in of_forces.reciprocals] + of_joints.reciprocals
     pivots = [-pivot for pivot in of_forces.pivots] + of_joints.pivots

@@ -25,7 +25,12 @@ from typing import Any
 
 import numpy as np
 
-from ulna.algorithms.derivatives.inverse_dynamics import Subtree, effects, states, subtree_quantities
+from ulna.algorithms.derivatives.inverse_dynamics import (
+    Subtree,
+    column_derivatives,
+    states,
+    subtree_quantities,
+)
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.prepared_model import prepare
 from ulna.algorithms.multibody.tree import Step, poses
@@ -59,18 +64,18 @@ def centroidal_derivatives(model: Model, q: Array, v: Array, a: Array) -> tuple[
     results = [batch_zeros((6, model.nv), q, v, a) for _ in range(4)]
     for i, (step, pose, subtree) in enumerate(zip(tree, T, subtrees, strict=True)):
         about = SE3(pose.rotation, pose.translation - centre)
-        for effect in effects(step, state(i)):
-            s, psi = effect.s, effect.psi
+        for joint_column in column_derivatives(step, state(i)):
+            s, psi = joint_column.s, joint_column.psi
             unit = about.act(subtree.body.apply(s))
             c = unit.linear * share
             dh = about.act(subtree.body.apply(psi) + s.cross(subtree.h))
-            dF = about.act(subtree.coriolis(psi) + subtree.body.apply(effect.chi) + s.cross(subtree.F))
-            dF_dv = about.act(subtree.coriolis(s) + subtree.body.apply(effect.phi))
+            dF = about.act(subtree.coriolis(psi) + subtree.body.apply(joint_column.chi) + s.cross(subtree.F))
+            dF_dv = about.act(subtree.coriolis(s) + subtree.body.apply(joint_column.phi))
             dh = Force(dh.linear, dh.angular - cross(c, h.linear))
             dF = Force(dF.linear, dF.angular - cross(c, F.linear))
             for matrix, column in zip(results, (dh, dF, dF_dv, unit), strict=True):
-                matrix[..., :3, effect.index] += column.linear
-                matrix[..., 3:, effect.index] += column.angular
+                matrix[..., :3, joint_column.index] += column.linear
+                matrix[..., 3:, joint_column.index] += column.angular
     dh_dq, dF_dq, dF_dv, dF_da = results
     return dh_dq, dF_dq, dF_dv, dF_da
 
@@ -94,11 +99,13 @@ def com_velocity_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, A
     share = 1.0 / mass if is_symbolic(mass) or mass else 0.0
     by_q, by_v = batch_zeros((3, model.nv), q, v), batch_zeros((3, model.nv), q, v)
     for i, (step, pose, subtree) in enumerate(zip(tree, T, subtrees, strict=True)):
-        for effect in effects(step, state(i)):
-            change = subtree.body.apply(effect.psi).linear + cross(effect.s.angular, subtree.h.linear)
-            column = subtree.body.apply(effect.s).linear
-            by_q[..., effect.index] += apply(pose.rotation, change) * share
-            by_v[..., effect.index] += apply(pose.rotation, column) * share
+        for joint_column in column_derivatives(step, state(i)):
+            change = subtree.body.apply(joint_column.psi).linear + cross(
+                joint_column.s.angular, subtree.h.linear
+            )
+            column = subtree.body.apply(joint_column.s).linear
+            by_q[..., joint_column.index] += apply(pose.rotation, change) * share
+            by_v[..., joint_column.index] += apply(pose.rotation, column) * share
     return by_q, by_v
 
 

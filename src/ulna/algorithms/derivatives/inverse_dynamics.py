@@ -82,7 +82,7 @@ class Subtree(NamedTuple):
             The quantities about the origin of the parent's moving frame.
         """
         J, P, axis = step.transform(q), step.placement.rotation, rotation_axis(step.kind)
-        body, arm = self.body, arm_of(step, J)
+        body, arm = self.body, origin_in_parent(step, J)
         first, linear, angular = (
             apply(P, apply(J.rotation, x)) for x in (body.first, self.h.linear, self.h.angular)
         )
@@ -108,8 +108,8 @@ class Subtree(NamedTuple):
         return 2.0 * cross(self.h.linear, s.linear) + apply(self.D, w) + cross(self.h.angular, w)
 
 
-class Effect(NamedTuple):
-    """A column of a step, and the changes of motion it causes from the step outward."""
+class ColumnDerivatives(NamedTuple):
+    """A column s of a step, and what its motion changes from the step outward: psi, chi and phi of the table above."""
 
     index: int
     s: Motion
@@ -137,11 +137,11 @@ def inverse_dynamics_derivatives(
     prepared = prepare(model)
     tree = prepared.tree
     state = _states_of_moving_observers(tree, q, v, a, model.gravity)
-    effects_of = cache(lambda i: effects(tree[i], state(i)))
+    columns_of = cache(lambda i: column_derivatives(tree[i], state(i)))
     by_q, by_v, M = (batch_zeros((model.nv, model.nv), q, v, a, external) for _ in range(3))
     for i, subtree in subtree_quantities(model, prepared, prepared.regrouped_moments, state, q, external):
-        for effect in effects_of(i):
-            _add_pairs(tree, state, effects_of, i, effect, subtree, q, by_q, by_v, M)
+        for column in columns_of(i):
+            _add_pairs(tree, state, columns_of, i, column, subtree, q, by_q, by_v, M)
     for k in range(model.nv):
         M[..., k, k] += model.armature[k]
     return by_q, by_v, M
@@ -150,9 +150,9 @@ def inverse_dynamics_derivatives(
 def _add_pairs(
     tree: Sequence[Step],
     state: Callable[[int], State],
-    effects_of: Callable[[int], list[Effect]],
+    columns_of: Callable[[int], list[ColumnDerivatives]],
     i: int,
-    effect: Effect,
+    column: ColumnDerivatives,
     subtree: Subtree,
     q: Array,
     by_q: Array,
@@ -160,11 +160,11 @@ def _add_pairs(
     M: Array,
 ) -> None:
     """Adds the entries of a column of step i with every column of the steps it stands on."""
-    k, s = effect.index, effect.s
+    k, s = column.index, column.s
     r, t = subtree.body.apply(s), subtree.coriolis_transposed(s)
-    y = subtree.coriolis(s) + subtree.body.apply(effect.phi)
-    z = subtree.coriolis(effect.psi) + subtree.body.apply(effect.chi)
-    for c in effects_of(i):
+    y = subtree.coriolis(s) + subtree.body.apply(column.phi)
+    z = subtree.coriolis(column.psi) + subtree.body.apply(column.chi)
+    for c in columns_of(i):
         M[..., c.index, k] += r.dot(c.s)
         by_v[..., c.index, k] += y.dot(c.s)
         by_q[..., c.index, k] += z.dot(c.s)
@@ -174,7 +174,7 @@ def _add_pairs(
         t = apply(tree[i].placement.rotation, apply(tree[i].transform(q).rotation, t))
         t = t + cross(2.0 * state(i).u, r.linear)
         i = tree[i].parent
-        for c in effects_of(i):
+        for c in columns_of(i):
             m = r.dot(c.s)
             M[..., k, c.index] += m
             M[..., c.index, k] += m
@@ -184,21 +184,21 @@ def _add_pairs(
             by_q[..., c.index, k] += z.dot(c.s)
 
 
-def effects(step: Step, state: State) -> list[Effect]:
-    """The columns of a step with psi, chi and phi.
+def column_derivatives(step: Step, state: State) -> list[ColumnDerivatives]:
+    """The columns of a step, each with its psi, chi and phi.
 
     Args:
         step: The step.
         state: The twists and accelerations at it.
 
     Returns:
-        One effect a column.
+        The derivatives, one a column.
     """
     columns = []
     for index, s in step.columns():
         psi = state.U.cross(s)
         chi = state.C.cross(s) + state.U.cross(psi)
-        columns.append(Effect(index, s, psi, chi, state.V.cross(s) + psi))
+        columns.append(ColumnDerivatives(index, s, psi, chi, state.V.cross(s) + psi))
     return columns
 
 
@@ -252,7 +252,7 @@ def _states_of_moving_observers(
             w, e, b = parent.V.angular, parent.A.angular, parent.A.linear
         R, back = step.placement.rotation, np.swapaxes(step.placement.rotation, -1, -2)
         inverse = np.swapaxes(J.rotation, -1, -2)
-        arm = arm_of(step, J)
+        arm = origin_in_parent(step, J)
         carried = cross(w, arm)
         u = carried + apply(R, apply(J.rotation, v_J.linear))
         b = b + cross(e, arm) + cross(w, carried)
@@ -264,7 +264,7 @@ def _states_of_moving_observers(
     return state
 
 
-def arm_of(step: Step, J: SE3) -> Array:
+def origin_in_parent(step: Step, J: SE3) -> Array:
     """The origin of the moving frame in the parent's.
 
     Args:

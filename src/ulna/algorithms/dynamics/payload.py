@@ -53,7 +53,7 @@ def payload_multiples(
     t = -apply(np.swapaxes(J, -1, -2), wrench)
     backward = less(t, 0.0)
     size = where(backward, -t, t)
-    room = limit - where(backward, -g, g)  # in the direction of the load
-    burdened = less(1e-12, size)
-    multiple = where(burdened, room / where(burdened, size, 1.0), np.inf)
+    margin = limit - where(backward, -g, g)  # in the direction of the load
+    is_loaded = less(1e-12, size)
+    multiple = where(is_loaded, margin / where(is_loaded, size, 1.0), np.inf)
     return where(less(limit, where(less(g, 0.0), -g, g)), np.nan, multiple)

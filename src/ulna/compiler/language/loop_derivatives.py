@@ -143,11 +143,11 @@ def reverse_loop(
     outside, before = [inner.input() for _ in captured], [inner.input() for _ in state]
     nodes = copied(inner, loop.graph, [loop.following[k] for k in moving], [*before, *outside])
     wanted = [*(before[k] for k in moving), *(outside[k] for k in chosen)]
-    found = sweep(inner, list(zip(nodes, bars, strict=True)), wanted)
-    totals = [inner.node(Op.ADD, a, b) for a, b in zip(sums, found[len(moving) :], strict=True)]
+    swept = sweep(inner, list(zip(nodes, bars, strict=True)), wanted)
+    totals = [inner.node(Op.ADD, a, b) for a, b in zip(sums, swept[len(moving) :], strict=True)]
     zero = g.constant(0.0)
     args = [*(cotangents.get(k, zero) for k in moving), *(zero for _ in chosen), *captured]
-    items = _add(g, inner, [*found[: len(moving)], *totals], loop, args, [index], not loop.is_backward)
+    items = _add(g, inner, [*swept[: len(moving)], *totals], loop, args, [index], not loop.is_backward)
     return list(zip([*(state[k] for k in moving), *(captured[k] for k in chosen)], items, strict=True))
 
 

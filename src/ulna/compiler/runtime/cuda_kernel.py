@@ -88,11 +88,11 @@ class CudaKernel:
             names = ", ".join(p.name for p in f.inputs)
             raise TypeError(f"{f.name}({names}) takes {len(f.inputs)} arguments; {len(arrays)} were given.")
         core = cuda_core()
-        given = [view_of(x, p.name) for x, p in zip(arrays, f.inputs, strict=True)]
-        for port, array in zip(f.inputs, given, strict=True):
-            check_array(port, array, self.dtype.name, given[0].device)
-        batch = batch_of(f.inputs, given)
-        device = core.Device(given[0].device)
+        views = [view_of(x, p.name) for x, p in zip(arrays, f.inputs, strict=True)]
+        for port, array in zip(f.inputs, views, strict=True):
+            check_array(port, array, self.dtype.name, views[0].device)
+        batch = batch_of(f.inputs, views)
+        device = core.Device(views[0].device)
         device.set_current()
         queue = _stream(core, device, arrays[0], stream)
         for x, p in zip(arrays, f.inputs, strict=True):  # what other streams do to the arrays comes first
@@ -100,8 +100,8 @@ class CudaKernel:
         results = self._new(arrays[0], device, queue, batch) if out is None else self._checked(out, batch)
         made = [view_of(x, p.name) for x, p in zip(results, f.outputs, strict=True)]
         for port, array in zip(f.outputs, made, strict=True):
-            check_array(port, array, self.dtype.name, given[0].device)
-        self._launch(core, device, queue, [*given, *made], batch)
+            check_array(port, array, self.dtype.name, views[0].device)
+        self._launch(core, device, queue, [*views, *made], batch)
         return results[0] if f.single else tuple(results)
 
     def __repr__(self) -> str:

@@ -134,8 +134,8 @@ def numbers_of(functions: Iterable[Callable[..., Any]]) -> tuple[tuple[str, str,
 def _state(folder: Path, files: Iterable[Path] | None = None) -> str:
     """Names, sizes and times of the Python files of a folder, as one text."""
     try:
-        found = sorted(folder.glob("*.py")) if files is None else sorted(files)
-        states = [(path.name, path.stat().st_size, path.stat().st_mtime_ns) for path in found]
+        paths = sorted(folder.glob("*.py")) if files is None else sorted(files)
+        states = [(path.name, path.stat().st_size, path.stat().st_mtime_ns) for path in paths]
     except OSError:
         return ""
     return disk_cache.key(repr(states))

@@ -91,14 +91,14 @@ def run_on_cpu(f: Function, arrays: Sequence[Any], dtype: Any, rows: bool = True
         An array for each output.
     """
     element: DType = ELEMENT[np.dtype(dtype).name]
-    given = [np.asarray(x, dtype) for x in arrays]
+    converted = [np.asarray(x, dtype) for x in arrays]
     batch = np.broadcast_shapes(
-        *(x.shape[: x.ndim - len(p.shape)] for x, p in zip(given, f.inputs, strict=True))
+        *(x.shape[: x.ndim - len(p.shape)] for x, p in zip(converted, f.inputs, strict=True))
     )
     count = int(np.prod(batch, dtype=int))
     flat = [
         np.broadcast_to(x, batch + p.shape).reshape(count, p.size)
-        for x, p in zip(given, f.inputs, strict=True)
+        for x, p in zip(converted, f.inputs, strict=True)
     ]
     results = [np.full((count, p.size) if rows else (p.size, count), np.nan, dtype) for p in f.outputs]
     named = [*flat, *(r if rows else r.T for r in results)]
@@ -109,5 +109,5 @@ def run_on_cpu(f: Function, arrays: Sequence[Any], dtype: Any, rows: bool = True
     size = np.dtype(dtype).itemsize
     words = [w for x in named for w in (x.ctypes.data, x.strides[0] // size, x.strides[1] // size)]
     call(code.address("f.all"))(count, *words)
-    found = named[len(flat) :]
-    return tuple(x.reshape(batch + p.shape) for x, p in zip(found, f.outputs, strict=True))
+    output_arrays = named[len(flat) :]
+    return tuple(x.reshape(batch + p.shape) for x, p in zip(output_arrays, f.outputs, strict=True))

@@ -98,7 +98,7 @@ def _filled(template: str, export: Export, search: ExportedSearch) -> str:
         "pi": number(np.pi, real),
         "half": number(0.5, real),
     }
-    return re.sub("@([A-Za-z]+)@", lambda found: str(values[found[1]]), template)
+    return re.sub("@([A-Za-z]+)@", lambda match: str(values[match[1]]), template)
 
 
 def _array(values: Floats, real: str) -> str:

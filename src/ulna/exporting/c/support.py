@@ -65,7 +65,7 @@ def support_header(name: str, real: DType) -> str:
         word: word + suffix for word in ("fabs", "sin", "cos", "0.5", "0.25", "0.375", "1.0", "1.25", "1.5")
     }
     values |= {"name": name, "NAME": name.upper(), "real": real}
-    return re.sub("@([^@ ]+)@", lambda found: values[found[1]], _TEMPLATE)
+    return re.sub("@([^@ ]+)@", lambda match: values[match[1]], _TEMPLATE)
 
 
 def _polynomial(c: tuple[float, ...], real: DType) -> str:

@@ -113,8 +113,8 @@ def processor(triple: str, cpu: str, features: str, lanes: int) -> Processor:
     """
     if not isinstance(triple, str) or triple not in PROCESSORS:
         raise UnknownName("triple", triple, PROCESSORS)
-    found = PROCESSORS[triple]
-    target = found.target
+    described = PROCESSORS[triple]
+    target = described.target
     extensions = ",".join(part for part in (target.features, features) if part)
     arithmetic = target.arithmetic
     enabled = {word.strip()[1:] for word in features.split(",") if word.strip().startswith("+")}
@@ -127,4 +127,4 @@ def processor(triple: str, cpu: str, features: str, lanes: int) -> Processor:
         arithmetic=arithmetic,
         search_lanes=lanes or target.search_lanes,
     )
-    return replace(found, target=target)
+    return replace(described, target=target)

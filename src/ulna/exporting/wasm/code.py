@@ -63,13 +63,13 @@ def places(functions: dict[str, Function], item: int) -> tuple[dict[str, list[in
     return offsets, most
 
 
-def module(export: Export, functions: dict[str, Function], room: int) -> Linked:
+def module(export: Export, functions: dict[str, Function], data_size: int) -> Linked:
     """The WebAssembly module.
 
     Args:
         export: What is exported.
         functions: Its functions, from `traced`.
-        room: How much memory arguments and results need [byte].
+        data_size: How much memory arguments and results need [byte].
 
     Returns:
         The module, whose exports are `memory` and the functions by name.
@@ -89,4 +89,4 @@ def module(export: Export, functions: dict[str, Function], room: int) -> Linked:
     has_loops = any(f.has_loops for f in functions.values())
     content = cross_compile(ir, TARGET, has_loops, position_independent=False)
     scratch = 8 * max(f.operations + f.recorded_numbers for f in functions.values())
-    return linked(content, names, _STACK + scratch, room)
+    return linked(content, names, _STACK + scratch, data_size)

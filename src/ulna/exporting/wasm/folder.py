@@ -56,8 +56,8 @@ def web_module(export: Export) -> WebModule:
                 f"The name of a kernel is {name!r}, which the JavaScript module uses itself; choose another name: "
                 f"kernels={{'my_{name}': ...}}."
             )
-    offsets, room = places(functions, export.dtype.itemsize)
-    made = module(export, functions, room)
+    offsets, data_size = places(functions, export.dtype.itemsize)
+    made = module(export, functions, data_size)
     about = description(export, functions, offsets)
     text = files("ulna.exporting.wasm").joinpath("runtime.js").read_text(encoding="utf-8")
     values = {
@@ -68,7 +68,7 @@ def web_module(export: Export) -> WebModule:
         "DESCENT": str(DESCENT),
         "NAME": export.name,
     }
-    text = re.sub(f"__({'|'.join(values)})__", lambda found: values[found[1]], text)
+    text = re.sub(f"__({'|'.join(values)})__", lambda match: values[match[1]], text)
     return WebModule(made.binary, text, declarations(about))
 
 

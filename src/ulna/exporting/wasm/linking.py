@@ -39,14 +39,14 @@ class Linked:
     pages: int
 
 
-def linked(content: bytes, exports: Mapping[str, str], stack: int, room: int) -> Linked:
+def linked(content: bytes, exports: Mapping[str, str], stack: int, data_size: int) -> Linked:
     """The module of a relocatable object.
 
     Args:
         content: The object.
         exports: The names of its functions that the module exports, and the names they are exported by.
         stack: How large the stack is [byte].
-        room: How much memory is wanted beside it, for arguments and results [byte].
+        data_size: How much memory is wanted beside it, for arguments and results [byte].
 
     Returns:
         The module.
@@ -61,11 +61,13 @@ def linked(content: bytes, exports: Mapping[str, str], stack: int, room: int) ->
     _check_sizes(code[_CODE])
     functions = _function_numbers([body for number, body in sections if number == _CUSTOM])
     top = _aligned(_data_end(code.get(_DATA, b"")) + stack)
-    pages = -(-(top + room) // PAGE)
+    pages = -(-(top + data_size) // PAGE)
     code[_MEMORY] = b"\x01\x01" + _number(pages) + _number(pages)
     code[_GLOBAL] = b"\x01\x7f\x01\x41" + _signed(top) + b"\x0b"
     entries = [_name("memory") + b"\x02\x00"]
-    entries += [_name(given) + b"\x00" + _number(functions[name]) for name, given in exports.items()]
+    entries += [
+        _name(exported_name) + b"\x00" + _number(functions[name]) for name, exported_name in exports.items()
+    ]
     code[_EXPORT] = _number(len(entries)) + b"".join(entries)
     order = (_TYPE, _FUNCTION, _MEMORY, _GLOBAL, _EXPORT, _DATA_COUNT, _CODE, _DATA)
     parts = [bytes([n]) + _number(len(code[n])) + code[n] for n in order if n in code]
@@ -127,7 +129,7 @@ def _check_sizes(content: bytes) -> None:
 
 def _function_numbers(custom: Sequence[bytes]) -> dict[str, int]:
     """The numbers of functions by name, from the symbol table."""
-    found: dict[str, int] = {}
+    function_numbers: dict[str, int] = {}
     for section in custom:
         name, position = _text(section, 0)
         if name != "linking":
@@ -137,9 +139,9 @@ def _function_numbers(custom: Sequence[bytes]) -> dict[str, int]:
             kind = section[position]
             size, start = _read(section, position + 1)
             if kind == 8:
-                found.update(_symbols(section[start : start + size]))
+                function_numbers.update(_symbols(section[start : start + size]))
             position = start + size
-    return found
+    return function_numbers
 
 
 def _symbols(table: bytes) -> Iterator[tuple[str, int]]:

@@ -146,7 +146,7 @@ class PlanarCircle(JointKind):
 
     def difference(self, q0: Array, q1: Array) -> Array:
         """The logarithm of the motion from `q0` to `q1`; turns the shorter way."""
-        return self._planar.difference(vector(0.0, 0.0, 0.0), self._seen_from(q0, q1))
+        return self._planar.difference(vector(0.0, 0.0, 0.0), self._relative_to(q0, q1))
 
     def coordinate_rates(self, q: Array, v: Array) -> Array:
         """The linear velocity in the plane's axes, and (-sine, cosine) times the angle's rate."""
@@ -159,7 +159,7 @@ class PlanarCircle(JointKind):
 
     def difference_derivatives(self, q0: Array, q1: Array) -> tuple[Array, Array]:
         """Those of `Planar`: they depend on the difference alone."""
-        return self._planar.difference_derivatives(vector(0.0, 0.0, 0.0), self._seen_from(q0, q1))
+        return self._planar.difference_derivatives(vector(0.0, 0.0, 0.0), self._relative_to(q0, q1))
 
     def neutral(self) -> Floats:
         """(0, 0, 1, 0)."""

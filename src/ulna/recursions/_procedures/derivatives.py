@@ -28,7 +28,7 @@ from ulna.recursions._procedures.columns import (
 )
 from ulna.recursions._procedures.composite import add_inertia
 from ulna.recursions._procedures.moving_bodies import (
-    add_rate_out,
+    add_rate_to_parent,
     coriolis,
     coriolis_transposed,
     cross_of_twists,
@@ -86,7 +86,7 @@ def _states(tree, places, moves, work, q, v, a, HAS_A):
 
 
 @procedure
-def _effects(tree, X, moves, work, i, k, HAS_A):
+def _column_derivatives(tree, X, moves, work, i, k, HAS_A):
     """Writes psi, chi and phi of column k of step i."""
     sx, sy, sz, wx, wy, wz = (
         tree.S[k, 0], tree.S[k, 1], tree.S[k, 2], tree.S[k, 3], tree.S[k, 4], tree.S[k, 5],
@@ -184,7 +184,7 @@ def _to_parent(tree, X, moves, work, i, HAS_A, W):
     all_wrenches_out(X, i, work.y, start, stop, W)
     turn_columns(X, i, work.t, start, stop, W)
     add_inertia(X, i, work.inertias, parent)
-    add_rate_out(X, i, work.D, work.h, parent)
+    add_rate_to_parent(X, i, work.D, work.h, parent)
     add_wrench_out(X, i, work.h, parent, 1)
     if HAS_A:
         all_wrenches_out(X, i, work.z, start, stop, W)
@@ -198,7 +198,7 @@ def _derivatives(tree, places, moves, work, q, v, a, by_q, by_v, M, W):
     for i in range(len(tree.parents) - 1, 0, -1):
         first, after, stop = tree.columns[i], tree.columns[i + 1], tree.ends[i]
         for k in range(first, after):
-            _effects(tree, places.X, moves, work, i, k, True)
+            _column_derivatives(tree, places.X, moves, work, i, k, True)
             _force_by(tree, work, work.r, tree.S, tree.S, i, k, 0.0, False)
             _force_by(tree, work, work.y, work.phi, tree.S, i, k, 1.0, True)
             _force_by(tree, work, work.z, work.chi, work.psi, i, k, 1.0, True)
@@ -222,7 +222,7 @@ def _coriolis(tree, places, moves, work, q, v, C, W):
     for i in range(len(tree.parents) - 1, 0, -1):
         first, after, stop = tree.columns[i], tree.columns[i + 1], tree.ends[i]
         for k in range(first, after):
-            _effects(tree, places.X, moves, work, i, k, False)
+            _column_derivatives(tree, places.X, moves, work, i, k, False)
             _force_by(tree, work, work.r, tree.S, tree.S, i, k, 0.0, False)
             _force_by(tree, work, work.y, work.phi, tree.S, i, k, 0.5, True)
             _moment_of(tree, work, i, k, 0.5)

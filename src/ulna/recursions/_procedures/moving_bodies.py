@@ -46,7 +46,7 @@ def rate_of_body(B, V, D, i):
 
 
 @procedure
-def add_rate_out(X, i, D, h, p):
+def add_rate_to_parent(X, i, D, h, p):
     """Adds D of row i, with the momentum in row i of h, seen from the parent, to row p."""
     ax, ay, az = rotate(X, i, D[i, 0, 0], D[i, 1, 0], D[i, 2, 0], 1)  # R D, column by column
     bx, by, bz = rotate(X, i, D[i, 1, 0], D[i, 3, 0], D[i, 4, 0], 1)

@@ -38,7 +38,7 @@ def _package(path: Path) -> Path:
 
 def _credit(folder: Path) -> dict[str, str]:
     readme, package = _content(folder / "README.md"), _content(folder / "package.xml")
-    licence = next((found for name in _NAMES if (found := _content(folder / name))), "")
+    licence = next((content for name in _NAMES if (content := _content(folder / name))), "")
     name = _first(r"(?im)^\W*licen[sc]e\W*:\s*(.+)$", readme) or _first(r"<license[^>]*>([^<]+)<", package)
     source = _first(r"(?im)^\W*upstream\W*:\s*(\S+)", readme)
     if licence and not name:

@@ -41,9 +41,9 @@ def webassembly(model: Model, frames: Sequence[DraggableFrame]) -> tuple[bytes, 
     functions, made = records(model, [(_LINK_POSES, _LINK_POSES, {}), *searches], {})
     export = Export(identifier(model.name), model, functions, made, np.dtype(float))
     graphs = traced(export)
-    offsets, room = places(graphs, export.dtype.itemsize)
+    offsets, data_size = places(graphs, export.dtype.itemsize)
     try:
-        linked = module(export, graphs, room)
+        linked = module(export, graphs, data_size)
     except UlnaError as error:
         raise InputError(
             f"The kinematics of {model.name!r} cannot run in a page: {error} Drag fewer frames, such as "

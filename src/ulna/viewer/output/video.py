@@ -184,13 +184,13 @@ def _gif_colours(picture: Array) -> Array:
     levels = pixels.astype(np.uint16) >> 4  # 16 levels of each of red, green and blue
     code = levels[:, 0] << 8 | levels[:, 1] << 4 | levels[:, 2]
     counts = np.bincount(code, minlength=4096)
-    is_seen = counts >= _LEAST_PIXELS
-    sums = [np.bincount(code, pixels[:, k], minlength=4096)[is_seen] for k in range(3)]
-    seen = np.stack(sums, axis=1) / counts[is_seen, None]
-    away = np.linalg.norm(seen[:, None] - colours, axis=2).min(axis=1, initial=np.inf)
-    while len(colours) < _GIF_COLOURS and len(seen):
-        colours = np.vstack([colours, seen[away.argmax()]])
-        away = np.minimum(away, np.linalg.norm(seen - colours[-1], axis=1))
+    is_present = counts >= _LEAST_PIXELS
+    sums = [np.bincount(code, pixels[:, k], minlength=4096)[is_present] for k in range(3)]
+    present = np.stack(sums, axis=1) / counts[is_present, None]
+    away = np.linalg.norm(present[:, None] - colours, axis=2).min(axis=1, initial=np.inf)
+    while len(colours) < _GIF_COLOURS and len(present):
+        colours = np.vstack([colours, present[away.argmax()]])
+        away = np.minimum(away, np.linalg.norm(present - colours[-1], axis=1))
     return np.resize(colours.round().astype(np.uint8), (256, 3))
 
 

@@ -43,7 +43,7 @@ class Framing:
     def __init__(self, scene: SceneGraph, server: Any) -> None:
         self._scene, self._server = scene, server
         self._initial = framing_camera(scene)
-        self._given: dict[int, Camera] = {}  # the camera that each tab got last
+        self._sent: dict[int, Camera] = {}  # the camera that each tab got last
 
     def update(self, moved_too: bool = False) -> None:
         """Frame the scene in tabs to come, and in each tab whose camera nobody moved.
@@ -52,19 +52,19 @@ class Framing:
             moved_too: Whether to frame it in all tabs.
         """
         clients = dict(self._server.get_clients())
-        self._given = {number: camera for number, camera in self._given.items() if number in clients}
+        self._sent = {number: camera for number, camera in self._sent.items() if number in clients}
         before, self._initial = self._initial, framing_camera(self._scene)
         set_initial_camera(self._server, self._initial)
         for number, client in clients.items():
             view, is_new = (
                 client.camera,
-                number not in self._given,
+                number not in self._sent,
             )  # a new one may not have sent its position
-            given = self._given.setdefault(number, before)
+            sent = self._sent.setdefault(number, before)
             better = framing_camera(self._scene, view.aspect)
-            unmoved = is_new or _is_near(view.position, view.look_at, given, _UNMOVED)
-            if moved_too or (unmoved and _differs(better, given)):
-                self._given[number] = better
+            unmoved = is_new or _is_near(view.position, view.look_at, sent, _UNMOVED)
+            if moved_too or (unmoved and _differs(better, sent)):
+                self._sent[number] = better
                 set_tab_camera(client, better)
 
 

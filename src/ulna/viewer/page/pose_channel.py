@@ -74,11 +74,11 @@ class PoseChannel:
     Args:
         server: The viser server.
         title: The title of the page.
-        own: Whether the server sends Ulna's page, not viser's.
+        is_ulnas_page: Whether the server sends Ulna's page, not viser's.
     """
 
-    def __init__(self, server: Any, title: str, own: bool = True) -> None:
-        self.is_supported = own and is_known_version()
+    def __init__(self, server: Any, title: str, is_ulnas_page: bool = True) -> None:
+        self.is_supported = is_ulnas_page and is_known_version()
         self._server = server
         if self.is_supported:
             from viser import _messages

@@ -150,7 +150,9 @@ def appearance_rows(appearances: list[tuple[Any, ...]], flat: list[bool]) -> Any
     return out
 
 
-def add_node(server: Any, path: str, snapshot: Snapshot, i: int, baked: bool, own: bool = False) -> ViserNode:
+def add_node(
+    server: Any, path: str, snapshot: Snapshot, i: int, baked: bool, is_ulnas_page: bool = False
+) -> ViserNode:
     """Add node `i` to the page.
 
     Args:
@@ -159,7 +161,7 @@ def add_node(server: Any, path: str, snapshot: Snapshot, i: int, baked: bool, ow
         snapshot: The scene.
         i: The node's row.
         baked: Whether colours, opacity and scale are made part of it, for a page that cannot change them later.
-        own: Whether the page is Ulna's: it draws labels in any colour, and takes surfaces as they are.
+        is_ulnas_page: Whether the page is Ulna's: it draws labels in any colour, and takes surfaces as they are.
 
     Returns:
         The node as the page has it.
@@ -185,10 +187,12 @@ def add_node(server: Any, path: str, snapshot: Snapshot, i: int, baked: bool, ow
             ]
             options["scale"] = scale
         handles.append(
-            server.scene.add_glb(path, _glb_content(surfaces, own), cast_shadow=node.casts_shadow, **options)
+            server.scene.add_glb(
+                path, _glb_content(surfaces, is_ulnas_page), cast_shadow=node.casts_shadow, **options
+            )
         )
         options.pop("scale", None)
-    written = own and isinstance(content, Text)
+    written = is_ulnas_page and isinstance(content, Text)
     if isinstance(content, Text) and written:
         handles.append(server.scene.add_glb(path, label_glb(content.height), cast_shadow=False, **options))
     elif content is not None and not node.surfaces:
@@ -196,9 +200,9 @@ def add_node(server: Any, path: str, snapshot: Snapshot, i: int, baked: bool, ow
     return ViserNode(node, path, handles, written or (not baked and content is None), appearance)
 
 
-def _glb_content(surfaces: Sequence[Surface], own: bool) -> Any:
+def _glb_content(surfaces: Sequence[Surface], is_ulnas_page: bool) -> Any:
     """Surfaces as a page takes them; ours takes them as they are, not compressed, which costs both sides more time."""
-    return np.frombuffer(glb(surfaces, ours=True), dtype=np.uint8) if own else glb(surfaces)
+    return np.frombuffer(glb(surfaces, ours=True), dtype=np.uint8) if is_ulnas_page else glb(surfaces)
 
 
 def _tinted_colours(snapshot: Snapshot, i: int, colours: Any) -> Floats:

@@ -240,13 +240,13 @@ def _environment_reflection(normals: Array, towards_eye: Array, facing: Array) -
     """The room as the coat mirrors it: a bright ceiling, two soft boxes, a dark floor."""
     mirrored = 2 * facing[:, None] * normals - towards_eye
     x, y, z = mirrored.T
-    room = 0.25 + 0.55 * _smoothstep(-0.3, 0.9, z)
-    room += 1.6 * _smoothstep(0.80, 0.93, 0.55 * x - 0.45 * y + 0.70 * z)
-    room += 0.9 * _smoothstep(0.78, 0.92, -0.75 * x - 0.40 * y + 0.52 * z)
+    radiance = 0.25 + 0.55 * _smoothstep(-0.3, 0.9, z)
+    radiance += 1.6 * _smoothstep(0.80, 0.93, 0.55 * x - 0.45 * y + 0.70 * z)
+    radiance += 0.9 * _smoothstep(0.78, 0.92, -0.75 * x - 0.40 * y + 0.52 * z)
     fresnel = (
         _REFLECTANCE + (1.0 - _ROUGHNESS - _REFLECTANCE) * (1 - facing) ** 5
     )  # (1 - roughness) bounds the rim of a rough coat
-    return (room * fresnel)[:, None] * np.array([0.96, 0.98, 1.0], dtype=np.float32)
+    return (radiance * fresnel)[:, None] * np.array([0.96, 0.98, 1.0], dtype=np.float32)
 
 
 def _smoothstep(low: float, high: float, x: Array) -> Array:

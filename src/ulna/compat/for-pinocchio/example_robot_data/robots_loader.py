@@ -186,12 +186,12 @@ def loader(name: str, display: bool = False, rootNodeName: str = "", verbose: bo
         )
     if name not in ROBOTS:
         raise UnknownName("robot of example-robot-data", name, ROBOTS)
-    found = ROBOTS[name](verbose)
+    loaded = ROBOTS[name](verbose)
     if display:
-        found.robot.initViewer(loadModel=False)
-        found.robot.loadViewerModel(rootNodeName or "pinocchio")
-        found.robot.display(found.robot.q0)
-    return found
+        loaded.robot.initViewer(loadModel=False)
+        loaded.robot.loadViewerModel(rootNodeName or "pinocchio")
+        loaded.robot.display(loaded.robot.q0)
+    return loaded
 
 
 def load(name: str, display: bool = False, rootNodeName: str = "", verbose: bool = False) -> RobotWrapper:
@@ -225,8 +225,8 @@ def load_full(
     Returns:
         The robot, its posture (nq,), the URDF file, and the SRDF file or None.
     """
-    found = loader(name, display, rootNodeName, verbose)
-    return found.robot, found.robot.q0, found.df_path, found.srdf_path
+    loaded = loader(name, display, rootNodeName, verbose)
+    return loaded.robot, loaded.robot.q0, loaded.df_path, loaded.srdf_path
 
 
 def loadUR(robot: int = 5, limited: bool = False, gripper: bool = False) -> RobotWrapper:

@@ -12,7 +12,7 @@ from swift._element import SwiftElement
 from ulna.errors import InputError, UnknownName, ViewerError
 
 
-def not_open() -> ViewerError:
+def not_open_error() -> ViewerError:
     """What to raise where an environment is used that was not launched, or was closed."""
     return ViewerError("The environment is not open. Call env.launch() first.")
 
@@ -46,7 +46,7 @@ class Controls:
             ViewerError: There is no panel.
         """
         if self._panel is None:
-            raise not_open()
+            raise not_open_error()
         if element.shown:
             raise InputError(f"This {type(element).__name__} ({element.label!r}) is in the panel already.")
         if name in self.named:

@@ -7,7 +7,7 @@ import time
 import warnings
 from typing import Any
 
-from swift._controls import Controls, not_open
+from swift._controls import Controls, not_open_error
 from swift._recorder import Recorder
 from swift._scene_items import Item
 from ulna.errors import UlnaWarning
@@ -159,7 +159,7 @@ class LaunchedEnvironment:
             ViewerError: It was not launched.
         """
         if self._viewer is None:
-            raise not_open()
+            raise not_open_error()
         return self._viewer
 
     @property

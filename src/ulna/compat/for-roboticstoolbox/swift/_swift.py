@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from swift._controls import not_open
+from swift._controls import not_open_error
 from swift._environment_contents import Contents
 from swift._recorder import Recorder
 from ulna.checks.arrays import finite_array
@@ -38,7 +38,7 @@ class Swift(Contents):
         """
         viewer, controls = self._viewer, self._controls
         if viewer is None:
-            raise not_open()
+            raise not_open_error()
         simulation = self._simulation
         if dt.__class__ is not float or not 0.0 <= dt < math.inf:
             dt = number("dt", dt, "a time of at least zero [s]", least=0.0)

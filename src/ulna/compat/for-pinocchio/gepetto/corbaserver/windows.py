@@ -71,7 +71,7 @@ class Windows(Tree, abc.ABC):
         Returns:
             True.
         """
-        return self._dress(wid, "top", RGBAcolor)
+        return self._set_background(wid, "top", RGBAcolor)
 
     def setBackgroundColor2(self, wid: str, RGBAcolor: Sequence[float]) -> bool:
         """Colours the sky at the horizon.
@@ -82,12 +82,12 @@ class Windows(Tree, abc.ABC):
         Returns:
             True.
         """
-        return self._dress(wid, "horizon", RGBAcolor)
+        return self._set_background(wid, "horizon", RGBAcolor)
 
-    def _dress(self, wid: str, what: str, rgba: Sequence[float]) -> bool:
+    def _set_background(self, wid: str, field: str, rgba: Sequence[float]) -> bool:
         self._window(wid)
         red, green, blue = (round(255 * c) for c in colour(rgba)[:3])
-        self.viewer.theme = dataclasses.replace(self.viewer.theme, **{what: (red, green, blue)})
+        self.viewer.theme = dataclasses.replace(self.viewer.theme, **{field: (red, green, blue)})
         return True
 
     # camera ---------------------------------------------------------------------------------------------
@@ -109,7 +109,7 @@ class Windows(Tree, abc.ABC):
         pose, old = pose_of(configuration), self.viewer.camera
         away = max(float(np.linalg.norm(np.subtract(old.position, old.target))), 0.1)
         eye, up, target = pose[:3, 3], pose[:3, 1], pose[:3, 3] - away * pose[:3, 2]
-        self.viewer.camera = Camera(_three(eye), _three(target), old.fov, _three(up))
+        self.viewer.camera = Camera(_triple(eye), _triple(target), old.fov, _triple(up))
         return True
 
     def setCameraToBestFit(self, wid: str) -> bool:
@@ -209,5 +209,5 @@ class Windows(Tree, abc.ABC):
         return True
 
 
-def _three(v: Any) -> tuple[float, float, float]:
+def _triple(v: Any) -> tuple[float, float, float]:
     return float(v[0]), float(v[1]), float(v[2])

@@ -95,13 +95,13 @@ def _random_bound_anew(model: Model, parts: Floats, normal: Floats, low: Any, hi
     kernel = model.compiled_structure().compile(
         "random", _within, **dict.fromkeys(("parts", "normal", "low", "high"), (model.nq,))
     )
-    own = model.lowerPositionLimit, model.upperPositionLimit
+    limits_of_model = model.lowerPositionLimit, model.upperPositionLimit
     if low is None and high is None:
-        step = BoundKernel(kernel, others=[model._narrowest], last_inputs=own).call
+        step = BoundKernel(kernel, others=[model._narrowest], last_inputs=limits_of_model).call
         model._random_within_own_limits = step
         return step(parts, normal)
-    low = own[0] if low is None else exact(low, model.nq, "lower_bound")
-    high = own[1] if high is None else exact(high, model.nq, "upper_bound")
+    low = limits_of_model[0] if low is None else exact(low, model.nq, "lower_bound")
+    high = limits_of_model[1] if high is None else exact(high, model.nq, "upper_bound")
     q = model._random(parts, normal, low, high)
     if q is NotImplemented:
         model._random = BoundKernel(kernel, others=[model._narrowest]).call

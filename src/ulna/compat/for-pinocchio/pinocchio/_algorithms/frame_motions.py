@@ -181,7 +181,7 @@ def _motion(
     if motion is NotImplemented:
         fields = ("v",) if kind == "velocity" else ("v", "a")
         arrays = [np.ascontiguousarray(placement), *(data._arrays[x][joint] for x in ("oMi", *fields))]
-        kernel = _seen_from(kind, reference)
+        kernel = _frame_motion_at(kind, reference)
         if place is not None and data._model is model:
             watch += [(data.mark_of(field), np.zeros(())) for field in fields]
             data._bound_at[place] = BoundKernel(kernel, watch, last_inputs=arrays).call, place[1]
@@ -190,7 +190,7 @@ def _motion(
 
 
 @cache
-def _seen_from(kind: str, reference: Reference) -> Any:
+def _frame_motion_at(kind: str, reference: Reference) -> Any:
     """The compiled motion of a frame at a placement in its joint's frame, in a reference."""
 
     def run(placement: Array, oMi: Array, v: Array, a: Array | None = None) -> Array:

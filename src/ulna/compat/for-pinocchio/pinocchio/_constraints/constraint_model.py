@@ -17,7 +17,7 @@ from ulna.errors import excerpt
 __all__ = ["ConstraintData", "ConstraintModel"]
 
 
-class _Shown:
+class _NamedAndCompared:
     """The name and the comparison of constraints and their data, by what they hold."""
 
     __slots__ = ()
@@ -35,14 +35,14 @@ class _Shown:
         """The object itself: it is of the class of its kind."""
         return self
 
-    def _held(self) -> list[Any]:
+    def _slot_values(self) -> list[Any]:
         names = [name for cls in type(self).__mro__ for name in getattr(cls, "__slots__", ())]
         return [getattr(self, name) for name in names]
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        return all(_equal(a, b) for a, b in zip(self._held(), other._held(), strict=True))
+        return all(_equal(a, b) for a, b in zip(self._slot_values(), other._slot_values(), strict=True))
 
     __hash__ = object.__hash__
 
@@ -52,7 +52,7 @@ class _Shown:
     __repr__ = __str__
 
 
-class AnyConstraint(_Shown):
+class AnyConstraint(_NamedAndCompared):
     """A constraint that has data made by `createData`."""
 
     __slots__ = ()
@@ -105,7 +105,7 @@ class AnyConstraint(_Shown):
         return StdVec(np.flatnonzero(pattern).tolist())
 
 
-class AnyConstraintData(_Shown):
+class AnyConstraintData(_NamedAndCompared):
     """The data of a constraint."""
 
     __slots__ = ()
@@ -117,9 +117,9 @@ class _Variant(type):
     def __instancecheck__(cls, instance: Any) -> bool:
         return isinstance(instance, cls._kinds)  # type: ignore[attr-defined]
 
-    def __call__(cls, *given: Any, **named: Any) -> Any:
-        values = (*given, *(named[name] for name in named if name in cls._names))  # type: ignore[attr-defined]
-        if len(values) != len(given) + len(named) or len(values) != 1 or not isinstance(values[0], cls):
+    def __call__(cls, *positional: Any, **named: Any) -> Any:
+        values = (*positional, *(named[name] for name in named if name in cls._names))  # type: ignore[attr-defined]
+        if len(values) != len(positional) + len(named) or len(values) != 1 or not isinstance(values[0], cls):
             shown = ", ".join(excerpt(repr(value)) for value in values) or "nothing"
             raise ArgumentError(f"{cls.__name__} was given {shown}; expected one object: {cls.__doc__}")
         one = values[0]

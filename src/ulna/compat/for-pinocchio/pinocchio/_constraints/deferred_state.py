@@ -43,13 +43,15 @@ class DeferredConstraintState:
 def _state(shapes: Any) -> Any:
     def build(core: CoreModel) -> Any:
         def run(q: Array, v: Array, places: Array, gains: Array) -> tuple[Array, ...]:
-            bonds = core_constraints(shapes, places)
-            twists = constraint_twists(core, q, v, [bond._replace(local=True) for bond in bonds])
+            frame_pairs = core_constraints(shapes, places)
+            twists = constraint_twists(
+                core, q, v, [frame_pair._replace(local=True) for frame_pair in frame_pairs]
+            )
             poses, speeds, errors = [], [], []
             start = 0
-            for k, bond in enumerate(bonds):
-                assert bond.second is not None
-                first, second = frame_of(bond.first), frame_of(bond.second)
+            for k, frame_pair in enumerate(frame_pairs):
+                assert frame_pair.second is not None
+                first, second = frame_of(frame_pair.first), frame_of(frame_pair.second)
                 T1, T2 = (algorithms.frame_pose(core, q, frame) for frame in (first, second))
                 poses.append((T1, T2, T1.inverse() @ T2))
                 speeds.append(
@@ -58,14 +60,14 @@ def _state(shapes: Any) -> Any:
                         for frame in (first, second)
                     ]
                 )
-                rows = slice(start, start + bond.size)
-                rest = np.zeros(6 - bond.size)
+                rows = slice(start, start + frame_pair.size)
+                rest = np.zeros(6 - frame_pair.size)
                 e, c = (np.concatenate([x[rows], rest]) for x in (twists.error, twists.velocity))
                 pull = -(gains[k, 0] * e + gains[k, 1] * c)
-                if not bond.local:
+                if not frame_pair.local:
                     pull = np.concatenate([T1.rotation @ pull[:3], T1.rotation @ pull[3:]])
                 errors.append((e, c, pull))
-                start += bond.size
+                start += frame_pair.size
             return (
                 *(stacked([p[i] for p in poses]) for i in range(3)),
                 *(np.stack([s[i] for s in speeds]) for i in range(2)),

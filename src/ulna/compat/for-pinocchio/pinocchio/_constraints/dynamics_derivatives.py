@@ -168,10 +168,10 @@ def _response(shapes: Any, impact: bool) -> Any:
             settings: Array,
             factor: Array,
         ) -> tuple[Any, ...]:
-            bonds = core_constraints(shapes, placements)
+            frame_pairs = core_constraints(shapes, placements)
             if impact:
                 v, gains, desired = factor[0] * v + a, np.zeros(gains.shape), np.zeros(desired.shape)
-            terms = bound_terms(core, q, v, a, forces, gains, flat(desired, shapes), bonds, impact)
+            terms = bound_terms(core, q, v, a, forces, gains, flat(desired, shapes), frame_pairs, impact)
             if not impact:
                 response = bound_response(terms, settings[0], factor[0])
                 more = response.a_tau, response.f_tau, terms.X @ terms.J

@@ -86,12 +86,12 @@ class FramePair:
     _binds_always: ClassVar[bool] = True
     """Whether two places of one joint, which bind nothing, are refused."""
 
-    def _attach(self, model: Model, given: Sequence[Any], named: dict[str, Any]) -> None:
+    def _attach(self, model: Model, positional: Sequence[Any], named: dict[str, Any]) -> None:
         """Reads (joint, placement, joint, placement); placements may be left out, and the second joint."""
         self.name = ""
         joints: list[Any] = []
         placements: dict[int, Any] = {}
-        for part in given:
+        for part in positional:
             if isinstance(part, SE3) and joints and len(joints) - 1 not in placements:
                 placements[len(joints) - 1] = part
             elif isinstance(part, (int, np.integer)) and len(joints) < 2:

@@ -12,11 +12,11 @@ from pinocchio._model.compiled_model import CompiledModel
 from ulna import algorithms, spatial
 from ulna.algorithms.constraints.kkt_factors import moved_by
 from ulna.model import Model as CoreModel
-from ulna.model.constraint import Bond, End
+from ulna.model.constraint import End, FramePair
 from ulna.typing import Array
 
 
-def core_constraints(shapes: Sequence[tuple[int, bool, int, int]], places: Array) -> list[Bond]:
+def core_constraints(shapes: Sequence[tuple[int, bool, int, int]], places: Array) -> list[FramePair]:
     """The constraints for Ulna; a frame of the world has its joint -1.
 
     Args:
@@ -26,14 +26,14 @@ def core_constraints(shapes: Sequence[tuple[int, bool, int, int]], places: Array
     Returns:
         The constraints for `ulna.algorithms`.
     """
-    bonds = []
+    frame_pairs = []
     for k, (size, local, *joints) in enumerate(shapes):
         first, second = (
             End(joint - 1, spatial.SE3(places[k, end, :3, :3], places[k, end, :3, 3]))
             for end, joint in enumerate(joints)
         )
-        bonds.append(Bond(first, second, size, local))  # type: ignore[arg-type]
-    return bonds
+        frame_pairs.append(FramePair(first, second, size, local))  # type: ignore[arg-type]
+    return frame_pairs
 
 
 def jacobian_kernel(compiled: CompiledModel, shapes: Any, nq: int) -> Any:

@@ -157,16 +157,16 @@ class LanczosDecomposition:
 
     @by_name("matrix decomposition_size", "size decomposition_size")
     def __init__(self, matrix: Any, decomposition_size: int) -> None:
-        given = check_size(matrix, "size") if np.ndim(matrix) == 0 else _symmetric(matrix)
-        n = given if isinstance(given, int) else len(given)
+        matrix_or_size = check_size(matrix, "size") if np.ndim(matrix) == 0 else _symmetric(matrix)
+        n = matrix_or_size if isinstance(matrix_or_size, int) else len(matrix_or_size)
         columns = check_size(decomposition_size, "decomposition_size")
         if not 1 <= columns <= n:
             raise InputError(
                 f"`decomposition_size` is {columns}; expected 1 to {n}, the number of rows of the matrix."
             )
         self._Q, self._T = np.eye(n, columns), TridiagonalSymmetricMatrix(columns)
-        if not isinstance(given, int):
-            self.compute(given)
+        if not isinstance(matrix_or_size, int):
+            self.compute(matrix_or_size)
 
     def compute(self, matrix: Any) -> None:
         """Decomposes a symmetric matrix (n, n), of which the lower half is not checked."""

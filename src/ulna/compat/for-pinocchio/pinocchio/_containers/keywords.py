@@ -154,7 +154,7 @@ def overloads(*signatures: str) -> Callable[[Callable[..., Result]], Callable[..
             return choose(args[:method], args[method:], named)
 
         def of_all_parameters(*args: Any) -> Result:
-            return choose(args[:method], *_given(parameters, args[method:]))
+            return choose(args[:method], *_non_default(parameters, args[method:]))
 
         called.orders = [[parameter.name for parameter in way] for way in ways]  # pyright: ignore
         called.arguments_checked = True  # pyright: ignore
@@ -226,7 +226,7 @@ def with_names(function: Callable[..., Result]) -> Callable[..., Result]:
     return called
 
 
-def _given(
+def _non_default(
     parameters: list[inspect.Parameter], values: tuple[Any, ...]
 ) -> tuple[tuple[Any, ...], dict[str, Any]]:
     """The values that differ from their defaults: by position up to the first that does not, then by name."""

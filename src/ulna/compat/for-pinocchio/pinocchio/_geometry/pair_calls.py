@@ -77,8 +77,8 @@ def calls_of(geometries: GeometryCollection, kind: str) -> PairCalls:
     Returns:
         The calls, made anew where a geometry, a shape or a pair is another one.
     """
-    kept: dict[str, PairCalls] = geometries.__dict__.setdefault("_pair_calls", {})
-    known = kept.get(kind)
+    calls_by_kind: dict[str, PairCalls] = geometries.__dict__.setdefault("_pair_calls", {})
+    known = calls_by_kind.get(kind)
     if known is None or not known.fits(geometries):
-        known = kept[kind] = PairCalls(kind, geometries)
+        known = calls_by_kind[kind] = PairCalls(kind, geometries)
     return known

@@ -174,9 +174,9 @@ def buildModelWithBuildInfo(
     if root_body not in g.frames:
         raise UnknownName("body of the graph", root_body, list(g.frames))
     builder = _Builder(g)
-    found = {root_body: builder.add_root(root_body, root_position, root_joint, root_joint_name)}
+    joints_of_bodies = {root_body: builder.add_root(root_body, root_position, root_joint, root_joint_name)}
     for before, way in _ways(g, root_body):
-        found[way.body] = builder.pass_joint(way, *found[before])
+        joints_of_bodies[way.body] = builder.pass_joint(way, *joints_of_bodies[before])
     return builder.model, builder.info
 
 

@@ -78,7 +78,7 @@ class CompiledModel:
         """Ulna's kernel of that name, without options."""
         if self.parameter_names:
             return self.kernel(name)
-        return _once(self.cache, name, lambda: kernels.kernel(self._core, name))
+        return _cached(self.cache, name, lambda: kernels.kernel(self._core, name))
 
     def kernel(self, name: str, **options: Any) -> Any:
         """A kernel of Ulna.
@@ -92,8 +92,8 @@ class CompiledModel:
         """
         key = (name, *options.items())
         if not self.parameter_names:
-            return _once(self.cache, key, lambda: kernels.kernel(self._core, name, **options))
-        shapes = _once(self.cache, ("shapes", *key), lambda: self._input_shapes(name, options))
+            return _cached(self.cache, key, lambda: kernels.kernel(self._core, name, **options))
+        shapes = _cached(self.cache, ("shapes", *key), lambda: self._input_shapes(name, options))
         quantity = kernels.QUANTITIES[name]
         chosen = {**quantity.options, **options}
         return self.compile(key, lambda core: quantity.build(core, **chosen), **shapes)
@@ -115,7 +115,7 @@ class CompiledModel:
         Returns:
             The kernel.
         """
-        kernel = _once(self.cache, key, lambda: self._compiled(build, echoed, shapes))
+        kernel = _cached(self.cache, key, lambda: self._compiled(build, echoed, shapes))
         return ParameterKernel(kernel, self.parameters) if self.parameter_names else kernel
 
     def _compiled(self, build: Any, echoed: Any, shapes: dict[str, Any], frames: Any = ()) -> Any:
@@ -183,14 +183,14 @@ class CompiledModel:
         current.update(self.source)
         frames, cache = current.frames, current.cache
         if current.as_inputs:
-            kernel = _once(cache, key, lambda: self._compiled(build, echoed, shapes, frames))
+            kernel = _cached(cache, key, lambda: self._compiled(build, echoed, shapes, frames))
             placements = (x.copy() for x in self.source.parameter_blocks("frames"))
             return ParameterKernel(kernel, (*self.parameters, *placements))
 
         def fixed(core: CoreModel) -> Any:
             return build(core, frames)
 
-        kernel = _once(cache, key, lambda: self._compiled(fixed, echoed, shapes))
+        kernel = _cached(cache, key, lambda: self._compiled(fixed, echoed, shapes))
         return ParameterKernel(kernel, self.parameters) if self.parameter_names else kernel
 
 
@@ -241,7 +241,7 @@ def placed(frames: Sequence[Frame], placements: Array) -> tuple[Frame, ...]:
     return tuple(replace(frame, placement=pose_of(T)) for frame, T in zip(frames, placements, strict=True))
 
 
-def _once(cache: dict[Any, Any], key: Any, make: Callable[[], Any]) -> Any:
+def _cached(cache: dict[Any, Any], key: Any, make: Callable[[], Any]) -> Any:
     value = cache.get(key)
     if value is None:
         with COMPILING:

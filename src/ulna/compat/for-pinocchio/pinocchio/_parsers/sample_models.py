@@ -73,7 +73,7 @@ def buildSampleModelHumanoidRandom(using_free_flyer: bool = True, mimic: bool = 
     """
     model = Model()
     root = _root(model, using_free_flyer, None)
-    _dress(model, root, "root")
+    _add_body(model, root, "root")
     kinds = (*"XYZ", *"YYX")
     for side in ("lleg", "rleg"):
         _random_chain(model, root, [f"{side}{k}" for k in range(1, 7)], kinds)
@@ -133,11 +133,11 @@ def _random_chain(model: Model, parent: int, names: list[str], axes: Any) -> int
         kind = getattr(joint_kinds, f"JointModelR{letter}")()
         parent = model.addJoint(parent, kind, SE3.Random(), f"{name}_joint", *_random_limits(kind))
         model.addJointFrame(parent, -1)
-        _dress(model, parent, name)
+        _add_body(model, parent, name)
     return parent
 
 
-def _dress(model: Model, joint: int, name: str) -> None:
+def _add_body(model: Model, joint: int, name: str) -> None:
     model.appendBodyToJoint(joint, Inertia.Random(), SE3.Random())
     model.addBodyFrame(f"{name}_body", joint, SE3())
 

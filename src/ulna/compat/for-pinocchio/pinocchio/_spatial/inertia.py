@@ -303,8 +303,8 @@ class Inertia:
         Returns:
             Whether they do.
         """
-        own, gap = self._p, self._p - other._p
-        return math.sqrt(gap @ gap) <= prec * max(1.0, math.sqrt(own @ own))
+        values, gap = self._p, self._p - other._p
+        return math.sqrt(gap @ gap) <= prec * max(1.0, math.sqrt(values @ values))
 
     def copy(self) -> Inertia:
         """A copy."""

@@ -165,5 +165,5 @@ def subtree_centers(evaluator: TableEvaluator, *state: Floats) -> Fields:
 
 def subtree_masses(evaluator: TableEvaluator) -> Floats:
     """The mass of what each joint moves, that of all first (njoints,)."""
-    own = evaluator.inertias[:, :1]
-    return np.concatenate([[own.sum()], evaluator.of_joints(evaluator.subtree_sums(own))[:, 0]])
+    masses = evaluator.inertias[:, :1]
+    return np.concatenate([[masses.sum()], evaluator.of_joints(evaluator.subtree_sums(masses))[:, 0]])

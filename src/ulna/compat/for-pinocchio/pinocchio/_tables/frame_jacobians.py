@@ -30,7 +30,7 @@ def frame_jacobian(
     out = evaluator.run(r.COLUMNS, q)
     J = evaluator.by_entries(out.J * evaluator.supports(joint)[:, None])
     T = _frame(evaluator, joint, placement)
-    return _seen_from(J, T, reference), evaluator.placements(), T
+    return _in_frame(J, T, reference), evaluator.placements(), T
 
 
 def frame_jacobian_rate(
@@ -55,17 +55,17 @@ def frame_jacobian_rate(
     if reference == "local":
         dJ[:3] -= _cross(turn, J[:3]) + _cross(linear, J[3:])
         dJ[3:] -= _cross(turn, J[3:])
-    seen = _seen_from(dJ, T, reference)
+    in_frame = _in_frame(dJ, T, reference)
     if reference == "local_world_aligned":
-        seen[:3] -= _cross(linear + np.cross(turn, T[:3, 3]), J[3:])
-    return seen
+        in_frame[:3] -= _cross(linear + np.cross(turn, T[:3, 3]), J[3:])
+    return in_frame
 
 
 def _frame(evaluator: TableEvaluator, joint: int, placement: Floats) -> Floats:
     return placement.copy() if joint == 0 else evaluator.placements()[joint - 1] @ placement
 
 
-def _seen_from(J: Floats, T: Floats, reference: Reference) -> Floats:
+def _in_frame(J: Floats, T: Floats, reference: Reference) -> Floats:
     """Columns in the world, moved to the origin of a frame at T, and turned into its axes for "local"."""
     if reference == "world":
         return J

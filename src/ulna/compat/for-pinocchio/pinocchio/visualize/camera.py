@@ -36,11 +36,11 @@ class CameraVisualizer(BaseVisualizer, abc.ABC):
 
     def setCameraTarget(self, target: Sequence[float]) -> None:
         """Has the camera look at a point [m]."""
-        self._look(target=_three(target))
+        self._look(target=_triple(target))
 
     def setCameraPosition(self, position: Sequence[float]) -> None:
         """Puts the camera at a point [m]."""
-        self._look(position=_three(position))
+        self._look(position=_triple(position))
 
     def setCameraZoom(self, zoom: float) -> None:
         """Makes things appear so many times as large as with the usual lens."""
@@ -53,7 +53,9 @@ class CameraVisualizer(BaseVisualizer, abc.ABC):
         M = np.asarray(getattr(pose, "homogeneous", pose), dtype=float)
         old = self._gui.viewer.camera
         away = float(np.linalg.norm(np.subtract(old.position, old.target)))
-        self._look(position=_three(M[:3, 3]), target=_three(M[:3, 3] - away * M[:3, 2]), up=_three(M[:3, 1]))
+        self._look(
+            position=_triple(M[:3, 3]), target=_triple(M[:3, 3] - away * M[:3, 2]), up=_triple(M[:3, 1])
+        )
 
     def setCameraPreset(self, preset_key: str) -> None:
         """Places the camera as one of the known ways: "preset1", "cam_ur", "talos", ..."""
@@ -94,6 +96,6 @@ class CameraVisualizer(BaseVisualizer, abc.ABC):
         viewer.theme = dataclasses.replace(viewer.theme, top=top8, horizon=low8)
 
 
-def _three(v: Any) -> tuple[float, float, float]:
+def _triple(v: Any) -> tuple[float, float, float]:
     x, y, z = (float(c) for c in v)
     return x, y, z

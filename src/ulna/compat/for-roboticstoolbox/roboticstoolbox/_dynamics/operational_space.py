@@ -200,9 +200,9 @@ class OperationalSpace(RobotMixin):
         hold = self.gravload(at).reshape(at.shape)
         J = np.asarray(self.jacob0(at) if frame == "base" else self.jacobe(at)).reshape(-1, 6, self.n)
         load = -np.squeeze(_turned(J) @ wrench[:, None], -1)
-        room = np.where(load > 0.0, high, low) - hold
+        margin = np.where(load > 0.0, high, low) - hold
         out = np.full(load.shape, np.inf)
-        np.divide(room, load, out=out, where=np.abs(load) > _NO_LOAD)
+        np.divide(margin, load, out=out, where=np.abs(load) > _NO_LOAD)
         out[(hold > high) | (hold < low)] = np.nan
         return out
 

@@ -35,7 +35,7 @@ class ETS(ChainSolvers, BaseETS):
         Returns:
             Pose (4, 4) or (m, 4, 4).
         """
-        T = self._compiled(tool).fk(_given(self, q))
+        T = self._compiled(tool).fk(_joint_coordinates(self, q))
         return matrix(base) @ T if base is not None and include_base else T
 
     def fkine(self, q: Any = None, base: Any = None, tool: Any = None, include_base: bool = True) -> Any:
@@ -192,7 +192,7 @@ class ETS2(BaseETS):
         Returns:
             Pose (3, 3) or (m, 3, 3).
         """
-        T = to_planar(self._compiled(None).fk(_given(self, q)))
+        T = to_planar(self._compiled(None).fk(_joint_coordinates(self, q)))
         T = T if tool is None else T @ matrix(tool, 3)
         return matrix(base, 3) @ T if base is not None and include_base else T
 
@@ -251,7 +251,7 @@ class ETS2(BaseETS):
         return solve(self._compiled(None), T, "LM", q0, ilimit, slimit, tol, six, joint_limits, k, seed=seed)
 
 
-def _given(chain: BaseETS, q: Any) -> Any:
+def _joint_coordinates(chain: BaseETS, q: Any) -> Any:
     """The joint coordinates that were passed; a chain without joints needs none.
 
     Raises:

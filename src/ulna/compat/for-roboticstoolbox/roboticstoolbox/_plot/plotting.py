@@ -190,11 +190,11 @@ def _check_with_scene(env: Any, **fixed: Any) -> None:
     Raises:
         InputError: One of them is given.
     """
-    given = [name for name, value in fixed.items() if value is not None]
-    if env is not None and given:
+    scene_options = [name for name, value in fixed.items() if value is not None]
+    if env is not None and scene_options:
         raise InputError(
-            f"plot was given env and {', '.join(given)}; what a scene is drawn in is chosen by the plot that makes it. "
-            "Pass them there."
+            f"plot was given env and {', '.join(scene_options)}; what a scene is drawn in is chosen by the plot that "
+            "makes it. Pass them there."
         )
 
 

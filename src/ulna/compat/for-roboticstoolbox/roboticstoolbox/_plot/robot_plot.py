@@ -57,8 +57,8 @@ class RobotPlot:
         colour = dict(options or {}).get("robot", {}).get("color")
         if colour is not None:
             self.looks["color"] = _rgb(colour)
-        given = {"jointaxes": jointaxes, "jointlabels": jointlabels, "name": name}
-        self.without_effect = [key for key, value in given.items() if value != _IGNORED[key]]
+        ignored = {"jointaxes": jointaxes, "jointlabels": jointlabels, "name": name}
+        self.without_effect = [key for key, value in ignored.items() if value != _IGNORED[key]]
         self.without_effect += [f"options[{key!r}]" for key in dict(options or {}) if key != "robot"]
         self.ellipsoids: tuple[str, ...] = ()
         self._q: Floats | None = None
