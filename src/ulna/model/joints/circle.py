@@ -182,7 +182,7 @@ class PlanarCircle(JointKind):
         turn = rng.uniform(-np.pi, np.pi, size)
         return np.concatenate([place, np.stack([np.cos(turn), np.sin(turn)], axis=-1)], axis=-1)
 
-    def _seen_from(self, q0: Array, q1: Array) -> Array:
+    def _relative_to(self, q0: Array, q1: Array) -> Array:
         """(x, y, angle) of `q1` as seen from `q0`."""
         dx, dy = q1[..., 0] - q0[..., 0], q1[..., 1] - q0[..., 1]
         c, s = q0[..., 2], q0[..., 3]
