@@ -74,7 +74,7 @@ def p_servo(
     if not (off if off.ndim == 0 else off.max(initial=0.0)) < _ROUGH:
         raise InputError(
             f"`T` or `T_goal` is no pose: R^T R or its last row is off by {np.max(off):.3g}. Look whether it is "
-            "transposed or scaled; SE3.project(matrix) gives the nearest pose."
+            "transposed or scaled; SE3.project(matrix) returns the nearest pose."
         )
     arrived = lack < threshold
     return twist, bool(arrived) if arrived.ndim == 0 else arrived

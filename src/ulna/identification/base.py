@@ -1,4 +1,4 @@
-"""Base parameters: the combinations of dynamic parameters that torques can tell apart.
+"""Base parameters: the combinations of dynamic parameters that torques distinguish.
 
 | symbol | meaning | shape |
 |---|---|---|

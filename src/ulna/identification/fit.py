@@ -10,7 +10,7 @@
 | p | what is found | (n) | least mean of (W p - y)^2 + ridge |(p - p0)/D|^2 |
 
 Source: Siciliano, section 7.3; for the weights Gautier, Dynamic identification of robots with power model (1997).
-Without ridge the parameters that the log does not tell apart stay as near to the prior as they can.
+Without ridge the parameters that the log does not distinguish stay as near to the prior as they can.
 """
 
 from __future__ import annotations

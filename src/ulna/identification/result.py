@@ -27,7 +27,7 @@ class Identification:
         damping: Viscous friction, (nv,) [N m s/rad, N s/m]; likewise.
         friction: Coulomb friction, (nv,) [N m, N]; likewise.
         physical: Whether the bodies are such as can exist.
-        base: What the log can tell apart of all that was sought.
+        base: What the log distinguishes of all that was sought.
         base_values: Those base parameters, (b,).
         base_deviations: Their standard deviations, if the residuals are independent noise, (b,).
         condition: Condition number of the base regressor, its columns made equally long: below 100 is good, and

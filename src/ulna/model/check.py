@@ -65,7 +65,7 @@ def checked_pose(what: str, pose: object, where: str = "") -> SE3:
         raise wrong(where, f"{subject} holds nan or inf; expected finite numbers.")
     if np.abs(r.T @ r - np.eye(3)).max() > 1e-6 or np.linalg.det(r) < 0.0:
         raise wrong(
-            where, f"{subject} does not turn by a rotation; SE3.project(matrix) gives the nearest one."
+            where, f"{subject} does not turn by a rotation; SE3.project(matrix) returns the nearest one."
         )
     return snap_pose(pose)
 

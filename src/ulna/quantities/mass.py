@@ -105,7 +105,7 @@ def _worst(model: Model) -> _Conditioning:
 
 @lru_cache(maxsize=32)
 def _by_pivots(model: Model) -> _Conditioning:
-    """The conditioning of a large model at a drawn configuration, as far as its pivots tell."""
+    """The conditioning of a large model at a drawn configuration, estimated from its pivots."""
     drawn = np.random.default_rng(0).uniform(-1.0, 1.0, model.nv)
     estimate = conditioning_by_pivots(model, algorithms.integrate(model, model.neutral, drawn))
     return _Conditioning(estimate, estimate, "")

@@ -27,7 +27,7 @@ _ROUNDING = 64.0 * np.finfo(float).eps
 
 
 def conditioning_by_pivots(model: Model, q: Floats) -> Conditioning:
-    """How well the mass matrix of a large model can be inverted, as far as its pivots tell.
+    """How well the mass matrix of a large model can be inverted, estimated from its pivots.
 
     Args:
         model: The robot. With mimic joints or ellipsoids nothing is found.

@@ -22,7 +22,7 @@ def judged_state(
     kernel: Kernel, larger: Tables, smaller: Tables, low: Array1[f64], high: Array1[f64], q: Array1[f64], work: Work,
     W: int,
 ) -> int:  # fmt: skip
-    """Whether anything touches in a configuration, as far as float32 can tell.
+    """Whether anything touches in a configuration, to the precision of float32.
 
     Args:
         kernel: From configurations to poses of the bodies, in lanes.

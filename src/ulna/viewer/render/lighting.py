@@ -25,7 +25,7 @@ _LIGHTS = (  # direction towards the light, colour, intensity
 )
 _SKY, _GROUND = np.array([0.36, 0.40, 0.44]), np.array([0.130, 0.150, 0.170])
 _ROUGHNESS, _REFLECTANCE = 0.5, 0.04
-_SELF_SHADOW = 0.55  # a robot half in its own shadow is hard to read; a studio has light from everywhere
+_SELF_SHADOW = 0.55  # a robot half in its own shadow is hard to read; lit from all sides
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,7 +237,7 @@ def _ggx(half: Array, facing: Array, falling: Array, turned: Array) -> Array:
 
 
 def _environment_reflection(normals: Array, towards_eye: Array, facing: Array) -> Array:
-    """The room as the coat mirrors it: a bright ceiling, two soft boxes, a dark floor."""
+    """The surroundings that the coat reflects: a bright ceiling, two soft boxes, a dark floor."""
     mirrored = 2 * facing[:, None] * normals - towards_eye
     x, y, z = mirrored.T
     radiance = 0.25 + 0.55 * _smoothstep(-0.3, 0.9, z)

@@ -11,7 +11,7 @@ from ulna.typing import Floats
 
 @final
 class Entry:
-    """A name and its configuration: what iterating over a `StdMap_String_VectorXd` gives."""
+    """A name and its configuration: what iterating over a `StdMap_String_VectorXd` yields."""
 
     __slots__ = ("_data", "_key")
 
@@ -36,7 +36,7 @@ class Entry:
 class StdMap_String_VectorXd(dict[str, Floats]):
     """Configurations by their names; `keys()`, `values()` and `items()` are those of a dictionary.
 
-    Iterating gives entries with `key()` and `data()`, as there, in the order of their names.
+    Iterating yields entries with `key()` and `data()`, as there, in the order of their names.
     """
 
     def __iter__(self) -> Iterator[Any]:

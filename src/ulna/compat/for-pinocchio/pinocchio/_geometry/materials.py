@@ -95,7 +95,7 @@ class PhysicsMaterial:
         self.materialType = PhysicsMaterialType(kind)
         """Of what it is."""
         self.compliance = float(compliance)
-        """How far it gives way to a force [m/N]."""
+        """Its compliance, how far a force presses it in [m/N]."""
         self.elasticity = float(elasticity)
         """How much of an impact's speed comes back, from 0 to 1."""
 

@@ -135,7 +135,7 @@ class Model(Saved, Supports, KinematicTree):
 
     @property
     def referenceConfigurations(self) -> StdMap_String_VectorXd:
-        """Named configurations; iterating gives entries with `key()` and `data()`."""
+        """Named configurations; iterating yields entries with `key()` and `data()`."""
         return self._configurations
 
     @referenceConfigurations.setter
