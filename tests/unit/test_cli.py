@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import ulna
-from ulna import cli
+from ulna import commands
 from ulna.cli import main
 from ulna.errors import InputError
 from ulna.viewer.robot.joint_sweep import joint_sweep
@@ -207,7 +207,7 @@ def test_ctrl_c_ends_quietly(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Cap
     def interrupt(_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "_list", interrupt)
+    monkeypatch.setattr(commands, "list_robots", interrupt)
     assert main(["list"]) == 130
     assert "Traceback" not in capsys.readouterr().err
 
@@ -223,7 +223,7 @@ def test_ctrl_c_ends_quietly(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Cap
     ],
 )
 def test_configurations_as_typed(words: list[str] | None, value: object) -> None:
-    assert cli._values(words) == value
+    assert commands._values(words) == value
 
 
 @pytest.mark.parametrize(
@@ -236,12 +236,12 @@ def test_configurations_as_typed(words: list[str] | None, value: object) -> None
     ],
 )
 def test_pictures_are_named_by_what_was_typed(name: str, picture: str) -> None:
-    assert cli._picture_of(name) == picture
+    assert commands._picture_of(name) == picture
 
 
 def test_configurations_mistyped() -> None:
     with pytest.raises(InputError, match="'b'"):
-        cli._values(["1", "b"])
+        commands._values(["1", "b"])
 
 
 def test_the_module_runs_and_a_closed_pipe_is_no_accident() -> None:

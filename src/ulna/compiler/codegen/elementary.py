@@ -9,14 +9,14 @@ rounding (Muller, Elementary Functions, 3rd ed.). Values at zeros, infinities an
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, nan, sqrt
-from typing import NamedTuple
+from math import inf
 
-from ulna.compiler.codegen import coefficients
+from ulna.compiler.codegen import coefficients, exponentials
 from ulna.compiler.codegen.arithmetic import COMPLETE, Arithmetic
+from ulna.compiler.codegen.exponentials import add_small
 from ulna.compiler.codegen.function_body import Body
-from ulna.compiler.codegen.ir_text import DType, IRFunction, Lanes, bits_of
-from ulna.compiler.codegen.sincos import ROUNDER, arc, by_double, reduced_function
+from ulna.compiler.codegen.ir_text import DType, IRFunction, Lanes
+from ulna.compiler.codegen.sincos import arc, by_double, reduced_function
 
 
 def elementary_ir(op: str, lanes: int, dtype: DType, arithmetic: Arithmetic = COMPLETE) -> IRFunction:
@@ -100,7 +100,7 @@ def _asin(body: Body, x: str) -> str:
     base = body.select(far, 2 * quarter[0], 0.0)
     t = body.select(far, body.mul(t, -2.0), t)
     p = body.select(far, body.fma(p, -2.0, 2 * quarter[1]), p)
-    return body.call("copysign", _sum(body, base, t, p), x)
+    return body.call("copysign", add_small(body, base, t, p), x)
 
 
 def _acos(body: Body, x: str) -> str:
@@ -111,7 +111,7 @@ def _acos(body: Body, x: str) -> str:
     eighths = body.select(far, body.select(negative, 4.0, 0.0), 2.0)
     factor = body.select(far, body.select(negative, -2.0, 2.0), body.select(negative, 1.0, -1.0))
     base = body.mul(eighths, quarter[0])
-    return _sum(body, base, body.mul(t, factor), body.fma(p, factor, body.mul(eighths, quarter[1])))
+    return add_small(body, base, body.mul(t, factor), body.fma(p, factor, body.mul(eighths, quarter[1])))
 
 
 def _atan2(body: Body, y: str, x: str) -> str:
@@ -152,169 +152,19 @@ def _atan2(body: Body, y: str, x: str) -> str:
     factor = body.select(turned, -1.0, 1.0)
     quarter = coefficients.QUARTER_PI[body.lanes.dtype]
     rest = body.fma(eighths, quarter[1], body.mul(p, factor))
-    angle = _sum(body, body.mul(eighths, quarter[0]), body.mul(t, factor), rest)
+    angle = add_small(body, body.mul(eighths, quarter[0]), body.mul(t, factor), rest)
     angle = body.call("copysign", angle, y)
     return body.select(body.compare("uno", x, y), body.add(x, y), angle)
-
-
-def _sum(body: Body, base: str, t: str, p: str) -> str:
-    """The sum base + t + p, where base is zero or larger than t, and p is small, with nearly one rounding."""
-    high = body.add(base, t)
-    low = body.add(body.sub(base, high), t)
-    return body.add(high, body.add(low, p))
-
-
-class _Reduced(NamedTuple):
-    """x = k ln 2 + r + missing, so that exp(x) = 2^k (1 + r + missing + z/2 + r z cubic), z = r^2."""
-
-    k: str
-    shifted: str
-    """k + ROUNDER, whose last bits are k."""
-    r: str
-    missing: str
-    """What the rounded r lacks."""
-    z: str
-    cubic: str
-
-
-def _reduced(body: Body, x: str, lowest: float, highest: float, polynomial: coefficients.Numbers) -> _Reduced:
-    """The reduction of the exponential; x is clipped to where it matters, NaN passes."""
-    dtype = body.lanes.dtype
-    ln2 = coefficients.LN2[dtype]
-    (log2e,) = coefficients.LOG2E[dtype]
-    bounded = body.select(body.compare("ogt", x, highest), highest, x)
-    bounded = body.select(body.compare("olt", x, lowest), lowest, bounded)
-    shifted = body.fma(bounded, log2e, ROUNDER[dtype])
-    k = body.sub(shifted, ROUNDER[dtype])
-    first = body.fma(k, -ln2[0], bounded)
-    r = body.fma(k, -ln2[1], first)
-    missing = body.fma(k, -ln2[1], body.sub(first, r))
-    z = body.mul(r, r)
-    return _Reduced(k, shifted, r, missing, z, body.polynomial(r, z, polynomial[dtype]))
-
-
-def _times_power(body: Body, value: str, x: _Reduced) -> str:
-    """2^k value in two factors, both normal: the last product rounds once, to a denormal or an infinity if need be."""
-    half_bits = body.to_bits(body.fma(x.k, 0.5, ROUNDER[body.lanes.dtype]))
-    rest_bits = body.integer_op("sub", body.to_bits(x.shifted), half_bits)
-    for exponent in (half_bits, rest_bits):
-        value = body.mul(value, _power_of_two(body, exponent))
-    return value
-
-
-def _power_of_two(body: Body, exponent: str) -> str:
-    """2^n, normal, of an integer n."""
-    bias, mantissa = (1023, 52) if body.lanes.dtype == "double" else (127, 23)
-    return body.from_bits(body.integer_op("shl", body.integer_op("add", exponent, bias), mantissa))
-
-
-def _exp(body: Body, x: str) -> str:
-    # Beyond these the result is infinite or zero.
-    lowest, highest = (-746.0, 710.0) if body.lanes.dtype == "double" else (-104.0, 89.0)
-    e = _reduced(body, x, lowest, highest, coefficients.EXP)
-    tail = body.fma(e.r, e.cubic, 0.5)
-    high = body.add(e.r, 1.0)
-    low = body.add(body.add(body.sub(1.0, high), e.r), e.missing)
-    return _times_power(body, body.add(high, body.fma(e.z, tail, low)), e)
-
-
-def _expm1(body: Body, x: str) -> str:
-    """2^k ((1 - 2^-k) + r + rest): the sum begins with its largest part, and nothing cancels that is not exact."""
-    dtype = body.lanes.dtype
-    # Below the lowest the result is -1; 2^-k counts up to the precision of 1 only.
-    lowest, highest, most = (-40.0, 710.0, 60.0) if dtype == "double" else (-20.0, 89.0, 30.0)
-    e = _reduced(body, x, lowest, highest, coefficients.EXPM1)
-    counted = body.select(body.compare("ogt", e.k, most), most, e.k)
-    minus_inverse = body.neg(_power_of_two(body, body.to_bits(body.sub(ROUNDER[dtype], counted))))
-    above = body.compare("ogt", e.k, 0.0)
-    large, small = body.select(above, 1.0, minus_inverse), body.select(above, minus_inverse, 1.0)
-    base = body.add(large, small)
-    base_missing = body.add(body.sub(large, base), small)
-    z_missing = body.cancelling_fma(e.r, e.r, body.neg(e.z))
-    rest = body.fma(body.mul(e.r, e.z), e.cubic, body.fma(e.missing, e.r, e.missing))
-    rest = body.add(body.fma(z_missing, 0.5, rest), base_missing)
-    first = body.add(base, e.r)
-    rest = body.add(body.add(body.sub(base, first), e.r), rest)
-    value = _times_power(body, _sum(body, first, body.mul(e.z, 0.5), rest), e)
-    return body.call("copysign", value, x)
-
-
-class _Split(NamedTuple):
-    """value = 2^k (1 + f), 1 + f from sqrt(1/2) to sqrt(2)."""
-
-    biased: str
-    """k + 1023, or k + 127, an integer."""
-    k: str
-    f: str
-
-
-def _split(body: Body, value: str, lifted: str | None = None, lift: int = 0) -> _Split:
-    """The exponent and mantissa of a positive normal number, which is 2^lift times too large where `lifted`."""
-    dtype = body.lanes.dtype
-    bias, mantissa = (1023, 52) if dtype == "double" else (127, 23)
-    bits, one = body.to_bits(value), bits_of(1.0, dtype)
-    biased = body.integer_op("lshr", body.integer_op("add", bits, one - bits_of(sqrt(0.5), dtype)), mantissa)
-    m_bits = body.integer_op("sub", bits, body.integer_op("shl", biased, mantissa))
-    m_bits = body.integer_op("add", m_bits, one)
-    integer = 2.0**mantissa  # its last bit counts ones
-    k_shifted = body.from_bits(body.integer_op("or", biased, bits_of(integer, dtype)))
-    excess = integer + bias if lifted is None else body.select(lifted, integer + bias + lift, integer + bias)
-    k = body.sub(k_shifted, excess)
-    return _Split(biased, k, body.sub(body.from_bits(m_bits), 1.0))
-
-
-def _log_of(body: Body, x: _Split, low: str | None = None) -> str:
-    """log(2^k (1 + f)) + low: log(1 + f) = f - f^2/2 + s (f^2/2 + z L(z)), s = f/(2 + f), z = s^2."""
-    ln2, f = coefficients.LN2[body.lanes.dtype], x.f
-    s = body.div(f, body.add(f, 2.0))
-    z = body.mul(s, s)
-    half = body.mul(f, 0.5)
-    inner = body.mul(z, body.polynomial(z, body.mul(z, z), coefficients.LOG[body.lanes.dtype]))
-    inner = body.fma(s, body.fma(half, f, inner), body.mul(x.k, ln2[1]))
-    if low is not None:
-        inner = body.add(inner, low)
-    rest = body.fma(body.neg(half), f, inner)
-    return _sum(body, body.mul(x.k, ln2[0]), f, rest)
-
-
-def _log(body: Body, x: str) -> str:
-    lift, least = (54, 2.0**-1022) if body.lanes.dtype == "double" else (25, 2.0**-126)
-    positive = body.compare("ogt", x, 0.0)
-    value = body.select(positive, x, 1.0)
-    tiny = body.compare("olt", value, least)
-    value = body.select(tiny, body.mul(value, 2.0**lift), value)
-    result = _log_of(body, _split(body, value, tiny, lift))
-    result = body.select(body.compare("oeq", x, inf), inf, result)
-    return body.select(positive, result, body.select(body.compare("oeq", x, 0.0), -inf, nan))
-
-
-def _log1p(body: Body, x: str) -> str:
-    """The logarithm of the rounded 1 + x, and what the rounding left out, over it."""
-    bias, mantissa = (1023, 52) if body.lanes.dtype == "double" else (127, 23)
-    total = body.add(x, 1.0)
-    positive = body.compare("ogt", total, 0.0)
-    large = body.compare("ogt", x, 2.0**mantissa * 4.0)  # where 1 does not count
-    value = body.select(positive, total, 1.0)
-    # The sum of the larger of 1 and x and the smaller one is exact with this.
-    above = body.compare("ogt", x, 1.0)
-    left_out = body.sub(body.select(above, 1.0, x), body.sub(total, body.select(above, x, 1.0)))
-    split = _split(body, value)
-    inverse = body.from_bits(body.integer_op("shl", body.integer_op("sub", 2 * bias, split.biased), mantissa))
-    low = body.div(body.mul(left_out, inverse), body.add(split.f, 1.0))
-    result = _log_of(body, split, body.select(large, 0.0, low))
-    result = body.call("copysign", result, x)
-    result = body.select(body.compare("oeq", x, inf), inf, result)
-    return body.select(positive, result, body.select(body.compare("oeq", x, -1.0), -inf, nan))
 
 
 _WRITERS: dict[str, tuple[Callable[..., str], tuple[str, ...]]] = {
     "asin": (_asin, ("%x",)),
     "acos": (_acos, ("%x",)),
     "atan2": (_atan2, ("%y", "%x")),
-    "exp": (_exp, ("%x",)),
-    "log": (_log, ("%x",)),
-    "expm1": (_expm1, ("%x",)),
-    "log1p": (_log1p, ("%x",)),
+    "exp": (exponentials.exp, ("%x",)),
+    "log": (exponentials.log, ("%x",)),
+    "expm1": (exponentials.expm1, ("%x",)),
+    "log1p": (exponentials.log1p, ("%x",)),
 }
 
 OPERATIONS = ("tan", *_WRITERS)

@@ -175,33 +175,54 @@ def _forward(g: Graph, tangents: dict[int, int], outputs: Sequence[int]) -> list
     return [index_in(g, d.get(o, 0.0)) for o in outputs]
 
 
-def _reverse(g: Graph, seeds: Sequence[tuple[int, int]], inputs: Sequence[int]) -> list[int]:
-    """Cotangents of `inputs` where output y has cotangent `seed`.
+class _Cotangents:
+    """The cotangents of nodes, summed as they arrive.
 
-    A cotangent that came through one side of a `where` carries the condition and is set to zero only where it meets
-    others: multiplied as zero by the partials of the side not taken it could become nan, which are inf or nan there.
+    One that came through one side of a `where` carries the condition and is set to zero only where it meets others:
+    multiplied as zero by the partials of the side not taken it could become nan, which are inf or nan there.
     """
-    bar: dict[int, tuple[Any, Condition | None]] = {}
 
-    def held(value: Any, condition: Condition | None) -> Any:
-        return value if condition is None else condition._where_(value, 0.0)
+    def __init__(self, g: Graph) -> None:
+        self._graph = g
+        self._of: dict[int, tuple[Any, Condition | None]] = {}
 
-    def accumulate(index: int, value: Any, condition: Condition | None) -> None:
-        if index not in bar:
-            bar[index] = value, condition
+    def __contains__(self, index: int) -> bool:
+        return index in self._of
+
+    def __getitem__(self, index: int) -> tuple[Any, Condition | None]:
+        return self._of[index]
+
+    def add(self, index: int, value: Any, condition: Condition | None) -> None:
+        """Adds `value`, which counts only where `condition`."""
+        if index not in self._of:
+            self._of[index] = value, condition
             return
-        other, its_condition = bar[index]
+        other, its_condition = self._of[index]
         if _same(condition, its_condition):
-            bar[index] = other + value, condition
+            self._of[index] = other + value, condition
             return
         either = None if condition is None or its_condition is None else its_condition | condition
-        if either is not None and g.op[either.index] == Op.BOOL:  # c or not c
+        if either is not None and self._graph.op[either.index] == Op.BOOL:  # c or not c
             either = None
-        bar[index] = held(other, its_condition) + held(value, condition), either
+        self._of[index] = _where(its_condition, other) + _where(condition, value), either
 
-    order = g.live([y for y, _ in seeds])
+    def total(self, index: int) -> int:
+        """The node of the sum, zero where nothing arrived."""
+        if index not in self._of:
+            return index_in(self._graph, 0.0)
+        value, condition = self._of[index]
+        return index_in(self._graph, _where(condition, value))
+
+
+def _where(condition: Condition | None, value: Any) -> Any:
+    return value if condition is None else condition._where_(value, 0.0)
+
+
+def _reverse(g: Graph, seeds: Sequence[tuple[int, int]], inputs: Sequence[int]) -> list[int]:
+    """Cotangents of `inputs` where output y has cotangent `seed`."""
+    order, bars = g.live([y for y, _ in seeds]), _Cotangents(g)
     for y, seed in seeds:
-        accumulate(y, Scalar(g, seed), None)
+        bars.add(y, Scalar(g, seed), None)
     reached = set(inputs)
     for index in order:  # only nodes that depend on the inputs carry a cotangent
         if any(a in reached for a in g.args[index]):
@@ -210,33 +231,38 @@ def _reverse(g: Graph, seeds: Sequence[tuple[int, int]], inputs: Sequence[int]) 
     for index in reversed(order):
         if index in ends:
             for a, item in reverse_loop(g, index, ends[index], reached, _reverse):
-                accumulate(a, Scalar(g, item), None)
-        if index not in bar or index not in reached or g.op[index] == Op.INPUT:
+                bars.add(a, Scalar(g, item), None)
+        if index not in bars or index not in reached or g.op[index] == Op.INPUT:
             continue
-        value, condition = bar[index]
         if g.op[index] == Op.ITEM:
-            ends.setdefault(g.args[index][0], {})[g.data[index]] = index_in(g, held(value, condition))
-            continue
-        if g.op[index] == Op.SELECT:
-            c, a, b = g.args[index]
-            here = Condition(g, c)
-            for x, side in ((a, here), (b, ~here)):
-                if x in reached:
-                    accumulate(x, value, side if condition is None else condition & side)
-            continue
-        if g.op[index] == Op.DIV and g.args[index][1] in reached:  # one division for both sides
-            a, b = g.args[index]
-            share = value / Scalar(g, b)
-            if a in reached:
-                accumulate(a, share, condition)
-            accumulate(b, -(share * Scalar(g, index)), condition)
-            continue
-        for position, a in enumerate(g.args[index]):
-            if a in reached:
-                partial = _partial(g, index, position)
-                if partial is not None:
-                    accumulate(a, value * partial, condition)
-    return [index_in(g, held(*bar[x]) if x in bar else 0.0) for x in inputs]
+            ends.setdefault(g.args[index][0], {})[g.data[index]] = bars.total(index)
+        else:
+            _add_to_arguments(g, index, bars, reached)
+    return [bars.total(x) for x in inputs]
+
+
+def _add_to_arguments(g: Graph, index: int, bars: _Cotangents, reached: set[int]) -> None:
+    """Adds the cotangent of a node, times its partial derivatives, to those of its arguments."""
+    value, condition = bars[index]
+    if g.op[index] == Op.SELECT:
+        c, a, b = g.args[index]
+        here = Condition(g, c)
+        for x, side in ((a, here), (b, ~here)):
+            if x in reached:
+                bars.add(x, value, side if condition is None else condition & side)
+        return
+    if g.op[index] == Op.DIV and g.args[index][1] in reached:  # one division for both sides
+        a, b = g.args[index]
+        share = value / Scalar(g, b)
+        if a in reached:
+            bars.add(a, share, condition)
+        bars.add(b, -(share * Scalar(g, index)), condition)
+        return
+    for position, a in enumerate(g.args[index]):
+        if a in reached:
+            partial = _partial(g, index, position)
+            if partial is not None:
+                bars.add(a, value * partial, condition)
 
 
 def _same(a: Condition | None, b: Condition | None) -> bool:

@@ -14,7 +14,7 @@ _MESSAGES = (
     (r"casadi|cppad|.*[Cc]asadi.*",
      "Ulna differentiates and compiles functions itself: ulna.compile(f, robot).jacobian()."),
     (r".*Sdf.*|WITH_SDF.*", "SDF files are not read; convert them to URDF."),
-    (r".*MJCF.*", "buildModelFromMJCF(file, root_joint, name) returns the model and the closed loops that the file has."),
+    (r".*MJCF.*", "buildModelFromMJCF(file, root_joint, name) returns the model and the closed loops of the file."),
     (r"AUTOMATIC|MANUAL|CONSTANT|LINEAR|OSQP|SPECTRAL", "They are members of ADMMUpdateRule and ADMMProximalRule."),
     (r"(Panda3d|RViz)Visualizer", "Use MeshcatVisualizer or GepettoVisualizer: both draw into Ulna's viewer."),
     (r"numpy|inspect|sys", "It is no part of Pinocchio; import it itself."),
