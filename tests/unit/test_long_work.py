@@ -6,6 +6,8 @@ import io
 import signal
 import subprocess
 import sys
+import threading
+import types
 from collections.abc import Iterator
 
 import numpy as np
@@ -160,11 +162,43 @@ def test_it_is_printed_where_somebody_reads_it(monkeypatch: pytest.MonkeyPatch) 
     for place, printed in (("ipykernel.iostream", True), ("io", False)):
         monkeypatch.setattr(Cell, "__module__", place)
         monkeypatch.setattr(sys, "stderr", Cell())
-        assert module._terminal() is printed
-        assert module._stream() is (sys.stdout if printed else sys.stderr)
+        assert module._notebook() is printed
+        assert not module._terminal()
     monkeypatch.setattr(Cell, "__module__", "ipykernel.iostream")
     monkeypatch.setenv("ULNA_QUIET", "1")
-    assert not module._terminal()
+    assert not module._notebook()
+
+
+def test_it_leaves_an_empty_output_below_a_cell(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown: list[str] = []
+
+    class Handle:
+        def update(self, data: dict[str, str], *, raw: bool) -> None:
+            shown.append(data["text/plain"])
+
+    def display(data: dict[str, str], *, raw: bool, display_id: bool) -> Handle:
+        shown.append(data["text/plain"])
+        return Handle()
+
+    monkeypatch.setitem(sys.modules, "IPython", types.ModuleType("IPython"))
+    monkeypatch.setitem(sys.modules, "IPython.display", types.SimpleNamespace(display=display))
+    monkeypatch.setattr(module, "_notebook", lambda: True)
+    monkeypatch.setattr(module, "_DELAY", 0.0)
+    monkeypatch.setattr(module, "_INTERVAL", 0.0)
+    reached = threading.Event()
+
+    def listen(what: str, how_far: str) -> None:
+        if how_far == "2 of 3":
+            reached.set()
+
+    module.watch(listen)
+    try:
+        with module.progress("Loading") as report:
+            report(2, 3)
+            assert reached.wait(120.0)
+    finally:
+        module.unwatch(listen)
+    assert shown[-2:] == ["Loading: 2 of 3", ""]
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ Source: Wensing, Kim & Slotine, Linear matrix inequalities for physically consis
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -78,13 +79,24 @@ def _link(link: Link, points: Floats | None) -> Iterator[Finding]:
             "warning",
             "mass-without-inertia",
             name,
-            f"it has a mass of {mass:g} kg and no rotational inertia: a point",
+            _with_box(f"it has a mass of {mass:g} kg and no rotational inertia: a point", mass, points),
             "Give it the inertia of its shape; ulna.Inertia.from_box and the like compute it.",
         )
         return
-    yield from _moments(name, a, b, c, shown)
+    for finding in _moments(name, a, b, c, shown):
+        yield replace(finding, message=_with_box(finding.message, mass, points))
     if points is not None and len(points):
         yield from _size(name, mass, c, np.asarray(link.inertia.com, dtype=float), points)
+
+
+def _with_box(message: str, mass: float, points: Floats | None) -> str:
+    """The message with numbers to begin with: the inertia of a solid box as large as the link's geometry."""
+    if points is None or not len(points):
+        return message
+    edges = np.ptp(points, axis=0)
+    x, y, z = mass / 12.0 * (edges @ edges - edges**2)
+    size = " x ".join(f"{edge:.3g}" for edge in edges)
+    return f'{message}. A solid box of its mass and size, {size} m, has ixx="{x:.3g}" iyy="{y:.3g}" izz="{z:.3g}"'
 
 
 def _moments(name: str, a: float, b: float, c: float, shown: str) -> Iterator[Finding]:
@@ -102,7 +114,8 @@ def _moments(name: str, a: float, b: float, c: float, shown: str) -> Iterator[Fi
             "triangle-inequality",
             name,
             f"its inertia violates the triangle inequality: {shown}, and {c:.4g} > {a:.4g} + {b:.4g}",
-            "No distribution of mass has it; ulna info FILE --repair NEW.urdf writes the nearest possible one.",
+            "No distribution of mass has it; ulna info FILE --repair NEW.urdf writes the nearest possible one, and that of its shapes "
+            "with --from-shapes LINK.",
         )
 
 
@@ -126,8 +139,12 @@ def _size(name: str, mass: float, moment: float, com: Floats, points: Floats) ->
             "warning",
             "inertia-large",
             name,
-            f"its largest moment of inertia, {moment:.3g} kg m^2, is {moment / most:.3g} times m R^2, the most that "
-            f"{mass:.3g} kg within {radius:.3g} m can have",
+            _with_box(
+                f"its largest moment of inertia, {moment:.3g} kg m^2, is {moment / most:.3g} times m R^2, the most "
+                f"that {mass:.3g} kg within {radius:.3g} m can have",
+                mass,
+                points,
+            ),
             "Look at the units: kg m^2, not kg mm^2 or g cm^2.",
         )
     elif moment < _SMALL * most:

@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TextIO, final
+from typing import Any, final
 
 from ulna.system import forks
 
@@ -63,6 +63,7 @@ class _Task:
     def __init__(self, what: str) -> None:
         self._what, self._count = what, ""
         self._shown = self._finished = False
+        self._output: Any = None  # the line below a notebook's cell
         self._reported_at = 0.0
         self._lock, self._output_lock = forks.lock(), forks.lock()
         self._report_pending = True  # whether a word is on its way
@@ -87,8 +88,10 @@ class _Task:
         with self._output_lock:
             if not self._shown:
                 return
-            if _terminal():
-                print(f"\r{' ' * (len(self._what) + 24)}\r", end="", file=_stream(), flush=True)
+            if self._output is not None:
+                self._output.update({"text/plain": ""}, raw=True)
+            elif _terminal():
+                print(f"\r{' ' * (len(self._what) + 24)}\r", end="", file=sys.stderr, flush=True)
             for watcher in tuple(_watchers):
                 watcher(self._what, "")
 
@@ -98,6 +101,15 @@ class _Task:
         timer.start()
         return timer
 
+    def _display(self, text: str) -> None:
+        """Shows the text below the cell, in an output of its own: what is printed would stay in the saved notebook."""
+        from IPython.display import display  # pyright: ignore[reportMissingImports]
+
+        if self._output is None:
+            self._output = display({"text/plain": text}, raw=True, display_id=True)
+        else:
+            self._output.update({"text/plain": text}, raw=True)
+
     def _report_now(self) -> None:
         with self._output_lock:
             with self._lock:
@@ -105,19 +117,23 @@ class _Task:
                     return
                 self._report_pending, self._shown = False, True
                 self._reported_at, count = time.monotonic(), self._count or "..."
-            if _terminal():
-                print(f"\r{self._what}: {count} ", end="", file=_stream(), flush=True)
+            if _notebook():
+                self._display(f"{self._what}: {count}")
+            elif _terminal():
+                print(f"\r{self._what}: {count} ", end="", file=sys.stderr, flush=True)
             for watcher in tuple(_watchers):
                 watcher(self._what, count)
 
 
-def _stream() -> TextIO:
-    """Where progress is printed: a notebook draws its error stream in red, so there it is the other one."""
-    return sys.stdout if type(sys.stderr).__module__.startswith("ipykernel") else sys.stderr
-
-
 def _terminal() -> bool:
-    """Whether what is printed on the error stream is seen as it comes: in a terminal or below a notebook's cell."""
-    if os.environ.get("ULNA_QUIET", "0") not in ("", "0") or sys.stderr is None:
-        return False
-    return sys.stderr.isatty() or type(sys.stderr).__module__.startswith("ipykernel")
+    """Whether what is printed on the error stream is seen as it comes."""
+    return not _quiet() and sys.stderr is not None and sys.stderr.isatty()
+
+
+def _notebook() -> bool:
+    """Whether the task runs in a cell of a notebook."""
+    return not _quiet() and type(sys.stderr).__module__.startswith("ipykernel")
+
+
+def _quiet() -> bool:
+    return os.environ.get("ULNA_QUIET", "0") not in ("", "0")

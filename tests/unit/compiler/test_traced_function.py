@@ -27,6 +27,7 @@ NUMBER = r"A traced value has no number yet.*Use np\.sin and the like"
         (lambda x: not x, TRUTH),
         (lambda x: max(x, 1.0), TRUTH),
         (lambda x: np.minimum(x, 1.0), TRUTH),
+        (lambda x: np.sign(x), TRUTH),
         (lambda x: np.clip(np.array([x]), 0.0, 1.0), TRUTH),
         (lambda x: np.array([x, x]) < 1.0, TRUTH),
         (lambda x: x in [1.0, 2.0], TRUTH),

@@ -41,7 +41,7 @@ class Value:
 
     def __bool__(self) -> NoReturn:
         raise TraceError(
-            "A traced value has no truth: `if`, `and`, `or`, `min()`, `max()`, np.minimum and np.clip cannot "
+            "A traced value has no truth: `if`, `and`, `or`, `min()`, `max()`, np.minimum, np.sign and np.clip cannot "
             "branch on it, and `<` cannot compare an array of them. Use ulna.numeric.where, minimum, maximum, clip, "
             "and less for arrays; combine conditions with & | ~."
         )
