@@ -8,6 +8,7 @@ from typing import Any
 
 from docutils import nodes
 from docutils.utils.math import latex2mathml, unichar2tex
+from sphinx.util.inspect import TypeAliasForwardRef
 
 # The staged copy of this file lies in out/docs/source.
 sys.path.insert(
@@ -40,6 +41,8 @@ autodoc_typehints = "signature"
 autodoc_class_signature = "mixed"
 autodoc_preserve_defaults = True
 autodoc_inherit_docstrings = True
+# Arrays are named as in the sources: what NumPy's ArrayLike stands for takes four lines.
+autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike", "Floats", "Integers", "Numbers")}
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_rtype = False
@@ -82,6 +85,8 @@ def setup(app: Any) -> dict[str, bool]:
         inline_renderers=(lambda self, node: _formula(self, node, as_block=False), None),
         block_renderers=(lambda self, node: _formula(self, node, as_block=True), None),
     )
+    TypeAliasForwardRef.__repr__ = lambda self: self.name  # as within Mapping[str, Floats]
+    app.connect("autodoc-process-signature", docstrings.name_arrays)
     app.connect("autodoc-process-docstring", docstrings.process, priority=100)
     app.connect("autodoc-process-docstring", docstrings.keep_attributes, priority=900)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -69,3 +69,25 @@ def keep_attributes(app: Any, what: str, name: str, obj: Any, options: Any, line
     """
     if name in _ATTRIBUTES:
         lines[:] = [*_ATTRIBUTES.pop(name), ""]
+
+
+_NUMPY = r"~?numpy\._typing\.[\w.]*"
+_ARRAY_LIKE = re.compile(rf"{_NUMPY}_Buffer \| .*?{_NUMPY}_NestedSequence\[complex \| bytes \| str\]")
+"""What NumPy's ArrayLike stands for, as Sphinx writes it."""
+
+
+def name_arrays(
+    app: Any, what: str, name: str, obj: Any, options: Any, signature: str | None, returns: str | None
+) -> tuple[str | None, str | None]:
+    """Sphinx's hook for signatures: arrays by their names where an annotation is no text and was evaluated.
+
+    Args:
+        app, what, name, obj, options: What Sphinx passes; not used.
+        signature: The arguments.
+        returns: The annotation of the result.
+
+    Returns:
+        Both with shorter names.
+    """
+    named = [text and _ARRAY_LIKE.sub("ArrayLike", text) for text in (signature, returns)]
+    return named[0], named[1]

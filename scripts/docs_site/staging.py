@@ -200,8 +200,9 @@ class _Staged:
 
 
 def _printed(text: str) -> str:
-    """What a block printed, as a block of text below it."""
-    return f"\n\n````{{code-block}} text\n:class: output\n\n{text.rstrip()}\n````\n"
+    """What a block printed, as a block of text below it; tables drawn with lines are not wrapped."""
+    kind = "output drawn" if "│" in text else "output"
+    return f"\n\n````{{code-block}} text\n:class: {kind}\n\n{text.rstrip()}\n````\n"
 
 
 def _with_new_pages(guides: str) -> str:
