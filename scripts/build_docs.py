@@ -2,7 +2,7 @@
 
 Run: python scripts/build_docs.py [--only PAGE ...] [--keep] [--open]
 
-`--only tutorials/legs.md` runs the code of these pages alone; the others appear without outputs and pictures.
+`--only tutorials/legs.md` runs the code of these pages alone; others are as in the last build, or without outputs.
 `--keep` uses the outputs of the last build for pages that did not change. The site is in out/docs/html.
 """
 

@@ -31,14 +31,15 @@ def stage(
     Args:
         pages: The pages.
         folder: The folder of the staged pages; what is there is removed.
-        only: Pages whose code runs; all when not given.
+        only: Pages whose code runs, also where they did not change; all when not given. Other pages have the outputs of
+            the last build, where they did not change since.
         keep: Whether outputs of unchanged pages are taken from the last build.
 
     Returns:
         What went wrong: blocks that failed, pictures that no block made.
     """
     results = folder.parent / "results"
-    if not keep:
+    if only is None and not keep:
         shutil.rmtree(results, ignore_errors=True)
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(DOCS / "_static", folder / "_static")
@@ -50,7 +51,9 @@ def stage(
         made = results / name.with_suffix("")
         try:
             runs = only is None or page in only
-            outputs = _outputs(page, made) if runs else []
+            if only is not None and runs:
+                shutil.rmtree(made, ignore_errors=True)
+            outputs = _outputs(page, made) if runs else _kept(page, made) or []
         except execution.PageError as error:
             problems.append(str(error))
             continue
@@ -65,18 +68,28 @@ def stage(
 
 def _outputs(page: Path, made: Path) -> list[execution.Output]:
     """Runs a page, or takes what was kept of it."""
-    text = page.read_text(encoding="utf-8")
-    record = made / ".outputs.json"
-    key = hashlib.sha256(text.encode()).hexdigest()
-    if record.exists() and (kept := json.loads(record.read_text()))["key"] == key:
-        return [execution.Output(text, tuple(files)) for text, files in kept["outputs"]]
+    if (kept := _kept(page, made)) is not None:
+        return kept
     shutil.rmtree(made, ignore_errors=True)
-    if not blocks(text):
+    if not blocks(page.read_text(encoding="utf-8")):
         return []
     outputs, seconds = execution.run_timed(page, made)
     print(f"{seconds:6.1f} s  {page.relative_to(ROOT)}", flush=True)
-    record.write_text(json.dumps({"key": key, "outputs": [(o.text, o.files) for o in outputs]}))
+    content = {"key": _key(page), "outputs": [(o.text, o.files) for o in outputs]}
+    (made / ".outputs.json").write_text(json.dumps(content))
     return outputs
+
+
+def _kept(page: Path, made: Path) -> list[execution.Output] | None:
+    """What the page did in the last build; None where it did not run then or was changed since."""
+    record = made / ".outputs.json"
+    if not record.exists() or (kept := json.loads(record.read_text()))["key"] != _key(page):
+        return None
+    return [execution.Output(text, tuple(files)) for text, files in kept["outputs"]]
+
+
+def _key(page: Path) -> str:
+    return hashlib.sha256(page.read_bytes()).hexdigest()
 
 
 class _Staged:

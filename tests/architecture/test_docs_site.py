@@ -8,13 +8,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import ulna
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from docs_site import built, execution, pages, reference  # noqa: E402
+from docs_site import built, docstrings, execution, pages, reference, staging  # noqa: E402
 
 PAGE = """# A page
 
@@ -104,6 +105,36 @@ def test_the_built_site_is_examined(tmp_path: Path) -> None:
         "a.html: loads https://example.org/x.js from elsewhere; the site must work offline",
         "a.html: no.png leads nowhere",
     ]
+
+
+def test_pictures_of_pages_that_did_not_run_may_be_missing(tmp_path: Path) -> None:
+    (tmp_path / "a.html").write_text('<img src="_made/b/c.png"><a href="d.html">d</a>')
+    assert len(built.problems(tmp_path)) == 2
+    assert built.problems(tmp_path, missing_pictures=True) == ["a.html: d.html leads nowhere"]
+
+
+def test_outputs_of_unchanged_pages_are_kept(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(staging, "ROOT", tmp_path)
+    made = tmp_path / "made"
+    assert staging._kept(page, made) is None
+    outputs = staging._outputs(page, made)
+    assert staging._kept(page, made) == outputs
+    page.write_text(PAGE.replace("x = 2", "x = 3"))
+    assert staging._kept(page, made) is None
+
+
+def test_signatures_name_arrays() -> None:
+    inspect = pytest.importorskip("sphinx.util.typing")
+    like = inspect.stringify_annotation(np.typing.ArrayLike, "smart")
+    found = docstrings.name_arrays(None, "", "", None, None, f"(q: {like} | None = None, n: int = 1)", None)
+    assert found == ("(q: ArrayLike | None = None, n: int = 1)", None)
+
+
+def test_tables_drawn_with_lines_are_not_wrapped() -> None:
+    assert ":class: output drawn\n" in staging._printed("│ a │")
+    assert ":class: output\n" in staging._printed("a")
 
 
 def test_the_reference_has_every_public_package() -> None:
