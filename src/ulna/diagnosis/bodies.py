@@ -114,8 +114,8 @@ def _moments(name: str, a: float, b: float, c: float, shown: str) -> Iterator[Fi
             "triangle-inequality",
             name,
             f"its inertia violates the triangle inequality: {shown}, and {c:.4g} > {a:.4g} + {b:.4g}",
-            "No distribution of mass has it; ulna info FILE --repair NEW.urdf writes the nearest possible one, and with "
-            "--from-shapes LINK that of its shapes.",
+            "No distribution of mass has it; ulna info FILE --repair NEW.urdf writes the nearest possible one, "
+            "and with --from-shapes LINK that of its shapes.",
         )
 
 
