@@ -65,7 +65,7 @@ html_math_renderer = "mathml"
 html_theme_options = {"navigation_with_keys": True, "top_of_page_buttons": []}
 copybutton_exclude = ".linenos, .gp, .go"
 copybutton_selector = "div:not(.output) > div.highlight > pre"
-pygments_style = "friendly"
+pygments_style = "a11y-light"  # a contrast of 4.5 or more, comments too; comes with Furo
 pygments_dark_style = "github-dark"
 
 

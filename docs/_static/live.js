@@ -9,3 +9,9 @@ document.addEventListener("click", (event) => {
   frame.src = link.href;
   link.replaceWith(frame);
 });
+
+// A click on a drawing shows it alone, as large as the window allows.
+document.addEventListener("click", (event) => {
+  const drawing = event.target.closest('article img[src$=".svg"]');
+  if (drawing && !drawing.closest("a")) window.open(drawing.src, "_blank");
+});
