@@ -12,7 +12,15 @@ from ulna.compiler.codegen.sincos import ROUNDER
 
 
 def add_small(body: Body, base: str, t: str, p: str) -> str:
-    """The sum base + t + p, where base is zero or larger than t, and p is small, with nearly one rounding."""
+    """The sum base + t + p, where base is zero or larger than t, and p is small, with nearly one rounding.
+
+    Args:
+        body: The body of a function in which the instructions are written.
+        base, t, p: The names of the terms in it.
+
+    Returns:
+        The name of the result.
+    """
     high = body.add(base, t)
     low = body.add(body.sub(base, high), t)
     return body.add(high, body.add(low, p))
@@ -63,7 +71,15 @@ def _power_of_two(body: Body, exponent: str) -> str:
 
 
 def exp(body: Body, x: str) -> str:
-    """The exponential of x."""
+    """The exponential of x.
+
+    Args:
+        body: The body of a function in which the instructions are written.
+        x: The name of the argument in it.
+
+    Returns:
+        The name of the result.
+    """
     # Beyond these the result is infinite or zero.
     lowest, highest = (-746.0, 710.0) if body.lanes.dtype == "double" else (-104.0, 89.0)
     e = _reduced(body, x, lowest, highest, coefficients.EXP)
@@ -74,7 +90,15 @@ def exp(body: Body, x: str) -> str:
 
 
 def expm1(body: Body, x: str) -> str:
-    """2^k ((1 - 2^-k) + r + rest): the sum begins with its largest part, and nothing cancels that is not exact."""
+    """2^k ((1 - 2^-k) + r + rest): the sum begins with its largest part, and nothing cancels that is not exact.
+
+    Args:
+        body: The body of a function in which the instructions are written.
+        x: The name of the argument in it.
+
+    Returns:
+        The name of the result.
+    """
     dtype = body.lanes.dtype
     # Below the lowest the result is -1; 2^-k counts up to the precision of 1 only.
     lowest, highest, most = (-40.0, 710.0, 60.0) if dtype == "double" else (-20.0, 89.0, 30.0)
@@ -133,7 +157,15 @@ def _log_of(body: Body, x: _Split, low: str | None = None) -> str:
 
 
 def log(body: Body, x: str) -> str:
-    """The natural logarithm of x."""
+    """The natural logarithm of x.
+
+    Args:
+        body: The body of a function in which the instructions are written.
+        x: The name of the argument in it.
+
+    Returns:
+        The name of the result.
+    """
     lift, least = (54, 2.0**-1022) if body.lanes.dtype == "double" else (25, 2.0**-126)
     positive = body.compare("ogt", x, 0.0)
     value = body.select(positive, x, 1.0)
@@ -145,7 +177,15 @@ def log(body: Body, x: str) -> str:
 
 
 def log1p(body: Body, x: str) -> str:
-    """The logarithm of the rounded 1 + x, and what the rounding left out, over it."""
+    """The logarithm of the rounded 1 + x, and what the rounding left out, over it.
+
+    Args:
+        body: The body of a function in which the instructions are written.
+        x: The name of the argument in it.
+
+    Returns:
+        The name of the result.
+    """
     bias, mantissa = (1023, 52) if body.lanes.dtype == "double" else (127, 23)
     total = body.add(x, 1.0)
     positive = body.compare("ogt", total, 0.0)
