@@ -92,7 +92,7 @@ def test_other_numbers_are_another_model(name: str, quantity: str) -> None:
     model = tree(name)
     options: dict[str, Any] = {"friction": True} if quantity in DYNAMIC else {}
     values = {key: others(model, key) for key in EVERY}
-    if "composite" in name or name == "universal":
+    if any(len(joint.kind.elementary_joints(joint.placement)) > 1 for joint in model.joints):
         values["offset"] *= 0.0  # no model has an offset there; a kernel takes it, see below
     own = inputs(kernels.function(model, quantity, **options), model)
     varying = kernels.function(model, quantity, parameters=EVERY, **options)(*own, *values.values())
@@ -121,7 +121,7 @@ def test_its_present_parameters_leave_a_model_unchanged(key: str) -> None:
     assert with_parameters(model, {key: parameters(model, key)}) == model
 
 
-@pytest.mark.parametrize("name", ["mimics", "floating", "composite", "composite_ball"])
+@pytest.mark.parametrize("name", ["mimics", "floating", "composite", "composite_ball", "cylindrical"])
 def test_an_offset_is_added_to_q(name: str) -> None:
     model = tree(name)
     varying = kernels.function(model, "fk", parameters="offset")

@@ -13,8 +13,8 @@ import pytest
 
 pin = pytest.importorskip("pinocchio")
 
-from support.pinocchio_models import Twin, from_pinocchio, to_pinocchio  # noqa: E402
-from support.random_models import KINDS, random_model  # noqa: E402
+from support.pinocchio_models import SINGLE_JOINT_KINDS, Twin, from_pinocchio, to_pinocchio  # noqa: E402
+from support.random_models import random_model  # noqa: E402
 from ulna.algorithms import integrate, neutral, random  # noqa: E402
 from ulna.algorithms.derivatives.centroidal import centroidal_derivatives, com_velocity_derivatives  # noqa: E402
 from ulna.algorithms.derivatives.forward_dynamics import forward_dynamics_derivatives  # noqa: E402
@@ -25,7 +25,6 @@ from ulna.typing import Floats  # noqa: E402
 
 FIXED = ("panda", "ur5", "tiago", "double_pendulum_continuous")
 FLOATING = ("talos", "g1", "solo12", "anymal")
-PLAIN = [kind for kind in KINDS if kind not in ("universal", "composite", "composite_ball")]
 ROOTS = {"random-0": None, "random-1": "free_flyer", "random-2": "planar"}
 
 
@@ -33,7 +32,7 @@ ROOTS = {"random-0": None, "random-1": "free_flyer", "random-2": "planar"}
 def twin(name: str) -> Twin:
     if name in ROOTS:
         rng = np.random.default_rng(int(name[-1]))
-        return to_pinocchio(random_model(rng, PLAIN, root=ROOTS[name], mimics=0))
+        return to_pinocchio(random_model(rng, SINGLE_JOINT_KINDS, root=ROOTS[name], mimics=0))
     if example_robot_data.share_folder() is None:
         pytest.skip("example-robot-data is not installed")
     urdf = str(example_robot_data.files(name)[0])

@@ -13,7 +13,7 @@ import pytest
 
 pin = pytest.importorskip("pinocchio")
 
-from support.pinocchio_models import Twin, from_pinocchio, to_pinocchio  # noqa: E402
+from support.pinocchio_models import SINGLE_JOINT_KINDS, Twin, from_pinocchio, to_pinocchio  # noqa: E402
 from support.random_models import KINDS, random_model  # noqa: E402
 from ulna import algorithms as alg  # noqa: E402
 from ulna.robots import example_robot_data  # noqa: E402
@@ -21,12 +21,11 @@ from ulna.spatial import Force  # noqa: E402
 from ulna.typing import Floats  # noqa: E402
 
 QUICK = ("panda", "ur5", "kinova", "double_pendulum_continuous", "solo12+", "g1+", "anymal+", "talos")
-PLAIN = [kind for kind in KINDS if kind not in ("universal", "composite", "composite_ball")]
 RANDOM = {
-    "random plain": (PLAIN, None, 0),
-    "random floating": (PLAIN, "free_flyer", 0),
+    "random plain": (SINGLE_JOINT_KINDS, None, 0),
+    "random floating": (SINGLE_JOINT_KINDS, "free_flyer", 0),
     "random every kind": (list(KINDS), "planar", 0),
-    "random mimic": (PLAIN, None, 2),
+    "random mimic": (SINGLE_JOINT_KINDS, None, 2),
 }
 REST = sorted(
     {

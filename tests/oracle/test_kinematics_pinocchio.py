@@ -15,7 +15,7 @@ import pytest
 
 pin = pytest.importorskip("pinocchio")
 
-from support.pinocchio_models import REFERENCES, Twin, from_pinocchio, to_pinocchio  # noqa: E402
+from support.pinocchio_models import REFERENCES, SINGLE_JOINT_KINDS, Twin, from_pinocchio, to_pinocchio  # noqa: E402
 from support.random_models import KINDS, random_model  # noqa: E402
 from ulna import algorithms as alg  # noqa: E402
 from ulna.model import Continuous  # noqa: E402
@@ -24,7 +24,6 @@ from ulna.typing import Floats  # noqa: E402
 
 FIXED = ("panda", "ur5", "tiago", "kinova", "allegro_left_hand", "xarm7", "double_pendulum_continuous")
 FLOATING = ("talos", "g1", "solo12", "anymal", "hector")
-PLAIN = [kind for kind in KINDS if kind not in ("universal", "composite", "composite_ball")]
 
 
 @cache
@@ -34,11 +33,11 @@ def twin(name: str) -> Twin:
         rng = np.random.default_rng(number)
         every = list(KINDS)
         kinds, root, mimics = [
-            (PLAIN, None, 0),
+            (SINGLE_JOINT_KINDS, None, 0),
             (every, "free_flyer", 0),
             (every, "planar", 0),
-            (PLAIN, None, 1),  # Pinocchio crashes on composite and mimic joints in one model
-            (PLAIN, None, 2),
+            (SINGLE_JOINT_KINDS, None, 1),  # Pinocchio crashes on composite and mimic joints in one model
+            (SINGLE_JOINT_KINDS, None, 2),
         ][number]
         return to_pinocchio(random_model(rng, kinds, root=root, mimics=mimics))
     if example_robot_data.share_folder() is None:

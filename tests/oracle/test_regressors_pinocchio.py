@@ -9,7 +9,7 @@ import pytest
 
 pin = pytest.importorskip("pinocchio")
 
-from support.pinocchio_models import Twin, from_pinocchio, to_pinocchio  # noqa: E402
+from support.pinocchio_models import SINGLE_JOINT_KINDS, Twin, from_pinocchio, to_pinocchio  # noqa: E402
 from support.random_models import KINDS, random_model  # noqa: E402
 from ulna import algorithms as alg  # noqa: E402
 from ulna.algorithms.dynamics import regressors as reg  # noqa: E402
@@ -17,20 +17,21 @@ from ulna.model import dynamic_parameters  # noqa: E402
 from ulna.robots import example_robot_data  # noqa: E402
 from ulna.typing import Floats  # noqa: E402
 
-PLAIN = [kind for kind in KINDS if kind not in ("universal", "composite", "composite_ball")]
 NAMES = ("random-plain", "random-free", "random-every", "random-mimic", "panda", "talos", "solo12", "ur5")
 
 
 @cache
 def twin(name: str) -> Twin:
     if name == "random-plain":
-        return to_pinocchio(random_model(np.random.default_rng(1), PLAIN, mimics=0))
+        return to_pinocchio(random_model(np.random.default_rng(1), SINGLE_JOINT_KINDS, mimics=0))
     if name == "random-free":
-        return to_pinocchio(random_model(np.random.default_rng(2), PLAIN, root="free_flyer", mimics=0))
+        return to_pinocchio(
+            random_model(np.random.default_rng(2), SINGLE_JOINT_KINDS, root="free_flyer", mimics=0)
+        )
     if name == "random-every":
         return to_pinocchio(random_model(np.random.default_rng(3), list(KINDS), root="planar", mimics=0))
     if name == "random-mimic":
-        return to_pinocchio(random_model(np.random.default_rng(4), PLAIN, mimics=2))
+        return to_pinocchio(random_model(np.random.default_rng(4), SINGLE_JOINT_KINDS, mimics=2))
     if example_robot_data.share_folder() is None:
         pytest.skip("example-robot-data is not installed")
     urdf = str(example_robot_data.files(name)[0])

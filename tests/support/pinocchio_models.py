@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from support.random_models import KINDS
 from ulna.errors import ModelWarning
 from ulna.model import (
     Continuous,
@@ -25,6 +26,12 @@ from ulna.model import (
 )
 from ulna.spatial import SE3, Inertia
 from ulna.typing import Floats
+
+SINGLE_JOINT_KINDS = tuple(
+    name for name in KINDS if name not in ("universal", "composite", "composite_ball", "cylindrical")
+)
+"""Kinds of `KINDS` that are one joint of Pinocchio. The others are its composite joints, which must not be in one model with mimic joints:
+it crashes, or its results are wrong."""
 
 REFERENCES = {
     "world": pin.WORLD,
