@@ -143,8 +143,8 @@ def clip(x: Any, low: Any, high: Any) -> Any:
 
 
 def _elementwise(f: Any, *values: Any) -> Any:
-    out = np.frompyfunc(f, len(values), 1)(*values)
-    return out
+    with np.errstate(all="ignore"):  # flags that the import of SymPy raises are not errors of these values
+        return np.frompyfunc(f, len(values), 1)(*values)
 
 
 def _sin(x: Any) -> Any:

@@ -57,6 +57,11 @@ class Plan:
     tree: SearchTree | None = field(default=None, repr=False)
 
     def __bool__(self) -> bool:
+        return self.success
+
+    @property
+    def success(self) -> bool:
+        """Whether there is a path: the outcome is "solved"; so is `bool(plan)`."""
         return self.outcome == "solved"
 
     @property

@@ -51,7 +51,7 @@ def test_a_path_around_a_wall_is_certified_and_free_when_sampled_densely() -> No
     robot, world = panda(), shelf()
     a, b = left_and_right()
     p = plan(robot, a, b, world)
-    assert p and p.is_certified and p.outcome == "solved" and p.goal == 0 and p.iterations >= 1
+    assert p and p.success and p.is_certified and p.outcome == "solved" and p.goal == 0 and p.iterations >= 1
     np.testing.assert_array_equal(p.points[[0, -1]], [a, b])
     t = np.linspace(0.0, 1.0, 400)[:, None]
     for x, y in zip(p.points, p.points[1:], strict=False):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from typing import Any
 
 import numpy as np
@@ -52,3 +54,12 @@ def test_cases_of_symbols() -> None:
 def test_where_of_numbers_is_a_number() -> None:
     assert isinstance(numeric.where(True, 1.0, 2.0), float)
     np.testing.assert_array_equal(numeric.where(np.array([True, False]), 1.0, 2.0), [1.0, 2.0])
+
+
+def test_the_first_symbol_of_a_program_warns_of_nothing() -> None:
+    pytest.importorskip("sympy")
+    program = "import sys, ulna; assert 'sympy' not in sys.modules; print(ulna.SE3.rx('a').rotation[1, 1])"
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=False
+    )
+    assert (done.stdout.strip(), done.stderr) == ("cos(a)", "")
