@@ -12,9 +12,9 @@ from ulna.planning.certificate import Certificate
 from ulna.planning.path_constraints import SPARE, Constraints
 from ulna.planning.path_length import length
 from ulna.planning.projected_rrt import Projection
-from ulna.planning.run import Run
+from ulna.planning.run import Failure, Run
 from ulna.planning.scenes import PlanningScene
-from ulna.planning.search import Failure, Search
+from ulna.planning.search import Search
 from ulna.planning.workspace import COARSE, Workspace, thread_storage
 from ulna.typing import Floats
 

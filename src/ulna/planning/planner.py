@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import lru_cache, partial
-from typing import Any, final
+from typing import Any, Literal, final, get_args
 
 import numpy as np
 
@@ -16,10 +16,11 @@ from ulna.checks.values import flag, number, short_repr
 from ulna.collision import LinkPair, Spheres, World
 from ulna.collision.lanes.tables import links_of
 from ulna.collision.pairs import checked_pairs
-from ulna.errors import InputError, ShapeError
+from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.lazy import is_deferred
 from ulna.planning import deferred
 from ulna.planning.constrained import ConstrainedSearch
+from ulna.planning.exact_search import ExactSearch
 from ulna.planning.goals import goal_configurations, moving_columns
 from ulna.planning.path_constraints import Constraints, PathConstraint
 from ulna.planning.result import Plan
@@ -29,6 +30,11 @@ from ulna.planning.scenes import PlanningScene
 from ulna.planning.search import Search
 from ulna.system.progress import progress
 from ulna.typing import ArrayLike
+
+Method = Literal["spheres", "exact"]
+"""What a search checks: covering spheres, or the real shapes through coal."""
+
+_STEP = 0.01  # [m]
 
 
 def plan(
@@ -42,7 +48,7 @@ def plan(
     spheres: Spheres | None = None,
     pairs: Iterable[LinkPair] | None = None,
     margin: float = 0.0,
-    step: float = 0.01,
+    step: float = _STEP,
     longest: float = 1.0,
     shorten: int = 5,
     improve: int = 0,
@@ -51,6 +57,7 @@ def plan(
     seed: int = 0,
     constraints: PathConstraint | Sequence[PathConstraint] | None = None,
     keep_tree: bool = False,
+    method: Method = "spheres",
 ) -> Plan:
     """A path from a configuration to a goal on which the robot touches neither itself nor the world.
 
@@ -81,18 +88,23 @@ def plan(
         seed: Seed of the samples: the same seed, the same path, on processors of one kind.
         constraints: What frames keep on the whole way, start and goal included: `PathConstraint`, or several.
         keep_tree: Whether `plan.tree` has the configurations that the search reached, for `viewer.plan`.
+        method: "spheres"; or "exact", which asks coal for the real shapes: far slower, for robots and places where
+            things pass closer than spheres allow. It takes no `spheres`, `step`, `improve` and `constraints`.
 
     Returns:
         The plan. It is false, with an outcome and a reason, where there is no path.
 
     Raises:
         ShapeError: If `q0` or `goal` has a wrong shape.
-        InputError: If numbers make no sense, or the robot has joints that cannot be planned for.
+        InputError: If numbers make no sense, the robot has joints that cannot be planned for, or the method does not
+            take an argument.
+        UnknownName: If there is no such method.
         ModelError: If the robot has no collision geometry.
     """
     _check_scene(robot, world)
+    _check_method(method)
     chosen = pairs if pairs is None else checked_pairs(robot.model, pairs)
-    planner = _planner(robot, world, spheres, chosen, *_checked_lengths(margin, step, longest))
+    planner = _planner(robot, world, spheres, chosen, *_checked_lengths(margin, step, longest), method)
     return planner.plan(
         q0,
         goal,
@@ -122,6 +134,7 @@ class Planner:
         longest: The longest edge of the trees, in joint space [rad, m].
         roadmap: How many samples a roadmap is made of, along which plans are searched first: for many plans in a world
             of narrow passages; 0 for none.
+        method: "spheres" or "exact", as for `ulna.planning.plan`.
 
     Raises:
         InputError: If numbers make no sense, or the robot has joints that cannot be planned for.
@@ -145,16 +158,25 @@ class Planner:
         spheres: Spheres | None = None,
         pairs: Iterable[LinkPair] | None = None,
         margin: float = 0.0,
-        step: float = 0.01,
+        step: float = _STEP,
         longest: float = 1.0,
         roadmap: int = 0,
+        method: Method = "spheres",
     ) -> None:
         _check_scene(robot, world)
         margin, step, longest = _checked_lengths(margin, step, longest)
+        _check_method(method)
         pairs = pairs if pairs is None else checked_pairs(robot.model, pairs)
         self.robot, self.model = robot, robot.model
-        numbers = {"margin": margin, "step": step, "longest": longest}
-        self._arguments = (robot, world), {"spheres": spheres, "pairs": pairs, **numbers}
+        numbers = {"margin": margin, "step": step, "longest": longest, "roadmap": roadmap}
+        self._arguments = (robot, world), {"spheres": spheres, "pairs": pairs, "method": method, **numbers}
+        self._is_exact = method == "exact"
+        if self._is_exact:
+            _check_exact(spheres=spheres is None, step=step == _STEP, roadmap=not roadmap)
+            self._search = ExactSearch(
+                self.model, World() if world is None else world, pairs, margin, longest
+            )
+            return
         checker = _self_checker(robot, spheres, pairs)
         robot_alone = links_of(checker.model, checker.spheres, checker.pairs, checker.missing)
         world = World() if world is None else world
@@ -213,6 +235,8 @@ class Planner:
             improve=_count("improve", improve, 0),
             keep_tree=flag("keep_tree", keep_tree),
         )
+        if self._is_exact:
+            _check_exact(improve=not options.improve)
         if is_deferred(q0) or is_deferred(goal):
             chosen = {"frame": frame, "joints": joints, "timeout": timeout, "seed": seed}
             chosen |= {
@@ -236,11 +260,13 @@ class Planner:
         is_renumbered = plan and goals.numbers[plan.goal] != plan.goal
         return replace(plan, goal=goals.numbers[plan.goal]) if is_renumbered else plan
 
-    def _search_along(self, constraints: Any) -> Search:
+    def _search_along(self, constraints: Any) -> Search | ExactSearch:
         """The search that keeps constraints."""
         items = (constraints,) if isinstance(constraints, PathConstraint) else constraints
         if items is None or (isinstance(items, Sequence) and not len(items)):
             return self._search
+        if self._is_exact:
+            _check_exact(constraints=False)
         if isinstance(items, str) or not isinstance(items, Iterable):
             raise InputError(
                 f"`constraints` is {items!r}; expected PathConstraint(frame, Region(...)) or several."
@@ -341,9 +367,25 @@ def _seconds(timeout: Any) -> float:
 
 @lru_cache(maxsize=16)
 def _planner(
-    robot: Any, world: World | None, spheres: Spheres | None, pairs: Any, margin: float, step: float, longest: float
+    robot: Any, world: World | None, spheres: Spheres | None, pairs: Any, margin: float, step: float, longest: float,
+    method: Method,
 ) -> Planner:  # fmt: skip
-    return Planner(robot, world, spheres=spheres, pairs=pairs, margin=margin, step=step, longest=longest)
+    lengths: dict[str, Any] = {"margin": margin, "step": step, "longest": longest}
+    return Planner(robot, world, spheres=spheres, pairs=pairs, method=method, **lengths)
+
+
+def _check_method(method: Any) -> None:
+    if method not in get_args(Method):
+        raise UnknownName("method", method, get_args(Method))
+
+
+def _check_exact(**unused: bool) -> None:
+    """Raises InputError if an argument has another value than that which has no effect."""
+    for name, is_unused in unused.items():
+        if not is_unused:
+            raise InputError(
+                f'method="exact" takes no `{name}`; leave it out, or plan with method="spheres".'
+            )
 
 
 @lru_cache(maxsize=16)

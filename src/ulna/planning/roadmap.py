@@ -95,9 +95,8 @@ class RoadmapSearch(Search):
 
     def __init__(self, scene: PlanningScene, margin: float, step: float, longest: float, size: int) -> None:
         super().__init__(scene, margin, step, longest)
-        if not self._is_bounded:
-            k = int(np.flatnonzero(~np.isfinite(self._limits[0]) | ~np.isfinite(self._limits[1]))[0])
-            name = joint_of_column(self._model, k)
+        if not self._box.is_bounded:
+            name = joint_of_column(self._model, int(np.flatnonzero(~self._box.has_limit)[0]))
             raise InputError(f"Joint {name!r} has no limits; a roadmap needs limits of all joints.")
         self.roadmap = self._built(size)
 

@@ -6,9 +6,13 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+from ulna.planning.result import Outcome
 from ulna.planning.search_tree import SearchTree
 from ulna.planning.workspace import COARSE
 from ulna.typing import Floats
+
+Failure = tuple[Outcome, str]
+"""What stood in the way, and a sentence about it."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,13 @@ class Run:
     def is_late(self) -> bool:
         """Whether the time is up."""
         return time.perf_counter() - self.start_time > self.options.timeout
+
+    def limit_reached(self) -> Failure:
+        """That no path was found, and within which limit."""
+        is_used = self.used >= self.options.iterations
+        limit = f"{self.used} samples" if is_used else f"{self.options.timeout:g} s"
+        reason = f"no path was found within {limit}. Allow more, or another seed."
+        return "iterations" if is_used else "time", reason
 
     def note(self, part: str) -> None:
         """Adds the time since the last note to a part's."""

@@ -13,16 +13,14 @@ import numpy as np
 from ulna.collision.touches import deepest_touch
 from ulna.planning.certificate import Certificate, certify
 from ulna.planning.improvement import improved
+from ulna.planning.joint_box import JointBox
 from ulna.planning.result import Outcome, Plan
-from ulna.planning.run import Options, Run
+from ulna.planning.run import Failure, Options, Run
 from ulna.planning.samples import samples
 from ulna.planning.scenes import PlanningScene
 from ulna.planning.search_tree import search_tree
 from ulna.planning.workspace import COARSE, SLICE, Workspace, thread_storage
 from ulna.typing import Floats
-
-Failure = tuple[Outcome, str]
-"""What stood in the way, and a sentence about it."""
 
 
 class Search:
@@ -39,8 +37,7 @@ class Search:
         self._scene, self._margin, self._step, self._longest = scene, margin, step, longest
         self._model = scene.robot.model
         self._storage = threading.local()
-        self._limits = self._model.lower_position - 1e-9, self._model.upper_position + 1e-9
-        self._is_bounded = bool(np.isfinite(self._limits).all())
+        self._box = JointBox(self._model)
         self._blocks: dict[tuple[int, int, int], Any] = {}
 
     def run(self, q0: Floats, goals: Floats, options: Options) -> Plan:
@@ -83,10 +80,7 @@ class Search:
         if run.options.keep_tree:
             run.tree = search_tree(run.workspace.storage.trees)
         if not is_met:
-            is_used = run.used >= run.options.iterations
-            limit = f"{run.used} samples" if is_used else f"{run.options.timeout:g} s"
-            reason = f"no path was found within {limit}. Allow more, or another seed."
-            return run.q0, -1, ("iterations" if is_used else "time", reason)
+            return run.q0, -1, run.limit_reached()
         points, goal = self._shortened(run)
         run.note("shorten")
         return points, goal, None
@@ -95,15 +89,14 @@ class Search:
 
     def _prepare(self, run: Run) -> Failure | None:
         """Storage, and the goals that are free; why the search cannot begin, where it cannot."""
-        outside = self._out_of_limits(run.q0)
+        outside = self._box.violations(run.q0)
         if outside:
             return "start", f"`q0` is out of limits: {outside}."
         if not len(run.goals):
             return "unreachable", "no configuration within the limits was found for the pose."
-        low, high = self._limits
-        inside = np.flatnonzero(((run.goals >= low) & (run.goals <= high)).all(axis=1))
+        inside = np.flatnonzero(self._box.contains(run.goals))
         if not len(inside):
-            return "goal", f"the goal is out of limits: {self._out_of_limits(run.goals[0])}."
+            return "goal", f"the goal is out of limits: {self._box.violations(run.goals[0])}."
         if len(inside) < len(run.goals):
             run.goals = run.goals[inside]
         run.workspace = self._workspace(run.options.coarse)
@@ -135,7 +128,14 @@ class Search:
     def _improved(self, run: Run, points: Floats, goal: int) -> tuple[Floats, int]:
         """The shortest path that more samples find, and the number of its goal."""
         run.workspace = self._workspace(COARSE[1])  # steps with which nearly every path can be proved
-        return improved(run, points, goal, self._sampled_box(run), self._shortened, self._wholly_proved)
+        return improved(
+            run,
+            points,
+            goal,
+            self._box.sampled(run.q0, run.goals, run.options.still),
+            self._shortened,
+            self._wholly_proved,
+        )
 
     def _wholly_proved(self, run: Run, points: Floats) -> Floats | None:
         """A path, where machine code proves it; None where it does not."""
@@ -155,29 +155,17 @@ class Search:
         reason = f"at {who} {link!r} {what}, by their covering spheres."
         if other in self._scene.spheres.links:
             reason += (
-                " Where the links are apart, give finer spheres (ulna.collision.refine) or other `pairs`."
+                ' Where the links are apart, plan with method="exact", or give finer spheres (ulna.collision.refine) '
+                "or other `pairs`."
             )
         return outcome, reason
-
-    def _out_of_limits(self, q: Floats) -> str:
-        """Joints that are out of limits, by how much; empty where none is."""
-        low, high = self._limits
-        if ((low <= q) & (q <= high)).all():
-            return ""
-        texts = []
-        for joint in self._model.joints:
-            for k in range(joint.idx_q, joint.idx_q + joint.nq):
-                if not low[k] <= q[k] <= high[k]:
-                    limits = f"[{low[k] + 1e-9:.4g}, {high[k] - 1e-9:.4g}]"
-                    texts.append(f"joint {joint.name!r} is at {q[k]:.4g}, its limits are {limits}")
-        return "; ".join(texts)
 
     # search -----------------------------------------------------------------------------------------------
 
     def _grow(self, run: Run) -> bool:
         """Grows both trees until they meet; whether they did."""
         workspace, roots = run.workspace, run.roots
-        low, high = self._sampled_box(run)
+        low, high = self._box.sampled(run.q0, run.goals, run.options.still)
         first = count = result = 0
         while run.used < run.options.iterations and not run.is_late():
             if first >= count:
@@ -195,24 +183,13 @@ class Search:
     def _samples(self, run: Run, count: int, low: Floats, high: Floats) -> Any:
         """The next samples, shape (count, nq); the first ones are kept."""
         key = run.used, count, run.options.seed
-        if not self._is_bounded or run.options.still is not None or run.used >= 16 * SLICE:
+        if not self._box.is_bounded or run.options.still is not None or run.used >= 16 * SLICE:
             return samples(*key, low, high)
         if key not in self._blocks:
             if len(self._blocks) >= 64:
                 self._blocks.clear()
             self._blocks[key] = samples(*key, low, high)
         return self._blocks[key]
-
-    def _sampled_box(self, run: Run) -> tuple[Floats, Floats]:
-        """The limits; joints without limits turn up to a turn beyond start and goals."""
-        low, high = self._model.lower_position, self._model.upper_position
-        if not self._is_bounded:
-            ends = np.vstack([run.q0, run.goals])
-            low = np.where(np.isfinite(low), low, ends.min(axis=0) - np.pi)
-            high = np.where(np.isfinite(high), high, ends.max(axis=0) + np.pi)
-        if run.options.still is not None:
-            low, high = (np.where(run.options.still, run.q0, limit) for limit in (low, high))
-        return low, high
 
     # results ----------------------------------------------------------------------------------------------
 

@@ -308,6 +308,26 @@ class Scene:
         ]
 
 
+def check_vector_joints(model: Model) -> None:
+    """Checks that a configuration is plain numbers, whose sums are configurations.
+
+    Args:
+        model: The robot.
+
+    Raises:
+        InputError: If a joint has another kind of configuration; names it, and what to do.
+    """
+    for joint in model.joints:
+        if not isinstance(joint.kind, VectorKind):
+            advice = "Lock it where it stands: robot.lock({name: position})."
+            if isinstance(joint.kind, Planar):
+                advice = "Make a planar base of two prismatic joints and a continuous one, or lock it."
+            raise InputError(
+                f"Joint {joint.name!r} is {type(joint.kind).__name__}; planning takes joints whose positions are plain "
+                f"numbers, such as revolute, prismatic and universal ones. {advice}"
+            )
+
+
 @lru_cache(maxsize=32)
 def links_of(model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...], missing: Missing) -> Moving:
     """The links of a robot, as planning checks them.
@@ -324,15 +344,7 @@ def links_of(model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...], missin
     Raises:
         InputError: If a joint has a configuration that is not one number, or no link with spheres moves.
     """
-    for joint in model.joints:
-        if not isinstance(joint.kind, VectorKind):
-            advice = "Lock it where it stands: robot.lock({name: position})."
-            if isinstance(joint.kind, Planar):
-                advice = "Make a planar base of two prismatic joints and a continuous one, or lock it."
-            raise InputError(
-                f"Joint {joint.name!r} is {type(joint.kind).__name__}; planning takes joints whose positions are plain "
-                f"numbers, such as revolute, prismatic and universal ones. {advice}"
-            )
+    check_vector_joints(model)
     groups = []
     for name, balls in spheres.links.items():
         link = model.link(name)

@@ -1,0 +1,282 @@
+"""A search among the real shapes, through coal: slower than with spheres, for what passes closer than spheres allow.
+
+RRT-Connect whose straight motions are checked by conservative advancement (`ulna.collision.first_contact`), so that
+each motion in its trees is proved free between its ends. Source: Kuffner and LaValle, RRT-Connect: an efficient
+approach to single-query path planning (ICRA 2000); Geraerts and Overmars, Creating high-quality paths for motion
+planning, International Journal of Robotics Research 26 (2007), section 5, for the shortcuts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import final
+
+import numpy as np
+
+from ulna.collision import Checker, LinkPair, World, first_contact
+from ulna.collision.lanes.tables import check_vector_joints
+from ulna.collision.segment import NEAR
+from ulna.model import Model
+from ulna.planning.certificate import Certificate
+from ulna.planning.joint_box import JointBox
+from ulna.planning.result import Outcome, Plan
+from ulna.planning.run import Failure, Options, Run
+from ulna.planning.samples import samples
+from ulna.planning.search_tree import SearchTree
+from ulna.typing import Floats
+
+_BLOCK = 64  # samples that are drawn at once
+_PART = 0.9  # of a motion up to its first contact that is kept
+_SHORTEST = 0.05  # such a motion is kept from this length on, in the longest ones
+_SHORTCUTS = 6  # tries in each round
+
+
+@final
+class ExactSearch:
+    """Searches for paths of one robot in one world; one thread at a time.
+
+    Args:
+        model: The robot; positions of its joints are plain numbers.
+        world: Obstacles, and what links carry.
+        pairs: Pairs of links to check against each other; None for `link_pairs(model)`.
+        margin: How near anything may come at least [m].
+        longest: The longest edge of the trees [rad, m].
+
+    Raises:
+        InputError: If a joint has a configuration that is no plain numbers.
+        ModelError: If the robot has no collision geometry.
+        MissingExtra: If coal is not installed.
+    """
+
+    def __init__(
+        self, model: Model, world: World, pairs: Iterable[LinkPair] | None, margin: float, longest: float
+    ) -> None:
+        check_vector_joints(model)
+        self._checker = Checker(model, world, pairs=pairs)
+        self._model, self._margin, self._longest = model, margin, longest
+        self._box = JointBox(model)
+
+    def run(self, q0: Floats, goals: Floats, options: Options) -> Plan:
+        """A path from a configuration to one of several.
+
+        Args:
+            q0: Where the robot is, shape (nq,) [rad, m].
+            goals: Where it may go, shape (n, nq) [rad, m].
+            options: What is asked for.
+
+        Returns:
+            The plan, or why there is none.
+        """
+        run = Run(options, q0, goals)
+        failure = self._prepare(run)
+        if failure is not None:
+            return self._result(run, *failure, np.zeros((0, self._model.nq)), -1)
+        points, goal = self._direct(run)
+        if not len(points):
+            points, goal = self._grown(run)
+        run.note("search")
+        if not len(points):
+            return self._result(run, *run.limit_reached(), points, -1)
+        points = self._shortened(run, points)
+        run.note("shorten")
+        return self._result(run, "solved", "", points, run.numbers[goal])
+
+    # before the search ------------------------------------------------------------------------------------
+
+    def _prepare(self, run: Run) -> Failure | None:
+        """Keeps the goals that are free; why the search cannot begin, where it cannot."""
+        outside = self._box.violations(run.q0)
+        if outside:
+            return "start", f"`q0` is out of limits: {outside}."
+        if not len(run.goals):
+            return "unreachable", "no configuration within the limits was found for the pose."
+        inside = np.flatnonzero(self._box.contains(run.goals))
+        if not len(inside):
+            return "goal", f"the goal is out of limits: {self._box.violations(run.goals[0])}."
+        touching = self._touching(run.q0)
+        if touching:
+            return "start", f"at the start {touching}."
+        reasons = [self._touching(run.goals[k]) for k in inside]
+        free = [k for k, reason in zip(inside.tolist(), reasons, strict=True) if not reason]
+        if not free:
+            return "goal", f"at the {'' if len(reasons) == 1 else 'first '}goal {reasons[0]}."
+        run.numbers, run.goals = free, run.goals[free]
+        run.note("prepare")
+        return None
+
+    def _touching(self, q: Floats) -> str:
+        """What touches at a configuration, or comes nearer than the margin, as text; empty where nothing does."""
+        nearest = self._checker.distance(q)
+        distance = float(nearest.distance)
+        if distance > self._margin + NEAR:
+            return ""
+        link, other = nearest.names
+        if distance > 0.0:
+            return f"{link!r} comes within {1e3 * distance:.3g} mm of {other!r}"
+        return f"{link!r} overlaps {other!r} by {-1e3 * distance:.3g} mm"
+
+    # search -----------------------------------------------------------------------------------------------
+
+    def _contact(self, a: Floats, b: Floats) -> float:
+        """Up to which part of it a straight motion is proved free; inf for all of it."""
+        return float(first_contact(self._checker, a, b, self._margin))
+
+    def _is_free(self, a: Floats, b: Floats) -> bool:
+        return self._contact(a, b) == np.inf
+
+    def _direct(self, run: Run) -> tuple[Floats, int]:
+        """The straight motion to the nearest goal that one leads to, and the number of the goal; else no points."""
+        distances = np.linalg.norm(run.goals - run.q0, axis=1)
+        for k in np.argsort(distances, kind="stable").tolist():
+            if distances[k] == 0.0:
+                return run.q0[None], k
+            if run.is_late():
+                break
+            if self._is_free(run.q0, run.goals[k]):
+                return np.stack([run.q0, run.goals[k]]), k
+        return np.zeros((0, self._model.nq)), -1
+
+    def _grown(self, run: Run) -> tuple[Floats, int]:
+        """The path at which two trees met, and the number of its goal; no points where they did not."""
+        trees = _Tree(run.q0[None]), _Tree(run.goals)
+        low, high = self._box.sampled(run.q0, run.goals, run.options.still)
+        points, goal, block = np.zeros((0, self._model.nq)), -1, np.zeros((0, self._model.nq))
+        while run.used < run.options.iterations and not run.is_late():
+            if not run.used % _BLOCK:
+                rounded = samples(run.used, _BLOCK, run.options.seed, low, high)
+                block = np.clip(rounded.astype(float), low, high)
+            k = run.used % 2  # the trees take turns
+            node = self._extended(trees[k], block[run.used % _BLOCK])
+            run.used += 1
+            if node is None:
+                continue
+            met = self._connected(run, trees[1 - k], trees[k].nodes[node])
+            if met is not None:
+                ends = (node, met) if k == 0 else (met, node)
+                first, second = (tree.path_to(end) for tree, end in zip(trees, ends, strict=True))
+                points, goal = np.vstack([trees[0].nodes[first], trees[1].nodes[second[-2::-1]]]), second[0]
+                break
+        run.nodes = sum(len(tree.nodes) for tree in trees)
+        if run.options.keep_tree:
+            run.tree = _search_tree(*trees)
+        return points, goal
+
+    def _extended(self, tree: _Tree, q: Floats) -> int | None:
+        """Grows a tree towards a configuration, by one edge at most; the new node, or None where nothing is free."""
+        near = tree.nearest(q)
+        a = tree.nodes[near]
+        distance = float(np.linalg.norm(q - a))
+        if distance == 0.0:
+            return near
+        b = q if distance <= self._longest else a + (q - a) * (self._longest / distance)
+        contact = self._contact(a, b)
+        if contact == np.inf:
+            return tree.add(b, near)
+        part = _PART * contact
+        if part * float(np.linalg.norm(b - a)) < _SHORTEST * self._longest:
+            return None
+        return tree.add(a + part * (b - a), near)
+
+    def _connected(self, run: Run, tree: _Tree, q: Floats) -> int | None:
+        """Grows a tree towards a configuration until something is in the way; the node that reached it, or None."""
+        while not run.is_late():
+            node = self._extended(tree, q)
+            if node is None:
+                return None
+            if (tree.nodes[node] == q).all():
+                return node
+        return None
+
+    def _shortened(self, run: Run, points: Floats) -> Floats:
+        """A path of which places are joined by straight motions where these are free, while there is time."""
+        points, random = self._joined(run, points), np.random.default_rng([run.options.seed, 1])
+        for _ in range(run.options.shorten * _SHORTCUTS):
+            if len(points) < 3 or run.is_late():
+                break
+            lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+            at = np.sort(random.uniform(0.0, lengths[-1], 2))
+            i, j = np.clip(np.searchsorted(lengths, at, side="right"), 1, len(points) - 1).tolist()
+            if i == j:
+                continue
+            part = ((at - lengths[[i - 1, j - 1]]) / (lengths[[i, j]] - lengths[[i - 1, j - 1]]))[:, None]
+            ends = points[[i - 1, j - 1]] * (1.0 - part) + points[[i, j]] * part
+            if run.options.still is not None:
+                ends[:, run.options.still] = run.q0[run.options.still]
+            if self._is_free(*ends):
+                points = np.vstack([points[:i], ends, points[j:]])
+        return self._joined(run, points)
+
+    def _joined(self, run: Run, points: Floats) -> Floats:
+        """Each point joined to the farthest later one to which a straight motion is free."""
+        rows, i = [points[0]], 0
+        while i < len(points) - 1:
+            j = len(points) - 1
+            while j > i + 1 and (
+                not run.options.shorten or run.is_late() or not self._is_free(points[i], points[j])
+            ):
+                j -= 1
+            rows.append(points[j])
+            i = j
+        return np.stack(rows)
+
+    def _result(self, run: Run, outcome: Outcome, reason: str, points: Floats, goal: int) -> Plan:
+        return Plan(
+            outcome,
+            reason,
+            points,
+            Certificate((), self._margin, 0) if len(points) else None,
+            goal,
+            run.used,
+            run.nodes,
+            0.0,
+            run.seconds,
+            self._model,
+            tree=run.tree,
+        )
+
+
+class _Tree:
+    """Configurations, and the numbers of those that they were reached from; -1 for roots.
+
+    Args:
+        roots: The first configurations, shape (n, nq) [rad, m].
+    """
+
+    def __init__(self, roots: Floats) -> None:
+        self._rows, self.parents = roots.copy(), [-1] * len(roots)
+
+    @property
+    def nodes(self) -> Floats:
+        """The configurations, shape (n, nq) [rad, m]."""
+        return self._rows[: len(self.parents)]
+
+    def nearest(self, q: Floats) -> int:
+        """The number of the configuration nearest to another one, shape (nq,) [rad, m]."""
+        return int(((self.nodes - q) ** 2).sum(axis=1).argmin())
+
+    def add(self, q: Floats, parent: int) -> int:
+        """Adds a configuration; returns its number.
+
+        Args:
+            q: The configuration, shape (nq,) [rad, m].
+            parent: The number of the one that it was reached from.
+        """
+        if len(self.parents) == len(self._rows):
+            self._rows = np.vstack([self._rows, np.empty_like(self._rows)])
+        self._rows[len(self.parents)] = q
+        self.parents.append(parent)
+        return len(self.parents) - 1
+
+    def path_to(self, number: int) -> list[int]:
+        """The numbers of the configurations from a root to one of them."""
+        numbers = [number]
+        while self.parents[numbers[-1]] >= 0:
+            numbers.append(self.parents[numbers[-1]])
+        return numbers[::-1]
+
+
+def _search_tree(first: _Tree, second: _Tree) -> SearchTree:
+    count = len(first.parents)
+    parents = first.parents + [k if k < 0 else k + count for k in second.parents]
+    nodes = np.concatenate([first.nodes, second.nodes])
+    return SearchTree(nodes, np.array(parents), np.arange(len(nodes)) < count)

@@ -1,0 +1,81 @@
+"""The box of a robot's joint limits: what is outside of it, and where samples are drawn."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from ulna.model import Model
+from ulna.typing import Array, Floats
+
+_ROUNDING = 1e-9  # [rad, m]
+
+
+@final
+class JointBox:
+    """The limits of the joints of a model, with an allowance for rounding.
+
+    Args:
+        model: The robot; positions of its joints are plain numbers.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self.low, self.high = model.lower_position - _ROUNDING, model.upper_position + _ROUNDING
+        self.has_limit = np.isfinite(self.low) & np.isfinite(self.high)
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether all joints have limits."""
+        return bool(self.has_limit.all())
+
+    def contains(self, points: Floats) -> Array:
+        """Which configurations are within the limits.
+
+        Args:
+            points: Configurations, shape (..., nq) [rad, m].
+
+        Returns:
+            Truth values, shape (...).
+        """
+        return np.asarray(((points >= self.low) & (points <= self.high)).all(axis=-1))
+
+    def violations(self, q: Floats) -> str:
+        """Joints that are out of limits, by how much, as text; empty where none is.
+
+        Args:
+            q: Configuration, shape (nq,) [rad, m].
+
+        Returns:
+            The text.
+        """
+        if self.contains(q):
+            return ""
+        texts = []
+        for joint in self._model.joints:
+            for k in range(joint.idx_q, joint.idx_q + joint.nq):
+                if not self.low[k] <= q[k] <= self.high[k]:
+                    limits = f"[{self.low[k] + _ROUNDING:.4g}, {self.high[k] - _ROUNDING:.4g}]"
+                    texts.append(f"joint {joint.name!r} is at {q[k]:.4g}, its limits are {limits}")
+        return "; ".join(texts)
+
+    def sampled(self, q0: Floats, goals: Floats, still: Array | None) -> tuple[Floats, Floats]:
+        """Where samples are drawn: joints without limits turn up to half a turn beyond start and goals.
+
+        Args:
+            q0: The start, shape (nq,) [rad, m].
+            goals: The goals, shape (n, nq) [rad, m].
+            still: Which joints stay where the start has them, shape (nq,); None for none.
+
+        Returns:
+            The least and the greatest positions, each of shape (nq,) [rad, m].
+        """
+        low, high = self._model.lower_position, self._model.upper_position
+        if not self.is_bounded:
+            ends = np.vstack([q0, goals])
+            low = np.where(np.isfinite(low), low, ends.min(axis=0) - np.pi)
+            high = np.where(np.isfinite(high), high, ends.max(axis=0) + np.pi)
+        if still is not None:
+            low, high = (np.where(still, q0, limit) for limit in (low, high))
+        return low, high
