@@ -4,33 +4,39 @@
 |---|---|---|---|---|
 | s, psi, chi, phi, B | a column of step i and what it does | | | see inverse_dynamics.py |
 | I, h, F | inertia, momentum and force of all bodies from step i on, without gravity | | | |
+| u | velocity of the observer of step i, in world axes | (3) | [m/s] | sum of those of inverse_dynamics.py |
 | c, m | centre of mass of the robot, its mass | (3), () | [m], [kg] | |
 | h_G = (p, n) | momentum about c, in world axes | (6) | [N s, N m s] | |
 | F_G = (f, t) | its rate | (6) | [N, N m] | |
 | A | centroidal momentum matrix | (6, nv) | | h_G = A v |
-| dh/dq | column about the moving centre | Force | | I psi + s x* h, less dc/dq x p in the moment |
-| dF/dq | | Force | | B psi + I chi + s x* F, less dc/dq x f in the moment |
-| dF/dv, dh/dv = dF/da | | Force | | B s + I phi, I s |
-| dc/dq | | (3) | | linear part of I s, over m |
+| r | column of dh/dv = dF/da = A | Force | | I s |
+| dh/dq | column about the moving centre | Force | | I psi + s x* h, and r.linear x (u - p / m) in the moment |
+| dF/dq | | Force | | B psi + I chi + s x* F, less r.linear x f / m in the moment |
+| dF/dv | | Force | | B s + I phi = 2 (I psi + s x* h) + I (S_i v_i x s) + (0; B^T s) |
 
-Each column is a force in the moving frame of its step; it is then written about c along the axes of the world.
-Derivatives by q are along the tangent space. Source: Orin, Goswami & Lee, Centroidal dynamics of a humanoid robot
-(2013), for h_G; Carpentier & Mansard, Analytical Derivatives of Rigid Body Dynamics Algorithms (2018).
+Each column is a force in the moving frame of its step, as observed by somebody who moves on evenly with its origin; it is
+then written about c along the axes of the world. Forces are the same to that observer; momentum is not, hence u. The
+centre moves by dc/dq = r.linear / m. The results belong to the whole robot, so regrouped inertias serve, but for m and
+c (see regrouped_moments.py). Derivatives by q are along the tangent space. Source: Orin, Goswami & Lee, Centroidal
+dynamics of a humanoid robot (2013), for h_G; Carpentier & Mansard, Analytical Derivatives of Rigid Body Dynamics
+Algorithms (2018).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from ulna.algorithms.derivatives.inverse_dynamics import (
+    State,
     Subtree,
     column_derivatives,
-    states,
+    states_of_moving_observers,
     subtree_quantities,
 )
+from ulna.algorithms.dynamics.center_of_mass import first_moment, total_mass
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.prepared_model import prepare
 from ulna.algorithms.multibody.tree import Step, poses
@@ -57,23 +63,26 @@ def centroidal_derivatives(model: Model, q: Array, v: Array, a: Array) -> tuple[
     """
     prepared = prepare(model)
     tree, T = prepared.tree, poses(prepared.tree, q)
-    state = states(tree, q, v, a, np.zeros(3))
-    subtrees = [one for _, one in subtree_quantities(model, prepared, prepared.body_moments, state, q)][::-1]
-    mass, centre, h, F = _totals(tree, T, subtrees)
-    share = 1.0 / mass if is_symbolic(mass) or mass else 0.0
+    state = states_of_moving_observers(tree, q, v, a, np.zeros(3))
+    subtrees = _subtrees(model, q, state)
+    share = _reciprocal_mass(model)
+    c = first_moment(model, q).position * share
+    drift, pull = (force * share for force in _momentum_and_rate(tree, subtrees, state, q))
+    observers = _observers(tree, T, state)
     results = [batch_zeros((6, model.nv), q, v, a) for _ in range(4)]
-    for i, (step, pose, subtree) in enumerate(zip(tree, T, subtrees, strict=True)):
-        about = SE3(pose.rotation, pose.translation - centre)
+    for i, (step, pose, subtree, u) in enumerate(zip(tree, T, subtrees, observers, strict=True)):
+        about = SE3(pose.rotation, pose.translation - c)
         for joint_column in column_derivatives(step, state(i)):
             s, psi = joint_column.s, joint_column.psi
-            unit = about.act(subtree.body.apply(s))
-            c = unit.linear * share
+            r = about.act(subtree.body.apply(s))
             dh = about.act(subtree.body.apply(psi) + s.cross(subtree.h))
             dF = about.act(subtree.coriolis(psi) + subtree.body.apply(joint_column.chi) + s.cross(subtree.F))
-            dF_dv = about.act(subtree.coriolis(s) + subtree.body.apply(joint_column.phi))
-            dh = Force(dh.linear, dh.angular - cross(c, h.linear))
-            dF = Force(dF.linear, dF.angular - cross(c, F.linear))
-            for matrix, column in zip(results, (dh, dF, dF_dv, unit), strict=True):
+            rest = subtree.body.apply(step.motion(v).cross(s))
+            rest = about.act(rest + Force(np.zeros(3), subtree.coriolis_transposed(s)))
+            dF_dv = Force(2.0 * dh.linear + rest.linear, 2.0 * dh.angular + rest.angular)
+            dh = Force(dh.linear, dh.angular + cross(r.linear, u - drift))
+            dF = Force(dF.linear, dF.angular - cross(r.linear, pull))
+            for matrix, column in zip(results, (dh, dF, dF_dv, r), strict=True):
                 matrix[..., :3, joint_column.index] += column.linear
                 matrix[..., 3:, joint_column.index] += column.angular
     dh_dq, dF_dq, dF_dv, dF_da = results
@@ -91,14 +100,11 @@ def com_velocity_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, A
     Returns:
         The derivatives by q and by v, each of shape (..., 3, nv).
     """
-    prepared = prepare(model)
-    tree, T = prepared.tree, poses(prepared.tree, q)
-    state = states(tree, q, v, 0.0 * v, np.zeros(3))
-    subtrees = [one for _, one in subtree_quantities(model, prepared, prepared.body_moments, state, q)][::-1]
-    mass = sum(subtree.body.mass for step, subtree in zip(tree, subtrees, strict=True) if step.parent < 0)
-    share = 1.0 / mass if is_symbolic(mass) or mass else 0.0
+    tree = prepare(model).tree
+    T, state = poses(tree, q), states_of_moving_observers(tree, q, v, 0.0 * v, np.zeros(3))
+    share = _reciprocal_mass(model)
     by_q, by_v = batch_zeros((3, model.nv), q, v), batch_zeros((3, model.nv), q, v)
-    for i, (step, pose, subtree) in enumerate(zip(tree, T, subtrees, strict=True)):
+    for i, (step, pose, subtree) in enumerate(zip(tree, T, _subtrees(model, q, state), strict=True)):
         for joint_column in column_derivatives(step, state(i)):
             change = subtree.body.apply(joint_column.psi).linear + cross(
                 joint_column.s.angular, subtree.h.linear
@@ -109,18 +115,37 @@ def com_velocity_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, A
     return by_q, by_v
 
 
-def _totals(
-    tree: Sequence[Step], T: Sequence[SE3], subtrees: Sequence[Subtree]
-) -> tuple[Any, Array, Force, Force]:
-    """Of all that moves the mass, the centre, and momentum and force about the world's origin, in the world."""
-    mass: Any = 0.0
-    first, h, F = np.zeros(3), Force.zero(), Force.zero()
-    for step, pose, subtree in zip(tree, T, subtrees, strict=True):
+def _subtrees(model: Model, q: Array, state: Callable[[int], State]) -> list[Subtree]:
+    """The quantities of all bodies from each step outward, in the order of the steps."""
+    prepared = prepare(model)
+    found = subtree_quantities(model, prepared, prepared.regrouped_moments, state, q)
+    return [subtree for _, subtree in found][::-1]
+
+
+def _reciprocal_mass(model: Model) -> Any:
+    """1 / m; zero for a robot without mass."""
+    mass = total_mass(model)
+    return 1.0 / mass if is_symbolic(mass) or mass else 0.0
+
+
+def _momentum_and_rate(
+    tree: Sequence[Step], subtrees: Sequence[Subtree], state: Callable[[int], State], q: Array
+) -> tuple[Array, Array]:
+    """p and f of all that moves, in the world."""
+    p, f = np.zeros(3), np.zeros(3)
+    for i, (step, subtree) in enumerate(zip(tree, subtrees, strict=True)):
         if step.parent < 0:
-            body = subtree.body
-            mass = mass + body.mass
-            first = first + apply(pose.rotation, body.first) + pose.translation * body.mass
-            h, F = h + pose.act(subtree.h), F + pose.act(subtree.F)
-    if not is_symbolic(mass) and not mass:
-        return mass, first, h, F
-    return mass, first * (1.0 / mass), h, F
+            whole = subtree.to_parent(step, q, state(i).u)
+            p, f = p + whole.h.linear, f + whole.F.linear
+    return p, f
+
+
+def _observers(tree: Sequence[Step], T: Sequence[SE3], state: Callable[[int], State]) -> list[Array]:
+    """u of every step."""
+    found: list[Array] = []
+    for i, step in enumerate(tree):
+        u = state(i).u
+        found.append(
+            u if step.parent < 0 else found[step.parent] + apply(T[step.parent].rotation, u)
+        )
+    return found

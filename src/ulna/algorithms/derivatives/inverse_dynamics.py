@@ -5,7 +5,7 @@
 | U_i, V_i | twist of the parent and of the body of step i | Motion | [m/s, rad/s] | V_i = U_i + S_i v_i |
 | C_i, A_i | acceleration of the same two, gravity taken off | Motion | | A_i = C_i + S_i a_i + U_i x S_i v_i |
 | m, c, I | inertia of all bodies from step i outward | MassMoments | | see mass_moments.py |
-| u | velocity of the observer of step i, for that of its parent | (3) | [m/s] | see _states_of_moving_observers |
+| u | velocity of the observer of step i, for that of its parent | (3) | [m/s] | see states_of_moving_observers |
 | h = (p, n), D | their momentum, and the rate of I | Force, (3, 3) | | |
 | F_i | the force that moves them | Force | [N, N m] | sum of I A + V x* I V - external |
 | s | a column of S_i | Motion | | constant |
@@ -136,7 +136,7 @@ def inverse_dynamics_derivatives(
     """
     prepared = prepare(model)
     tree = prepared.tree
-    state = _states_of_moving_observers(tree, q, v, a, model.gravity)
+    state = states_of_moving_observers(tree, q, v, a, model.gravity)
     columns_of = cache(lambda i: column_derivatives(tree[i], state(i)))
     by_q, by_v, M = (batch_zeros((model.nv, model.nv), q, v, a, external) for _ in range(3))
     for i, subtree in subtree_quantities(model, prepared, prepared.regrouped_moments, state, q, external):
@@ -233,7 +233,7 @@ def states(tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array) -
     return state
 
 
-def _states_of_moving_observers(
+def states_of_moving_observers(
     tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array
 ) -> Callable[[int], State]:
     """The same, each as observed by somebody who moves on evenly with the origin of the moving frame of the step.
