@@ -32,10 +32,10 @@ SIZES = (50, 100, 200, 500, 1000, 5000)
 MOST_TRACED, MOST_FOR_PINOCCHIO, MOST_IN_MATRICES = 60_000, 200, 2000
 NAMES = (
     "fk", "jacobian", "inverse_dynamics", "forward_dynamics", "center_of_mass", "mechanical_energy", "centroidal_matrix",
-    "mass_matrix", "coriolis_matrix", "inverse_mass_matrix", "inverse_dynamics_derivatives",
-    "forward_dynamics_derivatives",
+    "centroidal_derivatives", "mass_matrix", "coriolis_matrix", "inverse_mass_matrix", "inverse_dynamics_derivatives",
+    "forward_dynamics_derivatives", "joint_torque_regressor",
 )  # fmt: skip
-SQUARE = NAMES[-5:]
+SQUARE = NAMES[-6:]
 """Those whose results grow with the square of the joints."""
 
 
@@ -78,6 +78,8 @@ def by_pinocchio(model: Model, name: str, q: Any, v: Any, u: Any) -> Callable[[]
         "center_of_mass": lambda: pin.centerOfMass(robot, data, q),
         "mechanical_energy": lambda: pin.computeMechanicalEnergy(robot, data, q, v),
         "centroidal_matrix": lambda: pin.computeCentroidalMap(robot, data, q),
+        "centroidal_derivatives": lambda: pin.computeCentroidalDynamicsDerivatives(robot, data, q, v, u),
+        "joint_torque_regressor": lambda: pin.computeJointTorqueRegressor(robot, data, q, v, u),
         "coriolis_matrix": lambda: pin.computeCoriolisMatrix(robot, data, q, v),
         "inverse_dynamics_derivatives": lambda: pin.computeRNEADerivatives(robot, data, q, v, u),
         "forward_dynamics_derivatives": lambda: pin.computeABADerivatives(robot, data, q, v, u),

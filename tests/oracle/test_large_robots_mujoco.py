@@ -64,3 +64,39 @@ def test_large_robots_agree_with_mujoco(
         data.qfrc_applied = data.qfrc_inverse
         mujoco.mj_forward(reference, data)
         assert_close(robot.forward_dynamics(q, v, data.qfrc_applied), data.qacc, 1e-5)
+
+
+@pytest.mark.parametrize(("joints", "branching"), SIZES[:2])
+def test_external_forces_and_damping_agree_with_mujoco(
+    joints: int, branching: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """MuJoCo's forces act at the centres of mass of bodies, along the axes of the world."""
+    monkeypatch.setattr(ulna.kernels, "LOOPED_ABOVE", 0)
+    model = long_robot(joints, branching)
+    robot, reference = ulna.Robot(model), to_mujoco(model)
+    data, rng = mujoco.MjData(reference), np.random.default_rng(joints)
+    q = configurations(model, rng, 1)[0]
+    v, a, damping = rng.standard_normal((3, model.nv)) / np.sqrt(joints)
+    damping = np.abs(damping)
+    reference.dof_damping[:] = damping
+    data.qpos, data.qvel, data.qacc = q, v, a
+    mujoco.mj_inverse(reference, data)
+    forces, pulled = {}, np.zeros(model.nv)
+    for k in (joints // 5, joints // 2, joints):
+        body = reference.body(f"b{model.frame(f'l{k}').joint}").id
+        force, torque = rng.standard_normal((2, 3))
+        mujoco.mj_applyFT(reference, data, force, torque, data.xipos[body], body, pulled)
+        data.xfrc_applied[body] = np.concatenate([force, torque])
+        forces[f"l{k}"] = np.concatenate(
+            [force, torque + np.cross(data.xipos[body] - data.xpos[body], force)]
+        )
+    friction = ulna.algorithms.Friction(viscous=damping)
+    torques = robot.inverse_dynamics(q, v, a, forces, friction=friction)
+    assert "loops over" in repr(robot.kernel("inverse_dynamics", forces=tuple(forces), friction=friction))
+    assert_close(torques, data.qfrc_inverse - pulled)
+    assert_close(robot.bias_forces(q, v, forces), data.qfrc_bias - pulled)
+    data.qfrc_applied = torques
+    mujoco.mj_forward(reference, data)
+    assert_close(robot.forward_dynamics(q, v, torques, forces, friction=friction), data.qacc, 1e-5)
+    still = np.zeros(model.nv)
+    assert_close(robot.static_torque(q, forces), robot.inverse_dynamics(q, still, still, forces))

@@ -46,3 +46,53 @@ def test_large_robots_agree_with_pinocchio(
     assert_close(twin.v(robot.forward_dynamics(q, v, tau)), pin.aba(twin.pin, data, q_, v_, twin.v(tau)))
     upper = np.triu(pin.computeMinverse(twin.pin, data, q_))
     assert_close(robot.inverse_mass_matrix(q), twin.both(upper + np.triu(upper, 1).T))
+
+
+@pytest.mark.parametrize(("joints", "branching"), SIZES)
+def test_regressors_and_momentum_agree_with_pinocchio(
+    joints: int, branching: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ulna.kernels, "LOOPED_ABOVE", 0)
+    robot = ulna.Robot(long_robot(joints, branching))
+    twin: Twin = to_pinocchio(robot.model)
+    rng = np.random.default_rng(joints)
+    q, data = configurations(robot.model, rng, 1)[0], twin.pin.createData()
+    v, a = rng.standard_normal((2, robot.model.nv)) / np.sqrt(joints)
+    state = twin.q(q), twin.v(v), twin.v(a)
+    names = ("joint_torque_regressor", "centroidal_derivatives", "centroidal_matrix_dot")
+    regressor, derivatives, matrix_dot = (robot.kernel(name) for name in names)
+    assert all("loops over" in repr(kernel) for kernel in (regressor, derivatives, matrix_dot))
+    theirs = pin.computeJointTorqueRegressor(twin.pin, data, *state)
+    order = [twin.pin.getJointId(joint.name) - 1 for joint in robot.model.joints]
+    theirs = theirs.reshape(robot.nv, -1, 10)[:, order].reshape(robot.nv, -1)
+    assert_close(regressor(q, v, a), twin.columns(theirs.T).T)
+    for x, y in zip(
+        derivatives(q, v, a), pin.computeCentroidalDynamicsDerivatives(twin.pin, data, *state), strict=True
+    ):
+        assert_close(x, twin.columns(y))
+    pin.dccrba(twin.pin, data, *state[:2])
+    assert_close(matrix_dot(q, v), twin.columns(data.dAg))
+
+
+@pytest.mark.parametrize(("joints", "branching"), SIZES)
+def test_derivatives_under_forces_agree_with_pinocchio(
+    joints: int, branching: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ulna.kernels, "LOOPED_ABOVE", 0)
+    model = long_robot(joints, branching)
+    robot, twin = ulna.Robot(model), to_pinocchio(model)
+    rng = np.random.default_rng(joints)
+    q, data = configurations(model, rng, 1)[0], twin.pin.createData()
+    v, a = rng.standard_normal((2, model.nv)) / np.sqrt(joints)
+    theirs, ours = pin.StdVec_Force([pin.Force.Zero() for _ in range(twin.pin.njoints)]), {}
+    for k in (3, joints // 2, joints):
+        frame, wrench = model.frame(f"l{k}"), rng.standard_normal(6)
+        joint = model.joints[frame.joint]
+        theirs[twin.pin.getJointId(joint.name)] = pin.Force(
+            frame.placement.act(ulna.Force(wrench[:3], wrench[3:])).vector()
+        )
+        ours[f"l{k}"] = wrench
+    by_q, by_v, M = pin.computeRNEADerivatives(twin.pin, data, twin.q(q), twin.v(v), twin.v(a), theirs)
+    found = robot.derivatives.inverse_dynamics(q, v, a, ours, "local")
+    for x, y in zip(found, (by_q, by_v, np.triu(M) + np.triu(M, 1).T), strict=True):
+        assert_close(x, twin.both(y))

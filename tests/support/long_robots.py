@@ -12,13 +12,14 @@ BODY = Inertia.from_com(1.0, (0.05, -0.02, 0.08), np.diag([0.1, 0.2, 0.15]))
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
-def long_robot(n: int, branching: float = 0.0, seed: int = 0) -> Model:
+def long_robot(n: int, branching: float = 0.0, seed: int = 0, coupled: int = 0) -> Model:
     """A chain of n joints; where `branching` is above 0, a tree whose joints leave the newest one that often.
 
     Args:
         n: How many joints.
         branching: Probability that a joint stands a few joints before the newest one.
         seed: The seed of the branches.
+        coupled: Every so many joints, one mimics the joint before; 0 for none.
     """
     rng = np.random.default_rng(seed)
     builder = ModelBuilder(f"robot{n}").add_link("l0")
@@ -27,7 +28,10 @@ def long_robot(n: int, branching: float = 0.0, seed: int = 0) -> Model:
         kind = Prismatic(AXES[k % 3]) if k % 7 == 3 else Revolute(AXES[k % 3])
         place = SE3.trans(0.03, 0.02, 0.01) @ SE3.rx(0.3 + 0.01 * (k % 50))
         builder.add_link(f"l{k}", BODY)
-        builder.add_joint(f"j{k}", kind, f"l{max(k - 1 - back, 0)}", f"l{k}", place, armature=0.01 * (k % 3))
+        mimic = (f"j{k - 1}", -0.7, 0.1) if coupled and k % coupled == 0 else None
+        builder.add_joint(
+            f"j{k}", kind, f"l{max(k - 1 - back, 0)}", f"l{k}", place, armature=0.01 * (k % 3), mimic=mimic
+        )
     return builder.set_tool(f"l{n}").build()
 
 

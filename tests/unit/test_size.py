@@ -60,10 +60,10 @@ def test_what_is_too_large_is_refused_before_it_is_traced(monkeypatch: pytest.Mo
     with pytest.raises(
         TooLargeError, match=r"joint_torque_regressor of 'before500' .* s and .* GB.* ULNA_MOST_OPERATIONS"
     ):
-        kernels.kernel(model, "joint_torque_regressor")
+        kernels.kernel(model, "joint_torque_regressor", parameters="placement")
     monkeypatch.setenv("ULNA_MOST_OPERATIONS", "0")
     with pytest.raises(pytest.fail.Exception, match="it is traced"):
-        kernels.kernel(model, "joint_torque_regressor")
+        kernels.kernel(model, "joint_torque_regressor", parameters="placement")
 
 
 def test_the_limit_can_be_set(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,7 @@ from ulna.compiler.runtime.kernel import KernelBase
 from ulna.errors import InputError
 from ulna.model import Model
 from ulna.numeric import is_symbolic
-from ulna.recursions.composition import DerivativesOfAccelerations
+from ulna.recursions.composition import Composition
 from ulna.recursions.recursion import Recursion
 from ulna.typing import Floats
 
@@ -45,7 +45,7 @@ class LoopedFunction:
         doc: str,
         model: Model,
         inputs: Mapping[str, tuple[int, ...]],
-        recursion: Recursion | DerivativesOfAccelerations,
+        recursion: Recursion | Composition,
         trace: Callable[[], Function],
         remake: tuple[Any, ...],
     ) -> None:

@@ -11,35 +11,59 @@ from ulna.model import Model
 from ulna.recursions._procedures import derivatives
 from ulna.recursions._procedures.newton_euler import new_motions
 from ulna.recursions._procedures.placements import new_placements
+from ulna.recursions.composition import OfColumns
+from ulna.recursions.frame_rows import loaded_frames
 from ulna.recursions.recursion import Recursion
-from ulna.recursions.tree_table import has_mimics, tree_table
+from ulna.recursions.tree_table import free_columns, has_mimics, tree_table
 
 Options = Mapping[str, Any]
+_DERIVATIVES = derivatives.inverse_dynamics_derivatives
+_LOADED_DERIVATIVES = derivatives.loaded_inverse_dynamics_derivatives
 
 
-def _matrices(procedure: Any, count: int, *sizes: str) -> Callable[[Model, Options], Recursion | None]:
-    """So many matrices (nv, nv), without external forces and mimic joints."""
+def new_pairs(rows: int, columns: int) -> derivatives.Pairs:
+    """Storage for pairs of columns.
 
-    def make(model: Model, options: Options) -> Recursion | None:
-        tree = tree_table(model)
-        if options.get("forces") or has_mimics(model, tree):
-            return None
+    Args:
+        rows: How many rows the table has.
+        columns: How many columns its motion subspaces have.
+
+    Returns:
+        The storage.
+    """
+    shapes = (rows, 10), (rows, 6, 1), (rows, 6, 1), *[(columns, 6)] * 3, *[(6, columns)] * 3
+    return derivatives.Pairs(*map(np.zeros, (*shapes, (3, columns), (2, columns))))
+
+
+def _matrices(
+    procedure: Any, loaded: Any, count: int, *sizes: str
+) -> Callable[[Model, Options], Recursion | OfColumns]:
+    """So many matrices (nv, nv), the last of which is the mass matrix if there are three."""
+
+    def make(model: Model, options: Options) -> Recursion | OfColumns:
+        whole, frames = tree_table(model), loaded_frames(model, options)
+        tree = free_columns(whole) if has_mimics(model, whole) else whole
         rows, columns = len(tree.parents), len(tree.entries)
 
         def storage(lanes: int) -> Sequence[Any]:
-            shapes = (rows, 10), (rows, 6, 1), (rows, 6, 1), *[(columns, 6)] * 3, *[(6, columns)] * 3
-            work = derivatives.Pairs(*map(np.zeros, (*shapes, (3, columns), (2, columns))))
-            return tree, new_placements(rows, 1, False), new_motions(rows, 1), work
+            places = new_placements(rows, 1, frames is not None)
+            last = () if frames is None else (frames,)
+            return tree, places, new_motions(rows, 1), new_pairs(rows, columns), *last
 
-        inputs = tuple((getattr(model, size),) for size in sizes)
-        outputs = ((model.nv, model.nv),) * count
-        return Recursion(procedure, storage, inputs, outputs, rows, is_matrix=True)
+        inputs = [(model.nq if size == "nq" else columns,) for size in sizes]
+        inputs += [] if frames is None else [(len(frames.rows), 6)]
+        chosen = procedure if frames is None else loaded
+        outputs = ((columns, columns),) * count
+        made = Recursion(chosen, storage, tuple(inputs), outputs, rows, is_matrix=True)
+        if tree is whole:
+            return made
+        return OfColumns(made, whole.entries, whole.armature if count == 3 else None, model.nv)
 
     return make
 
 
 RECURSIONS = {
-    "inverse_dynamics_derivatives": _matrices(derivatives.inverse_dynamics_derivatives, 3, "nq", "nv", "nv"),
-    "coriolis_matrix": _matrices(derivatives.coriolis_matrix, 1, "nq", "nv"),
+    "inverse_dynamics_derivatives": _matrices(_DERIVATIVES, _LOADED_DERIVATIVES, 3, "nq", "nv", "nv"),
+    "coriolis_matrix": _matrices(derivatives.coriolis_matrix, None, 1, "nq", "nv"),
 }
 """By the names of quantities."""

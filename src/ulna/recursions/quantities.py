@@ -8,29 +8,37 @@ from typing import Any
 import numpy as np
 
 from ulna.model import Frame, Model
+from ulna.numeric import is_symbolic
+from ulna.quantities.forces import friction_of
 from ulna.quantities.quantity import Quantity, frame_of
-from ulna.recursions import pairs, whole_body
+from ulna.recursions import pairs, regressors, whole_body
 from ulna.recursions._procedures import articulated, composite, inverse_mass, newton_euler
 from ulna.recursions._procedures import frames as of_frames
+from ulna.recursions._procedures.frame_table import Frames
 from ulna.recursions._procedures.placements import new_placements
-from ulna.recursions.composition import DerivativesOfAccelerations
+from ulna.recursions.composition import (
+    Composition,
+    DerivativesOfAccelerations,
+    InverseOfMassMatrix,
+    SolvedAccelerations,
+    WithFriction,
+)
+from ulna.recursions.frame_rows import frame_table, loaded_frames
 from ulna.recursions.recursion import Recursion
 from ulna.recursions.tree_table import (
     INT,
     TreeTable,
     UnknownKind,
     has_mimics,
-    matrices_as_rows,
     step_rows,
     tree_table,
 )
 
 Options = Mapping[str, Any]
+Made = Recursion | Composition
 
 
-def recursion_of(
-    model: Model, quantity: Quantity, options: Options
-) -> Recursion | DerivativesOfAccelerations | None:
+def recursion_of(model: Model, quantity: Quantity, options: Options) -> Made | None:
     """The recursion that computes a quantity.
 
     Args:
@@ -48,22 +56,43 @@ def recursion_of(
         return None
 
 
-def _dynamics(procedure: Any, *sizes: str) -> Callable[[Model, Options], Recursion | None]:
-    """Torques of all joints, without external forces and friction."""
+def _torques(model: Model, plain: Any, loaded: Any, sizes: Sequence[str], options: Options) -> Recursion:
+    """Torques of all joints, without friction."""
+    tree, frames = tree_table(model), loaded_frames(model, options)
+    rows = len(tree.parents)
 
-    def make(model: Model, options: Options) -> Recursion | None:
-        if options.get("forces") or options.get("friction", False) is not False:
-            return None
-        tree = tree_table(model)
-        rows = len(tree.parents)
+    def storage(lanes: int) -> Sequence[Any]:
+        moves = newton_euler.new_motions(rows, lanes)
+        places = new_placements(rows, lanes, frames is not None)
+        return (tree, places, moves) if frames is None else (tree, places, moves, frames)
 
-        def storage(lanes: int) -> Sequence[Any]:
-            return tree, new_placements(rows, lanes, False), newton_euler.new_motions(rows, lanes)
+    inputs = _inputs(model, sizes, frames)
+    return Recursion(plain if frames is None else loaded, storage, inputs, ((model.nv,),), rows)
 
-        inputs = tuple((getattr(model, size),) for size in sizes)
-        return Recursion(procedure, storage, inputs, ((model.nv,),), rows)
+
+def _inputs(model: Model, sizes: Sequence[str], frames: Frames | None) -> tuple[tuple[int, ...], ...]:
+    """The shapes of inputs, those of wrenches last."""
+    shapes = tuple((getattr(model, size),) for size in sizes)
+    return shapes if frames is None else (*shapes, (len(frames.rows), 6))
+
+
+def _dynamics(plain: Any, loaded: Any, *sizes: str) -> Callable[[Model, Options], Made | None]:
+    """Torques of all joints, with external forces and friction where they are asked for."""
+
+    def make(model: Model, options: Options) -> Made | None:
+        return _with_friction(model, options, False, _torques(model, plain, loaded, sizes, options))
 
     return make
+
+
+def _with_friction(model: Model, options: Options, is_forward: bool, made: Made) -> Made | None:
+    """The same with the friction that is asked for; None for a law that is traced."""
+    law = friction_of(model, options.get("friction", False))
+    if law is None:
+        return made
+    if is_symbolic(*(x for x in vars(law).values() if x is not None)):
+        return None
+    return WithFriction(made, law, is_forward)
 
 
 def _carriers(model: Model, frames: Sequence[Frame]) -> tuple[TreeTable, Mapping[int, int]]:
@@ -78,19 +107,11 @@ def _carriers(model: Model, frames: Sequence[Frame]) -> tuple[TreeTable, Mapping
     return tree_table(model, joints), step_rows(model, joints)
 
 
-def _frames(frames: Sequence[Frame], rows: Mapping[int, int], reference: str = "world") -> of_frames.Frames:
-    return of_frames.Frames(
-        np.array([rows[frame.joint] for frame in frames], INT),
-        matrices_as_rows([frame.placement for frame in frames]),
-        np.array([of_frames.REFERENCES.index(reference)], INT),
-    )
-
-
 def _pose_recursion(model: Model, frames: Sequence[Frame], shape: tuple[int, ...]) -> Recursion:
     tree, rows = _carriers(model, frames)
 
     def storage(lanes: int) -> Sequence[Any]:
-        return tree, new_placements(len(tree.parents), lanes, True), _frames(frames, rows)
+        return tree, new_placements(len(tree.parents), lanes, True), frame_table(frames, rows)
 
     return Recursion(of_frames.frame_poses, storage, ((model.nq,),), (shape,), len(tree.parents))
 
@@ -114,7 +135,7 @@ def _jacobian(model: Model, options: Options) -> Recursion | None:
 
     def storage(lanes: int) -> Sequence[Any]:
         places = new_placements(len(tree.parents), lanes, True)
-        return tree, places, _frames([frame], rows, options["reference"])
+        return tree, places, frame_table([frame], rows, options["reference"])
 
     return Recursion(of_frames.frame_jacobian, storage, ((model.nq,),), ((6, model.nv),), len(tree.parents))
 
@@ -130,7 +151,7 @@ def _frame_velocity(model: Model, options: Options) -> Recursion | None:
             tree,
             places,
             newton_euler.new_motions(count, lanes),
-            _frames([frame], rows, options["reference"]),
+            frame_table([frame], rows, options["reference"]),
         )
 
     inputs = ((model.nq,), (model.nv,))
@@ -143,35 +164,46 @@ def _articulated(tree: TreeTable, lanes: int) -> articulated.Articulated:
     return articulated.Articulated(*map(np.zeros, shapes))
 
 
-def _forward_dynamics(model: Model, options: Options) -> Recursion | None:
-    tree = tree_table(model)
+def _forward_dynamics(model: Model, options: Options) -> Made | None:
+    made = _solved(model, options) if has_mimics(model, tree_table(model)) else _accelerations(model, options)
+    return _with_friction(model, options, True, made)
+
+
+def _solved(model: Model, options: Options) -> SolvedAccelerations:
+    """Forward dynamics by the mass matrix."""
+    sizes = "nq", "nv"
+    bias = _torques(model, newton_euler.bias_forces, newton_euler.loaded_bias_forces, sizes, options)
+    return SolvedAccelerations(bias, _mass_matrix(model, {}))
+
+
+def _accelerations(model: Model, options: Options) -> Recursion:
+    """Forward dynamics by articulated bodies."""
+    tree, frames = tree_table(model), loaded_frames(model, options)
     rows = len(tree.parents)
-    if options["forces"] or options["friction"] is not False or has_mimics(model, tree):
-        return None
 
     def storage(lanes: int) -> Sequence[Any]:
-        places = new_placements(rows, lanes, False)
-        return tree, places, newton_euler.new_motions(rows, lanes), _articulated(tree, lanes)
+        places = new_placements(rows, lanes, frames is not None)
+        plain = tree, places, newton_euler.new_motions(rows, lanes), _articulated(tree, lanes)
+        return plain if frames is None else (*plain, frames)
 
-    inputs = (model.nq,), (model.nv,), (model.nv,)
-    return Recursion(articulated.forward_dynamics, storage, inputs, ((model.nv,),), rows)
+    inputs = _inputs(model, ("nq", "nv", "nv"), frames)
+    procedure = articulated.forward_dynamics if frames is None else articulated.loaded_forward_dynamics
+    return Recursion(procedure, storage, inputs, ((model.nv,),), rows)
 
 
 def _forward_dynamics_derivatives(model: Model, options: Options) -> DerivativesOfAccelerations | None:
-    if options["forces"] or has_mimics(model, tree_table(model)):
-        return None
-    accelerations = _forward_dynamics(model, {"forces": (), "friction": False})
+    fixed = {"forces": options["forces"], "reference": "local"}
+    accelerations = _forward_dynamics(model, fixed)
     derivatives = pairs.RECURSIONS["inverse_dynamics_derivatives"](model, options)
-    inverse = _inverse_mass_matrix(model, {})
-    if accelerations is None or derivatives is None or inverse is None:
+    if accelerations is None:
         return None
-    return DerivativesOfAccelerations(accelerations, derivatives, inverse)
+    return DerivativesOfAccelerations(accelerations, derivatives, _inverse_mass_matrix(model, {}))
 
 
-def _inverse_mass_matrix(model: Model, options: Options) -> Recursion | None:
+def _inverse_mass_matrix(model: Model, options: Options) -> Recursion | InverseOfMassMatrix:
     tree = tree_table(model)
     if has_mimics(model, tree):
-        return None
+        return InverseOfMassMatrix(_mass_matrix(model, {}))
     slots, count = _slots(tree.parents)
 
     def storage(lanes: int) -> Sequence[Any]:
@@ -200,7 +232,7 @@ def _slots(parents: Any) -> tuple[Any, int]:
     return slots, max(count, 1)
 
 
-def _mass_matrix(model: Model, options: Options) -> Recursion | None:
+def _mass_matrix(model: Model, options: Options) -> Recursion:
     tree = tree_table(model)
     rows, columns = len(tree.parents), len(tree.entries)
 
@@ -213,19 +245,23 @@ def _mass_matrix(model: Model, options: Options) -> Recursion | None:
     return Recursion(composite.mass_matrix, storage, *shapes, rows, is_matrix=True)
 
 
-_RECURSIONS: dict[str, Callable[[Model, Options], Recursion | DerivativesOfAccelerations | None]] = {
+_RECURSIONS: dict[str, Callable[[Model, Options], Made | None]] = {
     "fk": _fk,
     "link_poses": _link_poses,
     "jacobian": _jacobian,
     "frame_velocity": _frame_velocity,
-    "inverse_dynamics": _dynamics(newton_euler.inverse_dynamics, "nq", "nv", "nv"),
-    "bias_forces": _dynamics(newton_euler.bias_forces, "nq", "nv"),
-    "gravity_forces": _dynamics(newton_euler.gravity_forces, "nq"),
+    "inverse_dynamics": _dynamics(
+        newton_euler.inverse_dynamics, newton_euler.loaded_inverse_dynamics, "nq", "nv", "nv"
+    ),
+    "bias_forces": _dynamics(newton_euler.bias_forces, newton_euler.loaded_bias_forces, "nq", "nv"),
+    "gravity_forces": _dynamics(newton_euler.gravity_forces, None, "nq"),
+    "static_torque": _dynamics(newton_euler.gravity_forces, newton_euler.loaded_gravity_forces, "nq"),
     "mass_matrix": _mass_matrix,
     "forward_dynamics": _forward_dynamics,
     "inverse_mass_matrix": _inverse_mass_matrix,
     "forward_dynamics_derivatives": _forward_dynamics_derivatives,
     **whole_body.RECURSIONS,
     **pairs.RECURSIONS,
+    **regressors.RECURSIONS,
 }
 """By the names of quantities."""

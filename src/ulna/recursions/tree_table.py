@@ -132,6 +132,19 @@ def has_mimics(model: Model, tree: TreeTable) -> bool:
     return not np.array_equal(tree.entries, np.arange(model.nv))
 
 
+def free_columns(tree: TreeTable) -> TreeTable:
+    """The table of the robot whose every column has its own entry of velocity; without armature.
+
+    Args:
+        tree: The whole table of a model.
+
+    Returns:
+        The table; columns of mimic joints stay times their multiplier.
+    """
+    columns = len(tree.entries)
+    return tree._replace(entries=np.arange(columns), armature=np.zeros(columns))
+
+
 @lru_cache(maxsize=8)
 def step_rows(model: Model, joints: tuple[int, ...] | None = None) -> Mapping[int, int]:
     """The row of the moving frame of each joint; that of -1, the world, is 0.

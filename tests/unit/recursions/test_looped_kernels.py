@@ -13,36 +13,49 @@ import ulna
 from support.long_robots import circles, configurations, long_robot
 from support.random_models import random_model
 from ulna import kernels
+from ulna.algorithms import Friction
 from ulna.compiler import compile
 from ulna.errors import InputError, NonFiniteError, ShapeError
 from ulna.model import Model
-from ulna.recursions import pairs, quantities, whole_body
+from ulna.recursions import pairs, quantities, regressors, whole_body
 from ulna.recursions.recursion import specialized
 
 REFERENCES = ("world", "local", "local_world_aligned")
 FRAMES = [{"frame": frame, "reference": reference} for frame in ("tip", "side") for reference in REFERENCES]
+LOADS = [{"forces": ("tip", "side", "tip"), "reference": reference} for reference in REFERENCES]
+FRICTIONS: list[Any] = [True, Friction(0.3, 0.2, backward=0.1, static=0.4, stribeck=0.5, width=0.3)]
 CASES: list[tuple[str, dict[str, Any]]] = [
     *(("fk", {"frame": frame}) for frame in (None, "side", "all", ("tip", "side"))),
     ("link_poses", {}),
     *(("jacobian", options) for options in FRAMES),
     *(("frame_velocity", options) for options in FRAMES),
-    ("inverse_dynamics", {}),
-    ("bias_forces", {}),
+    *(
+        (name, options)
+        for name in ("inverse_dynamics", "forward_dynamics")
+        for options in ({}, *LOADS, *({"friction": law} for law in FRICTIONS), {**LOADS[0], "friction": True})
+    ),
+    *((name, options) for name in ("bias_forces", "static_torque") for options in ({}, *LOADS)),
     ("gravity_forces", {}),
     ("mass_matrix", {}),
-    ("forward_dynamics", {}),
     ("inverse_mass_matrix", {}),
-    ("forward_dynamics_derivatives", {}),
-    *((name, {}) for name in sorted({**whole_body.RECURSIONS, **pairs.RECURSIONS})),
+    *(
+        (f"{name}_dynamics_derivatives", {"forces": forces})
+        for name in ("forward", "inverse")
+        for forces in ((), ("tip", "side", "tip"))
+    ),
+    *((name, {}) for name in sorted({**whole_body.RECURSIONS, **pairs.RECURSIONS, **regressors.RECURSIONS})),
 ]
 NAMES = sorted({name for name, _ in CASES})
-WITHOUT_MIMIC_JOINTS = (
-    "forward_dynamics",
-    "inverse_mass_matrix",
-    "inverse_dynamics_derivatives",
-    "coriolis_matrix",
-    "forward_dynamics_derivatives",
-)
+OF_OTHERS = ("forward_dynamics_derivatives", "centroidal_matrix_dot", "com_velocity_derivatives")
+ONE_PROCEDURE = [
+    (name, options)
+    for name in NAMES
+    if name not in OF_OTHERS
+    for options in (
+        {},
+        *([{"forces": ("side", "tip")}] if "forces" in kernels.QUANTITIES[name].options else []),
+    )
+]
 
 
 def robots() -> dict[str, Model]:
@@ -57,12 +70,13 @@ def robots() -> dict[str, Model]:
 ROBOTS = robots()
 
 
-def arguments(model: Model, name: str, batch: int, seed: int = 0) -> list[Any]:
+def arguments(model: Model, name: str, batch: int, seed: int = 0, forces: Any = ()) -> list[Any]:
     rng = np.random.default_rng(seed)
     made = {"q": configurations(model, rng, batch)}
-    return [
+    arrays = [
         made.get(array, rng.standard_normal((batch, model.nv))) for array in kernels.QUANTITIES[name].arrays
     ]
+    return [*arrays, *([rng.standard_normal((batch, len(forces), 6))] if forces else [])]
 
 
 def close(a: Any, b: Any) -> bool:
@@ -83,11 +97,8 @@ def test_the_numbers_are_those_of_the_traced_kernel(robot: str, name: str) -> No
     model = ROBOTS[robot]
     for options in [o for n, o in CASES if n == name]:
         looped = kernels.looped(model, name, **options)
-        if robot == "mimic joints" and name in WITHOUT_MIMIC_JOINTS:
-            assert looped is None
-            continue
         assert looped is not None
-        arrays = arguments(model, name, 19)
+        arrays = arguments(model, name, 19, 0, options.get("forces"))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             expected = kernels.function(model, name, **options)(*arrays)
@@ -99,33 +110,35 @@ def test_the_numbers_are_those_of_the_traced_kernel(robot: str, name: str) -> No
 
 
 @pytest.mark.parametrize(
-    "name",
+    ("name", "options"),
     [
-        name if name == "gravity_forces" else pytest.param(name, marks=pytest.mark.slow)
-        for name in NAMES
-        if name != "forward_dynamics_derivatives"  # made of others
+        pytest.param(
+            name, options, marks=() if name in ("gravity_forces", "static_torque") else pytest.mark.slow
+        )
+        for name, options in ONE_PROCEDURE
     ],
 )
-def test_no_access_is_beside_an_array(name: str) -> None:
+def test_no_access_is_beside_an_array(name: str, options: dict[str, Any]) -> None:
     """The code that checks every access computes the same, for one sample and for lanes."""
     model = ROBOTS["all kinds"]
-    options = next(o for n, o in CASES if n == name)
+    forces = options.get("forces")
     looped = kernels.looped(model, name, **options)
     assert looped is not None
     recursion = looped.evaluator.recursion
     if recursion.is_matrix:
-        arrays = arguments(model, name, 2)
+        arrays = arguments(model, name, 2, 0, forces)
         matrices = [np.full((2, *shape), np.nan) for shape in recursion.outputs]
-        inputs = [np.ascontiguousarray(x)[:, :, None] for x in arrays]
+        inputs = [np.ascontiguousarray(x).reshape(2, -1, 1) for x in arrays]
         specialized(recursion.procedure, 4).checked(*recursion.storage(1), *inputs, *matrices, 2)
         assert close(tuple(matrices), looped(*arrays))
         return
     for lanes in (1, 4):
-        arrays = [np.ascontiguousarray(x.T)[None] for x in arguments(model, name, lanes)]
+        given = arguments(model, name, lanes, 0, forces)
+        arrays = [np.ascontiguousarray(x.reshape(lanes, -1).T)[None] for x in given]
         outputs = [np.zeros((1, int(np.prod(shape)), lanes)) for shape in recursion.outputs]
         procedure = specialized(recursion.procedure, lanes)
         procedure.checked(*recursion.storage(lanes), *arrays, *outputs, 1)
-        expected = looped(*arguments(model, name, lanes))
+        expected = looped(*given)
         assert close(outputs[0][0].T.reshape(expected.shape), expected)
 
 
@@ -261,7 +274,7 @@ def test_without_mass_there_is_no_centre() -> None:
 
 def test_unknown_options_have_no_loops() -> None:
     model = ROBOTS["all kinds"]
-    assert kernels.looped(model, "inverse_dynamics", forces=("tip",)) is None
+    assert kernels.looped(model, "jacobian_dot") is None
     assert kernels.looped(model, "hessian") is None
 
 
@@ -283,3 +296,42 @@ def test_matrices_of_hundreds_of_joints() -> None:
     torques = robot.inverse_dynamics(q[0], v[0], a[0])
     assert np.abs(M @ a[0] + robot.bias_forces(q[0], v[0]) - torques).max() < 1e-10 * np.abs(torques).max()
     assert np.abs(robot.forward_dynamics(q[0], v[0], torques) - a[0]).max() < 1e-6
+
+
+def test_hundreds_of_joints_of_which_some_mimic_others() -> None:
+    """Torques and accelerations invert each other; derivatives are those along the tangent space."""
+    robot = ulna.Robot(long_robot(300, 0.05, coupled=4))
+    q, v, a = (x[0] for x in arguments(robot.model, "inverse_dynamics", 1))
+    assert robot.nv == 225
+    forces = {"l150": np.ones(6), "l300": -np.ones(6)}
+    torques = robot.inverse_dynamics(q, v, a, forces, "local")
+    assert "loops over" in repr(robot.kernel("forward_dynamics", forces=tuple(forces)))
+    found = robot.forward_dynamics(q, v, torques, forces, "local")
+    assert np.abs(found - a).max() < 1e-6
+    by_q, by_v, M = robot.derivatives.inverse_dynamics(q, v, a, forces, "local")
+    assert "loops over" in repr(robot.kernel("inverse_dynamics_derivatives", forces=tuple(forces)))
+    scale = np.abs(torques).max()
+    assert np.abs(M - robot.mass_matrix(q)).max() < 1e-11 * np.abs(M).max()
+    assert np.abs(M @ robot.inverse_mass_matrix(q) - np.eye(robot.nv)).max() < 1e-8
+    assert (
+        np.abs(robot.coriolis_matrix(q, v) @ v + robot.gravity_forces(q) - robot.bias_forces(q, v)).max()
+        < 1e-10 * scale
+    )
+    step, h = np.random.default_rng(1).standard_normal(robot.nv), 1e-6
+    for k, matrix in enumerate((by_q, by_v)):
+        before, after = (
+            [q - sign * h * step, v] if k == 0 else [q, v - sign * h * step] for sign in (1.0, -1.0)
+        )
+        change = robot.inverse_dynamics(*after, a, forces, "local") - robot.inverse_dynamics(
+            *before, a, forces, "local"
+        )
+        expected = matrix @ step
+        assert np.abs(change / (2.0 * h) - expected).max() < 1e-5 * np.abs(expected).max()
+
+
+def test_friction_joins_the_torques_of_loops(chain: ulna.Robot) -> None:
+    q, v, a = (x[0] for x in arguments(chain.model, "inverse_dynamics", 1))
+    plain = chain.inverse_dynamics(q, v, a)
+    law = Friction(viscous=np.linspace(0.1, 1.0, 30), coulomb=0.3)
+    assert np.abs(chain.inverse_dynamics(q, v, a, friction=law) - plain + law.torque(v)).max() < 1e-12
+    assert np.abs(chain.forward_dynamics(q, v, plain - law.torque(v), friction=law) - a).max() < 1e-9

@@ -14,8 +14,8 @@
 | dF/dq | | Force | | B psi + I chi + s x* F, less r.linear x f / m in the moment |
 | dF/dv | | Force | | B s + I phi = 2 (I psi + s x* h) + I (S_i v_i x s) + (0; B^T s) |
 
-Each column is a force in the moving frame of its step, as observed by somebody who moves on evenly with its origin; it is
-then written about c along the axes of the world. Forces are the same to that observer; momentum is not, hence u. The
+Each column is a force in the moving frame of its step, as observed by somebody who moves on evenly with its origin; it
+is then written about c along the axes of the world. Forces are the same to that observer; momentum is not, hence u. The
 centre moves by dc/dq = r.linear / m. The results belong to the whole robot, so regrouped inertias serve, but for m and
 c (see regrouped_moments.py). Derivatives by q are along the tangent space. Source: Orin, Goswami & Lee, Centroidal
 dynamics of a humanoid robot (2013), for h_G; Carpentier & Mansard, Analytical Derivatives of Rigid Body Dynamics
@@ -145,7 +145,5 @@ def _observers(tree: Sequence[Step], T: Sequence[SE3], state: Callable[[int], St
     found: list[Array] = []
     for i, step in enumerate(tree):
         u = state(i).u
-        found.append(
-            u if step.parent < 0 else found[step.parent] + apply(T[step.parent].rotation, u)
-        )
+        found.append(u if step.parent < 0 else found[step.parent] + apply(T[step.parent].rotation, u))
     return found

@@ -202,8 +202,15 @@ def column_derivatives(step: Step, state: State) -> list[ColumnDerivatives]:
     return columns
 
 
-def states(tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array) -> Callable[[int], State]:
+def states_of_moving_observers(
+    tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array
+) -> Callable[[int], State]:
     """The twists and accelerations at the steps, those of free fall subtracted.
+
+    Each is as observed by somebody who moves on evenly with the origin of the moving frame of the step.
+
+    Forces are the same to all who move evenly (Galilei), so the torques and their derivatives are, too; but half of the
+    twists is zero. In exchange u appears, the velocity of an observer relative to that of the parent.
 
     A trace records in the order in which states are asked for; what is computed shortly before it is used stays in
     registers.
@@ -217,29 +224,6 @@ def states(tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array) -
 
     Returns:
         A function that computes the state at a step, once.
-    """
-    zero = Motion.zero()
-    lift = Motion(-np.asarray(gravity), np.zeros(3))
-
-    @cache
-    def state(i: int) -> State:
-        step = tree[i]
-        before = state(step.parent) if step.parent >= 0 else None
-        U = step.motion_from_parent(before.V, q) if before else zero
-        C = step.motion_from_parent(before.A if before else lift, q)
-        v_J = step.motion(v)
-        return State(U, U + v_J, C, C + step.motion(a) + U.cross(v_J), np.zeros(3))
-
-    return state
-
-
-def states_of_moving_observers(
-    tree: Sequence[Step], q: Array, v: Array, a: Array, gravity: Array
-) -> Callable[[int], State]:
-    """The same, each as observed by somebody who moves on evenly with the origin of the moving frame of the step.
-
-    Forces are the same to all who move evenly (Galilei), so the torques and their derivatives are, too; but half of the
-    twists is zero. In exchange u appears, the velocity of an observer relative to that of the parent.
     """
 
     @cache

@@ -17,6 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ulna.compiler.procedures import Array2, Array3, broadcast, f64, procedure
+from ulna.recursions._procedures.external_forces import subtract_wrenches
+from ulna.recursions._procedures.frame_table import Frames
 from ulna.recursions._procedures.newton_euler import (
     Motions,
     add_cross_of_twists,
@@ -228,5 +230,29 @@ def forward_dynamics(
     C = np.zeros((1, 27, W), f64)
     for b in range(blocks):
         _outward(tree, places, moves, work, q[b], v[b], W)
+        _inward(tree, places, moves, work, tau[b], C, W)
+        _accelerate(tree, places, moves, work, a[b], W)
+
+
+@procedure(constants={"W": 1}, contract=True)
+def loaded_forward_dynamics(
+    tree: TreeTable,
+    places: Placements,
+    moves: Motions,
+    work: Articulated,
+    frames: Frames,
+    q: Array3[f64],
+    v: Array3[f64],
+    tau: Array3[f64],
+    wrenches: Array3[f64],
+    a: Array3[f64],
+    blocks: int,
+    W: int,
+) -> None:
+    """Joint accelerations under external forces as well; see `newton_euler.loaded_inverse_dynamics`."""
+    C = np.zeros((1, 27, W), f64)
+    for b in range(blocks):
+        _outward(tree, places, moves, work, q[b], v[b], W)
+        subtract_wrenches(tree, places, frames, wrenches[b], moves.F, W)
         _inward(tree, places, moves, work, tau[b], C, W)
         _accelerate(tree, places, moves, work, a[b], W)

@@ -27,6 +27,8 @@ from ulna.recursions._procedures.columns import (
     turn_columns,
 )
 from ulna.recursions._procedures.composite import add_inertia
+from ulna.recursions._procedures.external_forces import subtract_wrenches
+from ulna.recursions._procedures.frame_table import Frames
 from ulna.recursions._procedures.moving_bodies import (
     add_rate_to_parent,
     coriolis,
@@ -63,7 +65,7 @@ class Pairs(NamedTuple):
 
 
 @procedure
-def _states(tree, places, moves, work, q, v, a, HAS_A):
+def states_of_bodies(tree, places, moves, work, q, v, a, HAS_A):
     """Velocities, accelerations and forces of the bodies; their inertias, momenta and rates."""
     place(tree, places, q, 1)
     for i in range(len(tree.parents)):
@@ -86,7 +88,7 @@ def _states(tree, places, moves, work, q, v, a, HAS_A):
 
 
 @procedure
-def _column_derivatives(tree, X, moves, work, i, k, HAS_A):
+def column_derivatives(tree, X, moves, work, i, k, HAS_A):
     """Writes psi, chi and phi of column k of step i."""
     sx, sy, sz, wx, wy, wz = (
         tree.S[k, 0], tree.S[k, 1], tree.S[k, 2], tree.S[k, 3], tree.S[k, 4], tree.S[k, 5],
@@ -108,7 +110,7 @@ def _column_derivatives(tree, X, moves, work, i, k, HAS_A):
 
 
 @procedure
-def _force_by(tree, work, A, motion, B, i, k, scale, HAS_B):
+def force_by(tree, work, A, motion, B, i, k, scale, HAS_B):
     """Writes column k of A: I motion, and `scale` times B of what row k of B holds."""
     fx, fy, fz, nx, ny, nz = momentum(
         work.inertias, i, motion[k, 0], motion[k, 1], motion[k, 2], motion[k, 3], motion[k, 4], motion[k, 5]
@@ -132,19 +134,19 @@ def _moment_of(tree, work, i, k, scale):
 
 
 @procedure
-def _add_turned_force(tree, F, work, i, k):
-    """Adds s x* F to z of column k, of the bodies from step i outward."""
+def add_turned_force(tree, F, A, i, k):
+    """Adds s x* F to column k of A, of the bodies from step i outward."""
     fx, fy, fz = three(F, i, 0, 1)
     nx, ny, nz = three(F, i, 3, 1)
     ax, ay, az = cross(tree.S[k, 3], tree.S[k, 4], tree.S[k, 5], fx, fy, fz)
     bx, by, bz = cross(tree.S[k, 3], tree.S[k, 4], tree.S[k, 5], nx, ny, nz)
     cx, cy, cz = cross(tree.S[k, 0], tree.S[k, 1], tree.S[k, 2], fx, fy, fz)
-    work.z[0, k] += ax
-    work.z[1, k] += ay
-    work.z[2, k] += az
-    work.z[3, k] += bx + cx
-    work.z[4, k] += by + cy
-    work.z[5, k] += bz + cz
+    A[0, k] += ax
+    A[1, k] += ay
+    A[2, k] += az
+    A[3, k] += bx + cx
+    A[4, k] += by + cy
+    A[5, k] += bz + cz
 
 
 @procedure
@@ -177,31 +179,42 @@ def _below(A, B, c, work, row, M, start, stop, W):
 
 
 @procedure
-def _to_parent(tree, X, moves, work, i, HAS_A, W):
-    """Takes all of a step to its parent: the columns of what it moves, inertia, momentum, rate, force."""
-    start, stop, parent = tree.columns[i], tree.ends[i], tree.parents[i]
-    all_wrenches_out(X, i, work.r, start, stop, W)
-    all_wrenches_out(X, i, work.y, start, stop, W)
-    turn_columns(X, i, work.t, start, stop, W)
+def bodies_to_parent(tree, X, moves, work, i, HAS_A):
+    """Adds inertia, momentum, rate and force of what a step moves to those of its parent."""
+    parent = tree.parents[i]
     add_inertia(X, i, work.inertias, parent)
     add_rate_to_parent(X, i, work.D, work.h, parent)
     add_wrench_out(X, i, work.h, parent, 1)
     if HAS_A:
-        all_wrenches_out(X, i, work.z, start, stop, W)
         add_wrench_out(X, i, moves.F, parent, 1)
 
 
 @procedure
-def _derivatives(tree, places, moves, work, q, v, a, by_q, by_v, M, W):
-    """The three matrices of one sample; what is below the diagonal of M is left."""
-    _states(tree, places, moves, work, q, v, a, True)
+def _to_parent(tree, X, moves, work, i, HAS_A, W):
+    """Takes all of a step to its parent: the columns of what it moves, inertia, momentum, rate, force."""
+    start, stop = tree.columns[i], tree.ends[i]
+    all_wrenches_out(X, i, work.r, start, stop, W)
+    all_wrenches_out(X, i, work.y, start, stop, W)
+    turn_columns(X, i, work.t, start, stop, W)
+    if HAS_A:
+        all_wrenches_out(X, i, work.z, start, stop, W)
+    bodies_to_parent(tree, X, moves, work, i, HAS_A)
+
+
+@procedure
+def _derivatives(tree, places, moves, work, by_q, by_v, M, W):
+    """The three matrices of one sample, of its states; what is below the diagonal of M is left."""
+    for k in range(len(tree.armature)):
+        fill_row(by_q, k, 0, 0.0, W)
+        fill_row(by_v, k, 0, 0.0, W)
+        fill_row(M, k, 0, 0.0, W)
     for i in range(len(tree.parents) - 1, 0, -1):
         first, after, stop = tree.columns[i], tree.columns[i + 1], tree.ends[i]
         for k in range(first, after):
-            _column_derivatives(tree, places.X, moves, work, i, k, True)
-            _force_by(tree, work, work.r, tree.S, tree.S, i, k, 0.0, False)
-            _force_by(tree, work, work.y, work.phi, tree.S, i, k, 1.0, True)
-            _force_by(tree, work, work.z, work.chi, work.psi, i, k, 1.0, True)
+            column_derivatives(tree, places.X, moves, work, i, k, True)
+            force_by(tree, work, work.r, tree.S, tree.S, i, k, 0.0, False)
+            force_by(tree, work, work.y, work.phi, tree.S, i, k, 1.0, True)
+            force_by(tree, work, work.z, work.chi, work.psi, i, k, 1.0, True)
             _moment_of(tree, work, i, k, 1.0)
         for k in range(first, after):
             _row(tree.S, k, work.r, M, k, stop, W)
@@ -210,21 +223,24 @@ def _derivatives(tree, places, moves, work, q, v, a, by_q, by_v, M, W):
             _below(work.phi, tree.S, k, work, 0, by_v, after, stop, W)
             _below(work.chi, work.psi, k, work, 1, by_q, after, stop, W)
         for k in range(first, after):
-            _add_turned_force(tree, moves.F, work, i, k)
+            add_turned_force(tree, moves.F, work.z, i, k)
         if tree.parents[i] > 0:
             _to_parent(tree, places.X, moves, work, i, True, W)
+    mirror(M)
+    for k in range(len(tree.armature)):
+        M[k, k] += tree.armature[k]
 
 
 @procedure
 def _coriolis(tree, places, moves, work, q, v, C, W):
     """The Coriolis matrix of one sample."""
-    _states(tree, places, moves, work, q, v, v, False)
+    states_of_bodies(tree, places, moves, work, q, v, v, False)
     for i in range(len(tree.parents) - 1, 0, -1):
         first, after, stop = tree.columns[i], tree.columns[i + 1], tree.ends[i]
         for k in range(first, after):
-            _column_derivatives(tree, places.X, moves, work, i, k, False)
-            _force_by(tree, work, work.r, tree.S, tree.S, i, k, 0.0, False)
-            _force_by(tree, work, work.y, work.phi, tree.S, i, k, 0.5, True)
+            column_derivatives(tree, places.X, moves, work, i, k, False)
+            force_by(tree, work, work.r, tree.S, tree.S, i, k, 0.0, False)
+            force_by(tree, work, work.y, work.phi, tree.S, i, k, 0.5, True)
             _moment_of(tree, work, i, k, 0.5)
         for k in range(first, after):
             _row(tree.S, k, work.y, C, first, stop, W)
@@ -265,14 +281,32 @@ def inverse_dynamics_derivatives(
         W: Columns at once, a constant.
     """
     for b in range(blocks):
-        for k in range(len(tree.armature)):
-            fill_row(by_q[b], k, 0, 0.0, W)
-            fill_row(by_v[b], k, 0, 0.0, W)
-            fill_row(by_a[b], k, 0, 0.0, W)
-        _derivatives(tree, places, moves, work, q[b], v[b], a[b], by_q[b], by_v[b], by_a[b], W)
-        mirror(by_a[b])
-        for k in range(len(tree.armature)):
-            by_a[b, k, k] += tree.armature[k]
+        states_of_bodies(tree, places, moves, work, q[b], v[b], a[b], True)
+        _derivatives(tree, places, moves, work, by_q[b], by_v[b], by_a[b], W)
+
+
+@procedure(constants={"W": 8}, contract=True)
+def loaded_inverse_dynamics_derivatives(
+    tree: TreeTable,
+    places: Placements,
+    moves: Motions,
+    work: Pairs,
+    frames: Frames,
+    q: Array3[f64],
+    v: Array3[f64],
+    a: Array3[f64],
+    wrenches: Array3[f64],
+    by_q: Array3[f64],
+    by_v: Array3[f64],
+    by_a: Array3[f64],
+    blocks: int,
+    W: int,
+) -> None:
+    """The same under forces that turn with their frames, (blocks, 6 k, 1); see `inverse_dynamics_derivatives`."""
+    for b in range(blocks):
+        states_of_bodies(tree, places, moves, work, q[b], v[b], a[b], True)
+        subtract_wrenches(tree, places, frames, wrenches[b], moves.F, 1)
+        _derivatives(tree, places, moves, work, by_q[b], by_v[b], by_a[b], W)
 
 
 @procedure(constants={"W": 8}, contract=True)

@@ -5,33 +5,14 @@ A frame is the row of the joint that carries it and its placement F there, as a 
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from ulna.compiler.procedures import Array1, Array2, Array3, broadcast, f64, procedure
+from ulna.compiler.procedures import Array3, broadcast, f64, procedure
+from ulna.recursions._procedures.frame_table import Frames
 from ulna.recursions._procedures.newton_euler import Motions, velocity_of
 from ulna.recursions._procedures.placements import Placements, place_in_world
 from ulna.recursions._procedures.vectors import cross, rotate, rotate_back, three, twist_out
 from ulna.recursions.tree_table import TreeTable
-
-INT = np.int64
-REFERENCES = ("world", "local_world_aligned", "local")
-"""References by the numbers that procedures know them by."""
-
-
-class Frames(NamedTuple):
-    """Some frames.
-
-    Attributes:
-        rows: The row of the step that carries each, (k,).
-        placements: F of each, rotation by rows and translation, (k, 12) [m].
-        reference: The number of a reference, (1,).
-    """
-
-    rows: Array1[INT]
-    placements: Array2[f64]
-    reference: Array1[INT]
 
 
 @procedure

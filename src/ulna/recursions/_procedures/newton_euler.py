@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ulna.compiler.procedures import Array3, broadcast, f64, procedure
+from ulna.recursions._procedures.external_forces import subtract_wrenches
+from ulna.recursions._procedures.frame_table import Frames
 from ulna.recursions._procedures.placements import Placements, place
 from ulna.recursions._procedures.vectors import add_wrench_out, cross, momentum, put, three, twist_into
 from ulna.recursions.tree_table import TreeTable
@@ -128,8 +130,8 @@ def gather_torques(tree, X, F, tau, W):
 
 
 @procedure
-def _torques(tree, places, moves, q, v, a, tau, HAS_V, HAS_A, W):
-    """The torques of one block of samples."""
+def _forces(tree, places, moves, q, v, a, HAS_V, HAS_A, W):
+    """The forces on the bodies of one block of samples."""
     place(tree, places, q, W)
     for k in range(3):
         moves.A[0, k, 0:W] = broadcast(-tree.gravity[k], W)
@@ -139,12 +141,32 @@ def _torques(tree, places, moves, q, v, a, tau, HAS_V, HAS_A, W):
             sx, sy, sz, wx, wy, wz = velocity_of(tree, places.X, moves.V, v, i, W)
             add_cross_of_twists(moves.V, i, sx, sy, sz, wx, wy, wz, moves.A, W)
         body_force(tree, moves, i, HAS_V, W)
+
+
+@procedure
+def _of_forces(tree, places, moves, a, tau, HAS_A, W):
+    """The torques of one block of samples, of the forces on the bodies."""
     for k in range(len(tau)):
         if HAS_A:
             tau[k, 0:W] = a[k, 0:W] * tree.armature[k]
         else:
             tau[k, 0:W] = broadcast(0.0, W)
     gather_torques(tree, places.X, moves.F, tau, W)
+
+
+@procedure
+def _torques(tree, places, moves, q, v, a, tau, HAS_V, HAS_A, W):
+    """The torques of one block of samples."""
+    _forces(tree, places, moves, q, v, a, HAS_V, HAS_A, W)
+    _of_forces(tree, places, moves, a, tau, HAS_A, W)
+
+
+@procedure
+def _loaded_torques(tree, places, moves, frames, q, v, a, wrenches, tau, HAS_V, HAS_A, W):
+    """The same under external forces."""
+    _forces(tree, places, moves, q, v, a, HAS_V, HAS_A, W)
+    subtract_wrenches(tree, places, frames, wrenches, moves.F, W)
+    _of_forces(tree, places, moves, a, tau, HAS_A, W)
 
 
 @procedure(constants={"W": 1}, contract=True)
@@ -205,3 +227,71 @@ def gravity_forces(
     """The joint torques of gravity; see `inverse_dynamics`."""
     for b in range(blocks):
         _torques(tree, places, moves, q[b], q[b], q[b], tau[b], False, False, W)
+
+
+@procedure(constants={"W": 1}, contract=True)
+def loaded_inverse_dynamics(
+    tree: TreeTable,
+    places: Placements,
+    moves: Motions,
+    frames: Frames,
+    q: Array3[f64],
+    v: Array3[f64],
+    a: Array3[f64],
+    wrenches: Array3[f64],
+    tau: Array3[f64],
+    blocks: int,
+    W: int,
+) -> None:
+    """The joint torques of accelerations under external forces; see `inverse_dynamics`.
+
+    Args:
+        tree: The table.
+        places: Storage, with the world's frames.
+        moves: Storage.
+        frames: The frames that forces act on, and how these are written.
+        q: Configurations, one a lane, (blocks, nq, W) [rad, m].
+        v: Velocities, (blocks, nv, W) [rad/s, m/s].
+        a: Accelerations, (blocks, nv, W) [rad/s^2, m/s^2].
+        wrenches: What the surroundings exert at the frames, (blocks, 6 k, W) [N, N m].
+        tau: Torques that are written, (blocks, nv, W) [N m, N].
+        blocks: How many blocks are computed.
+        W: Lanes, a constant.
+    """
+    for b in range(blocks):
+        _loaded_torques(tree, places, moves, frames, q[b], v[b], a[b], wrenches[b], tau[b], True, True, W)
+
+
+@procedure(constants={"W": 1}, contract=True)
+def loaded_bias_forces(
+    tree: TreeTable,
+    places: Placements,
+    moves: Motions,
+    frames: Frames,
+    q: Array3[f64],
+    v: Array3[f64],
+    wrenches: Array3[f64],
+    tau: Array3[f64],
+    blocks: int,
+    W: int,
+) -> None:
+    """The joint torques of velocities, gravity and external forces; see `loaded_inverse_dynamics`."""
+    for b in range(blocks):
+        _loaded_torques(tree, places, moves, frames, q[b], v[b], v[b], wrenches[b], tau[b], True, False, W)
+
+
+@procedure(constants={"W": 1}, contract=True)
+def loaded_gravity_forces(
+    tree: TreeTable,
+    places: Placements,
+    moves: Motions,
+    frames: Frames,
+    q: Array3[f64],
+    wrenches: Array3[f64],
+    tau: Array3[f64],
+    blocks: int,
+    W: int,
+) -> None:
+    """The joint torques of gravity and external forces; see `loaded_inverse_dynamics`."""
+    for b in range(blocks):
+        _loaded_torques(tree, places, moves, frames, q[b], q[b], q[b], wrenches[b], tau[b], False, False, W)

@@ -144,5 +144,11 @@ def multiply(A, i, B, k, C, o, W):
 def place_in_world(tree, places, q, W):
     """X and T of every step."""
     place(tree, places, q, W)
+    chain_placements(tree, places, W)
+
+
+@procedure
+def chain_placements(tree, places, W):
+    """T of every step, from X."""
     for i in range(1, len(tree.parents)):
         multiply(places.T, tree.parents[i], places.X, i, places.T, i, W)
