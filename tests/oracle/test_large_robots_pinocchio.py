@@ -37,6 +37,15 @@ def test_large_robots_agree_with_pinocchio(
     for name, reference in (("world", pin.WORLD), ("local_world_aligned", pin.LOCAL_WORLD_ALIGNED)):
         J = twin.columns(pin.getFrameJacobian(twin.pin, data, index, reference))
         assert_close(robot.jacobian(q, reference=name), J)
+    pin.forwardKinematics(twin.pin, data, q_, v_, a_)
+    for name, reference in (("local", pin.LOCAL), ("local_world_aligned", pin.LOCAL_WORLD_ALIGNED)):
+        for classical in (False, True):
+            theirs = (pin.getFrameClassicalAcceleration if classical else pin.getFrameAcceleration)(
+                twin.pin, data, index, reference
+            )
+            assert_close(
+                robot.frame_acceleration(q, v, a, reference=name, classical=classical), theirs.vector
+            )
     assert_close(twin.v(robot.inverse_dynamics(q, v, a)), pin.rnea(twin.pin, data, q_, v_, a_))
     assert_close(twin.v(robot.bias_forces(q, v)), pin.nonLinearEffects(twin.pin, data, q_, v_))
     assert_close(twin.v(robot.gravity_forces(q)), pin.computeGeneralizedGravity(twin.pin, data, q_))

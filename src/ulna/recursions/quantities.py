@@ -140,22 +140,23 @@ def _jacobian(model: Model, options: Options) -> Recursion | None:
     return Recursion(of_frames.frame_jacobian, storage, ((model.nq,),), ((6, model.nv),), len(tree.parents))
 
 
-def _frame_velocity(model: Model, options: Options) -> Recursion | None:
-    frame = frame_of(model, options["frame"])
-    tree, rows = _carriers(model, [frame])
+def _motion_of_frame(procedure: Any, *sizes: str) -> Callable[[Model, Options], Recursion]:
+    """The velocity of one frame, or its acceleration."""
 
-    def storage(lanes: int) -> Sequence[Any]:
-        count = len(tree.parents)
-        places = new_placements(count, lanes, True)
-        return (
-            tree,
-            places,
-            newton_euler.new_motions(count, lanes),
-            frame_table([frame], rows, options["reference"]),
-        )
+    def make(model: Model, options: Options) -> Recursion:
+        frame = frame_of(model, options["frame"])
+        tree, rows = _carriers(model, [frame])
+        last = (np.array([int(options["classical"])], INT),) if "classical" in options else ()
 
-    inputs = ((model.nq,), (model.nv,))
-    return Recursion(of_frames.frame_velocity, storage, inputs, ((6,),), len(tree.parents))
+        def storage(lanes: int) -> Sequence[Any]:
+            count = len(tree.parents)
+            places = new_placements(count, lanes, True)
+            moves = newton_euler.new_motions(count, lanes)
+            return tree, places, moves, frame_table([frame], rows, options["reference"]), *last
+
+        return Recursion(procedure, storage, _inputs(model, sizes, None), ((6,),), len(tree.parents))
+
+    return make
 
 
 def _articulated(tree: TreeTable, lanes: int) -> articulated.Articulated:
@@ -249,7 +250,8 @@ _RECURSIONS: dict[str, Callable[[Model, Options], Made | None]] = {
     "fk": _fk,
     "link_poses": _link_poses,
     "jacobian": _jacobian,
-    "frame_velocity": _frame_velocity,
+    "frame_velocity": _motion_of_frame(of_frames.frame_velocity, "nq", "nv"),
+    "frame_acceleration": _motion_of_frame(of_frames.frame_acceleration, "nq", "nv", "nv"),
     "inverse_dynamics": _dynamics(
         newton_euler.inverse_dynamics, newton_euler.loaded_inverse_dynamics, "nq", "nv", "nv"
     ),

@@ -29,6 +29,7 @@ CASES: list[tuple[str, dict[str, Any]]] = [
     ("link_poses", {}),
     *(("jacobian", options) for options in FRAMES),
     *(("frame_velocity", options) for options in FRAMES),
+    *(("frame_acceleration", {**options, "classical": k}) for k in (False, True) for options in FRAMES),
     *(
         (name, options)
         for name in ("inverse_dynamics", "forward_dynamics")

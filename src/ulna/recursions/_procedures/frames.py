@@ -7,9 +7,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ulna.compiler.procedures import Array3, broadcast, f64, procedure
-from ulna.recursions._procedures.frame_table import Frames
-from ulna.recursions._procedures.newton_euler import Motions, velocity_of
+from ulna.compiler.procedures import Array1, Array3, broadcast, f64, procedure
+from ulna.recursions._procedures.frame_table import INT, Frames
+from ulna.recursions._procedures.newton_euler import (
+    Motions,
+    acceleration_of,
+    add_cross_of_twists,
+    velocity_of,
+)
 from ulna.recursions._procedures.placements import Placements, place_in_world
 from ulna.recursions._procedures.vectors import cross, rotate, rotate_back, three, twist_out
 from ulna.recursions.tree_table import TreeTable
@@ -168,6 +173,44 @@ def _write(out, lx, ly, lz, rx, ry, rz, W):
 
 
 @procedure
+def _add_centripetal(twist, out, W):
+    """Adds w x v of a twist to the linear part of a spatial acceleration: that of the origin then."""
+    cx, cy, cz = cross(
+        twist[3, 0:W], twist[4, 0:W], twist[5, 0:W], twist[0, 0:W], twist[1, 0:W], twist[2, 0:W]
+    )
+    out[0, 0:W] = out[0, 0:W] + cx
+    out[1, 0:W] = out[1, 0:W] + cy
+    out[2, 0:W] = out[2, 0:W] + cz
+
+
+@procedure
+def _of_frame(A, row, F, out, W):
+    """Writes the twist or acceleration in a row of A, of the moving frame that carries a frame, in the frame."""
+    lx, ly, lz = three(A, row, 0, W)
+    rx, ry, rz = three(A, row, 3, W)
+    lx, ly, lz, rx, ry, rz = _into_frame(F, lx, ly, lz, rx, ry, rz)
+    _write(out, lx, ly, lz, rx, ry, rz, W)
+
+
+@procedure
+def _acceleration(tree, places, moves, frames, classical, q, v, a, out, C, twist, W):
+    """The acceleration of one frame, without gravity."""
+    place_in_world(tree, places, q, W)
+    row, reference = frames.rows[0], frames.reference[0]
+    _constant_pose(frames.placements, 0, places.T, row, C, W)
+    for i in range(1, len(tree.parents)):
+        acceleration_of(tree, places.X, moves.A, a, i, True, W)
+        sx, sy, sz, wx, wy, wz = velocity_of(tree, places.X, moves.V, v, i, W)
+        add_cross_of_twists(moves.V, i, sx, sy, sz, wx, wy, wz, moves.A, W)
+    _of_frame(moves.V, row, frames.placements, twist, W)
+    _of_frame(moves.A, row, frames.placements, out, W)
+    _in_reference(C, reference, twist, W)
+    _in_reference(C, reference, out, W)
+    if classical[0] > 0:
+        _add_centripetal(twist, out, W)
+
+
+@procedure
 def _velocity(tree, places, moves, frames, q, v, out, C, W):
     """The twist of one frame."""
     place_in_world(tree, places, q, W)
@@ -175,10 +218,7 @@ def _velocity(tree, places, moves, frames, q, v, out, C, W):
     _constant_pose(frames.placements, 0, places.T, row, C, W)
     for i in range(1, len(tree.parents)):
         _sx, _sy, _sz, _wx, _wy, _wz = velocity_of(tree, places.X, moves.V, v, i, W)
-    lx, ly, lz = three(moves.V, row, 0, W)
-    rx, ry, rz = three(moves.V, row, 3, W)
-    lx, ly, lz, rx, ry, rz = _into_frame(frames.placements, lx, ly, lz, rx, ry, rz)
-    _write(out, lx, ly, lz, rx, ry, rz, W)
+    _of_frame(moves.V, row, frames.placements, out, W)
     _in_reference(C, frames.reference[0], out, W)
 
 
@@ -198,3 +238,24 @@ def frame_velocity(
     C = np.zeros((1, 12, W), f64)
     for b in range(blocks):
         _velocity(tree, places, moves, frames, q[b], v[b], out[b], C, W)
+
+
+@procedure(constants={"W": 1}, contract=True)
+def frame_acceleration(
+    tree: TreeTable,
+    places: Placements,
+    moves: Motions,
+    frames: Frames,
+    classical: Array1[INT],
+    q: Array3[f64],
+    v: Array3[f64],
+    a: Array3[f64],
+    out: Array3[f64],
+    blocks: int,
+    W: int,
+) -> None:
+    """Accelerations of one frame, (blocks, 6, W); of its origin if `classical` holds 1. See `frame_jacobian`."""
+    C = np.zeros((1, 12, W), f64)
+    twist = np.zeros((6, W), f64)
+    for b in range(blocks):
+        _acceleration(tree, places, moves, frames, classical, q[b], v[b], a[b], out[b], C, twist, W)
