@@ -153,16 +153,17 @@ def in_cloud(poses, k, c, row, W):
     Args:
         poses: T_world_cloud, (n, 12) [1], [m].
         k: Which.
-        c: Centres in the world, three rows each, (rows, W) [m].
+        c: Centres in the world, three rows of W numbers each [m].
         row: The first row of the sphere.
         W: Lanes, a constant.
 
     Returns:
         x, y, z, lanes [m].
     """
-    x = c[row, 0:W] - poses[k, 9]
-    y = c[row + 1, 0:W] - poses[k, 10]
-    z = c[row + 2, 0:W] - poses[k, 11]
+    at = row * W
+    x = c[at : at + W] - poses[k, 9]
+    y = c[at + W : at + W + W] - poses[k, 10]
+    z = c[at + 2 * W : at + 2 * W + W] - poses[k, 11]
     return (
         poses[k, 0] * x + poses[k, 3] * y + poses[k, 6] * z,
         poses[k, 1] * x + poses[k, 4] * y + poses[k, 7] * z,

@@ -82,7 +82,7 @@ def edge_touches(kernel, tables, step, a, b, work, W):
         t = (lane_numbers(W, f32) * f32(blocks) + f32(block + 1)) / count
         for k in range(len(a)):
             work.q[k, 0:W] = a[k] + t * (b[k] - a[k])
-        kernel(work.q, work.pose)
+        kernel(work.q, work.c)
         if block_touches(tables, work, W):
             return True
     return False
@@ -104,7 +104,7 @@ def state_touches(kernel, tables, a, work, W):
     """
     for k in range(len(a)):
         work.q[k, 0:W] = broadcast(a[k], W)
-    kernel(work.q, work.pose)
+    kernel(work.q, work.c)
     return block_touches(tables, work, W)
 
 
@@ -114,7 +114,7 @@ def _interval_touches(kernel, tables, a, b, t, width, work, W):
     times = t + (lane_numbers(W, f32) + f32(0.5)) * (width / f32(W))
     for k in range(len(a)):
         work.q[k, 0:W] = a[k] + times * (b[k] - a[k])
-    kernel(work.q, work.pose)
+    kernel(work.q, work.c)
     return block_touches(tables, work, W)
 
 

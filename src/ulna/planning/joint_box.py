@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import le
 from typing import final
 
 import numpy as np
@@ -24,11 +25,21 @@ class JointBox:
         self._model = model
         self.low, self.high = model.lower_position - _ROUNDING, model.upper_position + _ROUNDING
         self.has_limit = np.isfinite(self.low) & np.isfinite(self.high)
-
-    @property
-    def is_bounded(self) -> bool:
+        self.is_bounded = bool(self.has_limit.all())
         """Whether all joints have limits."""
-        return bool(self.has_limit.all())
+        self._lists: tuple[list[float], list[float]] = self.low.tolist(), self.high.tolist()
+
+    def holds(self, q: Floats) -> bool:
+        """Whether one configuration is within the limits; for a few numbers lists are faster than arrays.
+
+        Args:
+            q: Configuration, shape (nq,) [rad, m].
+
+        Returns:
+            The truth value.
+        """
+        values, (low, high) = q.tolist(), self._lists
+        return all(map(le, low, values)) and all(map(le, values, high))
 
     def contains(self, points: Floats) -> Array:
         """Which configurations are within the limits.

@@ -89,24 +89,24 @@ class Search:
 
     def _prepare(self, run: Run) -> Failure | None:
         """Storage, and the goals that are free; why the search cannot begin, where it cannot."""
-        outside = self._box.violations(run.q0)
-        if outside:
-            return "start", f"`q0` is out of limits: {outside}."
+        if not self._box.holds(run.q0):
+            return "start", f"`q0` is out of limits: {self._box.violations(run.q0)}."
         if not len(run.goals):
             return "unreachable", "no configuration within the limits was found for the pose."
-        inside = np.flatnonzero(self._box.contains(run.goals))
-        if not len(inside):
+        inside = [k for k, goal in enumerate(run.goals) if self._box.holds(goal)]
+        if not inside:
             return "goal", f"the goal is out of limits: {self._box.violations(run.goals[0])}."
         if len(inside) < len(run.goals):
             run.goals = run.goals[inside]
         run.workspace = self._workspace(run.options.coarse)
         free, run.direct = run.workspace.examine(run.q0, run.goals)
-        if not (free[0] and free[1:].any()):
+        if not (free[0] and any(free[1:])):
             return self._blocked(run, free)
-        run.numbers, run.roots = inside.tolist(), len(free)
-        if not free.all():
-            run.direct = int(free[1 : 1 + run.direct].sum()) if run.direct >= 0 else -1
-            run.numbers, run.goals = inside[free[1:]].tolist(), run.goals[free[1:]]
+        run.numbers, run.roots = inside, len(free)
+        if not all(free):
+            run.direct = sum(free[1 : 1 + run.direct]) if run.direct >= 0 else -1
+            run.goals = run.goals[free[1:]]
+            run.numbers = [number for number, is_free in zip(inside, free[1:], strict=True) if is_free]
         run.note("prepare")
         return None
 
@@ -141,7 +141,7 @@ class Search:
         """A path, where machine code proves it; None where it does not."""
         return None if run.workspace.unproved(points) else points
 
-    def _blocked(self, run: Run, free: Any) -> Failure:
+    def _blocked(self, run: Run, free: Sequence[bool]) -> Failure:
         """What the start, or the nearest goal, touches."""
         outcome: Outcome = "goal" if free[0] else "start"
         if not run.options.with_reason:
@@ -177,7 +177,7 @@ class Search:
             if result < 0:
                 break
             first = result
-        run.nodes = int(workspace.storage.trees.counts.sum())
+        run.nodes = sum(workspace.storage.trees.counts.tolist())
         return result < 0
 
     def _samples(self, run: Run, count: int, low: Floats, high: Floats) -> Any:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ulna.collision.lanes.tables import Scene
+from ulna.compiler.procedures import aligned
 from ulna.planning import bounded_rrt, edges, rrt_connect, shortcuts
 from ulna.planning.edges import Proof
 from ulna.planning.rrt_connect import EVERYWHERE, FREE_PLACE, Growth
@@ -46,10 +47,11 @@ class Storage:
 
     def make_trees(self, capacity: int) -> None:
         """Makes empty trees with places for so many nodes."""
+        nodes = aligned(np.full((2, self.nq, capacity), FREE_PLACE, np.float32))
         self.trees = Trees(
-            np.full((2, self.nq, capacity), FREE_PLACE, np.float32), np.full((2, capacity), EVERYWHERE, np.float32),
-            np.zeros((2, capacity), np.float32), np.full((2, capacity), -1, np.int64), np.zeros(2, np.int64),
-            np.zeros(2, np.int64), *np.zeros((4, self.nq), np.float32),
+            nodes, np.full((2, capacity), EVERYWHERE, np.float32), np.zeros((2, capacity), np.float32),
+            np.full((2, capacity), -1, np.int64), np.zeros(2, np.int64), np.zeros(2, np.int64),
+            *np.zeros((4, self.nq), np.float32),
         )  # fmt: skip
 
     def enlarge_trees(self) -> None:
@@ -58,7 +60,7 @@ class Storage:
         larger = {}
         for name, fill in fills.items():
             old = getattr(self.trees, name)
-            larger[name] = np.concatenate([old, np.full_like(old, fill)], axis=-1)
+            larger[name] = aligned(np.concatenate([old, np.full_like(old, fill)], axis=-1))
         self.trees = self.trees._replace(**larger)
 
     def make_path(self, room: int) -> None:
@@ -137,7 +139,7 @@ class Workspace:
         """
         return _specialized(procedure, self._lanes)(self._kernel, self._tables, *arguments, self._work)
 
-    def examine(self, q0: Floats, goals: Floats) -> tuple[Any, int]:
+    def examine(self, q0: Floats, goals: Floats) -> tuple[list[bool], int]:
         """Which of start and goals are free, and the first goal straight ahead.
 
         Args:
@@ -145,7 +147,7 @@ class Workspace:
             goals: Goals, shape (n, nq) [rad, m].
 
         Returns:
-            Truth values, shape (1 + n,), and a number among the goals, or -1.
+            Truth values, 1 + n of them, and a number among the goals, or -1.
         """
         count = 1 + len(goals)
         if count > len(self.storage.points):
@@ -155,7 +157,7 @@ class Workspace:
         points[0], points[1:count] = q0, goals
         self._direct.set("count", count)
         direct = self._direct()
-        return self.storage.touching[:count] == 0.0, max(direct - 1, -1)
+        return [touching == 0.0 for touching in self.storage.touching[:count].tolist()], max(direct - 1, -1)
 
     def grow(self, first: int, count: int, roots: int) -> int:
         """Grows the trees with samples; see `rrt_connect.grow`.

@@ -14,7 +14,9 @@ import ulna
 from ulna.collision import SphereChecker, World
 from ulna.collision.compiled import TOUCH
 from ulna.collision.lanes.batches import which_touch
+from ulna.collision.lanes.single import DOUBTFUL, FREE, TOUCHING
 from ulna.collision.lanes.tables import Scene, links_of
+from ulna.collision.spheres import LinkSpheres, Spheres
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
 from ulna.geometry import Box, Capsule, Cylinder, Plane, PointCloud, Sphere
 from ulna.spatial import SE3
@@ -158,16 +160,34 @@ def test_interpreter_and_checked_code_agree_with_machine_code() -> None:
     checker = SphereChecker(robot.model, cluttered(12))
     model, spheres, pairs = checker.model, checker.spheres, checker.pairs
     place = Scene(links_of(model, spheres, pairs, "error"), spheres, pairs, checker.world, "error")
-    q = within_limits(robot, 20, 13).astype(np.float32)
+    q = np.concatenate([within_limits(robot, 30, 13), np.tile(robot.configurations["qr"], (14, 1))])
+    q[3, 2], q[7, 0], q[9, 6] = 1e308, np.nan, -1e39
     results = []
     for how in ("__call__", "checked", "interpret"):
-        touching = np.full(20, 7.0, np.float32)
+        answers = np.full(-(-len(q) // place.lanes) * place.lanes, 7.0, np.float32)
         call = getattr(which_touch.specialized(W=place.lanes), how)
-        call(place.robot.kernel, place.check_tables(0.0, 1.0), q, touching, 20, place.moving.work())
-        results.append(touching)
+        less, ends = np.float32(2.0 * place.moving.rounding), place.robot.range
+        call(place.robot.kernel, place.check_tables(0.0, 1.0), less, *ends, q, answers, place.moving.work())
+        results.append(answers[: len(q)])
     np.testing.assert_array_equal(results[0], results[1])
     np.testing.assert_array_equal(results[0], results[2])
-    assert set(results[0].tolist()) <= {0.0, 1.0}
+    assert (results[0][[3, 7, 9]] == DOUBTFUL).all()
+    assert {FREE, TOUCHING} < set(results[0].tolist()) <= {FREE, TOUCHING, DOUBTFUL}
+
+
+def test_spheres_too_small_for_float32_are_left_to_float64() -> None:
+    robot = ulna.load("panda")
+    world = World().add("ball", Sphere(0.05), (0.4, 0.1, 0.5))
+    covering = SphereChecker(robot.model).spheres
+    dots = {
+        name: LinkSpheres(balls.centres, np.full(len(balls.radii), 1e-5))
+        for name, balls in covering.links.items()
+    }
+    checker = SphereChecker(robot.model, world, spheres=Spheres(dots), pairs=())
+    q = within_limits(robot, 400, 3)
+    answer = checker.collides(q)
+    np.testing.assert_array_equal(answer, by_float64(checker, q))
+    assert answer.any() and not answer.all()
 
 
 def test_spheres_that_can_meet_are_read_from_the_disk(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,6 +18,7 @@ from ulna.compiler.procedures import (
     Array3,
     Kernel,
     Procedure,
+    aligned,
     all_of,
     any_of,
     broadcast,
@@ -426,6 +427,40 @@ def test_bound_arrays_are_read_anew_and_must_stay_as_they_are() -> None:
     points.resize((1000, 2), refcheck=False)
     with pytest.raises(InputError, match="resized"):
         bound()
+
+
+@procedure(contract=True)
+def _fused(a, b, c):
+    return a * b + c
+
+
+@procedure
+def _product_of_sums(a: float, b: float, c: float) -> float:
+    return (a + c) * _fused(a, b, c)
+
+
+def test_products_and_sums_are_fused_only_in_the_procedures_that_allow_it() -> None:
+    definitions = _product_of_sums.ir().split("define ")
+    fused, plain = (
+        next(text for text in definitions if f"@{name}." in text.split("(")[0])
+        for name in ("_fused", "_product_of_sums")
+    )
+    assert "fmul contract" in fused and "fadd contract" in fused
+    assert "fmul" in plain and "contract" not in plain
+    assert _product_of_sums(2.0, 3.0, 4.0) == _product_of_sums.interpret(2.0, 3.0, 4.0) == 60.0
+
+
+@pytest.mark.parametrize("shape", [(3, 16), (5,), (2, 7, 3), (0, 4)])
+def test_aligned_arrays_begin_at_a_line_of_the_cache(shape: tuple[int, ...]) -> None:
+    for dtype in (np.float32, np.float64, np.int64):
+        values = np.arange(np.prod(shape), dtype=dtype).reshape(shape)
+        for given in (values, values.T):
+            copies = [aligned(given) for _ in range(4)]
+            for copy in copies:
+                assert copy.size == 0 or copy.ctypes.data % 64 == 0
+                assert copy.flags.c_contiguous and copy.flags.writeable
+                assert copy.dtype == dtype
+                np.testing.assert_array_equal(copy, given)
 
 
 def test_constants_must_be_parameters() -> None:

@@ -11,17 +11,23 @@ from typing import final
 
 import numpy as np
 
-from ulna.collision.lanes.single import StateCheck
+from ulna.collision.lanes.single import DOUBTFUL, FREE, StateCheck
 from ulna.collision.lanes.tables import Scene, links_of
 from ulna.collision.lanes.touching import (
     Tables,
     Work,
-    near_box,
-    near_cylinder,
+    bound_row,
+    centre,
+    extent_of,
     near_each_other,
     near_plane,
-    place,
+    near_point,
+    on_body,
+    overlapping,
+    place_bounds,
     placed_row,
+    within_box,
+    within_cylinder,
 )
 from ulna.collision.pairs import LinkPair
 from ulna.collision.point_grid import in_cloud, lane_touches, maybe_near
@@ -34,7 +40,9 @@ from ulna.compiler.procedures import (
     Kernel,
     all_of,
     any_of,
+    count_of,
     f32,
+    f64,
     first_of,
     lane_numbers,
     procedure,
@@ -43,136 +51,193 @@ from ulna.errors import InputError
 from ulna.model import Model
 from ulna.typing import Array, Floats
 
-_CHUNK = 4096  # configurations of a call, which cannot be interrupted: some milliseconds
+_CHUNK = 32768  # configurations of a call, which cannot be interrupted: some milliseconds
 
 
 @procedure
-def _touching_obstacles(tables, g, is_touching, work, W):
-    """The lanes in which a group touches boxes, cylinders or half spaces, and those that touched before."""
-    row, r = 3 * g, tables.bounds[g, 3]
-    boxes = len(tables.boxes)
-    for k in range(boxes):
-        if tables.masks[g, k] > 0 and any_of(near_box(tables.boxes, k, work.c, row, r, W) & ~is_touching):
-            for s in range(tables.first[g], tables.first[g + 1]):
-                c = placed_row(tables, g, s, work, W)
-                is_touching = is_touching | near_box(tables.boxes, k, work.c, c, tables.spheres[s, 3], W)
-    for k in range(len(tables.cylinders)):
-        if tables.masks[g, boxes + k] > 0 and any_of(
-            near_cylinder(tables.cylinders, k, work.c, row, r, W) & ~is_touching
-        ):
-            for s in range(tables.first[g], tables.first[g + 1]):
-                c = placed_row(tables, g, s, work, W)
-                is_touching = is_touching | near_cylinder(
-                    tables.cylinders, k, work.c, c, tables.spheres[s, 3], W
-                )
+def _is_near(tables, k, x, y, z, r):
+    """Whether spheres touch the obstacle of column k, in lanes."""
+    if k < len(tables.boxes):
+        return within_box(tables.boxes, k, x, y, z, r)
+    return within_cylinder(tables.cylinders, k - len(tables.boxes), x, y, z, r)
+
+
+@procedure(contract=True)
+def _lane_with_obstacle(tables, g, k, less, lane, R, W):
+    """2 if a group touches an obstacle in one lane for sure, 1 if it may, else 0: lanes hold spheres; R: the poses."""
+    at = tables.bodies[g] * W + lane
+    t, answer = at + 9 * W, 0
+    for s in range(tables.first[g], tables.first[g + 1], W):
+        u, v, w = tables.columns[0, s : s + W], tables.columns[1, s : s + W], tables.columns[2, s : s + W]
+        x = R[at] * u + R[at + W] * v + R[at + 2 * W] * w + R[t]
+        y = R[at + 3 * W] * u + R[at + 4 * W] * v + R[at + 5 * W] * w + R[t + W]
+        z = R[at + 6 * W] * u + R[at + 7 * W] * v + R[at + 8 * W] * w + R[t + 2 * W]
+        r, is_one = tables.columns[3, s : s + W], lane_numbers(W) < tables.first[g + 1] - s
+        if any_of(_is_near(tables, k, x, y, z, r) & is_one):
+            if any_of(_is_near(tables, k, x, y, z, r - less) & is_one):
+                return 2
+            answer = 1
+    return answer
+
+
+@procedure
+def _with_obstacle(tables, g, k, less, maybe, sure, work, W):
+    """The lanes in which a group may touch the obstacle of column k, and does for sure, and those known before."""
+    x, y, z = centre(work.c, bound_row(tables, g), W)
+    near = _is_near(tables, k, x, y, z, tables.bounds[g, 3]) & ~sure
+    count = tables.first[g + 1] - tables.first[g]
+    if 4 * count_of(near) * ((count + W - 1) // W) < 3 * count:  # few configurations: the spheres in lanes
+        while any_of(near):
+            lane = first_of(near)
+            this, answer = (
+                lane_numbers(W) == lane,
+                _lane_with_obstacle(tables, g, k, less, lane, work.c, W),
+            )
+            if answer > 0:
+                maybe = maybe | this
+            if answer > 1:
+                sure = sure | this
+            near = near & ~this
+    else:
+        for s in range(tables.first[g], tables.first[g + 1]):
+            x, y, z = centre(work.c, placed_row(tables, g, s, work, W), W)
+            maybe = maybe | _is_near(tables, k, x, y, z, tables.spheres[s, 3])
+            sure = sure | _is_near(tables, k, x, y, z, tables.spheres[s, 3] - less)
+    return maybe, sure
+
+
+@procedure
+def _with_obstacles(tables, g, less, maybe, sure, work, W):
+    """The lanes in which a group may touch boxes, cylinders or half spaces, and does, and those known before."""
+    r, row = tables.bounds[g, 3], bound_row(tables, g)
+    x, y, z, to_x, to_y, to_z = extent_of(tables, g, r, work, W)
+    for i in range(0, tables.extents.shape[1], W):
+        overlap = overlapping(tables, g, i, x, y, z, to_x, to_y, to_z, W)
+        while any_of(overlap):
+            lane = first_of(overlap)
+            maybe, sure = _with_obstacle(tables, g, i + lane, less, maybe, sure, work, W)
+            overlap = overlap & (lane_numbers(W) != lane)
     for k in range(len(tables.planes)):
-        if tables.plane_masks[g, k] > 0 and any_of(
-            near_plane(tables.planes, k, work.c, row, r, W) & ~is_touching
-        ):
+        if tables.plane_masks[g, k] > 0 and any_of(near_plane(tables.planes, k, work.c, row, r, W) & ~sure):
             for s in range(tables.first[g], tables.first[g + 1]):
-                c = placed_row(tables, g, s, work, W)
-                is_touching = is_touching | near_plane(tables.planes, k, work.c, c, tables.spheres[s, 3], W)
-    return is_touching
+                c, r = placed_row(tables, g, s, work, W), tables.spheres[s, 3]
+                maybe = maybe | near_plane(tables.planes, k, work.c, c, r, W)
+                sure = sure | near_plane(tables.planes, k, work.c, c, r - less, W)
+    return maybe, sure
 
 
 @procedure
-def _touching_clouds(tables, g, is_touching, work, W):
-    """The lanes in which a group touches clouds, and those that touched before."""
+def _with_clouds(tables, g, less, maybe, sure, work, W):
+    """The lanes in which a group may touch clouds, and does for sure, and those known before."""
     for k in range(len(tables.clouds.poses)):
         margin = tables.cloud_margins[g, k]
         if margin >= 0:
-            x, y, z = in_cloud(tables.clouds.poses, k, work.c, 3 * g, W)
-            if any_of(maybe_near(tables.clouds, k, x, y, z, tables.bounds[g, 3] + margin, W) & ~is_touching):
+            x, y, z = in_cloud(tables.clouds.poses, k, work.c, bound_row(tables, g), W)
+            if any_of(maybe_near(tables.clouds, k, x, y, z, tables.bounds[g, 3] + margin, W) & ~sure):
                 for s in range(tables.first[g], tables.first[g + 1]):
                     c, r = placed_row(tables, g, s, work, W), tables.spheres[s, 3] + margin
                     x, y, z = in_cloud(tables.clouds.poses, k, work.c, c, W)
-                    is_open = maybe_near(tables.clouds, k, x, y, z, r, W) & ~is_touching
+                    is_open = maybe_near(tables.clouds, k, x, y, z, r, W) & ~sure
                     while any_of(is_open):
                         this = lane_numbers(W) == first_of(is_open)
                         if lane_touches(tables.clouds, k, x, y, z, r, this, W):
-                            is_touching = is_touching | this
+                            maybe = maybe | this
+                            if lane_touches(tables.clouds, k, x, y, z, r - less, this, W):
+                                sure = sure | this
                         is_open = is_open & ~this
-    return is_touching
+    return maybe, sure
 
 
 @procedure
-def _touching_pairs(tables, k, is_touching, work, W):
-    """The lanes in which spheres of the groups of a pair touch, and those that touched before."""
+def _with_pair(tables, k, less, maybe, sure, work, W):
+    """The lanes in which spheres of the groups of a pair may touch, and do for sure, and those known before."""
     a, b = tables.pairs[k, 0], tables.pairs[k, 1]
-    bound = tables.bounds[b, 3] + tables.pair_margins[k]
-    if any_of(near_each_other(work.c, 3 * a, 3 * b, tables.bounds[a, 3] + bound, W) & ~is_touching):
+    bound, row = tables.bounds[b, 3] + tables.pair_margins[k], bound_row(tables, b)
+    if any_of(near_each_other(work.c, bound_row(tables, a), row, tables.bounds[a, 3] + bound, W) & ~sure):
+        x, y, z = on_body(tables.bodies[a], work.c, row, W)
         for n in range(tables.pairs[k, 2], tables.pairs[k, 3]):
             i = tables.rows[n, 0]
-            r = tables.spheres[i, 3]
-            row = placed_row(tables, a, i, work, W)
-            if any_of(near_each_other(work.c, row, 3 * b, r + bound, W) & ~is_touching):
+            if any_of(near_point(tables.spheres, i, x, y, z, bound, W) & ~sure):
+                row = placed_row(tables, a, i, work, W)
                 for m in range(tables.rows[n, 1], tables.rows[n + 1, 1]):
                     j = tables.partners[m]
-                    reach = r + tables.spheres[j, 3] + tables.pair_margins[k]
+                    reach = tables.spheres[i, 3] + tables.spheres[j, 3] + tables.pair_margins[k]
                     other = placed_row(tables, b, j, work, W)
-                    is_touching = is_touching | near_each_other(work.c, row, other, reach, W)
-    return is_touching
+                    maybe = maybe | near_each_other(work.c, row, other, reach, W)
+                    sure = sure | near_each_other(work.c, row, other, reach - f32(2.0) * less, W)
+    return maybe, sure
 
 
 @procedure
-def touching_lanes(tables, work, W):
-    """The lanes in which anything touches.
+def touching_lanes(tables, less, maybe, sure, work, W):
+    """The lanes in which anything may touch, and in which it does for sure.
 
     Args:
-        tables: What is checked against what.
+        tables: What is checked against what, with spheres larger by what float32 may place them wrongly.
+        less: By how much spheres that touch for sure are smaller [m].
+        maybe: Lanes that are known to be the one.
+        sure: Lanes that are known to be the other, or are not asked for.
         work: Holds the poses; the rest is overwritten.
         W: Lanes, a constant.
 
     Returns:
-        A mask.
+        Two masks.
     """
-    is_touching = lane_numbers(W) < 0
-    for s in range(len(tables.spheres)):
-        work.is_placed[s] = 0
-    for g in range(len(tables.bodies)):
-        place(tables.bounds, g, work.pose, tables.bodies[g], work.c, 3 * g, W)
+    place_bounds(tables, work, W)
     for i in range(len(tables.bodies)):
         g = len(tables.bodies) - 1 - i
-        is_touching = _touching_obstacles(tables, g, is_touching, work, W)
-        is_touching = _touching_clouds(tables, g, is_touching, work, W)
-        if all_of(is_touching):
-            return is_touching
+        maybe, sure = _with_obstacles(tables, g, less, maybe, sure, work, W)
+        maybe, sure = _with_clouds(tables, g, less, maybe, sure, work, W)
+        if all_of(sure):
+            return maybe, sure
     for k in range(len(tables.pairs)):
-        is_touching = _touching_pairs(tables, k, is_touching, work, W)
-        if all_of(is_touching):
-            return is_touching
-    return is_touching
+        maybe, sure = _with_pair(tables, k, less, maybe, sure, work, W)
+        if all_of(sure):
+            return maybe, sure
+    return maybe, sure
+
+
+@procedure
+def _read_lanes(points, low, high, first, q, W):
+    """Copies W configurations into lanes, beyond the last the last; which are out of the range, and not copied."""
+    outside = lane_numbers(W) < 0
+    for lane in range(W):
+        i = min(first + lane, len(points) - 1)
+        is_inside = True
+        for k in range(len(q)):
+            is_inside = is_inside and low[k] <= points[i, k] and points[i, k] <= high[k]
+        if is_inside:
+            for k in range(len(q)):
+                q[k, lane] = f32(points[i, k])
+        else:
+            outside = outside | (lane_numbers(W) == lane)
+    return outside
 
 
 @procedure(constants={"W": 8})
 def which_touch(
-    kernel: Kernel, tables: Tables, points: Array2[f32], touching: Array1[f32], count: int, work: Work, W: int
-) -> None:
-    """Writes 1 for each configuration in which anything touches, else 0.
+    kernel: Kernel, tables: Tables, less: f32, low: Array1[f64], high: Array1[f64], points: Array2[f64],
+    answers: Array1[f32], work: Work, W: int,
+) -> None:  # fmt: skip
+    """Writes for each configuration what `judged_state` returns for it: free, touching, or in doubt.
 
     Args:
         kernel: From configurations to poses of the bodies, in lanes.
-        tables: What is checked against what.
-        points: Configurations, shape (at least count, n) [rad, m].
-        touching: Receives the answers, shape (at least count,).
-        count: How many configurations there are.
+        tables: What is checked against what, with spheres larger by what float32 may place them wrongly.
+        less: By how much spheres that touch for sure are smaller [m].
+        low: From where on the bounds of rounding hold, shape (n,) [rad, m].
+        high: Up to where, shape (n,) [rad, m].
+        points: Configurations, shape (count, n) [rad, m].
+        answers: Receives the answers, shape (count filled up to whole registers,).
         work: Working storage.
         W: Lanes, a constant.
     """
-    for first in range(0, count, W):
-        for lane in range(W):
-            i = min(first + lane, count - 1)
-            for k in range(points.shape[1]):
-                work.q[k, lane] = points[i, k]
-        kernel(work.q, work.pose)
-        is_touching = touching_lanes(tables, work, W)
-        for lane in range(min(W, count - first)):
-            touching[first + lane] = f32(0.0)
-        while any_of(is_touching):
-            lane = first_of(is_touching)
-            if first + lane < count:
-                touching[first + lane] = f32(1.0)
-            is_touching = is_touching & (lane_numbers(W) != lane)
+    for first in range(0, len(points), W):
+        outside = _read_lanes(points, low, high, first, work.q, W)
+        kernel(work.q, work.c)
+        maybe, sure = touching_lanes(tables, less, outside, outside, work, W)
+        answer = np.where(maybe, np.where(sure & ~outside, f32(1.0), f32(2.0)), f32(0.0))
+        answers[first : first + W] = answer
 
 
 def batch_scene(
@@ -211,11 +276,13 @@ class BatchCheck:
     def __init__(self, scene: Scene, reach: float) -> None:
         self._scene = scene
         with np.errstate(over="ignore"):  # whatever is within a reach of inf touches
-            self._larger, self._smaller = (scene.check_tables(reach, sign) for sign in (1.0, -1.0))
-        self._range = scene.robot.range
+            self._larger, smaller = (scene.check_tables(reach, sign) for sign in (1.0, -1.0))
+        less = np.float32(2.0 * scene.moving.rounding)
+        is_small = (self._larger.spheres[:, 3] <= less).any()
+        self._less = np.float32(np.nan) if is_small else less  # nan: nothing touches for sure
         self._procedure = which_touch.specialized(W=scene.lanes)
         self._storage = threading.local()
-        self.state = StateCheck(scene, self._larger, self._smaller)
+        self.state = StateCheck(scene, self._larger, smaller)
         """The check of single configurations."""
 
     def run(self, q: Floats) -> tuple[Array, Array]:
@@ -228,22 +295,14 @@ class BatchCheck:
             Which touch, and which are in doubt and counted as touching: those between the two passes, and those
             out of the range in which the bounds of rounding hold; truth values (n,).
         """
-        with np.errstate(over="ignore"):  # what is inf in float32 is out of range, and in doubt
-            q32 = np.ascontiguousarray(q, np.float32)
-        touching = self._pass(self._larger, q32)
-        rows = np.flatnonzero(touching)
-        is_doubtful = np.zeros(len(q), dtype=bool)
-        is_doubtful[rows] = ~self._pass(self._smaller, q32[rows])
-        is_doubtful |= ~((q >= self._range[0]) & (q <= self._range[1])).all(axis=1)
-        return touching | is_doubtful, is_doubtful
-
-    def _pass(self, tables: Tables, q: Array) -> Array:
-        touching = np.zeros(len(q), np.float32)
         work = getattr(self._storage, "work", None)
         if work is None:
             work = self._storage.work = self._scene.moving.work()
+        lanes, robot = self._scene.lanes, self._scene.robot
+        answers = np.empty(-(-len(q) // lanes) * lanes, np.float32)
         for first in range(0, len(q), _CHUNK):
-            part = slice(first, first + _CHUNK)
-            rows = q[part]
-            self._procedure(self._scene.robot.kernel, tables, rows, touching[part], len(rows), work)
-        return touching > 0.0
+            rows = np.ascontiguousarray(q[first : first + _CHUNK])
+            part = answers[first : first + -(-len(rows) // lanes) * lanes]
+            self._procedure(robot.kernel, self._larger, self._less, *robot.range, rows, part, work)
+        answers = answers[: len(q)]
+        return answers != FREE, answers == DOUBTFUL

@@ -41,7 +41,7 @@ def judged_state(
         if not (low[k] <= q[k] and q[k] <= high[k]):
             return 2
         work.q[k, 0:W] = broadcast(f32(q[k]), W)
-    kernel(work.q, work.pose)
+    kernel(work.q, work.c)
     if not block_touches(larger, work, W):
         return 0
     return 1 if block_touches(smaller, work, W) else 2

@@ -24,7 +24,7 @@ from ulna.collision.solids import Missing, obstacle_solid
 from ulna.collision.spheres import Spheres
 from ulna.collision.world import World
 from ulna.compiler import trace
-from ulna.compiler.procedures import lanes_kernel
+from ulna.compiler.procedures import aligned, lanes_kernel
 from ulna.errors import InputError
 from ulna.geometry import Shape
 from ulna.model import Model, Planar
@@ -51,7 +51,7 @@ class Moving:
         groups: Spheres that move together.
         pairs: Numbers of groups that are checked against each other, with the distances that they must keep [m].
         standing: Parts of links that never move, each with the names of the groups that it is checked against.
-        kernel: From configurations to the poses of all joints, in lanes.
+        kernel: From configurations to the poses of all joints, and the centres of bounding spheres of the links.
     """
 
     model: Model
@@ -87,12 +87,16 @@ class Moving:
         centres, radii = (
             np.concatenate([getattr(g, name) for g in self.groups]) for name in ("centres", "radii")
         )
+        first_bound = 12 * len(self.model.joints)
         return {
+            "first_bound": first_bound,
+            "first_sphere": first_bound + 3 * len(self.groups),
+            "known": (self.kernel.sizes[1] // lanes - first_bound) // 3,
             "bodies": np.array([12 * g.joint for g in self.groups], np.int64),
             "bounds": np.array([_bounding_sphere(g) for g in self.groups]),
             "first": np.cumsum([0, *(len(g.radii) for g in self.groups)]).astype(np.int64),
             "spheres": np.column_stack([centres, radii]),
-            "reach": filled,
+            "reach": aligned(filled),
         }
 
     def pair_tables(self, margin: float) -> dict[str, Any]:
@@ -140,12 +144,13 @@ class Moving:
 
     def work(self) -> Work:
         """Storage for one thread's checks."""
-        lanes, groups = self.kernel.lanes, len(self.groups)
+        lanes, balls = self.kernel.lanes, len(self.tables["spheres"])
+        rows = self.tables["first_sphere"] + 3 * balls
         return Work(
-            np.zeros((self.model.nq, lanes), np.float32),
-            np.zeros((self.kernel.sizes[1] // lanes, lanes), np.float32),
-            np.zeros((3 * (groups + len(self.tables["spheres"])), lanes), np.float32),
-            np.zeros(len(self.tables["spheres"]), np.int64),
+            aligned(np.zeros((self.model.nq, lanes), np.float32)),
+            aligned(np.zeros(rows * lanes, np.float32)),
+            np.zeros(1, np.int64),
+            np.zeros(balls, np.int64),
         )
 
 
@@ -221,7 +226,10 @@ class Scene:
         larger = np.array([0.0, 0.0, 0.0, by])
         tables = self.moving.tables
         bounds, spheres = ((tables[name] + larger).astype(np.float32) for name in ("bounds", "spheres"))
-        return Tables(**{**tables, **pairs, **self._obstacles, "bounds": bounds, "spheres": spheres})
+        columns = np.zeros((4, len(spheres) + self.lanes), np.float32)
+        columns[:, : len(spheres)] = spheres.T
+        larger_ones = {"bounds": bounds, "spheres": spheres, "columns": columns}
+        return Tables(**{**tables, **pairs, **self._obstacles, **larger_ones})
 
     @cached_property
     def _obstacles(self) -> dict[str, Any]:
@@ -244,7 +252,7 @@ class Scene:
         padded[:, :count] = np.array(masks["box"] + masks["cylinder"]).reshape(count, groups).T
         return {
             **self._clouds, "boxes": boxes.astype(np.float32), "cylinders": cylinders.astype(np.float32),
-            "extents": filled, "masks": padded, "planes": planes.astype(np.float32),
+            "extents": aligned(filled), "masks": aligned(padded), "planes": planes.astype(np.float32),
             "plane_masks": np.array(masks["plane"], np.float32).reshape(len(planes), groups).T.copy(),
         }  # fmt: skip
 
@@ -355,7 +363,10 @@ def links_of(model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...], missin
             f"No link of {model.name!r} that moves has collision geometry; there is nothing to plan for."
         )
     numbered = _numbered(groups, pairs, World())
-    return Moving(model, tuple(groups), numbered, _standing(model, pairs, missing), _pose_kernel(model))
+    bounds = tuple((12 * group.joint, *_bounding_sphere(group)[:3]) for group in groups)
+    return Moving(
+        model, tuple(groups), numbered, _standing(model, pairs, missing), _pose_kernel(model, bounds)
+    )
 
 
 def _numbered(
@@ -373,12 +384,22 @@ def _standing(
 
 
 @lru_cache(maxsize=32)
-def _pose_kernel(model: Model) -> Any:
-    """From q to the poses of all joints, twelve numbers each: the rotation by rows, and the position."""
+def _pose_kernel(model: Model, points: tuple[tuple[float, ...], ...]) -> Any:
+    """From q to the poses of all joints, twelve numbers each, rotation by rows and position, and points on bodies.
+
+    Args:
+        model: The robot.
+        points: The first row of the body's pose, and where the point is on the body [m].
+    """
 
     def poses(q: Array) -> Array:
         rows = [np.append(T.rotation.reshape(9), T.translation) for T in joint_poses(model, q)]
-        return np.concatenate([np.asarray(row, dtype=object) for row in rows])
+        numbers = np.concatenate([np.asarray(row, dtype=object) for row in rows])
+        placed = [
+            numbers[row : row + 9].reshape(3, 3) @ np.array(place) + numbers[row + 9 : row + 12]
+            for row, *place in points
+        ]
+        return np.concatenate([numbers, *placed])
 
     return lanes_kernel(trace(poses, name="joint_poses", q=(model.nq,)))
 

@@ -4,13 +4,14 @@
 |---|---|---|---|
 | W | lanes: configurations at once | | |
 | G, S | groups of spheres on one body, spheres in all | | |
-| pose | R, by rows, and t of each body | (12 B, W) | [1], [m] |
-| c | centres in the world, three rows each: bounding spheres of the groups, then all spheres | (3 (G + S), W) | [m] |
+| R, t | rotation and position of a body | | [1], [m] |
+| c | rows of W numbers: R, by rows, and t of each of B bodies; then centres | ((12 B + 3 (G + S)) W,) | [1], [m] |
 | box | R, t, half edges h and rounding m of an obstacle: m alone is a ball, h_z and m a capsule | (16,) | [m] |
 | cylinder | axis, centre, radius, half length | (8,) | [m] |
 | plane | normal, point | (6,) | [m] |
 
-In a box's frame the distance of a point p from the box is the norm of max(abs(p) - h, 0) (Ericson, Real-Time Collision
+The centres are in the world, three rows each: first those of the groups' bounding spheres, then of all spheres. In a
+box's frame the distance of a point p from the box is the norm of max(abs(p) - h, 0) (Ericson, Real-Time Collision
 Detection 2005, section 5.1). Three tests, each only of what passed the one before: (1) a group's axis-aligned box over
 all configurations against the obstacles' boxes, a register of obstacles at once; (2) its bounding spheres against the
 obstacle; (3) its spheres, whose centres are computed only now. Radii include the margin, so that "free" holds with
@@ -44,9 +45,13 @@ class Tables(NamedTuple):
 
     Attributes:
         bodies: The first row of the pose of each group's body, (G,).
+        first_bound: The row where the centres of bounding spheres begin.
+        first_sphere: The row where those of spheres begin.
+        known: How many bounding spheres the kernel of poses places.
         bounds: Bounding spheres of the groups: centre on the body and radius, (G, 4) [m].
         first: Where the spheres of a group begin, (G + 1,).
         spheres: Centre on the body and radius, (S, 4) [m].
+        columns: The same by columns, for lanes of spheres, with W unused ones at the end, (4, S + W) [m].
         boxes: Rounded boxes, (n, 16) [m].
         cylinders: Cylinders, (m, 8) [m].
         extents: Least and greatest coordinates of boxes, then cylinders, filled up to whole registers, (6, K) [m].
@@ -64,9 +69,13 @@ class Tables(NamedTuple):
     """
 
     bodies: Array1[INT]
+    first_bound: int
+    first_sphere: int
+    known: int
     bounds: Array2[f32]
     first: Array1[INT]
     spheres: Array2[f32]
+    columns: Array2[f32]
     boxes: Array2[f32]
     cylinders: Array2[f32]
     extents: Array2[f32]
@@ -87,37 +96,50 @@ class Work(NamedTuple):
 
     Attributes:
         q: Configurations, (nq, W) [rad, m].
-        pose: Poses of the bodies, (12 B, W) [1], [m].
-        c: Centres of bounding spheres and spheres, (3 (G + S), W) [m].
-        is_placed: 1 where the centre of a sphere is computed, else 0, (S,).
+        c: Poses of the bodies, centres of bounding spheres and of spheres, ((12 B + 3 (G + S)) W,) [1], [m].
+        block: How many blocks of configurations were looked at, (1,).
+        placed: In which of these the centre of a sphere was last computed, (S,).
     """
 
     q: Array2[f32]
-    pose: Array2[f32]
-    c: Array2[f32]
-    is_placed: Array1[INT]
+    c: Array1[f32]
+    block: Array1[INT]
+    placed: Array1[INT]
 
 
 @procedure(contract=True)
-def place(table, k, pose, body, c, row, W) -> None:
+def place(table, k, body, c, row, W) -> None:
     """Writes the centre of row k of a table of spheres to c, in lanes.
 
     Args:
         table: Centres on bodies, (n, 4) [m].
         k: The row [-].
-        pose: Poses of the bodies, (12 B, W) [1], [m].
         body: The first row of the pose of the sphere's body [-].
-        c: Receives the centres, three rows each, (rows, W) [m].
+        c: Holds the poses, receives the centres, three rows of W numbers each [m].
         row: The row of `c` to begin with [-].
         W: Lanes, a constant [-].
     """
+    x, y, z = table[k, 0], table[k, 1], table[k, 2]
     for i in range(3):
-        c[row + i, 0:W] = (
-            pose[body + 3 * i, 0:W] * table[k, 0]
-            + pose[body + 3 * i + 1, 0:W] * table[k, 1]
-            + pose[body + 3 * i + 2, 0:W] * table[k, 2]
-            + pose[body + 9 + i, 0:W]
-        )
+        R, t, to = (body + 3 * i) * W, (body + 9 + i) * W, (row + i) * W
+        turned = c[R : R + W] * x + c[R + W : R + W + W] * y + c[R + 2 * W : R + 2 * W + W] * z
+        c[to : to + W] = turned + c[t : t + W]
+
+
+@procedure
+def centre(c, row, W):
+    """The centre of a sphere, in lanes.
+
+    Args:
+        c: Centres, three rows of W numbers each [m].
+        row: The first row of the sphere [-].
+        W: Lanes, a constant [-].
+
+    Returns:
+        x, y, z, lanes [m].
+    """
+    at = row * W
+    return c[at : at + W], c[at + W : at + W + W], c[at + 2 * W : at + 2 * W + W]
 
 
 @procedure(contract=True)
@@ -127,7 +149,7 @@ def near_box(boxes, k, c, row, r, W):
     Args:
         boxes: Numbers of the obstacles, (n, 16) [m].
         k: Which obstacle [-].
-        c: Centres, three rows each, (rows, W) [m].
+        c: Centres, three rows of W numbers each [m].
         row: The first row of the spheres [-].
         r: Their radius [m].
         W: Lanes, a constant [-].
@@ -135,9 +157,26 @@ def near_box(boxes, k, c, row, r, W):
     Returns:
         A mask.
     """
-    x = c[row, 0:W] - boxes[k, 9]
-    y = c[row + 1, 0:W] - boxes[k, 10]
-    z = c[row + 2, 0:W] - boxes[k, 11]
+    x, y, z = centre(c, row, W)
+    return within_box(boxes, k, x, y, z, r)
+
+
+@procedure(contract=True)
+def within_box(boxes, k, x, y, z, r):
+    """Whether spheres touch a rounded box, in lanes.
+
+    Args:
+        boxes: Numbers of the obstacles, (n, 16) [m].
+        k: Which obstacle [-].
+        x: Centres [m].
+        y: Likewise [m].
+        z: Likewise [m].
+        r: Their radii, or the radius of all [m].
+
+    Returns:
+        A mask.
+    """
+    x, y, z = x - boxes[k, 9], y - boxes[k, 10], z - boxes[k, 11]
     px = abs(boxes[k, 0] * x + boxes[k, 3] * y + boxes[k, 6] * z) - boxes[k, 12]
     py = abs(boxes[k, 1] * x + boxes[k, 4] * y + boxes[k, 7] * z) - boxes[k, 13]
     pz = abs(boxes[k, 2] * x + boxes[k, 5] * y + boxes[k, 8] * z) - boxes[k, 14]
@@ -153,7 +192,7 @@ def near_cylinder(cylinders, k, c, row, r, W):
     Args:
         cylinders: Numbers of the obstacles, (n, 8) [m].
         k: Which obstacle [-].
-        c: Centres, three rows each, (rows, W) [m].
+        c: Centres, three rows of W numbers each [m].
         row: The first row of the spheres [-].
         r: Their radius [m].
         W: Lanes, a constant [-].
@@ -161,9 +200,26 @@ def near_cylinder(cylinders, k, c, row, r, W):
     Returns:
         A mask.
     """
-    x = c[row, 0:W] - cylinders[k, 3]
-    y = c[row + 1, 0:W] - cylinders[k, 4]
-    z = c[row + 2, 0:W] - cylinders[k, 5]
+    x, y, z = centre(c, row, W)
+    return within_cylinder(cylinders, k, x, y, z, r)
+
+
+@procedure(contract=True)
+def within_cylinder(cylinders, k, x, y, z, r):
+    """Whether spheres touch a cylinder, in lanes.
+
+    Args:
+        cylinders: Numbers of the obstacles, (n, 8) [m].
+        k: Which obstacle [-].
+        x: Centres [m].
+        y: Likewise [m].
+        z: Likewise [m].
+        r: Their radii, or the radius of all [m].
+
+    Returns:
+        A mask.
+    """
+    x, y, z = x - cylinders[k, 3], y - cylinders[k, 4], z - cylinders[k, 5]
     along = x * cylinders[k, 0] + y * cylinders[k, 1] + z * cylinders[k, 2]
     x = x - along * cylinders[k, 0]
     y = y - along * cylinders[k, 1]
@@ -180,7 +236,7 @@ def near_plane(planes, k, c, row, r, W):
     Args:
         planes: Numbers of the obstacles, (n, 6) [m].
         k: Which obstacle [-].
-        c: Centres, three rows each, (rows, W) [m].
+        c: Centres, three rows of W numbers each [m].
         row: The first row of the spheres [-].
         r: Their radius [m].
         W: Lanes, a constant [-].
@@ -188,9 +244,8 @@ def near_plane(planes, k, c, row, r, W):
     Returns:
         A mask.
     """
-    x = c[row, 0:W] - planes[k, 3]
-    y = c[row + 1, 0:W] - planes[k, 4]
-    z = c[row + 2, 0:W] - planes[k, 5]
+    x, y, z = centre(c, row, W)
+    x, y, z = x - planes[k, 3], y - planes[k, 4], z - planes[k, 5]
     return x * planes[k, 0] + y * planes[k, 1] + z * planes[k, 2] <= r
 
 
@@ -199,7 +254,7 @@ def near_each_other(c, a, b, r, W):
     """Whether two spheres touch, in lanes.
 
     Args:
-        c: Centres, three rows each, (rows, W) [m].
+        c: Centres, three rows of W numbers each [m].
         a: The first row of one sphere [-].
         b: That of the other [-].
         r: The sum of their radii [m].
@@ -208,10 +263,24 @@ def near_each_other(c, a, b, r, W):
     Returns:
         A mask.
     """
-    x = c[a, 0:W] - c[b, 0:W]
-    y = c[a + 1, 0:W] - c[b + 1, 0:W]
-    z = c[a + 2, 0:W] - c[b + 2, 0:W]
+    ax, ay, az = centre(c, a, W)
+    bx, by, bz = centre(c, b, W)
+    x, y, z = ax - bx, ay - by, az - bz
     return x * x + y * y + z * z <= r * r
+
+
+@procedure
+def bound_row(tables, g):
+    """The row of `work.c` with the centre of a group's bounding sphere.
+
+    Args:
+        tables: What is checked against what [m].
+        g: The group [-].
+
+    Returns:
+        The row.
+    """
+    return tables.first_bound + 3 * g
 
 
 @procedure
@@ -228,11 +297,125 @@ def placed_row(tables, g, s, work, W):
     Returns:
         The row.
     """
-    row = 3 * (len(tables.bodies) + s)
-    if work.is_placed[s] == 0:
-        work.is_placed[s] = 1
-        place(tables.spheres, s, work.pose, tables.bodies[g], work.c, row, W)
+    row = tables.first_sphere + 3 * s
+    if work.placed[s] != work.block[0]:
+        work.placed[s] = work.block[0]
+        place(tables.spheres, s, tables.bodies[g], work.c, row, W)
     return row
+
+
+@procedure
+def place_bounds(tables, work, W) -> None:
+    """Begins with a block of configurations: computes the centres of bounding spheres that are not known yet.
+
+    Args:
+        tables: What is checked against what [m].
+        work: Holds the poses; receives the centres [m].
+        W: Lanes, a constant [-].
+    """
+    work.block[0] += 1
+    for g in range(tables.known, len(tables.bodies)):
+        place(tables.bounds, g, tables.bodies[g], work.c, bound_row(tables, g), W)
+
+
+@procedure(contract=True)
+def on_body(body, c, row, W):
+    """The centre of a sphere in the frame of a body, in lanes.
+
+    Args:
+        body: The first row of the pose of the body [-].
+        c: Poses, twelve rows of W numbers each, and centres, three each [1], [m].
+        row: The first row of the sphere [-].
+        W: Lanes, a constant [-].
+
+    Returns:
+        x, y, z, lanes [m].
+    """
+    R, t = body * W, (body + 9) * W
+    x, y, z = centre(c, row, W)
+    x, y, z = x - c[t : t + W], y - c[t + W : t + W + W], z - c[t + 2 * W : t + 2 * W + W]
+    return (
+        c[R : R + W] * x + c[R + 3 * W : R + 3 * W + W] * y + c[R + 6 * W : R + 6 * W + W] * z,
+        c[R + W : R + W + W] * x + c[R + 4 * W : R + 4 * W + W] * y + c[R + 7 * W : R + 7 * W + W] * z,
+        c[R + 2 * W : R + 2 * W + W] * x
+        + c[R + 5 * W : R + 5 * W + W] * y
+        + c[R + 8 * W : R + 8 * W + W] * z,
+    )
+
+
+@procedure(contract=True)
+def near_point(spheres, k, x, y, z, r, W):
+    """Whether a sphere touches others, in lanes; all in the frame of its body.
+
+    Args:
+        spheres: Centres on bodies and radii, (n, 4) [m].
+        k: The sphere [-].
+        x: Centres of the others [m].
+        y: Likewise [m].
+        z: Likewise [m].
+        r: Their radius [m].
+        W: Lanes, a constant [-].
+
+    Returns:
+        A mask.
+    """
+    x, y, z, reach = x - spheres[k, 0], y - spheres[k, 1], z - spheres[k, 2], r + spheres[k, 3]
+    return x * x + y * y + z * z <= reach * reach
+
+
+@procedure
+def extent_of(tables, g, r, work, W):
+    """The least and greatest coordinates of a group's bounding sphere in all lanes.
+
+    Args:
+        tables: What is checked against what [m].
+        g: The group [-].
+        r: The radius [m].
+        work: Holds the centres [m].
+        W: Lanes, a constant [-].
+
+    Returns:
+        Least x, y, z, greatest x, y, z [m].
+    """
+    x, y, z = centre(work.c, bound_row(tables, g), W)
+    return (
+        least_of(x) - r,
+        least_of(y) - r,
+        least_of(z) - r,
+        greatest_of(x) + r,
+        greatest_of(y) + r,
+        greatest_of(z) + r,
+    )
+
+
+@procedure
+def overlapping(tables, g, i, x, y, z, to_x, to_y, to_z, W):
+    """Which of W obstacles are checked against a group and overlap a box along the axes.
+
+    Args:
+        tables: What is checked against what [m].
+        g: The group [-].
+        i: The column of the first obstacle [-].
+        x: The least coordinates of the box [m].
+        y: Likewise [m].
+        z: Likewise [m].
+        to_x: The greatest coordinates of the box [m].
+        to_y: Likewise [m].
+        to_z: Likewise [m].
+        W: Lanes, a constant [-].
+
+    Returns:
+        A mask.
+    """
+    return (
+        (tables.extents[0, i : i + W] <= to_x)
+        & (tables.extents[1, i : i + W] <= to_y)
+        & (tables.extents[2, i : i + W] <= to_z)
+        & (tables.extents[3, i : i + W] >= x)
+        & (tables.extents[4, i : i + W] >= y)
+        & (tables.extents[5, i : i + W] >= z)
+        & (tables.masks[g, i : i + W] > 0)
+    )
 
 
 @procedure
@@ -240,14 +423,14 @@ def _group_touches(tables, g, k, work, W):
     """Whether a group touches the obstacle of column k in any lane."""
     boxes = len(tables.boxes)
     if k < boxes:
-        if any_of(near_box(tables.boxes, k, work.c, 3 * g, tables.bounds[g, 3], W)):
+        if any_of(near_box(tables.boxes, k, work.c, bound_row(tables, g), tables.bounds[g, 3], W)):
             for s in range(tables.first[g], tables.first[g + 1]):
                 row = placed_row(tables, g, s, work, W)
                 if any_of(near_box(tables.boxes, k, work.c, row, tables.spheres[s, 3], W)):
                     return True
     else:
         n = k - boxes
-        if any_of(near_cylinder(tables.cylinders, n, work.c, 3 * g, tables.bounds[g, 3], W)):
+        if any_of(near_cylinder(tables.cylinders, n, work.c, bound_row(tables, g), tables.bounds[g, 3], W)):
             for s in range(tables.first[g], tables.first[g + 1]):
                 row = placed_row(tables, g, s, work, W)
                 if any_of(near_cylinder(tables.cylinders, n, work.c, row, tables.spheres[s, 3], W)):
@@ -259,26 +442,18 @@ def _group_touches(tables, g, k, work, W):
 def _group_touches_world(tables, g, work, W):
     """Whether a group touches an obstacle in any lane."""
     r = tables.bounds[g, 3]
-    least_x, greatest_x = least_of(work.c[3 * g, 0:W]) - r, greatest_of(work.c[3 * g, 0:W]) + r
-    least_y, greatest_y = least_of(work.c[3 * g + 1, 0:W]) - r, greatest_of(work.c[3 * g + 1, 0:W]) + r
-    least_z, greatest_z = least_of(work.c[3 * g + 2, 0:W]) - r, greatest_of(work.c[3 * g + 2, 0:W]) + r
+    x, y, z, to_x, to_y, to_z = extent_of(tables, g, r, work, W)
     for i in range(0, tables.extents.shape[1], W):
-        overlap = (
-            (tables.extents[0, i : i + W] <= greatest_x)
-            & (tables.extents[1, i : i + W] <= greatest_y)
-            & (tables.extents[2, i : i + W] <= greatest_z)
-            & (tables.extents[3, i : i + W] >= least_x)
-            & (tables.extents[4, i : i + W] >= least_y)
-            & (tables.extents[5, i : i + W] >= least_z)
-            & (tables.masks[g, i : i + W] > 0)
-        )
+        overlap = overlapping(tables, g, i, x, y, z, to_x, to_y, to_z, W)
         while any_of(overlap):
             lane = first_of(overlap)
             if _group_touches(tables, g, i + lane, work, W):
                 return True
             overlap = overlap & (lane_numbers(W) != lane)
     for k in range(len(tables.planes)):
-        if tables.plane_masks[g, k] > 0 and any_of(near_plane(tables.planes, k, work.c, 3 * g, r, W)):
+        if tables.plane_masks[g, k] > 0 and any_of(
+            near_plane(tables.planes, k, work.c, bound_row(tables, g), r, W)
+        ):
             for s in range(tables.first[g], tables.first[g + 1]):
                 row = placed_row(tables, g, s, work, W)
                 if any_of(near_plane(tables.planes, k, work.c, row, tables.spheres[s, 3], W)):
@@ -294,7 +469,7 @@ def _group_touches_clouds(tables, g, work, W):
         margin = tables.cloud_margins[g, k]
         if margin >= 0:
             for s in range(begin - 1, tables.first[g + 1]):  # first the bounding sphere
-                row, r = 3 * g, tables.bounds[g, 3] + margin
+                row, r = bound_row(tables, g), tables.bounds[g, 3] + margin
                 if s >= begin:
                     row, r = placed_row(tables, g, s, work, W), tables.spheres[s, 3] + margin
                 x, y, z = in_cloud(tables.clouds.poses, k, work.c, row, W)
@@ -312,13 +487,16 @@ def _pair_touches(tables, k, work, W):
     """Whether spheres of the groups of a pair touch, or come nearer than they may, in any lane."""
     a, b = tables.pairs[k, 0], tables.pairs[k, 1]
     bound = tables.bounds[b, 3] + tables.pair_margins[k]
-    if not any_of(near_each_other(work.c, 3 * a, 3 * b, tables.bounds[a, 3] + bound, W)):
+    if not any_of(
+        near_each_other(work.c, bound_row(tables, a), bound_row(tables, b), tables.bounds[a, 3] + bound, W)
+    ):
         return False
+    x, y, z = on_body(tables.bodies[a], work.c, bound_row(tables, b), W)
     for n in range(tables.pairs[k, 2], tables.pairs[k, 3]):
         i = tables.rows[n, 0]
-        r = tables.spheres[i, 3]
-        row = placed_row(tables, a, i, work, W)
-        if any_of(near_each_other(work.c, row, 3 * b, r + bound, W)):
+        if any_of(near_point(tables.spheres, i, x, y, z, bound, W)):
+            r = tables.spheres[i, 3]
+            row = placed_row(tables, a, i, work, W)
             for m in range(tables.rows[n, 1], tables.rows[n + 1, 1]):
                 j = tables.partners[m]
                 reach = r + tables.spheres[j, 3] + tables.pair_margins[k]
@@ -340,10 +518,7 @@ def block_touches(tables, work, W):
     Returns:
         The truth value.
     """
-    for s in range(len(tables.spheres)):
-        work.is_placed[s] = 0
-    for g in range(len(tables.bodies)):
-        place(tables.bounds, g, work.pose, tables.bodies[g], work.c, 3 * g, W)
+    place_bounds(tables, work, W)
     # Last to first: the last links of an arm move farthest, and the first contact ends the check.
     for i in range(len(tables.bodies)):
         if _group_touches_world(tables, len(tables.bodies) - 1 - i, work, W):

@@ -34,7 +34,8 @@ def procedure_ir(
     Args:
         instances: The procedure last, and before it all that it calls.
         is_checked: Whether accesses to arrays are checked.
-        contract: Whether a product and a sum may become one instruction that rounds once.
+        contract: Whether a product and a sum may become one instruction that rounds once, in all instances; else only
+            in those that say so.
         register_bytes: Width of the widest SIMD register [byte].
 
     Returns:
@@ -42,7 +43,7 @@ def procedure_ir(
     """
     module = Module()
     for number, instance in enumerate(instances):
-        writer = _FunctionWriter(module, number, is_checked, contract)
+        writer = _FunctionWriter(module, number, is_checked, contract or instance.contract)
         module.definitions[instance.name] = writer.function(instance)
     _choose_inlining(module.definitions, [instance.name for instance in instances])
     module.definitions["entry"] = _entry(instances[-1])

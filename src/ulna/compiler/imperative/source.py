@@ -18,13 +18,18 @@ from ulna.errors import ProcedureError
 class Definition:
     """A Python function that was made a procedure.
 
+    Args:
+        function: The function.
+        contract: Whether its products and sums may be fused, wherever it is called.
+
     Attributes:
         function: The function.
+        contract: The same.
         parameters: The names of its parameters.
     """
 
-    def __init__(self, function: Callable[..., Any]) -> None:
-        self.function = function
+    def __init__(self, function: Callable[..., Any], contract: bool = False) -> None:
+        self.function, self.contract = function, contract
         self.parameters = tuple(inspect.signature(function).parameters)
         self.__name__ = getattr(function, "__name__", "procedure")
 

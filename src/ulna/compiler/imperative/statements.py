@@ -43,6 +43,7 @@ class ProcedureReader(AssignmentReader):
         super().__init__(Scope(source, dict(constants), dict(ordered), instance_of, everything))
         self._parameters = tuple(ordered.items())
         self._results: tuple[Number | Lanes, ...] | None = None
+        self._contract = definition.contract
 
     def instance(self, name: str) -> t.Instance:
         """The instance, under a name."""
@@ -53,7 +54,8 @@ class ProcedureReader(AssignmentReader):
         locals_ = tuple((k, v) for k, v in scope.types.items() if k not in dict(self._parameters))
         written = {n for s in _statements(body) for n in _names_assigned(s)}
         variables = (*locals_, *((k, v) for k, v in self._parameters if k in written))
-        return t.Instance(name, self._parameters, variables, self._results or (), body, source.file)
+        results = self._results or ()
+        return t.Instance(name, self._parameters, variables, results, body, source.file, self._contract)
 
     def block(self, nodes: Iterable[ast.stmt]) -> tuple[tuple[t.Statement, ...], bool]:
         """The statements, and whether control never falls through their end; unreachable ones are left out."""

@@ -263,6 +263,7 @@ class Instance:
         results: The types of what it returns.
         body: Its statements.
         file: The file of the source.
+        contract: Whether its products and sums may be fused.
     """
 
     name: str
@@ -271,3 +272,4 @@ class Instance:
     results: tuple[Number | Lanes, ...]
     body: tuple[Statement, ...]
     file: str
+    contract: bool

@@ -71,9 +71,9 @@ class Procedure(Definition):
         constants: Mapping[str, Number_] | None = None,
         contract: bool = False,
     ) -> None:
-        super().__init__(function)
+        super().__init__(function, contract)
         self.__doc__, self.__module__ = function.__doc__, function.__module__
-        self.constants, self.contract = dict(constants or {}), contract
+        self.constants = dict(constants or {})
         unknown = [name for name in self.constants if name not in self.parameters]
         if unknown:
             raise InputError(
@@ -321,8 +321,9 @@ def procedure(
             Array3[...], Kernel, or a NamedTuple of these. Parameters of procedures that only procedures call need no
             annotation.
         constants: Values of parameters that are known when the code is compiled, such as the number of lanes.
-        contract: Whether a product and a sum may become one instruction that rounds once; without it results equal the
-            interpreter's bit for bit, but for elementary functions.
+        contract: Whether a product and a sum may become one instruction that rounds once, in this procedure wherever it
+            is called, and in all that it calls; without it results equal the interpreter's bit for bit, but for
+            elementary functions.
 
     Returns:
         The procedure, or with keywords alone a decorator that makes it.
