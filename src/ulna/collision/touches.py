@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Protocol
 
 import numpy as np
@@ -36,7 +36,7 @@ class _SpheresInWorld(Protocol):
 
 
 def deepest_touch(
-    checker: _SpheresInWorld, q: Floats, moving: Mapping[str, ArrayLike] | None = None
+    checker: _SpheresInWorld, q: Floats, moving: Mapping[str, ArrayLike] | None = None, margin: float = 0.0
 ) -> tuple[float, str, str]:
     """The two things that are nearest to each other, or overlap most, by their spheres.
 
@@ -44,28 +44,45 @@ def deepest_touch(
         checker: The robot in its world.
         q: Configuration, shape (nq,) [rad, m].
         moving: Poses of moving obstacles by name, T_world_shape, shape (4, 4) [m].
+        margin: By how much every link and attached object is larger when things are compared, so that it counts twice
+            between two of them [m].
 
     Returns:
-        Their clearance [m], negative where they overlap, less their margin; a link or attached object, and what is near
-        it: an obstacle, another link or object.
+        Their clearance [m], negative where they overlap, less the margin that the world has for them; a link or
+        attached object, and what is near it: an obstacle, another link or object.
     """
+    found = [
+        *((distance - margin, distance, *names) for distance, *names in _to_obstacles(checker, q, moving)),
+        *((distance - 2.0 * margin, distance, *names) for distance, *names in _to_each_other(checker, q)),
+    ]
+    _, distance, link, other = min(found, default=(np.inf, np.inf, "", ""))
+    return distance, link, other
+
+
+def _to_obstacles(
+    checker: _SpheresInWorld, q: Floats, moving: Mapping[str, ArrayLike] | None
+) -> Iterator[tuple[float, str, str]]:
+    """The clearances of links from obstacles, and from links that do not move, by their real shapes."""
     spheres = checker.covering.links
     placed = sphere_centres(checker.model, q, checker.covering, checker.carriers)
-    nearest = (np.inf, "", "")
     for kind, links, rows, owners in checker.static_groups(moving):
         for link in links:
             c, r = placed[link][:, None], spheres[link].radii[:, None]
             distances = sphere_kernel("signed", kind)(c, r, rows, 0.0).min(axis=0)
             part = int(distances.argmin())
-            nearest = min(nearest, (float(distances[part]), link, owners[part]))
+            yield float(distances[part]), link, owners[part]
     for link, centres in placed.items():
         for owner, distance in checker.cloud_distances(link, centres, moving):
-            nearest = min(nearest, (distance, link, owner))
+            yield distance, link, owner
+
+
+def _to_each_other(checker: _SpheresInWorld, q: Floats) -> Iterator[tuple[float, str, str]]:
+    """The clearances of moving links and objects from each other."""
+    spheres = checker.covering.links
+    placed = sphere_centres(checker.model, q, checker.covering, checker.carriers)
     still = {link.name for link in checker.model.links if link.joint < 0}
     for a, b in (*checker.pairs, *checker.attached_pairs):
         if a in still or b in still:
-            continue  # these count by their real shapes, above
+            continue  # these count by their real shapes, as obstacles do
         apart = np.linalg.norm(placed[a][:, None] - placed[b][None], axis=2) - checker.world.margin(a, b)
-        distance = float((apart - spheres[a].radii[:, None] - spheres[b].radii[None]).min())
-        nearest = min(nearest, (distance, a, b))
-    return nearest
+        yield float((apart - spheres[a].radii[:, None] - spheres[b].radii[None]).min()), a, b

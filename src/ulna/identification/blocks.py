@@ -26,6 +26,7 @@ from ulna.identification.base import (
     parameter_names,
 )
 from ulna.identification.solve import (
+    NO_SAMPLES,
     Log,
     base_statistics,
     checked_noise,
@@ -233,7 +234,7 @@ def fit_sums(
     """
     rows, triangles = int(sums["rows"][0]), sums["triangles"]
     if not rows:
-        raise InputError("The log has no samples; expected one at least.")
+        raise InputError(NO_SAMPLES)
     nominal = present_parameters(model, sought.drives)
     p0 = nominal.copy()
     if prior is not None:

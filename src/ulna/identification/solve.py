@@ -17,6 +17,12 @@ from ulna.identification.physical import pseudo_inertia
 from ulna.model import Model, dynamic_parameters
 from ulna.typing import ArrayLike, Floats
 
+NO_SAMPLES = (
+    "The log has no samples; expected one at least. If rows were selected, the condition holds for none: a joint that "
+    "never moves, say, makes `(abs(v) > 0.02).all(axis=1)` false everywhere."
+)
+"""What is said of a log without rows."""
+
 
 @dataclass(frozen=True)
 class Log:
@@ -53,7 +59,7 @@ class Log:
                 raise ShapeError(name, array.shape, f"{expected}, one row per sample")
             check_finite(name, array)
         if rows == 0:
-            raise InputError("The log has no samples; expected one at least.")
+            raise InputError(NO_SAMPLES)
         return cls(**arrays)
 
 

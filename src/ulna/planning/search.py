@@ -147,16 +147,19 @@ class Search:
         if not run.options.with_reason:
             return outcome, ""
         q = run.goals[0] if free[0] else run.q0
-        distance, link, other = deepest_touch(self._scene.checker, q)
+        distance, link, other = deepest_touch(self._scene.checker, q, margin=self._margin)
         what = f"overlaps {other!r} by {-1e3 * distance:.3g} mm"
         if distance > 0.0:
             what = f"comes within {1e3 * distance:.3g} mm of {other!r}"
         who = "the start" if outcome == "start" else "the goal" if len(run.goals) == 1 else "the first goal"
         reason = f"at {who} {link!r} {what}, by their covering spheres."
+        if distance > 0.0 and self._margin > 0.0:
+            reason += f" `margin` is {1e3 * self._margin:.3g} mm, and counts for each of two links that move."
         if other in self._scene.spheres.links:
+            smaller = " or a smaller `margin`" if self._margin > 0.0 else ""
             reason += (
                 ' Where the links are apart, plan with method="exact", or give finer spheres (ulna.collision.refine) '
-                "or other `pairs`."
+                f"or other `pairs`{smaller}."
             )
         return outcome, reason
 

@@ -160,7 +160,7 @@ def test_wrong_logs_are_refused(robot: Robot) -> None:
         bad = a.copy()
         bad[2, 1] = np.nan
         identify(robot, q, v, bad, tau)
-    with pytest.raises(InputError, match="no samples"):
+    with pytest.raises(InputError, match="no samples.*a joint that never moves"):
         identify(robot, q[:0], v[:0], a[:0], tau[:0])
     with pytest.raises(InputError, match="ridge"):
         identify(robot, q, v, a, tau, ridge=-1.0)

@@ -13,6 +13,7 @@ import pytest
 
 import ulna
 from ulna.collision import LinkSpheres, Spheres, World
+from ulna.collision.touches import deepest_touch
 from ulna.errors import InputError, ModelError, NonFiniteError, ShapeError
 from ulna.geometry import Box, Cylinder, Geometry, Plane, Sphere
 from ulna.model import Continuous, ModelBuilder, Prismatic, Spherical
@@ -132,6 +133,26 @@ def test_a_start_or_goal_that_touches_names_both_and_the_depth() -> None:
     folded = np.array([0.0, 1.7, 0.0, -3.0, 0.0, 0.0, 0.0])
     p = plan(robot, folded, ready)
     assert p.outcome == "start" and "panda_" in p.reason.split("overlaps")[1] and "finer spheres" in p.reason
+
+
+def test_the_reason_names_what_the_margin_forbids_and_not_what_is_nearest() -> None:
+    robot = panda()
+    q = robot.configurations["ready"]
+    alone = Planner(robot).scene.checker
+    apart, *links = deepest_touch(alone, q)
+    margin = 0.6 * apart  # counts for each of two links, and once for an obstacle
+    for height in np.linspace(1.5, 0.9, 61):  # a ball comes down until it is nearer than the links are
+        world = World().add("ball", Sphere(0.1), (0.0, 0.0, height))
+        distance, _, near = deepest_touch(Planner(robot, world).scene.checker, q)
+        if near == "ball":
+            break
+    assert near == "ball" and margin < distance < apart
+    p = plan(robot, q, q + 0.1, world, margin=margin)
+    assert p.outcome == "start" and all(repr(link) in p.reason for link in links) and "ball" not in p.reason
+    assert (
+        f"comes within {1e3 * apart:.3g} mm" in p.reason and f"`margin` is {1e3 * margin:.3g} mm" in p.reason
+    )
+    assert plan(robot, q, q + 0.1, world, margin=0.3 * apart)
 
 
 def test_limits_unreachable_poses_and_exhausted_searches_are_named() -> None:
