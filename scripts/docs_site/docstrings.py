@@ -7,6 +7,8 @@ from typing import Any
 
 _CODE = re.compile(r"(``[^`]+``|`[^`]+`)")
 _SECTION = re.compile(r"(Args|Returns|Raises|Yields|Attributes|Examples?|Note):")
+_FIELD = re.compile(r"Alias for field number \d+")
+"""What Python says of a field of a named tuple; its name and type stand above it."""
 _ATTRIBUTES: dict[str, list[str]] = {}
 """Docstrings of attributes, from before Napoleon reads them."""
 _SPECIAL = re.compile(r"([*|]|(?<=\w)_(?=\W|$))")
@@ -45,11 +47,15 @@ def process(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[
     for line in lines:
         text = line.strip()
         in_section = in_section or bool(_SECTION.fullmatch(line))
-        if text and not (new and new[-1]):  # a paragraph begins
+        if text and (
+            not (new and new[-1]) or text.startswith(">>>")
+        ):  # a paragraph, or an example below its title
             is_code = text.startswith(">>>") or (not in_section and line.startswith("    "))
             if is_code and not text.startswith(">>>") and not _was_code(new):
                 new += ["::", ""]
         new.append(line if is_code else inline(line))
+    if _FIELD.fullmatch("".join(lines)):
+        new = []
     lines[:] = new
     if what in ("attribute", "property"):
         _ATTRIBUTES[name] = new

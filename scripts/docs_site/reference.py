@@ -55,7 +55,9 @@ NUMPY = {"ArrayLike": "Whatever NumPy makes an array of: `numpy.typing.ArrayLike
 LARGE = ("Robot",)
 """Names of `ulna` with a page for each."""
 
-_MEMBERS = "   :members:\n   :inherited-members: tuple, dict, Exception, BaseException\n"
+_PYTHONS = "tuple, dict, Exception, BaseException, ImportError, OSError, AttributeError, NameError"
+"""Python's own classes, whose members are not listed again."""
+_MEMBERS = f"   :members:\n   :inherited-members: {_PYTHONS}\n"
 
 
 def public_names(module: str) -> list[str]:

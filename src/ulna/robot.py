@@ -105,6 +105,13 @@ class Robot(
     Frames are named; the default is the tool. References of velocities and Jacobians, with the twist's linear part
     first: "world" (of the point at the world's origin, world axes), "local" (frame's origin and axes),
     "local_world_aligned" (frame's origin, world axes; the default).
+
+    Example:
+        >>> robot = ulna.load("ur5")
+        >>> robot.nq, robot.tool, robot.joint_names[0]
+        (6, 'tool0', 'shoulder_pan_joint')
+        >>> robot.fk(np.zeros((100, 6))).shape
+        (100, 4, 4)
     """
 
     __slots__ = {

@@ -132,6 +132,23 @@ def test_signatures_name_arrays() -> None:
     assert found == ("(q: ArrayLike | None = None, n: int = 1)", None)
 
 
+def test_examples_in_docstrings_stay_as_they_are_and_fields_of_tuples_say_nothing() -> None:
+    lines = ["Doubles *each*.", "", "Example:", "    >>> sizes = [2] * 3 + list_", "    [2, 2, 2]", ""]
+    docstrings.process(None, "function", "f", None, None, lines)
+    assert lines == [
+        r"Doubles \*each\*.",
+        "",
+        "Example:",
+        "    >>> sizes = [2] * 3 + list_",
+        "    [2, 2, 2]",
+        "",
+    ]
+    field = ["Alias for field number 3", ""]
+    docstrings.process(None, "attribute", "C.field", None, None, field)
+    docstrings.keep_attributes(None, "attribute", "C.field", None, None, field)
+    assert not any(field)
+
+
 def test_tables_drawn_with_lines_are_not_wrapped() -> None:
     assert ":class: output drawn\n" in staging._printed("│ a │")
     assert ":class: output\n" in staging._printed("a")

@@ -74,7 +74,13 @@ def diagnose(robot: Any, **options: Any) -> tuple[Finding, ...]:
 
 
 def report(findings: Sequence[Finding]) -> str:
-    """Findings as text, those of a kind together."""
+    """Findings as text, those of a kind together.
+
+    Example:
+        >>> from ulna.diagnosis import diagnose, report
+        >>> print(report(diagnose("<robot name='a'><link name='only'/></robot>")))
+        Nothing looks wrong.
+    """
     if not findings:
         return "Nothing looks wrong."
     parts = []

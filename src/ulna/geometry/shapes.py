@@ -53,6 +53,12 @@ class Box(Shape):
 
     Args:
         size: Full edge lengths along x, y, z [m].
+
+    Example:
+        >>> from ulna.collision import World
+        >>> from ulna.geometry import Box
+        >>> World().add("table", Box((1.2, 0.8, 0.04)), (0.5, 0.0, -0.02)).names
+        ('table',)
     """
 
     size: tuple[float, float, float]
@@ -71,6 +77,11 @@ class Sphere(Shape):
 
     Args:
         radius: Radius [m].
+
+    Example:
+        >>> from ulna.geometry import Sphere
+        >>> Sphere(0.1).radius
+        0.1
     """
 
     radius: float

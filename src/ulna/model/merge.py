@@ -42,6 +42,12 @@ def attach(
     Raises:
         UnknownName: `base` has no such frame.
         ModelError: both use a name; another `prefix` fixes that.
+
+    Example:
+        >>> panda, ur5 = ulna.load("panda"), ulna.load("ur5")
+        >>> two = panda.attach(ur5, "panda_link0", ulna.SE3(0.0, 1.0, 0.0), prefix="second_")
+        >>> two.nq
+        13
     """
     spot = base.frame(base.tool if frame is None else frame)
     builder = ModelBuilder(base.name if name is None else name, base.source)

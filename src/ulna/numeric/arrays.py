@@ -11,7 +11,14 @@ from ulna.typing import Array
 
 
 def vector(*components: Any) -> Array:
-    """The array whose last axis holds `components` (scalars, or batches of one shape)."""
+    """The array whose last axis holds `components` (scalars, or batches of one shape).
+
+    Example:
+        >>> from ulna import numeric
+        >>> polar = ulna.compile(lambda r, a: numeric.vector(r * np.cos(a), r * np.sin(a)), r=(), a=())
+        >>> polar(2.0, 0.0)
+        array([2., 0.])
+    """
     if is_symbolic(*components):
         components = tuple(np.broadcast_arrays(*(np.asarray(c, dtype=object) for c in components)))
         return np.stack(components, axis=-1)

@@ -43,7 +43,14 @@ def cos(x: Any) -> Any:
 
 
 def sqrt(x: Any) -> Any:
-    """Square root."""
+    """Square root.
+
+    Example:
+        >>> from ulna import numeric
+        >>> length = ulna.compile(lambda x: numeric.sqrt(x @ x), x=(2,))
+        >>> float(length([3.0, 4.0]))
+        5.0
+    """
     return _elementwise(_sqrt, x) if is_symbolic(x) else np.sqrt(x)
 
 

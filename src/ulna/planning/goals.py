@@ -38,6 +38,14 @@ class Region:
         ShapeError: If `pose` is none.
         InputError, DtypeError: If `size` is no box.
         UnknownName: If `turns` is none of these.
+
+    Example:
+        >>> from ulna.planning import Region
+        >>> robot = ulna.load("panda")
+        >>> q = robot.configurations["ready"]
+        >>> anyhow = Region((0.4, 0.2, 0.4), turns="any")  # a point, turned in any way
+        >>> bool(robot.plan(q, anyhow))
+        True
     """
 
     pose: SE3

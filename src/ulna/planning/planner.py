@@ -100,6 +100,16 @@ def plan(
             take an argument.
         UnknownName: If there is no such method.
         ModelError: If the robot has no collision geometry.
+
+    Example:
+        >>> from ulna.collision import World
+        >>> from ulna.geometry import Box
+        >>> robot = ulna.load("panda")
+        >>> world = World().add("post", Box((0.1, 0.1, 1.0)), (0.5, 0.0, 0.3))
+        >>> q = robot.configurations["ready"]
+        >>> path = robot.plan(q + [-0.6, 0, 0, 0, 0, 0, 0], q + [0.6, 0, 0, 0, 0, 0, 0], world)
+        >>> path.success, path.is_certified
+        (True, True)
     """
     _check_scene(robot, world)
     _check_method(method)

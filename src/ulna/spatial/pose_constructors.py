@@ -229,7 +229,12 @@ class PoseConstructors(Batched):
 
     @classmethod
     def rx(cls, angle: Any) -> Self:
-        """The rotation about x by `angle` (...) [rad]."""
+        """The rotation about x by `angle` (...) [rad].
+
+        Example:
+            >>> (ulna.SE3.rx(np.pi) @ [0.0, 0.0, 1.0]).round(6)  # upside down
+            array([ 0., -0., -1.])
+        """
         return cls(angles.rotation_about(0, angle), np.zeros(3))
 
     @classmethod

@@ -194,7 +194,12 @@ class SE3(PoseConstructors, metaclass=Explained):
         return result
 
     def as_matrix(self) -> Array:
-        """The homogeneous matrix (..., 4, 4)."""
+        """The homogeneous matrix (..., 4, 4).
+
+        Example:
+            >>> ulna.SE3(0.1, 0.2, 0.3).as_matrix()[:3, 3]
+            array([0.1, 0.2, 0.3])
+        """
         t = self.translation[..., None]
         batch = np.broadcast_shapes(self.rotation.shape[:-2], t.shape[:-2])
         top = np.concatenate(

@@ -74,6 +74,12 @@ def load(path: str | Path) -> Polynomial:
 
     Raises:
         InputError: No such file, another suffix, or a file that is no trajectory; says what it lacks.
+
+    Example:
+        >>> move = ulna.trajectory.quintic([0.0, 0.0], [1.0, -1.0], duration=2.0)
+        >>> move.save("move.csv", rate=100)
+        >>> ulna.trajectory.load("move.csv").duration
+        2.0
     """
     source = Path(path)
     if source.suffix not in (".npz", ".csv"):

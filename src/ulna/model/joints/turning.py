@@ -30,6 +30,14 @@ class Revolute(VectorKind):
 
     Args:
         axis: Axis in the fixed frame; scaled to length 1.
+
+    Example:
+        >>> from ulna.model import Revolute
+        >>> leaf = ulna.Inertia.from_box(9.0, (0.9, 0.04, 2.0))
+        >>> builder = ulna.ModelBuilder("door").add_link("frame").add_link("leaf", leaf)
+        >>> builder = builder.add_joint("hinge", Revolute((0, 0, 1)), "frame", "leaf", lower=0.0, upper=1.6)
+        >>> ulna.Robot(builder.build()).joint_names
+        ('hinge',)
     """
 
     axis: Axis = (0.0, 0.0, 1.0)

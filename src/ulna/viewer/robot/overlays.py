@@ -258,6 +258,13 @@ class RobotOverlays(Handle, abc.ABC):
 
         Raises:
             ShapeError, NonFiniteError: `q` is not of shape (n, nq) or not finite.
+
+        Example:
+            >>> viewer = ulna.Viewer(page=False)
+            >>> arm = viewer.add(ulna.load("panda", visuals="simple"), "ready")
+            >>> others = arm.ghosts(np.linspace(arm.q, arm.q + 0.5, 4)[1:], color="tomato")
+            >>> others.q.shape
+            (3, 7)
         """
         faint = number("opacity", opacity, "a number above 0, at most 1", above=0.0, most=1.0)
         show = "visual" if self._visual.show == "both" else self._visual.show

@@ -60,6 +60,12 @@ class ShapeMethods(AnnotationMethods):
 
         Raises:
             InputError: A length is not above zero.
+
+        Example:
+            >>> viewer = ulna.Viewer(page=False)
+            >>> ball = viewer.sphere(0.05, pose=(0.4, 0.1, 0.3), color="tomato")
+            >>> ball.position
+            array([0.4, 0.1, 0.3])
         """
         return self.add(Sphere(radius), **more)
 
