@@ -27,7 +27,7 @@ class Inertia(Batched):
         mass: mass (...) [kg].
         com: centre of mass (..., 3) [m] in the frame.
         inertia: rotational inertia (..., 3, 3) [kg m^2] about the centre of mass, along the axes of the
-        frame.
+            frame.
     """
 
     mass: Any
