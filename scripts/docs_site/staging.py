@@ -213,8 +213,9 @@ class _Staged:
 
 
 def _printed(text: str) -> str:
-    """What a block printed, as a block of text below it; tables drawn with lines are not wrapped."""
-    kind = "output drawn" if "│" in text else "output"
+    """What a block printed, as a block of text below it; tables, drawn with lines or in columns, are not wrapped."""
+    columns = re.findall(r"^.*\S {3,}\S.* {3,}\S.*$", text, re.MULTILINE)
+    kind = "output drawn" if "│" in text else "output columns" if len(columns) >= 3 else "output"
     return f"\n\n````{{code-block}} text\n:class: {kind}\n\n{text.rstrip()}\n````\n"
 
 

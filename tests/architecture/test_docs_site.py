@@ -149,9 +149,11 @@ def test_examples_in_docstrings_stay_as_they_are_and_fields_of_tuples_say_nothin
     assert not any(field)
 
 
-def test_tables_drawn_with_lines_are_not_wrapped() -> None:
+def test_tables_are_not_wrapped() -> None:
     assert ":class: output drawn\n" in staging._printed("│ a │")
+    assert ":class: output columns\n" in staging._printed("joint    before    after\n" * 3)
     assert ":class: output\n" in staging._printed("a")
+    assert ":class: output\n" in staging._printed("one    word in a sentence\n" * 3)
 
 
 def test_the_reference_has_every_public_package() -> None:
