@@ -75,7 +75,7 @@ def plan(
         joints: Names of the joints that may move; the others stay where `q0` has them. None for all.
         spheres: Spheres of the links; None for those that are fitted.
         pairs: Pairs of links to check against each other; None for `link_pairs(model)`.
-        margin: How far links stay from obstacles at least, and moving links from each other by twice as much [m].
+        margin: How near everything may come at least; by spheres two links that move stay twice as far apart [m].
         step: How far any point moves at most between the states by which the path is proved free, with spheres larger
             by half of it [m]. Where the start or every goal is too near to something for that, a fourth and a sixteenth
             are tried. The search itself takes longer steps.
@@ -139,7 +139,7 @@ class Planner:
         world: Obstacles; None for none.
         spheres: Spheres of the links; None for those that are fitted.
         pairs: Pairs of links to check against each other; None for `link_pairs(model)`.
-        margin: How far links stay from obstacles at least, and moving links from each other by twice as much [m].
+        margin: How near everything may come at least; by spheres two links that move stay twice as far apart [m].
         step: How far any point moves at most between the states by which paths are proved free [m].
         longest: The longest edge of the trees, in joint space [rad, m].
         roadmap: How many samples a roadmap is made of, along which plans are searched first: for many plans in a world
