@@ -52,7 +52,7 @@ class Node:
     @property
     def attributes(self) -> tuple[str, ...]:
         """The names of the attributes that are written down, without those of foreign namespaces."""
-        return tuple(str(name) for name in self._element.attrib if not _is_foreign(str(name)))
+        return tuple([str(name) for name in self._element.attrib if "{" not in name and ":" not in name])
 
     @property
     def root(self) -> Node:
@@ -65,6 +65,10 @@ class Node:
 
     def children(self, tag: str | None = None) -> Iterator[Node]:
         """The child elements (of that name), in file order; comments and foreign namespaces are left out."""
+        if tag is not None and not self._namespace and not _is_foreign(tag):
+            for element in self._element.iterchildren(tag):
+                yield Node(element, self.file)
+            return
         for element in self._element.iterchildren(tag=etree.Element):
             node = Node(element, self.file, self._namespace)
             # A tag with a separate namespace, declared or not, belongs to somebody else.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 
 from ulna.formats.node import Node
 from ulna.formats.omitted import Omission, place
@@ -146,6 +147,7 @@ def _numbered(root: Node) -> Iterator[Node]:
                     yield from geometry.children("mesh")
 
 
+@lru_cache(1024)
 def _like(attribute: str, known: tuple[str, ...]) -> str | None:
     if attribute in known or len(attribute) > LONGEST:
         return None

@@ -261,3 +261,84 @@ def test_checks_of_arguments_look_at_values_that_types_do_not_decide(pin: Any) -
             with pytest.raises(ArgumentError):
                 called(*wrong)
         assert called(0, 1.0) == (0, 1.0, "", None) and called(True, size=np.array(1.5))[1] == 1.5
+
+
+def test_views_lists_and_exact_arrays_make_the_same_objects(pin: Any) -> None:
+    pin.seed(3)
+    M = pin.SE3.Random()
+    R, p = M.rotation, M.translation  # views with gaps
+    forms = [(R, p), (R.copy(), p.copy()), (R.tolist(), p.tolist()), (np.asfortranarray(R), p[:, None])]
+    for rotation, translation in forms:
+        assert pin.SE3(rotation, translation) == M
+        np.testing.assert_array_equal(pin.Motion(translation, translation).vector, np.tile(p, 2))
+        np.testing.assert_array_equal(pin.log3(rotation), pin.log3(R.copy()))
+        np.testing.assert_array_equal(pin.rpy.matrixToRpy(rotation), pin.rpy.matrixToRpy(R.copy()))
+        np.testing.assert_array_equal(pin.Quaternion(rotation).coeffs(), pin.Quaternion(R.copy()).coeffs())
+        np.testing.assert_array_equal(pin.skew(translation), pin.skew(p.copy()))
+        assert pin.Inertia(2.0, translation, rotation) == pin.Inertia(2, p.copy(), R.copy())
+    made = pin.SE3(forms[1][0], forms[1][1])
+    made.rotation[0, 0] = 7.0
+    assert forms[1][0][0, 0] == M.rotation[0, 0]  # a copy
+    assert pin.XYZQUATToSE3(pin.SE3ToXYZQUAT(M)).isApprox(M)
+    assert pin.XYZQUATToSE3(list(pin.SE3ToXYZQUATtuple(M))).isApprox(M)
+    for wrong in (np.eye(2), np.eye(3)[None], np.zeros(3), "a"):
+        with pytest.raises((ValueError, TypeError)):
+            pin.SE3(wrong, p)
+
+
+def test_nearness_is_relative_and_nan_is_near_nothing(pin: Any) -> None:
+    a = pin.Motion(np.array([1.0, 0.0, 0.0]), np.array([0.0, 2.0, 0.0]))
+    assert a.isApprox(-a, 2.0) and not a.isApprox(-a, 1.999)
+    assert pin.Motion.Zero().isApprox(pin.Motion.Zero(), 0) and not a.isApprox(pin.Motion.Zero())
+    b = a.copy()
+    b.linear[0] = np.nan
+    assert not b.isApprox(b, 1e300) and not a.isApprox(b, 1e300)
+    M, N = pin.SE3.Identity(), pin.SE3.Identity()
+    N.translation = np.array([0.0, 0.0, 1e-13])
+    assert M.isApprox(M) and not M.isApprox(N) and N.isApprox(N)
+    assert type(M.isApprox(N)) is bool
+
+
+def test_random_objects_are_independent(pin: Any) -> None:
+    for make in (pin.SE3.Random, pin.Motion.Random, pin.Inertia.Random):
+        pin.seed(5)
+        first = [make() for _ in range(200)]
+        pin.seed(5)
+        assert [make() for _ in range(200)] == first
+        assert len({str(x) for x in first}) == 200
+        kept = str(first[1])
+        first[0].setZero() if hasattr(first[0], "setZero") else first[0].setIdentity()
+        assert str(first[1]) == kept
+    draws = np.array([pin.Motion.Random().vector for _ in range(400)])
+    assert np.abs(draws).max() < 1.0 and np.abs(draws.mean(axis=0)).max() < 0.2
+
+
+def test_joints_and_frames_are_added_to_a_model_that_changes(pin: Any) -> None:
+    model = pin.Model()
+    for k in range(3):
+        low = np.array([-1.0 - k])
+        joint = model.addJoint(k, pin.JointModelRX(), pin.SE3.Random(), f"j{k}", low + 9.0, -low, low, -low)
+        low[0] = 100.0  # what was given was copied
+        frame = model.addJointFrame(joint, -1)
+        assert model.frames[frame].parentFrame == (0 if k == 0 else model.getFrameId(f"j{k - 1}"))
+        model.addBodyFrame(f"b{k}", joint, pin.SE3.Identity())
+        if k == 1:
+            model.lowerPositionLimit[0] = -7.0
+    np.testing.assert_array_equal(model.lowerPositionLimit, [-7.0, -2.0, -3.0])
+    np.testing.assert_array_equal(model.upperEffortLimit, [8.0, 7.0, 6.0])
+    np.testing.assert_array_equal(model.lowerEffortLimit, [-8.0, -7.0, -6.0])
+    assert model.armature.tolist() == [0.0] * 3 and model.rotorGearRatio.tolist() == [1.0] * 3
+    with pytest.raises(ValueError, match="lowerPositionLimit"):
+        model.addJoint(3, pin.JointModelRX(), pin.SE3(), "j3", *([np.ones(1)] * 2), np.ones(2), np.ones(1))
+    assert (model.nq, model.njoints, len(model.lowerPositionLimit)) == (3, 4, 3)
+    model.frames[2].name = "renamed"
+    assert model.getFrameId("renamed") == 2 and not model.existFrame("b0")
+    model.frames[3].type = pin.FrameType.OP_FRAME
+    assert model.existFrame("j1", pin.FrameType.OP_FRAME) and not model.existFrame("j1", pin.FrameType.JOINT)
+    assert len({id(model.frames[k].inertia) for k in range(1, 7)}) == 6
+
+
+def test_enumerations_have_names_and_values(pin: Any) -> None:
+    assert pin.ReferenceFrame.names["LOCAL"] is pin.LOCAL is pin.ReferenceFrame.values[1]
+    assert sorted(pin.FrameType.values) == [1, 2, 4, 8, 16]
+    assert pin.ContactType.names["CONTACT_6D"] is pin.ContactType.CONTACT_6D

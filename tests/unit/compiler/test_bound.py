@@ -383,3 +383,54 @@ def test_last_inputs_are_kept_alive_and_checked(kernel, targets):
         kernel.into(*targets, last_inputs=(np.zeros(4),))
     with pytest.raises(InputError, match="3 inputs"):
         kernel.into(*targets, last_inputs=(Q, Q, V))
+
+
+# holder= ------------------------------------------------------------------------------------------------------
+
+
+class _Held:
+    __slots__ = ("row",)
+
+    def __init__(self):
+        raise AssertionError("instances are made without it")
+
+
+class _Part(_Held):
+    __slots__ = ()
+
+
+@pytest.mark.parametrize("holder", [_Held, _Part])
+@pytest.mark.parametrize("slow", [False, True])
+def test_a_result_is_held_by_a_new_instance(kernel, targets, monkeypatch, slow, holder):
+    if slow:
+        monkeypatch.setattr("ulna.compiler.runtime.bound_call._type", lambda: None)
+    step = kernel.into(*targets, returns=(2,), holder=holder, otherwise=_refused)
+    before = sys.getrefcount(holder)
+    found = [step(Q, V) for _ in range(1000)]
+    assert {type(x) for x in found} == {holder}
+    assert len({id(x.row) for x in found}) == 1000
+    assert all(_same((x.row,), kernel(Q, V)[2:]) for x in found)
+    made = object.__new__(holder)
+    made.row = np.zeros(3)
+    assert sys.getrefcount(found[0].row) == sys.getrefcount(made.row)
+    assert step(list(Q), V) == "refused"
+    assert gc.is_tracked(found[0])
+    del found, made
+    gc.collect()
+    assert sys.getrefcount(holder) == before
+
+
+class _Two:
+    __slots__ = ("a", "b")
+
+
+class _Open:
+    pass
+
+
+@pytest.mark.parametrize(
+    ("holder", "returns"), [(_Two, (0,)), (_Open, (0,)), (int, (0,)), (_Held, (0, 2)), (_Held, ())]
+)
+def test_classes_that_hold_no_result(kernel, targets, holder, returns):
+    with pytest.raises(InputError, match="holder"):
+        kernel.into(*targets, returns=returns, holder=holder)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ulna.compiler.runtime import gufunc
 from ulna.compiler.runtime.array_call import ArrayCall
+from ulna.compiler.runtime.object_layout import holder_slot
 from ulna.errors import DtypeError, InputError, ShapeError
 from ulna.system import forks
 from ulna.typing import Array
@@ -76,7 +77,10 @@ class _CheckedCall:
         targets: tuple[Array, ...],
         returns: tuple[int, ...],
         last_inputs: tuple[Array, ...],
+        holder: type | None,
+        slot: str,
     ) -> None:
+        self._holder, self._slot = holder, slot
         self.array_call, self.targets, self.returns, self.last_inputs = (
             array_call,
             targets,
@@ -91,7 +95,12 @@ class _CheckedCall:
         copies = tuple(
             self.targets[k].copy() if self.targets[k].ndim else self.targets[k][()] for k in self.returns
         )
-        return copies[0] if len(copies) == 1 else copies or None
+        result = copies[0] if len(copies) == 1 else copies or None
+        if self._holder is None:
+            return result
+        held = object.__new__(self._holder)
+        setattr(held, self._slot, result)
+        return held
 
     def check(self) -> None:
         """Raises where bound arrays were changed in place: resized, made read-only, given another shape or type."""
@@ -165,6 +174,7 @@ def bind(
     watch: _Pairs,
     otherwise: Callable[..., Any] | None,
     last_inputs: Sequence[Array] = (),
+    holder: type | None = None,
 ) -> Bound:
     """Makes the result of `KernelBase.into`.
 
@@ -177,6 +187,7 @@ def bind(
         watch: Pairs (live array, reference copy); a call with any difference between them goes to `otherwise`.
         otherwise: Called instead of the kernel when `watch` finds a difference.
         last_inputs: Arrays for the last inputs, each of the shape of its input (...), which calls then leave out.
+        holder: A class with one slot; a call returns an instance that holds the one result.
 
     Returns:
         The bound kernel.
@@ -198,16 +209,27 @@ def bind(
     for k in numbers:
         if not 0 <= k < len(chosen):
             raise InputError(f"`returns` names output {k}; expected 0 to {len(chosen) - 1}.")
-    checked_call = _CheckedCall(array_call, chosen, numbers, inputs)
+    slot = "" if holder is None else _holder_slot(holder, numbers)
+    checked_call = _CheckedCall(array_call, chosen, numbers, inputs, holder, slot)
     slow = checked_call if otherwise is None else _Otherwise(checked_call, otherwise)
     kind = _type() if work is not None else None
     if kind is None or work is None:
         return SlowBound(kernel, chosen, checked_call, pairs, None if otherwise is None else slow)
-    plan = gufunc.Plan(array_call.function, array_call.element, work, chosen, pairs, numbers, inputs)
+    plan = gufunc.Plan(array_call.function, array_call.element, work, chosen, pairs, numbers, inputs, holder)
     instance = gufunc.make_bound(kind, plan, slow)
     instance.__dict__.update(kernel=kernel, targets=chosen)
     gufunc.keep(instance, kernel, plan, slow)
     return instance
+
+
+def _holder_slot(holder: type, returns: tuple[int, ...]) -> str:
+    slot = holder_slot(holder)
+    if not slot or len(returns) != 1:
+        raise InputError(
+            f"`holder` is {holder.__name__}, and `returns` names {len(returns)} outputs; expected a class with one "
+            "slot and nothing else, and one output."
+        )
+    return slot
 
 
 def _check_targets(array_call: ArrayCall, targets: tuple[Any, ...]) -> None:

@@ -34,6 +34,7 @@ FIELDS = (
     "returns", "returned",  # how many, and a table of RETURN words: axes, lengths, number of the pointer, bytes
     "array_type", "number", "float_type", "float64_type", "tuple_type", "out", "none",
     "array_new", "array_return", "tuple_new", "own", "call",
+    "holder", "allocate",  # the class that holds the one result, or 0, and what makes an instance
 )  # fmt: skip
 """The words of a plan."""
 PORT, RETURN = 4, 4
@@ -271,7 +272,22 @@ nothing:
   ret ptr %none
 single:
   %one = call ptr @copied(ptr %plan, ptr %returned, ptr %pointers)
+{_word("holder")}
+  %is.bare = icmp eq ptr %holder, null
+  %no.one = icmp eq ptr %one, null
+  %is.done = or i1 %is.bare, %no.one
+  br i1 %is.done, label %alone, label %hold
+alone:
   ret ptr %one
+hold:
+{_word("allocate")}
+  %held = call ptr %allocate(ptr %holder, i64 0)
+  %no.held = icmp eq ptr %held, null
+  br i1 %no.held, label %failed, label %fill
+fill:
+  %slot = getelementptr i8, ptr %held, i64 {VALUE}
+  store ptr %one, ptr %slot
+  ret ptr %held
 several:
 {_word("tuple_new")}
   %tuple = call ptr %tuple_new(i64 %returns)

@@ -200,6 +200,7 @@ class Plan:
         watched: Arrays whose changes matter, each with a copy of what it held.
         returned: Which of `targets` are returned.
         last_inputs: Copies of the inputs of the last call.
+        holder: The class of which one instance holds the result; see `holder_slot`.
     """
 
     def __init__(
@@ -211,8 +212,9 @@ class Plan:
         watched: Sequence[tuple[AnyArray, AnyArray]] = (),
         returned: Sequence[int] = (),
         last_inputs: Sequence[AnyArray] = (),
+        holder: type | None = None,
     ) -> None:
-        self._references: list[Any] = [tuple(targets), tuple(watched), tuple(last_inputs)]
+        self._references: list[Any] = [tuple(targets), tuple(watched), tuple(last_inputs), holder]
         number, first = element == "double", len(f.inputs)
         inputs = [self._port(p.shape, object_layout.NUMPY_TYPE[element], number) for p in f.inputs]
         outputs = [self._port(p.shape, object_layout.NUMPY_TYPE[element]) for p in f.outputs]
@@ -236,6 +238,7 @@ class Plan:
             "returns": len(returned),
             "returned": self._table([(*outputs[k][:2], first + k, targets[k].nbytes) for k in returned]),
             "number": TYPE_NUMBER[element],
+            "holder": 0 if holder is None else id(holder),
             **_common_words(),
         }
         self.address = self._table([[words[field] for field in FIELDS]])
@@ -273,6 +276,7 @@ def _common_words() -> dict[str, int]:
         "tuple_new": c_function("PyTuple_New"),
         "own": c_function("Py_IncRef"),
         "call": c_function("PyObject_Vectorcall"),
+        "allocate": c_function("PyType_GenericAlloc"),
     }
 
 

@@ -192,6 +192,7 @@ class KernelBase:
         otherwise: Callable[..., Any] | None = None,
         last_inputs: Sequence[Array] = (),
         given: Sequence[Array] = (),
+        holder: type | None = None,
     ) -> Any:
         """A callable of the inputs that writes the outputs into arrays chosen once: where nanoseconds count.
 
@@ -210,6 +211,8 @@ class KernelBase:
             last_inputs: Arrays that are the last inputs (...), read at every call as they then are; calls pass the
                 others.
             given: The former name of `last_inputs`, (...) each.
+            holder: A class with one slot and nothing else. A call returns a new instance, made without `__init__`,
+                whose slot is the one array that `returns` names.
 
         Returns:
             A `Bound` kernel. It is called with positional arguments, holds the GIL while it works, and cannot be
@@ -223,7 +226,9 @@ class KernelBase:
                 calls.
         """
         inputs = last_inputs or given
-        return bound_call.bind(self, self._array_call, self._work, targets, returns, watch, otherwise, inputs)
+        return bound_call.bind(
+            self, self._array_call, self._work, targets, returns, watch, otherwise, inputs, holder
+        )
 
     def draw(self, path: str | None = None) -> str:
         """The graph as an SVG picture; written to `path` when one is given."""

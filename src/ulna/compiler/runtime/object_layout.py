@@ -59,6 +59,24 @@ def fast_call_works() -> bool:
     return tuple(items) == (id(probe), id(None))
 
 
+def holder_slot(holder: type) -> str:
+    """The name of the one slot of a class, where compiled code can fill it; empty where it cannot.
+
+    Args:
+        holder: A class whose instances have one slot and nothing else.
+
+    Returns:
+        The name of the slot, or "".
+    """
+    slots = [name for base in holder.__mro__ for name in base.__dict__.get("__slots__", ())]
+    if len(slots) != 1 or holder.__basicsize__ != HEAD + WORD or holder.__itemsize__:
+        return ""
+    probe, value = object.__new__(holder), object()
+    setattr(probe, slots[0], value)
+    found = ctypes.c_void_p.from_address(id(probe) + VALUE).value if fast_call_works() else id(value)
+    return slots[0] if found == id(value) else ""
+
+
 def c_function(name: str) -> int:
     """The address of a function of CPython."""
     return ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 
 from pinocchio._constraints.factorization import Factorization, kernels_for, no_factors_error
-from pinocchio._containers.arguments import checked
-from pinocchio._containers.arrays import numbers
+from pinocchio._containers.arguments import checked, checks_itself
+from pinocchio._containers.arrays import not_applicable, numbers
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
+from ulna.system.cached import cached_property
 from ulna.typing import Floats
 
 __all__ = ["computeMinv", "decompose", "solve"]
 
 
 @by_name("Model Data", "model data")
-@checked
+@checks_itself
 def decompose(model: Model, data: Data) -> Floats:
     """The unit upper triangular factor U of `data.M` = U diag(D) U^T; after crba.
 
@@ -29,11 +30,17 @@ def decompose(model: Model, data: Data) -> Floats:
     Returns:
         U, (nv, nv).
     """
+    factors = _known(model, data)
+    if factors is not None:
+        U = factors.decompose()
+        if U is not NotImplemented and factors.flag[0]:
+            factors.outdated = False
+            return U
     return _factored(model, data, anew=True).upper()
 
 
 @by_name("Model Data v", "model data v")
-@checked
+@checks_itself
 def solve(model: Model, data: Data, v: Any) -> Floats:
     """M^-1 v, v being (nv,) or (nv, n), with the M that was decomposed last; after crba.
 
@@ -45,13 +52,18 @@ def solve(model: Model, data: Data, v: Any) -> Floats:
     Returns:
         M^-1 v, (nv,) or (nv, n).
     """
+    factors = _known(model, data)
+    if factors is not None and not factors.outdated:
+        x = factors.solve_vector(v)
+        if x is not NotImplemented:
+            return x
     if type(v) is not np.ndarray:
         v = numbers(v, "v")
     return _factored(model, data).solve(v)
 
 
 @by_name("Model Data", "model data")
-@checked
+@checks_itself
 def computeMinv(model: Model, data: Data) -> Floats:
     """The inverse of the M that was decomposed last; kept in `data.Minv`. After crba.
 
@@ -62,18 +74,51 @@ def computeMinv(model: Model, data: Data) -> Floats:
     Returns:
         The inverse, (nv, nv).
     """
-    data._arrays["Minv"][...] = Minv = _factored(model, data).inverse_mass()
-    data.mark_filled("Minv")
-    return Minv
+    factors = _known(model, data)
+    if factors is None or factors.outdated:
+        factors = _factored(model, data)
+    data._marks[_MINV] = 0.0
+    return factors.fill_inverse()
 
 
-def _factored(model: Model, data: Data, anew: bool = False) -> Factorization:
-    factors = data._bound_at.get("cholesky") if data._model is model else None
+_MINV = Data.slots["Minv"]
+
+
+@final
+class _BoundFactors(Factorization):
+    """The factors of `data.M`, with functions that are bound to the arrays of a Data."""
+
+    def __init__(self, model: Model, data: Data) -> None:
+        super().__init__(kernels_for(data.attach(model), np.zeros((0, model.nv))), model.watched("structure"))
+        self._M, self._Minv = data._arrays["M"], data._arrays["Minv"]
+
+    @cached_property
+    def decompose(self) -> Any:
+        """A function without arguments that factors M, and returns U."""
+        return not_applicable if self.kernels.is_large else self.factors_and_upper(self._M)
+
+    @cached_property
+    def fill_inverse(self) -> Any:
+        """A function without arguments that fills Minv, and returns a copy."""
+        last_inputs = self.entries, self.r
+        return self.kernels.inverse_mass.into(self._Minv, returns=(0,), last_inputs=last_inputs)
+
+
+def _known(model: Model, data: Data) -> _BoundFactors | None:
+    """The factors that are bound to the arrays of a Data, if there are any."""
+    try:
+        return data._bound_at["cholesky"] if data._model is model else None
+    except (AttributeError, KeyError, TypeError):  # of what is no data, or for the first time
+        return None
+
+
+@checked
+def _factored(model: Model, data: Data, anew: bool = False) -> _BoundFactors:
+    factors = _known(model, data)
     if anew or factors is None or factors.outdated:
         M = data._arrays["M"]
         if factors is None or factors.factor(M, *factors.no_rows) is NotImplemented:
-            kernels = kernels_for(data.attach(model), np.zeros((0, model.nv)))
-            factors = data._bound_at["cholesky"] = Factorization(kernels, model.watched("structure"))
+            factors = data._bound_at["cholesky"] = _BoundFactors(model, data)
             factors.factor(M, *factors.no_rows)
         factors.outdated = False
         if not factors.unique:

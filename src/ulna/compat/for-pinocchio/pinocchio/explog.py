@@ -10,6 +10,7 @@ import numpy as np
 from pinocchio._containers.arguments import ArgumentError, WrongShape, is_number
 from pinocchio._containers.arrays import matrix, numbers, vector
 from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.rotations import Quaternion
 from pinocchio._spatial.se3 import SE3
@@ -40,7 +41,7 @@ def _twist(T: Array) -> Array:
     return spatial.se3_log(spatial.SE3(T[:3, :3], T[:3, 3])).vector()
 
 
-_FUNCTIONS: dict[str, tuple[Any, tuple[int, ...]]] = {
+_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "exp3": (spatial.so3_exp, (3,)),
     "log3": (spatial.so3_log, (3, 3)),
     "exp6": (lambda x: spatial.se3_exp(x).matrix(), (6,)),
@@ -52,18 +53,16 @@ _FUNCTIONS: dict[str, tuple[Any, tuple[int, ...]]] = {
 }
 
 
-@cache
-def _compiled(name: str) -> Any:
-    function, shape = _FUNCTIONS[name]
-    return compile_function(function, x=shape)
-
-
-_new_motion = Motion.__new__
+_EXACT = BoundFunctions(_FUNCTIONS, exact=True)
+_CONVERTING = BoundFunctions(_FUNCTIONS)
+_PLACEMENTS = BoundFunctions({"exp6": _FUNCTIONS["exp6"]}, holder=SE3)
+_MOTIONS = BoundFunctions({"log6": _FUNCTIONS["log6"]}, holder=Motion)
 
 
 def exp3(w: Any) -> Floats:
     """The rotation matrix (3, 3) of a rotation vector (3,) [rad]."""
-    return _compiled("exp3")(vector(w, 3, "w"))
+    R = _EXACT["exp3"](w)
+    return _CONVERTING["exp3"](vector(w, 3, "w")) if R is NotImplemented else R
 
 
 @by_name("R theta", "quat theta")
@@ -80,10 +79,14 @@ def log3(R: Any, theta: Any = None) -> Floats:
     Raises:
         ArgumentError: `theta` is no such array.
     """
+    if theta is None:
+        turn = without_gaps(_EXACT["log3"], R)
+        if turn is not NotImplemented:
+            return turn
     turned = R.matrix() if isinstance(R, Quaternion) else numbers(R, "R")
     if turned.shape in ((4,), (4, 1)):
         turned = Quaternion(turned).matrix()
-    turn = _compiled("log3")(matrix(turned, (3, 3), "R"))
+    turn = _CONVERTING["log3"](matrix(turned, (3, 3), "R"))
     if isinstance(theta, np.ndarray) and theta.dtype == float and theta.size == 1:
         theta[...] = np.linalg.norm(turn)
     elif theta is not None:
@@ -99,7 +102,7 @@ def exp3_quat(w: Any) -> Floats:
 @by_name("v", "motion")
 def exp6(v: Any) -> SE3:
     """The placement reached in one second with a Motion (or six numbers)."""
-    return SE3._of(_compiled("exp6")(_six(v)))
+    return _PLACEMENTS["exp6"](_six(v))
 
 
 def exp6_quat(v: Any) -> Floats:
@@ -110,9 +113,7 @@ def exp6_quat(v: Any) -> Floats:
 
 def log6(M: Any) -> Motion:
     """The Motion that leads to a placement (SE3 or 4x4) in one second."""
-    out = _new_motion(Motion)
-    out._v = _compiled("log6")(M._m if type(M) is SE3 else _placement(M)._m)
-    return out
+    return _MOTIONS["log6"](M._m if type(M) is SE3 else _placement(M)._m)
 
 
 @by_name("q", "xyzquat")
@@ -124,23 +125,24 @@ def log6_quat(xyzquat: Any) -> Motion:
 
 def Jexp3(w: Any) -> Floats:
     """The right Jacobian (3, 3) of the exponential of SO(3)."""
-    return _compiled("Jexp3")(vector(w, 3, "w"))
+    return _CONVERTING["Jexp3"](vector(w, 3, "w"))
 
 
 def Jlog3(R: Any) -> Floats:
     """The right Jacobian (3, 3) of the logarithm of SO(3)."""
-    return _compiled("Jlog3")(matrix(R, (3, 3), "R"))
+    J = without_gaps(_EXACT["Jlog3"], R)
+    return _CONVERTING["Jlog3"](matrix(R, (3, 3), "R")) if J is NotImplemented else J
 
 
 @by_name("v", "motion")
 def Jexp6(v: Any) -> Floats:
     """The right Jacobian (6, 6) of the exponential of SE(3)."""
-    return _compiled("Jexp6")(_six(v))
+    return _CONVERTING["Jexp6"](_six(v))
 
 
 def Jlog6(M: Any) -> Floats:
     """The right Jacobian (6, 6) of the logarithm of SE(3)."""
-    return _compiled("Jlog6")(_placement(M)._m)
+    return _CONVERTING["Jlog6"](_placement(M)._m)
 
 
 def Hlog3(R: Any, v: Any) -> Floats:

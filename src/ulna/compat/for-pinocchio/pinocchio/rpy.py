@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError, check_text
-from pinocchio._containers.arrays import matrix, real, vector
+from pinocchio._containers.arrays import exact, matrix, real, vector
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
 from pinocchio._spatial.motion_force import skew
 from ulna import numeric, spatial
-from ulna.compiler import compile as compile_function
 from ulna.errors import UnknownName
 from ulna.typing import Floats
 
@@ -25,17 +24,19 @@ def rpyToMatrix(*rpy: Any) -> Floats:
         raise ArgumentError(
             f"rpyToMatrix was given {len(rpy)} arguments; expected three angles, or an array (3,)."
         )
-    return _to_matrix()(vector(rpy if len(rpy) == 3 else rpy[0], 3, "rpy"))
+    if len(rpy) == 1:
+        R = _EXACT["matrix"](rpy[0])
+        if R is not NotImplemented:
+            return R
+    return _EXACT["matrix"](exact(rpy if len(rpy) == 3 else rpy[0], 3, "rpy"))
 
 
 def matrixToRpy(R: Any) -> Floats:
     """Roll, pitch, yaw (3,) [rad] of a rotation matrix; where pitch is +-pi/2 its first column divides the turn."""
-    return _of_matrix()(matrix(R, (3, 3), "R"))
-
-
-@cache
-def _of_matrix() -> Any:
-    return compile_function(_split, R=(3, 3))
+    rpy = without_gaps(_EXACT["rpy"], R)
+    if rpy is NotImplemented:
+        rpy = _EXACT["rpy"](np.array(matrix(R, (3, 3), "R"), dtype=float, order="C"))
+    return rpy
 
 
 def _split(R: Any) -> Any:
@@ -46,9 +47,7 @@ def _split(R: Any) -> Any:
     return numeric.vector(numeric.arctan2(s * R[0, 2] - c * R[1, 2], c * R[1, 1] - s * R[0, 1]), pitch, yaw)
 
 
-@cache
-def _to_matrix() -> Any:
-    return compile_function(spatial.rpy_to_matrix, rpy=(3,))
+_EXACT = BoundFunctions({"matrix": (spatial.rpy_to_matrix, (3,)), "rpy": (_split, (3, 3))}, exact=True)
 
 
 def rotate(axis: str, angle: float) -> Floats:

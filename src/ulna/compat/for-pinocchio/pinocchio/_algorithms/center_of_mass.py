@@ -233,7 +233,8 @@ def computeTotalMass(model: Model, data: Data | None = None) -> float:
     """
     if data is not None:
         computeSubtreeMasses(model, data)
-    return float(algorithms.total_mass(model.compiled().model))
+    first, *others = model.parameter_blocks("inertias")
+    return float(first[1:, 0].sum() + sum(block[:, 0].sum() for block in others))
 
 
 def computeSubtreeMasses(model: Model, data: Data) -> None:

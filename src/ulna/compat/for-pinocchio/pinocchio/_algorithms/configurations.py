@@ -11,7 +11,7 @@ from pinocchio._containers.arguments import ArgumentError, wrong_model
 from pinocchio._containers.arrays import StdVec, exact, numbers, vector
 from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel
-from pinocchio._model.building import FREE
+from pinocchio._model.live_parameters import FREE
 from pinocchio._model.model import Model
 from pinocchio._model.quaternion_signs import quaternion_starts, with_signs_kept
 from pinocchio._spatial.random_numbers import generator
@@ -74,7 +74,7 @@ def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any 
         raise wrong_model("randomConfiguration", model)
     draws = generator()
     drawn = next(model._drawn, None) if model._drawn_by is draws else None
-    parts, normal = drawn or _draw(model, draws)
+    parts, normal = _draw(model, draws) if drawn is None else drawn
     if lower_bound is None and upper_bound is None:
         q = model._random_within_own_limits(parts, normal)
     else:
@@ -83,7 +83,7 @@ def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any 
         q = model._random(parts, normal, low, high)
     if q is NotImplemented:
         q = _random_bound_anew(model, parts, normal, lower_bound, upper_bound)
-    if not model._narrowest[()] >= 0.0:
+    if not model._narrowest[0] >= 0.0:
         raise InputError(
             "randomConfiguration: a lower limit is above the upper one; expected lower_bound <= upper_bound."
         )
@@ -92,19 +92,21 @@ def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any 
 
 def _random_bound_anew(model: Model, parts: Floats, normal: Floats, low: Any, high: Any) -> Floats:
     """A random configuration where the bound kernel did not apply: converts the limits, and binds it."""
+    sizes: dict[str, Any] = dict.fromkeys(("parts", "low", "high"), model.nq)
     kernel = model.compiled_structure().compile(
-        "random", _within, **dict.fromkeys(("parts", "normal", "low", "high"), (model.nq,))
+        "random", _within, parts=sizes["parts"], normal=(len(normal),), low=sizes["low"], high=sizes["high"]
     )
+    narrowest = np.frombuffer(model._narrowest).reshape(())
     limits_of_model = model.lowerPositionLimit, model.upperPositionLimit
     if low is None and high is None:
-        step = BoundKernel(kernel, others=[model._narrowest], last_inputs=limits_of_model).call
+        step = BoundKernel(kernel, others=[narrowest], last_inputs=limits_of_model).call
         model._random_within_own_limits = step
         return step(parts, normal)
     low = limits_of_model[0] if low is None else exact(low, model.nq, "lower_bound")
     high = limits_of_model[1] if high is None else exact(high, model.nq, "upper_bound")
     q = model._random(parts, normal, low, high)
     if q is NotImplemented:
-        model._random = BoundKernel(kernel, others=[model._narrowest]).call
+        model._random = BoundKernel(kernel, others=[narrowest]).call
         q = model._random(parts, normal, low, high)
     return q
 
@@ -113,17 +115,21 @@ _DRAWN_AT_ONCE = 64
 
 
 def _draw(model: Model, draws: np.random.Generator) -> tuple[Floats, Floats]:
-    """Random numbers in [0, 1] and normal deviates, (nq,) each, for a configuration.
+    """Random numbers in [0, 1], (nq,), and normal deviates, one for each entry of unit vectors, for a configuration.
 
     Those for the next ones are kept with the model until `seed` is called: NumPy takes as long for one as for many.
     """
-    shape = _DRAWN_AT_ONCE, model.nq
-    parts = draws.random(shape)
-    normal = parts if model.nq == model.nv else draws.standard_normal(shape)  # none is a quaternion's
-    same = normal is parts  # then one view of a row serves for both
-    model._drawn = iter([(row, row) for row in parts]) if same else zip(parts, normal, strict=True)
+    parts = draws.random((_DRAWN_AT_ONCE, model.nq))
+    normal = draws.standard_normal((_DRAWN_AT_ONCE, _unit_entries(model)))
+    model._drawn = iter(list(zip(parts, normal, strict=True)))
     model._drawn_by = draws
     return next(model._drawn)
+
+
+def _unit_entries(model: Model) -> int:
+    """How many entries of a configuration belong to unit vectors."""
+    joints = model.compiled_structure().model.joints
+    return sum(c.unit == "" for joint in joints if not joint.mimic for c in joint.kind.coordinates)
 
 
 def _within(model: CoreModel) -> Any:
@@ -133,10 +139,10 @@ def _within(model: CoreModel) -> Any:
     """
 
     def run(parts: Array, normal: Array, low: Array, high: Array) -> tuple[Array, Array]:
-        q = batch_zeros((model.nq,), parts)
+        q, deviates = batch_zeros((model.nq,), parts), iter(normal)
         for joint in model.joints:
             for k, c in enumerate(() if joint.mimic else joint.kind.coordinates, start=joint.idx_q):
-                q[k] = normal[k] if c.unit == "" else _drawn(c, parts[k], low[k], high[k])
+                q[k] = next(deviates) if c.unit == "" else _drawn(c, parts[k], low[k], high[k])
         return normalized(q), functools.reduce(minimum, high - low, np.inf)
 
     def normalized(q: Array) -> Array:
@@ -188,11 +194,12 @@ def difference(model: Model, q1: Any, q2: Any) -> Floats:
     return result
 
 
-def _bound(model: Model, name: str, *state: Floats) -> Floats:
+def _bound(model: Model, name: str, *state: Any) -> Floats:
     """What the bound function of a model says, such as `integrate`, which is bound where it does not apply."""
     result = getattr(model, f"_{name}")(*state)
     if result is NotImplemented:
-        kernel = _integration(model) if name == "integrate" else model.compiled_structure().core_kernel(name)
+        own = _OWN_KERNELS.get(name)
+        kernel = model.compiled_structure().core_kernel(name) if own is None else own(model)
         setattr(model, f"_{name}", BoundKernel(kernel).call)
         result = getattr(model, f"_{name}")(*state)
     return result
@@ -211,6 +218,15 @@ def _integration(model: Model) -> Any:
     return compiled.compile("integrate", build, q=(model.nq,), v=(model.nv,))
 
 
+def _squared_distances(model: Model) -> Any:
+    shapes: dict[str, Any] = {"q1": (model.nq,), "q2": (model.nq,)}
+    return model.compiled_structure().compile("squared", _squared_parts, **shapes)
+
+
+_OWN_KERNELS = {"integrate": _integration, "squared_distance": _squared_distances}
+"""What is no kernel of Ulna as it is."""
+
+
 def interpolate(model: Model, q1: Any, q2: Any, alpha: float) -> Floats:
     """The configuration (nq,) a part `alpha` of the way from q1 to q2.
 
@@ -220,7 +236,10 @@ def interpolate(model: Model, q1: Any, q2: Any, alpha: float) -> Floats:
     Returns:
         Configuration (nq,) [rad or m].
     """
-    return model.compiled_structure().core_kernel("interpolate")(*_pair(model, q1, q2), np.float64(alpha))
+    result = model._interpolate(q1, q2, alpha)
+    if result is NotImplemented:
+        result = _bound(model, "interpolate", *_exact_pair(model, q1, q2), float(alpha))
+    return result
 
 
 def distance(model: Model, q1: Any, q2: Any) -> float:
@@ -244,8 +263,10 @@ def squaredDistance(model: Model, q1: Any, q2: Any) -> Floats:
     Returns:
         Squared lengths (njoints - 1,), joints that follow others left out.
     """
-    shapes: dict[str, Any] = {"q1": (model.nq,), "q2": (model.nq,)}
-    return model.compiled_structure().compile("squared", _squared_parts, **shapes)(*_pair(model, q1, q2))
+    result = model._squared_distance(q1, q2)
+    if result is NotImplemented:
+        result = _bound(model, "squared_distance", *_exact_pair(model, q1, q2))
+    return result
 
 
 def _squared_parts(model: CoreModel) -> Any:
@@ -292,7 +313,7 @@ def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float = 1e-12) -> 
     Returns:
         Whether they are.
     """
-    return bool(algorithms.is_same(model.compiled_structure().model, *_pair(model, q1, q2), tolerance=prec))
+    return bool((np.abs(difference(model, q1, q2)) <= prec).all())
 
 
 def dIntegrate(model: Model, q: Any, v: Any, argument_position: Any = None) -> Any:
@@ -399,6 +420,10 @@ def getTangentToConfigurationSparsitySegment(model: Model) -> tuple[StdVec[int],
     joints = sorted((j for j in model.joints[1:] if not j.mimic), key=lambda j: j.idx_q)
     rows = [j for j in joints for _ in range(j.nq)]
     return StdVec(j.nv for j in rows), StdVec(j.idx_v for j in rows)
+
+
+def _exact_pair(model: Model, q1: Any, q2: Any) -> tuple[Floats, Floats]:
+    return exact(q1, model.nq, "q1"), exact(q2, model.nq, "q2")
 
 
 def _pair(model: Model, q1: Any, q2: Any) -> tuple[Floats, Floats]:

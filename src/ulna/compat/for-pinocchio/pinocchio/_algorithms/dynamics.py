@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.jacobians import JACOBIAN_RATES, JACOBIANS, columns, computeJointJacobians, rates
-from pinocchio._containers.arguments import check_model_and_data
+from pinocchio._containers.arguments import check_model_and_data, checks_itself
 from pinocchio._containers.enums import Convention
 from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
@@ -183,6 +183,7 @@ _STATIC_TORQUE = Algorithm(
 )
 
 
+@checks_itself
 def computeStaticTorque(model: Model, data: Data, q: Any, fext: Any) -> Floats:
     """The torques that hold the robot against gravity and forces on its joints (nv,); kept in `data.tau`.
 
@@ -197,9 +198,6 @@ def computeStaticTorque(model: Model, data: Data, q: Any, fext: Any) -> Floats:
         return tau
     check_model_and_data("computeStaticTorque", model, data)
     return run(model, data, _STATIC_TORQUE, q, *checked_forces(fext, model.njoints))
-
-
-computeStaticTorque.arguments_checked = True  # type: ignore[attr-defined]
 
 
 _ABA = Algorithm(

@@ -15,7 +15,7 @@ from pinocchio._algorithms.jacobians import (
     computeJointJacobians,
     rates,
 )
-from pinocchio._containers.arrays import vector
+from pinocchio._containers.arrays import not_applicable, vector
 from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run
@@ -35,7 +35,6 @@ from pinocchio._data.deferred_fields import (
 )
 from pinocchio._data.evaluated_model import kernels_for
 from pinocchio._data.functions import algorithm, fast_path
-from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import checked_forces
 from ulna import algorithms

@@ -12,7 +12,6 @@ from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame
 from pinocchio._containers.keywords import general_case, overloads
 from pinocchio._model.model import Model
-from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
 from ulna import spatial
 from ulna.model import Frame
@@ -44,21 +43,34 @@ def at_frame(
     """
     if placement is None:
         return index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one."), None
-    if not isinstance(placement, SE3):
-        raise ArgumentError(f"The placement is {placement!r}; expected an SE3.")
-    joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
+    joint, _ = at_placement(model, joint_id, placement)
     fixed_frame = Frame("", joint - 1, placement._pose(), "user", "", spatial.SE3.identity())
     return (joint, placement._m.tobytes()), fixed_frame
 
 
-def repeated_call(
-    kind: str, motion: bool = False, has_default: bool = True
-) -> Callable[[Function], Function]:
+def at_placement(model: Model, joint_id: Any, placement: Any) -> tuple[int, SE3]:
+    """The index of a joint, and a placement in its frame.
+
+    Args:
+        joint_id: Index of a joint.
+        placement: Pose of a frame in the frame of that joint, an SE3.
+
+    Returns:
+        The index, and the placement.
+
+    Raises:
+        ArgumentError: The placement is no SE3.
+    """
+    if not isinstance(placement, SE3):
+        raise ArgumentError(f"The placement is {placement!r}; expected an SE3.")
+    return index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one."), placement
+
+
+def repeated_call(kind: str, has_default: bool = True) -> Callable[[Function], Function]:
     """Repeats a call with the same arguments by one native call, and leaves all others to the function.
 
     Args:
         kind: The third of the key in `data._bound_at`, after the index and the reference frame.
-        motion: Whether the result is a Motion.
         has_default: Whether the reference frame may be left out.
 
     Returns:
@@ -81,12 +93,10 @@ def repeated_call(
             place=place,
             reference=f"LOCAL if {reference} is None else {reference}" if rest else reference,
             kind=kind,
-            returned=_AS_MOTION if motion else "return result",
         )
         scope: dict[str, Any] = {
             "general": general_case(function),
             "LOCAL": LOCAL,
-            "new_motion": functools.partial(object.__new__, Motion),
         }
         exec(compile(source, f"<repeated call of {name}>", "exec"), scope)
         made: Any = functools.update_wrapper(scope[name], function)
@@ -116,7 +126,6 @@ def {name}(model, data, {parameters}):
         if bound_reference is reference and data._model is model:  # 0 == WORLD, but a plain number raises
             result = step()
             if result is not NotImplemented:
-                {returned}
+                return result
     return general(model, data, {place}, reference)
 """
-_AS_MOTION = "motion = new_motion(); motion._v = result; return motion"

@@ -7,12 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._algorithms.frame_arguments import LOCAL, at_frame, at_frame_or_joint, repeated_call
-from pinocchio._containers.arrays import index
+from pinocchio._algorithms.frame_arguments import (
+    LOCAL,
+    at_frame,
+    at_frame_or_joint,
+    at_placement,
+    repeated_call,
+)
+from pinocchio._containers.arrays import index, not_applicable
 from pinocchio._containers.enums import reference_of
 from pinocchio._data.data import Data
 from pinocchio._data.states import compiled_for
-from pinocchio._model.bound_kernels import BoundKernel, not_applicable
+from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Motion
 from ulna import spatial
@@ -33,7 +39,7 @@ __all__ = [
 _HERE = np.eye(4)
 
 
-@repeated_call("joint velocity", motion=True)
+@repeated_call("joint velocity")
 def getVelocity(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
     """The velocity of a joint, after forwardKinematics with v.
 
@@ -46,7 +52,7 @@ def getVelocity(model: Model, data: Data, joint_id: int, reference_frame: Any = 
     return _joint_motion(model, data, joint_id, reference_frame, "velocity")
 
 
-@repeated_call("joint acceleration", motion=True)
+@repeated_call("joint acceleration")
 def getAcceleration(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
     """The spatial acceleration of a joint, after forwardKinematics with v and a.
 
@@ -59,7 +65,7 @@ def getAcceleration(model: Model, data: Data, joint_id: int, reference_frame: An
     return _joint_motion(model, data, joint_id, reference_frame, "acceleration")
 
 
-@repeated_call("joint classical", motion=True)
+@repeated_call("joint classical")
 def getClassicalAcceleration(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Motion:
     """The acceleration of the point at a joint's origin, after forwardKinematics with v and a.
 
@@ -72,7 +78,7 @@ def getClassicalAcceleration(model: Model, data: Data, joint_id: int, reference_
     return _joint_motion(model, data, joint_id, reference_frame, "classical")
 
 
-@repeated_call("velocity", motion=True)
+@repeated_call("velocity")
 @at_frame_or_joint
 def getFrameVelocity(
     model: Model,
@@ -96,7 +102,7 @@ def getFrameVelocity(
     return _frame_motion(model, data, (frame_id, joint_id, placement), reference_frame, "velocity")
 
 
-@repeated_call("acceleration", motion=True)
+@repeated_call("acceleration")
 @at_frame_or_joint
 def getFrameAcceleration(
     model: Model,
@@ -120,7 +126,7 @@ def getFrameAcceleration(
     return _frame_motion(model, data, (frame_id, joint_id, placement), reference_frame, "acceleration")
 
 
-@repeated_call("classical", motion=True)
+@repeated_call("classical")
 @at_frame_or_joint
 def getFrameClassicalAcceleration(
     model: Model,
@@ -151,9 +157,10 @@ def _joint_motion(model: Model, data: Data, joint_id: int, rf: Any, kind: str) -
 
 def _frame_motion(model: Model, data: Data, place: Any, rf: Any, kind: str) -> Motion:
     rf = LOCAL if rf is None else rf
-    key, fixed_frame = at_frame(model, *place)
-    if fixed_frame is not None:
-        return _motion(model, data, kind, reference_of(rf), key[0], place[2]._m)
+    if place[2] is not None:
+        joint, placement = at_placement(model, *place[1:])
+        return _motion(model, data, kind, reference_of(rf), joint, placement._m)
+    key, _ = at_frame(model, *place)
     frame = model.frames[key]
     binding_key = place[0], rf, kind
     return _motion(model, data, kind, reference_of(rf), frame.parentJoint, frame.placement._m, binding_key)
@@ -178,15 +185,16 @@ def _motion(
         data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
     step = data._bound_at.get(place, (not_applicable,))[0] if data._model is model else not_applicable
     motion = step()  # deferred fields may be filled now
-    if motion is NotImplemented:
-        fields = ("v",) if kind == "velocity" else ("v", "a")
-        arrays = [np.ascontiguousarray(placement), *(data._arrays[x][joint] for x in ("oMi", *fields))]
-        kernel = _frame_motion_at(kind, reference)
-        if place is not None and data._model is model:
-            watch += [(data.mark_of(field), np.zeros(())) for field in fields]
-            data._bound_at[place] = BoundKernel(kernel, watch, last_inputs=arrays).call, place[1]
-        motion = kernel(*arrays)
-    return Motion._of(motion)
+    if motion is not NotImplemented:
+        return motion
+    fields = ("v",) if kind == "velocity" else ("v", "a")
+    arrays = [np.ascontiguousarray(placement), *(data._arrays[x][joint] for x in ("oMi", *fields))]
+    kernel = _frame_motion_at(kind, reference)
+    if place is not None and data._model is model:
+        watch += [(data.mark_of(field), np.zeros(())) for field in fields]
+        step = BoundKernel(kernel, watch, last_inputs=arrays, holder=Motion).call
+        data._bound_at[place] = step, place[1]
+    return Motion._of(kernel(*arrays))
 
 
 @cache

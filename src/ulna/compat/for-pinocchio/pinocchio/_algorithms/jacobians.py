@@ -10,7 +10,7 @@ import numpy as np
 from pinocchio._algorithms.frame_arguments import LOCAL, at_frame, at_frame_or_joint, at_joint, repeated_call
 from pinocchio._algorithms.kinematics import updateFramePlacement, updateFramePlacements
 from pinocchio._containers.arguments import check_model_and_data
-from pinocchio._containers.arrays import exact, index
+from pinocchio._containers.arrays import exact, index, not_applicable
 from pinocchio._containers.enums import reference_of
 from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
@@ -20,7 +20,7 @@ from pinocchio._data.deferred_fields import JOINTS, VELOCITIES_IN_WORLD, rows, s
 from pinocchio._data.evaluated_model import kernels_for
 from pinocchio._data.first_evaluation import loaded_evaluator, store
 from pinocchio._data.functions import algorithm
-from pinocchio._model.bound_kernels import BoundKernel, not_applicable, not_read
+from pinocchio._model.bound_kernels import BoundKernel, not_read
 from pinocchio._model.model import Model
 from pinocchio._tables.frame_jacobians import frame_jacobian, frame_jacobian_rate
 from ulna import algorithms, spatial

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from pinocchio._containers.arguments import ArgumentError, check_model_and_data
-from pinocchio._containers.arrays import index
+from pinocchio._containers.arrays import index, not_applicable
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run
 from pinocchio._data.data import Data
@@ -16,12 +14,13 @@ from pinocchio._data.deferred_fields import ACCELERATIONS_IN_WORLD, JOINTS, VELO
 from pinocchio._data.first_evaluation import TABLE_CALLS
 from pinocchio._data.functions import fast_path
 from pinocchio._data.states import check_frames
-from pinocchio._model.bound_kernels import not_applicable, not_read
+from pinocchio._model.bound_kernels import not_read
 from pinocchio._model.kernel_parameters import pose_of
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3, se3_kernel
+from pinocchio._spatial.small_kernels import pose
 from pinocchio._tables.fields import frames_at
-from ulna import algorithms
+from ulna import algorithms, spatial
 from ulna.model import Frame
 from ulna.model import Model as CoreModel
 from ulna.typing import Array
@@ -139,26 +138,41 @@ def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
         T = step() if data._model is model else NotImplemented
     except (AttributeError, TypeError):  # of what is no model, no data, or no index
         T = NotImplemented
-    if T is NotImplemented:
-        check_model_and_data("updateFramePlacement", model, data)
-        check_frames(model, data)
-        place = index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")
-        data.require(data._q, "forwardKinematics(model, data, q)")
-        data.attach(model)
-        watch, frame = model.watched_frames(), model.frames[place]
-        factors = data._arrays["oMi"][frame.parentJoint], frame.placement._m
-        into = data._arrays["oMf"][place]
-        step = se3_kernel("product").into(
-            into, returns=(0,), watch=watch, otherwise=not_applicable, last_inputs=factors
-        )
-        data._bound_at["frames", frame_id] = step
-        T = step()
-    return SE3._of(T)
+    if T is not NotImplemented:
+        return T
+    check_model_and_data("updateFramePlacement", model, data)
+    check_frames(model, data)
+    place = index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")
+    data.require(data._q, "forwardKinematics(model, data, q)")
+    data.attach(model)
+    watch, frame = model.watched_frames(), model.frames[place]
+    factors = data._arrays["oMi"][frame.parentJoint], frame.placement._m
+    step = se3_kernel("product").into(
+        data._arrays["oMf"][place],
+        returns=(0,),
+        watch=watch,
+        otherwise=not_applicable,
+        last_inputs=factors,
+        holder=SE3,
+    )
+    data._bound_at["frames", frame_id] = step
+    return step()
 
 
 def updateGlobalPlacements(model: Model, data: Data) -> None:
     """Fills `data.oMi` from `data.liMi`."""
-    blocks = data._arrays
     data.read("liMi")
-    for i in range(1, model.njoints):
-        np.matmul(blocks["oMi"][model.parents[i]], blocks["liMi"][i], out=blocks["oMi"][i])
+    blocks, parents = data._arrays, tuple(model.parents)
+    key = "global placements", parents
+    kernel = model.compiled_structure().compile(key, _global_placements(parents), liMi=(len(parents), 4, 4))
+    blocks["oMi"][1:] = kernel(blocks["liMi"])
+
+
+def _global_placements(parents: tuple[int, ...]) -> Any:
+    def run(liMi: Array) -> Array:
+        placed = [spatial.SE3.identity()]
+        for i in range(1, len(parents)):
+            placed.append(placed[parents[i]] @ pose(liMi[i]))
+        return stacked(placed[1:])
+
+    return lambda _: run

@@ -10,11 +10,11 @@ import numpy as np
 from pinocchio._algorithms.frame_arguments import at_frame, at_frame_or_joint, at_joint, repeated_call
 from pinocchio._algorithms.jacobians import computeJointJacobiansTimeVariation
 from pinocchio._algorithms.kinematics import forwardKinematics
-from pinocchio._containers.arrays import index
+from pinocchio._containers.arrays import index, not_applicable
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._data.data import Data
 from pinocchio._data.evaluated_model import EvaluatedModel, kernels_for
-from pinocchio._model.bound_kernels import not_applicable, not_read
+from pinocchio._model.bound_kernels import not_read
 from pinocchio._model.model import Model
 from ulna import algorithms
 from ulna.model import Frame

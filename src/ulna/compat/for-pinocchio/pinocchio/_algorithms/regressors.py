@@ -8,11 +8,12 @@ from pinocchio._containers.arrays import index
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import BODIES, JOINTS, VELOCITIES_IN_WORLD, rows, stacked
 from pinocchio._data.functions import algorithm
-from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
+from pinocchio._spatial.bound_functions import BoundFunctions
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
-from ulna import algorithms
+from pinocchio._spatial.small_kernels import pose
+from ulna import algorithms, spatial
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
 
@@ -103,6 +104,28 @@ def computePotentialEnergyRegressor(model: Model, data: Data, q: Any) -> Floats:
     ...
 
 
+def _body_regressor(*motions: spatial.Motion) -> Array:
+    return algorithms.body_regressor(*motions)
+
+
+def _body_regressor_at(m: Array, *motions: Array) -> Array:
+    back = pose(m).inverse()
+    return _body_regressor(*(back.act(spatial.Motion(x[:3], x[3:])) for x in motions))
+
+
+_AT_JOINT = SE3()
+_REGRESSORS = BoundFunctions(
+    {
+        "body": (
+            lambda *motions: _body_regressor(*(spatial.Motion(x[:3], x[3:]) for x in motions)),
+            (6,),
+            (6,),
+        ),
+        "placed": (_body_regressor_at, (4, 4), (6,), (6,)),
+    }
+)
+
+
 def bodyRegressor(velocity: Motion, acceleration: Motion) -> Floats:
     """The matrix that multiplies the dynamic parameters of a body in the force on it.
 
@@ -113,8 +136,7 @@ def bodyRegressor(velocity: Motion, acceleration: Motion) -> Floats:
     Returns:
         Matrix (6, 10).
     """
-    value = algorithms.body_regressor(velocity._value(), acceleration._value())
-    return value
+    return _REGRESSORS["body"](velocity._v, acceleration._v)
 
 
 def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
@@ -127,7 +149,7 @@ def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
         Matrix (6, 10).
     """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
-    return _body(model, data, joint, SE3())
+    return _body(model, data, joint, _AT_JOINT)
 
 
 def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
@@ -145,10 +167,9 @@ def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
 
 def _body(model: Model, data: Data, joint: int, placement: SE3) -> Floats:
     """The regressor in a frame at a placement on a joint, whose motion and weight rnea left."""
-    compiled_for(model, data)
     data.require(data._qv, "rnea(model, data, q, v, a)")
-    moves = (placement.actInv(motion[joint]) for motion in (data.v, data.a_gf))
-    return _stored(data, "bodyRegressor", bodyRegressor(*moves))
+    moves = (motion[joint]._v for motion in (data.v, data.a_gf))
+    return _stored(data, "bodyRegressor", _REGRESSORS["placed"](placement._m, *moves))
 
 
 def _stored(data: Data, name: str, regressor: Floats) -> Floats:

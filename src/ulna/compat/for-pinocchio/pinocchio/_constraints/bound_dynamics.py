@@ -7,11 +7,11 @@ from typing import Any, final
 
 import numpy as np
 
-from pinocchio._algorithms.jacobians import JACOBIANS, computeJointJacobiansTimeVariation
+from pinocchio._algorithms.jacobians import JACOBIANS
 from pinocchio._constraints.constraint_set import ConstraintSet, constraint_set_of
 from pinocchio._constraints.deferred_state import DeferredConstraintState
 from pinocchio._constraints.kernels import core_constraints
-from pinocchio._containers.arrays import exact
+from pinocchio._containers.arrays import exact, not_applicable
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import side_outputs
 from pinocchio._data.data import Data
@@ -26,8 +26,6 @@ from pinocchio._data.deferred_fields import (
     VELOCITIES_IN_WORLD,
     stacked,
 )
-from pinocchio._model.bound_kernels import not_applicable
-from pinocchio._model.compiled_model import CompiledModel
 from pinocchio._model.model import Model
 from ulna import algorithms
 from ulna.algorithms.constraints.damped_dynamics import Damped, damped_dynamics, damped_impact
@@ -35,7 +33,7 @@ from ulna.algorithms.constraints.frame_errors import constraint_twists
 from ulna.errors import InputError
 from ulna.model import Model as CoreModel
 from ulna.quantities.mass import with_mass
-from ulna.typing import Array, Floats
+from ulna.typing import Array
 
 
 @final
@@ -87,7 +85,7 @@ class BoundConstraintDynamics:
         sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(inputs)}
         self.algorithm = IMPACT if impact else DYNAMICS
         side_targets, stored, marks = side_outputs(data, self.algorithm)
-        build = _with_side_outputs(_impact(shapes) if impact else _motion(shapes, limit), stored, marks)
+        build = with_side_outputs(_impact(shapes) if impact else _motion(shapes, limit), stored, marks)
         kernel = compiled.compile(("constraint dynamics", shapes, limit), with_mass(build), **sizes)
         results = [self.forces, self.report, *solved.state, solved.a, solved.forces, solved.settings]
         contact_forces = [known._views["contact_force"]._v for known in datas]
@@ -161,19 +159,22 @@ IMPACT = Algorithm(
     invalidates=("dFda",),
     title="impulseDynamics",
 )
-_DERIVED = Algorithm(
+_MATRICES = ("ddq_dq", "ddq_dv", "dlambda_dq", "dlambda_dv", "osim")
+DERIVED = Algorithm(
     "constraint_derivatives",
-    "",
-    (),
+    "qva",
+    (*_MATRICES, "ddq_dtau", "dlambda_dtau", "dac_da"),
     not_applicable,
+    deferred=INVERSE_MASS | dict.fromkeys(("a", "oa"), ACCELERATIONS_IN_WORLD["oa"]) | {"oa_gf": BODIES["f"]},
     invalidates=("of", "dFdq", "dFdv", "dtau_dq", "dtau_dv"),
     title="computeConstraintDynamicsDerivatives",
 )
-_IMPACT_DERIVED = Algorithm(
+IMPACT_DERIVED = Algorithm(
     "impact_derivatives",
-    "",
-    (),
+    "q",
+    _MATRICES,
     not_applicable,
+    deferred=INVERSE_MASS,
     invalidates=("oa", "of", "dFdq", "dtau_dq", "dlambda_dtau"),
     title="computeImpulseDynamicsDerivatives",
 )
@@ -181,43 +182,35 @@ _LCABA = Algorithm("lcaba", "", (), not_applicable, invalidates=("g", "of"), tit
 """What algorithms under constraints leave besides their results."""
 
 
-def defer_after_derivatives(
-    model: Model, data: Data, compiled: CompiledModel, solved: ConstraintSolution
-) -> None:
-    """Defers the fields that derivatives under constraints fill besides their results.
-
-    Args:
-        solved: State and forces of the dynamics.
-    """
-    q, v = solved.state[:2]
-    data.defer(INVERSE_MASS["Minv"], ("Minv",), compiled, q.copy())
-    if not solved.impact:
-        computeJointJacobiansTimeVariation(model, data, q, v)
-        _defer_motion(data, compiled, ("a", "oa"), q, v, solved.a)
-    data.invalidate(_IMPACT_DERIVED if solved.impact else _DERIVED)
-
-
 def defer_after_elimination(model: Model, data: Data) -> None:
     """Defers the fields that lcaba fills besides its results."""
     assert data._constraint_solution is not None
-    _defer_motion(
-        data, data.attach(model), ("oa",), *data._constraint_solution.state[:2], data._constraint_solution.a
-    )
+    compiled, solution = data.attach(model), data._constraint_solution
+    state = [x.copy() for x in (*solution.state[:2], solution.a)]
+    data.defer(ACCELERATIONS_IN_WORLD["oa"], ("oa",), compiled, *state)
+    data.defer(BODIES["f"], ("oa_gf",), compiled, *state)
     data.invalidate(_LCABA)
 
 
-def _defer_motion(data: Data, compiled: CompiledModel, fields: tuple[str, ...], *state: Floats) -> None:
-    copies = [x.copy() for x in state]
-    data.defer(ACCELERATIONS_IN_WORLD["oa"], fields, compiled, *copies)
-    data.defer(BODIES["f"], ("oa_gf",), compiled, *copies)
+def with_side_outputs(build: Any, stored: list[int], marks: list[float]) -> Any:
+    """The same, with what else it leaves.
 
+    Args:
+        build: Makes the function of Ulna's model.
+        stored: The numbers of arguments that are further outputs.
+        marks: Numbers that are the last outputs.
 
-def _with_side_outputs(build: Any, stored: list[int], marks: list[float]) -> Any:
-    """The same, with what else it leaves."""
+    Returns:
+        What makes the longer function.
+    """
 
     def traced(core: CoreModel) -> Any:
         results = build(core)
-        return lambda *args: (*results(*args), *(args[k] for k in stored), *marks)
+
+        def run(*args: Any) -> tuple[Any, ...]:
+            return (*results(*args), *(args[k] for k in stored), *marks)
+
+        return run
 
     return traced
 

@@ -10,7 +10,7 @@ from pinocchio._constraints.constraint_set import known_constraint_set
 from pinocchio._constraints.delassus import diagonal, with_added_diagonal
 from pinocchio._constraints.delassus_of_cholesky import DelassusOperatorCholeskyExpression
 from pinocchio._constraints.factorization import Factorization, FactorKernels, kernels_for, no_factors_error
-from pinocchio._constraints.jacobians import evaluate, getConstraintsJacobian
+from pinocchio._constraints.jacobians import getConstraintsJacobian, jacobian_here
 from pinocchio._constraints.kernels import factor_kernels, jacobian_kernel
 from pinocchio._containers.arguments import WrongShape
 from pinocchio._containers.arrays import numbers
@@ -81,9 +81,7 @@ class ConstraintCholeskyDecomposition:
             and constraint_set is self._constraint_set
             and self._factored is not None
         ):
-            self._hold(
-                self._factored.kernels, M, evaluate(model, data, constraint_set, "jacobian", data._q), mu
-            )
+            self._hold(self._factored.kernels, M, jacobian_here(model, data, constraint_set), mu)
         else:
             J = getConstraintsJacobian(model, data, contact_models, contact_datas)
             constraint_set = known_constraint_set(model, data, contact_models, contact_datas)
@@ -95,7 +93,7 @@ class ConstraintCholeskyDecomposition:
             )
             self._hold(kernels, M, J, mu)
             self._constraint_set = constraint_set
-        if not self._filled().unique and not M.any():
+        if not self._filled().flag[0] and not M.any():
             raise no_factors_error(M, self._J)
 
     def size(self) -> int:
@@ -133,7 +131,7 @@ class ConstraintCholeskyDecomposition:
             InputError: there is nothing to decompose yet, or the constraints depend on each other.
         """
         factored = self._factored
-        if factored is None or not factored.unique:
+        if factored is None or not factored.flag[0]:
             self._filled()
             raise no_factors_error(self._M, self._J)
         return factored
@@ -141,6 +139,9 @@ class ConstraintCholeskyDecomposition:
     @property
     def U(self) -> Floats:
         """The unit upper triangular factor."""
+        factored = self._factored
+        if factored is not None and factored.flag[0]:
+            return factored.upper()
         return self._decomposed().upper()
 
     @property
@@ -159,6 +160,13 @@ class ConstraintCholeskyDecomposition:
 
     def solve(self, matrix: Any) -> Floats:
         """x with K x = matrix, which is (size,) or (size, k)."""
+        factored = self._factored
+        if factored is None or not factored.flag[0]:
+            self._decomposed()  # raises
+        assert factored is not None
+        x = factored.solve_vector(matrix)
+        if x is not NotImplemented:
+            return x
         right = numbers(matrix, "matrix")
         if right.ndim not in (1, 2) or len(right) != self.size():
             raise WrongShape("matrix", right.shape, f"({self.size()},) or ({self.size()}, k)")

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from array import array
 from functools import lru_cache, reduce
 from typing import Any, final
 
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError, WrongShape
-from pinocchio._containers.arrays import numbers, vector
+from pinocchio._containers.arrays import not_applicable, numbers, vector
 from pinocchio._containers.keywords import by_name, overloads
+from pinocchio._model.bound_kernels import BoundKernel
 from ulna import linalg, numeric
 from ulna.algorithms.constraints.damped_dynamics import damped_factors
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors
@@ -65,13 +67,13 @@ _ROWS = 24
 
 @lru_cache(_ROWS)
 def _solver(size: int) -> Any:
-    """G, what is added to its diagonal, b: x, and what is above zero where it is the only one."""
+    """b, G, what is added to its diagonal: x, and what is above zero where it is the only one."""
 
-    def run(G: Array, compliance: Array, damping: Array, b: Array) -> tuple[Any, Any]:
+    def run(b: Array, G: Array, compliance: Array, damping: Array) -> tuple[Any, Any]:
         factors = damped_factors(G, compliance + damping)
         return numeric.vector(*factors.solve(list(b))), reduce(numeric.minimum, factors.reciprocals)
 
-    return compile_function(run, G=(size, size), compliance=size, damping=size, b=size)
+    return compile_function(run, b=size, G=(size, size), compliance=size, damping=size)
 
 
 @lru_cache(_ROWS)
@@ -138,13 +140,25 @@ def damped_inverse(G: Floats, mu: float) -> Floats:
 class DelassusOperator:
     """A matrix G with a compliance and a damping on its diagonal."""
 
-    __slots__ = ("_G", "_compliance", "_damping")
+    __slots__ = ("_G", "_compliance", "_damping", "_solve_vector", "_unique")
 
     def _hold(self, G: Floats) -> None:
         if G.ndim != 2 or G.shape[0] != G.shape[1]:
             raise WrongShape("matrix", G.shape, "(n, n)")
         self._G = G
         self._compliance = self._damping = np.zeros(len(G))
+        self._solve_vector: Any = None  # bound to these arrays when first called
+        self._unique = array("d", [0.0])
+
+    def _bind(self) -> Any:
+        """Binds what solves with one vector to the arrays of this operator."""
+        self._solve_vector = not_applicable
+        if 0 < len(self._G) <= _ROWS:
+            last_inputs = np.ascontiguousarray(self._G), self._compliance, self._damping
+            others = (np.frombuffer(self._unique).reshape(()),)
+            kernel = _solver(len(self._G))
+            self._solve_vector = BoundKernel(kernel, others=others, last_inputs=last_inputs).call
+        return self._solve_vector
 
     def size(self) -> int:
         """How many rows it has."""
@@ -177,11 +191,15 @@ class DelassusOperator:
 
     def solve(self, mat: Any) -> Floats:
         """x with (G + compliance + damping) x = mat, which is (n,) or (n, k)."""
+        step = self._solve_vector or self._bind()
+        x = step(mat)
+        if x is not NotImplemented and self._unique[0] > 0.0:
+            return x
         right = mat if type(mat) is np.ndarray else numbers(mat, "mat")
         if right.ndim not in (1, 2) or len(right) != len(self._G):
             raise WrongShape("mat", right.shape, f"({self.size()},) or ({self.size()}, k)")
         if right.ndim == 1 and 0 < len(right) <= _ROWS:
-            solution, unique = _solver(len(right))(self._G, self._compliance, self._damping, right)
+            solution, unique = _solver(len(right))(right, self._G, self._compliance, self._damping)
             if unique > 0.0:
                 return solution
         return linalg.solve(DelassusOperator.matrix(self), right)
@@ -203,11 +221,13 @@ class DelassusOperator:
     def updateDamping(self, mu: Any) -> None:
         """Sets the damping: one number, or one for each row."""
         self._damping = diagonal(mu, self.size(), "mu")
+        self._solve_vector = None
 
     @by_name("mu", "mus")
     def updateCompliance(self, mu: Any) -> None:
         """Sets the compliance: one number, or one for each row."""
         self._compliance = diagonal(mu, self.size(), "mu")
+        self._solve_vector = None
 
 
 @final

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+from array import array
 from typing import Any, final
 
 import numpy as np
 
-from pinocchio._constraints.bound_dynamics import ConstraintSolution, defer_after_derivatives, flat
+from pinocchio._algorithms.jacobians import computeJointJacobiansTimeVariation
+from pinocchio._constraints.bound_dynamics import (
+    DERIVED,
+    IMPACT_DERIVED,
+    ConstraintSolution,
+    flat,
+    with_side_outputs,
+)
 from pinocchio._constraints.dynamics import restitution
 from pinocchio._constraints.kernels import core_constraints, jacobian_kernel
 from pinocchio._constraints.proximal_settings import settings_of
 from pinocchio._constraints.rigid_constraint import checked_constraints, structures_of
 from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arrays import not_applicable
+from pinocchio._data.binding import side_outputs
 from pinocchio._data.data import Data
-from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
 from ulna.algorithms.constraints.bound_response import bound_response
 from ulna.algorithms.constraints.dynamics_derivatives import bound_terms
@@ -41,7 +50,7 @@ def computeConstraintDynamicsDerivatives(
     rounds = 1 if settings is None else max(1, settings_of(settings).iter)
     solved = _solved(model, data, contact_models, contact_datas, False, "constraintDynamics")
     derived = _derived(model, data, solved, float(rounds))
-    defer_after_derivatives(model, data, derived.compiled, solved)
+    computeJointJacobiansTimeVariation(model, data, *solved.state[:2])
     blocks = data._arrays
     return tuple([blocks[name].copy() for name in derived.names])
 
@@ -66,8 +75,11 @@ def computeImpulseDynamicsDerivatives(
     """
     settings_of(prox_settings)
     solved = _solved(model, data, contact_models, contact_datas, True, "impulseDynamics")
-    derived = _derived(model, data, solved, 1.0 + restitution(r_coeff))
-    defer_after_derivatives(model, data, derived.compiled, solved)
+    _derived(model, data, solved, 1.0 + restitution(r_coeff))
+
+
+_INPUTS = {"q": 0, "v": 1, "a": 5}
+"""Which inputs of the kernel these are."""
 
 
 @final
@@ -81,23 +93,30 @@ class BoundDerivatives:
         self.factor = np.zeros(1)
         self.inputs = (*solved.state, solved.a, solved.forces, solved.settings, self.factor)
         watch = model.watched("parameters")  # first: see `run`
-        self.compiled = compiled = data.attach(model)
-        shapes = solved.shapes
+        compiled, shapes = data.attach(model), solved.shapes
+        algorithm = IMPACT_DERIVED if solved.impact else DERIVED
+        side_targets, stored, marks = side_outputs(data, algorithm)
+        at_inputs = [_INPUTS[algorithm.inputs[k]] for k in stored]
         sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(self.inputs)}
-        key, build = ("bound response", shapes, solved.impact), _response(shapes, solved.impact)
+        key = ("bound response", shapes, solved.impact)
+        build = with_side_outputs(_response(shapes, solved.impact), at_inputs, marks)
         kernel = compiled.compile(key, build, **sizes)
         self.outputs = {name: np.zeros((m, n)) for name in ("dlambda_dq", "dlambda_dv")}
         self.outputs["osim"] = np.zeros((m, m))
         wide = n if solved.impact else 2 * n
         self.W, self.B, self.solution = (np.zeros((n + m, k)) for k in (n + m, wide, wide))
-        self.X_q, self.unique = np.zeros((m, n)), np.zeros(())
-        targets = [self.W, self.B, self.X_q, self.outputs["osim"], self.unique]
+        self.X_q, self.flag = np.zeros((m, n)), array("d", [0.0])
+        unique = np.frombuffer(self.flag).reshape(())
+        targets = [self.W, self.B, self.X_q, self.outputs["osim"], unique]
         if solved.impact:
             targets += [data._arrays["ddq_dv"], self.outputs["dlambda_dv"]]
         else:
             self.outputs |= {name: np.zeros((m, n)) for name in ("dlambda_dtau", "dac_da")}
             targets += [data._arrays["ddq_dtau"], self.outputs["dlambda_dtau"], self.outputs["dac_da"]]
-        self.step = kernel.into(*targets, watch=watch, otherwise=not_applicable)
+        self.step = kernel.into(
+            *targets, *side_targets, watch=watch, otherwise=not_applicable, last_inputs=self.inputs
+        )
+        data.store_states(algorithm)
         self.by_q, self.by_v = ((x[:n], x[n:]) for x in (self.solution[:, :n], self.solution[:, n:]))
 
     def fill(self, data: Data, factor: float) -> Any:
@@ -110,7 +129,7 @@ class BoundDerivatives:
             None; NotImplemented where a parameter of the model has changed.
         """
         self.factor[0] = factor
-        if self.step(*self.inputs) is NotImplemented or not self.unique:
+        if self.step() is NotImplemented or not self.flag[0]:
             return NotImplemented
         np.matmul(self.W, self.B, out=self.solution)
         blocks, outputs = data._arrays, self.outputs
@@ -119,7 +138,6 @@ class BoundDerivatives:
         if not self.impact:
             blocks["ddq_dv"][...], outputs["dlambda_dv"][...] = self.by_v
         blocks.update(outputs)
-        data.mark_filled("ddq_dq", "ddq_dv", "ddq_dtau", *outputs)
         return None
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from array import array
 from functools import lru_cache
 from typing import Any, final
 
 import numpy as np
 
 from pinocchio._constraints.delassus import with_added_diagonal
-from pinocchio._model.bound_kernels import not_applicable
+from pinocchio._containers.arrays import not_applicable
+from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.compiled_model import CompiledModel
 from ulna import linalg
 from ulna.algorithms.constraints import kkt_factors as constrained_factors
@@ -72,24 +74,32 @@ class FactorKernels:
     @cached_property
     def factor(self) -> Any:
         """M, J, mu (m,): entries of U, D, 1/D, the Delassus matrix, and what is above zero where they are unique."""
+        return compile_function(self._factor, M=self.mass.shape, J=self.rows.shape, mu=len(self.rows))
+
+    def _factor(self, M: Array, J: Array, mu: Array) -> tuple[Any, ...]:
+        factors, G, unique = constrained_factors.constrained_factors(M * self.mass, J * self.rows, mu)
+        entries = [factors.lower[k].get(j, 0.0) for j, k in zip(*self.places, strict=True)]
+        return vector(*entries), vector(*factors.pivots), vector(*factors.reciprocals), G, unique
+
+    @cached_property
+    def factor_and_upper(self) -> Any:
+        """What `factor` makes of M, J and mu, and U."""
 
         def run(M: Array, J: Array, mu: Array) -> tuple[Any, ...]:
-            factors, G, unique = constrained_factors.constrained_factors(M * self.mass, J * self.rows, mu)
-            entries = [factors.lower[k].get(j, 0.0) for j, k in zip(*self.places, strict=True)]
-            return vector(*entries), vector(*factors.pivots), vector(*factors.reciprocals), G, unique
+            entries, *others = self._factor(M, J, mu)
+            return entries, *others, self._upper(entries)
 
         return compile_function(run, M=self.mass.shape, J=self.rows.shape, mu=len(self.rows))
 
     @cached_property
     def upper(self) -> Any:
         """Entries of U: U."""
+        return compile_function(self._upper, entries=self._input_sizes["entries"])
 
-        def run(entries: Array) -> Array:
-            out = np.eye(len(self.filled)).astype(object)
-            out[self.places] = entries
-            return out
-
-        return compile_function(run, entries=self._input_sizes["entries"])
+    def _upper(self, entries: Array) -> Array:
+        out = np.eye(len(self.filled)).astype(object)
+        out[self.places] = entries
+        return out
 
     @cached_property
     def row_of_upper(self) -> Any:
@@ -103,12 +113,12 @@ class FactorKernels:
 
     @cached_property
     def solve(self) -> Any:
-        """Entries, 1/D, b: x with K x = b."""
+        """b, entries, 1/D: x with K x = b."""
 
-        def run(entries: Array, r: Array, b: Array) -> Array:
+        def run(b: Array, entries: Array, r: Array) -> Array:
             return vector(*self._factors(entries, r).solve(list(b)))
 
-        return compile_function(run, **self._input_sizes, b=len(self.filled))
+        return compile_function(run, b=len(self.filled), **self._input_sizes)
 
     @cached_property
     def motion(self) -> Any:
@@ -153,7 +163,6 @@ class FactorKernels:
         return Factors.of(lower, list(r))
 
 
-@final
 class Factorization:
     """The factors of one K, in arrays of this object.
 
@@ -164,6 +173,7 @@ class Factorization:
         r: 1 / D.
         G: The Delassus matrix, without damping (m, m).
         unique: Above zero when K has been factored, and its factors are unique ().
+        flag: The same number, read more quickly.
         factor: Called with M, J and mu (m,), it fills them; NotImplemented where these are not exactly such arrays,
             or what is watched has changed.
         outdated: Whether it must be called before the factors are used again.
@@ -174,11 +184,13 @@ class Factorization:
         m, n = kernels.rows.shape
         self.kernels, self.no_rows, self.outdated = kernels, (np.zeros((0, n)), np.zeros(0)), False
         self.entries, self.D, self.r = np.zeros(len(kernels.places[0])), np.zeros(m + n), np.zeros(m + n)
-        self.G, self.unique = np.zeros((m, m)), np.zeros(())
+        self.flag = array("d", [0.0])
+        self.G, self.unique = np.zeros((m, m)), np.frombuffer(self.flag).reshape(())
         self.factor: Any = self._factor_rows
         if not kernels.is_large:
             targets = self.entries, self.D, self.r, self.G, self.unique
             self.factor = kernels.factor.into(*targets, watch=watch, otherwise=not_applicable)
+        self._watch = watch
 
     def _factor_rows(self, M: Floats, J: Floats, mu: Floats) -> Any:
         """The same for many rows, each seen by a native call, and the Delassus matrix by LAPACK."""
@@ -204,16 +216,42 @@ class Factorization:
         self.unique[...] = mass.unique and ((mu > 0.0) | (d[::-1] > 1e-12 * self.G.diagonal())).all()
         return None
 
-    def upper(self) -> Floats:
-        """U (m + nv, m + nv)."""
-        return self.kernels.upper(self.entries)
+    @cached_property
+    def upper(self) -> Any:
+        """A function without arguments: U (m + nv, m + nv)."""
+        return BoundKernel(self.kernels.upper, last_inputs=(self.entries,)).call
+
+    @cached_property
+    def solve_vector(self) -> Any:
+        """A function of b (m + nv,): x with K x = b; NotImplemented where b is not exactly such an array."""
+        return BoundKernel(self.kernels.solve, last_inputs=(self.entries, self.r)).call
 
     def solve(self, b: Floats) -> Floats:
         """x with K x = b, (m + nv,) or (m + nv, k)."""
+        solve = self.kernels.solve
         if b.ndim == 1:
-            return self.kernels.solve(self.entries, self.r, b)
-        columns = [self.kernels.solve(self.entries, self.r, column) for column in np.ascontiguousarray(b.T)]
+            return solve(b, self.entries, self.r)
+        columns = [solve(column, self.entries, self.r) for column in np.ascontiguousarray(b.T)]
         return np.array(columns).reshape(b.T.shape).T.copy()
+
+    def factors_and_upper(self, M: Floats) -> Any:
+        """A function without arguments that factors M, where there are no constraints, and returns U.
+
+        Args:
+            M: The array (nv, nv) that is read at every call.
+
+        Returns:
+            The function; NotImplemented comes of it where what is watched has changed.
+        """
+        U = np.zeros(M.shape)
+        targets = self.entries, self.D, self.r, self.G, self.unique, U
+        return self.kernels.factor_and_upper.into(
+            *targets,
+            returns=(5,),
+            watch=self._watch,
+            otherwise=not_applicable,
+            last_inputs=(M, *self.no_rows),
+        )
 
     def inverse_mass(self) -> Floats:
         """M^-1 (nv, nv)."""

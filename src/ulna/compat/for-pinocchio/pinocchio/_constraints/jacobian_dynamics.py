@@ -11,11 +11,10 @@ from pinocchio._algorithms.dynamics import crba
 from pinocchio._constraints.factorization import Factorization, kernels_for, no_factors_error
 from pinocchio._constraints.proximal_settings import damping_of
 from pinocchio._containers.arguments import WrongShape
-from pinocchio._containers.arrays import exact, numbers
+from pinocchio._containers.arrays import exact, not_applicable, numbers
 from pinocchio._containers.enums import Convention
 from pinocchio._containers.keywords import overloads
 from pinocchio._data.data import Data
-from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
 from ulna.errors import InputError
 from ulna.system.cached import cached_property
@@ -38,7 +37,7 @@ class BoundJacobianDynamics:
     def __init__(self, model: Model, data: Data, rows: int) -> None:
         self.kernels = kernels_for(data.attach(model), np.ones((rows, model.nv)))
         self.factored = known = Factorization(self.kernels, model.watched("structure"))
-        self.factor, self.entries, self.r, self.unique = known.factor, known.entries, known.r, known.unique
+        self.factor, self.entries, self.r, self.flag = known.factor, known.entries, known.r, known.flag
         self.blocks, self.M, self.nle = data._arrays, data._arrays["M"], data._arrays["nle"]
         self.mu, self.forces, self.impulses = np.zeros(rows), np.zeros(rows), np.zeros(rows)
 
@@ -52,7 +51,7 @@ class BoundJacobianDynamics:
             Accelerations (nv,); NotImplemented where it does not apply.
         """
         self.mu.fill(damping)
-        if self.factor(self.M, J, self.mu) is None and self.unique:
+        if self.factor(self.M, J, self.mu) is None and self.flag[0]:
             return self._motion(self.entries, self.r, tau, self.nle, drift)
         return NotImplemented
 
@@ -66,7 +65,7 @@ class BoundJacobianDynamics:
             Velocity (nv,); NotImplemented where it does not apply.
         """
         self.mu.fill(damping)
-        if self.factor(self.M, J, self.mu) is None and self.unique:
+        if self.factor(self.M, J, self.mu) is None and self.flag[0]:
             return self._impact(self.entries, self.r, J, v, part)
         return NotImplemented
 
@@ -77,7 +76,7 @@ class BoundJacobianDynamics:
             Matrix (nv + m, nv + m); NotImplemented where it does not apply.
         """
         self.mu.fill(damping)
-        if self.factor(self.M, J, self.mu) is None and self.unique:
+        if self.factor(self.M, J, self.mu) is None and self.flag[0]:
             return self.factored.inverse(J, self.mu, joints_first=True)
         return NotImplemented
 

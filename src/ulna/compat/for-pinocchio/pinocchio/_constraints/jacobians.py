@@ -14,10 +14,9 @@ from pinocchio._constraints.kernels import core_constraints, jacobian_kernel, si
 from pinocchio._constraints.proximal_settings import damping_of
 from pinocchio._constraints.rigid_constraint import RigidConstraint
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import exact
+from pinocchio._containers.arrays import exact, not_applicable
 from pinocchio._data.data import Data
 from pinocchio._data.states import compiled_for
-from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.model import Model
 from ulna import algorithms
 from ulna.errors import excerpt
@@ -43,8 +42,12 @@ def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, con
     Returns:
         Jacobian (m, nv).
     """
-    q = data.require(data._q, "forwardKinematics(model, data, q), or constraintDynamics,")
     constraint_set = known_constraint_set(model, data, constraint_models, constraint_datas)
+    if constraint_set is not None and "jacobian here" in constraint_set.runs:
+        J = constraint_set.runs["jacobian here"]()
+        if J is not NotImplemented:
+            return J
+    data.require(data._q, "forwardKinematics(model, data, q), or constraintDynamics,")
     if constraint_set is None:
         compiled_for(model, data)
         if not all(isinstance(one, RigidConstraint) for one in constraint_models):
@@ -52,7 +55,29 @@ def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, con
             _check_constraints(constraint_models)
             return np.vstack([one.jacobian(model, data, known) for one, known in pairs])
         constraint_set = constraint_set_of(model, data, constraint_models, constraint_datas)
-    return evaluate(model, data, constraint_set, "jacobian", q)
+    return jacobian_here(model, data, constraint_set)
+
+
+def jacobian_here(model: Model, data: Data, constraint_set: ConstraintSet) -> Floats:
+    """The Jacobian of constraints at the configuration of the last kinematics or dynamics.
+
+    Args:
+        constraint_set: The constraints.
+
+    Returns:
+        Jacobian (m, nv).
+    """
+    step = constraint_set.runs.get("jacobian here", not_applicable)
+    J = step()
+    if J is NotImplemented:
+        q = data._q
+        J = evaluate(model, data, constraint_set, "jacobian", q)
+        constraint_set = constraint_set_of(model, data, constraint_set.models, constraint_set.datas)
+        if len(J):
+            constraint_set.runs["jacobian here"] = _bind(
+                model, data, constraint_set, "jacobian", len(J), (q,)
+            )
+    return J
 
 
 def _check_constraints(constraint_models: Any) -> None:
@@ -139,7 +164,10 @@ def evaluate(model: Model, data: Data, constraint_set: ConstraintSet, name: str,
     return result
 
 
-def _bind(model: Model, data: Data, constraint_set: ConstraintSet, name: str, rows: int) -> Any:
+def _bind(
+    model: Model, data: Data, constraint_set: ConstraintSet, name: str, rows: int, last_inputs: Any = ()
+) -> Any:
+    """Binds a kernel of constraints; where `last_inputs` is the array of q, to it and to the placements, too."""
     watch = model.watched("placements" if name == "jacobian" else "parameters")  # first: see `run`
     compiled, shapes = data.attach(model), constraint_set.shapes
     if name == "jacobian":
@@ -148,7 +176,9 @@ def _bind(model: Model, data: Data, constraint_set: ConstraintSet, name: str, ro
         build, sizes = with_mass(_delassus(shapes)), sizes_of(shapes)
         kernel = compiled.compile(("constraint delassus", shapes), build, q=(model.nq,), **sizes)
         targets = [np.zeros((rows, rows)), data.target("M"), data.target("joints q")]
-    return kernel.into(*targets, returns=(0,), watch=watch, otherwise=not_applicable)
+    if last_inputs:
+        last_inputs = *last_inputs, *constraint_set.places
+    return kernel.into(*targets, returns=(0,), watch=watch, otherwise=not_applicable, last_inputs=last_inputs)
 
 
 def _delassus(shapes: Any) -> Any:

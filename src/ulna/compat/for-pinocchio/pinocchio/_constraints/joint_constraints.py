@@ -14,7 +14,7 @@ from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import index, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
-from pinocchio._model.building import FREE
+from pinocchio._model.live_parameters import FREE
 from pinocchio._model.model import Model
 from ulna.errors import InputError
 from ulna.typing import Floats

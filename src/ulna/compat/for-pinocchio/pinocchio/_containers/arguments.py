@@ -98,9 +98,14 @@ class _Check(NamedTuple):
     accepts: Callable[[Any], bool]
     expected: str
     optional: bool
+    default: Any = inspect.Parameter.empty
+
+    def takes(self, value: Any) -> bool:
+        """Whether a value is accepted."""
+        return (value is None and self.optional) or self.accepts(value)
 
     def __call__(self, function: str, value: Any) -> None:
-        if (value is None and self.optional) or self.accepts(value):
+        if self.takes(value):
             return
         hint = _HINTS.get(type(value).__name__, "") if self.name in ("model", "data") else ""
         raise ArgumentError(
@@ -124,19 +129,88 @@ def checked(function: Function) -> Function:
     checks = _checks_of(function)
     if not checks or hasattr(function, "arguments_checked"):
         return function
+    if any(p.kind not in _NAMED for p in _own_parameters(function)):
+        return _checked_tuple(function, checks)
+    accepted: set[Any] = set()  # types of checked arguments that passed the checks, whatever their values
+    related = {"model", "data"} <= {check.name for check in checks}
+    by_type = [check.name for check in checks]
+    types = "".join(f"kind_of_({name}), " for name in by_type)
+    conditions = [f"({types}) in accepted_", *(["data._layout is model._layout"] if related else [])]
+    check_all = _check_all(function.__qualname__.rpartition(">.")[2], checks, related, accepted)
+    body = f"""    if not ({" and ".join(conditions)}):
+        check_all_({", ".join(by_type)})
+    return original_({{arguments}})"""
+    scope = {"kind_of_": type, "accepted_": accepted, "check_all_": check_all, "original_": function}
+    called = with_same_parameters(function, body, scope)
+    called.arguments_checked = True
+    return called
+
+
+def with_same_parameters(function: Any, body: str, scope: dict[str, Any]) -> Any:
+    """A function with the parameters of another, and its name and documentation.
+
+    Args:
+        function: The other; none of its parameters stands for several arguments.
+        body: The lines of its body; `{arguments}` is replaced by the arguments for a call of the other.
+        scope: What the names in these lines mean.
+
+    Returns:
+        The function.
+    """
+    parameters = inspect.signature(function).parameters.values()
+    defaults = {f"{p.name}__default": p.default for p in parameters if p.default is not p.empty}
+    heads, passed = [], []
+    for p in parameters:
+        by_name = p.kind is p.KEYWORD_ONLY
+        if by_name and "*" not in heads:
+            heads.append("*")
+        heads.append(f"{p.name}={p.name}__default" if f"{p.name}__default" in defaults else p.name)
+        passed.append(f"{p.name}={p.name}" if by_name else p.name)
+    name = function.__name__
+    lines = f"def {name}({', '.join(heads)}):\n{body.replace('{arguments}', ', '.join(passed))}"
+    names = {**scope, **defaults}
+    exec(compile(lines, f"<checks of {function.__qualname__}>", "exec"), names)
+    return functools.update_wrapper(names[name], function)
+
+
+def _own_parameters(function: Any) -> list[inspect.Parameter]:
+    """The parameters that a function really has, whatever it wraps."""
+    return list(inspect.signature(function, follow_wrapped=False).parameters.values())
+
+
+_NAMED = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+
+
+def _check_all(title: str, checks: list[_Check], related: bool, accepted: set[Any]) -> Callable[..., None]:
+    """A function that raises where one of the checked arguments is not accepted, and notes their types."""
+
+    def check_all(*values: Any) -> None:
+        decided = True
+        for check, value in zip(checks, values, strict=True):
+            if value is check.default and not check.takes(value):
+                decided = False  # a default that is none of its kind
+                continue
+            check(title, value)
+            decided = decided and check.decided_by_type(value)
+        if related:
+            named = {check.name: value for check, value in zip(checks, values, strict=True)}
+            model, data = named["model"], named["data"]
+            check_layout(model, data)
+            decided = decided and model is not None and data is not None
+        if decided and len(accepted) < _MOST_TYPES:
+            accepted.add(tuple(map(type, values)))
+
+    return check_all
+
+
+def _checked_tuple(function: Any, checks: list[_Check]) -> Any:
+    """The same for a function with a parameter that stands for several arguments."""
     title = function.__qualname__.rpartition(">.")[2]
-    places = {check.name: check.place for check in checks}
-    related = {"model", "data"} <= places.keys()
-    at_model, at_data = (places["model"], places["data"]) if related else (0, 0)
-    accepted: set[tuple[type, ...]] = (
-        set()
-    )  # types of arguments that passed the checks, whatever their values
+    accepted: set[tuple[type, ...]] = set()  # types of arguments that passed the checks
 
     @functools.wraps(function)
     def called(*args: Any, **named: Any) -> Any:
-        if not named and tuple(map(type, args)) in accepted:  # as it is nearly always: nothing else is asked
-            if related and args[at_data]._layout is not args[at_model]._layout:
-                check_layout(args[at_model], args[at_data])
+        if not named and tuple(map(type, args)) in accepted:
             return function(*args)
         count = len(args)
         for check in checks:
@@ -144,20 +218,25 @@ def checked(function: Function) -> Function:
                 check(title, args[check.place])
             elif check.name in named:
                 check(title, named[check.name])
-        if related:
-            model = args[at_model] if at_model < count else named.get("model")
-            data = args[at_data] if at_data < count else named.get("data")
-            if data is None or model is None or data._layout is not model._layout:
-                check_layout(model, data)
-        decided = not named and all(c.decided_by_type(args[c.place]) for c in checks if c.place < count)
-        if related and decided:
-            decided = max(at_model, at_data) < count and None not in (args[at_model], args[at_data])
-        if decided and len(accepted) < _MOST_TYPES:
+        given = {check.name: args[check.place] for check in checks if check.place < count} | named
+        if {"model", "data"} <= given.keys():
+            check_layout(given["model"], given["data"])
+        elif (
+            not named
+            and len(accepted) < _MOST_TYPES
+            and all(check.decided_by_type(args[check.place]) for check in checks if check.place < count)
+        ):
             accepted.add(tuple(map(type, args)))
         return function(*args, **named)
 
     called.arguments_checked = True  # type: ignore[attr-defined]
-    return called  # type: ignore[return-value]
+    return called
+
+
+def checks_itself(function: Function) -> Function:
+    """Marks a function that checks its arguments itself, where its quick way does not apply."""
+    function.arguments_checked = True  # type: ignore[attr-defined]
+    return function
 
 
 def checked_functions(names: dict[str, Any]) -> dict[str, Any]:
@@ -209,7 +288,8 @@ def _checks_of(function: Callable[..., Any]) -> list[_Check]:
             and (positional or parameter.kind == parameter.KEYWORD_ONLY)
         ):
             optional = parameter.default is None or rest == "None"
-            checks.append(_Check(k if positional else 10**6, parameter.name, *_KINDS[first], optional))
+            place = k if positional else 10**6
+            checks.append(_Check(place, parameter.name, *_KINDS[first], optional, parameter.default))
     return checks
 
 

@@ -26,6 +26,11 @@ NO_INDEX = 2**64 - 1
 """What stands for the index of nothing, as in Pinocchio."""
 
 
+def not_applicable(*_: Any) -> Any:
+    """Stands where no kernel is bound yet, and is what a bound kernel calls for arguments that it does not take."""
+    return NotImplemented
+
+
 def vector(value: Any, size: int, name: str) -> Floats:
     """A vector: arrays of any number type, columns, `np.matrix`, lists and tuples are taken.
 
@@ -134,6 +139,8 @@ def index(value: Any, count: int, what: str, fix: str) -> int:
         ArgumentError: it is no whole number.
         IndexOutOfRange: it is one that has no entry; says what would be.
     """
+    if type(value) is int and 0 <= value < count:
+        return value
     if not is_index(value):
         raise ArgumentError(f"The {what} is given as {excerpt(repr(value))}; expected an index. {fix}")
     number = known(value).__index__()

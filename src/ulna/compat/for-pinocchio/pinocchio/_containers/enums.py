@@ -37,9 +37,13 @@ __all__ = [
 
 
 class _Named(enum.IntEnum):
-    """Numbers with names; printed by their name."""
+    """Numbers with names; printed by their name. `names` and `values` of a class lead to its members."""
 
     __hash__ = int.__hash__  # that of Enum is slow
+
+    def __init_subclass__(cls) -> None:
+        cls.names = dict(cls.__members__)  # type: ignore[attr-defined]
+        cls.values = {int(member): member for member in cls}  # type: ignore[attr-defined]
 
     def __str__(self) -> str:
         return self.name

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import operator
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, TypeVar
 
@@ -27,7 +28,7 @@ def by_name(*orders: str) -> Callable[[Callable[..., Result]], Callable[..., Res
         before = 1 if function.__code__.co_varnames[:1] == ("self",) else 0  # pyright: ignore
 
         @functools.wraps(function)
-        def called(*parts: Any, **named: Any) -> Result:
+        def general(*parts: Any, **named: Any) -> Result:
             if not named:
                 return body(*parts)
             count = len(parts) - before
@@ -41,11 +42,31 @@ def by_name(*orders: str) -> Callable[[Callable[..., Result]], Callable[..., Res
                 + "."
             )
 
-        called.orders = ways  # pyright: ignore
-        called.arguments_checked = True  # pyright: ignore
+        called = _by_position(function, body, general)
+        called.orders = ways
+        called.arguments_checked = True
         return called
 
     return decorate
+
+
+def _by_position(function: Any, body: Any, general: Any) -> Any:
+    """The same as `general`, which takes any arguments, with a quick way for those given by position."""
+    parameters = list(inspect.signature(function).parameters.values())
+    if any(p.kind is not p.POSITIONAL_OR_KEYWORD for p in parameters):
+        return general
+    names = [p.name for p in parameters]
+    needed = [p.name for p in parameters if p.default is p.empty]
+    passed = [n if n in needed else f"{n}__default if {n} is absent__ else {n}" for n in names]
+    missing = f" or {needed[-1]} is absent__" if needed else ""
+    lines = f"""def {function.__name__}({"".join(f"{n}=absent__, " for n in names)}/, **named__):
+    if named__{missing}:
+        return general__(*[x for x in ({"".join(f"{n}, " for n in names)}) if x is not absent__], **named__)
+    return body__({", ".join(passed)})"""
+    scope: dict[str, Any] = {"absent__": object(), "general__": general, "body__": body}
+    scope |= {f"{p.name}__default": p.default for p in parameters if p.default is not p.empty}
+    exec(compile(lines, f"<positions of {function.__qualname__}>", "exec"), scope)
+    return functools.update_wrapper(scope[function.__name__], function)
 
 
 def reads_names(*orders: str) -> Callable[[Result], Result]:
@@ -134,27 +155,37 @@ def overloads(*signatures: str) -> Callable[[Callable[..., Result]], Callable[..
         method = parameters[0].name == "self"
         parameters = parameters[method:]
         body, places = checked(function), _Places(function, parameters)
-        known: dict[Any, list[int]] = {}  # for kinds of arguments, which parameters they are
+        known: dict[Any, _Chosen] = {}  # for types of arguments, which parameters they are
+        at_dimensions = sorted({k for way in ways for k, x in enumerate(way) if x.kind == "matrix"})
 
         def choose(this: tuple[Any, ...], parts: tuple[Any, ...], named: dict[str, Any]) -> Result:
-            kinds = None if named else tuple([x.ndim if type(x) is np.ndarray else type(x) for x in parts])
-            if kinds in known:
-                return body(*this, *places.filled(known[kinds], parts))
             rest = {name: x for name, x in named.items() if x is not None}
             for k, way in enumerate(ways):
                 chosen = _fitting(way, parts, rest)
                 if chosen is not None:
-                    if kinds and len(known) < _MOST_KINDS and _decided_by_kinds(ways[: k + 1], parts):
-                        known.update(places.of(kinds, way, chosen))
+                    if not named and _decided_by_types(ways[: k + 1], parts):
+                        picked = places.picked(way, chosen, parts, at_dimensions)
+                        if picked is not None and (len(known) < _MOST_TYPES or _types(parts) in known):
+                            known[_types(parts)] = picked
                     return body(*this, **chosen)
             raise ArgumentError(_no_overload(_title(function), parts, rest, ways))
 
         @functools.wraps(function)
         def called(*args: Any, **named: Any) -> Result:
-            return choose(args[:method], args[method:], named)
+            parts = args[1:] if method else args
+            if not named:
+                picked = known.get(tuple(map(type, parts)))
+                if picked is not None:
+                    for place, dimensions in picked.dimensions:
+                        if parts[place].ndim != dimensions:
+                            break
+                    else:
+                        return body(*args[:method], *picked.values(parts + picked.defaults))
+            return choose(args[:method], parts, named)
 
         def of_all_parameters(*args: Any) -> Result:
-            return choose(args[:method], *_non_default(parameters, args[method:]))
+            given, named = _non_default(parameters, args[method:])
+            return called(*args[:method], *given, **named)
 
         called.orders = [[parameter.name for parameter in way] for way in ways]  # pyright: ignore
         called.arguments_checked = True  # pyright: ignore
@@ -164,8 +195,26 @@ def overloads(*signatures: str) -> Callable[[Callable[..., Result]], Callable[..
     return decorate
 
 
-_MOST_KINDS = 64
-"""How many combinations of kinds of arguments are known, for each function."""
+_MOST_TYPES = 64
+"""How many combinations of types of arguments are known, for each function."""
+
+
+def _types(parts: tuple[Any, ...]) -> tuple[type, ...]:
+    return tuple(map(type, parts))
+
+
+class _Chosen(NamedTuple):
+    """A way to call a function that types of arguments have led to.
+
+    Attributes:
+        values: Picks a value for each parameter out of the arguments, followed by `defaults`.
+        defaults: The defaults of parameters.
+        dimensions: Places of arrays, and the number of dimensions that each must have.
+    """
+
+    values: Callable[[tuple[Any, ...]], tuple[Any, ...]]
+    defaults: tuple[Any, ...]
+    dimensions: tuple[tuple[int, int], ...]
 
 
 class _Places:
@@ -173,32 +222,42 @@ class _Places:
 
     def __init__(self, function: Any, parameters: list[inspect.Parameter]) -> None:
         self._names = [parameter.name for parameter in parameters]
-        self._defaults = [parameter.default for parameter in parameters]
+        self._defaults = tuple(parameter.default for parameter in parameters)
         code = function.__code__  # a wrapper may take fewer arguments by position than its signature says
         by_position = bool(code.co_flags & inspect.CO_VARARGS) or code.co_argcount >= len(parameters)
         self._in_order = by_position and all(p.kind is p.POSITIONAL_OR_KEYWORD for p in parameters)
 
-    def of(self, kinds: Any, way: list[Parameter], chosen: dict[str, Any]) -> dict[Any, list[int]]:
-        """The place of each argument, for calls with arguments of these kinds; nothing where some are left out."""
-        targets = [parameter.target for parameter in way[: len(kinds)]]
+    def picked(
+        self, way: list[Parameter], chosen: dict[str, Any], parts: tuple[Any, ...], at_dimensions: list[int]
+    ) -> _Chosen | None:
+        """How other arguments of the same types are passed on; None where some are left out.
+
+        Args:
+            way: The parameters of the way that was chosen.
+            chosen: The arguments by name.
+            parts: The arguments.
+            at_dimensions: Places where a way tells arrays apart by their number of dimensions.
+
+        Returns:
+            What is remembered of these types.
+        """
+        targets = [parameter.target for parameter in way[: len(parts)]]
         missing = [
             name
             for name, default in zip(self._names, self._defaults, strict=True)
             if default is inspect.Parameter.empty and name not in chosen
         ]
-        if not self._in_order or missing or targets != list(chosen):
-            return {}
-        return {kinds: [self._names.index(target) for target in targets]}
-
-    def filled(self, places: list[int], parts: tuple[Any, ...]) -> list[Any]:
-        """A value for each parameter: the arguments at their places, and defaults."""
-        values = self._defaults.copy()
-        for place, part in zip(places, parts, strict=True):
-            values[place] = part
-        return values
+        if not self._in_order or missing or targets != list(chosen) or len(self._names) < 2:
+            return None
+        places = [
+            targets.index(name) if name in chosen else len(parts) + k for k, name in enumerate(self._names)
+        ]
+        arrays = [k for k in at_dimensions if k < len(parts) and isinstance(parts[k], np.ndarray)]
+        dimensions = tuple((k, parts[k].ndim) for k in arrays)
+        return _Chosen(operator.itemgetter(*places), self._defaults, dimensions)
 
 
-def _decided_by_kinds(ways: list[list[Parameter]], parts: tuple[Any, ...]) -> bool:
+def _decided_by_types(ways: list[list[Parameter]], parts: tuple[Any, ...]) -> bool:
     """Whether other arguments of the same types, and arrays of the same dimensions, lead to the same overload."""
     by_value = {"matrix": (list, tuple), "bool": (int, np.integer)}
     return not any(

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arrays import exact
+from pinocchio._containers.arrays import exact, not_applicable
 from pinocchio._data.algorithm import PARAMETER_NAMES, Algorithm
 from pinocchio._data.first_evaluation import evaluated
 from pinocchio._data.states import FieldStates
-from pinocchio._model.bound_kernels import not_applicable, not_read
+from pinocchio._model.bound_kernels import not_read
 from pinocchio._model.building import KinematicTree
 from pinocchio._model.compiled_model import CompiledModel
 from ulna.typing import Floats

@@ -10,9 +10,9 @@ from collections.abc import Callable, Container
 from typing import Any, ClassVar, NamedTuple, final
 
 from pinocchio._containers.arguments import check_layout
+from pinocchio._containers.arrays import not_applicable
 from pinocchio._data.algorithm import ALGORITHMS, STATES, Algorithm, Deferred
 from pinocchio._data.storage import FILLED_BY, PER_JOINT, FieldArrays
-from pinocchio._model.bound_kernels import not_applicable
 from pinocchio._model.building import KinematicTree
 from pinocchio._model.compiled_model import CompiledModel
 from pinocchio._model.kernel_parameters import PARAMETERS

@@ -7,12 +7,8 @@ from typing import Any, final
 
 import numpy as np
 
+from pinocchio._containers.arrays import not_applicable
 from ulna.typing import Array, Floats
-
-
-def not_applicable(*_: Any) -> Any:
-    """Stands where no kernel is bound yet, and is what a bound kernel calls for arguments that it does not take."""
-    return NotImplemented
 
 
 @final
@@ -64,13 +60,24 @@ class BoundKernel:
         watch: Pairs of an array and a copy; the kernel does not apply once they differ.
         others: Arrays for the other outputs.
         last_inputs: Arrays that its last inputs are read from at every call.
+        holder: A class with one slot, of which every call returns an instance that holds the copy.
     """
 
     def __init__(
-        self, kernel: Any, watch: Any = (), others: Sequence[Floats] = (), last_inputs: Sequence[Floats] = ()
+        self,
+        kernel: Any,
+        watch: Any = (),
+        others: Sequence[Floats] = (),
+        last_inputs: Sequence[Floats] = (),
+        holder: type | None = None,
     ) -> None:
         self.result: Floats = np.zeros(kernel.function.outputs[0].shape)
         targets = self.result, *others
         self.call = kernel.into(
-            *targets, returns=(0,), watch=watch, otherwise=not_applicable, last_inputs=last_inputs
+            *targets,
+            returns=(0,),
+            watch=watch,
+            otherwise=not_applicable,
+            last_inputs=last_inputs,
+            holder=holder,
         )

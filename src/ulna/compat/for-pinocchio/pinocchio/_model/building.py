@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import builtins
 import warnings
 from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, check_text, is_index
+from pinocchio._containers.arguments import ArgumentError, WrongShape, check_text, is_index
 from pinocchio._containers.arrays import index, numbers
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.keywords import by_name
@@ -15,27 +16,14 @@ from pinocchio._containers.unknown_ids import UnknownId, known
 from pinocchio._model.frame import Frame
 from pinocchio._model.joint_model import JointModel
 from pinocchio._model.kernel_cache import KernelCache
+from pinocchio._model.live_parameters import PER_Q
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
 from ulna.errors import InputError, ModelError, ModelWarning
-from ulna.typing import Floats
 
-FREE = float(np.finfo(float).max)
-"""What limits are where there is none."""
-PER_Q = {"lowerPositionLimit": -FREE, "upperPositionLimit": FREE, "positionLimitMargin": 0.0}
-PER_V = {
-    "armature": 0.0,
-    "lowerVelocityLimit": -FREE,
-    "upperVelocityLimit": FREE,
-    "lowerEffortLimit": -FREE,
-    "upperEffortLimit": FREE,
-    "lowerDryFrictionLimit": -0.0,
-    "upperDryFrictionLimit": 0.0,
-    "damping": 0.0,
-    "rotorInertia": 0.0,
-    "rotorGearRatio": 1.0,
-}
-
+_NOTHING = Inertia()
+_HERE = SE3()
+"""What is copied, or shared where nobody writes to it."""
 _JOINT = "parent_id joint_model joint_placement joint_name"
 _BOUNDS = "min_effort max_effort min_velocity max_velocity min_config max_config"
 
@@ -114,8 +102,8 @@ class KinematicTree(KernelCache):
 
     def _frames_named(self, name: str, types: int) -> list[int]:
         """Indices of the frames of that name, and of one of these types."""
-        frames = self._frames
-        return [i for i, f in enumerate(frames) if f._facts[0] == name and f._facts[1] & types]
+        found, frames = self.frame_index().by_name.get(name, ()), self._frames
+        return [i for i in found if frames[i]._facts[1] & types]
 
     def existBodyName(self, name: str) -> bool:
         """Whether there is a body of that name."""
@@ -167,13 +155,13 @@ class KinematicTree(KernelCache):
         follows = joint.mimic is not None
         place = (joint.idx_q, joint.idx_v) if follows else (self.nq, self.nv)
         joint.setIndexes(self.njoints, *place, self.nvExtended)
-        self._arrays |= _extended(self._arrays, PER_Q, self.nq, joint.nq, values)
-        self._arrays |= _extended(self._arrays, PER_V, self.nv, joint.nv, values)
+        _check_sizes(values, joint.nq, joint.nv)
+        self._new_entries.append((joint.nq, joint.nv, values))
         self.joints.append(joint)
         self.names.append(joint_name)
         self.parents.append(int(parent_id))
-        self._placements.append(SE3(joint_placement))
-        self._inertias.append(Inertia())
+        self._placements.append(joint_placement.copy())
+        self._inertias.append(_NOTHING.copy())
         self.nq, self.nv = self.nq + joint.nq, self.nv + joint.nv
         self.nvExtended += joint.nvExtended
         self._joint_added()
@@ -229,13 +217,8 @@ class KinematicTree(KernelCache):
         """
         index(joint_id, self.njoints, "joint", "Add the joint with addJoint first.")
         if frame_id < 0:
-            parent = self.parents[joint_id]
-            kinds = (FrameType.JOINT, FrameType.FIXED_JOINT)
-            matches = [
-                i for i, f in enumerate(self._frames) if f._facts[2] == parent and f._facts[1] in kinds
-            ]
-            frame_id = matches[0] if matches else 0
-        return self._add_new_frame(self.names[joint_id], joint_id, frame_id, SE3(), FrameType.JOINT)
+            frame_id = self.frame_index().of_joint.get(self.parents[joint_id], 0)
+        return self._add_new_frame(self.names[joint_id], joint_id, frame_id, _HERE, FrameType.JOINT)
 
     def addBodyFrame(
         self, body_name: str, parentJoint: int, body_placement: SE3, previous_frame: int = -1
@@ -258,16 +241,18 @@ class KinematicTree(KernelCache):
 
     def _add_new_frame(self, name: str, joint: int, frame: int, placement: SE3, type: FrameType) -> int:
         """Adds a frame without inertia; see `addFrame`."""
-        made = Frame(name, joint, frame, placement, type)
-        valid = made.parentJoint < self.njoints and made.parentFrame < self.nframes
+        if builtins.type(name) is not str:
+            check_text(name, "name")
+        facts = name, type, int(joint), int(frame), _NOTHING
+        made = Frame._from_facts(facts, placement.copy())
+        valid = 0 <= facts[2] < len(self.names) and 0 <= facts[3] < len(self._frames)
         if valid and not self._frames_named(name, type):
             return self._append_frame(made)
         return self.addFrame(made)
 
     def _append_frame(self, frame: Frame) -> int:
-        self._frames.append(frame)
-        self._store_last_frame()
-        return self.nframes - 1
+        self._add_last_frame(frame)
+        return len(self._frames) - 1
 
     def addFrame(self, frame: Frame, append_inertia: bool = True) -> int:
         """Adds a frame, and its inertia to the body of the joint.
@@ -303,37 +288,14 @@ class KinematicTree(KernelCache):
             body_placement: Pose of the body in the frame of the joint; the identity by default.
         """
         index(joint_id, self.njoints, "joint", "Add the joint with addJoint first.")
-        M = SE3() if body_placement is None else body_placement
-        self._inertias[joint_id] += body_inertia.se3Action(M)
+        moved = body_inertia if body_placement is None else body_inertia._moved(body_placement)
+        inertia = self._inertias[joint_id]
+        inertia += moved
         self.nbodies += 1
 
 
-def _extended(
-    arrays: dict[str, Floats], defaults: dict[str, float], before: int, more: int, values: dict[str, Any]
-) -> dict[str, Floats]:
-    """The arrays of those names with entries for one more joint, as rows of one block.
-
-    Args:
-        arrays: The arrays of the model, of `before` entries each.
-        defaults: What new entries are where `values` says nothing, by the names of the arrays.
-        before: How many entries there are.
-        more: How many are added.
-        values: The new entries (more,) or (1,) by the names of their arrays.
-
-    Returns:
-        The new arrays by their names.
-    """
-    block = np.empty((len(defaults), before + more))
-    out: dict[str, Floats] = {}
-    for row, (key, default) in zip(block, defaults.items(), strict=True):
-        row[:before] = arrays[key]
-        row[before:] = values.get(key, default)
-        out[key] = row
-    return out
-
-
-def _limits(limits: tuple[Any, ...]) -> dict[str, Any]:
-    """The limits given to addJoint, by the names of the model's arrays.
+def _limits(limits: tuple[Any, ...]) -> dict[str, list[float]]:
+    """The limits given to addJoint, by the names of the model's arrays; one for all entries, or one for each.
 
     Raises:
         ArgumentError: They are not vectors of numbers, or not as many as there are limits.
@@ -350,8 +312,27 @@ def _limits(limits: tuple[Any, ...]) -> dict[str, Any]:
     if len(limits) not in by_count:
         raise ArgumentError(f"addJoint was given {len(limits)} limits; expected 4, 9 or 10 after the name.")
     values = dict(zip(names + by_count[len(limits)], limits, strict=True))
-    arrays = {key: np.atleast_1d(numbers(value, key)) for key, value in values.items()}
-    for key, array in arrays.items():
-        if array.ndim > 1:
-            raise ArgumentError(f"addJoint: `{key}` has shape {array.shape}; expected (n,).")
-    return arrays
+    return {key: _entries(key, value) for key, value in values.items()}
+
+
+def _entries(key: str, value: Any) -> list[float]:
+    if type(value) is float:
+        return [value]
+    if type(value) is np.ndarray and value.ndim == 1 and value.dtype == float:
+        return value.tolist()
+    array = numbers(value, key)
+    if array.ndim > 1:
+        raise ArgumentError(f"addJoint: `{key}` has shape {array.shape}; expected (n,).")
+    return array.reshape(-1).tolist()
+
+
+def _check_sizes(values: dict[str, list[float]], nq: int, nv: int) -> None:
+    """Checks that there is one entry for all, or one for each.
+
+    Raises:
+        WrongShape: There are others.
+    """
+    for key, entries in values.items():
+        size = nq if key in PER_Q else nv
+        if len(entries) not in (1, size):
+            raise WrongShape(key, (len(entries),), f"({size},)")

@@ -16,6 +16,8 @@ from ulna.typing import Array
 Facts = tuple[str, FrameType, int, int, Inertia]
 """Name, type, indices of the joint and of the frame before it, and the inertia that a frame was made with."""
 _new = object.__new__
+JOINT_FRAMES = (FrameType.JOINT, FrameType.FIXED_JOINT)
+"""The types of frames that joints have."""
 
 
 @final
@@ -59,7 +61,7 @@ class Frame(Placed):
         self._counters: tuple[Array, ...] = ()
 
     def add_counter(self, counter: Array) -> None:
-        """Counts changes of its name and joint in an array (1,), as each model with this frame does."""
+        """Counts changes of its name, type and joint in an array (1,), as each model with this frame does."""
         if not any(known is counter for known in self._counters):
             self._counters = (*self._counters, counter)
 
@@ -89,6 +91,7 @@ class Frame(Placed):
     def type(self, type_: FrameType) -> None:
         name, _, joint, frame, inertia = self._facts
         self._facts = name, FrameType(type_), joint, frame, inertia
+        self._count_change()
 
     @property
     def parentJoint(self) -> int:

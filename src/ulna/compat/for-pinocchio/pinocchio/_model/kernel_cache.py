@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Iterator
 from typing import Any, Literal
 
 import numpy as np
 
-from pinocchio._model.bound_kernels import not_applicable
+from pinocchio._containers.arrays import not_applicable
 from pinocchio._model.compiled_model import COMPILING, CompiledModel
 from pinocchio._model.first_calls import FirstCalls
 from pinocchio._model.kernel_parameters import PARAMETERS
@@ -54,7 +55,7 @@ class KernelCache(LiveParameters):
         self._layout = (*self._layout, (last.shortname(), last.idx_q, last.idx_v))
         self._store_last_joint()
         self._forget_kernels()
-        self._frame_changes[0] += 1
+        self._count_joint()
 
     def _forget_kernels(self) -> None:
         self._version[0] += 1
@@ -64,7 +65,8 @@ class KernelCache(LiveParameters):
         self._integrate = self._difference = not_applicable
         self._random = self._random_within_own_limits = not_applicable
         self._distance = self._normalize = not_applicable
-        self._narrowest = np.zeros(())
+        self._interpolate = self._squared_distance = not_applicable
+        self._narrowest = array("d", [0.0])
         self._drawn, self._drawn_by = iter(()), None  # see randomConfiguration
         self.__dict__.pop("_neutral", None)
 

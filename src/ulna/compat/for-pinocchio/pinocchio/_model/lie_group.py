@@ -7,9 +7,9 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError, WrongShape, is_index
-from pinocchio._containers.arrays import exact, numbers, vector
+from pinocchio._containers.arrays import exact, not_applicable, numbers, vector
 from pinocchio._containers.enums import ArgumentPosition
-from pinocchio._model.bound_kernels import BoundKernel, not_applicable
+from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.joint_base import JointBase
 from pinocchio._model.quaternion_signs import quaternion_starts, with_signs_kept
 from pinocchio._spatial.random_numbers import generator

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Self, final
 import numpy as np
 
 from pinocchio._containers.arrays import StdVec, numbers
-from pinocchio._model.frame import Frame
+from pinocchio._model.frame import JOINT_FRAMES, Frame
 from pinocchio._model.joint_model import JointModel
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.motion_force import Motion
@@ -22,6 +22,23 @@ from ulna.system import forks
 from ulna.typing import Array, Floats
 
 _BLOCK_ROWS = 64
+FREE = float(np.finfo(float).max)
+"""What limits are where there is none."""
+PER_Q = {"lowerPositionLimit": -FREE, "upperPositionLimit": FREE, "positionLimitMargin": 0.0}
+PER_V = {
+    "armature": 0.0,
+    "lowerVelocityLimit": -FREE,
+    "upperVelocityLimit": FREE,
+    "lowerEffortLimit": -FREE,
+    "upperEffortLimit": FREE,
+    "lowerDryFrictionLimit": -0.0,
+    "upperDryFrictionLimit": 0.0,
+    "damping": 0.0,
+    "rotorInertia": 0.0,
+    "rotorGearRatio": 1.0,
+}
+USUAL = {key: [value] for key, value in (PER_Q | PER_V).items()}
+"""The entries of a new joint, by the names of the arrays."""
 
 
 @final
@@ -156,6 +173,36 @@ for _name in ("pop", "remove", "clear", "reverse", "sort", "__delitem__"):
     setattr(FrameList, _name, _counted(_name))
 
 
+@final
+class FrameIndex:
+    """Where frames are in a list, by their names, and which is the first of each joint.
+
+    Attributes:
+        by_name: For each name the indices of its frames.
+        of_joint: For each joint the index of the first frame of type JOINT or FIXED_JOINT on it.
+    """
+
+    __slots__ = ("by_name", "of_joint")
+
+    def __init__(self, frames: Iterable[Frame]) -> None:
+        self.by_name: dict[str, list[int]] = {}
+        self.of_joint: dict[int, int] = {}
+        for place, frame in enumerate(frames):
+            self.add(frame, place)
+
+    def add(self, frame: Frame, place: int) -> None:
+        """Takes the next frame.
+
+        Args:
+            frame: The frame.
+            place: Its index, above all others.
+        """
+        name, kind, joint, *_ = frame._facts
+        self.by_name.setdefault(name, []).append(place)
+        if kind in JOINT_FRAMES:
+            self.of_joint.setdefault(joint, place)
+
+
 class LiveParameters:
     """Joints, frames and inertias of a Model, and where their parameters are stored."""
 
@@ -168,8 +215,10 @@ class LiveParameters:
     _placements: StdVec[SE3]
     _inertias: StdVec[Inertia]
     _gravity: Motion
-    _arrays: dict[str, Floats]
     _frames: FrameList
+    _stored_arrays: dict[str, Floats]
+    _new_entries: list[Any]
+    """What the arrays of joints are still without, for each new joint; see `_arrays`."""
     _frames_of_copy: list[Any]
     """What a copy knows of its frames, until these are made."""
 
@@ -184,6 +233,7 @@ class LiveParameters:
 
     def _create_counters(self) -> None:
         self._counted_changes, self._frame_owners = -1, ()
+        self._indexed_changes, self._frame_index = -1, FrameIndex(())
         self._frame_changes: Array = np.zeros(1, np.int64)
 
     def _copy_rows(self, other: LiveParameters) -> None:
@@ -222,6 +272,20 @@ class LiveParameters:
         )
         out.changes, self._frames_of_copy = self._frame_changes, []
         return out
+
+    @property
+    def _arrays(self) -> dict[str, Floats]:
+        """The arrays with entries for each q or v, by their names; those of new joints are added when they are read."""
+        if self._new_entries:
+            with _MAKING:
+                if self._new_entries:  # another thread may have added them meanwhile
+                    self._stored_arrays = extended(self._stored_arrays, self._new_entries)
+                    self._new_entries = []
+        return self._stored_arrays
+
+    @_arrays.setter
+    def _arrays(self, arrays: dict[str, Floats]) -> None:
+        self._stored_arrays, self._new_entries = arrays, []
 
     @property
     def njoints(self) -> int:
@@ -295,10 +359,19 @@ class LiveParameters:
     def _store_frames(self) -> None:
         self._rows["frames"].adopt([frame._placement for frame in self._frames])
 
-    def _store_last_frame(self) -> None:
-        """A frame was added at the end."""
+    def _add_last_frame(self, frame: Frame) -> None:
+        """Adds a frame at the end."""
+        index = self.frame_index()
+        self._frames.append(frame)
+        index.add(frame, len(self._frames) - 1)
+        self._indexed_changes = int(self._frame_changes[0])
         if not self._rows["frames"].adopt_last(self._frames[-1]._placement, len(self._frames)):
             self._store_frames()
+
+    def _count_joint(self) -> None:
+        """A joint was added, which changes no frame."""
+        self._frame_changes[0] += 1
+        self._indexed_changes += 1
 
     def _frames_changed(self) -> None:
         """Frames or joints were added."""
@@ -309,6 +382,13 @@ class LiveParameters:
         """The count of changes of joints and frames, and a copy of it, (1,) each."""
         return [(self._frame_changes, self._frame_changes.copy())]
 
+    def frame_index(self) -> FrameIndex:
+        """Where the frames are by their names; made anew when one was changed."""
+        changes = int(self._frame_changes[0])
+        if changes != self._indexed_changes:
+            self._indexed_changes, self._frame_index = changes, FrameIndex(self._frames)
+        return self._frame_index
+
     def frame_state(self) -> tuple[Any, bytes]:
         """A key that changes when a frame of this model does."""
         count = int(self._frame_changes[0])
@@ -317,6 +397,30 @@ class LiveParameters:
             self._frame_owners = tuple((f.name, f.parentJoint) for f in self._frames)
             self._store_frames()
         return self._frame_owners, b"".join(part.tobytes() for part in self._rows["frames"].blocks())
+
+
+def extended(
+    arrays: dict[str, Floats], joints: Iterable[tuple[int, int, dict[str, list[float]]]]
+) -> dict[str, Floats]:
+    """The arrays of joints, (nq,) or (nv,) each, with entries for more joints.
+
+    Args:
+        arrays: The arrays (n,) by their names.
+        joints: For each new joint its nq and nv, and the entries that are not the usual ones, by the names of arrays:
+            one for all, or one for each.
+
+    Returns:
+        New arrays (n,) by their names.
+    """
+    out = {}
+    for key, array in arrays.items():
+        per_q, default = key in PER_Q, USUAL[key]
+        entries = array.tolist()
+        for nq, nv, values in joints:
+            more = values.get(key, default)
+            entries += more if len(more) > 1 else more * (nq if per_q else nv)
+        out[key] = np.array(entries, dtype=float)
+    return out
 
 
 _MADE_OF_ROWS: dict[str, Callable[[Any], Any]] = {

@@ -12,10 +12,11 @@ from pinocchio._containers.files import Saved, register
 from pinocchio._containers.keywords import by_name
 from pinocchio._containers.named_configurations import StdMap_String_VectorXd
 from pinocchio._data.data import Data
-from pinocchio._model.building import PER_Q, PER_V, KinematicTree
+from pinocchio._model.building import KinematicTree
 from pinocchio._model.core_model import core_model
 from pinocchio._model.frame import Frame
 from pinocchio._model.joint_kinds import JointModel
+from pinocchio._model.live_parameters import PER_Q, PER_V
 from pinocchio._model.supports import Supports
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.motion_force import Motion
@@ -65,7 +66,7 @@ class Model(Saved, Supports, KinematicTree):
         self._inertias: StdVec[Inertia] = StdVec([Inertia()])
         self.frames = [Frame("universe", 0, 0, SE3(), FrameType.FIXED_JOINT)]
         self._configurations = StdMap_String_VectorXd()
-        self._gravity = Motion(self.gravity981, np.zeros(3))
+        self._gravity = Motion._of(np.concatenate([self.gravity981, np.zeros(3)]))
         self._arrays = {key: np.zeros(0) for key in (*PER_Q, *PER_V)}
         self.nq = self.nv = self.nvExtended = 0
         self.nbodies = 1

@@ -11,9 +11,9 @@ from pinocchio._containers.enums import FrameType
 from pinocchio._containers.keywords import overloads
 from pinocchio._containers.unknown_ids import known
 from pinocchio._model import joint_kinds
-from pinocchio._model.building import FREE
 from pinocchio._model.frame import Frame
 from pinocchio._model.joint_kinds import JointModel
+from pinocchio._model.live_parameters import FREE
 from pinocchio._model.model import Model
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3

@@ -11,16 +11,20 @@ from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import matrix, real, text, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
 from pinocchio._spatial.motion_force import Force, Motion, skew
-from pinocchio._spatial.random_numbers import generator
+from pinocchio._spatial.random_numbers import Draws
 from pinocchio._spatial.se3 import SE3
-from pinocchio._spatial.small_kernels import small_kernel
+from pinocchio._spatial.small_kernels import FORCES, INERTIAS, small_kernel
 from pinocchio._spatial.symmetric3 import Symmetric3
 from ulna import spatial
 from ulna.typing import Floats
 
 if TYPE_CHECKING:
     from pinocchio._spatial.pseudo_inertia import LogCholeskyParameters, PseudoInertia
+
+
+_new = object.__new__
 
 
 @final
@@ -31,6 +35,11 @@ class Inertia:
 
     @by_name("mass lever inertia", "clone")
     def __init__(self, *parts: Any) -> None:
+        if len(parts) == 3 and type(parts[0]) is float:
+            numbers = without_gaps(_PARTS["parts"], *parts[1:])
+            if numbers is not NotImplemented:
+                numbers[0], self._p = parts[0], numbers
+                return
         self._p = np.zeros(13)  # mass, lever, inertia row by row
         if len(parts) == 3:
             self._p[0] = real(parts[0], "mass")
@@ -47,7 +56,7 @@ class Inertia:
 
     @classmethod
     def _of(cls, storage: Floats) -> Inertia:
-        self = cls.__new__(cls)
+        self = _new(cls)
         self._p = storage
         return self
 
@@ -88,9 +97,7 @@ class Inertia:
     @staticmethod
     def Random() -> Inertia:
         """That of a body that can exist, drawn at random."""
-        rng = generator()
-        draws = rng.random(3), rng.standard_normal(4), rng.random(4)
-        return Inertia._of(small_kernel("random inertia")(*draws))
+        return _MADE["random"](*_DRAWS())
 
     @staticmethod
     def FromSphere(mass: float, radius: float) -> Inertia:
@@ -252,10 +259,10 @@ class Inertia:
         return self._moved_back(M)
 
     def _moved(self, M: SE3) -> Inertia:
-        return Inertia._of(small_kernel("inertia moved")(M._m, self._p))
+        return _MADE["moved"](M._m, self._p)
 
     def _moved_back(self, M: SE3) -> Inertia:
-        return Inertia._of(small_kernel("inertia back")(M._m, self._p))
+        return _MADE["moved back"](M._m, self._p)
 
     def vtiv(self, v: Motion) -> float:
         """Twice the kinetic energy at a velocity [J]."""
@@ -271,7 +278,7 @@ class Inertia:
 
     def vxiv(self, v: Motion) -> Force:
         """The force v x* I v."""
-        return Force._of(small_kernel("inertia force")(self._p, v._v))
+        return _FORCES["rate"](self._p, v._v)
 
     def variation(self, v: Motion) -> Floats:
         """The 6x6 rate of the inertia of a body that moves with v."""
@@ -321,19 +328,19 @@ class Inertia:
     def __add__(self, other: Inertia) -> Inertia:
         if not isinstance(other, Inertia):
             return NotImplemented
-        return Inertia._of(small_kernel("inertia sum")(self._p, other._p))
+        return _MADE["sum"](self._p, other._p)
 
     def __iadd__(self, other: Inertia) -> Inertia:
         self._assign(self + other)
         return self
 
     def __sub__(self, other: Inertia) -> Inertia:
-        return Inertia._of(small_kernel("inertia difference")(self._p, other._p))
+        return _MADE["difference"](self._p, other._p)
 
     def __mul__(self, motion: Any) -> Any:
         if not isinstance(motion, Motion):
             return self.matrix() @ vector(motion, 6, "motion")
-        return Force._of(small_kernel("inertia times")(self._p, motion._v))
+        return _FORCES["momentum"](self._p, motion._v)
 
     def __eq__(self, other: object) -> bool:
         return self._p.tolist() == other._p.tolist() if isinstance(other, Inertia) else NotImplemented
@@ -347,4 +354,10 @@ class Inertia:
     __repr__ = __str__
 
 
+_MADE = BoundFunctions(INERTIAS, holder=Inertia)
+_FORCES = BoundFunctions(FORCES, holder=Force)
+_PARTS = BoundFunctions(
+    {"parts": (lambda lever, I: np.concatenate([[0.0], lever, I.reshape(9)]), (3,), (3, 3))}, exact=True
+)
+_DRAWS = Draws(normal=4, even=7)
 register(Inertia)

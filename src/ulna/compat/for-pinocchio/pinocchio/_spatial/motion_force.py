@@ -10,11 +10,14 @@ from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import matrix, numbers, text, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
-from pinocchio._spatial.random_numbers import generator
+from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
+from pinocchio._spatial.random_numbers import Draws, generator
 from pinocchio._spatial.se3 import SE3
-from pinocchio._spatial.small_kernels import nearly, small_kernel
-from ulna import spatial
-from ulna.typing import Floats
+from pinocchio._spatial.small_kernels import pose, small_kernel
+from ulna import numeric, spatial
+from ulna.typing import Array, Floats
+
+_new = object.__new__
 
 
 class _Six:
@@ -24,8 +27,7 @@ class _Six:
     _names = ("linear", "angular")
     _signs = ("v", "w")
     _tower: Any
-    _forth: str
-    _back: str
+    _made: BoundFunctions
 
     @by_name("linear angular", "array", "clone")
     def __init__(self, *parts: Any) -> None:
@@ -36,7 +38,10 @@ class _Six:
             one = parts[0]
             self._v = one._v.copy() if isinstance(one, type(self)) else vector(one, 6, "vector").copy()
         elif len(parts) == 2:
-            self._v = np.concatenate([vector(p, 3, n) for p, n in zip(parts, self._names, strict=True)])
+            both = without_gaps(_SIX["parts"], *parts)
+            if both is NotImplemented:
+                both = np.concatenate([vector(p, 3, n) for p, n in zip(parts, self._names, strict=True)])
+            self._v = both
         else:
             raise ArgumentError(
                 f"{kind} was given {len(parts)} arguments; expected a linear and an angular part."
@@ -44,7 +49,7 @@ class _Six:
 
     @classmethod
     def _of(cls, storage: Floats) -> Self:
-        self = cls.__new__(cls)
+        self = _new(cls)
         self._v = storage
         return self
 
@@ -54,12 +59,12 @@ class _Six:
     @classmethod
     def Zero(cls) -> Self:
         """All zero."""
-        return cls()
+        return cls._of(np.zeros(6))
 
     @classmethod
     def Random(cls) -> Self:
         """Entries drawn evenly from [-1, 1]."""
-        return cls._of(2.0 * generator().random(6) - 1.0)
+        return cls._made["spread"](_DRAWS()[1])
 
     @property
     def linear(self) -> Floats:
@@ -121,7 +126,7 @@ class _Six:
         if not isinstance(other, type(self)):
             kind = type(self).__name__
             raise ArgumentError(f"{kind}.isApprox was given {other!r}; expected another {kind}.")
-        return nearly(small_kernel("gaps")(self._v, other._v), prec)
+        return bool(small_kernel("excess")(self._v, other._v, prec) <= 0.0)
 
     def isZero(self, prec: float = 1e-12) -> bool:
         """Whether all entries are at most `prec`."""
@@ -136,10 +141,10 @@ class _Six:
         return self._moved_back(M)
 
     def _moved(self, M: SE3) -> Self:
-        return self._of(M._carried(self._forth, self._v))
+        return self._made["moved"](M._m, self._v)
 
     def _moved_back(self, M: SE3) -> Self:
-        return self._of(M._carried(self._back, self._v))
+        return self._made["moved back"](M._m, self._v)
 
     def _value(self) -> Any:
         return self._tower(self._v[:3], self._v[3:])
@@ -149,10 +154,12 @@ class _Six:
         return cls._of(np.concatenate([value.linear, value.angular]))
 
     def __add__(self, other: Self) -> Any:
-        return self._of(self._v + other._v) if isinstance(other, type(self)) else NotImplemented
+        return self._made["sum"](self._v, other._v) if isinstance(other, type(self)) else NotImplemented
 
     def __sub__(self, other: Self) -> Any:
-        return self._of(self._v - other._v) if isinstance(other, type(self)) else NotImplemented
+        return (
+            self._made["difference"](self._v, other._v) if isinstance(other, type(self)) else NotImplemented
+        )
 
     def __iadd__(self, other: Self) -> Self:
         self._v += other._v
@@ -163,10 +170,12 @@ class _Six:
         return self
 
     def __neg__(self) -> Self:
-        return self._of(-self._v)
+        return self._made["opposite"](self._v)
 
     def __mul__(self, factor: Any) -> Any:
-        if type(factor) is float or np.ndim(factor) == 0:
+        if type(factor) is float:
+            return self._made["product"](self._v, factor)
+        if np.ndim(factor) == 0:
             return self._of(self._v * factor)
         return NotImplemented
 
@@ -193,7 +202,6 @@ class Motion(_Six):
 
     __slots__ = ()
     _tower = spatial.Motion
-    _forth, _back = "Motion", "Motion back"
 
     @reads_names("m", "f")
     def cross(self, other: Any = None, **named: Any) -> Any:
@@ -213,8 +221,7 @@ class Motion(_Six):
             other = the_one("Motion.cross", named, ("m", "f"))
         if not isinstance(other, (Motion, Force)):
             raise ArgumentError(f"Motion.cross was given {other!r}; expected a Motion or a Force.")
-        kernel = small_kernel("cross motion" if isinstance(other, Motion) else "cross force")
-        return other._of(kernel(self._v, other._v))
+        return other._made["cross"](self._v, other._v)
 
     __xor__ = cross
 
@@ -247,15 +254,46 @@ class Force(_Six):
     __slots__ = ()
     _signs = ("f", "tau")
     _tower = spatial.Force
-    _forth, _back = "Force", "Force back"
 
     def dot(self, m: Any) -> float:
         """The power at a velocity [W]."""
         return float(self._v @ (m._v if isinstance(m, Motion) else vector(m, 6, "m")))
 
 
+_DRAWS = Draws(normal=0, even=6)
+_M, _V = (4, 4), (6,)
+_SIX = BoundFunctions(
+    {"parts": (lambda a, b: np.concatenate([a, b]), (3,), (3,)), "skew": (numeric.skew, (3,))}, exact=True
+)
+
+
+def _functions(kind: Any) -> dict[str, tuple[Any, ...]]:
+    """What is computed of motions, or of forces."""
+
+    def cross(v: Array, w: Array) -> Array:
+        return spatial.Motion(v[:3], v[3:]).cross(kind(w[:3], w[3:])).vector()
+
+    return {
+        "spread": (lambda x: 2.0 * x - 1.0, _V),
+        "moved": (lambda m, v: pose(m).act(kind(v[:3], v[3:])).vector(), _M, _V),
+        "moved back": (lambda m, v: pose(m).act_inverse(kind(v[:3], v[3:])).vector(), _M, _V),
+        "sum": (lambda v, w: v + w, _V, _V),
+        "difference": (lambda v, w: v - w, _V, _V),
+        "opposite": (lambda v: -v, _V),
+        "product": (lambda v, x: x * v, _V, ()),
+        "cross": (cross, _V, _V),
+    }
+
+
+Motion._made = BoundFunctions(_functions(spatial.Motion), holder=Motion)
+Force._made = BoundFunctions(_functions(spatial.Force), holder=Force)
+
+
 def skew(u: Any) -> Floats:
     """The matrix of the cross product with a 3-vector."""
+    found = without_gaps(_SIX["skew"], u)
+    if found is not NotImplemented:
+        return found
     x, y, z = vector(u, 3, "u")
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 

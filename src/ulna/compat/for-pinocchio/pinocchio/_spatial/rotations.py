@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import cache
 from typing import Any, final
 
 import numpy as np
@@ -11,10 +10,12 @@ import numpy as np
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import matrix, numbers, real, text, vector
 from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
 from pinocchio._spatial.small_kernels import small_kernel
 from ulna import spatial
-from ulna.compiler import compile as compile_function
-from ulna.typing import Floats
+from ulna.numeric import less, where
+from ulna.numeric import vector as numeric_vector
+from ulna.typing import Array, Floats
 
 _CONJUGATE = np.array([-1.0, -1.0, -1.0, 1.0])
 
@@ -222,28 +223,41 @@ for _place, _letter in enumerate("xyzw"):
 def _coefficients(one: Any) -> Floats:
     if isinstance(one, Quaternion):
         return one._c.copy()
+    found = without_gaps(_OF_MATRIX["quaternion"], one)
+    if found is not NotImplemented:
+        return found
     if isinstance(one, AngleAxis):
         one = one.matrix()
     array = numbers(one, "coefficients")
     if array.shape == (3, 3):
-        return coefficients_of(array)
+        return coefficients_of(np.array(array, dtype=float))
     return vector(one, 4, "coefficients").copy()
 
 
-@cache
-def _of_matrix() -> Any:
-    return compile_function(spatial.matrix_to_quat_xyzw, R=(3, 3))
-
-
-def coefficients_of(R: Floats) -> Floats:
+def quaternion_of(R: Array) -> Array:
     """The quaternion xyzw of a rotation matrix, with the sign that Eigen gives it: its largest entry is positive.
 
     Largest is w where the trace is positive, else the entry of the largest number on the diagonal.
+
+    Args:
+        R: Rotation matrix (3, 3).
+
+    Returns:
+        Quaternion (4,) [-].
     """
-    quaternion = _of_matrix()(R)
-    diagonal = np.diagonal(R)
-    lead = 3 if diagonal.sum() > 0.0 else int(diagonal.argmax())
-    return -quaternion if quaternion[lead] < 0.0 else quaternion
+    x, y, z, w = quaternion = spatial.matrix_to_quat_xyzw(R)
+    a, b, c = R[0, 0], R[1, 1], R[2, 2]
+    of_diagonal = where(less(a, b), where(less(b, c), z, y), where(less(a, c), z, x))
+    lead = where(less(0.0, a + b + c), w, of_diagonal)
+    return numeric_vector(*(where(less(lead, 0.0), -entry, entry) for entry in quaternion))
+
+
+_OF_MATRIX = BoundFunctions({"quaternion": (quaternion_of, (3, 3))}, exact=True)
+
+
+def coefficients_of(R: Floats) -> Floats:
+    """The quaternion xyzw (4,) of a rotation matrix (3, 3) of floats; see `quaternion_of`."""
+    return without_gaps(_OF_MATRIX["quaternion"], R)
 
 
 @final

@@ -11,9 +11,10 @@ from pinocchio._containers.arguments import ArgumentError, WrongShape
 from pinocchio._containers.arrays import matrix, numbers, text, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
-from pinocchio._spatial.random_numbers import generator
-from pinocchio._spatial.rotations import coefficients_of
-from pinocchio._spatial.small_kernels import nearly, small_kernel
+from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
+from pinocchio._spatial.random_numbers import Draws
+from pinocchio._spatial.rotations import coefficients_of, quaternion_of
+from pinocchio._spatial.small_kernels import random_pose, small_kernel
 from ulna import spatial
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
@@ -57,6 +58,7 @@ _ITEMS = ("M", "motion", "force", "inertia", "point")
 
 
 _EYE = np.eye(4)
+_new = object.__new__
 
 
 @final
@@ -67,6 +69,11 @@ class SE3:
 
     @by_name("rotation translation", "quat translation", "array", "clone", "int")
     def __init__(self, *parts: Any) -> None:
+        if len(parts) == 2:
+            placement = without_gaps(_PARTS["placement"], *parts)
+            if placement is not NotImplemented:
+                self._m = placement
+                return
         self._m = _EYE.copy()
         if len(parts) == 2:
             turn = parts[0].matrix() if hasattr(parts[0], "matrix") else parts[0]
@@ -87,7 +94,7 @@ class SE3:
 
     @classmethod
     def _of(cls, storage: Floats) -> SE3:
-        self = cls.__new__(cls)
+        self = _new(cls)
         self._m = storage
         return self
 
@@ -97,10 +104,6 @@ class SE3:
     def _pose(self) -> spatial.SE3:
         return _pose(self._m)
 
-    def _carried(self, name: str, values: Floats) -> Floats:
-        """What a function of `compiled` makes of six numbers."""
-        return se3_kernel(name)(self._m, values)
-
     @staticmethod
     def Identity() -> SE3:
         """No displacement."""
@@ -109,8 +112,7 @@ class SE3:
     @staticmethod
     def Random() -> SE3:
         """A rotation drawn evenly over all, a translation from [-1, 1] m."""
-        rng = generator()
-        return SE3._of(small_kernel("random pose")(rng.standard_normal(4), rng.random(3)))
+        return _MADE["random"](*_DRAWS())
 
     @staticmethod
     def Interpolate(A: SE3, B: SE3, alpha: float) -> SE3:
@@ -123,7 +125,7 @@ class SE3:
         Returns:
             The placement.
         """
-        return SE3._of(small_kernel("pose interpolation")(A._m, B._m, np.float64(alpha)))
+        return _MADE["interpolation"](A._m, B._m, float(alpha))
 
     @property
     def rotation(self) -> Floats:
@@ -182,7 +184,7 @@ class SE3:
 
     def inverse(self) -> SE3:
         """The displacement back."""
-        return SE3._of(se3_kernel("inverse")(self._m))
+        return _MADE["inverse"](self._m)
 
     __invert__ = inverse
 
@@ -198,7 +200,7 @@ class SE3:
             An object of the same kind.
         """
         if isinstance(item, SE3):
-            return SE3._of(se3_kernel("product")(self._m, item._m))
+            return _MADE["product"](self._m, item._m)
         if hasattr(item, "_moved"):
             return item._moved(self)
         if type(item) is np.ndarray and item.shape == (3,) and item.dtype == float:
@@ -219,7 +221,7 @@ class SE3:
             An object of the same kind.
         """
         if isinstance(item, SE3):
-            return SE3._of(se3_kernel("quotient")(self._m, item._m))
+            return _MADE["quotient"](self._m, item._m)
         if hasattr(item, "_moved_back"):
             return item._moved_back(self)
         if item is None:
@@ -229,7 +231,7 @@ class SE3:
 
     def __mul__(self, item: Any) -> Any:
         if isinstance(item, SE3):
-            return SE3._of(se3_kernel("product")(self._m, item._m))
+            return _MADE["product"](self._m, item._m)
         if type(item) is np.ndarray and item.shape == (3,) and item.dtype == float:
             return small_kernel("pose point")(self._m, item)
         return self.act(item)
@@ -254,7 +256,7 @@ class SE3:
         Returns:
             Whether they do.
         """
-        return nearly(small_kernel("pose gaps")(self._m, other._m), prec)
+        return bool(small_kernel("pose excess")(self._m, other._m, prec) <= 0.0)
 
     def isIdentity(self, prec: float = 1e-12) -> bool:
         """Whether it is the identity, within `prec`."""
@@ -270,7 +272,9 @@ class SE3:
 
     def copy(self) -> SE3:
         """A copy."""
-        return SE3._of(self._m.copy())
+        out = _new(SE3)
+        out._m = self._m.copy()
+        return out
 
     __copy__ = cast = copy
 
@@ -292,9 +296,33 @@ class SE3:
         return f"  R =\n{text(self._m[:3, :3])}\n  p = {text(self._m[:3, 3])}\n"
 
 
+_MADE = BoundFunctions(
+    _FUNCTIONS
+    | {
+        "random": (random_pose, (4,), (3,)),
+        "interpolation": (lambda a, b, t: _pose(a).interpolate(_pose(b), t).matrix(), _M, _M, ()),
+    },
+    holder=SE3,
+)
+_PLACED = BoundFunctions({"placed": _FUNCTIONS["placed"]}, holder=SE3, exact=True)
+_PARTS = BoundFunctions(
+    {
+        "placement": (lambda R, p: spatial.SE3(R, p).matrix(), (3, 3), (3,)),
+        "coefficients": (lambda m: np.concatenate([m[:3, 3], quaternion_of(m[:3, :3])]), _M),
+    },
+    exact=True,
+)
+_DRAWS = Draws(normal=4, even=3)
+
+
 @by_name("array", "xyzquat", "tuple", "list")
 def XYZQUATToSE3(xyzquat: Any) -> SE3:
     """The placement of a position and a quaternion xyzw in one array (7,)."""
+    placed = _PLACED["placed"](xyzquat)
+    if placed is not NotImplemented and placed._m.item(0) == placed._m.item(
+        0
+    ):  # nan of a quaternion of zeros
+        return placed
     values = vector(xyzquat, 7, "xyzquat")
     if not values[3:].any():
         raise InputError(
@@ -305,12 +333,15 @@ def XYZQUATToSE3(xyzquat: Any) -> SE3:
 
 def SE3ToXYZQUAT(M: SE3) -> Floats:
     """Position and quaternion xyzw (7,) of a placement."""
-    return np.concatenate([M.translation, coefficients_of(M.rotation)])
+    values = _PARTS["coefficients"](M._m)
+    if values is NotImplemented:
+        values = np.concatenate([M.translation, coefficients_of(M.rotation)])
+    return values
 
 
 def SE3ToXYZQUATtuple(M: SE3) -> tuple[float, ...]:
     """Position and quaternion xyzw of a placement, as a tuple of seven numbers."""
-    return tuple(float(x) for x in SE3ToXYZQUAT(M))
+    return tuple(SE3ToXYZQUAT(M).tolist())
 
 
 class Placed:

@@ -5,14 +5,14 @@ An inertia is one array (13,): mass, lever, and the moments about the centre of 
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, reduce
 from typing import Any
 
 import numpy as np
 
 from ulna import spatial
 from ulna.compiler import compile as compile_function
-from ulna.numeric import less, matrix, skew, sqrt, vector, where
+from ulna.numeric import less, matrix, maximum, minimum, skew, sqrt, vector, where
 from ulna.typing import Array
 
 
@@ -93,12 +93,22 @@ def _random_rotation(normal: Array) -> Array:
     return spatial.quat_xyzw_to_matrix(spatial.quat_normalize(normal))
 
 
-def _random_pose(normal: Array, even: Array) -> Array:
+def random_pose(normal: Array, even: Array) -> Array:
+    """A placement drawn at random.
+
+    Args:
+        normal: Normal deviates (4,), which turn it [-].
+        even: Numbers (3,) from [0, 1), of its place [m].
+
+    Returns:
+        Matrix (4, 4).
+    """
     return spatial.SE3(_random_rotation(normal), 2.0 * even - 1.0).matrix()
 
 
-def _random_inertia(sizes: Array, normal: Array, even: Array) -> Array:
-    a, b, c = ((0.1 + 0.9 * x) ** 2 for x in sizes)
+def _random_inertia(normal: Array, draws: Array) -> Array:
+    a, b, c = ((0.1 + 0.9 * x) ** 2 for x in draws[:3])
+    even = draws[3:]
     mass = 0.1 + 0.9 * even[0]
     moments = (mass / 12.0) * matrix([[b + c, 0.0, 0.0], [0.0, a + c, 0.0], [0.0, 0.0, a + b]])
     R = _random_rotation(normal)
@@ -109,16 +119,17 @@ def _norm(x: Array) -> Any:
     return sqrt(sum((y * y for y in x), 0.0))
 
 
-def _gaps(a: Array, b: Array) -> Array:
-    """Norms of the difference, and of each, of linear and of angular parts."""
-    return vector(
-        *(_norm(x) for part in (slice(0, 3), slice(3, 6)) for x in ((a - b)[part], a[part], b[part]))
-    )
+def _excess(pairs: list[tuple[Array, Array]], prec: Any) -> Any:
+    """By how much pairs differ by more than a part `prec` of the smaller norm; at most zero where they are alike."""
+    return reduce(maximum, (_norm(a - b) - prec * minimum(_norm(a), _norm(b)) for a, b in pairs))
 
 
-def _pose_gaps(a: Array, b: Array) -> Array:
-    parts = [(m[:3, :3].reshape(9), m[:3, 3]) for m in (a, b)]
-    return vector(*(_norm(x) for r, s in zip(*parts, strict=True) for x in (r - s, r, s)))
+def _six_excess(a: Array, b: Array, prec: Any) -> Any:
+    return _excess([(a[:3], b[:3]), (a[3:], b[3:])], prec)
+
+
+def _pose_excess(a: Array, b: Array, prec: Any) -> Any:
+    return _excess([(a[:3, :3].reshape(9), b[:3, :3].reshape(9)), (a[:3, 3], b[:3, 3])], prec)
 
 
 def _angle(a: Array, b: Array) -> Array:
@@ -126,25 +137,28 @@ def _angle(a: Array, b: Array) -> Array:
 
 
 _M, _P, _V, _Q, _X = (4, 4), (13,), (6,), (4,), (3,)
+INERTIAS: dict[str, tuple[Any, ...]] = {
+    "sum": (_sum, _P, _P),
+    "difference": (_difference, _P, _P),
+    "moved": (lambda m, p: _numbers(pose(m).act(_body(p))), _M, _P),
+    "moved back": (lambda m, p: _numbers(pose(m).act_inverse(_body(p))), _M, _P),
+    "random": (_random_inertia, _Q, (7,)),
+}
+"""What makes inertias."""
+FORCES: dict[str, tuple[Any, ...]] = {
+    "momentum": (lambda p, v: _body(p).apply(_motion(v)).vector(), _P, _V),
+    "rate": (lambda p, v: _motion(v).cross(_body(p).apply(_motion(v))).vector(), _P, _V),
+}
+"""What makes forces of an inertia and a velocity."""
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "pose point": (lambda m, x: m[:3, :3] @ x + m[:3, 3], _M, _X),
-    "pose interpolation": (lambda a, b, t: pose(a).interpolate(pose(b), t).matrix(), _M, _M, ()),
-    "random pose": (_random_pose, _Q, _X),
-    "pose gaps": (_pose_gaps, _M, _M),
-    "gaps": (_gaps, _V, _V),
+    "pose excess": (_pose_excess, _M, _M, ()),
+    "excess": (_six_excess, _V, _V, ()),
     "motion matrix": (lambda v: _motion(v).cross_matrix(), _V),
     "motion dual": (_dual, _V),
-    "cross motion": (lambda v, w: _motion(v).cross(_motion(w)).vector(), _V, _V),
-    "cross force": (lambda v, f: _motion(v).cross(spatial.Force(f[:3], f[3:])).vector(), _V, _V),
-    "inertia sum": (_sum, _P, _P),
-    "inertia difference": (_difference, _P, _P),
-    "inertia moved": (lambda m, p: _numbers(pose(m).act(_body(p))), _M, _P),
-    "inertia back": (lambda m, p: _numbers(pose(m).act_inverse(_body(p))), _M, _P),
-    "inertia times": (lambda p, v: _body(p).apply(_motion(v)).vector(), _P, _V),
     "inertia matrix": (lambda p: _body(p).matrix(), _P),
     "inertia inverse": (_inverse, _P),
     "inertia energy": (lambda p, v: _motion(v).dot(_body(p).apply(_motion(v))), _P, _V),
-    "inertia force": (lambda p, v: _motion(v).cross(_body(p).apply(_motion(v))).vector(), _P, _V),
     "inertia v x I": (lambda p, v: _dual(v) @ _body(p).matrix(), _P, _V),
     "inertia I v x": (lambda p, v: _body(p).matrix() @ _motion(v).cross_matrix(), _P, _V),
     "inertia rate": (
@@ -154,7 +168,6 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     ),
     "inertia parameters": (lambda p: _body(p).parameters(), _P),
     "inertia of parameters": (_from_parameters, (10,)),
-    "random inertia": (_random_inertia, _X, _Q, _Q),
     "quaternion product": (spatial.quat_multiply, _Q, _Q),
     "quaternion point": (lambda q, x: spatial.quat_xyzw_to_matrix(q) @ x, _Q, _X),
     "quaternion matrix": (spatial.quat_xyzw_to_matrix, _Q),
@@ -170,18 +183,3 @@ def small_kernel(name: str) -> Any:
     function, *sizes = _FUNCTIONS[name]
     shapes: dict[str, Any] = {f"x{k}": size for k, size in enumerate(sizes)}
     return compile_function(function, **shapes)
-
-
-def nearly(gaps: Array, prec: float) -> bool:
-    """Whether differences are small: norms of a difference and of what differs, three for each part.
-
-    Args:
-        gaps: Norms of the difference, of the first and of the second, for each part (3 parts,).
-        prec: Largest difference, relative to the smaller norm [-].
-
-    Returns:
-        Whether all are at most `prec`, or 0.
-    """
-    values = gaps.tolist()
-    parts = zip(values[::3], values[1::3], values[2::3], strict=True)
-    return all(gap <= prec * min(a, b) or gap == 0.0 for gap, a, b in parts)
