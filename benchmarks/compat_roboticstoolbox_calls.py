@@ -98,7 +98,7 @@ def page(every: list[dict[str, Any]], pairs: list[tuple[dict[str, Any], dict[str
             if key not in here or key not in there or (there[key]["error"] or [""])[0] in FAILED:
                 continue
             how = compare.difference(here[key], there[key], compare.nearness(key))
-            one = how and differences.documented(key, how, there[key])
+            one = how and differences.documented(key, how, there[key], here[key])
             kind = "refused" if there[key]["error"] else "same"
             if how is not None:
                 kind = one.kind if one else "undocumented"

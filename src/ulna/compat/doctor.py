@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import importlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
@@ -12,7 +12,7 @@ from typing import Any, final
 from ulna.compat.members import missing_keywords, offered_member, refused
 from ulna.compat.packages import FOLDERS, compatibility_imports, modules
 from ulna.compat.script_names import expressions
-from ulna.compat.script_objects import Objects, ObjectsOf
+from ulna.compat.script_objects import Known, Objects, ObjectsOf
 from ulna.errors import FormatError, InputError
 from ulna.files import read_regular
 
@@ -82,8 +82,22 @@ def _of_objects(tree: ast.Module, known_modules: frozenset[str]) -> list[Finding
         if isinstance(node, ast.Call):
             findings += _of_keywords(node, objects_of(node.func, scope))
         elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load):
-            findings += _of_attribute(node, objects_of(node.value, scope), added)
+            base = objects_of(node.value, scope)
+            if base is not None:
+                findings += _of_attribute(node, base, added)
+            elif not _is_within_unknown(node.value, lambda part, at=scope: objects_of(part, at)):
+                findings.append(Finding(node.lineno, ast.unparse(node.value), None))
     return findings
+
+
+def _is_within_unknown(value: ast.expr, objects_of: Callable[[ast.expr], Objects]) -> bool:
+    """Whether an expression is an attribute, item or result of an attribute of something that is not known itself."""
+    while isinstance(value, ast.Attribute | ast.Subscript | ast.Call):
+        inner = value.func if isinstance(value, ast.Call) else value.value
+        if isinstance(value, ast.Attribute) and objects_of(inner) is None:
+            return True
+        value = inner
+    return False
 
 
 def _added(tree: ast.Module) -> frozenset[str]:
@@ -97,10 +111,7 @@ def _added(tree: ast.Module) -> frozenset[str]:
     return frozenset(names)
 
 
-def _of_attribute(node: ast.Attribute, base: Objects, added: frozenset[str]) -> list[Finding]:
-    if base is None:
-        root = node.value
-        return [Finding(node.lineno, root.id, None)] if isinstance(root, ast.Name) else []
+def _of_attribute(node: ast.Attribute, base: tuple[Known, ...], added: frozenset[str]) -> list[Finding]:
     instances = [one.value for one in base if one.is_instance]
     if not instances or len(instances) < len(base) or node.attr in added:
         return []

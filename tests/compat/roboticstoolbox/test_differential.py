@@ -66,7 +66,7 @@ def differing(ours: dict[str, Any], theirs: dict[str, Any]) -> tuple[collections
         if there["error"] and there["error"][0] in NOT_COUNTED:
             continue
         how = compare.difference(ours[key], there, compare.nearness(key))
-        one = how and differences.documented(key, how, there)
+        one = how and differences.documented(key, how, there, ours[key])
         kinds[one.kind if one else "equal" if how is None else "undocumented"] += 1
         if how and not one:
             others.append(f"{key}\n    {how}\n    here {_shown(ours[key])}\n    there {_shown(there)}")

@@ -193,10 +193,10 @@ def test_curves_are_drawn_as_they_are_asked_for(rtb: Any) -> None:
     with pytest.raises(InputError):
         xplot(q, labels=3)
     figure = rtb.quintic(1, 3, 7).plot()
-    assert [a.get_ylabel() for a in figure.axes] == ["q", "qd", "qdd"]
-    assert figure.axes[-1].get_xlabel() == "step"
+    assert [a.get_ylabel() for a in figure.axes] == ["$q(k)$", "$dq/dk$", "$d^2q/dk^2$"]
+    assert figure.axes[-1].get_xlabel() == "k (step)"
     timed = rtb.jtraj(np.zeros(2), np.ones(2), np.linspace(0, 2, 9)).plot(plotargs={"marker": "x"})
-    assert timed.axes[-1].get_xlabel() == "t [s]"
+    assert timed.axes[-1].get_xlabel() == "t (seconds)"
     assert timed.axes[0].lines[0].get_marker() == "x"
     assert timed.axes[0].get_xlim() == (0.0, 2.0)
     plt.close("all")

@@ -23,7 +23,20 @@ def turned(robot):
 change = [(panda.hessian0(p + h * e) - panda.hessian0(p - h * e)) / (2 * h) for e in np.eye(7)]
 inertia = np.diag(puma.inertia(q)) / [link.G**2 for link in puma.links]
 jaco = rtb.models.DH.Jaco()
+held = rtb.Robot(panda.ets(), tool=SE3(0, 0.1, 0))
+J = held.jacob0(p)[:3]
+longer = rtb.ET.Rz() * rtb.ET.tx(1)
+longer.append(rtb.ET.Rx())
+def arm(**first):
+    body = dict(m=1.5, r=[0.1, 0.02, 0.03], I=[0.02, 0.03, 0.04, 0, 0, 0])
+    return rtb.DHRobot([rtb.RevoluteMDH(**first, **body), rtb.RevoluteMDH(a=0.4, alpha=0.2, **body)])
+still = (p[:2], p[:2], p[:2])
+moments = [arm(**first).rne(*still, base_wrench=True)[1] for first in ({}, {"d": 0.3})]
 print(json.dumps({
+    "manipulability is of jacob0": bool(np.isclose(held.manipulability(p, axes="trans"), np.sqrt(np.linalg.det(J @ J.T)))),
+    "manipulability up to a gripper": float(panda.manipulability(p, end=panda.grippers[0])),
+    "an appended joint": [str(longer), bool(np.allclose(longer.eval([0.3, 0.9]), longer.eval([0.3, 0.1])))],
+    "a higher arm, the same moment": bool(np.allclose(*moments)),
     "start is ignored": np.array_equal(puma.hessian0(q, start=puma.links[3]), puma.hessian0(q)),
     "hessiane is hessian0 turned": bool(np.allclose(puma.hessiane(q), turned(puma))),
     "with a tool, too": bool(np.allclose(tooled.hessiane(q), turned(tooled))),
@@ -45,3 +58,6 @@ def test_results_of_the_toolbox_contradict_each_other() -> None:
     assert found["hessiane is hessian0 turned"] and not found["with a tool, too"]
     assert found["error of third derivatives"] > 0.5
     assert all(found["motors of jointdynamics"])
+    assert not found["manipulability is of jacob0"] and found["manipulability up to a gripper"] == 0.0
+    assert found["an appended joint"] == ["Rz(q0) ⊕ tx(1) ⊕ Rx(q1)", True]
+    assert found["a higher arm, the same moment"]

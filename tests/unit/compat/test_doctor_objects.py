@@ -145,3 +145,14 @@ def test_scripts_of_the_toolbox(tmp_path: Path) -> None:
         "roboticstoolbox.Puma560.fkine(nonsense=)", "swift.Swift.add(wrong=)",
     }  # fmt: skip
     assert "geometry" in found["roboticstoolbox.Puma560.basemesh"].hint
+
+
+def test_what_is_not_known_is_named_once_whatever_it_is_taken_from(tmp_path: Path) -> None:
+    pytest.importorskip("spatialmath")
+    script = tmp_path / "lab.py"
+    script.write_text(
+        "import numpy as np, roboticstoolbox as rtb\np = rtb.models.DH.Puma560()\np.links[0].foo()\n"
+        "d = {'arm': p}\nd['arm'].bar\nT = p.fkine(p.qn)\nT.t.max().x.y\nnp.eye(4).T.z\n"
+    )
+    unknown = [one.name for one in doctor.examine(script) if one.offered is None]
+    assert unknown == ["p.links[0]", "d['arm']", "T"]

@@ -40,6 +40,8 @@ def plain(value: Any, depth: int = 0) -> Any:
         return (name, len(value), np.array([np.asarray(x, dtype=complex).real for x in value.data]))
     if isinstance(value, np.ndarray) and value.dtype != object:
         return ("array", value.dtype.kind in "b", np.asarray(value, dtype=float))
+    if isinstance(value, np.ndarray) and all(isinstance(x, (int, float)) for x in value.flat):
+        return ("array", False, value.astype(float))  # an array of objects that are numbers
     if isinstance(value, np.ndarray) or name in ("Add", "Mul", "Symbol", "Float"):
         return ("symbols", str(value))
     if isinstance(value, dict):

@@ -12,6 +12,21 @@ from swift._element import SwiftElement
 from ulna.errors import InputError, UnknownName, ViewerError
 
 
+class UnknownObject(UnknownName, KeyError, IndexError, ValueError):
+    """There is nothing of that name or number; Swift raises one of these, which depends on what was passed."""
+
+    __str__ = Exception.__str__  # that of KeyError prints the message in quotes
+
+
+class Elements(dict[int, SwiftElement]):
+    """Controls by their number, which may be text, as Swift's keys are."""
+
+    def __missing__(self, number: Any) -> SwiftElement:
+        if isinstance(number, str) and number.isdecimal() and int(number) in self:
+            return self[int(number)]
+        raise UnknownObject("control", number, map(str, self))
+
+
 def not_open_error() -> ViewerError:
     """What to raise where an environment is used that was not launched, or was closed."""
     return ViewerError("The environment is not open. Call env.launch() first.")
@@ -25,7 +40,7 @@ class Controls:
     """
 
     def __init__(self, panel: Any) -> None:
-        self.elements: dict[int, SwiftElement] = {}
+        self.elements = Elements()
         """The controls, by their number."""
         self._panel, self._count = panel, 0
         self.named: dict[str, SwiftElement] = {}
@@ -61,11 +76,13 @@ class Controls:
         """Take a control out of the panel; it can be added again.
 
         Raises:
-            UnknownName: It is not there.
+            UnknownObject: It is not there.
         """
         if element.id is None or self.elements.get(element.id) is not element:
             present = (f"{number}: {type(e).__name__} {e.label!r}" for number, e in self.elements.items())
-            raise UnknownName("control in the panel", f"{type(element).__name__} {element.label!r}", present)
+            raise UnknownObject(
+                "control in the panel", f"{type(element).__name__} {element.label!r}", present
+            )
         del self.elements[element.id]
         self.named = {name: e for name, e in self.named.items() if e is not element}
         element.remove()
@@ -84,12 +101,10 @@ class Controls:
         """Call the functions of changes in the page, and of `events`: values by the number of the control.
 
         Raises:
-            UnknownName: There is no control of that number.
+            UnknownObject: There is no control of that number.
         """
         if events:
             for number, value in events.items():
-                if int(number) not in self.elements:
-                    raise UnknownName("control", number, map(str, self.elements))
                 self.elements[int(number)].choose(value)
         while self.events:
             element, value = self.events.popleft()

@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from swift._controls import UnknownObject
 from swift._element import SwiftElement
 from swift._handles import AssemblyHandle, PartsHandle
 from swift._launch import LaunchedEnvironment
 from swift._robot import RobotHandle
 from swift._scene_items import Callback, ShapeHandle
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError
 
 
 class Contents(LaunchedEnvironment):
@@ -165,7 +166,7 @@ class Contents(LaunchedEnvironment):
         """Take a robot, a shape or a control out, given as itself, or the first two as their handle or number.
 
         Raises:
-            UnknownName: It is not there.
+            UnknownObject: It is not there.
         """
         if isinstance(id, SwiftElement):
             self._controls.remove(id)
@@ -174,7 +175,7 @@ class Contents(LaunchedEnvironment):
             i for i in self._items.values() if i is id or i.thing is id or (i.id == id and _is_number(id))
         ]
         if not matching:
-            raise UnknownName("object in the environment", id, (str(i) for i in self._items))
+            raise UnknownObject("object in the environment", id, (str(i) for i in self._items))
         for item in matching:
             bodies = [figure.body for figure in item.figures if figure.body is not None]
             item.remove()
@@ -193,7 +194,7 @@ class Contents(LaunchedEnvironment):
             if item.name == key if isinstance(key, str) else item.id == key:
                 return item.thing if isinstance(item, ShapeHandle) else item
         names = [i.name for i in self._items.values() if i.name]
-        raise UnknownName("object in the environment", key, names or (str(i) for i in self._items))
+        raise UnknownObject("object in the environment", key, names or (str(i) for i in self._items))
 
     @property
     def values(self) -> dict[str, Any]:

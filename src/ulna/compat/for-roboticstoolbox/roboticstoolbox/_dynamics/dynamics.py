@@ -245,6 +245,8 @@ class Dynamics:
     def friction(self, qd: Any) -> Floats:
         """The torques of friction, against the motion, (n,) or (m, n)."""
         rates = numbers("qd", qd)
+        if rates.shape[-1:] != (self.n,):
+            raise WrongShape("qd", rates.shape, f"({self.n},) or (m, {self.n})")
         return -self._friction_torques(rates) if self.hasdynamics else -0.0 * rates
 
 

@@ -209,6 +209,15 @@ class ETS2(BaseETS):
         T = self.eval(q, base, tool, include_base)
         return pose(T if T.dtype is _FLOAT64 else shortened(T))
 
+    def insert(self, i: int, arg: Any) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """Inserts a transform, or a chain, before the one at `i`; the toolbox names the arguments so in the plane.
+
+        Args:
+            i: Place of the transform that comes after it.
+            arg: The transform or chain.
+        """
+        super().insert(i, arg)
+
     def jacob0(self, q: Any) -> Floats:
         """The Jacobian in the axes of the start, (3, n): x, y, angle."""
         return self._compiled(None).jacob0(q)[..., [0, 1, 5], :]

@@ -11,7 +11,8 @@ from typing import Any, Self
 import numpy as np
 
 from roboticstoolbox._common.errors import WrongIndex
-from roboticstoolbox._common.symbols import is_nothing, is_symbol, quarter_turns
+from roboticstoolbox._common.numbers import number
+from roboticstoolbox._common.symbols import has_symbols, is_nothing, is_symbol, quarter_turns
 from ulna.errors import InputError
 
 _LETTERS = "xyz"
@@ -176,6 +177,7 @@ class Rewriting:
             raise InputError(f"`j` is {j!r}; the chain has {self.n} joints, so expected 0 to {self.n - 1}.")
         if unit not in ("rad", "deg"):
             raise InputError(f"`unit` is {unit!r}; expected 'rad' or 'deg'.")
+        value = value if has_symbols(value) else number("value", value)
         out, count = [], -1
         for original in self.data:
             et = original._copy()

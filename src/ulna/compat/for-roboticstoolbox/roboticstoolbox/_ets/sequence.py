@@ -120,7 +120,13 @@ class BaseETS(Rewriting, MutableSequence):
         return len(self.data)
 
     def __setitem__(self, i: Any, value: Any) -> None:
-        self.data[i] = value
+        if isinstance(i, slice):
+            self.data[i] = self._numbered(value)
+            return
+        (new,), replaced = self._numbered([value]), self.data[i]
+        if new.isjoint and getattr(value, "jindex", None) is None and replaced.isjoint:
+            new.jindex = replaced.jindex
+        self.data[i] = new
 
     def __delitem__(self, i: Any) -> None:
         del self.data[i]

@@ -52,7 +52,7 @@ class Kinematics(RobotSolvers):
         try:
             return self._chains[end, start]
         except (KeyError, TypeError):
-            names = tuple(one.name if isinstance(one, (Link, Gripper)) else one for one in (end, start))
+            names = tuple(one.name if isinstance(one, Link) else one for one in (end, start))
             if names not in self._chains:
                 self._chains[names] = Chain(self.ets(start, end).data)
             return self._chains[names]
@@ -95,15 +95,22 @@ class Kinematics(RobotSolvers):
         end = ends[0]
         if isinstance(end, Link):
             return end, None
-        return end.links[0], None if np.array_equal(end._tool, np.eye(4)) else end._tool
+        return end.links[0], matrix(end.tool)
+
+    def _end_and_tool(self, end: Any) -> tuple[Link, Floats | None]:
+        """The link at which a chain ends, and the tool there; of a gripper the link that carries it, and its tool."""
+        if not isinstance(end, Gripper):
+            return self._link(end), None
+        carrier = end.links[0].parent
+        return (end.links[0] if carrier is None else carrier), matrix(end.tool)
 
     def ets(self, start: Any = None, end: Any = None) -> ETS:
-        """The transforms from `start` to `end`.
+        """The transforms from `start` to `end`; to a gripper: to the link that carries it, and its tool.
 
         Returns:
             The chain of transforms.
         """
-        last, tool = self._default_end() if end is None else (self._link(end), None)
+        last, tool = self._default_end() if end is None else self._end_and_tool(end)
         upward, downward = links_between(None if start is None else self._link(start), last)
         transforms = [et.inv() for link in upward for et in reversed(link.ets.data)]
         transforms += [et for link in downward for et in link.ets.data]

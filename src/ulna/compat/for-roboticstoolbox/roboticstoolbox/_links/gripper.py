@@ -28,7 +28,7 @@ class Gripper:
                 "`links` of a gripper: expected Link objects, the first of them carried by the arm."
             )
         self.name = name
-        self._tool = np.eye(4) if tool is None else matrix(tool)
+        self._tool = None if tool is None else matrix(tool)
         joints = [link for link in self.links if link.isjoint]
         for i, link in enumerate(joints):
             link.jindex = i
@@ -53,11 +53,11 @@ class Gripper:
     @property
     def tool(self) -> Any:
         """The pose of the tool in the first link."""
-        return pose(self._tool)
+        return pose(np.eye(4) if self._tool is None else self._tool)
 
     @tool.setter
     def tool(self, T: Any) -> None:
-        self._tool = np.eye(4) if T is None else matrix(T)
+        self._tool = None if T is None else matrix(T)
         robot = self.links[0].robot
         if robot is not None:
             robot._discard_compiled()

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from roboticstoolbox._common.poses import to_spatial
 from ulna.errors import InputError
 from ulna.typing import Floats
 
@@ -55,11 +54,8 @@ class LinkNode(Node):
 
     @property
     def _wT(self) -> Floats:
-        """T_world_link at the robot's `q`, (4, 4); of a link without a robot at zero."""
-        if self.robot is not None:
-            return self.robot._where(self)
-        T = to_spatial(self.A(0.0).A)
-        return T if self.parent is None else self.parent._wT @ T
+        """T_world_link at the robot's `q`, (4, 4); the identity of a link without a robot."""
+        return np.eye(4) if self.robot is None else self.robot._where(self)
 
     @property
     def T(self) -> Floats:

@@ -69,10 +69,10 @@ class LinkAccess(RobotMixin):
         """Whether joint `j` slides."""
         return self._joints()[j].isprismatic
 
-    def islimit(self, q: Any = None) -> list[bool]:
+    def islimit(self, q: Any = None) -> list[np.bool_]:
         """Which joint coordinates are beyond their limits."""
         at = self.q if q is None else np.asarray(q, dtype=float)
-        return [link.islimit(x) for link, x in zip(self._joints(), at, strict=True)]
+        return [np.bool_(link.islimit(x)) for link, x in zip(self._joints(), at, strict=True)]
 
     @property
     def reach(self) -> float:
@@ -132,6 +132,8 @@ class LinkAccess(RobotMixin):
             The links, their number, and the pose of the tool.
         """
         last, tool = self._default_end() if end is None else (self._link(end), None)
+        if isinstance(end, Gripper):
+            tool = end.tool.A
         upward, downward = links_between(None if start is None else self._link(start), last)
         path = [*upward, *downward]
         return path, len(path), pose(np.eye(4) if tool is None else tool)

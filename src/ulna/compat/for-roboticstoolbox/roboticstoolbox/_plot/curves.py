@@ -10,6 +10,10 @@ from roboticstoolbox._common.errors import WrongShape, WrongType
 from ulna.errors import MissingExtra
 from ulna.typing import Floats
 
+_TIME_LABELS = ("$q(t)$", r"$\dot{{q}}(t)$", r"$\ddot{q}(t)$", "t (seconds)")
+_STEP_LABELS = ("$q(k)$", "$dq/dk$", "$d^2q/dk^2$", "k (step)")
+"""Labels of positions, velocities and accelerations, and of the axis of time."""
+
 
 def pyplot_of(purpose: str) -> Any:
     """The module matplotlib.pyplot.
@@ -120,7 +124,8 @@ def plot_trajectory(trajectory: Any, block: bool | None, plotargs: Any, textargs
     plt = pyplot_of("Trajectory.plot")
     lines = {"marker": "o", "markersize": 3} | (plotargs or {})
     text = {"fontsize": 12} | (textargs or {})
-    rows = [("q", trajectory.s), ("qd", trajectory.sd), ("qdd", trajectory.sdd)]
+    labels = _TIME_LABELS if trajectory.istime else _STEP_LABELS
+    rows = zip(labels, (trajectory.s, trajectory.sd, trajectory.sdd), strict=False)
     rows = [(label, values) for label, values in rows if values is not None]
     figure, axes = plt.subplots(len(rows), sharex=True, squeeze=False)
     for axis, (label, values) in zip(axes[:, 0], rows, strict=True):
@@ -128,7 +133,7 @@ def plot_trajectory(trajectory: Any, block: bool | None, plotargs: Any, textargs
         axis.set_ylabel(label, **text)
         axis.set_xlim(trajectory.t[0], trajectory.t[-1])
         axis.grid(True)
-    axes[-1, 0].set_xlabel("t [s]" if trajectory.istime else "step", **text)
+    axes[-1, 0].set_xlabel(labels[-1], **text)
     if block:
         plt.show(block=True)
     return figure

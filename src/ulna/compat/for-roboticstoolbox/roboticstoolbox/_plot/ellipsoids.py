@@ -14,6 +14,12 @@ from ulna.errors import InputError
 from ulna.typing import Floats
 
 _KINDS = {"v": "velocity", "f": "force"}
+_COLOUR = "#e08a1e"
+_DRAWN_BY_FIGURES = {
+    **dict.fromkeys(("draw", "draw2"), "`plot` draws it, and `env.add(ellipsoid)` in the figure of a robot"),
+    **dict.fromkeys(("make_ellipsoid", "make_ellipsoid2"), "`points` has its points in the world"),
+}
+"""Methods of the toolbox by which its figures draw ellipsoids, and what to use instead."""
 
 
 class Ellipse:
@@ -61,6 +67,18 @@ class EllipsePlot(Ellipse):
         one = robot._ellipsoid(q, _KINDS[etype], opt, scale, centre)
         super().__init__(one.axes, one.radii, one.centre)
         self.robot, self.opt, self.scale, self.q = robot, opt, scale, robot.q if q is None else q
+
+    def plot(self, ax: Any = None) -> None:
+        """Draws it into axes of matplotlib in three dimensions, or into a new figure."""
+        axes = pyplot().figure().add_subplot(projection="3d") if ax is None else ax
+        axes.plot_wireframe(*self.points, color=_COLOUR, lw=0.5)
+
+    plot2 = plot
+
+    def __getattr__(self, name: str) -> Any:
+        if name in _DRAWN_BY_FIGURES:
+            raise AttributeError(f"`{name}` of an ellipsoid is not offered; {_DRAWN_BY_FIGURES[name]}.")
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
 
 class Ellipsoids(RobotMixin):
@@ -170,7 +188,7 @@ class Ellipsoids(RobotMixin):
                 f"`ellipse` is {type(ellipse).__name__}; expected what vellipse or fellipse returned."
             )
         env = PyPlot(None, limits)
-        env.ax.plot_wireframe(*ellipse.points, color="#e08a1e", lw=0.5)
+        env.ax.plot_wireframe(*ellipse.points, color=_COLOUR, lw=0.5)
         if block:
             env.hold()
         return env

@@ -80,18 +80,30 @@ class PyPlot:
             self.limits = np.tile(bounds, 3) if bounds.size == 2 else bounds
 
     def launch(
-        self, name: str | None = None, limits: Any = None, view: str | None = None, **options: Any
+        self,
+        name: str | None = None,
+        fig: Any = None,
+        ax: Any = None,
+        limits: Any = None,
+        view: str | None = None,
+        **options: Any,
     ) -> None:
         """Opens the figure.
 
         Args:
             name: The window's name.
+            fig: Figure of matplotlib to draw into, in axes of its own.
+            ax: Axes of matplotlib in three dimensions to draw into.
             limits: Of the picture, x, y, z from and to [m].
             view: "xy", "xz" or "yz" to look at that plane; None for a corner.
             **options: How the toolbox opens it; a warning says that pictures are Ulna's.
         """
         _warn_of_options("launch", options)
         self._name = name or self._name
+        if ax is not None:
+            self._ax = ax
+        elif fig is not None:
+            self._ax = fig.add_subplot(projection="3d")
         self._set_limits(limits)
         self.set_view(view)
 
@@ -167,10 +179,11 @@ class PyPlot:
         return [ob for ob in self._objects.values() if not isinstance(ob, RobotPlot)]
 
     def remove(self, id: Any) -> None:
-        """Takes something out, by its number or its `RobotPlot`."""
-        number = next((key for key, ob in self._objects.items() if ob is id), id)
-        if number not in self._objects:
-            raise UnknownOption("number of an object in the figure", id, map(str, self._objects))
+        """Takes something out: a robot, an ellipsoid, or a `RobotPlot`; or by its number."""
+        drawn = {key: ob.robot if isinstance(ob, RobotPlot) else ob for key, ob in self._objects.items()}
+        number = next((key for key, ob in drawn.items() if id is ob or id is self._objects[key]), id)
+        if not isinstance(number, int) or number not in self._objects:
+            raise UnknownOption("number of an object in the figure", repr(number), map(str, self._objects))
         del self._objects[number]
         self.redraw()
 
@@ -275,13 +288,20 @@ class PyPlot:
 class PyPlot2(PyPlot):
     """The same for robots in the plane, looked at from above."""
 
-    def launch(
+    def launch(  # pyright: ignore[reportIncompatibleMethodOverride]
         self, name: str | None = None, limits: Any = None, view: str | None = None, **options: Any
     ) -> None:
-        """Opens the figure; see `PyPlot.launch`. Four limits are x and y from and to."""
+        """Opens the figure.
+
+        Args:
+            name: The window's name.
+            limits: Of the picture, x and y from and to; or x, y, z from and to [m].
+            view: "xy" by default; "xz" or "yz" to look at that plane.
+            **options: See `PyPlot.launch`.
+        """
         if limits is not None and np.size(limits) == 4:
             limits = [*np.ravel(limits), -1.0, 1.0]
-        super().launch(name, limits, view or "xy", **options)
+        super().launch(name, limits=limits, view=view or "xy", **options)
 
 
 __all__ = ["PyPlot", "PyPlot2"]

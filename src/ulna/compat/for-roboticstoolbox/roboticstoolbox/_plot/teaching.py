@@ -9,7 +9,7 @@ import numpy as np
 from roboticstoolbox._common.errors import WrongShape
 from roboticstoolbox._common.poses import to_spatial
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
-from roboticstoolbox._plot.figure import PyPlot, pyplot
+from roboticstoolbox._plot.figure import PyPlot, PyPlot2, pyplot
 from ulna.spatial import matrix_to_rpy
 from ulna.typing import Floats
 
@@ -60,7 +60,8 @@ class Teaching(RobotMixin):
         from matplotlib.widgets import Slider
 
         figure = plt.figure(f"teach {self.name}", figsize=(8.0, 5.0))
-        env = PyPlot(figure.add_axes((0.35, 0.02, 0.63, 0.94), projection="3d"), limits)
+        kind = PyPlot if self._size == 4 else PyPlot2
+        env = kind(figure.add_axes((0.35, 0.02, 0.63, 0.94), projection="3d"), limits)
         env.launch(view=view)
 
         env.heading, self._figure = self._end_pose_text(at), env

@@ -11,17 +11,22 @@ import numpy as np
 
 from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._common.errors import WrongType
+from roboticstoolbox._common.numbers import numbers
 from roboticstoolbox._common.poses import matrix, pose
+from roboticstoolbox._dynamics.base_wrench import moved_wrench, wrench_on_base
+from roboticstoolbox._dynamics.dynamics import vector3
 from roboticstoolbox._ets.compiled_chain import known_angles
 from roboticstoolbox._ets.elementary_transform import ET
 from roboticstoolbox._ets.ets import ETS
 from roboticstoolbox._ets.ik_solution import IKSolution
 from roboticstoolbox._ik.analytic import Analytic
+from roboticstoolbox._links.ulna_model import model_of
 from roboticstoolbox._robots.dh_links import DHLink
 from roboticstoolbox._robots.dh_text import DHText
 from roboticstoolbox._robots.robot import BaseRobot, Robot
 from ulna.algorithms.kinematics.analytical_jacobian import rate_matrix
 from ulna.errors import InputError, ModelError
+from ulna.robot import Robot as Body
 from ulna.typing import Floats
 
 
@@ -273,7 +278,7 @@ class DHRobot(DHText, Analytic, Robot):
         gravity: Any = None,
         fext: Any = None,
         base_wrench: bool = False,
-    ) -> Floats:
+    ) -> Any:
         """The joint torques of a motion, (n,) or (m, n).
 
         Args:
@@ -282,27 +287,62 @@ class DHRobot(DHText, Analytic, Robot):
             qdd: Acceleration.
             gravity: Acceleration of free fall, (3,); None for the robot's.
             fext: A wrench that the last link exerts, in the axes of its frame, (6,) [N, N m].
-            base_wrench: Not supported; raises InputError.
+            base_wrench: Whether the wrench that the base exerts on the arm is returned, too.
 
         Returns:
-            Torques (n,) or (m, n) [N m or N].
-
-        Raises:
-            InputError: `base_wrench` is True.
+            Torques (n,) or (m, n) [N m or N]; with `base_wrench` the wrench, (6,) or (m, 6) [N, N m], after them.
         """
-        if base_wrench:
-            raise InputError(
-                "base_wrench=True is not offered; ask `frame_wrench` of an ulna.Robot on a free base."
-            )
         if qd is None and qdd is None and np.shape(q)[-1:] == (3 * self.n,) and self.n:
             q, qd, qdd = np.split(np.asarray(q, dtype=float), 3, axis=-1)
         tau = super().rne(q, qd, qdd, gravity=gravity)
-        if fext is None:
-            return tau
-        J = self._chain(self._links[-1].name, None).jacobe(q)
-        return tau + np.swapaxes(J, -1, -2) @ np.asarray(fext, dtype=float)
+        if fext is not None:
+            J = self._chain(self._links[-1].name, None).jacobe(q)
+            tau = tau + np.swapaxes(J, -1, -2) @ np.asarray(fext, dtype=float)
+        return (tau, self._base_wrench(q, qd, qdd, gravity, fext)) if base_wrench else tau
 
-    rne_python = rne
+    def _base_wrench(self, q: Any, qd: Any, qdd: Any, gravity: Any, fext: Any) -> Floats:
+        """The wrench of the base on the arm, in the axes of the base, about its origin, (6,) or (m, 6)."""
+        still = np.zeros(self.n)
+        motion = [numbers("q", q), *(still if x is None else numbers("qd", x) for x in (qd, qdd))]
+        fall = self._gravity if gravity is None else vector3(gravity)
+        base = np.eye(4) if self._base is None else self._base
+        body = Body(model_of(self.name, self._links, [], fall, base, moving=False))
+        wrench = wrench_on_base(body, base, *motion)
+        if fext is None:
+            return wrench
+        end = self._chain(self._links[-1].name, None).fk(q)
+        return wrench + moved_wrench(fext, np.linalg.inv(base) @ end)
+
+    def rne_python(
+        self,
+        Q: Any,
+        QD: Any = None,
+        QDD: Any = None,
+        gravity: Any = None,
+        fext: Any = None,
+        debug: bool = False,
+        base_wrench: bool = False,
+    ) -> Any:
+        """`rne` by its other name.
+
+        Args:
+            Q: Configuration, (n,) or (m, n) [rad or m]; or q, qd, qdd side by side, (3 n,).
+            QD: Velocity.
+            QDD: Acceleration.
+            gravity: Acceleration of free fall, (3,); None for the robot's.
+            fext: A wrench that the last link exerts, in the axes of its frame, (6,) [N, N m].
+            debug: Whether to print what each step computes; not offered.
+            base_wrench: Whether the wrench that the base exerts on the arm is returned, too.
+
+        Returns:
+            What `rne` returns.
+
+        Raises:
+            InputError: `debug` is True.
+        """
+        if debug:
+            raise InputError("debug=True is not offered: a compiled kernel has no steps to print.")
+        return self.rne(Q, QD, QDD, gravity, fext, base_wrench)
 
     def delete_rne(self) -> None:
         """Discards the arrays of masses and motors; they are computed again when needed."""

@@ -30,8 +30,7 @@ from ulna.typing import Floats
 
 _KINDS = {(0, 0): RevoluteDH, (1, 0): PrismaticDH, (0, 1): RevoluteMDH, (1, 1): PrismaticMDH}
 _LENGTH = {"Hyper", "Hyper3d", "Coil"}
-
-
+_COILED = {"Coil"}  # the fewer joints, the more each of them turns
 _SYMBOLIC = {"Puma560"}
 
 
@@ -109,6 +108,15 @@ def _name(robot: BaseRobot, entry: dict[str, Any]) -> None:
         robot.addconfiguration_attr(key, q)
 
 
+def _shorter(name: str, entry: dict[str, Any], count: int) -> dict[str, Any]:
+    """An entry with its first `count` joints."""
+    most = len(entry["links"])
+    if not 1 <= count <= most:
+        raise InputError(f"`N` is {count}; expected 1 to {most}: the package has {name} with {most} joints.")
+    configs = {key: q[:count] for key, q in entry["configs"].items()}
+    return entry | {"links": entry["links"][:count], "configs": configs}
+
+
 def dh_class(name: str, module: str, *more: type) -> type:
     """The class of an entry of "dh".
 
@@ -127,12 +135,14 @@ def dh_class(name: str, module: str, *more: type) -> type:
         if options:
             raise WrongType(f"{name} takes no {', '.join(options)}.")
         chosen = _with_symbolic_angles(entry) if symbolic else entry
-        if N is not None and name not in _LENGTH and len(entry["links"]) != N:
-            raise InputError(f"`N` is {N}; the package has {name} with {len(entry['links'])} joints.")
+        if N is not None and name not in _LENGTH:
+            chosen = _shorter(name, chosen, N)
         if name in _LENGTH and (N is not None or a is not None):
             count = 10 if N is None else N
             row = entry["links"][0] | {"a": 1.0 / count if a is None else a}
-            configs = {key: [q[0]] * count for key, q in entry["configs"].items()}
+            turns = 10.0 / count if name in _COILED else 1.0
+            row["alpha"] = turns * row.get("alpha", 0.0)
+            configs = {key: [turns * q[0]] * count for key, q in entry["configs"].items()}
             chosen = entry | {"links": [row] * count, "configs": configs, "name": f"{name}{count}"}
         DHRobot.__init__(self, dh_links(chosen), symbolic=symbolic, **_about(chosen))
         _name(self, chosen)

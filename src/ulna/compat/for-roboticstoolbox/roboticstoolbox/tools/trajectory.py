@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -30,7 +30,7 @@ def _times(t: Any, least: int = 2) -> tuple[Any, bool]:
     except (TypeError, ValueError):
         raise WrongType(f"`t` is {t!r}; expected a count, or times (m,).") from None
     if out.ndim != 1 or out.size < 2:
-        raise ShapeError("t", out.shape, "a count, or times (m,)")
+        raise WrongShape("t", out.shape, "a count, or times (m,)")
     return out, True
 
 
@@ -144,17 +144,17 @@ def _trapezoid(q0: float, qf: float, T: float, V: float | None) -> Any:
 
 def _function(law: Any) -> Callable[[Any], Any]:
     def at(t: Any) -> Any:
-        rows = [x[..., 0] for x in law.state(np.asarray(t, dtype=float))]
-        return tuple(map(float, rows)) if np.ndim(t) == 0 else tuple(rows)
+        return tuple(x[..., 0][()] + 0.0 for x in law.state(np.asarray(t, dtype=float)))
 
     return at
 
 
-def _one(name: str, make: Callable[[float], Any], t: Any) -> Trajectory:
-    """A law of one coordinate from the first time to the last."""
+def _one(name: str, make: Callable[[float], Any], t: Any, speeds: Sequence[float]) -> Trajectory:
+    """A law of one coordinate from the first time to the last, where its speeds are `speeds` without rounding."""
     rows, is_time = _times(t)
     elapsed = rows - rows[0]
-    s, sd, sdd = (x[:, 0] for x in make(float(elapsed[-1])).state(elapsed))
+    s, sd, sdd = (x[:, 0] + 0.0 for x in make(float(elapsed[-1])).state(elapsed))
+    sd[[0, -1]] = speeds
     return Trajectory(name, rows, s, sd, sdd, istime=is_time)
 
 
@@ -171,8 +171,8 @@ def quintic(q0: float, qf: float, t: Any, qd0: float = 0, qdf: float = 0) -> Tra
     Returns:
         Position, velocity and acceleration, (m,) each.
     """
-    ends = [_scalar(name, x) for name, x in (("q0", q0), ("qf", qf), ("qd0", qd0), ("qdf", qdf))]
-    return _one("quintic", lambda T: trajectory.quintic(ends[0], ends[1], T, ends[2], ends[3]), t)
+    start, end, *speeds = (_scalar(n, x) for n, x in (("q0", q0), ("qf", qf), ("qd0", qd0), ("qdf", qdf)))
+    return _one("quintic", lambda T: trajectory.quintic(start, end, T, *speeds), t, speeds)
 
 
 def trapezoidal(q0: float, qf: float, t: Any, V: float | None = None) -> Trajectory:
@@ -187,7 +187,7 @@ def trapezoidal(q0: float, qf: float, t: Any, V: float | None = None) -> Traject
     Returns:
         Position, velocity and acceleration, (m,) each; `tblend` is the duration of a blend [s].
     """
-    out: Any = _one("trapezoidal", lambda T: _trapezoid(q0, qf, T, V), t)
+    out: Any = _one("trapezoidal", lambda T: _trapezoid(q0, qf, T, V), t, (0.0, 0.0))
     out.tblend = TrapezoidalProfile(q0, qf, float(out.t[-1] - out.t[0]), V).tb
     return out
 

@@ -55,7 +55,7 @@ def mstraj(
     segments, n = len(points) - 1, points.shape[1]
     blends = np.ceil(number_or_array("tacc", tacc, segments) / dt - 1e-9) * dt
     v = number_or_array("qd0", 0.0 if qd0 is None else qd0, n)
-    p, clock, half, duration = points[0], 0.0, 0.0, 0.0
+    p, clock, half, duration = points[0], 0, 0.0, 0.0
     rows: list[Any] = []
     arrive, info = np.zeros(segments), []
     for k, (a, b, blend) in enumerate(zip(points, points[1:], blends, strict=False)):
@@ -64,7 +64,7 @@ def mstraj(
         slowest: float = math.nan
         if tsegment is None:
             needed = corner + np.ceil(np.abs(b - a) / number_or_array("qdmax", qdmax, n) / dt - 1e-9) * dt
-            slowest, duration = int(needed.argmax()), max(float(needed.max()), 2 * blend)
+            slowest, duration = int(needed.argmax()), np.maximum(needed.max(), 2 * blend)
         else:
             duration = float(number_or_array("tsegment", tsegment, segments)[k])
         info.append(mstraj_info(slowest, duration, clock))
@@ -76,7 +76,7 @@ def mstraj(
         line = np.arange(round(half / dt) + 1, round((duration - half) / dt) + 1) * dt
         rows += [(a + t * rate, rate, np.zeros(n)) for t in line]
         p, v = rows[-1][0] if rows else a, rate
-        clock += corner + dt * len(line)
+        clock += float(corner + dt * len(line))
     rows += _corner(p, v, points[-1], number_or_array("qdf", 0.0 if qdf is None else qdf, n), half, dt)
     q, rates, rises = (np.array(part) for part in zip(*rows, strict=True))
     out: Any = Trajectory("mstraj", dt * np.arange(len(q)), q, rates, rises, istime=True)
