@@ -63,6 +63,8 @@ _add(
     "e = ET.Rz() * ET.tx(1) * ET.Rz(); e[0] = ET.Rx(); (str(e), e.fkine([0.1, 0.2]))",
     "e = ET.Rz() * ET.tx(1) * ET.Rz(); e.append(ET.Rx(0.3)); e.extend([ET.tz(1)]); del e[1]; (e, e.fkine([0.1, 0.2]))",
     "Link(ETS(ET.tz(0.3)), name='fixed').T",
+    "PrismaticDH(d=1)",
+    "RevoluteMDH(theta=1)",
 )
 _add(
     "numbers of trajectories",

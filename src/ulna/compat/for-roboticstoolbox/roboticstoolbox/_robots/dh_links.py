@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from roboticstoolbox._common.class_registry import registered_class
+from roboticstoolbox._common.errors import WrongType
 from roboticstoolbox._common.symbols import is_symbol
 from roboticstoolbox._ets.elementary_transform import ET
 from roboticstoolbox._ets.ets import ETS
@@ -55,7 +56,7 @@ class DHLink(Link):
     ) -> None:
         """`sigma` is 0 for a joint that turns (theta), 1 for one that slides (d); `more` are arguments of `Link`."""
         if (theta and not sigma) or (d and sigma):
-            raise InputError(
+            raise WrongType(
                 "`theta` of a joint that turns, and `d` of one that slides, is its coordinate; use `offset`."
             )
         self.__dict__.update(
