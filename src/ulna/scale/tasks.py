@@ -24,10 +24,10 @@ _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, err
 _ATTEMPTS = 3  # of a part whose work raises an error that is not Ulna's
 _COUNT = 3.0  # s between two questions how many workers there are
 _TICK = 0.25  # s between looks at the connection
-_SHORTEST, _LONGEST = 0.03, 0.3  # s that a task takes, where several parts are sent at a time
+_SHORTEST, _LONGEST = 0.04, 1.0  # s that a task takes, where several parts are sent at a time
 _SHARES = 1.5  # of the parts that are left, for each thread: a task has one of them
 _SCHEDULER = 0.005  # s by which tasks grow for each thread, so that the scheduler keeps up with many workers
-_FIRST, _FIRST_SECONDS = 16, 0.05  # parts of a task, and s for it, where nothing is known of their time yet
+_FIRST, _FIRST_SECONDS = 16, 0.1  # parts of a task, and s for it, where nothing is known of their time yet
 _SENT, _RETURNED = 2**23, 2**24  # bytes that parts of a task may need, and return, together
 
 Inputs = Callable[[int], tuple[Any, ...]]
