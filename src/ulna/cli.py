@@ -98,6 +98,22 @@ def _parser() -> argparse.ArgumentParser:
 
 def _robot_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
     """Adds info, show, export, prepare and demo."""
+    _info_command(command)
+    _show_command(command)
+    _export_command(command)
+    _prepare_command(command)
+    demo = command(
+        "demo",
+        commands.demo,
+        "show a Panda servoing its tool to a goal",
+        "In the browser where there is a screen; at a terminal without one the page waits at its address. "
+        "Elsewhere, and with --headless, it is a report and a picture.",
+    )
+    _picture_options(demo, "ulna-demo.png")
+
+
+def _info_command(command: Callable[..., argparse.ArgumentParser]) -> None:
+    """Adds info."""
     info = command(
         "info",
         commands.info,
@@ -123,6 +139,10 @@ def _robot_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
     info.add_argument(
         "--package-dirs", nargs="+", default=(), metavar="FOLDER", help="folders to look for packages in"
     )
+
+
+def _show_command(command: Callable[..., argparse.ArgumentParser]) -> None:
+    """Adds show."""
     show = command(
         "show",
         commands.show,
@@ -146,16 +166,6 @@ def _robot_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
         name, metavar = option.split()
         show.add_argument(name, metavar=metavar, default=default, help=about)
     _picture_options(show, "ulna-NAME.png")
-    _export_command(command)
-    _prepare_command(command)
-    demo = command(
-        "demo",
-        commands.demo,
-        "show a Panda servoing its tool to a goal",
-        "In the browser where there is a screen; at a terminal without one the page waits at its address. "
-        "Elsewhere, and with --headless, it is a report and a picture.",
-    )
-    _picture_options(demo, "ulna-demo.png")
 
 
 def _export_command(command: Callable[..., argparse.ArgumentParser]) -> None:

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from ulna.viewer.scene import Scene
 
 GAIN, THRESHOLD, DT = 1.0, 0.01, 0.01
-_LONGEST_WAIT = 15.0  # s for the browser
-_LONGEST_MOTION = 60.0  # simulated seconds after which a goal counts as out of reach
+_BROWSER_TIMEOUT = 15.0  # s for the browser
+_MAX_MOTION_TIME = 60.0  # simulated seconds after which a goal counts as out of reach
 _GHOST = (0.36, 0.47, 0.64, 0.26)
 _PIECE = 15  # steps
 _TRACE = (0.95, 0.45, 0.10, 1.0)
@@ -93,7 +93,7 @@ def servo(
         robot, joint_velocity, q, goal, gain, threshold, dt
     )  # compiles or loads the kernels, which is not counted
     arrived, spent = False, 0.0
-    while not arrived and len(recording) * dt < _LONGEST_MOTION:
+    while not arrived and len(recording) * dt < _MAX_MOTION_TIME:
         began = time.perf_counter()
         q, velocity, arrived = _step(robot, joint_velocity, q, goal, gain, threshold, dt)
         spent += time.perf_counter() - began
@@ -250,7 +250,7 @@ def _wait_for_browser(page: Any) -> bool:
         print(
             "The motion begins when a browser shows the page. `ulna demo --headless` writes a picture instead."
         )
-    due = time.monotonic() + (_LONGEST_WAIT if opened else np.inf)
+    due = time.monotonic() + (_BROWSER_TIMEOUT if opened else np.inf)
     try:
         while page.page.clients == 0 and time.monotonic() < due:
             time.sleep(0.05)

@@ -87,8 +87,8 @@ def nearest(given: str, choices: Iterable[str], count: int = 3, cutoff: float = 
         return []
     import difflib  # slow to import, and needed only for errors
 
-    near = difflib.get_close_matches(given.casefold(), by_folded, n=count, cutoff=cutoff)
-    return [choice for folded in near for choice in by_folded[folded]][:count]
+    suggestions = difflib.get_close_matches(given.casefold(), by_folded, n=count, cutoff=cutoff)
+    return [choice for folded in suggestions for choice in by_folded[folded]][:count]
 
 
 class UlnaError(Exception):
@@ -182,10 +182,10 @@ class UnknownName(UlnaError, LookupError):
 
     def __init__(self, kind: str, given: object, choices: Iterable[str], fix: str = "") -> None:
         self.kind, self.given, self.choices = kind, given, tuple(choices)
-        near = nearest(str(given), self.choices)
-        self.nearest = near[0] if near else None
-        if near:
-            hint = "Did you mean " + " or ".join(repr(n) for n in near) + "?"
+        suggestions = nearest(str(given), self.choices)
+        self.nearest = suggestions[0] if suggestions else None
+        if suggestions:
+            hint = "Did you mean " + " or ".join(repr(n) for n in suggestions) + "?"
         elif self.choices:
             distinct = list(dict.fromkeys(self.choices))
             shown = ", ".join(excerpt(repr(c)) for c in distinct[:12])
@@ -201,15 +201,15 @@ class UnknownAttribute(UlnaError, AttributeError):
     """An object has no attribute of that name; says what to use instead.
 
     Args:
-        subject: The object, in words.
+        subject: The object, as text.
         name: The unknown attribute.
         choices: The valid ones.
         advice: What to use instead.
     """
 
     def __init__(self, subject: str, name: str, choices: Iterable[str] = (), advice: str = "") -> None:
-        near = nearest(name, tuple(choices))
-        hint = f"Did you mean {' or '.join(map(repr, near))}?" if near else ""
+        suggestions = nearest(name, tuple(choices))
+        hint = f"Did you mean {' or '.join(map(repr, suggestions))}?" if suggestions else ""
         subject = f"The {subject}" if subject[:1].islower() else subject
         text = " ".join(
             part for part in (f"{subject} has no attribute {excerpt(name)!r}.", advice, hint) if part
@@ -233,9 +233,13 @@ class UnknownArgument(UlnaError, TypeError):
 
     def __init__(self, function: str, given: str, choices: Iterable[str], meant: str | None = None) -> None:
         self.function, self.given, self.choices = function, given, tuple(choices)
-        near = [meant] if meant in self.choices else nearest(given, self.choices)
+        suggestions = [meant] if meant in self.choices else nearest(given, self.choices)
         named = ", ".join(f"`{name}`" for name in self.choices)
-        hint = f"Did you mean {' or '.join(f'`{n}`' for n in near)}?" if near else f"It has: {named}."
+        hint = (
+            f"Did you mean {' or '.join(f'`{n}`' for n in suggestions)}?"
+            if suggestions
+            else f"It has: {named}."
+        )
         super().__init__(f"{function}() has no argument `{excerpt(given)}`. {hint}")
 
 
@@ -254,7 +258,7 @@ class FormatError(ModelError):
         message: What is wrong.
         file: The file; None for text.
         line: The line in it; None where that is unknown.
-        element: The element, in words; empty for none.
+        element: The element, as text; empty for none.
         fix: How to correct it.
     """
 

@@ -25,7 +25,7 @@ def special_kind(path: str | os.PathLike[str]) -> str:
         return ""
 
 
-def refuse_special(path: str | os.PathLike[str]) -> None:
+def reject_special_files(path: str | os.PathLike[str]) -> None:
     """Refuse a path that leads to a pipe, a socket or a device; any other path passes, also one to nothing.
 
     Raises:
@@ -42,7 +42,7 @@ def open_regular(path: str | os.PathLike[str]) -> BinaryIO:
     Raises:
         OSError: there is no such file, it may not be read, or it is a folder, a pipe, a socket or a device.
     """
-    refuse_special(path)  # before opening, which has effects on some devices
+    reject_special_files(path)  # before opening, which has effects on some devices
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     descriptor = os.open(path, flags | getattr(os, "O_CLOEXEC", 0))
     try:

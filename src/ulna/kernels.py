@@ -50,7 +50,7 @@ _MANY_FOR_A_PAIR = 50
 DEVICES = ("cpu", "cuda")
 """What kernels are compiled for."""
 
-_FEWEST_COLUMNS = 12
+_MIN_COLUMNS = 12
 """Velocities of a robot from which on a quantity is compiled in its form of columns, where it has one."""
 
 _made: weakref.WeakValueDictionary[Any, Any] = weakref.WeakValueDictionary()
@@ -93,7 +93,7 @@ def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), *
 
     with sized(model, quantity, chosen):
         traced = trace(on_parameters(quantity.build), name=name, doc=doc, **shapes, **extra)
-    if quantity.columns is None or model.nv < _FEWEST_COLUMNS:
+    if quantity.columns is None or model.nv < _MIN_COLUMNS:
         return traced
     return with_columns(traced, on_parameters(quantity.build_columns), **shapes, **extra)
 
@@ -205,7 +205,7 @@ def _traced_kernel(
 
         return CudaKernel(function(model, name, parameters=names, **chosen), dtype)
     quantity = QUANTITIES[name]
-    if quantity.columns is None or names or model.nv < _FEWEST_COLUMNS:
+    if quantity.columns is None or names or model.nv < _MIN_COLUMNS:
         traced = function(model, name, parameters=names, **chosen)
     else:
         traced = _deferred(model, quantity, chosen)

@@ -227,7 +227,7 @@ def _from_catalogue(name: str, options: _Options) -> Model:
     if options.root == "auto":
         options = dataclasses.replace(options, root="free_flyer" if entry.floating else None)
     if entry.source == "ulna":
-        return catalogue.build_own(entry.name, root=options.root, visuals=options.visuals)
+        return catalogue.build_bundled(entry.name, root=options.root, visuals=options.visuals)
     if entry.source == "example-robot-data":
         urdf, srdf = example_robot_data.files(entry.name)
         model = _from_file(urdf, options)

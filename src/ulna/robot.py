@@ -1,4 +1,4 @@
-"""What users hold: a model with its kernels, asked by name."""
+"""`Robot`: a model with its compiled kernels, by name."""
 
 from __future__ import annotations
 

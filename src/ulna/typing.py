@@ -1,4 +1,4 @@
-"""Names for the arrays that travel through the library: what they hold and their trailing shape."""
+"""Types of the arrays of the library, with their meaning and trailing shape."""
 
 from __future__ import annotations
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -64,3 +65,23 @@ def test_nothing_names_this_workplace() -> None:
         if forbidden.search(line) and p != Path(__file__)
     ]
     assert not found
+
+
+def test_the_page_of_the_compiler_lists_its_files() -> None:
+    folder = ROOT / "src/ulna/compiler"
+    listed = set(re.findall(r"`(?:\w+/)*(\w+\.py)`", (ROOT / "docs/compiler.md").read_text()))
+    files = {path.name for path in folder.rglob("*.py")} - {"__init__.py"}
+    assert files <= listed, f"docs/compiler.md does not list {sorted(files - listed)}"
+    known = {path.name for path in (ROOT / "src/ulna").rglob("*.py")}
+    known |= {
+        path.name for part in ("tests", "benchmarks", "scripts") for path in (ROOT / part).rglob("*.py")
+    }
+    assert listed <= known, f"docs/compiler.md lists {sorted(listed - known)}, which are not there"
+
+
+def test_the_map_of_the_packages_names_every_layer() -> None:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    tower = settings["tool"]["importlinter"]["contracts"][0]["layers"]
+    layers = {name for layer in tower for name in re.findall(r"\w+", layer)}
+    page = (ROOT / "docs/architecture.md").read_text().split("## How data flows")[0]
+    assert layers <= set(re.findall(r"`(\w+)`", page))

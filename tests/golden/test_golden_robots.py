@@ -9,7 +9,7 @@ import pytest
 
 from ulna.geometry import Geometry
 from ulna.model import Model
-from ulna.robots.catalogue import build_own
+from ulna.robots.catalogue import build_bundled
 from ulna.spatial import SE3
 
 
@@ -50,4 +50,4 @@ def _rows(model: Model) -> Iterator[str]:
 
 @pytest.mark.parametrize("name", ["panda", "panda_fingers", "ur5"])
 def test_robots_that_are_written_down(golden, name):
-    golden(f"{name}.txt", "\n".join(_rows(build_own(name, visuals="simple"))) + "\n")
+    golden(f"{name}.txt", "\n".join(_rows(build_bundled(name, visuals="simple"))) + "\n")

@@ -41,7 +41,7 @@ def small_limits(parts: bool, scratch: bool) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         if parts:
             patch.setattr(scheduling, "_SIZES", {False: 12, True: 12})
-            patch.setattr(scheduling, "_BEARABLE", 0)
+            patch.setattr(scheduling, "_MAX_SINGLE_PART", 0)
         if scratch:
             patch.setattr(batch_loop, "_SCRATCH", 0)
         yield

@@ -78,7 +78,7 @@ def test_each_step_can_be_watched_and_stopped(panda: ulna.Robot) -> None:
 
 
 def test_the_search_for_a_goal_out_of_reach_ends(panda: ulna.Robot, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(demo_module, "_LONGEST_MOTION", 0.5)
+    monkeypatch.setattr(demo_module, "_MAX_MOTION_TIME", 0.5)
     far = goal_of(panda)
     far[0, 3] += 5
     assert not servo(panda, panda.configurations["qr"], far).arrived

@@ -80,7 +80,7 @@ def test_a_pipe_that_takes_a_files_place_is_refused_after_opening(
     fifo: Callable[[str], str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     place = fifo("late")
-    monkeypatch.setattr("ulna.files.refuse_special", lambda path: None)
+    monkeypatch.setattr("ulna.files.reject_special_files", lambda path: None)
     before = len(os.listdir("/proc/self/fd")) if os.path.isdir("/proc/self/fd") else 0
     with pytest.raises(OSError, match="pipe"):
         within(300, lambda: read_regular(place))

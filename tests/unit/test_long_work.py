@@ -147,7 +147,7 @@ def test_derivatives_with_many_sweeps(
 def test_simulations(ur5: ulna.Robot, heard: list[tuple[str, str]], monkeypatch: pytest.MonkeyPatch) -> None:
     short = simulate(ur5, ur5.neutral, duration=0.05)
     assert heard == []
-    monkeypatch.setattr(dynamic, "_LONG", 10)
+    monkeypatch.setattr(dynamic, "_PROGRESS_STEPS", 10)
     long = simulate(ur5, ur5.neutral, duration=0.05)
     np.testing.assert_array_equal(long.q, short.q)
     assert heard[-1] == ("Simulating", "")

@@ -18,7 +18,7 @@ _FLOAT = np.dtype(float)
 _ONE_THREAD = (
     8192  # entries; scalar products of more take threads of OpenBLAS, which wait by keeping processors busy
 )
-_NAMED = 'Configurations with names are arrays in robot.configurations: robot.configurations["qr"].'
+_NAMES_ARE_KEYS = 'Configurations with names are arrays in robot.configurations: robot.configurations["qr"].'
 _OF_SOLUTION = "Pass its configuration, `.q`, after a look at `.success`."
 _IN_ORDER = "Put its values in order: np.array([q[name] for name in robot.joint_names])."
 
@@ -68,7 +68,9 @@ def real_array(
         return _from_objects(name, value, expected, dtype, is_symbol)
     kind = value.dtype.kind
     if kind not in kinds:
-        raise DtypeError(name, str(value.dtype), expected, _NAMED if kind in "US" and name[:1] == "q" else "")
+        raise DtypeError(
+            name, str(value.dtype), expected, _NAMES_ARE_KEYS if kind in "US" and name[:1] == "q" else ""
+        )
     return value.astype(dtype)
 
 

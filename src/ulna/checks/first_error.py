@@ -1,4 +1,4 @@
-"""Errors of what is done because a value is not in a cache: without the error of the cache above them."""
+"""Raising errors without the one that is being handled, such as the KeyError of a cache."""
 
 from __future__ import annotations
 

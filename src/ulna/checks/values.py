@@ -97,12 +97,12 @@ def step_count(span: Any, dt: Any, most: int) -> tuple[float, int]:
     Raises:
         InputError: the times are not above zero, or the steps are more than `most`.
     """
-    whole, each = duration("duration", span), duration("dt", dt)
-    if not whole / each <= most:
+    total, step = duration("duration", span), duration("dt", dt)
+    if not total / step <= most:
         raise InputError(
-            f"`duration` is {whole:g} s and `dt` {each:g} s, {whole / each:.3g} steps; expected at most {most:.0e}."
+            f"`duration` is {total:g} s and `dt` {step:g} s, {total / step:.3g} steps; expected at most {most:.0e}."
         )
-    return whole, max(1, round(whole / each))
+    return total, max(1, round(total / step))
 
 
 def fraction(name: str, value: Any) -> float:

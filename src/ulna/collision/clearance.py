@@ -38,9 +38,9 @@ from ulna.typing import Array, Floats
 
 Kind = Literal["box", "cylinder", "plane"]
 
-_COARSE = 0.01  # [m] tolerance of spheres that stand for meshes and ellipsoids of the world
+_COVER_TOLERANCE = 0.01  # [m] tolerance of spheres that stand for meshes and ellipsoids of the world
 _STEP = 0.004  # [m] by which the cylinders that stand for a cone differ
-_MOST = 24  # of such spheres or cylinders
+_MAX_COVER_SOLIDS = 24  # of such spheres or cylinders
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +110,7 @@ def _parts(solid: Solid) -> list[Part]:
                 f"Obstacle {name!r} is a {solid.shape.describe()}, which has no formula that can be compiled; expected "
                 "a body. Ask robot.collides, robot.distance, or a SphereChecker."
             )
-    centres, radii, _ = cover([solid], [place], _COARSE, _MOST)
+    centres, radii, _ = cover([solid], [place], _COVER_TOLERANCE, _MAX_COVER_SOLIDS)
     return [
         Part(name, "box", SE3.from_translation(c), np.array([0.0, 0.0, 0.0, r]))
         for c, r in zip(centres, radii, strict=True)
@@ -119,7 +119,7 @@ def _parts(solid: Solid) -> list[Part]:
 
 def _slices(name: str, radius: float, length: float) -> list[Part]:
     """A cone as a stack of cylinders, none of which sticks out by more than the step from one to the next."""
-    n = int(np.clip(np.ceil(radius / _STEP), 4, _MOST))
+    n = int(np.clip(np.ceil(radius / _STEP), 4, _MAX_COVER_SOLIDS))
     return [
         Part(
             name,

@@ -23,7 +23,7 @@ from ulna.spatial import SE3
 from ulna.system import forks
 from ulna.typing import Floats
 
-_KEPT = 16  # grids used last; each takes some megabytes
+_CACHED_GRIDS = 16  # grids used last; each takes some megabytes
 
 _grids: OrderedDict[bytes, Clouds] = OrderedDict()
 _lock = forks.lock()
@@ -55,7 +55,7 @@ def point_grid(solid: Solid) -> Clouds:
     grid = grid_of(points, radius)
     with _lock:
         _grids[key] = grid
-        while len(_grids) > _KEPT:
+        while len(_grids) > _CACHED_GRIDS:
             _grids.popitem(last=False)
     return grid
 

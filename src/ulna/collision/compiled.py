@@ -31,7 +31,7 @@ from ulna.collision.lanes.tables import Scene
 from ulna.collision.mask import check_touches
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.solids import Missing
-from ulna.collision.sphere_kernels import What, outer_kernel, own_kernel, sphere_kernel
+from ulna.collision.sphere_kernels import What, outer_kernel, self_collision_kernel, sphere_kernel
 from ulna.collision.spheres import Spheres
 from ulna.collision.touches import deepest_touch
 from ulna.collision.world import World
@@ -99,7 +99,7 @@ class SphereChecker:
             covered = link.name in self.spheres.links or missing == "skip"
             if link.collisions and not covered:
                 raise InputError(
-                    f"`spheres` has none for link {link.name!r}, which has collision geometry; it would never be seen. "
+                    f"`spheres` has none for link {link.name!r}, whose geometry no check would include. "
                     "Start from `fit(model)` and replace what you know better."
                 )
         chosen = link_pairs(model) if pairs is None else checked_pairs(model, pairs)
@@ -313,7 +313,7 @@ class SphereChecker:
         for check in self._clouds:
             pose = poses.get(check.name, self.world[check.name].pose).matrix()
             rows.append((None, check, pose.reshape(*pose.shape[:-2], 1, 16)))
-        self_distance = own_kernel(what, self.model, self.spheres, self.pairs)
+        self_distance = self_collision_kernel(what, self.model, self.spheres, self.pairs)
         if not batch:
             return self._one(what, self._with_attached(q, self_distance(q, reach)), rows, join, reach)[()]
         count = int(np.prod(batch))

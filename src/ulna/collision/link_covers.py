@@ -12,7 +12,7 @@ from ulna import disk_cache as cache
 from ulna.collision.cover import Task
 from ulna.collision.spheres import LinkSpheres
 
-_MOST = 12  # covers that are kept for a link
+_MAX_COVERS = 12  # covers that are kept for a link
 
 
 @final
@@ -81,7 +81,9 @@ class LinkCover:
         if not self._is_new:
             return
         covers = self._known["covers"]
-        for name in [name for name in covers if int(name) not in self._covers][: max(0, len(covers) - _MOST)]:
+        for name in [name for name in covers if int(name) not in self._covers][
+            : max(0, len(covers) - _MAX_COVERS)
+        ]:
             del covers[name]
         cache.write(self._key, json.dumps(self._known).encode())
 

@@ -67,7 +67,7 @@ def refine(
     touching = dict(zip((frozenset(p) for p in checker.owners), checker.touching(q).T, strict=True))
     solids, tasks = solids_by_link(model, missing), {}
     for _ in range(_ROUNDS):
-        blame = _blame(model, spheres, q, world, touching, missing)
+        blame = _false_contacts(model, spheres, q, world, touching, missing)
         links = dict(spheres.links)
         for name in {name for by_link in blame.values() for name in by_link if name in solids}:
             tasks.setdefault(name, None)
@@ -80,7 +80,7 @@ def refine(
         if all(links[name] is spheres.links[name] for name in links):
             break
         spheres = Spheres(links)
-    left = _blame(model, spheres, q, world, touching, missing)
+    left = _false_contacts(model, spheres, q, world, touching, missing)
     if left:
         pairs = ", ".join(f"{a!r} and {b!r}" for a, b in left)
         warnings.warn(
@@ -105,7 +105,7 @@ def _divided(task: Task, old: LinkSpheres, numbers: set[int], most: int) -> Link
     )
 
 
-def _blame(
+def _false_contacts(
     model: Model,
     spheres: Spheres,
     q: Array,

@@ -33,7 +33,7 @@ from ulna.typing import ArrayLike, Floats
 NEAR = 1e-4
 """How near two solids are when advancement stops and calls it contact [m]."""
 
-_LONGEST = 1e5
+_MAX_LENGTH = 1e5
 """A motion beyond this would take hours to check [m]."""
 
 _SOON, _STRIDE = 0.01, 0.1
@@ -78,7 +78,7 @@ def first_contact(
     """
     if not isinstance(checker, Checker):
         raise InputError(
-            f"first_contact asks coal; expected a Checker, but {type(checker).__name__} was given."
+            f"first_contact uses coal; expected a Checker, but {type(checker).__name__} was given."
         )
     if not (np.isfinite(margin) and margin >= 0.0):
         raise InputError(f"`margin` is {margin!r}; expected a finite length, not below 0 [m].")
@@ -100,9 +100,10 @@ def _advance(
     model = checker.model
     speed = _speeds(model, checker.solids, q0, v)[: len(checker.mask)]
     longest = float(speed[checker.mask].max(initial=0.0))
-    if longest > _LONGEST:
+    if longest > _MAX_LENGTH:
         raise InputError(
-            f"From q0 to q1 the robot moves up to {longest:.3g} m; expected at most {_LONGEST:g} m. Look at the units."
+            f"From q0 to q1 the robot moves up to {longest:.3g} m; expected at most {_MAX_LENGTH:g} m. "
+            "Check the units."
         )
     safe = np.zeros(speed.shape)
     safe[~checker.mask] = np.inf

@@ -118,7 +118,7 @@ def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
     if unseen:
         warnings.warn(
             f"Robot {model.name!r} has links that can be seen and have no collision geometry: {', '.join(unseen)}. "
-            "No check sees them; give them <collision> elements.",
+            "No check includes them; give them <collision> elements.",
             ModelWarning,
             stacklevel=3,
         )
@@ -180,7 +180,7 @@ def solid_of(
                 raise ModelError(
                     f"{text}. Put the file there, or pass missing='skip' to go without that shape."
                 )
-            warnings.warn(f"{text}; its collisions are not seen.", ModelWarning, stacklevel=3)
+            warnings.warn(f"{text}; its collisions are not checked.", ModelWarning, stacklevel=3)
             return None
         vertices, triangles = _read(shape.path, os.stat(shape.path).st_mtime_ns)
         vertices = vertices * np.array(shape.scale)
@@ -225,7 +225,7 @@ def hull(vertices: Floats) -> tuple[Floats, Array]:
     except QhullError as error:
         raise InputError(
             "The points of a mesh lie in a plane and have no convex hull with a volume. "
-            "Put a thin Box in its place, or ask for exact checks with convex=False."
+            "Put a thin Box in its place, or use exact checks with convex=False."
         ) from error
     corners = qhull.vertices
     place = np.full(len(vertices), -1)

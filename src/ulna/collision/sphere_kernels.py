@@ -23,7 +23,7 @@ MOST_COUPLES = 30_000
 
 
 @functools.lru_cache(maxsize=64)
-def own_kernel(what: What, model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...]) -> Any:
+def self_collision_kernel(what: What, model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...]) -> Any:
     """From a configuration and a reach to the centres of all spheres and the answer of spheres on spheres.
 
     Shared by all worlds: to change obstacles compiles nothing.
@@ -45,7 +45,7 @@ def own_kernel(what: What, model: Model, spheres: Spheres, pairs: tuple[LinkPair
         raise InputError(
             f"{model.name!r} would check {len(couples):,} pairs of its own spheres, more than the {MOST_COUPLES:,} "
             "that compile in seconds. Take coarser spheres (spheres=robot.collision.spheres(tolerance=0.05, most=4)), "
-            "name the links that matter (pairs=...), or ask coal (method='exact')."
+            "name the links that matter (pairs=...), or use coal (method='exact')."
         )
 
     def check(q: Array, reach: Any) -> tuple[Any, Any]:

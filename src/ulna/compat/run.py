@@ -45,9 +45,9 @@ def run(arguments: Sequence[str], only: Sequence[str] = ()) -> int:
 
 
 def split(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Parts the arguments of `ulna run` into its own options and what would follow `python`.
+    """Separates the options of `ulna run` from what would follow `python`.
 
-    An argument parser cannot do this: it takes `-m`, `-c` and options of the script for its own.
+    argparse cannot do this: it would parse `-m`, `-c` and options of the script, too.
     """
     options, rest = [], list(arguments)
     while rest:
@@ -63,31 +63,31 @@ def split(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def _check(arguments: Sequence[str]) -> None:
-    """Refuses what Python cannot run, or would run without the compatibility packages.
+    """Checks that Python can run the arguments, and with the compatibility packages.
 
     Raises:
         InputError: See `run`.
     """
-    for k, word in enumerate(arguments):
+    for k, argument in enumerate(arguments):
         if k and arguments[k - 1] in ("-W", "-X", "--check-hash-based-pycs"):
             continue  # the value of that option
-        if not word.startswith("-"):
-            if not Path(word).exists():
+        if not argument.startswith("-"):
+            if not Path(argument).exists():
                 raise InputError(
-                    f"There is no file {word!r}. Expected: ulna run script.py, ulna run -m module, "
+                    f"There is no file {argument!r}. Expected: ulna run script.py, ulna run -m module, "
                     "ulna run -c 'code', or ulna run - for a program from the standard input."
                 )
             return
-        if word.startswith("--"):
+        if argument.startswith("--"):
             continue
-        letters = list(itertools.takewhile(lambda letter: letter not in "mcWX", word[1:]))
+        letters = list(itertools.takewhile(lambda letter: letter not in "mcWX", argument[1:]))
         hiding = next((letter for letter in letters if letter in "EI"), "")
         if hiding:
             raise InputError(
-                f"`ulna run {word}`: -{hiding} makes Python ignore PYTHONPATH, by which it finds Ulna's packages. "
+                f"`ulna run {argument}`: -{hiding} makes Python ignore PYTHONPATH, by which it finds Ulna's packages. "
                 "Leave it out."
             )
-        if word == "-" or word[1 + len(letters) : 2 + len(letters)] in ("m", "c"):
+        if argument == "-" or argument[1 + len(letters) : 2 + len(letters)] in ("m", "c"):
             return
     raise InputError(
         "`ulna run` needs a program: ulna run script.py, ulna run -m module or ulna run -c 'code'."

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import final
 
 Binding = ast.expr | str | None
-"""An expression, the dotted name of what is imported, or None for what the text does not say."""
+"""An expression, the dotted name of what is imported, or None where the text does not show it."""
 
 _SCOPES = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef)
 
@@ -45,7 +45,7 @@ class Scope:
 
 
 def expressions(tree: ast.Module) -> Iterator[tuple[ast.expr, Scope]]:
-    """All attributes and calls of a script, each with its scope, whose names are bound by then.
+    """All attributes and calls of a script, each with its scope.
 
     Args:
         tree: The script.

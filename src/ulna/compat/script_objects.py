@@ -18,7 +18,7 @@ from ulna.compat.script_names import Scope
 
 @final
 @dataclass(frozen=True)
-class Known:
+class KnownObject:
     """An object that is known.
 
     Attributes:
@@ -34,7 +34,7 @@ class Known:
 
 _CONTAINERS = (list, tuple, dict, set, object)
 
-Objects = tuple[Known, ...] | None
+Objects = tuple[KnownObject, ...] | None
 """What an expression may be: objects of libraries, () for what belongs to no library, or None where it is not known."""
 
 _OF_PYTHON = (ast.Constant, ast.JoinedStr, ast.Compare, ast.Lambda)
@@ -108,7 +108,7 @@ class ObjectsOf:
             value = self._load(binding)
         except (AttributeError, ImportError):
             return None
-        return () if value is None else (Known(value),)
+        return () if value is None else (KnownObject(value),)
 
 
 def _joined(parts: list[Objects]) -> Objects:
@@ -118,28 +118,28 @@ def _joined(parts: list[Objects]) -> Objects:
     return tuple(dict.fromkeys(one for part in parts for one in part or ()))
 
 
-def _attribute(known: Known, name: str) -> Objects:
+def _attribute(known: KnownObject, name: str) -> Objects:
     """What an attribute of an object is."""
     if not known.is_instance:
         try:
             value = getattr(known.value, name)
         except Exception:
             return None
-        return (Known(value),) if inspect.ismodule(value) or callable(value) else ()
+        return (KnownObject(value),) if inspect.ismodule(value) or callable(value) else ()
     static = inspect.getattr_static(known.value, name, None)
     if inspect.isfunction(static):
-        return (Known(static, owner=known.value),)
+        return (KnownObject(static, owner=known.value),)
     if isinstance(static, property) and static.fget is not None:
         return _annotated(static.fget, known.value)
     return None
 
 
-def _result(known: Known) -> Objects:
+def _result(known: KnownObject) -> Objects:
     """What calling an object returns."""
     if known.is_instance:
         return None
     if inspect.isclass(known.value):
-        return (Known(known.value, is_instance=True),)
+        return (KnownObject(known.value, is_instance=True),)
     return _annotated(known.value, known.owner)
 
 
@@ -150,10 +150,10 @@ def _annotated(function: Any, owner: Any) -> Objects:
     except Exception:
         return None
     if annotation is typing.Self:
-        return None if owner is None else (Known(owner, is_instance=True),)
+        return None if owner is None else (KnownObject(owner, is_instance=True),)
     kind = typing.get_origin(annotation) or annotation
     if annotation is Any or not inspect.isclass(kind):
         return () if annotation is None else None
     if kind.__module__.split(".", maxsplit=1)[0] in ("builtins", "numpy"):
         return None if kind in _CONTAINERS else ()
-    return (Known(kind, is_instance=True),)
+    return (KnownObject(kind, is_instance=True),)

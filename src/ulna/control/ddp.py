@@ -23,7 +23,7 @@ from ulna.typing import ArrayLike, Floats
 
 _SMALLEST_MU, _LARGEST_MU = 1e-9, 1e9
 _STEPS = tuple(0.5**k for k in range(12))
-_LEAST = 1e-4
+_MIN_REGULARIZATION = 1e-4
 """The part of the expected decrease that a step must achieve."""
 
 
@@ -189,7 +189,7 @@ class _Search:
         for alpha in _STEPS:
             states, controls, cost = self._rolled_out(gains, alpha)
             expected = alpha * gains.first + alpha * alpha * gains.second
-            if cost - self.cost <= _LEAST * expected < 0.0:  # also False for nan
+            if cost - self.cost <= _MIN_REGULARIZATION * expected < 0.0:  # also False for nan
                 self.states, self.controls, self.cost = states, controls, cost
                 return alpha
         return 0.0

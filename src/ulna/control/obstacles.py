@@ -29,7 +29,7 @@ from ulna.robot import Robot
 from ulna.spatial import SE3
 from ulna.typing import ArrayLike, Floats
 
-_OWN = (0.05, 0.01)
+_SELF_COLLISION = (0.05, 0.01)
 
 
 def obstacle_rows(
@@ -40,7 +40,7 @@ def obstacle_rows(
     influence: float = 0.3,
     stop: float = 0.05,
     gain: float = 1.0,
-    own: tuple[float, float] | None = _OWN,
+    own: tuple[float, float] | None = _SELF_COLLISION,
     moving: Mapping[str, ArrayLike] | None = None,
     twists: Mapping[str, ArrayLike] | None = None,
     count: int | None = None,

@@ -115,8 +115,8 @@ class Reactive:
         velocity = solve_rows(H, g, A, np.concatenate([lower, below]), np.concatenate([upper, b]), 0)
         if velocity is None:
             raise InputError(
-                "No joint velocity keeps all rows within the velocity limits: an obstacle comes nearer than the arm "
-                "can give way, or two ask for opposite motions. Stop the arm, or take rows away."
+                "No joint velocity keeps all rows within the velocity limits: an obstacle approaches faster "
+                "than the arm can avoid it, or two require opposite motions. Stop the arm, or remove rows."
             )
         return velocity
 
@@ -124,7 +124,7 @@ class Reactive:
         """A and b, checked: a row that is misread would be an obstacle that is not seen."""
         A, b, n = np.ascontiguousarray(rows[0], dtype=float), np.asarray(rows[1], dtype=float), self.robot.nv
         if len(shape) > 1:
-            raise ShapeError("q", shape, f"({n},)", "With rows, ask for one configuration at a time.")
+            raise ShapeError("q", shape, f"({n},)", "With rows, pass one configuration at a time.")
         if A.shape[1:] != (n,) or A.ndim != 2:
             raise ShapeError("rows[0]", A.shape, f"(k, {n}), one row for each bound")
         if b.shape != (len(A),):

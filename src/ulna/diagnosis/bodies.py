@@ -21,7 +21,7 @@ from ulna.model import Model
 from ulna.model.parts import Link
 from ulna.typing import Floats
 
-_SLACK = 0.01
+_TRIANGLE_TOLERANCE = 0.01
 """How far the triangle inequality may be missed by rounded numbers, relative to the largest moment."""
 
 _LARGE, _SMALL = 2.0, 1e-3
@@ -108,7 +108,7 @@ def _moments(name: str, a: float, b: float, c: float, shown: str) -> Iterator[Fi
             f"its inertia is not positive definite: {shown}",
             "No body has a negative moment of inertia; look at the signs of ixy, ixz, iyz.",
         )
-    elif c > a + b + _SLACK * c:
+    elif c > a + b + _TRIANGLE_TOLERANCE * c:
         yield Finding(
             "error",
             "triangle-inequality",

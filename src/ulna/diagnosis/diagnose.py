@@ -21,7 +21,7 @@ from ulna.formats.urdf_parse import parse_urdf
 from ulna.loading import load_model
 from ulna.model import Model
 
-_SHOWN = 4
+_MAX_LISTED = 4
 """How many findings of one kind a report shows in full."""
 
 _PLACE = re.compile(r"^(?P<file>.*?):(?P<line>\d+): ")
@@ -53,7 +53,7 @@ def diagnose(robot: Any, **options: Any) -> tuple[Finding, ...]:
             try:
                 model = load_model(robot, **options)
             except ModelError as error:
-                return (_refused(error),)
+                return (_not_loadable(error),)
         findings += [_warned(str(w.message)) for w in said]
     shapes = Shapes(model)
     bodies = list(body_findings(model, shapes.points))
@@ -86,13 +86,13 @@ def report(findings: Sequence[Finding]) -> str:
     parts = []
     for group in grouped(findings):
         first = group[0]
-        for finding in group[:_SHOWN]:
+        for finding in group[:_MAX_LISTED]:
             place = f"line {finding.line}: " if finding.line else ""
             subject = f"{finding.subject}: " if finding.subject else ""
             parts.append(f"{finding.severity}: {place}{subject}{finding.message}.")
-        if len(group) > _SHOWN:
-            names = ", ".join(f.subject for f in group[_SHOWN : _SHOWN + 8])
-            more = len(group) - _SHOWN
+        if len(group) > _MAX_LISTED:
+            names = ", ".join(f.subject for f in group[_MAX_LISTED : _MAX_LISTED + 8])
+            more = len(group) - _MAX_LISTED
             dots = ", ..." if more > 8 else ""
             parts.append(f"{first.severity}: likewise {more} more: {names}{dots}.")
         if first.advice:
@@ -102,7 +102,7 @@ def report(findings: Sequence[Finding]) -> str:
     return "\n".join(parts)
 
 
-def _refused(error: ModelError) -> Finding:
+def _not_loadable(error: ModelError) -> Finding:
     line = error.line if isinstance(error, FormatError) else None
     return Finding("error", "refused", "", f"it cannot be loaded: {str(error).rstrip('.')}", "", line)
 

@@ -11,7 +11,7 @@ from ulna.diagnosis.finding import Finding
 from ulna.model import Model
 from ulna.model.parts import Joint
 
-_TURNS = 4.0 * math.pi
+_TWO_TURNS = 4.0 * math.pi
 """Beyond two turns either way, a limit in radians is rare, and one in degrees common [rad]."""
 
 _MANY_TURNS = 1000.0
@@ -23,7 +23,7 @@ _FAST = 100.0
 _LEAVES = 4
 """How many leaf links a note names."""
 
-_FAR = 20.0
+_MAX_USUAL_TRAVEL = 20.0
 """No slide is longer; in millimetres many are [m]."""
 
 _MANY_METRES = 1e5
@@ -86,7 +86,7 @@ def _range(joint: Joint, name: str, turns: bool) -> Iterator[Finding]:
             f"it cannot move: lower = upper = {lower:g}",
             "Give it its range, or make it a fixed joint.",
         )
-    if turns and _TURNS < largest <= _MANY_TURNS:
+    if turns and _TWO_TURNS < largest <= _MANY_TURNS:
         yield Finding(
             "warning",
             "degrees",
@@ -111,7 +111,7 @@ def _range(joint: Joint, name: str, turns: bool) -> Iterator[Finding]:
             f"limits {lower:g} to {upper:g} m stand for none",
             "Give it the range of the real joint; samples and searches take limits literally.",
         )
-    elif slides and largest > _FAR:
+    elif slides and largest > _MAX_USUAL_TRAVEL:
         yield Finding(
             "warning",
             "millimetres",

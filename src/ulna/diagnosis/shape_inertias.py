@@ -80,15 +80,15 @@ def _inertia(link: Link, kind: str, mass: float | None, density: float | None) -
     if not geometries:
         raise InputError(f"Link {link.name!r} has no shapes to compute an inertia from.")
     solids = [_solid(link.name, geometry) for geometry in geometries]
-    whole = reduce(add, solids)  # of density 1, so that its mass is the volume
+    combined = reduce(add, solids)  # of density 1, so that its mass is the volume
     if mass is None:
-        own = float(link.inertia.mass)
-        if own <= 0.0 and density is None:
+        link_mass = float(link.inertia.mass)
+        if link_mass <= 0.0 and density is None:
             raise InputError(
                 f"Link {link.name!r} has no mass. Pass density= [kg/m^3], or its mass: masses={{{link.name!r}: 1.0}}."
             )
-        mass = own if own > 0.0 else float(whole.mass) * float(density or 0.0)
-    return Inertia(mass, whole.com, whole.inertia * (mass / whole.mass))
+        mass = link_mass if link_mass > 0.0 else float(combined.mass) * float(density or 0.0)
+    return Inertia(mass, combined.com, combined.inertia * (mass / combined.mass))
 
 
 def _shapes(link: Link, kind: str) -> tuple[Geometry, ...]:

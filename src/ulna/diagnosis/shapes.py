@@ -107,14 +107,14 @@ def _convexity(link: str, shape: Mesh, vertices: Floats, triangles: Array) -> It
         return  # an open surface has no inside
     volume = abs(float((a * np.cross(b, c)).sum())) / 6.0
     try:
-        whole = float(ConvexHull(vertices).volume)
+        hull = float(ConvexHull(vertices).volume)
     except (QhullError, ValueError):
         return
-    if whole > 0.0 and volume < _CONVEX * whole:
+    if hull > 0.0 and volume < _CONVEX * hull:
         yield Finding(
             "note",
             "not-convex",
             f"link {link!r}",
-            f"its collision mesh {shape.file_name!r} is not convex: it fills {100 * volume / whole:.0f} % of its hull",
+            f"its collision mesh {shape.file_name!r} is not convex: it fills {100 * volume / hull:.0f} % of its hull",
             "Checks by convex hulls find contacts too early; split it into convex parts, or see docs/collision.md.",
         )

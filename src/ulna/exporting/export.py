@@ -13,7 +13,7 @@ import numpy as np
 from ulna.checks.values import short_repr
 from ulna.compiler import KernelBase, element_of
 from ulna.errors import DtypeError, InputError, UnknownName
-from ulna.exporting.folder import check_replaceable, whole_folder
+from ulna.exporting.folder import atomic_folder, check_replaceable
 from ulna.exporting.record import Export, ExportTarget, Option
 from ulna.exporting.selection import (
     Entry,
@@ -84,8 +84,8 @@ def export(
     place = _checked_path(path)
     functions, searches = records(model, chosen, of_kernels)
     made = Export(name, model, functions, searches, _dtype(dtype, chosen), MappingProxyType(of_target))
-    about = {"target": to, "name": name, "kernels": [entry[0] for entry in chosen]}
-    with whole_folder(place, about) as folder:
+    manifest = {"target": to, "name": name, "kernels": [entry[0] for entry in chosen]}
+    with atomic_folder(place, manifest) as folder:
         target.write(made, folder)
     return place
 

@@ -1,4 +1,4 @@
-"""A folder that is written whole or not at all, and that replaces only what was written in the same way before."""
+"""A folder that is written atomically, and that replaces only a folder that was written by an export."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MANIFEST = "ulna_export.json"
 
 
 @contextmanager
-def whole_folder(path: str | os.PathLike[str], about: dict[str, Any]) -> Iterator[Path]:
+def atomic_folder(path: str | os.PathLike[str], about: dict[str, Any]) -> Iterator[Path]:
     """An empty folder to write to, beside `path`, which takes its place at the end; after an error it is removed.
 
     A folder that is there is replaced if it is empty, or has nothing but the files of an earlier export.

@@ -200,7 +200,7 @@ def _of_quantity(name: str, model: Model, item: str, options: Mapping[str, Any])
 
 
 def _listed(value: Any) -> str:
-    """A value in words: entries of lists with commas between them."""
+    """A value as text: entries of lists with commas between them."""
     return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
 
 

@@ -13,7 +13,7 @@ NAMES = ("rx", "ry", "rz", "tx", "ty", "tz")
 """The elementary transforms: turns about and shifts along an axis."""
 
 _STEP = re.compile(r"[\s*]*([A-Za-z]{2})\s*\(([^()]*)\)[\s*]*")
-_MOST_DIGITS = 6  # of a joint's number
+_MAX_DIGITS = 6  # of a joint's number
 _JOINT = re.compile(r"(-?)\s*q_?(\d*)")
 _NUMBER = r"(\d+(?:\.\d*)?|\.\d+)"
 _PI = re.compile(rf"(-?)\s*(?:{_NUMBER}\s*(?:\*\s*)?)?(?:pi|π)\s*(?:/\s*{_NUMBER})?")
@@ -56,7 +56,7 @@ def parse_steps(text: str) -> Iterator[Step]:
 
 def _parse_step(name: str, argument: str, step: str) -> Step:
     joint = _JOINT.fullmatch(argument)
-    if joint and len(joint.group(2)) > _MOST_DIGITS:
+    if joint and len(joint.group(2)) > _MAX_DIGITS:
         raise InputError(f"{excerpt(step)}: there is no joint of that number; expected q, q0, q1, ...")
     if joint:
         return Step(name, None, int(joint.group(2)) if joint.group(2) else None, bool(joint.group(1)))

@@ -78,7 +78,7 @@ def parse_markup(data: bytes | str, file: str | None, root_tag: str, kind: str) 
         words = f"{file or '<string>'}:1: {oddity}; it is read as XML 1.0."
         warnings.warn(words, ModelWarning, stacklevel=level_of_caller())
     root = _parse_tree(data, file, encoding)
-    _refuse_entities(root, file)
+    _reject_entities(root, file)
     tag = str(root.tag)
     namespace = tag[1:].partition("}")[0] if tag.startswith("{") else ""
     if "xacro" in namespace:
@@ -154,7 +154,7 @@ def parse_tree(data: bytes, file: str | None) -> Any:
         FormatError: The document is broken or declares entities.
     """
     root = _parse_tree(with_plain_declaration(data)[0], file, None)
-    _refuse_entities(root, file)
+    _reject_entities(root, file)
     return root
 
 
@@ -179,15 +179,15 @@ def _parser(encoding: str | None, recover: bool = False) -> Any:
     )
 
 
-def _refuse_entities(root: Any, file: str | None) -> None:
+def _reject_entities(root: Any, file: str | None) -> None:
     info = root.getroottree().docinfo
     entities = [e.name for e in info.internalDTD.iterentities()] if info.internalDTD is not None else []
     if entities or info.system_url or info.public_id:
         what = f"entities ({', '.join(entities[:3])})" if entities else f"an external DTD ({info.system_url})"
-        refuse_document_type(what, file)
+        reject_document_type(what, file)
 
 
-def refuse_document_type(what: str, file: str | None) -> NoReturn:
+def reject_document_type(what: str, file: str | None) -> NoReturn:
     """Raise FormatError about what the document type of a file declares.
 
     Args:
@@ -231,5 +231,7 @@ def _neighbours(where: Path) -> str:
         names = sorted(os.listdir(folder))
     except OSError:
         return ""
-    near = nearest(where.name, names, 2, 0.6)
-    return "Did you mean " + " or ".join(repr(str(folder / n)) for n in near) + "?" if near else ""
+    suggestions = nearest(where.name, names, 2, 0.6)
+    return (
+        "Did you mean " + " or ".join(repr(str(folder / n)) for n in suggestions) + "?" if suggestions else ""
+    )

@@ -122,7 +122,7 @@ class _Reading:
         self._add_configurations(builder)
         self._disable_pairs(builder)
         search = OmissionSearch(self._compiled, self._switches, self._drives, self._joined, self._touching)
-        warn_of_omissions(search.omissions(self._shapes.left), self._file)
+        warn_of_omissions(search.omissions(self._shapes.omitted), self._file)
         return builder
 
     def _inertia(self, body: int) -> Inertia:
@@ -165,15 +165,15 @@ class _Reading:
         """The kind of a joint, where it is on the body before it moves, and the body in the moving frame."""
         m = self._m
         kind, anchor = int(m.jnt_type[j]), m.jnt_pos[j]
-        rest = float(m.qpos0[m.jnt_qposadr[j]])
+        reference = float(m.qpos0[m.jnt_qposadr[j]])
         x, y, z = (float(c) for c in m.jnt_axis[j])
         if kind == FREE:
             return FreeFlyer(), SE3.identity(), SE3.identity()
         if kind == BALL:
             return Spherical(), SE3.trans(*anchor), SE3.trans(*-anchor)
         if kind == SLIDE:
-            return Prismatic((x, y, z)), SE3.trans(*(-rest * m.jnt_axis[j])), SE3.identity()
-        half = np.r_[m.jnt_axis[j] * np.sin(-rest / 2.0), np.cos(-rest / 2.0)]
+            return Prismatic((x, y, z)), SE3.trans(*(-reference * m.jnt_axis[j])), SE3.identity()
+        half = np.r_[m.jnt_axis[j] * np.sin(-reference / 2.0), np.cos(-reference / 2.0)]
         return Revolute((x, y, z)), SE3.from_quat_xyzw(half, anchor), SE3.trans(*-anchor)
 
     def _bounds(self, j: int) -> dict[str, Any]:

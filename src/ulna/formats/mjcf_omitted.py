@@ -1,4 +1,4 @@
-"""What a compiled MJCF file computes with and a model cannot hold, as omissions with names and lines."""
+"""Content of a compiled MJCF file that a model has no place for, as omissions with names and lines."""
 
 from __future__ import annotations
 

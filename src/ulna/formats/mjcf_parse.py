@@ -1,4 +1,4 @@
-"""MJCF text or files -> what MuJoCo's own compiler makes of them, with our messages for what it refuses."""
+"""MJCF text or files -> the model of MuJoCo's own compiler, with our messages for its errors."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ class Shapes:
         self._references = compiled.mesh_references
         folder = os.path.dirname(os.path.abspath(file)) if file else os.getcwd()
         self._folder = os.path.join(folder, compiled.mesh_folder)
-        self.left: dict[str, int] = {}
+        self.omitted: dict[str, int] = {}
 
     def of_body(self, body: int) -> tuple[tuple[Geometry, ...], tuple[Geometry, ...]]:
         """What a body looks like, and what it collides with."""
@@ -114,4 +114,4 @@ class Shapes:
         return Material("" if named < 0 else m.mat(named).name, (r, gr, b, a))
 
     def _without(self, what: str) -> None:
-        self.left[what] = self.left.get(what, 0) + 1
+        self.omitted[what] = self.omitted.get(what, 0) + 1

@@ -1,4 +1,4 @@
-"""Looks an MJCF file over before MuJoCo reads it: its text, the files that it includes, and those that it names."""
+"""Checks an MJCF file before MuJoCo reads it: its text, the files that it includes, and those that it names."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from ulna.errors import FormatError
 from ulna.files import special_kind
-from ulna.formats.markup import lenient_tree, read_file, refuse_document_type
+from ulna.formats.markup import lenient_tree, read_file, reject_document_type
 from ulna.formats.prolog import prolog_of
 
 MOST_INCLUDES = 1000
@@ -38,7 +38,7 @@ def check_sources(text: str, file: str | None) -> str:
         root = lenient_tree(content.encode())
         if root is None:
             continue
-        _refuse_special_files(root, name, folder)
+        _reject_special_files(root, name, folder)
         for included in _included(root, name, folder):
             place = os.path.realpath(included)
             if place not in visited:
@@ -59,10 +59,10 @@ def _checked_text(data: bytes | str, file: str | None) -> str:
         raise _not_utf8(error.object.count(b"\n", 0, error.start) + 1, file) from None
     doctype = prolog_of(content).document_type
     if b"<!ENTITY" in doctype:
-        refuse_document_type("entities", file)
+        reject_document_type("entities", file)
     head = doctype.partition(b"[")[0].partition(b">")[0]
     if b"SYSTEM" in head or b"PUBLIC" in head:
-        refuse_document_type("an external DTD", file)
+        reject_document_type("an external DTD", file)
     return text
 
 
@@ -72,16 +72,16 @@ def _not_utf8(line: int, file: str | None) -> FormatError:
 
 def _included(root: Any, file: str | None, folder: str) -> Iterator[str]:
     """The files that a document includes and that are there; MuJoCo itself complains about the others."""
-    beside = os.path.dirname(os.path.abspath(file)) if file else folder
+    directory = os.path.dirname(os.path.abspath(file)) if file else folder
     for element in root.iter("include"):
         name = element.get("file") or ""
-        places = dict.fromkeys(os.path.join(place, name) for place in (folder, beside))
+        places = dict.fromkeys(os.path.join(place, name) for place in (folder, directory))
         yield from (place for place in places if name and os.path.isfile(place))
 
 
-def _refuse_special_files(root: Any, file: str | None, folder: str) -> None:
+def _reject_special_files(root: Any, file: str | None, folder: str) -> None:
     """Refuse the names of pipes, sockets and devices, wherever MuJoCo might look for them."""
-    beside = os.path.dirname(os.path.abspath(file)) if file else folder
+    directory = os.path.dirname(os.path.abspath(file)) if file else folder
     compilers = list(root.iter("compiler"))
     directories = ("meshdir", "texturedir", "assetdir")
     named = (element.get(d) for element in compilers for d in directories)
@@ -91,7 +91,7 @@ def _refuse_special_files(root: Any, file: str | None, folder: str) -> None:
             if not str(attribute).startswith("file") or not name:
                 continue
             for place in places:
-                for start in dict.fromkeys((folder, beside)):
+                for start in dict.fromkeys((folder, directory)):
                     kind = special_kind(os.path.join(start, place, name))
                     if kind:
                         raise FormatError(

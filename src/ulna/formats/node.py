@@ -241,13 +241,13 @@ class Node:
             f"{place}: {message} (in {self.describe()}).", ModelWarning, stacklevel=level_of_caller()
         )
 
-    def warn_of_strangers(self, known: Sequence[str]) -> None:
+    def warn_of_unknown_children(self, known: Sequence[str]) -> None:
         """Warn about child elements that look like a misspelling of a known one."""
         for node in self.children():
             if node.tag not in known:
-                near = nearest_names(node.tag, known, 1, 0.8)
-                if near:
-                    node.warn(f"<{node.tag}> is not known and is ignored; did you mean <{near[0]}>?")
+                suggestions = nearest_names(node.tag, known, 1, 0.8)
+                if suggestions:
+                    node.warn(f"<{node.tag}> is not known and is ignored; did you mean <{suggestions[0]}>?")
 
 
 def _local(tag: Any, namespace: str) -> str:
@@ -272,8 +272,8 @@ def nearest(name: str, choices: Collection[str], words: str) -> str:
     Returns:
         The hint; empty where no name is similar.
     """
-    near = nearest_names(name, choices, 1)
-    return words.format(repr(near[0])) if near else ""
+    suggestions = nearest_names(name, choices, 1)
+    return words.format(repr(suggestions[0])) if suggestions else ""
 
 
 def short(text: str, limit: int = 60) -> str:

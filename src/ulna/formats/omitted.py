@@ -1,4 +1,4 @@
-"""What a model file says and a model cannot hold: found by the readers, listed in one warning for each file."""
+"""Content of model files that a model cannot represent: collected by the readers, one warning for each file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Poses from the numbers of model files, with the rounding noise of right angles taken off."""
+"""Poses from the numbers of model files, with the rounding errors of right angles removed."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
 from ulna.files import read_regular
 
-_LARGEST_PACKAGE_XML = 1024 * 1024  # [bytes]
+_MAX_PACKAGE_XML = 1024 * 1024  # [bytes]
 _PACKAGE = re.compile(r"(?:package|model):/+([^/]+)/*(.*)", re.DOTALL)
 _FILE = re.compile(r"file:(?://localhost(?=/)|//)?(.+)", re.DOTALL)
 _NETWORK = re.compile(r"(?:https?|ftp)://")
@@ -144,7 +144,7 @@ def _read_package_name(file: Path) -> str | None:
         return None
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)
     try:
-        root = etree.fromstring(read_regular(file, _LARGEST_PACKAGE_XML), parser)
+        root = etree.fromstring(read_regular(file, _MAX_PACKAGE_XML), parser)
         return (root.findtext("name") or "").strip() or None
     except (etree.LxmlError, OSError, ValueError):
         return None

@@ -1,4 +1,4 @@
-"""How the base of a robot hangs in the world, by word."""
+"""The joint between the world and the base of a robot, by name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Adds what an SRDF says to a model: groups, named configurations, pairs without collision checks."""
+"""Adds the content of an SRDF to a model: groups, named configurations, pairs without collision checks."""
 
 from __future__ import annotations
 

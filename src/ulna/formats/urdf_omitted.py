@@ -1,4 +1,4 @@
-"""What a URDF file says and a model cannot hold, or what readers of URDF do not read, as omissions with lines."""
+"""Content of a URDF file that a model has no place for, or that readers of URDF ignore, as omissions with lines."""
 
 from __future__ import annotations
 
@@ -151,8 +151,8 @@ def _numbered(root: Node) -> Iterator[Node]:
 def _like(attribute: str, known: tuple[str, ...]) -> str | None:
     if attribute in known or len(attribute) > LONGEST:
         return None
-    near = difflib.get_close_matches(attribute.lower(), known, n=1, cutoff=0.8)
-    return near[0] if near else None
+    suggestions = difflib.get_close_matches(attribute.lower(), known, n=1, cutoff=0.8)
+    return suggestions[0] if suggestions else None
 
 
 def _local(tag: str) -> str:

@@ -57,18 +57,18 @@ def parse_urdf(data: bytes | str, file: str | None = None) -> UrdfDocument:
         FormatError: the text is not a URDF, or it contradicts itself.
     """
     root = parse_markup(data, file, "robot", "URDF")
-    _refuse_xacro(root)
+    _reject_xacro(root)
     palette = Palette(root)
     links: dict[str, UrdfLink] = {}
     for node in root.children("link"):
         link = _link(node, palette)
-        _refuse_twin(node, "link", link.name, links)
+        _reject_duplicate(node, "link", link.name, links)
         links[link.name] = link
     joints: dict[str, UrdfJoint] = {}
     nodes: dict[str, Node] = {}
     for node in root.children("joint"):
         joint = _joint(node, links)
-        _refuse_twin(node, "joint", joint.name, joints)
+        _reject_duplicate(node, "joint", joint.name, joints)
         joints[joint.name], nodes[joint.name] = joint, node
     if not links:
         root.fail("the robot has no links.", 'Write at least <link name="..."/>.')
@@ -79,7 +79,7 @@ def parse_urdf(data: bytes | str, file: str | None = None) -> UrdfDocument:
     return UrdfDocument(name, tuple(links.values()), tuple(joints.values()), palette.named, top, file)
 
 
-def _refuse_xacro(root: Node) -> None:
+def _reject_xacro(root: Node) -> None:
     for tag, line in root.foreign():
         if "xacro" in tag:
             local = tag.rsplit("}", 1)[-1].rsplit(":", 1)[-1]
@@ -92,7 +92,7 @@ def _refuse_xacro(root: Node) -> None:
             )
 
 
-def _refuse_twin(node: Node, kind: str, name: str, earlier: dict) -> None:
+def _reject_duplicate(node: Node, kind: str, name: str, earlier: dict) -> None:
     if name in earlier:
         node.fail(
             f"a second {kind} named {name!r}; the first is on line {earlier[name].line}.",
@@ -118,7 +118,7 @@ def _origin(node: Node) -> UrdfOrigin:
 
 def _link(node: Node, palette: Palette) -> UrdfLink:
     name = node.name()
-    node.warn_of_strangers(_OF_LINK)
+    node.warn_of_unknown_children(_OF_LINK)
     inertial = node.child("inertial")
     return UrdfLink(
         name,
@@ -206,7 +206,7 @@ def _shape(geometry: Node) -> UrdfShape:
 
 def _joint(node: Node, links: dict[str, UrdfLink]) -> UrdfJoint:
     name = node.name()
-    node.warn_of_strangers(_OF_JOINT)
+    node.warn_of_unknown_children(_OF_JOINT)
     kind = node.name("type")
     if kind not in JOINT_KINDS:
         fix = (

@@ -23,7 +23,7 @@ from ulna.formats.urdf_parse import parse_urdf
 from ulna.spatial import Inertia
 from ulna.typing import Floats
 
-_LEAST = 1e-6
+_MIN_RELATIVE_MOMENT = 1e-6
 """What the smallest second moment is raised to, as a part of the largest."""
 
 _ENTRIES = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
@@ -39,7 +39,7 @@ def nearest_inertia(inertia: Floats) -> Floats:
         An inertia (3, 3) [kg m^2]; the same where a body can have it.
     """
     values, vectors = np.linalg.eigh(0.5 * np.trace(inertia) * np.eye(3) - inertia)
-    floor = _LEAST * max(float(values.max()), 0.0)
+    floor = _MIN_RELATIVE_MOMENT * max(float(values.max()), 0.0)
     if values.min() >= 0.0 or floor == 0.0:
         return inertia
     S = (vectors * np.maximum(values, floor)) @ vectors.T

@@ -13,7 +13,7 @@ from typing import Any, BinaryIO, NamedTuple
 import numpy as np
 
 from ulna.errors import InputError, MissingExtra
-from ulna.files import open_regular, refuse_special
+from ulna.files import open_regular, reject_special_files
 from ulna.typing import Array, Floats
 
 FARTHEST = 1e15
@@ -55,7 +55,7 @@ def read_pieces(path: str) -> tuple[Piece, ...]:
         if factor != 1.0 or not np.array_equal(transform, np.eye(4)):
             vertices = (vertices @ transform[:3, :3].T + transform[:3, 3]) * factor
         triangles = np.asarray(mesh.faces, dtype=np.int64)
-        _refuse_damage(path, vertices, triangles)
+        _check_mesh_data(path, vertices, triangles)
         if np.linalg.det(transform[:3, :3]) < 0:
             triangles = triangles[:, ::-1]
         pieces.append(Piece(vertices, triangles, mesh))
@@ -71,7 +71,7 @@ def merged(pieces: Sequence[Piece]) -> tuple[Floats, Array]:
     return np.concatenate([piece.vertices for piece in pieces]), np.concatenate(triangles)
 
 
-def _refuse_damage(path: str, vertices: Floats, triangles: Array) -> None:
+def _check_mesh_data(path: str, vertices: Floats, triangles: Array) -> None:
     """Refuse what no sound file holds; the parsers let it pass."""
     wrong = ""
     if vertices.ndim != 2 or vertices.shape[1] != 3:
@@ -105,26 +105,26 @@ def _scene(file: BinaryIO, path: str) -> Any:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # trimesh and pycollada warn about numpy and about odd files
-            beside = _beside(library.resolvers.FilePathResolver)(path)
-            return library.load(file, file_type=ending[1:], resolver=beside, force="scene", process=False)
+            resolver = _referenced_files(library.resolvers.FilePathResolver)(path)
+            return library.load(file, file_type=ending[1:], resolver=resolver, force="scene", process=False)
     except Exception as error:  # any of a dozen parsers underneath
         raise InputError(f"Cannot read the mesh file {path!r}: {type(error).__name__}: {error}") from error
 
 
 @functools.cache
-def _beside(base: Any) -> Any:
+def _referenced_files(base: Any) -> Any:
     """The class that reads the files a mesh file names (materials, textures), regular files only."""
 
-    class Beside(base):
+    class ReferencedFiles(base):
         def get(self, name: str) -> bytes:
             for candidate in (name.strip(), name.strip().lstrip("/"), os.path.split(name)[-1]):
-                refuse_special(os.path.join(self.parent, candidate))
+                reject_special_files(os.path.join(self.parent, candidate))
             return super().get(name)
 
-        def namespaced(self, namespace: str) -> Beside:
-            return Beside(os.path.join(self.parent, namespace))
+        def namespaced(self, namespace: str) -> ReferencedFiles:
+            return ReferencedFiles(os.path.join(self.parent, namespace))
 
-    return Beside
+    return ReferencedFiles
 
 
 def _metres(text: object) -> float:

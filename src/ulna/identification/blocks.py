@@ -19,27 +19,22 @@ from typing import Any, Literal, final
 import numpy as np
 
 from ulna.errors import InputError
-from ulna.identification.base import (
-    BaseParameters,
-    base_parameters_of,
-    extended_regressor,
-    parameter_names,
-)
+from ulna.identification.base import extended_regressor, parameter_names
+from ulna.identification.result import FittedParameters
 from ulna.identification.solve import (
     NO_SAMPLES,
     Log,
-    base_statistics,
     checked_noise,
     checked_prior,
     checked_ridge,
-    drive_parameters,
+    fitted_fields,
     known_torques,
     parameter_sizes,
     present_parameters,
     reduced,
     solved,
 )
-from ulna.model import Model, with_dynamic_parameters, with_joint_dynamics
+from ulna.model import Model
 from ulna.typing import Array, ArrayLike, Floats
 
 Sums = dict[str, Array]
@@ -140,60 +135,25 @@ def add(total: Sums, block: Sums) -> None:
 
 @final
 @dataclass(frozen=True, eq=False, repr=False)
-class LogFit:
+class LogFit(FittedParameters):
     """The parameters that explain a large log best; as `Identification`, without the torques themselves.
 
     Attributes:
-        model: The model that was started from.
         rows: How many samples the log has.
-        parameters: Dynamic parameters, ten a body, (10 nbodies,) [kg, kg m, kg m^2].
-        armature: Inertia of the drives, (nv,) [kg m^2, kg]; the model's where it was not sought.
-        damping: Viscous friction, (nv,) [N m s/rad, N s/m]; likewise.
-        friction: Coulomb friction, (nv,) [N m, N]; likewise.
-        physical: Whether the bodies are such as can exist.
-        base: What the log distinguishes of all that was sought.
-        base_values: Those base parameters, (b,).
-        base_deviations: Their standard deviations, if the residuals are independent noise, (b,).
-        condition: Condition number of the base regressor, its columns made equally long.
         rms: Root mean square of the residuals of each joint, (nv,) [N m, N].
         rms_before: The same with the parameters of the model that was started from, (nv,) [N m, N].
         explained: What part of each joint's variance of torque the fit explains, (nv,); at most 1.
-        iterations: Steps of the solver; 1 for the linear one.
     """
 
-    model: Model
     rows: int
-    parameters: Floats
-    armature: Floats
-    damping: Floats
-    friction: Floats
-    physical: bool
-    base: BaseParameters
-    base_values: Floats
-    base_deviations: Floats
-    condition: float
     rms: Floats
     rms_before: Floats
     explained: Floats
-    iterations: int
-
-    @property
-    def new_model(self) -> Model:
-        """The model with the new parameters.
-
-        Raises:
-            ModelError: a body cannot exist; identify with `physical=True`.
-        """
-        drives = {name: np.maximum(getattr(self, name), 0.0) for name in ("armature", "damping", "friction")}
-        return with_joint_dynamics(with_dynamic_parameters(self.model, self.parameters), **drives)
 
     def report(self) -> str:
         """The residuals joint by joint, and how well the log determines the parameters, as text."""
-        kind = "physically consistent" if self.physical else "linear"
         lines = [
-            f"Identification of {self.model.name!r}: {kind} least squares, {self.rows:,} samples",
-            f"  {self.base.count} base parameters of {len(self.base.names)} sought, condition {self.condition:.3g}",
-            "",
+            *self._heading(f"{self.rows:,} samples"),
             f"  {'joint':24s} {'rms before':>12s} {'rms after':>12s} {'explained':>10s}",
         ]
         numbers = zip(self.model.velocity_names, self.rms_before, self.rms, self.explained, strict=True)
@@ -245,7 +205,7 @@ def fit_sums(
     def fitted(sigma: Floats) -> tuple[Floats, int]:
         weighed = (
             triangles / sigma[:, None, None] * scale
-        )  # means over the rows, which `reduced` takes of fewer
+        )  # means over the rows; `reduced` takes those of fewer
         return solved(*reduced(weighed[..., :-1], weighed[..., -1]), p0, sizes, ridge, bodies)
 
     def residuals(p: Floats) -> Floats:
@@ -258,24 +218,15 @@ def fit_sums(
         p, count = fitted(np.maximum(residuals(p), least))
         sigma = np.maximum(residuals(p), least)
     stack = (triangles[..., :-1] / sigma[:, None, None]).reshape(-1, len(p))
-    base = base_parameters_of(stack, parameter_names(model, **sought.drives))
     rms = residuals(p)
-    spread, condition = base_statistics(
-        base, stack, float(rows * ((rms / sigma) ** 2).sum()), rows * model.nv
-    )
+    squares = float(rows * ((rms / sigma) ** 2).sum())
     variance = sums["tau2"] / rows - (sums["tau"] / rows) ** 2
     return LogFit(
-        model=model,
-        rows=rows,
-        parameters=p[: 10 * len(model.joints)],
-        **drive_parameters(model, p, sought.drives),
+        **fitted_fields(model, p, sought.drives, stack, squares, rows * model.nv),
         physical=physical,
-        base=base,
-        base_values=base.of(p),
-        base_deviations=spread,
-        condition=condition,
+        iterations=count,
+        rows=rows,
         rms=rms,
         rms_before=residuals(nominal),
         explained=1.0 - rms**2 / np.where(variance > 0.0, variance, np.inf),
-        iterations=count,
     )

@@ -21,17 +21,16 @@ from typing import Any, Literal
 import numpy as np
 
 from ulna.errors import InputError
-from ulna.identification.base import base_parameters_of, extended_regressor, parameter_names
+from ulna.identification.base import extended_regressor
 from ulna.identification.convex import Progress
 from ulna.identification.result import Identification
 from ulna.identification.solve import (
     Log,
-    base_statistics,
     checked_noise,
     checked_prior,
     checked_ridge,
     deviations,
-    drive_parameters,
+    fitted_fields,
     known_torques,
     parameter_sizes,
     present_parameters,
@@ -130,39 +129,14 @@ def identify(
             sigma = deviations(y - W @ p, y)
     rms = np.sqrt((log.v**2).mean(axis=0))
     unmoved = tuple(name for name, size in zip(model.velocity_names, rms, strict=True) if size < width)
-    return _result(model, log, W, known, p, nominal, sought, physical, sigma, count, unmoved)
-
-
-def _result(
-    model: Model,
-    log: Log,
-    W: Floats,
-    known: Floats,
-    p: Floats,
-    nominal: Floats,
-    sought: dict[str, bool],
-    physical: bool,
-    sigma: Floats,
-    iterations: int,
-    unmoved: tuple[str, ...],
-) -> Identification:
-    n = len(p)
-    rows = (W / sigma[:, None]).reshape(-1, n)
-    base = base_parameters_of(rows, parameter_names(model, **sought))
-    squares = (((log.tau - known - W @ p) / sigma) ** 2).sum()
-    spread, condition = base_statistics(base, rows, float(squares), len(rows))
+    stack = (W / sigma[:, None]).reshape(-1, len(p))
+    squares = float((((y - W @ p) / sigma) ** 2).sum())
     return Identification(
-        model=model,
-        parameters=p[: 10 * len(model.joints)],
-        **drive_parameters(model, p, sought),
+        **fitted_fields(model, p, sought, stack, squares, len(stack)),
         physical=physical,
-        base=base,
-        base_values=base.of(p),
-        base_deviations=spread,
-        condition=condition,
+        iterations=count,
         measured=log.tau,
         fitted=W @ p + known,
         before=W @ nominal + known,
-        iterations=iterations,
         unmoved=unmoved,
     )

@@ -1,4 +1,4 @@
-"""What came out of an identification: parameters, residuals, a report, a picture."""
+"""Results of identification: parameters, residuals, a report, a picture."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from ulna.typing import Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Identification:
-    """The parameters that explain a log best.
+class FittedParameters:
+    """The parameters that explain a log best, without the log.
 
     Attributes:
         model: The model that was started from.
@@ -32,12 +32,7 @@ class Identification:
         base_deviations: Their standard deviations, if the residuals are independent noise, (b,).
         condition: Condition number of the base regressor, its columns made equally long: below 100 is good, and
             far above it the log moves the robot too little or too much alike.
-        measured: Torques of the log, (rows, nv) [N m, N].
-        fitted: Torques that the new parameters give.
-        before: Torques that the model gave.
         iterations: Steps of the solver; 1 for the linear one.
-        unmoved: Names of the joints that did not move in the log: root mean square of the velocity below `width`, the
-            velocity within which Coulomb friction passes through zero.
     """
 
     model: Model
@@ -50,10 +45,44 @@ class Identification:
     base_values: Floats
     base_deviations: Floats
     condition: float
+    iterations: int
+
+    @property
+    def new_model(self) -> Model:
+        """The model with the new parameters.
+
+        Raises:
+            ModelError: a body cannot exist; identify with `physical=True`.
+        """
+        drives = {name: np.maximum(getattr(self, name), 0.0) for name in ("armature", "damping", "friction")}
+        return with_joint_dynamics(with_dynamic_parameters(self.model, self.parameters), **drives)
+
+    def _heading(self, samples: str, note: str = "") -> list[str]:
+        """The first lines of a report."""
+        kind = "physically consistent" if self.physical else "linear"
+        return [
+            f"Identification of {self.model.name!r}: {kind} least squares, {samples}",
+            f"  {self.base.count} base parameters of {len(self.base.names)} sought, "
+            f"condition {self.condition:.3g}{note}",
+            "",
+        ]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Identification(FittedParameters):
+    """The parameters that explain a log best, with its torques; the other attributes are those of `FittedParameters`.
+
+    Attributes:
+        measured: Torques of the log, (rows, nv) [N m, N].
+        fitted: Torques by the new parameters, (rows, nv) [N m, N].
+        before: Torques by the model that was started from, (rows, nv) [N m, N].
+        unmoved: Names of the joints that did not move in the log: root mean square of the velocity below `width`, the
+            velocity within which Coulomb friction passes through zero.
+    """
+
     measured: Floats
     fitted: Floats
     before: Floats
-    iterations: int
     unmoved: tuple[str, ...] = ()
 
     @property
@@ -77,28 +106,13 @@ class Identification:
         total = ((self.measured - self.measured.mean(axis=0)) ** 2).mean(axis=0)
         return 1.0 - self.rms**2 / np.where(total > 0.0, total, np.inf)
 
-    @property
-    def new_model(self) -> Model:
-        """The model with the new parameters.
-
-        Raises:
-            ModelError: a body cannot exist; identify with `physical=True`.
-        """
-        drives = {"armature": self.armature, "damping": self.damping, "friction": self.friction}
-        drives = {name: np.maximum(value, 0.0) for name, value in drives.items()}
-        return with_joint_dynamics(with_dynamic_parameters(self.model, self.parameters), **drives)
-
     def report(self) -> str:
         """The residuals joint by joint, and how well the log determines the parameters, as text."""
         rows, nv = self.measured.shape
-        kind = "physically consistent" if self.physical else "linear"
         deviations = self.base_deviations / np.maximum(np.abs(self.base_values), 1e-12)
         sure = int((deviations < 0.1).sum())
         lines = [
-            f"Identification of {self.model.name!r}: {kind} least squares, {rows} samples, {nv} joints",
-            f"  {self.base.count} base parameters of {len(self.base.names)} sought, condition {self.condition:.3g}; "
-            f"{sure} known to better than 10 %",
-            "",
+            *self._heading(f"{rows} samples, {nv} joints", f"; {sure} known to better than 10 %"),
             f"  {'joint':24s} {'rms before':>12s} {'rms after':>12s} {'max after':>12s} {'explained':>10s}",
         ]
         greatest = np.abs(self.residuals).max(axis=0)

@@ -11,7 +11,7 @@ import numpy as np
 from ulna.algorithms.dynamics.joint_friction import Friction, friction_torque
 from ulna.checks.arrays import check_finite, finite_array, number_or_array, real_array
 from ulna.errors import InputError, ShapeError
-from ulna.identification.base import BaseParameters
+from ulna.identification.base import BaseParameters, base_parameters_of, parameter_names
 from ulna.identification.convex import Problem, Progress, minimised
 from ulna.identification.physical import pseudo_inertia
 from ulna.model import Model, dynamic_parameters
@@ -188,8 +188,8 @@ def reduced(W: Floats, y: Floats) -> tuple[Floats, Floats]:
         R, (k, n), and z, (k,).
     """
     n = W.shape[-1]
-    whole = np.concatenate([W.reshape(-1, n), y.reshape(-1, 1)], axis=1) / np.sqrt(y.size)
-    R: Floats = np.array(np.linalg.qr(whole, mode="r"))
+    stacked = np.concatenate([W.reshape(-1, n), y.reshape(-1, 1)], axis=1) / np.sqrt(y.size)
+    R: Floats = np.array(np.linalg.qr(stacked, mode="r"))
     return R[:, :n], R[:, n]
 
 
@@ -238,11 +238,13 @@ def physical_fit(
     Returns:
         The parameters (n,), and the number of steps.
     """
-    lengths, whole = np.sqrt((R * R).sum(axis=0)), float(np.sqrt(z @ z)) or 1.0
-    known = np.isinf(sizes) & (lengths == 0.0)  # drives that the log does not move keep the prior's numbers
-    identifiable = ~known
-    units = np.where(np.isinf(sizes), whole / np.where(lengths == 0.0, 1.0, lengths), sizes)
-    w = np.where(np.isinf(sizes), 1e-12 * whole**2, max(ridge, 1e-10 * whole**2))
+    lengths, norm = np.sqrt((R * R).sum(axis=0)), float(np.sqrt(z @ z)) or 1.0
+    undetermined = np.isinf(sizes) & (
+        lengths == 0.0
+    )  # drives that the log does not move keep the prior's numbers
+    identifiable = ~undetermined
+    units = np.where(np.isinf(sizes), norm / np.where(lengths == 0.0, 1.0, lengths), sizes)
+    w = np.where(np.isinf(sizes), 1e-12 * norm**2, max(ridge, 1e-10 * norm**2))
     u, steps = minimised(
         Problem((R * units)[:, identifiable], z, w[identifiable], (p0 / units)[identifiable], count), progress
     )
@@ -324,3 +326,32 @@ def base_statistics(base: BaseParameters, rows: Floats, squares: float, count: i
     variances = np.diag(np.linalg.pinv((W1 / lengths).T @ (W1 / lengths))) if base.count else np.zeros(0)
     condition = float(values[0] / values[-1]) if values[-1] > 0.0 else np.inf
     return np.sqrt(misfit * np.maximum(variances, 0.0)) / lengths, condition
+
+
+def fitted_fields(
+    model: Model, p: Floats, sought: dict[str, bool], rows: Floats, squares: float, count: int
+) -> dict[str, Any]:
+    """The fields of a result that describe its parameters and how well the log determines them.
+
+    Args:
+        model: The robot.
+        p: The parameters, (n,).
+        sought: Which parameters of the drives were sought.
+        rows: The regressor, weighed, (k, n), or any matrix of the same products of columns.
+        squares: The sum of the squared residuals, weighed [-].
+        count: How many torques the log has.
+
+    Returns:
+        Fields of `FittedParameters` by name.
+    """
+    base = base_parameters_of(rows, parameter_names(model, **sought))
+    spread, condition = base_statistics(base, rows, squares, count)
+    return {
+        "model": model,
+        "parameters": p[: 10 * len(model.joints)],
+        **drive_parameters(model, p, sought),
+        "base": base,
+        "base_values": base.of(p),
+        "base_deviations": spread,
+        "condition": condition,
+    }

@@ -139,23 +139,23 @@ def problem_of(
     carried = tuple(model.frame(name) for name in frames)
     if len({model.frame_index(name) for name in frames}) < len(carried):
         raise InputError(f"`frame` names {list(frames)}; a frame can have one goal only.")
-    moved = sorted({i for f in carried for i in model.support(f.joint)})
-    moved = sorted({model.joint_index(_source(model, i)) for i in moved})
+    movable = sorted({i for f in carried for i in model.support(f.joint)})
+    movable = sorted({model.joint_index(_source(model, i)) for i in movable})
     if joints is not None:
         allowed = {model.joint_index(name) for name in joints}
         followers = [name for name in joints if model.joint(name).mimic is not None]
         if followers:
             raise InputError(f"`joints` names {followers[0]!r}, which follows another joint; name that one.")
-        moved = [i for i in moved if i in allowed]
-    if not moved:
-        raise InputError(f"No joint that may move carries {', '.join(f.name for f in carried)}.")
-    problem = Problem(model, carried, tuple(masks or [Mask()] * len(carried)), tuple(moved), **options)
+        movable = [i for i in movable if i in allowed]
+    if not movable:
+        raise InputError(f"No movable joint moves {', '.join(f.name for f in carried)}.")
+    problem = Problem(model, carried, tuple(masks or [Mask()] * len(carried)), tuple(movable), **options)
     n = len(problem.velocities)
     if masks is None and problem.rows > n:
         raise InputError(
             f"{', '.join(f.name for f in carried)} is moved by {n} joint coordinates, too few for all {problem.rows} "
             'directions of its goal. Say what counts: mask="position", mask="position+z" (and where the tool\'s z axis '
-            'points), mask="z", or six weights (x, y, z, rx, ry, rz). mask="pose" asks for all six anyway. '
+            'points), mask="z", or six weights (x, y, z, rx, ry, rz). mask="pose" requires all six anyway. '
             'For a plan: ulna.planning.Region(T, turns="z") keeps the z axis, Region(point, turns="any") the point.'
         )
     return problem

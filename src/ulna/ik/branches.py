@@ -41,7 +41,7 @@ class Branches(Collection):
         total: How many distinct configurations reach the pose, those outside the limits counted, (...).
         miss: Errors of the nearest candidate, (..., 2) [m, rad].
         complete: Whether these are all there are: not of redundant arms, nor of those solved from random starts.
-        method: How they were found, in words.
+        method: The method, as text.
     """
 
     q: Floats
@@ -58,8 +58,8 @@ class Branches(Collection):
 
     def _with_arrays(self, arrays: Sequence[Any]) -> Branches:
         q, position_error, rotation_error, total, miss, complete = arrays
-        whole = complete if is_deferred(complete) else bool(complete)
-        return Branches(q, position_error, rotation_error, total, miss, whole, self.method)
+        is_complete = complete if is_deferred(complete) else bool(complete)
+        return Branches(q, position_error, rotation_error, total, miss, is_complete, self.method)
 
     @property
     def count(self) -> Any:
@@ -73,7 +73,7 @@ class Branches(Collection):
 
     @property
     def reason(self) -> Any:
-        """Why there is no solution, in words; "" where there is one. A list of such for a batch."""
+        """Why there is no solution, as text; "" where there is one. A list of such for a batch."""
         self._require_numbers("reason")
         if self.q.ndim > 2:
             return [self[i].reason for i in range(len(self.q))]
@@ -166,7 +166,7 @@ def ik_all(
     batch = goals.shape[:-2]
     names = None if joints is None else tuple(joints)
     base = _start(model, q0, batch)
-    source = source_of(model, frame, names, free, _held(base, between(model, frame, names)))
+    source = source_of(model, frame, names, free, _held_values(base, between(model, frame, names)))
     values = _values(model, source, samples, None if q0 is None else base)
     sift = Sift(source, q0 is not None, limits, turns, position_tolerance, rotation_tolerance)
     goals, base = goals.reshape(-1, 4, 4), base.reshape(-1, model.nq)
@@ -174,8 +174,8 @@ def ik_all(
     poses: list[Any] = []
     complete = source.free is None
     for start in range(0, len(goals), step):
-        part, whole = sift(goals[start : start + step], base[start : start + step], values, seed)
-        complete = complete and whole
+        part, is_complete = sift(goals[start : start + step], base[start : start + step], values, seed)
+        complete = complete and is_complete
         poses += part
     return _packed(poses, batch, model.nq, complete, _method(source, values))
 
@@ -199,17 +199,19 @@ def _deferred(
             "Pass one `q0` of shape (nq,), or NumPy arrays."
         )
     base = _start(model, q0 if is_single else None, ())
-    source = source_of(model, frame, joints, free, _held(base, held))
+    source = source_of(model, frame, joints, free, _held_values(base, held))
     values = _values(model, source, samples, base if is_single and q0 is not None else None)
     most = source.most * len(values) * (_turns(source) if options["turns"] else 1)
-    ask = partial(_ask, model, frame, joints, free, values, options)
+    ask = partial(_solve_block, model, frame, joints, free, values, options)
     found = deferred.branches(ask, T, q0, model.nq, model.position_names, most)
     q, position_error, rotation_error, total, miss, complete = found
     method = _method(source, values)
     return Branches(q, position_error, rotation_error, total, miss, complete.all(), method)
 
 
-def _ask(model: Model, frame: str, joints: Any, free: Any, values: Any, options: Any, T: Any, q0: Any) -> Any:
+def _solve_block(
+    model: Model, frame: str, joints: Any, free: Any, values: Any, options: Any, T: Any, q0: Any
+) -> Any:
     """The branches of a block of poses."""
     return ik_all(model, T, frame, q0, joints=joints, free=free, samples=values, **options)
 
@@ -250,7 +252,7 @@ def _clipped_neutral(model: Model) -> Floats:
     return np.clip(model.neutral, model.lower_position, model.upper_position)
 
 
-def _held(base: Floats, places: tuple[int, ...]) -> tuple[float, ...]:
+def _held_values(base: Floats, places: tuple[int, ...]) -> tuple[float, ...]:
     """The coordinates at `places`, which must be the same throughout a batch."""
     if not places or not base.size:
         return (0.0,) * len(places)

@@ -68,7 +68,7 @@ SETTINGS = (
 )  # fmt: skip
 """What the kernel takes beside goal and start, in order; the tolerances squared."""
 
-_NEAR = 1e-3  # squared error [m^2] at which the null motion has faded to a half
+_FADING_ERROR = 1e-3  # squared error [m^2] at which the null motion has faded to a half
 _SINGULAR = 1e-14  # keeps the pseudoinverse finite where J loses rank
 
 
@@ -107,7 +107,7 @@ def classic(problem: Problem, method: Method, has_null_motion: bool) -> Function
             if has_null_motion:
                 # It fades near the goal, where what it does to e would keep the search from ending.
                 null_velocity = _null_velocity(problem, q, *settings[5:8]) * (
-                    at.squared / (at.squared + _NEAR)
+                    at.squared / (at.squared + _FADING_ERROR)
                 )
             if method == "qp":
                 dq = bounded_move(problem, q, at, damping, null_velocity)

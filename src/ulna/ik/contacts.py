@@ -1,4 +1,4 @@
-"""What collision-free inverse kinematics asks about configurations: by the exact shapes, or by covering spheres."""
+"""Collision checks of collision-free inverse kinematics: by the exact shapes, or by covering spheres."""
 
 from __future__ import annotations
 

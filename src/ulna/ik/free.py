@@ -1,4 +1,4 @@
-"""Inverse kinematics that touches nothing: many configurations that reach a goal, the nearest free one of them.
+"""Collision-free inverse kinematics: many configurations that reach a goal, the nearest free one of them.
 
 An arm with finitely many solutions is asked for all of them (`ulna.ik.branches`), so that "all collide" is an answer.
 Any other is asked from more and more starting points, farther and farther from where it stands. What is returned
@@ -31,8 +31,8 @@ from ulna.typing import Array, ArrayLike, Floats
 T_ = TypeVar("T_")
 
 _FIRST, _MOST = 7, 64  # starting points of the first and of the largest round
-_WHOLE = 64  # the starting point from which on they are drawn from the whole ranges
-_SAME = 1e-3  # rad or m: solutions this near are one
+_FULL_RANGE_START = 64  # the starting point from which on they are drawn from the whole ranges
+_SAME_SOLUTION = 1e-3  # rad or m: solutions this near are one
 _CHECKED = 16  # configurations checked together; at first fewer, since the nearest is often free
 _EXPLAINED = 32  # configurations examined to explain why there is no solution
 
@@ -50,7 +50,7 @@ class FreeSolution:
         rotation_error: Angle from the goal [rad], likewise.
         distance: How far everything is apart at least [m], (...): computed where there is no solution, else nan.
         candidates: How many configurations that reach the goal were looked at, (...).
-        reason: Why there is no solution, in words; "" where there is one. An array of such for a batch.
+        reason: Why there is no solution, as text; "" where there is one. An array of such for a batch.
     """
 
     q: Floats
@@ -262,7 +262,7 @@ class FreeSolver:
         low, high = self.solver.problem.range
         while done < options.attempts:
             count = min(done + _FIRST, _MOST, options.attempts - done)
-            radius = np.minimum((done + np.arange(count)) / _WHOLE, 1.0)[:, None]
+            radius = np.minimum((done + np.arange(count)) / _FULL_RANGE_START, 1.0)[:, None]
             starts = np.repeat(home[None], count, axis=0)
             there = rng.uniform(low, high, (count, len(low)))
             starts[:, drawn] += radius * (there - starts[:, drawn])
@@ -278,7 +278,7 @@ class FreeSolver:
             return solutions if solutions[0] else []
         q, good = solutions.q, np.asarray(solutions.success)
         known = np.array([solution.q for solution in reaching]).reshape(-1, self.model.nq)
-        same = self._apart(q[:, None], np.concatenate([q, known])) < _SAME
+        same = self._apart(q[:, None], np.concatenate([q, known])) < _SAME_SOLUTION
         new: list[int] = []
         for i in np.argsort(self._apart(home, q), kind="stable").tolist():
             if good[i] and not (same[i, new].any() or same[i, len(q) :].any()):

@@ -88,8 +88,8 @@ def mask_of(value: Any) -> Mask:
             f"`mask` is {value!r}; expected one of {', '.join(map(repr, MASKS))}, or six weights "
             "(x, y, z, rx, ry, rz), 0 where the pose is free, in world axes."
         )
-    whole = tuple(w / max(weights) for w in weights)
-    return Mask(whole[:3], whole[3:])
+    chord_length = tuple(w / max(weights) for w in weights)
+    return Mask(chord_length[:3], chord_length[3:])
 
 
 class Distance(NamedTuple):
@@ -185,9 +185,9 @@ def _sine_and_cosine(R: Array, R_goal: Array, mask: Mask) -> tuple[Array, Any, S
 
 def _arc(s: Array, c: Any, chord: Array) -> Any:
     """How much longer than its chord the angle is, 1 to pi/2."""
-    whole = numeric.sqrt(numeric.dot(chord, chord))
+    chord_length = numeric.sqrt(numeric.dot(chord, chord))
     theta = numeric.arctan2(numeric.sqrt(numeric.dot(s, s)), c)
-    return numeric.where(whole > 1e-6, theta / numeric.maximum(whole, 1e-6), 1.0)
+    return numeric.where(chord_length > 1e-6, theta / numeric.maximum(chord_length, 1e-6), 1.0)
 
 
 def squared_tolerances(position: float, rotation: float) -> tuple[float, float]:

@@ -96,9 +96,9 @@ def solve_box(H: Array, g: Array, lower: Array, upper: Array) -> Boxed:
             following[i] = where(inside | projected, t[i], x[i] + first * (t[i] - x[i]))
         wrong = reduce(maximum, release.values(), zero)
         done = where(inside, 1.0 - wrong, 0.0)
-        left = reduce(maximum, (_if_free(side.get(i), abs(slope[i])) for i in range(n)))
+        residual = reduce(maximum, (_if_free(side.get(i), abs(slope[i])) for i in range(n)))
         scale = large + size * reduce(maximum, (abs(e) for e in c))
-        return (*sides, *following, done, where(left <= _RESIDUAL * scale, done, 0.0))
+        return (*sides, *following, done, where(residual <= _RESIDUAL * scale, done, 0.0))
 
     start = [clip(zero, low[i], high[i]) for i in range(n)]
     state = (*(zero for _ in bounded), *start, zero, zero)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ulna.ik.problem import Problem
 
 _AT_LIMIT = 1e-9
-_SHOWN = 4
+_MAX_PRINTED = 4
 _ROUNDING = 1e-12
 
 
@@ -81,7 +81,7 @@ class IKSolution(Collection, metaclass=Explained):
 
     @property
     def reason(self) -> Any:
-        """Why there is no solution, in words; "" where there is one. An array of such, (...), for a batch."""
+        """Why there is no solution, as text; "" where there is one. An array of such, (...), for a batch."""
         self._require_numbers("reason")
         if self._raw.ndim == 1:
             return self._reason_of(self._raw)
@@ -116,7 +116,7 @@ class IKSolution(Collection, metaclass=Explained):
         if self._raw.ndim > 1:
             return f"<{self._raw[..., 0].size} IK solutions, {int(self.success.sum())} of them successful>"
         status = "solution" if self.success else f"no solution: {self.reason}"
-        with np.printoptions(precision=_SHOWN, suppress=True):
+        with np.printoptions(precision=_MAX_PRINTED, suppress=True):
             return f"<IK {status}, q={self.q}, {self.iterations} iterations>"
 
     def figures(self) -> tuple[Any, ...]:

@@ -37,8 +37,8 @@ STALL_RATIO = 0.8  # the part of the squared error that may remain after a step 
 BATCH_STEPS = 4  # steps of a batch between two removals of the goals that are met
 NEAR_START = 1.0  # rad or m: how near to q0 an answer must be to be taken before other lanes have answered
 _DAMPING = 0.04  # tuned on Panda, UR5 and an arm of Talos for the fewest steps in the mean
-_LEAST_DAMPING = 1e-9
-_FAR = 1e300
+_MIN_DAMPING = 1e-9
+_INFINITE_ERROR = 1e300
 DESCENT = 400  # evaluations of the error until a descent ends
 _FIRST, _SMALLEST, _LARGEST = 0.03, 1e-9, 1e6  # damping of a descent, in squares of the problem's length
 
@@ -101,7 +101,7 @@ class Attempt(NamedTuple):
         Returns:
             The attempt.
         """
-        return cls(q, number, 0.0, _FAR, 0.0, q, _FAR)
+        return cls(q, number, 0.0, _INFINITE_ERROR, 0.0, q, _INFINITE_ERROR)
 
 
 def starting_point(problem: Problem, q0: Array, shift: Array, number: Any, radius: Any) -> Array:
@@ -165,7 +165,7 @@ def advance(
     """
     at = errors(problem, now.q, goals, tolerances)
     scale = problem.length**2
-    damping = _DAMPING * at.squared + _LEAST_DAMPING * scale
+    damping = _DAMPING * at.squared + _MIN_DAMPING * scale
     lower = None if descends is None else descent(now, at.squared, scale)
     if lower is not None:
         damping = numeric.where(descends, lower.damping, damping)
@@ -176,7 +176,7 @@ def advance(
     anew = starting_point(problem, q0, shift, following, _draw_radius(following, near))
     better = at.is_met | (at.squared < now.least)
     keeps, restarts = at.is_met, over
-    age, before = numeric.where(over, 0.0, now.age + 1.0), numeric.where(over, _FAR, at.squared)
+    age, before = numeric.where(over, 0.0, now.age + 1.0), numeric.where(over, _INFINITE_ERROR, at.squared)
     is_met = numeric.where(at.is_met, 1.0, 0.0)
     if lower is not None and descends is not None:
         keeps, restarts = keeps & ~descends, numeric.where(descends, lower.is_worse, over)
@@ -267,7 +267,7 @@ def multi_start(problem: Problem, lanes: int = LANES) -> Function:
         )
         first = first._replace(
             age=numeric.where(descends, _FIRST * problem.length**2, 0.0),
-            before=numeric.where(descends, 1.0, _FAR),
+            before=numeric.where(descends, 1.0, _INFINITE_ERROR),
         )
         is_valid = are_rotations(goals)
 
@@ -303,7 +303,7 @@ def multi_start(problem: Problem, lanes: int = LANES) -> Function:
 def _best_lane(last: Attempt, cost: Any, number: Any, descends: Any, lanes: int) -> Any:
     """The lane that meets the goals at the least cost, or has the least error; lane 0 for a descent, which is there."""
     is_met = last.is_met > 0.5
-    rank = numeric.where(in_any_lane(is_met), numeric.where(is_met, cost, _FAR), last.least)
+    rank = numeric.where(in_any_lane(is_met), numeric.where(is_met, cost, _INFINITE_ERROR), last.least)
     rank = numeric.where(descends, number, rank)
     return least(numeric.where(rank <= least(rank), number, float(lanes)))
 
@@ -322,7 +322,7 @@ def batch_steps(problem: Problem) -> Function:
         def attempt(flat: Sequence[Any]) -> Attempt:
             q = problem.replaced(home, flat[:n])
             number, age, before, is_met = flat[n : n + 4]
-            return Attempt(q, number, age, before, is_met, q, _FAR)
+            return Attempt(q, number, age, before, is_met, q, _INFINITE_ERROR)
 
         def body(*flat: Any) -> tuple[Any, ...]:
             now = attempt(flat)

@@ -78,31 +78,31 @@ def derivatives_of(function: Function) -> Derivatives:
 
 
 def _forward(f: Function, moving: Choice) -> Function:
-    whole, count = f.jvp(), len(f.inputs)
+    derivative, count = f.jvp(), len(f.inputs)
 
     def along(*arrays: Any) -> Any:
         tangents = iter(arrays[count:])
         filled = [next(tangents) if m else np.zeros(p.shape) for m, p in zip(moving, f.inputs, strict=True)]
-        return whole(*arrays[:count], *filled)
+        return derivative(*arrays[:count], *filled)
 
-    ports = [*f.inputs, *(p for p, m in zip(whole.inputs[count:], moving, strict=True) if m)]
-    return _traced(along, whole, ports)
+    ports = [*f.inputs, *(p for p, m in zip(derivative.inputs[count:], moving, strict=True) if m)]
+    return _traced(along, derivative, ports)
 
 
 def _reverse(f: Function, wanted: Choice, without: int) -> Function:
-    whole, count = f.vjp(), len(f.inputs) - without
+    derivative, count = f.vjp(), len(f.inputs) - without
 
     def back(*arrays: Any) -> Any:
         absent = [np.zeros(p.shape) for p in f.inputs[count:]]
-        bars = whole(*arrays[:count], *absent, *arrays[count:])
-        bars = (bars,) if whole.single else bars
+        bars = derivative(*arrays[:count], *absent, *arrays[count:])
+        bars = (bars,) if derivative.single else bars
         return tuple(bar for bar, w in zip(bars, wanted, strict=True) if w)
 
-    return _traced(back, whole, [*f.inputs[:count], *whole.inputs[len(f.inputs) :]])
+    return _traced(back, derivative, [*f.inputs[:count], *derivative.inputs[len(f.inputs) :]])
 
 
-def _traced(run: Any, whole: Function, ports: Sequence[Port]) -> Function:
+def _traced(run: Any, derivative: Function, ports: Sequence[Port]) -> Function:
     """The part of a derivative that is needed, as a function of these ports (whose names may repeat)."""
-    rules = "relaxed" if whole.graph.relaxed else "exact"
+    rules = "relaxed" if derivative.graph.relaxed else "exact"
     shapes: dict[str, Any] = {f"x{k}": port.shape for k, port in enumerate(ports)}
-    return trace(run, name=whole.name, rules=rules, **shapes)
+    return trace(run, name=derivative.name, rules=rules, **shapes)

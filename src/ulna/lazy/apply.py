@@ -120,13 +120,13 @@ def _operand(value: Any, slot: Slot) -> Any:
         not math.isnan(a) and a != b for a, b in zip(known, slot.shape, strict=True)
     ):  # a length that is not known is examined with the numbers
         check_core_shape(slot.name, value, slot.shape)
-    whole = {axis: -1 for axis in range(start, value.ndim) if len(value.chunks[axis]) > 1}
-    if whole and any(math.isnan(n) for n in known):
+    single_chunk = {axis: -1 for axis in range(start, value.ndim) if len(value.chunks[axis]) > 1}
+    if single_chunk and any(math.isnan(n) for n in known):
         raise InputError(
             f"`{slot.name}` is cut along its last axes into blocks of unknown lengths; expected "
             f"{batched_shape(slot.shape)}. {slot.name}.compute_chunk_sizes() finds them."
         )
-    return value.rechunk(whole) if whole else value
+    return value.rechunk(single_chunk) if single_chunk else value
 
 
 def _check_batch(arrays: Sequence[Any], inputs: Sequence[Slot]) -> None:

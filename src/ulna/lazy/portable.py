@@ -18,7 +18,7 @@ from ulna import version
 from ulna.errors import InputError, VersionMismatch
 from ulna.system import forks
 
-_MOST = 128  # functions that a process keeps
+_MAX_CACHED_FUNCTIONS = 128  # functions that a process keeps
 _known: OrderedDict[str, Any] = OrderedDict()
 _lock = forks.lock()
 
@@ -140,6 +140,6 @@ def _remember(digest: str, function: Any) -> Any:
     with _lock:
         function = _known.setdefault(digest, function)
         _known.move_to_end(digest)
-        while len(_known) > _MOST:
+        while len(_known) > _MAX_CACHED_FUNCTIONS:
             _known.popitem(last=False)
     return function

@@ -1,4 +1,4 @@
-"""What a function of arrays takes or returns at one place."""
+"""One argument or result of a function of arrays."""
 
 from __future__ import annotations
 

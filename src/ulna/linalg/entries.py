@@ -1,4 +1,4 @@
-"""Entries of small matrices as lists of rows: elimination, cofactors, and the way there and back."""
+"""Entries of small matrices as lists of rows: elimination, cofactors, and conversions from and to arrays."""
 
 from __future__ import annotations
 

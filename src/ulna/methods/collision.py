@@ -20,7 +20,9 @@ _TRACED = (
     "outside, and pass what it finds as an argument."
 )
 
-_KEPT = 16  # checkers of worlds used last; a world that changes with every call must not fill the memory
+_CACHED_CHECKERS = (
+    16  # checkers of worlds used last; a world that changes with every call must not fill the memory
+)
 
 
 class CollisionQueries(Part):
@@ -234,7 +236,7 @@ def _checker(part: Part, world: World | None = None, *, method: Method = "exact"
     if checker is None:
         checker = makers[method](part.model, world, **options)
     cache[key] = checker
-    for old in list(cache)[:-_KEPT]:
+    for old in list(cache)[:-_CACHED_CHECKERS]:
         cache.pop(old, None)  # another thread may have been faster
     return checker
 

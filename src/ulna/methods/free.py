@@ -1,4 +1,4 @@
-"""Inverse kinematics of a robot that must not touch anything."""
+"""Collision-free inverse kinematics of a robot."""
 
 from __future__ import annotations
 

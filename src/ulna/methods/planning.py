@@ -1,4 +1,4 @@
-"""Motions that touch nothing, as a method of the robot."""
+"""Collision-free motions, as a method of the robot."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def add_model(
     """
     if onto is not None:
         builder.require_link(onto, "The model is to be fixed to it; add it first.")
-    _refuse_shared_names(builder, model, prefix)
+    _reject_shared_names(builder, model, prefix)
     copy = _Copy(builder, model, prefix, locked or {})
     place = SE3.identity() if placement is None else placement
     for link in model.links:
@@ -65,7 +65,7 @@ def add_model(
         builder.add_group(prefix + group, [prefix + name for name in names])
 
 
-def _refuse_shared_names(builder: PartsBuilder, model: Model, prefix: str) -> None:
+def _reject_shared_names(builder: PartsBuilder, model: Model, prefix: str) -> None:
     joints = [f.name for f in model.frames if f.kind in ("joint", "fixed_joint")]
     points = [f.name for f in model.frames if f.kind in ("user", "tool")]
     for what, names, taken in (

@@ -1,4 +1,4 @@
-"""The masses and inertias of a model, out as numbers and in again, exactly or perturbed.
+"""The masses and inertias of a model: read as arrays, replaced, or perturbed.
 
 The ten parameters of a body are m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz, with the rotational inertia about
 the origin of its joint's moving frame [kg, kg m, kg m^2], in the order of Pinocchio. A body is all that a movable

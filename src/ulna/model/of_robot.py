@@ -1,4 +1,4 @@
-"""The model that is meant where a function takes a robot or its model."""
+"""The model of an argument that is a robot or a model."""
 
 from __future__ import annotations
 

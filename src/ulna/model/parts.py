@@ -1,4 +1,4 @@
-"""What a model is made of: joints, links, frames, limits and mimic relations, as frozen values."""
+"""The parts of a model: joints, links, frames, limits and mimic relations, as frozen values."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ class PartsBuilder:
             2.0
         """
         links = self._state.links
-        _refuse_twice("link", checked_name("link", name, where), links, where)
+        _reject_duplicate_name("link", checked_name("link", name, where), links, where)
         links[name] = LinkRecord(
             name,
             checked_inertia(name, inertia, where),
@@ -168,7 +168,7 @@ class PartsBuilder:
             >>> ulna.Robot(builder.build()).fk([0.7])[:3, 3]
             array([0. , 0. , 0.7])
         """
-        _refuse_twice("joint", checked_name("joint", name, where), self._state.joints, where)
+        _reject_duplicate_name("joint", checked_name("joint", name, where), self._state.joints, where)
         kind = checked_kind(name, kind, where)
         if checked_name(f"parent of joint {name!r}", parent, where) == child:
             raise wrong(where, f"Joint {name!r} connects link {parent!r} with itself; expected two links.")
@@ -245,7 +245,7 @@ class PartsBuilder:
             ModelError: the name is taken, or a value cannot be used.
         """
         frames = self._state.frames
-        _refuse_twice("frame", checked_name("frame", name, where), frames, where)
+        _reject_duplicate_name("frame", checked_name("frame", name, where), frames, where)
         if kind not in ("user", "tool"):
             raise wrong(where, f"Frame {name!r} is to be of kind {kind!r}; expected 'user' or 'tool'.")
         link = checked_name(f"link of frame {name!r}", link, where)
@@ -332,7 +332,7 @@ def _pose(pose: SE3 | None) -> SE3:
     return SE3.identity() if pose is None else pose
 
 
-def _refuse_twice(
+def _reject_duplicate_name(
     what: str, name: str, taken: Mapping[str, LinkRecord | JointRecord | FrameRecord], where: str
 ) -> None:
     if name in taken:

@@ -1,4 +1,4 @@
-"""From what a person writes for a position, an array or numbers by joint name, to q."""
+"""Configurations as users write them, arrays or numbers by joint name, converted to q."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Locking joints: the model with fewer of them that is left when some stand still."""
+"""Locking joints: the model with fewer joints in which some are fixed."""
 
 from __future__ import annotations
 
@@ -46,23 +46,23 @@ def lock_joints(model: Model, joints: Mapping[str, Any] | Iterable[str], q: Any 
             f"`joints` is {joints!r}; expected names in a list, or a dictionary from names to positions."
         )
     positions: Mapping[str, Any] = joints if isinstance(joints, Mapping) else dict.fromkeys(joints)
-    whole = np.array(model.neutral) if q is None else position(model, q)
+    configuration = np.array(model.neutral) if q is None else position(model, q)
     locked: dict[str, Floats] = {}
     for name, value in positions.items():
         if name not in model.joint_names:
             raise UnknownName("movable joint", name, model.joint_names, "It is to be locked.")
         joint = model.joint(name)
         if value is None:
-            locked[name] = np.asarray(joint.kind.normalize(joint.q_of(whole)))
+            locked[name] = np.asarray(joint.kind.normalize(joint.q_of(configuration)))
         else:
             locked_position = local_position(joint.kind.nq, value, f"position to lock joint {name!r} at")
             locked[name] = np.asarray(joint.kind.normalize(locked_position))
             if joint.mimic is None:
-                whole[joint.idx_q : joint.idx_q + joint.nq] = locked_position
+                configuration[joint.idx_q : joint.idx_q + joint.nq] = locked_position
     for joint in model.joints:
         follows = joint.mimic is not None and model.joints[joint.mimic.source].name in locked
         if follows and joint.name not in locked:
-            locked[joint.name] = np.asarray(joint.q_of(whole))
+            locked[joint.name] = np.asarray(joint.q_of(configuration))
     return rebuilt(model, locked=locked)
 
 
@@ -81,9 +81,9 @@ def rebuilt(
     """
     builder = ModelBuilder(model.name, model.source)
     builder.gravity = model.gravity
-    gone = model.links[0].parent_joint
-    if root is not None and root["name"] != gone:
-        groups = {name: tuple(j for j in joints if j != gone) for name, joints in model.groups.items()}
+    root_joint = model.links[0].parent_joint
+    if root is not None and root["name"] != root_joint:
+        groups = {name: tuple(j for j in joints if j != root_joint) for name, joints in model.groups.items()}
         model = replace(model, groups=groups)
     builder.add_model(model, locked=locked)
     if root is not None:

@@ -227,9 +227,9 @@ def _plain(kind: JointKind) -> Iterator[int]:
 
 
 def _shifted(model: Model, value: Array) -> Model:
-    whole = np.zeros(model.nq, dtype=value.dtype)
-    whole[list(offset_entries(model))] = value
-    parts = [whole[joint.idx_q : joint.idx_q + joint.kind.nq] for joint in model.joints]
+    expanded = np.zeros(model.nq, dtype=value.dtype)
+    expanded[list(offset_entries(model))] = value
+    parts = [expanded[joint.idx_q : joint.idx_q + joint.kind.nq] for joint in model.joints]
     if is_symbolic(value):
         joints = (_Shifted(**vars(joint), zero=zero) for joint, zero in zip(model.joints, parts, strict=True))
         return replace(model, joints=tuple(joints))

@@ -18,7 +18,7 @@ from ulna.trajectory import Polynomial
 from ulna.trajectory.space import Configurations
 from ulna.typing import Floats
 
-_LEAST_BLEND = 1e-6  # shorter ones stay corners [rad, m]
+_MIN_BLEND_LENGTH = 1e-6  # shorter ones stay corners [rad, m]
 
 
 def motion_path(model: Model, points: Floats, deviation_bounds: Floats | None = None) -> Polynomial:
@@ -42,7 +42,7 @@ def motion_path(model: Model, points: Floats, deviation_bounds: Floats | None = 
         most = (turn @ deviation_bounds.T).max(axis=1)
         allowed = np.divide(4.0, most, out=np.full(len(turn), np.inf), where=most > 0.0)
         b[1:-1] = np.minimum(allowed, 0.5 * np.minimum(lengths[:-1], lengths[1:]))
-        b[b < _LEAST_BLEND] = 0.0
+        b[b < _MIN_BLEND_LENGTH] = 0.0
     clock, pieces = [0.0], []
     for k, direction in enumerate(u):
         straight = lengths[k] - b[k] - b[k + 1]

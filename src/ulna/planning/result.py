@@ -25,7 +25,7 @@ class Plan:
     Attributes:
         outcome: "solved"; or what stood in the way: the "start" or "goal" touches something or is out of limits, the
             goal's pose is "unreachable", or the limit of "iterations" or of "time" was reached.
-        reason: The same in words, with links, obstacles, joints and by how much.
+        reason: The same as a sentence, with links, obstacles, joints and by how much.
         points: Configurations, shape (n, nq) [rad, m]; none where there is no path.
         certificate: Which edges are proved free between their points; None where there is no path.
         goal: Which of the goals was reached; -1 for none.

@@ -26,7 +26,7 @@ COARSE = (8.0, 2.0, 0.5)
 """The steps of the search, and of searches for detours where its path touches in between, in those of the proof."""
 
 _CAPACITY = 2048  # of a tree, at first
-_ROOM = 512  # points of a path, at first
+_INITIAL_CAPACITY = 512  # points of a path, at first
 _POINTS = 16  # start and goals, at first
 _DOMAIN, _LEAST_DOMAIN, _CHANGE = 4.0, 1.0, 1e-4  # of nodes, in the longest edge but the last
 
@@ -42,7 +42,7 @@ class Storage:
         self.nq = nq
         self.samples, self.parts = np.zeros((SLICE, nq), np.float32), np.zeros(SLICE, np.float32)
         self.make_trees(_CAPACITY)
-        self.make_path(_ROOM)
+        self.make_path(_INITIAL_CAPACITY)
         self.make_points(_POINTS)
 
     def make_trees(self, capacity: int) -> None:

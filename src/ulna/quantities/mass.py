@@ -20,7 +20,7 @@ from ulna.numeric import is_symbolic
 
 MASS_PARAMETERS = frozenset({"placement", "shift", "offset", "inertia", "armature"})
 """Parameters of a model (see `ulna.model.parameters`) that the inverse of its mass matrix depends on."""
-_LEAST_DIGITS = {"float64": 4, "float32": 2}
+_MIN_DIGITS = {"float64": 4, "float32": 2}
 """Decimal digits of accelerations below which a warning is due."""
 
 
@@ -116,20 +116,20 @@ _warned: set[tuple[str, str]] = set()
 
 def _warn(model: Model, report: _Conditioning, dtype: str) -> None:
     digits = -np.log10(np.finfo(dtype).eps) - np.log10(report.worst.kappa)
-    if digits >= _LEAST_DIGITS[dtype] or (model.fingerprint, dtype) in _warned:
+    if digits >= _MIN_DIGITS[dtype] or (model.fingerprint, dtype) in _warned:
         return
     _warned.add((model.fingerprint, dtype))
     named = _listed(model, report.worst.weak)
     size = (
         f"has the condition number {report.worst.kappa:.1e}" if report.worst.kappa < np.inf else "is singular"
     )
-    left = (
+    accuracy = (
         f"about {digits:.0f} digits of them are right" if digits >= 1.0 else "none of their digits are right"
     )
     better = ", compute in float64" if dtype == "float32" else ""
     warnings.warn(
         f"The mass matrix of {model.name!r} {size}{report.place}: {named} can move almost without inertia. "
-        f"Accelerations, its inverse and derivatives are computed, but there {left} in {dtype}. Give their links "
+        f"Accelerations, its inverse and derivatives are computed, but there {accuracy} in {dtype}. Give their links "
         f"inertia, give them armature (robot.with_parameters({{'armature': ...}})), lock them (robot.lock([{named}]))"
         f"{better}; robot.mass_matrix and robot.inverse_dynamics are not affected.",
         ModelWarning,

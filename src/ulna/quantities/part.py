@@ -1,4 +1,4 @@
-"""What every group of methods of a robot stands on: a model, and its kernels by name."""
+"""The base of every group of methods of a robot: a model, and its kernels by name."""
 
 from __future__ import annotations
 

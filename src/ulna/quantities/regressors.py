@@ -1,4 +1,4 @@
-"""What of a robot is linear in the masses and inertias of its bodies."""
+"""Regressors: the matrices of quantities that are linear in the masses and inertias of the bodies."""
 
 from __future__ import annotations
 

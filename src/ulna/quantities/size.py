@@ -3,7 +3,7 @@
 | symbol | meaning |
 |---|---|
 | n | number of columns of S, of all joints or of those that carry the frames asked for |
-| n_k | number of columns on the way from the world to column k, itself included (Featherstone 2008, section 6.5) |
+| n_k | number of columns between the world and column k, itself included (Featherstone 2008, section 6.5) |
 | nodes | a n + b sum n_k + c sum n_k^2 |
 
 The coefficients are those of chains with inclined axes, which are the largest: robots have half as many nodes or more.
@@ -17,7 +17,7 @@ from math import ceil
 from typing import Any
 
 from ulna.algorithms.multibody.tree import steps
-from ulna.compiler.language.graph import most_operations, refuse_size
+from ulna.compiler.language.graph import most_operations, raise_too_large
 from ulna.model import Model
 from ulna.quantities.quantity import Quantity
 
@@ -63,7 +63,9 @@ def sized(model: Model, quantity: Quantity, options: Mapping[str, Any]) -> Itera
     nodes = estimated_nodes(model, quantity, options)
     what = f"{quantity.name} of {model.name!r}"
     if nodes > most_operations():
-        refuse_size(f"{what} would take about {_rounded(nodes)} operations", nodes * SECONDS, nodes * BYTES)
+        raise_too_large(
+            f"{what} would take about {_rounded(nodes)} operations", nodes * SECONDS, nodes * BYTES
+        )
     seconds = nodes * SECONDS
     if _TRACING * seconds < _SILENT_SECONDS:
         yield

@@ -197,19 +197,19 @@ class LoopedKernel(KernelBase):
     @property
     def gufunc(self) -> NoReturn:
         """Refused: NumPy's inner loop is separate machine code, which this kernel has not."""
-        self._refuse("no generalised ufunc", "Call the kernel: it takes batches and `out`.")
+        self._reject("no generalised ufunc", "Call the kernel: it takes batches and `out`.")
 
     @property
     def operations(self) -> NoReturn:
         """Refused: there is no graph whose operations could be counted."""
-        self._refuse("no graph of operations")
+        self._reject("no graph of operations")
 
     @property
     def operation_counts(self) -> NoReturn:
         """Refused, as `operations`."""
-        self._refuse("no graph of operations")
+        self._reject("no graph of operations")
 
-    def _refuse(self, what: str, fix: str = "") -> NoReturn:
+    def _reject(self, what: str, fix: str = "") -> NoReturn:
         fix = fix or (
             f"robot.function({self._looped.name!r}) traces one, unless it is too large; kernel.ir() shows the code."
         )

@@ -86,7 +86,7 @@ def tree_table(model: Model, joints: Sequence[int] | None = None) -> TreeTable:
 
     Args:
         model: The robot.
-        joints: Ascending indices; with every joint, the joints it stands on; None for all.
+        joints: Ascending indices; with every joint, its ancestors; None for all.
 
     Returns:
         The table, which procedures only read.

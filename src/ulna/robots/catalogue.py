@@ -112,7 +112,7 @@ def _find_in(source: Source, name: str, asked: bool) -> Entry | None:
     return Entry(module, source, "fetched on first use") if module else None
 
 
-def build_own(name: str, *, root: str | JointKind | None = None, visuals: str = "auto") -> Model:
+def build_bundled(name: str, *, root: str | JointKind | None = None, visuals: str = "auto") -> Model:
     """A robot written down in this package.
 
     Args:

@@ -7,8 +7,9 @@ import os
 import secrets
 import shutil
 from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -48,6 +49,43 @@ def write(to: Path, arrays: Mapping[str, Array], attributes: Mapping[str, Any]) 
         os.replace(beside, to)
     finally:
         shutil.rmtree(beside, ignore_errors=True)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StoredResult:
+    """A result of a job that is a Zarr group when saved: one array for each field, `job` as its attributes."""
+
+    KIND: ClassVar[str]
+    job: Mapping[str, Any] = field(kw_only=True)
+
+    @classmethod
+    def arrays(cls) -> tuple[str, ...]:
+        """The names of its arrays."""
+        return tuple(f.name for f in fields(cls) if f.name != "job")
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the result as a Zarr group.
+
+        Args:
+            path: The folder.
+        """
+        write(Path(path), {name: getattr(self, name) for name in self.arrays()}, self.job)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Reads a result.
+
+        Args:
+            path: The folder.
+
+        Returns:
+            The result.
+
+        Raises:
+            InputError: If there is none.
+        """
+        group = opened(path, cls.KIND)
+        return cls(**{name: group[name][...] for name in cls.arrays()}, job=group.attrs.asdict())
 
 
 def check(path: Path, description: Mapping[str, Any]) -> Any:

@@ -125,7 +125,7 @@ def _reach(chosen: argparse.Namespace) -> None:
     from ulna.viewer.page.html_file import checked_html_path
 
     if not (chosen.to or chosen.picture or chosen.page):
-        raise InputError("Nothing is asked for: give --to, --picture or --page.")
+        raise InputError("There is nothing to do: give --to, --picture or --page.")
     if chosen.picture:
         checked_png_path(chosen.picture)  # before the work, which may take hours
     if chosen.page:

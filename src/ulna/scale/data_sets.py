@@ -23,7 +23,7 @@ from ulna.typing import Array
 _DRAWN = ("q", "v", "a", "tau")
 _COLLIDES = "collides"
 _ACCELERATION = 10.0  # bound of the accelerations that are drawn [rad/s^2 or m/s^2]
-_MOST_PART = 2**31 - 1  # bytes: the largest chunk that compressors of Zarr take
+_MAX_CHUNK_BYTES = 2**31 - 1  # bytes: the largest chunk that compressors of Zarr take
 
 
 def data_set(
@@ -154,7 +154,7 @@ class DataSet(SampledJob):
         )
         count, chunk = self.samples.count, min(self.samples.chunk, self.samples.count)
         for name, row in rows.items():
-            if chunk * row.nbytes > _MOST_PART:
+            if chunk * row.nbytes > _MAX_CHUNK_BYTES:
                 raise InputError(
                     f"A chunk of {name!r} would have {chunk * row.nbytes:,} bytes; make `chunk` smaller."
                 )
@@ -188,7 +188,7 @@ class DataSet(SampledJob):
         return {"checksum": np.array(checksum, dtype=np.uint32)}
 
     def fold(self, state: State, part: int, result: State) -> None:
-        """Keeps the checksum of a part.
+        """Stores the checksum of a part.
 
         Args:
             state: The checksums.

@@ -126,10 +126,10 @@ class _Run:
             if missing:
                 self._take(results(missing))
         except Interrupted as error:
-            self._save_what_is_whole()
+            self._save_if_complete()
             raise self._stopped(str(error)) from error
         except KeyboardInterrupt:
-            self._save_what_is_whole()
+            self._save_if_complete()
             print(f"\n{self._stopped('Stopped by Ctrl-C.')}", file=sys.stderr)
             raise
         except OSError as error:
@@ -137,7 +137,7 @@ class _Run:
                 raise self._stopped(f"Nothing can be written: {error}.") from error
             raise
         except Exception:
-            self._save_what_is_whole()
+            self._save_if_complete()
             raise
         self._save()
         result = self._job.finish(self._state, self._to)
@@ -162,7 +162,7 @@ class _Run:
             self._store.save(self._state, self._done)
             self._written = time.monotonic()
 
-    def _save_what_is_whole(self) -> None:
+    def _save_if_complete(self) -> None:
         """Writes the state at the end of a job that stops, unless that is impossible or half a part is in it."""
         if self._is_whole:
             with suppress(OSError):

@@ -19,7 +19,7 @@ from ulna.typing import Array
 
 NAMES = ("q", "v", "a", "tau")
 _FILES = ", ".join(f"{name}.npy" for name in NAMES)
-_LOOK = 1000  # rows at both ends by which a log is known again
+_FINGERPRINT_ROWS = 1000  # rows at both ends by which a log is known again
 
 
 @final
@@ -127,4 +127,6 @@ class LogSource:
         Returns:
             The fingerprint.
         """
-        return fingerprint(rows, *self.read(0, _LOOK), *self.read(max(0, rows - _LOOK), rows))
+        return fingerprint(
+            rows, *self.read(0, _FINGERPRINT_ROWS), *self.read(max(0, rows - _FINGERPRINT_ROWS), rows)
+        )

@@ -15,7 +15,7 @@ from ulna.planning import Plan, Planner
 from ulna.robot import Robot
 from ulna.scale import archive, growing
 from ulna.scale.job import SampledJob, Samples, State
-from ulna.scale.plan_set import KIND, OUTCOMES, PlanSet
+from ulna.scale.plan_set import OUTCOMES, PlanSet
 from ulna.system.cached import cached_property
 from ulna.typing import Floats
 
@@ -41,7 +41,7 @@ class Plans(SampledJob):
         searching: Of `Planner.plan`: shorten, improve, iterations, timeout.
     """
 
-    kind: ClassVar[str] = KIND
+    kind: ClassVar[str] = PlanSet.KIND
     robot: Robot
     samples: Samples
     starts: Floats | None

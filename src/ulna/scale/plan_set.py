@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from pathlib import Path
-from typing import Any, final
+from dataclasses import dataclass
+from typing import ClassVar, final
 
 import numpy as np
 
 from ulna.checks.values import count
 from ulna.planning.result import Outcome
-from ulna.scale import archive
+from ulna.scale.archive import StoredResult
 from ulna.typing import Array, Floats
 
 OUTCOMES: tuple[Outcome, ...] = ("solved", "start", "goal", "unreachable", "iterations", "time")
-KIND = "plans"
 
 
 @final
 @dataclass(frozen=True, eq=False, repr=False)
-class PlanSet:
+class PlanSet(StoredResult):
     """The plans of n problems.
 
     Attributes:
@@ -39,6 +35,7 @@ class PlanSet:
         job: What was asked: robot, seed, options.
     """
 
+    KIND: ClassVar[str] = "plans"
     starts: Floats
     goals: Floats
     worlds: Array
@@ -50,7 +47,6 @@ class PlanSet:
     offsets: Array
     texts: Array
     text_offsets: Array
-    job: Mapping[str, Any]
 
     def __len__(self) -> int:
         return len(self.starts)
@@ -88,30 +84,6 @@ class PlanSet:
         """How many problems ended in each way."""
         return {name: int((self.outcomes == k).sum()) for k, name in enumerate(OUTCOMES)}
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the plans as a Zarr group.
-
-        Args:
-            path: The folder.
-        """
-        archive.write(Path(path), {name: getattr(self, name) for name in _ARRAYS}, self.job)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> PlanSet:
-        """Reads plans.
-
-        Args:
-            path: The folder.
-
-        Returns:
-            The plans.
-
-        Raises:
-            InputError: If there are none.
-        """
-        group = archive.opened(path, KIND)
-        return cls(*(group[name][...] for name in _ARRAYS), job=group.attrs.asdict())
-
     def _checked(self, number: int) -> int:
         return count("number", number, least=0, most=len(self) - 1)
 
@@ -122,6 +94,3 @@ class PlanSet:
             text += f", {int(self.certified.sum()):,} certified, median length {np.nanmedian(self.cost):.3g}"
         others = [f"{n:,} {name}" for name, n in self.counts().items() if n and name != "solved"]
         return f"<plans of {self.job['robot']!r}: {text}{'; ' if others else ''}{', '.join(others)}>"
-
-
-_ARRAYS = tuple(field.name for field in fields(PlanSet) if field.name != "job")

@@ -1,8 +1,8 @@
-"""Reachability maps: where a frame can be, from how many directions, how well it moves there, in how many ways.
+"""Reachability maps: by voxel, directions of approach, manipulability, and numbers of solutions of a frame.
 
 Source: Zacharias, Borst & Hirzinger, Capturing robot workspace structure: representing robot capabilities (2007), for
 the part of directions; Yoshikawa, Manipulability of robotic mechanisms (1985). The samples are configurations, uniform
-within the joint limits, which are led through forward kinematics.
+within the joint limits, whose poses follow by forward kinematics.
 """
 
 from __future__ import annotations
@@ -26,9 +26,10 @@ from ulna.system.cached import cached_property
 from ulna.typing import ArrayLike
 
 _ROWS = 16_384  # configurations at a time: their poses fit the second cache
-_SCOUTS, _ROOM = 100_000, 0.1  # samples that find the size of the grid, and what is added on each side
-_MOST = 4_000_000  # voxels: a worker has DIRECTIONS bytes for each
-_BRANCH_ROWS = 2_000
+_BOUNDS_SAMPLES = 100_000  # that determine the bounds of the grid
+_MARGIN = 0.1  # that is added to them on each side, as a part of the largest edge
+_MAX_VOXELS = 4_000_000  # voxels: a worker has DIRECTIONS bytes for each
+_SOLUTION_ROWS = 2_000
 
 
 def reach(
@@ -86,19 +87,19 @@ def reach(
 
 def _grid(robot: Robot, frame: str, voxel: float, bounds: ArrayLike | None) -> Grid:
     if bounds is None:
-        q = robot.random_configuration(_SCOUTS, seed=0)
+        q = robot.random_configuration(_BOUNDS_SAMPLES, seed=0)
         points = robot.fk(q, frame)[:, :3, 3]
         low, high = points.min(axis=0), points.max(axis=0)
-        room = _ROOM * (high - low).max()
-        low, high = low - room, high + room
+        margin = _MARGIN * (high - low).max()
+        low, high = low - margin, high + margin
     else:
         low, high = corners = np.asarray(bounds, dtype=float)
         if corners.shape != (2, 3) or not (np.isfinite(corners).all() and (low < high).all()):
             raise InputError(f"`bounds` is {bounds!r}; expected the lowest and highest corner, (2, 3) [m].")
     grid = Grid.around(low, high, voxel)
-    if grid.size > _MOST:
+    if grid.size > _MAX_VOXELS:
         raise InputError(
-            f"Voxels of {voxel} m would be {grid.size:,}; expected at most {_MOST:,}. Make them larger, or give "
+            f"Voxels of {voxel} m would be {grid.size:,}; expected at most {_MAX_VOXELS:,}. Make them larger, or give "
             "`bounds` and map one region after the other."
         )
     return grid
@@ -141,9 +142,9 @@ class Reach(SampledJob):
     def start(self) -> State:
         """The empty map."""
         n = self.grid.size
-        whole = ("count", "branches", "solved")
+        counts = ("count", "branches", "solved")
         return {
-            **{name: np.zeros(n, np.int64) for name in whole},
+            **{name: np.zeros(n, np.int64) for name in counts},
             "directions": np.zeros(n, np.uint64),
             "best": np.zeros(n),
             "sum": np.zeros(n),
@@ -182,28 +183,28 @@ class Reach(SampledJob):
             voxels, directions, measures = voxels[inside], directions[inside], measures[inside]
         count = np.bincount(voxels, minlength=n)
         at = np.flatnonzero(count)
-        found = {"at": at, "count": count[at], "outside": np.array([rows - len(voxels)])}
-        found["sum"] = np.bincount(voxels, weights=measures, minlength=n)[at]
+        result = {"at": at, "count": count[at], "outside": np.array([rows - len(voxels)])}
+        result["sum"] = np.bincount(voxels, weights=measures, minlength=n)[at]
         best = np.zeros(n)
         np.maximum.at(best, voxels, measures)
-        found["best"] = best[at]
-        seen = np.zeros((n, DIRECTIONS), dtype=bool)
-        seen.reshape(-1)[voxels * DIRECTIONS + directions] = True
-        found["directions"] = bits(seen[at])
-        return found | self._branches(part, rng)
+        result["best"] = best[at]
+        hit = np.zeros((n, DIRECTIONS), dtype=bool)
+        hit.reshape(-1)[voxels * DIRECTIONS + directions] = True
+        result["directions"] = bits(hit[at])
+        return result | self._branches(part, rng)
 
     def _branches(self, part: int, rng: np.random.Generator) -> State:
         """How many solutions further samples of a part have, by voxel."""
         first = part * self.solutions // self.parts
-        left = (part + 1) * self.solutions // self.parts - first
+        remaining = (part + 1) * self.solutions // self.parts - first
         voxels, counts = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
-        while left:
-            rows = min(left, _BRANCH_ROWS)
+        while remaining:
+            rows = min(remaining, _SOLUTION_ROWS)
             T = self.robot.fk(self.robot.random_configuration(rows, rng), self.frame)
             here, inside = self.grid.numbers(T[:, :3, 3])
             voxels.append(here[inside])
             counts.append(self.robot.ik_all(T[inside], frame=self.frame).count)
-            left -= rows
+            remaining -= rows
         return {"solved_at": np.concatenate(voxels), "solutions": np.concatenate(counts)}
 
     def fold(self, state: State, part: int, result: State) -> None:
@@ -245,7 +246,7 @@ class Reach(SampledJob):
         Returns:
             The map.
         """
-        found = ReachMap.of(self.grid, state, self.description(), self.robot)
+        reach_map = ReachMap.of(self.grid, state, self.description(), self.robot)
         if to is not None:
-            found.save(to)
-        return found
+            reach_map.save(to)
+        return reach_map

@@ -22,7 +22,7 @@ from ulna.robot import Robot
 from ulna.scale import archive
 from ulna.scale.factors import Factors
 from ulna.scale.job import SampledJob, Samples, State
-from ulna.scale.sweep_result import KIND, Sweep
+from ulna.scale.sweep_result import Sweep
 from ulna.system.cached import cached_property
 from ulna.typing import Floats
 
@@ -46,7 +46,7 @@ class Sweeping(SampledJob):
         levels: How many values each factor has on a grid; 0 for random samples.
     """
 
-    kind: ClassVar[str] = KIND
+    kind: ClassVar[str] = Sweep.KIND
     robot: Robot
     quantity: str
     settings: Mapping[str, Any]

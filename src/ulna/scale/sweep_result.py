@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from pathlib import Path
-from typing import Any, final
+from dataclasses import dataclass
+from typing import Any, ClassVar, final
 
 import numpy as np
 
-from ulna.scale import archive
+from ulna.scale.archive import StoredResult
 from ulna.typing import Floats
-
-KIND = "sweep"
 
 
 @final
 @dataclass(frozen=True, eq=False, repr=False)
-class Sweep:
+class Sweep(StoredResult):
     """What a sweep has found; S is the shape of the quantity, d the number of factors.
 
     Attributes:
@@ -36,6 +31,7 @@ class Sweep:
         job: What was asked: robot, quantity, names and ranges of factors, samples.
     """
 
+    KIND: ClassVar[str] = "sweep"
     mean: Floats
     deviation: Floats
     least: Floats
@@ -45,7 +41,6 @@ class Sweep:
     slope: Floats
     share: Floats
     explained: Floats
-    job: Mapping[str, Any]
 
     @property
     def factors(self) -> tuple[str, ...]:
@@ -65,30 +60,6 @@ class Sweep:
         values = (self.greatest_at if greatest else self.least_at)[entry]
         return dict(zip(self.factors, values.reshape(-1, len(self.factors))[0].tolist(), strict=True))
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the result as a Zarr group.
-
-        Args:
-            path: The folder.
-        """
-        archive.write(Path(path), {name: getattr(self, name) for name in _ARRAYS}, self.job)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Sweep:
-        """Reads a result.
-
-        Args:
-            path: The folder.
-
-        Returns:
-            The result.
-
-        Raises:
-            InputError: If there is none.
-        """
-        group = archive.opened(path, KIND)
-        return cls(*(group[name][...] for name in _ARRAYS), job=group.attrs.asdict())
-
     def __repr__(self) -> str:
         job = self.job
         share = self.share.reshape(-1, len(self.factors)).mean(axis=0)
@@ -98,6 +69,3 @@ class Sweep:
             f"<sweep of {job['quantity']!r} of {job['robot']!r}: {job['samples']:,} samples of {len(share)} factors; "
             f"most of the variance: {text}>"
         )
-
-
-_ARRAYS = tuple(field.name for field in fields(Sweep) if field.name != "job")

@@ -17,7 +17,7 @@ from ulna.scale.job import Samples, whole_number
 from ulna.scale.sweep_job import Sweeping
 from ulna.scale.sweep_result import Sweep
 
-_MOST = 1e12  # points of a grid
+_MAX_GRID_POINTS = 1e12  # points of a grid
 
 
 def sweep(
@@ -100,9 +100,9 @@ def _grid(factors: int, levels: int, samples: float | None) -> int:
     if samples is not None:
         raise InputError("`samples` is given beside `levels`; a grid has all combinations. Leave one out.")
     whole = whole_number("levels", levels, 2)
-    if float(whole) ** factors > _MOST:
+    if float(whole) ** factors > _MAX_GRID_POINTS:
         raise InputError(
             f"A grid of {whole} levels of {factors} factors has {float(whole) ** factors:.1g} points; expected at most "
-            f"{_MOST:.0g}. Vary less, or draw `samples`."
+            f"{_MAX_GRID_POINTS:.0g}. Vary less, or draw `samples`."
         )
     return whole**factors

@@ -44,8 +44,8 @@ Method = Literal["euler", "rk4", "adaptive"]
 _METHODS = ("euler", "rk4", "adaptive")
 _SOLVERS = ("RK45", "RK23", "DOP853", "Radau", "BDF", "LSODA")
 _ERROR = "an error above zero, at most 1"
-_MOST_STEPS = 10**8  # more do not fit
-_LONG = 20_000  # steps from which progress is shown
+_MAX_STEPS = 10**8  # more do not fit
+_PROGRESS_STEPS = 20_000  # steps from which progress is shown
 
 
 def dynamic_step(
@@ -148,7 +148,7 @@ def simulate(
         plant = _plant(robot, friction)
     else:
         plant = Plant(robot, friction, _constrained_acceleration(robot, start, constraints, kp))
-    duration, count = step_count(duration, dt, _MOST_STEPS)
+    duration, count = step_count(duration, dt, _MAX_STEPS)
     every = checked_count("every", every)
     times = np.linspace(0.0, duration, count + 1)
     if method == "adaptive":
@@ -172,7 +172,7 @@ def _equal_steps(
     """Steps of one length under a law and forces from outside, of which each `every`-th is recorded."""
     recording, count, total = Recording(), len(times) - 1, _sum(law, push, len(v))
     step = float(times[-1]) / count
-    with progress("Simulating") if count >= _LONG else contextlib.nullcontext(silent) as report:
+    with progress("Simulating") if count >= _PROGRESS_STEPS else contextlib.nullcontext(silent) as report:
         for k in range(count):
             t = float(times[k])
             tau = checked_torques(law(t, q, v), plant.robot.nv)

@@ -16,7 +16,7 @@ from ulna.robot import Robot
 from ulna.sim.body import Body
 
 _SPEED = "simulated seconds per second, above zero"
-_MOST_STEPS = 10**12  # more never end
+_MAX_STEPS = 10**12  # more never end
 
 
 @final
@@ -186,7 +186,7 @@ class Simulation:
         Raises:
             InputError: A time is not above zero.
         """
-        length, count = step_count(duration, dt, _MOST_STEPS)
+        length, count = step_count(duration, dt, _MAX_STEPS)
         if until is not None:
             checked_function("until", until)
         for _ in range(count):

@@ -106,7 +106,7 @@ def matrix_to_euler(rotation: Array, axes: str) -> Array:
 def euler_rate_matrix(angles: Array, axes: str) -> Array:
     """The matrix E with omega_world = E @ d(angles)/dt for the axes "ijk".
 
-    Its columns are the three axes as they stand in the world. In the body frame omega is R.T @ E @ d(angles)/dt.
+    Its columns are the three axes in the world frame. In the body frame omega is R.T @ E @ d(angles)/dt.
     Source: Siciliano et al., Robotics, section 3.6.
 
     Args:
@@ -124,7 +124,7 @@ def euler_rate_matrix(angles: Array, axes: str) -> Array:
 
 
 def euler_rate_matrix_dot(angles: Array, rates: Array, axes: str) -> Array:
-    """The time derivative of `euler_rate_matrix`: each axis is carried along by the turns before it.
+    """The time derivative of `euler_rate_matrix`: each axis rotates with the turns before it.
 
     Args:
         angles: The three angles, shape (..., 3) [rad].

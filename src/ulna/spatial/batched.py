@@ -56,8 +56,8 @@ class Batched(ABC):
         parts = []
         for name, rank in self._ranks.items():
             value = np.asarray(getattr(self, name))
-            whole = np.broadcast_to(value, batch + value.shape[value.ndim - rank :])
-            parts.append(whole[(*index, *[slice(None)] * rank)] if has_ellipsis else whole[index])
+            expanded = np.broadcast_to(value, batch + value.shape[value.ndim - rank :])
+            parts.append(expanded[(*index, *[slice(None)] * rank)] if has_ellipsis else expanded[index])
         return type(self)(*parts)
 
     def __iter__(self) -> Iterator[Self]:

@@ -272,8 +272,8 @@ class Inertia(Batched):
         # Two massless bodies have no centre of mass; the origin stands for it.
         whole = mass if is_symbolic(mass) else where(mass == 0.0, 1.0, mass)
         share = other.mass / whole
-        way = other.com - self.com
-        reduced = column(self.mass * share, 2) * _steiner(way)
+        offset = other.com - self.com
+        reduced = column(self.mass * share, 2) * _steiner(offset)
         com = (column(self.mass / whole) * self.com) + column(share) * other.com
         return Inertia(mass, com, self.inertia + other.inertia + reduced)
 
@@ -344,9 +344,9 @@ class Inertia(Batched):
         return self.matrix()
 
 
-def _steiner(way: Array) -> Array:
+def _steiner(offset: Array) -> Array:
     """|d|^2 I - d d^T (..., 3, 3): what a unit mass displaced by `way` adds to a rotational inertia."""
-    x, y, z = way[..., 0], way[..., 1], way[..., 2]
+    x, y, z = offset[..., 0], offset[..., 1], offset[..., 2]
     xx, yy, zz, xy, xz, yz = x * x, y * y, z * z, -x * y, -x * z, -y * z
     return matrix([[yy + zz, xy, xz], [xy, xx + zz, yz], [xz, yz, xx + yy]])
 

@@ -1,4 +1,4 @@
-"""What every trajectory is: a frozen value that knows where to be, how fast, and how hard, at any time."""
+"""The base of all trajectories: a frozen value with position, velocity and acceleration at any time."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def register_operation(name: str, function: Callable[..., Any]) -> None:
 
 
 _BETWEEN = np.arange(1, 16) / 16.0  # where between two knots peaks are looked for at least
-_CLOSE = 1e-9  # how close the bound of a peak is to it, in parts of it
+_BOUND_TOLERANCE = 1e-9  # how close the bound of a peak is to it, in parts of it
 
 
 class Samples(NamedTuple):
@@ -101,7 +101,7 @@ class Trajectory(ABC):
         """The configuration at time `t` [s], (..., nq) [rad or m]."""
         if isinstance(self.space, Poses):
             raise InputError(
-                "This trajectory moves a pose and has no `q`; ask T(t), or make joints of it: follow(...)."
+                "This trajectory moves a pose and has no `q`; use T(t), or convert it to joint motion: follow(...)."
             )
         return self._derivative(t, 0)
 
@@ -244,7 +244,9 @@ class Trajectory(ABC):
             return np.concatenate([rates, -rates], axis=1)
 
         rough = sizes(self.instants(2)).max(axis=0)
-        peaks = greatest(sizes, self.knots, samples, _CLOSE * np.maximum(rough, rough.max() * 1e-6)).bound
+        peaks = greatest(
+            sizes, self.knots, samples, _BOUND_TOLERANCE * np.maximum(rough, rough.max() * 1e-6)
+        ).bound
         return list(peaks.reshape(2, order, -1).max(axis=0))
 
     def reversed(self) -> Trajectory:

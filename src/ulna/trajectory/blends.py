@@ -56,33 +56,26 @@ def blended(
         InputError: Shapes do not fit, way-points repeat, or a segment is too short for its blends; names it.
         UnknownName: No such kind of blend or of ends.
     """
-    if kind not in ("parabolic", "quintic"):
-        raise UnknownName("kind of blend", kind, ("parabolic", "quintic"))
-    if ends not in ("whole", "half"):
-        raise UnknownName("kind of end", ends, ("whole", "half"))
-    if ends == "half" and kind == "parabolic":
-        raise InputError(
-            'A parabola cannot catch up in half a blend; expected kind="quintic" or ends="whole".'
-        )
+    _check_kinds(kind, ends)
     q, tau = rows("points", points), checked_duration("blend", blend)
-    way = np.diff(q, axis=0)
-    not_repeating("points", q, np.abs(way).max(axis=1))
-    count = len(way)
-    whole = ends == "whole"
+    displacements = np.diff(q, axis=0)
+    not_repeating("points", q, np.abs(displacements).max(axis=1))
+    count = len(displacements)
+    is_whole = ends == "whole"
     inside = np.zeros(count)  # what the blends from rest and to rest cost a segment beyond half a blend
     inside[0] += 0.5 * tau
     inside[-1] += 0.5 * tau
-    cost = inside if whole else np.zeros(count)
-    T = _durations(segment_times, velocity, way, tau, cost)
-    v = way / (T - cost)[:, None]
+    cost = inside if is_whole else np.zeros(count)
+    T = _durations(segment_times, velocity, displacements, tau, cost)
+    v = displacements / (T - cost)[:, None]
     clock = np.concatenate([[0.0], np.cumsum(T)])
-    first = tau if whole else 0.5 * tau
+    first = tau if is_whole else 0.5 * tau
     knots, states, speeds = [0.0], [q[0]], [np.zeros(q.shape[1])]
     for k in range(count):
         begins = clock[k] + (first if k == 0 else 0.5 * tau)
         stops = clock[k + 1] - (first if k == count - 1 else 0.5 * tau)
         since = clock[k] + (
-            0.5 * tau if whole and k == 0 else 0.0
+            0.5 * tau if is_whole and k == 0 else 0.0
         )  # when the straight line would leave its point
         for t in (begins, stops) if stops - begins > 1e-12 * clock[-1] else (begins,):
             knots.append(t)
@@ -95,15 +88,30 @@ def blended(
     return hermite(np.array(knots), np.array(states), np.array(speeds), a, kind=f"{kind} blends")
 
 
+def _check_kinds(kind: str, ends: str) -> None:
+    if kind not in ("parabolic", "quintic"):
+        raise UnknownName("kind of blend", kind, ("parabolic", "quintic"))
+    if ends not in ("whole", "half"):
+        raise UnknownName("kind of end", ends, ("whole", "half"))
+    if ends == "half" and kind == "parabolic":
+        raise InputError(
+            'A parabolic blend of half the length misses the last point; expected kind="quintic" or ends="whole".'
+        )
+
+
 def _durations(
-    segment_times: ArrayLike | None, velocity: ArrayLike | None, way: Floats, tau: float, cost: Floats
+    segment_times: ArrayLike | None,
+    velocity: ArrayLike | None,
+    displacements: Floats,
+    tau: float,
+    cost: Floats,
 ) -> Floats:
     """The time of each segment, of which `cost` is spent on reaching or leaving rest; all are long enough to blend."""
-    count, n = way.shape
+    count, n = displacements.shape
     if (segment_times is None) == (velocity is None):
         raise InputError("Expected either `segment_times` or `velocity`; both or neither was given.")
     if velocity is not None:
-        needed = (np.abs(way) / positive("velocity", velocity, n)).max(axis=1) + cost
+        needed = (np.abs(displacements) / positive("velocity", velocity, n)).max(axis=1) + cost
         T = np.maximum(needed, 2.0 * tau)
     else:
         assert segment_times is not None

@@ -1,4 +1,4 @@
-"""Says whether a trajectory keeps a robot's limits, and where it does not."""
+"""Checks whether a trajectory keeps a robot's limits, and where it does not."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ulna.trajectory.peaks import greatest
 from ulna.trajectory.space import Poses, require_configurations
 from ulna.typing import Array, ArrayLike, Floats
 
-_CLOSE = 1e-8  # how close to the worst values their bounds come, in parts of the limits
+_BOUND_TOLERANCE = 1e-8  # how close to the worst values their bounds come, in parts of the limits
 Limits = dict[str, tuple[Floats, Floats]]
 
 _RATES = {"position": "", "velocity": "/s", "acceleration": "/s^2", "jerk": "/s^3"}
@@ -149,7 +149,7 @@ def check(
     columns = _columns(model, _limits(model, acceleration, jerk, torque))
     if not columns:
         return Report((), {}, model.name)
-    tolerances = np.full(len(columns), _CLOSE)
+    tolerances = np.full(len(columns), _BOUND_TOLERANCE)
     peaks = greatest(partial(_excesses, model, trajectory, columns), trajectory.knots, samples, tolerances)
     worst: dict[tuple[str, int], tuple[float, Breach]] = {}
     use: dict[str, float] = {}

@@ -16,9 +16,9 @@ from ulna.trajectory.polynomial import Polynomial
 from ulna.trajectory.space import Space, Vectors
 from ulna.typing import Floats
 
-_SAME = 1e-9  # how near a knot of the law and one of the path are one, in parts of the path's length
+_SAME_KNOT = 1e-9  # how near a knot of the law and one of the path are one, in parts of the path's length
 _HALVINGS = 60
-_INSIDE = np.linspace(0.01, 0.99, 9)  # where a law is asked whether it turns between two knots
+_INTERVAL_SAMPLES = np.linspace(0.01, 0.99, 9)  # where a law is asked whether it turns between two knots
 _AT_ENDS = 1e-6  # how far a law may miss the ends of the path, in parts of its length
 
 
@@ -100,7 +100,7 @@ class Retimed(Trajectory):
     def _knots(self) -> Floats:
         law, times, inner = self.law, self.law.times, self.path.knots[1:-1]
         s = law._at(times, 0)[0][:, 0]
-        rounding = _SAME * self.path.duration
+        rounding = _SAME_KNOT * self.path.duration
         low, high = np.minimum(s[:-1], s[1:])[:, None], np.maximum(s[:-1], s[1:])[:, None]
         piece, knot = np.nonzero((inner > low + rounding) & (inner < high - rounding))
         before, after, rises = times[piece], times[piece + 1], s[piece] < s[piece + 1]
@@ -143,9 +143,9 @@ class Retimed(Trajectory):
         """The least and the greatest place on the path between any two knots."""
         length, times, knots = self.path.duration, self._knots, self.path.knots
         ends = self.law._at(times, 0)[0][:, 0]
-        near = np.clip(np.searchsorted(knots, ends - _SAME * length), 0, knots.size - 1)
-        ends = np.where(np.abs(knots[near] - ends) <= _SAME * length, knots[near], ends)
-        inside = times[:-1, None] + np.diff(times)[:, None] * _INSIDE
+        near = np.clip(np.searchsorted(knots, ends - _SAME_KNOT * length), 0, knots.size - 1)
+        ends = np.where(np.abs(knots[near] - ends) <= _SAME_KNOT * length, knots[near], ends)
+        inside = times[:-1, None] + np.diff(times)[:, None] * _INTERVAL_SAMPLES
         rates = self.law._at(inside.reshape(-1), 1)[1].reshape(inside.shape)
         turns = (rates.min(axis=1) < 0.0) & (rates.max(axis=1) > 0.0)
         low, high = np.minimum(ends[:-1], ends[1:]), np.maximum(ends[:-1], ends[1:])

@@ -1,4 +1,4 @@
-"""Rows of constraints along a path: what limits of acceleration and torque say of its squared rate and acceleration.
+"""Rows of constraints along a path: limits of acceleration and torque in terms of its squared rate and acceleration.
 
 | symbol | meaning | shape | unit |
 |---|---|---|---|
@@ -56,7 +56,7 @@ class Rows:
         return self.a, self.b, self.low, self.high
 
     def labels(self, names: Sequence[str]) -> list[str]:
-        """What each row limits, in words."""
+        """What each row limits, as text."""
         return [
             f"{what} of {names[int(k)]!r}" for what, finite in self.quantities for k in np.flatnonzero(finite)
         ]

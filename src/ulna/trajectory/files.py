@@ -22,7 +22,7 @@ from ulna.trajectory.polynomial import Polynomial, hermite
 from ulna.trajectory.space import Poses, Vectors
 
 _FORMAT = "ulna trajectory 1"
-_MOST_POWERS = 64
+_MAX_POWERS = 64
 """Polynomials of more coefficients are refused: a file with millions would be compiled for hours."""
 
 
@@ -107,10 +107,10 @@ def _from_npz(data: bytes, source: Path) -> Polynomial:
         made = Polynomial.of(content["times"], content["coefficients"], str(content["kind"][1]), space)
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
-    if made.coefficients.shape[2] != space.n or made.coefficients.shape[1] > _MOST_POWERS:
+    if made.coefficients.shape[2] != space.n or made.coefficients.shape[1] > _MAX_POWERS:
         raise InputError(
             f"{source} holds coefficients of shape {made.coefficients.shape} and {space.n} names; "
-            f"expected (k, d + 1, {space.n}), with d + 1 at most {_MOST_POWERS}."
+            f"expected (k, d + 1, {space.n}), with d + 1 at most {_MAX_POWERS}."
         )
     return made
 

@@ -79,7 +79,7 @@ def follow(
             k = int(np.argmax(step))
             raise InputError(
                 f"Inverse kinematics jumps at {time:.6g} s: joint {k} by {step[k]:.4g}, more than jump={jump:g}. "
-                "Ask with a nearer guess, take more samples, or look for a singular point on the path."
+                "Pass a nearer guess, take more samples, or look for a singular point on the path."
             )
         configurations.append(new)
         q = new

@@ -22,9 +22,9 @@ from ulna.trajectory.base import Trajectory
 from ulna.trajectory.quartics import NODES
 from ulna.typing import Floats
 
-_INSIDE = np.array([1e-9, 0.0, 0.0, 0.0, -1e-9])
+_KNOT_OFFSETS = np.array([1e-9, 0.0, 0.0, 0.0, -1e-9])
 _LEAST, _FEWEST = 4, 2  # segments of a piece of the path: usually, and where the pieces are many
-_SAME = 1e-12  # knots nearer to each other than this part of the path are one
+_SAME_KNOT = 1e-12  # knots nearer to each other than this part of the path are one
 _LAYERS = 0.5 ** np.arange(8, 0, -1)  # how the segment next to a place of rest is divided
 
 
@@ -53,7 +53,7 @@ def sampled(path: Trajectory, s: Floats) -> Sampled:
         InputError: The path is not finite, or jumps at a grid point; says where.
     """
     h = s[1:] - s[:-1]
-    q, tangent, curvature = at_nodes(path, s, NODES + _INSIDE)
+    q, tangent, curvature = at_nodes(path, s, NODES + _KNOT_OFFSETS)
     if not np.isfinite(curvature.sum()):
         k = int(np.argmax(~np.isfinite(curvature).all(axis=(1, 2))))
         raise InputError(
@@ -142,10 +142,10 @@ def graded(s: Floats, first: Any, last: Any) -> Floats:
 
 def _distinct(knots: Floats, length: float) -> Floats:
     """The knots, one of those that differ by rounding alone, from 0 to the length."""
-    if (knots[1:] - knots[:-1] > _SAME * length).all():
+    if (knots[1:] - knots[:-1] > _SAME_KNOT * length).all():
         return knots
-    inner = knots[(knots > _SAME * length) & (knots < length * (1.0 - _SAME))]
-    distinct = inner[np.append(True, np.diff(inner) > _SAME * length)] if inner.size else inner
+    inner = knots[(knots > _SAME_KNOT * length) & (knots < length * (1.0 - _SAME_KNOT))]
+    distinct = inner[np.append(True, np.diff(inner) > _SAME_KNOT * length)] if inner.size else inner
     return np.concatenate([[0.0], distinct, [length]])
 
 

@@ -1,4 +1,4 @@
-"""Says in words why a path cannot be followed under limits: where, and which limits exclude each other."""
+"""Error messages for a path that cannot be followed under limits: where, and which limits exclude each other."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ulna.trajectory.constraints import Bounds
 from ulna.trajectory.survey import TINY
 from ulna.typing import Floats
 
-_WAY_ON = "the way on that is left behind this point"
+_NEXT_SET = "controllable set of the next grid point"
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class Problem:
             f"{np.sqrt(high):.6g} 1/s can be kept along the path: {reason}."
         )
 
-    def refuse_empty(self, K: Floats, k: int, at_rest: str) -> None:
+    def raise_empty_set(self, K: Floats, k: int, at_rest: str) -> None:
         """Raises for grid point k, the last one from which the end cannot be reached: its controllable set is
         empty.
 
@@ -98,7 +98,7 @@ class Problem:
             low, high, labels = (
                 np.append(low, following[0]),
                 np.append(high, following[1]),
-                [*labels, _WAY_ON],
+                [*labels, _NEXT_SET],
             )
         x = trials[:, None]
         safe = np.where(np.abs(a) > TINY, a, TINY)

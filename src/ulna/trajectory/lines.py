@@ -62,14 +62,14 @@ class Arc(UnitPath):
         origin: The pose at the start.
         centre: Of the circle, (3,) [m].
         sweep: Axis times angle that the origin turns about the centre, (3,) [rad].
-        way: Straight way on top, (3,) [m].
+        displacement: Straight displacement added to it, (3,) [m].
         turn: Axis times angle that the rotation turns, in world axes, (3,) [rad].
     """
 
     origin: SE3
     centre: Floats
     sweep: Floats
-    way: Floats
+    displacement: Floats
     turn: Floats
     kind: str
     space: Space = Poses()  # noqa: RUF009, frozen
@@ -77,12 +77,12 @@ class Arc(UnitPath):
     def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
         s = t[:, None]
         arm = apply(so3_exp(s * self.sweep), self.origin.translation - self.centre)
-        T = SE3(so3_exp(s * self.turn) @ self.origin.rotation, self.centre + arm + s * self.way)
+        T = SE3(so3_exp(s * self.turn) @ self.origin.rotation, self.centre + arm + s * self.displacement)
         rows: list[Floats] = [np.asarray(T.matrix())]
         rate = cross(np.broadcast_to(self.sweep, arm.shape), arm)
         turn = np.broadcast_to(self.turn, arm.shape)
         if order:
-            rows.append(np.concatenate([rate + self.way, turn], axis=1))
+            rows.append(np.concatenate([rate + self.displacement, turn], axis=1))
         if order > 1:
             pull = cross(np.broadcast_to(self.sweep, arm.shape), rate)
             rows.append(np.concatenate([pull, np.zeros_like(turn)], axis=1))
@@ -126,10 +126,10 @@ def pose_line(
         2.25
     """
     a, b = pose("T0", T0), pose("T1", T1)
-    way, turn = b.translation - a.translation, so3_log(b.rotation @ a.rotation.T)
+    displacement, turn = b.translation - a.translation, so3_log(b.rotation @ a.rotation.T)
     if interpolation == "straight":
-        path: Trajectory = Arc(a, a.translation, np.zeros(3), way, turn, "pose line")
-        lengths = np.linalg.norm([way, turn], axis=1)
+        path: Trajectory = Arc(a, a.translation, np.zeros(3), displacement, turn, "pose line")
+        lengths = np.linalg.norm([displacement, turn], axis=1)
     elif interpolation == "screw":
         twist = (a.inverse() @ b).log()
         path = Screw(a, twist)
@@ -187,7 +187,7 @@ def circle(
     middle = middle + direction * (direction @ radius)
     length = float(np.linalg.norm(start.translation - middle))
     if length <= 1e-12 * max(1.0, float(np.abs(middle).max())):
-        raise InputError("`T0` stands on the circle's axis; expected a start at some distance from it.")
+        raise InputError("`T0` lies on the circle's axis; expected a start at some distance from it.")
     if not np.isfinite(angle) or angle == 0.0:
         raise InputError(f"`angle` is {angle}; expected an angle that is not zero [rad].")
     if orientation not in ("fixed", "turning"):

@@ -63,7 +63,7 @@ def law(lengths: Floats, duration: Any, velocity: Any, acceleration: Any, jerk: 
     limits = {"velocity": velocity, "acceleration": acceleration} | ({} if jerk is None else {"jerk": jerk})
     moving = lengths > 0.0
     if not moving.any():
-        raise InputError("Start and end are the same; expected a way to go, or a `duration` to wait.")
+        raise InputError("Start and end are the same; expected different ones, or a `duration` to wait.")
     shares = [
         float((positive(name, limit, lengths.size)[moving] / lengths[moving]).min())
         for name, limit in limits.items()

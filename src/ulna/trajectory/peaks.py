@@ -1,4 +1,4 @@
-"""The greatest values of functions of time that are smooth between knots, found by bounds rather than by luck.
+"""The greatest values of functions of time that are smooth between knots, found by bounds, so that none is missed.
 
 Each interval is sampled at five times from inside. The Bernstein coefficients of the quartic through them bound the
 values on the interval (`quartics`): exactly for quartics, and else the better the shorter it is. Intervals whose
@@ -15,7 +15,7 @@ import numpy as np
 from ulna.trajectory.quartics import NODES, TO_HALVES
 from ulna.typing import Floats
 
-_INSIDE = 1e-9  # how far inside an interval its ends are sampled, in parts of its length
+_END_OFFSET = 1e-9  # how far inside an interval its ends are sampled, in parts of its length
 _ROUNDS, _MOST = 12, 20_000  # rounds of cutting, and intervals in one of them
 
 
@@ -74,8 +74,8 @@ def _inside(begin: Floats, end: Floats) -> Floats:
     """Five times in each interval, (m, 5): the ends from inside, since a derivative may jump there."""
     h = (end - begin)[:, None]
     t = begin[:, None] + h * NODES
-    t[:, 0] += _INSIDE * h[:, 0]
-    t[:, -1] = np.minimum(end - _INSIDE * h[:, 0], np.nextafter(end, -np.inf))
+    t[:, 0] += _END_OFFSET * h[:, 0]
+    t[:, -1] = np.minimum(end - _END_OFFSET * h[:, 0], np.nextafter(end, -np.inf))
     return np.maximum(t, begin[:, None])
 
 

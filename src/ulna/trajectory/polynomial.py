@@ -181,14 +181,16 @@ def hermite_coefficients(h: Any, q0: Array, q1: Array, v0: Array, v1: Array, *a:
     Returns:
         Coefficients (4, n) or (6, n), by power of the time.
     """
-    way, b0, b1 = q1 - q0, v0 * h, v1 * h
+    displacement, b0, b1 = q1 - q0, v0 * h, v1 * h
     if not a:
-        return np.stack([q0, v0, (3.0 * way - 2.0 * b0 - b1) / h**2, (b0 + b1 - 2.0 * way) / h**3])
+        return np.stack(
+            [q0, v0, (3.0 * displacement - 2.0 * b0 - b1) / h**2, (b0 + b1 - 2.0 * displacement) / h**3]
+        )
     half = 0.5 * a[0]
     c0, c1 = half * h**2, 0.5 * a[1] * h**2
-    cubic = 10.0 * way - 6.0 * b0 - 4.0 * b1 - 3.0 * c0 + c1
-    quartic = -15.0 * way + 8.0 * b0 + 7.0 * b1 + 3.0 * c0 - 2.0 * c1
-    last = 6.0 * way - 3.0 * (b0 + b1) - c0 + c1
+    cubic = 10.0 * displacement - 6.0 * b0 - 4.0 * b1 - 3.0 * c0 + c1
+    quartic = -15.0 * displacement + 8.0 * b0 + 7.0 * b1 + 3.0 * c0 - 2.0 * c1
+    last = 6.0 * displacement - 3.0 * (b0 + b1) - c0 + c1
     return np.stack([q0, v0, half, cubic / h**3, quartic / h**4, last / h**5])
 
 

@@ -105,27 +105,27 @@ def pose_spline(
     """
     if interpolation not in ("decoupled", "screw"):
         raise UnknownName("interpolation", interpolation, ("decoupled", "screw"))
-    way = poses if isinstance(poses, SE3) else SE3.from_matrix(_stacked(poses))
-    if len(way.batch_shape) != 1 or len(way) < 2:
+    path = poses if isinstance(poses, SE3) else SE3.from_matrix(_stacked(poses))
+    if len(path.batch_shape) != 1 or len(path) < 2:
         raise InputError(
-            f"`poses` is a batch of shape {way.batch_shape}; expected at least two poses in a row."
+            f"`poses` is a batch of shape {path.batch_shape}; expected at least two poses in a row."
         )
     total = checked_duration("duration", duration)
-    spline = PoseSpline(_padded(way), total, interpolation)
-    if not through or len(way) == 2:
+    spline = PoseSpline(_padded(path), total, interpolation)
+    if not through or len(path) == 2:
         return spline
-    control, times = way, _times_of(len(way), total)
+    control, times = path, _times_of(len(path), total)
     for _ in range(_ROUNDS):  # each control pose moves by what its way-point lacks
         at = SE3.from_matrix(spline._at(times, 0)[0], check=False)
-        lacks = _inner_log(at, way, interpolation)
+        lacks = _inner_log(at, path, interpolation)
         if max(float(np.abs(lacks.linear).max()), float(np.abs(lacks.angular).max())) < _NEAR * max(
-            1.0, float(np.abs(way.translation).max())
+            1.0, float(np.abs(path.translation).max())
         ):
             break
         control = _moved(control, lacks, interpolation)
         spline = PoseSpline(_padded(control), total, interpolation)
     else:
-        steps = np.linalg.norm((way[:-1].inverse() @ way[1:]).log().angular, axis=1)
+        steps = np.linalg.norm((path[:-1].inverse() @ path[1:]).log().angular, axis=1)
         k = int(np.argmax(steps))
         raise InputError(
             f"The spline does not settle on `poses`: from pose {k} to pose {k + 1} it turns by {steps[k]:.3g} rad; "

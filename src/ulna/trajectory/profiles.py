@@ -65,7 +65,7 @@ def trapezoidal(
         1.25
     """
     start = vector("q0", q0)
-    way = vector("q1", q1, start.size) - start
+    displacement = vector("q1", q1, start.size) - start
     n = start.size
     if acceleration is None:
         if duration is None:
@@ -73,12 +73,12 @@ def trapezoidal(
                 "Expected limits `velocity` and `acceleration`, or a `duration`; neither was given."
             )
         total = checked_duration("duration", duration)
-        speed = 1.5 * np.abs(way) / total if velocity is None else positive("velocity", velocity, n)
-        return _cruising(start, way, speed, total)
+        speed = 1.5 * np.abs(displacement) / total if velocity is None else positive("velocity", velocity, n)
+        return _cruising(start, displacement, speed, total)
     if velocity is None:
         raise InputError("`acceleration` was given without `velocity`; expected both limits.")
     limits = np.stack([positive("velocity", velocity, n), positive("acceleration", acceleration, n)])
-    return _under_limits(start, way, limits, _trapezoid, duration, synchronise, "trapezoidal")
+    return _under_limits(start, displacement, limits, _trapezoid, duration, synchronise, "trapezoidal")
 
 
 def s_curve(
@@ -115,10 +115,10 @@ def s_curve(
         1.35
     """
     start = vector("q0", q0)
-    way = vector("q1", q1, start.size) - start
+    displacement = vector("q1", q1, start.size) - start
     bounds = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
     limits = np.stack([positive(name, value, start.size) for name, value in bounds.items()])
-    return _under_limits(start, way, limits, _double_s, duration, synchronise, "s-curve")
+    return _under_limits(start, displacement, limits, _double_s, duration, synchronise, "s-curve")
 
 
 Phases = tuple[Floats, Floats, int]
@@ -150,7 +150,7 @@ def _double_s(d: float, limits: Floats) -> Phases:
 
 def _under_limits(
     start: Floats,
-    way: Floats,
+    displacement: Floats,
     limits: Floats,
     profile: Callable[[float, Floats], Phases],
     duration: float | None,
@@ -159,36 +159,36 @@ def _under_limits(
 ) -> Polynomial:
     if synchronise not in _PHASES:
         raise UnknownName("way to synchronise", synchronise, _PHASES)
-    moving = np.abs(way) > 0.0
+    moving = np.abs(displacement) > 0.0
     if not moving.any():
         if duration is None:
             raise InputError(
                 "`q0` and `q1` are the same point; expected points that differ, or a `duration` to wait."
             )
         return Polynomial.of([0.0, checked_duration("duration", duration)], start[None, None], kind)
-    size = np.abs(way[moving])
+    size = np.abs(displacement[moving])
     if synchronise == "phase":
         law = profile(1.0, (limits[:, moving] / size).min(axis=1))
-        shares, laws = [way], [law]
+        shares, laws = [displacement], [law]
     else:
-        shares = list(np.diag(way)[moving])
+        shares = list(np.diag(displacement)[moving])
         laws = [profile(1.0, limit / d) for limit, d in zip(limits[:, moving].T, size, strict=True)]
     lasts = max(float(law[0].sum()) for law in laws)
     pieces = [_integrated(*law) for law in laws]
     if synchronise == "time":
         pieces = [p._stretched(lasts / p.duration) for p in pieces]
-    whole = _sum(start, shares, pieces, lasts, kind)
+    motion = _sum(start, shares, pieces, lasts, kind)
     if duration is None:
-        return whole
-    wanted = checked_duration("duration", duration)
-    if wanted < lasts * (1.0 - 1e-12):
-        raise InputError(f"`duration` is {wanted:g} s, but the limits take at least {lasts:.6g} s.")
-    return whole._stretched(wanted / lasts)
+        return motion
+    chosen_duration = checked_duration("duration", duration)
+    if chosen_duration < lasts * (1.0 - 1e-12):
+        raise InputError(f"`duration` is {chosen_duration:g} s, but the limits take at least {lasts:.6g} s.")
+    return motion._stretched(chosen_duration / lasts)
 
 
-def _cruising(start: Floats, way: Floats, speed: Floats, total: float) -> Polynomial:
+def _cruising(start: Floats, displacement: Floats, speed: Floats, total: float) -> Polynomial:
     """LSPB of given duration and cruising speeds, joint by joint."""
-    size = np.abs(way)
+    size = np.abs(displacement)
     moving = size > 0.0
     mean = size / total
     wrong = moving & ((speed <= mean) | (speed > 2.0 * mean * (1.0 + 1e-12)))
@@ -206,7 +206,7 @@ def _cruising(start: Floats, way: Floats, speed: Floats, total: float) -> Polyno
         pieces.append(
             _integrated(np.array([ta, total - 2.0 * ta, ta]), fraction / ta * np.array([1.0, 0, -1]), 2)
         )
-    return _sum(start, list(np.diag(way)[moving]), pieces, total, "trapezoidal")
+    return _sum(start, list(np.diag(displacement)[moving]), pieces, total, "trapezoidal")
 
 
 def _integrated(lasts: Floats, values: Floats, order: int) -> Polynomial:

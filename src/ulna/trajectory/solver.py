@@ -28,9 +28,9 @@ TOLERANCE = 1e-6
 """What part of a limit may be exceeded at most, anywhere."""
 
 _ROUNDS = 24  # of passes and repairs
-_ENOUGH = 1.0 + 1e-7  # use of a limit that needs no repair
+_ACCEPTED_USE = 1.0 + 1e-7  # use of a limit that needs no repair
 _STRETCH = 2.5e-4  # excess that slowing everything down repairs; it doubles with each round
-_LONG = 1.1  # use of a limit by a segment that should be halved
+_SPLIT_USE = 1.1  # use of a limit by a segment that should be halved
 _SPLITS = 6  # rounds in which segments may be halved
 _MORE, _MUCH_MORE = 1.1, 2.0  # by how much more than its excess a limit is lowered, at first and later
 _CAPPED = 8  # the round from which rates are lowered too
@@ -88,14 +88,14 @@ def solved(task: Task, s: Floats) -> Answer:
         speed = speed_use(ground.at.tangent, task.speeds.low, task.speeds.high, x)
         use = np.maximum(bound.worst, speed)
         worst = float(use.max())
-        if worst <= _ENOUGH:
+        if worst <= _ACCEPTED_USE:
             return _answer(task, ground, x, bound, speed)
         if can_stretch and (worst <= 1.0 + _STRETCH * 2.0**round or round == _ROUNDS - 1):
             return _slowed(task, ground, x, speed, worst)
-        at_ends, long = ~repairs.ends & (use > _ENOUGH), ~ground.rests & (use > _LONG)
+        at_ends, long = ~repairs.ends & (use > _ACCEPTED_USE), ~ground.rests & (use > _SPLIT_USE)
         if at_ends.any():  # limits at the ends come before anything else
             repairs = replace(repairs, ends=repairs.ends | at_ends)
-        elif round < _SPLITS and worst > _LONG and long.any() and ground.at.s.size < MOST:
+        elif round < _SPLITS and worst > _SPLIT_USE and long.any() and ground.at.s.size < MOST:
             ground, repairs = _halved(task, ground, repairs, long)
         else:
             chosen = ground.rests if round < _CAPPED else np.ones_like(ground.rests)
@@ -105,7 +105,7 @@ def solved(task: Task, s: Floats) -> Answer:
     k = int(np.argmax(use))
     raise InputError(
         f"No motion was found that keeps the limits between the grid points near s = {ground.at.s[k]:.6g} of "
-        f"{ground.at.s[-1]:.6g}: the best one exceeds them by {100.0 * (worst - 1.0):.2g} %. Ask for lower rates at "
+        f"{ground.at.s[-1]:.6g}: the best one exceeds them by {100.0 * (worst - 1.0):.2g} %. Choose lower rates at "
         "the ends, for a finer `grid`, or raise the limits that are nearly reached at rest."
     )
 
@@ -134,7 +134,7 @@ def _passes(task: Task, ground: Ground, repairs: _Repairs) -> Floats:
     lowest, highest = K.T
     empty = ~(lowest <= highest + _ROUNDING * abs(highest.max()))
     if empty.any():
-        problem.refuse_empty(K, int(np.flatnonzero(empty)[-1]), static_violation(task, ground))
+        problem.raise_empty_set(K, int(np.flatnonzero(empty)[-1]), static_violation(task, ground))
     problem.check_rate("start", first, 0, *K[0])
     return fastest(ahead, K, first * first)[: at.s.size]
 
@@ -169,7 +169,7 @@ def _lowered(ground: Ground, repairs: _Repairs, bound: Bound, speed: Floats) -> 
 def _topped(top: Floats, x: Floats, use: Floats, chosen: Any) -> Floats:
     """Greatest squared rates that let no segment go on as fast as it exceeded its limits."""
     slower = 1.0 / np.maximum(use, 1.0)
-    wrong = chosen & (use > _ENOUGH)
+    wrong = chosen & (use > _ACCEPTED_USE)
     out = np.array(top)
     for side in (slice(None, -1), slice(1, None)):
         lowered = np.minimum(out[side], x[side] * slower)

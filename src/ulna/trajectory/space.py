@@ -147,5 +147,5 @@ def require_configurations(name: str, space: Space, model: Model) -> None:
     if space.n != model.nv:
         raise InputError(
             f"`{name}` moves the {model.nq} entries of q as plain numbers, but {model.name!r} has quaternions, which "
-            "do not stay unit so. Use straight(robot, ...) or straight_through(robot, ...)."
+            "would not stay of unit length. Use straight(robot, ...) or straight_through(robot, ...)."
         )

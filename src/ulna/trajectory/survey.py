@@ -1,4 +1,4 @@
-"""What samples of a path say: greatest rates by the limits of speed, and where the path rests, turns or jumps."""
+"""Samples of a path: greatest rates by the limits of speed, and where the path rests, turns or jumps."""
 
 from __future__ import annotations
 

@@ -159,8 +159,8 @@ def _when(q: Floats, times: ArrayLike | None, duration: float | None) -> Floats:
         return increasing("times", times, len(q))
     gaps = np.linalg.norm(np.diff(q, axis=0), axis=1)
     not_repeating("points", q, gaps)
-    way = np.concatenate([[0.0], np.cumsum(gaps)])
-    return checked_duration("duration", duration) * way / way[-1]
+    arc_lengths = np.concatenate([[0.0], np.cumsum(gaps)])
+    return checked_duration("duration", duration) * arc_lengths / arc_lengths[-1]
 
 
 def _system(k: int, b: int, n: int) -> tuple[Floats, Floats, Floats, Floats]:

@@ -1,4 +1,4 @@
-"""The viewer: a scene to put things into, a page in the browser, pictures and films without one."""
+"""The viewer: a scene to add objects to, a page in the browser, pictures and films without one."""
 
 from __future__ import annotations
 

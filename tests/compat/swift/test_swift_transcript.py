@@ -13,7 +13,7 @@ import pytest
 import ulna
 from support.compat_packages import using
 from support.transcripts import compare, transcript
-from ulna.robots.catalogue import build_own
+from ulna.robots.catalogue import build_bundled
 
 pytest.importorskip("spatialmath")
 
@@ -205,7 +205,7 @@ def test_what_shapes_controls_and_environments_do(swift: Any, monkeypatch: pytes
     import spatialgeometry
     from spatialmath import SE3
 
-    robot = ulna.Robot(build_own("ur5", visuals="simple"))
+    robot = ulna.Robot(build_bundled("ur5", visuals="simple"))
     arm = SimpleNamespace(
         ulna=robot, name="arm", q=np.zeros(6), qd=np.zeros(6), qr=np.zeros(6), base=np.eye(4)
     )

@@ -11,7 +11,7 @@ import pytest
 
 import ulna
 from ulna.collision import Obstacle, SphereChecker, World, sphere_clearance
-from ulna.collision.sphere_kernels import own_kernel
+from ulna.collision.sphere_kernels import self_collision_kernel
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.geometry import Box, Cylinder, Geometry, Plane, Sphere
 from ulna.model import FreeFlyer, ModelBuilder
@@ -124,7 +124,7 @@ def test_spheres_see_attached_objects_and_compile_nothing_for_them() -> None:
     )
     robot.collides(q[0], small, method="spheres")  # not a batch, whose doubts alone need this kernel
     robot.collision.checker(small, method="spheres").clearance(q)
-    made = own_kernel.cache_info().misses
+    made = self_collision_kernel.cache_info().misses
     checker = robot.collision.checker(held().add("ball", Sphere(0.1), (0.4, 0.0, 0.5)), method="spheres")
     clearance = checker.clearance(q)
     assert np.allclose(checker.clearance(q[0]), clearance[0], atol=1e-12)
@@ -134,7 +134,7 @@ def test_spheres_see_attached_objects_and_compile_nothing_for_them() -> None:
     np.testing.assert_array_equal(checker.collides(q), clearance <= 1e-6)
     without = robot.collision.checker(checker.world.remove("can"), method="spheres").clearance(q)
     assert (clearance < without - 1e-9).any() and (clearance <= without + 1e-12).all()
-    assert own_kernel.cache_info().misses == made
+    assert self_collision_kernel.cache_info().misses == made
     function = sphere_clearance(robot.model, checker.world)
     np.testing.assert_allclose([function(x) for x in q[:5]], clearance[:5], atol=1e-12)
 

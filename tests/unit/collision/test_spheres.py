@@ -269,7 +269,7 @@ def test_a_link_that_an_obstacle_may_touch_must_exist() -> None:
 def test_more_pairs_of_spheres_than_compile_in_seconds_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     from ulna.collision import sphere_kernels
 
-    sphere_kernels.own_kernel.cache_clear()  # other tests asked for these spheres
+    sphere_kernels.self_collision_kernel.cache_clear()  # other tests asked for these spheres
     monkeypatch.setattr(sphere_kernels, "MOST_COUPLES", 10)
     robot = ulna.load("panda")
     spheres = robot.collision_spheres(tolerance=0.03, most=3)

@@ -22,7 +22,7 @@ def described(x: np.ndarray, device: int = 0) -> DeviceArray:
     return DeviceArray(x.ctypes.data, x.shape, strides, x.dtype.name, device, not x.flags.writeable, x)
 
 
-def _fetched(x: np.ndarray, port: Port, batch: tuple[int, ...]) -> Any:
+def _loaded_value(x: np.ndarray, port: Port, batch: tuple[int, ...]) -> Any:
     """Each sample's numbers, by the strides, out of the memory that `x` is a view of."""
     sample, number = two_strides(port, described(x), batch)
     whole = np.lib.stride_tricks.as_strided(
@@ -51,12 +51,12 @@ FLAT = np.arange(7.0 * 30).reshape(30, 7)
     ],
 )  # fmt: skip
 def test_two_strides_reach_every_number(array: np.ndarray, batch: tuple[int, ...]) -> None:
-    np.testing.assert_array_equal(_fetched(array, VECTOR, batch), np.broadcast_to(array, (*batch, 7)))
+    np.testing.assert_array_equal(_loaded_value(array, VECTOR, batch), np.broadcast_to(array, (*batch, 7)))
 
 
 def test_matrices_of_a_transposed_array() -> None:
     x = np.arange(16.0 * 6).reshape(16, 6)
-    np.testing.assert_array_equal(_fetched(x.T.reshape(6, 4, 4), MATRIX, (6,)), x.T.reshape(6, 4, 4))
+    np.testing.assert_array_equal(_loaded_value(x.T.reshape(6, 4, 4), MATRIX, (6,)), x.T.reshape(6, 4, 4))
 
 
 @pytest.mark.parametrize(

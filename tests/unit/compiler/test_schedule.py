@@ -33,7 +33,7 @@ FUNCTION = trace(_mixed, q=(5,), x=())
 def small_parts(request, monkeypatch):
     """Parts of a few instructions."""
     monkeypatch.setattr(schedule, "_SIZES", {False: request.param, True: 3 * request.param})
-    monkeypatch.setattr(schedule, "_BEARABLE", 0)
+    monkeypatch.setattr(schedule, "_MAX_SINGLE_PART", 0)
 
 
 def _assert_complete(steps):

@@ -12,7 +12,7 @@ from ulna.errors import MissingExtra, UnknownName
 from ulna.formats.urdf import model_from_urdf
 from ulna.geometry import Mesh
 from ulna.robots import catalogue, example_robot_data
-from ulna.robots.catalogue import build_own
+from ulna.robots.catalogue import build_bundled
 from ulna.robots.panda import FINGER_OPENING
 from ulna.viewer.robot.link_surfaces import link_surfaces
 
@@ -29,7 +29,7 @@ def pose(model, q, frame):
 
 @pytest.mark.parametrize("name", ["panda", "panda_fingers"])
 def test_panda_figures(name):
-    panda = build_own(name, visuals="simple")
+    panda = build_bundled(name, visuals="simple")
     assert panda.tool == "panda_hand_tcp"
     tool = pose(panda, "qr", "panda_hand_tcp")
     np.testing.assert_allclose(tool.translation, [0.48404681539304417, 0.0, 0.412629775462], atol=1e-12)
@@ -49,7 +49,7 @@ def test_panda_figures(name):
 
 
 def test_panda_configurations():
-    panda = build_own("panda", visuals="simple")
+    panda = build_bundled("panda", visuals="simple")
     np.testing.assert_array_equal(panda.configurations["qr"], [0, -0.3, 0, -2.2, 0, 2, math.pi / 4])
     np.testing.assert_array_equal(panda.configurations["qz"], np.zeros(7))
     ready = panda.configurations["ready"]
@@ -57,7 +57,7 @@ def test_panda_configurations():
 
 
 def test_rigid_and_moving_fingers_agree():
-    rigid, moving = build_own("panda", visuals="simple"), build_own("panda_fingers", visuals="simple")
+    rigid, moving = build_bundled("panda", visuals="simple"), build_bundled("panda_fingers", visuals="simple")
     assert (rigid.nq, moving.nq, moving.nv) == (7, 8, 8)
     assert moving.joint("panda_finger_joint2").mimic is not None
     for finger in ("panda_leftfinger", "panda_rightfinger"):
@@ -68,7 +68,7 @@ def test_rigid_and_moving_fingers_agree():
 
 
 def test_ur5_figures():
-    ur5 = build_own("ur5", visuals="simple")
+    ur5 = build_bundled("ur5", visuals="simple")
     assert ur5.tool == "tool0"
     assert ur5.joint_names == (
         "shoulder_pan_joint",
@@ -90,14 +90,14 @@ def test_ur5_figures():
 
 @pytest.mark.parametrize("name", OWN)
 def test_right_angles_are_exact(name):
-    model = build_own(name, visuals="simple")
+    model = build_bundled(name, visuals="simple")
     for joint in model.joints[:7]:
         assert set(np.unique(joint.placement.rotation)) <= {-1.0, 0.0, 1.0}
 
 
 @pytest.mark.parametrize("name", OWN)
 def test_they_are_drawn_and_collide(name):
-    model = build_own(name, visuals="simple")
+    model = build_bundled(name, visuals="simple")
     for link in model.links:
         if link.inertia.mass > 0:
             assert link.visuals
@@ -115,20 +115,20 @@ def test_they_are_drawn_and_collide(name):
 
 @pytest.mark.parametrize("name", OWN)
 def test_roots(name):
-    free = build_own(name, visuals="simple", root="free_flyer")
-    fixed = build_own(name, visuals="simple")
+    free = build_bundled(name, visuals="simple", root="free_flyer")
+    fixed = build_bundled(name, visuals="simple")
     assert free.nq == fixed.nq + 7
     np.testing.assert_array_equal(
         free.configurations["qr"], [0, 0, 0, 0, 0, 0, 1, *fixed.configurations["qr"]]
     )
     with pytest.raises(UnknownName, match="free_flyer"):
-        build_own(name, root="freeflyer")
+        build_bundled(name, root="freeflyer")
 
 
 @needs_data
 @pytest.mark.parametrize("name", OWN)
 def test_cad_visuals(name):
-    cad, simple = build_own(name, visuals="cad"), build_own(name, visuals="simple")
+    cad, simple = build_bundled(name, visuals="cad"), build_bundled(name, visuals="simple")
     drawn = [g.shape for link in cad.links for g in link.visuals]
     assert sum(isinstance(s, Mesh) for s in drawn) >= 7
     assert not any(isinstance(s, Mesh) and s.missing for s in drawn)
@@ -141,25 +141,25 @@ def test_cad_visuals(name):
 
 def test_without_the_meshes(monkeypatch):
     monkeypatch.setattr(example_robot_data, "share_folder", lambda: None)
-    assert build_own("panda") == build_own("panda", visuals="simple")
+    assert build_bundled("panda") == build_bundled("panda", visuals="simple")
     with pytest.raises(
         MissingExtra, match=r"CAD meshes for 'ur5' needs .* pip install 'example-robot-data>="
     ):
-        build_own("ur5", visuals="cad")
+        build_bundled("ur5", visuals="cad")
 
 
 def test_unknown_words():
     with pytest.raises(UnknownName, match="Did you mean 'simple'"):
-        build_own("panda", visuals="simpel")
+        build_bundled("panda", visuals="simpel")
     with pytest.raises(UnknownName, match="Did you mean 'panda'"):
-        build_own("pandas")
+        build_bundled("pandas")
 
 
 @needs_data
 @pytest.mark.parametrize(("own", "name"), [("panda_fingers", "panda"), ("ur5", "ur5")])
 def test_they_agree_with_the_descriptions_in_common_use(own, name):
     file, _ = example_robot_data.files(name)
-    ours, theirs = build_own(own, visuals="simple"), model_from_urdf(file)
+    ours, theirs = build_bundled(own, visuals="simple"), model_from_urdf(file)
     assert ours.joint_names == theirs.joint_names
     assert set(ours.frame_names) == set(theirs.frame_names)
     for link in ours.links:

@@ -128,5 +128,5 @@ def test_mistakes_are_named() -> None:
         trajectory.blended(POINTS, 0.4, velocity=1.0, kind="quintik")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="both or neither"):
         trajectory.blended(POINTS, 0.4)
-    with pytest.raises(InputError, match="catch up"):
+    with pytest.raises(InputError, match="half the length"):
         trajectory.blended(POINTS, 0.4, velocity=1.0, ends="half")

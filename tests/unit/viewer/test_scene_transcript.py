@@ -9,7 +9,7 @@ import numpy as np
 import ulna
 from support.transcripts import compare, transcript
 from ulna.geometry import Box, Sphere
-from ulna.robots.catalogue import build_own
+from ulna.robots.catalogue import build_bundled
 from ulna.viewer.graph.camera import Camera, camera_for
 from ulna.viewer.graph.content import Copies, Lines, Points, Text, transforms
 
@@ -158,7 +158,7 @@ Camera((1, 2, 3), (0, 0, 0), fov=4.0)
 
 def test_what_every_call_draws_reads_and_refuses() -> None:
     viewer = ulna.Viewer(page=False)
-    arm = ulna.Robot(build_own("ur5", visuals="simple"))
+    arm = ulna.Robot(build_bundled("ur5", visuals="simple"))
     turned = np.array([[0, -1, 0, 1], [1, 0, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1.0]])
     octahedron = Points([(0, 0, 0)], (1, 0, 0), 2.0).surfaces
     copies = Copies(octahedron, transforms([(1, 0, 0), (0, 2, 0)]), None, (1.0, 2.0, 3.0), 0.5)

@@ -149,7 +149,7 @@ def test_what_was_removed_is_neither_moved_nor_begun_anew(viewer: Viewer, panda:
     arm.q = "qz"  # not looked at before it goes
     arm.remove()
     for use in (lambda: setattr(arm, "q", "qr"), arm.trace, arm.frames, lambda: arm.pose, arm.remove):
-        with pytest.raises(UnknownName, match="No thing in the scene named 'panda'"):
+        with pytest.raises(UnknownName, match="No object in the scene named 'panda'"):
             use()
     assert viewer.scene.names == ()
 

@@ -1,4 +1,4 @@
-"""How accelerations and forces answer to changes of the residuals; the symbols are those of dynamics_derivatives.py."""
+"""How accelerations and forces change with the residuals; the symbols are those of dynamics_derivatives.py."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ulna.algorithms.dynamics.mass_matrix_factors import Factors
 from ulna.numeric import matrix, vector
 from ulna.typing import Array
 
-_MOST = 2**30
+_MAX_ITERATIONS = 2**30
 """Rounds at most."""
 
 
@@ -75,18 +75,20 @@ def _after(S: Array, mu: Any, rounds: Any) -> Array:
     m = len(S)
     places = [(i, j) for i in range(m) for j in range(i + 1)]
 
-    def whole(state: Sequence[Any]) -> list[list[Any]]:
+    def symmetric(state: Sequence[Any]) -> list[list[Any]]:
         rows: list[list[Any]] = [[0.0] * m for _ in range(m)]
         for (i, j), entry in zip(places, state, strict=False):
             rows[i][j] = rows[j][i] = entry
         return rows
 
-    def one(*state: Any) -> tuple[Any, ...]:
-        P = whole(state)
+    def step(*state: Any) -> tuple[Any, ...]:
+        P = symmetric(state)
         return (
             *(S[i, j] + mu * sum(S[i, k] * P[k][j] for k in range(m)) for i, j in places),
             state[-1] + 1.0,
         )
 
-    begin = (*(S[i, j] for i, j in places), 1.0)
-    return matrix(whole(numeric.loop(lambda *state: numeric.less(state[-1], rounds), one, begin, _MOST)))
+    start = (*(S[i, j] for i, j in places), 1.0)
+    return matrix(
+        symmetric(numeric.loop(lambda *state: numeric.less(state[-1], rounds), step, start, _MAX_ITERATIONS))
+    )

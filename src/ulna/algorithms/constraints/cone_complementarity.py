@@ -1,4 +1,4 @@
-"""Impulses of constraints that push, rub and hold: complementarity in cones, by projected Gauss-Seidel.
+"""Impulses of bilateral, unilateral and frictional constraints: cone complementarity, by projected Gauss-Seidel.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
@@ -162,8 +162,8 @@ class _Block:
         elif isinstance(kind, Frictional):
             a, b, c = (block[..., i, j][()] for i, j in ((0, 0), (0, 1), (1, 1)))
             half = 0.5 * (a - c)
-            self.slide = relaxation / (0.5 * (a + c) + numeric.sqrt(half * half + b * b))
-            self.whole = relaxation / (a + c + block[..., 2, 2][()])
+            self.tangential_step = relaxation / (0.5 * (a + c) + numeric.sqrt(half * half + b * b))
+            self.block_step = relaxation / (a + c + block[..., 2, 2][()])
 
     def velocity(self, x: Sequence[Any], g: Array, i: int) -> Any:
         """y_i."""
@@ -182,11 +182,11 @@ class _Block:
         elif self.sliding:
             a, b, n = rows
             x[n] = numeric.maximum(x[n] - self.steps[2] * self.velocity(x, g, n), 0.0)
-            along = [x[i] - self.slide * self.velocity(x, g, i) for i in (a, b)]
+            along = [x[i] - self.tangential_step * self.velocity(x, g, i) for i in (a, b)]
             projected = friction_cone.project_radially(vector(*along, x[n]), kind.friction)
             x[a], x[b] = projected[..., 0][()], projected[..., 1][()]
         else:
-            moved = vector(*(x[i] - self.whole * self.velocity(x, g, i) for i in rows))
+            moved = vector(*(x[i] - self.block_step * self.velocity(x, g, i) for i in rows))
             projected = friction_cone.project(moved, kind.friction)
             for k, i in enumerate(rows):
                 x[i] = projected[..., k][()]

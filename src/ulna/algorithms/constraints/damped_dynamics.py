@@ -1,4 +1,4 @@
-"""Constrained dynamics with a damping in numbers, for those who choose it, and its accuracy, themselves.
+"""Constrained dynamics with a damping that the caller chooses, and with it the accuracy.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
@@ -67,7 +67,7 @@ class DampedMotion(NamedTuple):
     """The largest entry of what is left of the constraints, (...)."""
 
 
-_SAME = 1e-12
+_DEPENDENT_PIVOT = 1e-12
 """Without damping: a pivot that keeps less than this part of its diagonal entry depends on others."""
 _IMMOVABLE = 1e-24
 """A pivot that is not above this is that of something no force moves."""
@@ -150,7 +150,9 @@ def damped_factors(G: Array, mu: Array) -> Factors:
     """
     m = G.shape[-1]
     damps = [numeric.less(0.0, mu[..., i][()]) for i in range(m)]
-    floors = [numeric.where(damps[i], _IMMOVABLE, _SAME * G[..., i, i] + _IMMOVABLE) for i in range(m)]
+    floors = [
+        numeric.where(damps[i], _IMMOVABLE, _DEPENDENT_PIVOT * G[..., i, i] + _IMMOVABLE) for i in range(m)
+    ]
     return Factors(G + np.eye(m) * mu[..., None, :], floors)
 
 

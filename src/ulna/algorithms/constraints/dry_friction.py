@@ -79,8 +79,8 @@ def velocity_after_friction(G: Array, u: Array, start: Array, h: Any, friction: 
     for place, k in enumerate(rubbing):
         # what would hold it at rest: well within its bounds, or well beyond them when it slides
         need = end[nv + place] - v[k] / mobility[k]
-        enough = numeric.where(numeric.less(need, largest_impulses[k][1]), 0.0, v[k])
-        v[k] = numeric.where(numeric.less(-largest_impulses[k][0], need), enough, v[k])
+        reduced = numeric.where(numeric.less(need, largest_impulses[k][1]), 0.0, v[k])
+        v[k] = numeric.where(numeric.less(-largest_impulses[k][0], need), reduced, v[k])
     return numeric.vector(*v)
 
 

@@ -1,4 +1,4 @@
-"""Accelerations, forces and impulses of a robot that constraints bind.
+"""Accelerations, forces and impulses of a robot under constraints.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|

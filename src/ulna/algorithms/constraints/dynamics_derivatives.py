@@ -1,4 +1,4 @@
-"""How accelerations and forces of a robot that constraints bind change with q, v and tau, in closed form.
+"""How accelerations and forces of a robot under constraints change with q, v and tau, in closed form.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|

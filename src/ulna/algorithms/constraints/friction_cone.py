@@ -1,4 +1,4 @@
-"""The cone of Coulomb's friction, and what is nearest in it.
+"""The cone of Coulomb's friction, and projections onto it.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
@@ -6,7 +6,7 @@
 | f = (t, n) | contact force: two tangential entries, then the normal one | (3) | [N] | |
 | l | length of t | () | [N] | |
 | K | the forces that friction allows | | | l <= mu n |
-| K* | its dual: what has no negative product with them | | | mu l <= n |
+| K* | its dual: vectors whose product with each of K is not negative | | | mu l <= n |
 | P f | the nearest of K | (3) | [N] | f if f in K; 0 if mu l <= -n; else (x.f) x, x = (mu t / l, 1) / sqrt(1 + mu^2) |
 | P* f | the nearest of K* | (3) | [N] | f + P(-f) |
 | P_R f | nearest in the metric of a diagonal R = (r, r, s) | (3) | [N] | R^-1/2 P' R^1/2 f |
@@ -44,7 +44,7 @@ def project(f: Array, mu: Any) -> Array:
     divisor = numeric.where(numeric.less(0.0, length), length, 1.0)  # not zero
     normal = (mu * length + n) / (1.0 + mu * mu)
     on_boundary = (mu * normal * x / divisor, mu * normal * y / divisor, normal)
-    # A force with n < 0 is outside K, which mu n < l does not tell where mu and l are zero.
+    # A force with n < 0 is outside K, which mu n < l does not show where mu and l are zero.
     is_outside = numeric.less(numeric.where(numeric.less(n, 0.0), n, mu * n), length)
     is_nonzero = numeric.less(-n, mu * length)  # of the nearest force
     return vector(

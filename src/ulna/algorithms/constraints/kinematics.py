@@ -1,4 +1,4 @@
-"""How what constraints bind moves: error, velocity, Jacobian, and acceleration without acceleration of the joints.
+"""Kinematics of constraints: error, velocity, Jacobian, and acceleration without acceleration of the joints.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|

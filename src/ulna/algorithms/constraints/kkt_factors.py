@@ -12,7 +12,7 @@
 The elimination runs from the last joint to the first constraint, as in mass_matrix_factors.py: U is L^T of M for
 joints, Y^T D^-1
 between constraints and joints, and made of the factors of -(G + mu) for constraints. It is zero where neither of two
-joints stands on the other, and where a constraint stands on neither. Source: Featherstone 2008, section 6.5;
+joints is an ancestor of the other, and where a joint moves no constraint. Source: Featherstone 2008, section 6.5;
 Carpentier, Budhiraja & Mansard, Proximal and sparse resolution of constrained dynamic equations, RSS 2021, section III.
 """
 

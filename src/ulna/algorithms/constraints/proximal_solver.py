@@ -1,4 +1,4 @@
-"""The forces that constraints need, by the proximal point algorithm: also where some of them say the same.
+"""The forces that constraints need, by the proximal point algorithm: also where some are redundant.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
@@ -73,9 +73,9 @@ class Solution(NamedTuple):
     iterations: Any
 
 
-_SAME = 1e-12
+_DEPENDENT_PIVOT = 1e-12
 """A pivot that keeps less than this part of its diagonal entry belongs to a row that depends on others."""
-_NOTHING = 1e-14
+_NEGLIGIBLE = 1e-14
 """A diagonal entry that is less than this part of the mean one is zero but for rounding."""
 _IMMOVABLE = 1e-24
 """A pivot [1/kg, 1/(kg m^2)] that is not above this is that of something no force moves."""
@@ -98,16 +98,16 @@ def solve_proximal(G: Array, b: Sequence[Any], settings: Proximal) -> Solution:
     diagonal = [G[..., i, i] for i in range(m)]
     mean = sum(diagonal[1:], diagonal[0]) * (1.0 / m)
     if settings.mu == 0.0:
-        floors = [_SAME * entry + _NOTHING * mean + _IMMOVABLE for entry in diagonal]
+        floors = [_DEPENDENT_PIVOT * entry + _NEGLIGIBLE * mean + _IMMOVABLE for entry in diagonal]
         return Solution(Factors(G, floors).solve(b), 1.0 + 0.0 * mean)
     r = settings.mu * mean
     raised = G + np.eye(m) * (r[..., None, None] if isinstance(r, np.ndarray) else r)
     factors = Factors(raised, [_IMMOVABLE] * m)
     first = factors.solve(b)
-    enough = settings.tolerance * largest(b)
+    threshold = settings.tolerance * largest(b)
 
     def unfinished(*state: Any) -> Any:
-        return state[-1] > enough
+        return state[-1] > threshold
 
     def round_(*state: Any) -> tuple[Any, ...]:
         forces, step, count = state[:m], state[m : 2 * m], state[2 * m]
@@ -118,14 +118,14 @@ def solve_proximal(G: Array, b: Sequence[Any], settings: Proximal) -> Solution:
         null_space = factors.solve([r * s for s in factors.solve([r * f for f in forces])])
         return [f - s for f, s in zip(forces, null_space, strict=True)]
 
-    begin = (*first, *first, 1.0 + 0.0 * mean, r * largest(first))
+    start = (*first, *first, 1.0 + 0.0 * mean, r * largest(first))
     if settings.iterations == 1:
-        return Solution(first, begin[2 * m])
-    *end, left = numeric.loop(unfinished, round_, begin, settings.iterations - 1)
+        return Solution(first, start[2 * m])
+    *end, residual = numeric.loop(unfinished, round_, start, settings.iterations - 1)
     forces = numeric.loop(
-        lambda *state: state[-1] > enough,
+        lambda *state: state[-1] > threshold,
         lambda *state: (*without_null_space(state[:m]), state[m]),
-        (*end[:m], left),
+        (*end[:m], residual),
         _PURGES,
     )
     return Solution(list(forces[:m]), end[2 * m])

@@ -64,7 +64,7 @@ def columns_of_derivatives(
         external: As for `inverse_dynamics_derivatives`.
 
     Returns:
-        The factors, and what is done with a column of dtau/dq, dtau/dv and of the unit matrix with a minus.
+        The factors of M, and the right-hand sides: dtau/dq, dtau/dv and minus the unit matrix, with sign -1.
     """
     a = by_mass_matrix(model, q, v, tau, external)
     tau_q, tau_v, M = inverse_dynamics_derivatives(model, q, v, a, external)
@@ -74,8 +74,8 @@ def columns_of_derivatives(
 def _negative(factors: Factors, b: Array, into: Array) -> Array:
     """-M^-1 b = -E diag(1 / d) E^T b.
 
-    A column of b is zero but for the joints its own stands on and those that stand on it, and so is E^T b; then an
-    entry of the result is a sum over the joints on which both stand, fewer than in an elimination.
+    A column of b is zero except for the ancestors and descendants of its joint, and so is E^T b; an entry of the
+    result is then a sum over the common ancestors of two joints, fewer terms than in an elimination.
     """
     E = factors.unit_inverse()
     negative = [-r for r in factors.reciprocals]

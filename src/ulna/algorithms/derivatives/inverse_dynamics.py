@@ -15,7 +15,7 @@
 | r | column of the force at step i by a | Force | | I s |
 | y, z | column of the force at step i by v, by q | Force | | B s + I phi, B psi + I chi + s x* F |
 
-A column s_k of step k and a column s_j of a step j at or beneath it (k stands on j) give four entries:
+A column s_k of step k and a column s_j of a step j, k itself or an ancestor of k, give four entries:
 
     d tau_k / d v_j = r_k . phi_j + B^T s_k . s_j        d tau_j / d v_k = s_j . y_k
     d tau_k / d q_j = r_k . chi_j + B^T s_k . psi_j      d tau_j / d q_k = s_j . z_k (without s x* F when k = j)
@@ -159,7 +159,7 @@ def _add_pairs(
     by_v: Array,
     M: Array,
 ) -> None:
-    """Adds the entries of a column of step i with every column of the steps it stands on."""
+    """Adds the entries of a column of step i with every column of its ancestors."""
     k, s = column.index, column.s
     r, t = subtree.body.apply(s), subtree.coriolis_transposed(s)
     y = subtree.coriolis(s) + subtree.body.apply(column.phi)

@@ -91,10 +91,10 @@ class Articulated:
             _rotate(R, self.H, axis),
             rotate_symmetric(R, self.I, axis),
         )
-        moved = H - M @ cross
-        more, less = cross @ moved, np.swapaxes(H, -1, -2) @ cross
+        shifted = H - M @ cross
+        more, less = cross @ shifted, np.swapaxes(H, -1, -2) @ cross
         return Articulated(
-            M, moved, _symmetric(lambda i, j: I[..., i, j] + more[..., i, j] - less[..., i, j])
+            M, shifted, _symmetric(lambda i, j: I[..., i, j] + more[..., i, j] - less[..., i, j])
         )
 
 

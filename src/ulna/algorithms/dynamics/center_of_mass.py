@@ -1,4 +1,4 @@
-"""The centre of mass of a robot, or of what one joint moves: where it is, how it moves, and its Jacobian.
+"""The centre of mass of a robot or of a joint's subtree: position, velocity, acceleration and Jacobian.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
@@ -11,7 +11,7 @@
 | c_p'' | | (3) | [kg m/s^2] | R (c'' + w x (2 c' + w x c) + e x c + m (k + w x l)) |
 | J | columns, in world axes | (3, nv) | [m], [1] | R_world (m l + w x c) / (mass of all), s = (l; w) |
 
-The first moment travels inward to the world and is differentiated on the way, so that the velocity and the acceleration
+The first moment is summed inward and differentiated at each step, so that the velocity and the acceleration
 of no body are needed. Source: Siciliano 2009, eq. 7.2 (first moments); the rates are those of a point in a moving
 frame, section 3.1. What no joint moves does not count: the centre is that of the moving bodies.
 """
@@ -178,10 +178,10 @@ def first_moment(
             v_J = step.motion(v)
             a_J = Motion(still, still) if a is None else step.motion(a)
             w, l = v_J.angular, v_J.linear
-            turned = cross(w, c)
-            c2 = c2 + cross(w, 2.0 * c1 + turned) + cross(a_J.angular, c)
+            tangential = cross(w, c)
+            c2 = c2 + cross(w, 2.0 * c1 + tangential) + cross(a_J.angular, c)
             c2 = c2 + m * (a_J.linear + cross(w, l))
-            c1 = c1 + turned + m * l
+            c1 = c1 + tangential + m * l
         R, J = step.placement.rotation, step.transform(q).rotation
         rates = (apply(R, apply(J, x)) for x in (c1, c2))
         return FirstMoment(_position(step, m, c, q), *rates)

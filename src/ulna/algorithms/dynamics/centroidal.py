@@ -138,14 +138,14 @@ def centroidal_inertia(model: Model, q: Array) -> Array:
         I_G, shape (..., 3, 3) [kg m^2].
     """
     prepared = prepare(model)
-    whole = sum_in_world(
+    total = sum_in_world(
         prepared.tree,
         prepared.body_moments,
         MassMoments.zero(),
         lambda step, body: in_parent_frame(step, body, q),
     )
-    about_centre = steiner(whole.first, center_of_mass(model, q) * 0.5)
-    return whole.second - about_centre + batch_zeros((3, 3), q)
+    about_centre = steiner(total.first, center_of_mass(model, q) * 0.5)
+    return total.second - about_centre + batch_zeros((3, 3), q)
 
 
 def _centred(model: Model, tree: Sequence[Step], subtrees: Sequence[MassMoments], q: Array) -> list[SE3]:

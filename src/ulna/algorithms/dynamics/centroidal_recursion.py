@@ -91,6 +91,6 @@ def momentum_matrix_about_com(model: Model, q: Array) -> Array:
 def _poses_from_com(tree: Sequence[Step], I: Sequence[MassMoments], q: Array) -> list[SE3]:
     """X of every step."""
     T = poses(tree, q)
-    whole = sum((I_i.to_outer_frame(T_i) for I_i, T_i in zip(I, T, strict=True)), MassMoments.zero())
-    c = whole.first / np.asarray(whole.mass)
+    total = sum((I_i.to_outer_frame(T_i) for I_i, T_i in zip(I, T, strict=True)), MassMoments.zero())
+    c = total.first / np.asarray(total.mass)
     return [SE3(T_i.rotation, T_i.translation - c) for T_i in T]

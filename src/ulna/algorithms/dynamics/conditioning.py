@@ -78,10 +78,10 @@ def _factor(model: Model, q: Floats) -> tuple[Floats, Floats, Floats]:
     """A; how long rounding alone can make each of its columns; and D."""
     tree = steps(model)
     placed = poses(tree, q)
-    moved = np.zeros((len(tree), len(tree)), dtype=bool)  # whether a step moves the body of another
+    moves_body = np.zeros((len(tree), len(tree)), dtype=bool)  # whether a step moves the body of another
     for i, step in enumerate(tree):
-        moved[:, i] = moved[:, step.parent] if step.parent >= 0 else False
-        moved[i, i] = True
+        moves_body[:, i] = moves_body[:, step.parent] if step.parent >= 0 else False
+        moves_body[i, i] = True
     last = [i for i, step in enumerate(tree) if step.is_last]
     R = np.stack([placed[i].rotation for i in last])
     mass = np.array([abs(body.mass) for body in model.inertias])
@@ -93,7 +93,7 @@ def _factor(model: Model, q: Floats) -> tuple[Floats, Floats, Floats]:
     noise, D = np.zeros((len(last), model.nv)), np.zeros((len(last), model.nv))
     for i, step in enumerate(tree):
         R_i, p = placed[i].rotation, placed[i].translation
-        bodies = moved[i, last]
+        bodies = moves_body[i, last]
         for s, k in zip(step.subspace(), step.indices, strict=True):
             v, w = step.multiplier * (R_i @ s.linear), step.multiplier * (R_i @ s.angular)
             arm = com - p
@@ -101,8 +101,8 @@ def _factor(model: Model, q: Floats) -> tuple[Floats, Floats, Floats]:
             A[bodies, 3:, k] += (root @ w)[bodies]
             vv, ww = v @ v, w @ w
             D[bodies, k] += (mass * (vv + ww * (arm**2).sum(axis=1)) + size * ww)[bodies]
-            far = (com**2).sum(axis=1) + p @ p
-            noise[bodies, k] += (mass * (vv + ww * far) + size * ww)[bodies]
+            squared_distances = (com**2).sum(axis=1) + p @ p
+            noise[bodies, k] += (mass * (vv + ww * squared_distances) + size * ww)[bodies]
     armature = np.asarray(model.armature, dtype=float)
     factor = np.concatenate([A.reshape(-1, model.nv), np.diag(np.sqrt(np.abs(armature)))])
     return factor, _ROUNDING * np.sqrt(noise.sum(axis=0)), np.sqrt(D.sum(axis=0) + np.abs(armature))

@@ -124,7 +124,7 @@ def _add_pairs(
     q: Array,
     C: Array,
 ) -> None:
-    """Adds the entries of column s of step i with the columns of that step and of the steps it stands on."""
+    """Adds the entries of column s of step i with the columns of that step and of its ancestors."""
     h, body = subtree.h, subtree.body
     half = 0.5 * apply(subtree.D, s.angular)
     turn = 0.5 * cross(s.angular, h.angular)

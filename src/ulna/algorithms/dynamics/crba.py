@@ -105,7 +105,7 @@ def composite_moments(tree: Sequence[Step], I: Sequence[MassMoments], q: Array) 
 
 
 def _forces_at_ancestors(tree: Sequence[Step], i: int, F: Force, q: Array) -> Iterator[tuple[Step, Force]]:
-    """The steps that step `i` stands on, nearest first, each with a force of step `i` in its moving frame."""
+    """The ancestors of step `i`, nearest first, each with a force of step `i` in its moving frame."""
     while tree[i].parent >= 0:
         F = tree[i].force_to_parent(F, q)
         i = tree[i].parent

@@ -1,11 +1,11 @@
-"""Forward dynamics: the accelerations that torques give, by whichever algorithm is cheaper for the tree.
+"""Forward dynamics: the accelerations by torques, by whichever algorithm is cheaper for the tree.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
 | M, h | mass matrix; torques that give no acceleration | (nv, nv), (nv) | | crba.py, rnea.py |
 | tau | joint torques | (nv) | [N m] or [N] | |
 | a | joint accelerations | (nv) | [rad/s^2] or [m/s^2] | M a = tau - h |
-| n_k | number of columns of S on the way from the world to column k, itself included | () | | |
+| n_k | number of columns of S between the world and column k, itself included | () | | |
 
 Either M is factored within the tree's zeros (mass_matrix_factors.py), at a cost that grows as the sum of n_k^2, or
 articulated inertias are passed through the tree (aba_relative_accelerations.py), at a cost that grows as nv. Counted

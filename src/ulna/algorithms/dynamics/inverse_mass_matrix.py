@@ -7,7 +7,7 @@
 
 Carpentier, Analytical inverse of the joint space inertia matrix (2018), finds the same entries by passing articulated
 inertias inward and one acceleration for every column outward, about 30 operations an entry. With the sparse factors an
-entry costs two operations for each joint that both of its joints stand on (Featherstone 2008, section 6.5): less for
+entry costs two operations for each common ancestor of its joints (Featherstone 2008, section 6.5): less for
 every robot that was tried.
 """
 

@@ -142,9 +142,9 @@ class Friction:
         """B, Tc+ and Tc- as arrays (nv,); ShapeError if they are for another robot."""
         back = self.coulomb if self.backward is None else self.backward
         return (
-            _spread("viscous", self.viscous, nv),
-            _spread("coulomb", self.coulomb, nv),
-            _spread("backward", back, nv),
+            _broadcast("viscous", self.viscous, nv),
+            _broadcast("coulomb", self.coulomb, nv),
+            _broadcast("backward", back, nv),
         )
 
 
@@ -162,7 +162,7 @@ def friction_torque(v: Array, friction: Friction) -> Any:
     return -(friction.viscous * v + friction.dry_bound(v) * smooth)
 
 
-def _spread(name: str, value: Any, nv: int) -> Floats:
+def _broadcast(name: str, value: Any, nv: int) -> Floats:
     array = np.asarray(value, dtype=float)
     if array.shape not in ((), (nv,)):
         raise ShapeError(name, array.shape, f"one number or ({nv},)")

@@ -9,9 +9,9 @@
 | M^-1 | inverse | (nv, nv) | | E diag(1 / d) E^T |
 
 Source: Featherstone 2008, section 6.5 (tables 6.3 and 6.4). The elimination runs from the last joint to the first, so
-that an entry of L is zero wherever neither of two joints stands on the other: such branch-induced zeros are left out,
-in E likewise. An entry of M^-1 is a sum over the joints that both of its joints stand on. What mimic joints couple
-fills in.
+that an entry of L is zero wherever neither of two joints is an ancestor of the other: such branch-induced zeros are
+left out, in E likewise. An entry of M^-1 is a sum over the common ancestors of its joints. Joints that mimic joints
+couple fill in.
 """
 
 from __future__ import annotations

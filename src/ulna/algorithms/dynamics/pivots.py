@@ -48,7 +48,7 @@ def conditioning_by_pivots(model: Model, q: Floats) -> Conditioning:
 
 
 def _pivots(model: Model, q: Floats) -> tuple[Floats, Floats]:
-    """d and D of each entry of v; what stands on a zero pivot counts as if it were locked there."""
+    """d and D of each entry of v; a joint with a zero pivot counts as locked."""
     tree = steps(model)
     placed = poses(tree, q)
     armature = np.asarray(model.armature, dtype=float)
@@ -61,11 +61,11 @@ def _pivots(model: Model, q: Floats) -> tuple[Floats, Floats]:
             G[i] = _inertia(next(bodies), placed[i])
     for i in reversed(range(len(tree))):
         step = tree[i]
-        whole = np.array([abs(np.trace(G[i, :3, :3])), abs(np.trace(G[i, 3:, 3:]))])
+        traces = np.array([abs(np.trace(G[i, :3, :3])), abs(np.trace(G[i, 3:, 3:]))])
         for k, s in zip(step.indices, _columns(step, placed[i]), strict=True):
             U = G[i] @ s
             d[k] = s @ U + armature[k]
-            D[k] = (size[i] + whole) @ (s[:3] @ s[:3], s[3:] @ s[3:]) + abs(armature[k])
+            D[k] = (size[i] + traces) @ (s[:3] @ s[:3], s[3:] @ s[3:]) + abs(armature[k])
             if abs(d[k]) > _ROUNDING * D[k]:
                 G[i] -= np.outer(U, U) / d[k]
         if step.parent >= 0:
@@ -73,7 +73,7 @@ def _pivots(model: Model, q: Floats) -> tuple[Floats, Floats]:
             to_child = np.eye(6)
             to_child[:3, 3:] = -skew(arm)
             G[step.parent] += to_child.T @ G[i] @ to_child
-            size[step.parent] += whole + np.array([0.0, whole[0] * (arm @ arm)])
+            size[step.parent] += traces + np.array([0.0, traces[0] * (arm @ arm)])
     return d, D
 
 

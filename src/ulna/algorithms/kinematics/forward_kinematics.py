@@ -48,7 +48,7 @@ def joint_poses(model: Model, q: Array) -> list[SE3]:
 
 
 def frame_pose(model: Model, q: Array, frame: Frame) -> SE3:
-    """T_world_frame of one frame; only the joints it stands on are walked.
+    """T_world_frame of one frame; only its ancestors are visited.
 
     Args:
         model: The robot.
@@ -62,7 +62,7 @@ def frame_pose(model: Model, q: Array, frame: Frame) -> SE3:
 
 
 def frame_poses(model: Model, q: Array, frames: Sequence[Frame]) -> list[SE3]:
-    """T_world_frame of several frames; every joint they stand on is visited once.
+    """T_world_frame of several frames; each of their ancestors is visited once.
 
     Args:
         model: The robot.

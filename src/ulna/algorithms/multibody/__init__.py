@@ -1,1 +1,1 @@
-"""What every algorithm stands on: recursions over the tree, link frames, mass moments, references, forces on bodies."""
+"""The base of all algorithms: recursions over the tree, link frames, mass moments, references, forces on bodies."""

@@ -2,7 +2,7 @@
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
-| i, p(i) | a step and the step it stands on; the world is -1 | | | p(i) < i |
+| i, p(i) | a step and its parent; the world is -1 | | | p(i) < i |
 | P | pose of the step's fixed frame in the moving frame of p(i) | SE3 | [m] | constant |
 | J(q) | pose of the moving frame in the fixed frame | SE3 | [m] | joint kind |
 | X | pose of the moving frame in the moving frame of p(i) | SE3 | [m] | X = P J(q) |
@@ -32,12 +32,12 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One elementary joint on the way outward; its motion subspace is constant in its moving frame."""
+    """One elementary joint of the tree; its motion subspace is constant in its moving frame."""
 
     joint: Joint
     """The joint it is, or is a part of."""
     parent: int
-    """The step it stands on, as an index into the sequence it came in; -1 for the world."""
+    """Its parent, as an index into the sequence of steps; -1 for the world."""
     placement: SE3
     """P."""
     kind: JointKind
@@ -92,7 +92,7 @@ class Step:
         return fixed @ self.transform(q)
 
     def pose_in_parent(self, T: SE3, q: Array) -> SE3:
-        """A pose in the moving frame, seen from the parent's moving frame.
+        """A pose in the moving frame, in the parent's moving frame.
 
         Args:
             T: A pose in the moving frame [m].
@@ -143,7 +143,7 @@ def steps(model: Model, joints: Iterable[int] | None = None) -> tuple[Step, ...]
 
     Args:
         model: The robot.
-        joints: Ascending indices; with every joint, the joints it stands on; None for all joints.
+        joints: Ascending indices; with every joint, its ancestors; None for all joints.
 
     Returns:
         The steps, parents first.
@@ -177,7 +177,7 @@ def chain(model: Model, frame: Frame) -> tuple[Step, ...]:
         frame: A frame of the model.
 
     Returns:
-        The steps, root first: each stands on the one before it.
+        The steps, root first: each is the parent of the next.
     """
     return steps(model, model.support(frame.joint) if frame.joint >= 0 else ())
 
@@ -210,17 +210,17 @@ def inward(tree: Sequence[Step], values: Sequence[Any], f: Callable[[Step, Any],
     Returns:
         The sums, one a step.
     """
-    gathered = list(values)
+    sums = list(values)
     for step, i in zip(reversed(tree), reversed(range(len(tree))), strict=True):
         if step.parent >= 0:
-            gathered[step.parent] = gathered[step.parent] + f(step, gathered[i])
-    return gathered
+            sums[step.parent] = sums[step.parent] + f(step, sums[i])
+    return sums
 
 
 def sum_in_world(
     tree: Sequence[Step], values: Sequence[Any], world: Any, f: Callable[[Step, Any], Any]
 ) -> Any:
-    """The sum of f(step_i, value_i) over the steps on the world, after `inward`, added to `world`.
+    """The sum of f(step_i, value_i) over the steps whose parent is the world, after `inward`, added to `world`.
 
     Args:
         tree: The steps, parents first.
@@ -252,7 +252,7 @@ def poses(tree: Sequence[Step], q: Array) -> list[SE3]:
 
 
 def tip_pose(tree: Sequence[Step], q: Array, placement: SE3) -> SE3:
-    """The pose in the world of a frame on the last body of a chain; what turns about the last axis is joined first.
+    """The pose in the world of a frame on the last body of a chain; the last joint and the frame are composed first.
 
     Args:
         tree: The steps of a chain, root first.
@@ -264,7 +264,7 @@ def tip_pose(tree: Sequence[Step], q: Array, placement: SE3) -> SE3:
     """
     if not tree:
         return placement
-    *before, last = tree
+    *proximal, last = tree
     tip = last.transform(q) @ placement
-    fixed = poses(before, q)[-1] @ last.placement if before else last.placement
+    fixed = poses(proximal, q)[-1] @ last.placement if proximal else last.placement
     return fixed @ tip

@@ -28,10 +28,10 @@ from ulna.typing import Array, Floats
 RESERVE = 0.012
 """By how much nearer spheres may come, by all margins, than those that are left out [m]."""
 
-_MOST_JOINTS = 2  # between groups that are looked at
-_MOST_CELLS = 6_000
+_MAX_JOINTS_BETWEEN = 2  # between groups that are looked at
+_MAX_CELLS = 6_000
 _FIRST = 0.2  # two points approach by no more in a first cell [m]
-_LEAST = 0.002  # cells in which they approach by no more than this are not divided [m]
+_MIN_APPROACH = 0.002  # cells in which they approach by no more than this are not divided [m]
 
 
 _VERSION = "meeting spheres 1"
@@ -80,7 +80,7 @@ def can_meet(model: Model, a: Group, b: Group, approach: Floats) -> Array:
     """
     columns = np.flatnonzero(approach)
     low, high = model.lower_position[columns], model.upper_position[columns]
-    if len(columns) > _MOST_JOINTS or not np.isfinite([low, high]).all():
+    if len(columns) > _MAX_JOINTS_BETWEEN or not np.isfinite([low, high]).all():
         return np.ones((len(a.radii), len(b.radii)), dtype=bool)
     reach = (a.radii[:, None] + b.radii + RESERVE).ravel()
     counts = np.ceil(approach[columns] * (high - low) / _FIRST).astype(int) + 1
@@ -96,7 +96,7 @@ def can_meet(model: Model, a: Group, b: Group, approach: Floats) -> Array:
         slack = float(approach[columns] @ width) / 2.0
         in_doubt = (beyond <= slack) & ~meets
         cells = cells[in_doubt.any(axis=1)]
-        if not len(cells) or slack < _LEAST or len(cells) * 2 ** len(columns) > _MOST_CELLS:
+        if not len(cells) or slack < _MIN_APPROACH or len(cells) * 2 ** len(columns) > _MAX_CELLS:
             return (meets | in_doubt.any(axis=0)).reshape(len(a.radii), len(b.radii))
         width = width / 2.0
         for k in range(len(columns)):

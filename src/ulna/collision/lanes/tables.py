@@ -242,7 +242,7 @@ class Scene:
         masks = {kind: [row[2] for row in rows if row[0] == kind] for kind in ("box", "cylinder", "plane")}
         extents = np.concatenate([_box_extents(boxes), _cylinder_extents(cylinders)], axis=1)
         farthest = max(np.abs(extents).max(initial=0.0), np.abs(planes[:, 3:]).max(initial=0.0))
-        _refuse_far("", farthest)
+        _check_float32_range("", farthest)
         groups, count = len(self.moving.groups), extents.shape[1]
         columns = -(-count // self.lanes) * self.lanes
         filled = np.full((6, columns), np.inf, np.float32)
@@ -266,7 +266,9 @@ class Scene:
                 continue
             solid = obstacle_solid(obstacle, self.missing)
             if solid is not None:
-                _refuse_far(obstacle.name, np.abs(obstacle.pose @ solid.vertices).max() + solid.rounding)
+                _check_float32_range(
+                    obstacle.name, np.abs(obstacle.pose @ solid.vertices).max() + solid.rounding
+                )
                 placed.append((point_grid(solid), obstacle.pose.matrix()))
                 margins.append(
                     [
@@ -417,7 +419,7 @@ def _shape_parts(shape: Shape, missing: Missing) -> tuple[gap.Part, ...]:
     return gap.parts(World().add("obstacle", shape), missing)
 
 
-def _refuse_far(name: str, farthest: float) -> None:
+def _check_float32_range(name: str, farthest: float) -> None:
     """Raises where an obstacle is too far away for float32."""
     if farthest > FARTHEST:
         raise InputError(

@@ -19,7 +19,7 @@ from ulna.compiler.codegen.target import Target
 from ulna.compiler.language.function import ColumnForm, Function, trace
 from ulna.compiler.language.ops import Op
 
-_LARGEST_SCRATCH = 400_000  # of the matrices, which lie on the stack [byte]
+_MAX_SCRATCH = 400_000  # of the matrices, which lie on the stack [byte]
 _NARROWEST = 32  # registers that are worth it [byte]
 
 
@@ -36,7 +36,7 @@ def can_write_columns(f: Function, target: Target, element: DType) -> bool:
     """
     size = sum(port.size for port in f.outputs) * BYTES[element]
     is_wide = target.register_bytes >= _NARROWEST and target.stack_space == 0
-    return is_wide and f.outputs[0].shape[1] >= target.lanes(element) and size <= _LARGEST_SCRATCH
+    return is_wide and f.outputs[0].shape[1] >= target.lanes(element) and size <= _MAX_SCRATCH
 
 
 def write_columns(module: Module, f: Function, form: ColumnForm, target: Target, element: DType) -> None:

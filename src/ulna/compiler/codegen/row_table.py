@@ -39,12 +39,12 @@ def write_rows(to: Writer, port: str, places: Sequence[int], zero: int | None) -
         zero: The place that holds zeros, if there is one.
     """
     lanes, size = to.layout.lanes, len(places)
-    whole = size // lanes
-    if whole:
-        _loop(to, port, [places[k * lanes : (k + 1) * lanes] for k in range(whole)], zero)
+    full_chunks = size // lanes
+    if full_chunks:
+        _loop(to, port, [places[k * lanes : (k + 1) * lanes] for k in range(full_chunks)], zero)
     for start, width in chunks(lanes, size):
-        if start >= whole * lanes:
-            columns = [_fetched(to, place) for place in places[start : start + width]]
+        if start >= full_chunks * lanes:
+            columns = [_loaded_value(to, place) for place in places[start : start + width]]
             store(to, port, start, columns)
 
 
@@ -78,7 +78,7 @@ def _loop(to: Writer, port: str, table: Sequence[Sequence[int]], zero: int | Non
             f"{pointer} = getelementptr i32, ptr %{port}.t, i64 {j}\n  {narrow} = load i32, ptr {pointer}"
         )
         to.write(f"{place} = zext i32 {narrow} to i64")
-        columns.append(_fetched(to, place))
+        columns.append(_loaded_value(to, place))
     _put(to, port, rows, transposed(to, columns))
     to.jump(following)
     to.open_block(following)
@@ -96,7 +96,7 @@ def _put(to: Writer, port: str, rows: Sequence[str], values: Sequence[str]) -> N
         to.write(f"store {layout.real} {value}, ptr {pointer}, align {BYTES[layout.dtype]}")
 
 
-def _fetched(to: Writer, place: int | str) -> str:
+def _loaded_value(to: Writer, place: int | str) -> str:
     pointer, value = at(to, place), to.fresh("w")
     to.write(f"{value} = load {to.layout.real}, {pointer}")
     return value

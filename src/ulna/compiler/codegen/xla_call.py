@@ -20,7 +20,7 @@ VERSION = (0, 1)
 _EXTENSION, _ARGUMENTS, _RESULTS, _ITEMS = 8, 40, 80, 32
 _DATA, _RANK, _LENGTHS = 24, 32, 40
 _TYPE, _NEXT, _METADATA, _MAJOR, _MINOR = 8, 16, 24, 24, 28
-_ASKS_FOR_METADATA = 1
+_METADATA_QUERY = 1
 
 
 def emit_xla_call(f: Function, target: Target, element: DType = "double") -> str:
@@ -53,7 +53,7 @@ def _answer(w: Instructions) -> None:
     """Tells the version of the interface, where XLA asks for it."""
     w.open_block("extended")
     kind = w.field("kind", "%extension", _TYPE, "i32")
-    w.branch(w.let("asked", f"icmp eq i32 {kind}, {_ASKS_FOR_METADATA}"), "answer", "run")
+    w.branch(w.let("asked", f"icmp eq i32 {kind}, {_METADATA_QUERY}"), "answer", "run")
     w.open_block("answer")
     metadata = w.field("metadata", "%extension", _METADATA)
     # The version is a structure inside the metadata, after its size.

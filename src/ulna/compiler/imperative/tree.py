@@ -1,7 +1,7 @@
-"""The typed tree of a procedure: what the reader makes of Python source, and the interpreter and code generation take.
+"""The typed tree of a procedure: the output of the reader, the input of the interpreter and of code generation.
 
-Every expression has a type, every node the line of the source it comes from. The tree holds no Python objects but
-numbers, and no names that are not resolved.
+Every expression has a type, every node the line of the source it comes from. All names are resolved, and
+the only Python objects in it are numbers.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ class Constant:
     value: bool | int | float
     type: Number
     line: int
-    is_literal: bool = True  # takes the type of what it meets
+    is_literal: bool = True  # takes the type of the other operand
 
 
 @dataclass(frozen=True)
@@ -187,7 +187,7 @@ class NewArray:
 
 @dataclass(frozen=True)
 class Store:
-    """An assignment to the place that an `Element` or a `Slice` reads."""
+    """An assignment to an `Element` or a `Slice`."""
 
     place: Element | Slice
     value: Expression

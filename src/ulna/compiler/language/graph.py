@@ -33,7 +33,7 @@ class Loop:
     reads: int = 0  # how many loops it reads the records of
 
 
-_MOST = 3_000_000
+_MAX_NODES = 3_000_000
 _COMMUTING = frozenset(int(row.op) for row in TABLE if row.commutes)
 """Operations of two operands whose order does not matter."""
 _bits = struct.Struct("<d").pack
@@ -47,15 +47,15 @@ def most_operations() -> float:
     """
     setting = os.environ.get("ULNA_MOST_OPERATIONS", "").strip()
     if not setting:
-        return _MOST
+        return _MAX_NODES
     if not setting.isdecimal():
         raise InputError(
-            f"ULNA_MOST_OPERATIONS is {setting!r}; expected a whole number such as {_MOST}, or 0 for no limit."
+            f"ULNA_MOST_OPERATIONS is {setting!r}; expected a whole number such as {_MAX_NODES}, or 0 for no limit."
         )
     return int(setting) or float("inf")
 
 
-def refuse_size(what: str, seconds: float = 0.0, memory: float = 0.0) -> NoReturn:
+def raise_too_large(what: str, seconds: float = 0.0, memory: float = 0.0) -> NoReturn:
     """Says that a function is too large, and what can be done.
 
     Args:
@@ -265,7 +265,7 @@ class Graph:
         self.data.append(data)
         index = len(self.op) - 1
         if index >= self.most:
-            refuse_size(f"A function took {index:,} operations so far")
+            raise_too_large(f"A function took {index:,} operations so far")
         return index
 
 

@@ -120,12 +120,12 @@ def evaluate_symbols(graph: Graph, inputs: Sequence[Any], outputs: Sequence[int]
         The values in the order of `outputs`.
     """
 
-    def refuse(*_: Any) -> Any:
+    def reject(*_: Any) -> Any:
         raise TraceError(
             f"A function that has a loop cannot be evaluated on {type(inputs[0]).__name__}; expected numbers."
         )
 
-    return evaluate(graph, inputs, outputs, operation=_by_symbols, loop=refuse, lane=refuse)
+    return evaluate(graph, inputs, outputs, operation=_by_symbols, loop=reject, lane=reject)
 
 
 def _by_numpy(op: int, args: Sequence[Any]) -> Any:

@@ -1,8 +1,8 @@
 """The order in which a graph is written: sines together, results stored early, in parts that LLVM compiles quickly.
 
-What is known early and used late waits in memory, so an order is good that leaves little waiting. Where LLVM chooses
-over thousands of instructions, it takes long and chooses badly; so a large graph becomes several functions, one after
-the other, which hand values on through a scratch.
+A value that is computed early and used late occupies memory, so a good order has few of them. LLVM's own scheduling
+of thousands of instructions is slow and poor; so a large graph becomes several functions, one after the other, which
+pass values through a scratch buffer.
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ from ulna.compiler.language.ops import Op
 _SIZES = {False: 400, True: 250}
 """About how many instructions a part has, without and with SIMD lanes."""
 _SINES = frozenset({int(Op.SIN), int(Op.COS)})
-_BEARABLE = 1_500  # instructions in SIMD lanes, whose values are costly to hand on, that stay in one part
+_MAX_SINGLE_PART = (
+    1_500  # instructions in SIMD lanes, that stay in one part, since passing values between parts is costly
+)
 
 
 class Sines(NamedTuple):
@@ -95,7 +97,7 @@ def parts(f: Function, lanes: int, pack: int) -> list[list[Step]]:
     if lanes == 1:
         return _cut(f, order, round(size / _SIZES[False]))
     size += len(f.results) * (2 + lanes.bit_length())  # transposing and writing
-    if size < _BEARABLE:
+    if size < _MAX_SINGLE_PART:
         return _cut(f, order, 1)
     last: list[Step] = [step for step in order if isinstance(step, Store)]
     rest = [step for step in order if not isinstance(step, Store)]

@@ -42,7 +42,11 @@ class Graph(Protocol):
 # Plain numbers: in Python 3.11 members of an enumeration take longer to look up and to compare.
 _CONST, _NEG, _ADD, _SUB, _MUL = int(Op.CONST), int(Op.NEG), int(Op.ADD), int(Op.SUB), int(Op.MUL)
 _CONSTANT = frozenset({_CONST, int(Op.BOOL)})
-_PLAIN: dict[int, Callable[..., float]] = {Op.ADD: operator.add, Op.SUB: operator.sub, Op.MUL: operator.mul}
+_FLOAT_FUNCTIONS: dict[int, Callable[..., float]] = {
+    Op.ADD: operator.add,
+    Op.SUB: operator.sub,
+    Op.MUL: operator.mul,
+}
 
 
 def simplify(g: Graph, op: int, args: tuple[int, ...]) -> int | None:
@@ -66,8 +70,8 @@ def simplify(g: Graph, op: int, args: tuple[int, ...]) -> int | None:
 
 def _folded(g: Graph, op: int, args: tuple[int, ...]) -> int:
     """Constants in, constant out; computed by the interpreter's own NumPy functions."""
-    if op in _PLAIN:  # a number of Python is a double as well, and need not be wrapped
-        return g.constant(_PLAIN[op](*(g.data[a] for a in args)))
+    if op in _FLOAT_FUNCTIONS:  # a number of Python is a double as well, and need not be wrapped
+        return g.constant(_FLOAT_FUNCTIONS[op](*(g.data[a] for a in args)))
     if op == Op.SELECT:
         return args[1] if g.data[args[0]] else args[2]
     function = TABLE[op].numpy

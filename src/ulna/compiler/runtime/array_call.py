@@ -17,7 +17,7 @@ from ulna.compiler.language.function import Function
 from ulna.compiler.language.ports import Port
 from ulna.compiler.language.scalar import Value
 from ulna.compiler.runtime import entry_point, gufunc, jit
-from ulna.compiler.runtime.foreign import is_foreign, readable, refuse_tables
+from ulna.compiler.runtime.foreign import is_foreign, readable, reject_tables
 from ulna.errors import DtypeError, InputError, ShapeError
 from ulna.lazy import Slot, apply, is_deferred
 from ulna.system import forks
@@ -122,7 +122,7 @@ class ArrayCall:
             return self.deferred(args, out, threads)
         if is_foreign_call and not self.interpreted:
             for a, port in zip(args, f.inputs, strict=True):
-                refuse_tables(port, a)
+                reject_tables(port, a)
                 check_not_masked(port.name, a)
             if self.checked:
                 for a, port in zip(args, f.inputs, strict=True):
@@ -178,7 +178,7 @@ class ArrayCall:
                 "`out` is given, but results for arrays of Dask and xarray are new; leave it out."
             )
         for a, port in zip(args, self.function.inputs, strict=True):
-            refuse_tables(port, a)
+            reject_tables(port, a)
         inputs = [Slot(p.name, p.shape, np.float64, self.labels.get(p.name)) for p in self.function.inputs]
         outputs = [Slot("", p.shape, self.dtype) for p in self.function.outputs]
         run = self if threads is None else partial(self, threads=threads)
@@ -276,9 +276,9 @@ class ArrayCall:
         try:
             return np.broadcast_shapes(*batches)
         except ValueError:
-            said = ", ".join(f"`{p.name}` {a.shape}" for a, p in zip(arrays, ports, strict=True))
+            shapes_text = ", ".join(f"`{p.name}` {a.shape}" for a, p in zip(arrays, ports, strict=True))
             raise ShapeError(
-                ports[-1].name, arrays[-1].shape, "leading axes that broadcast", f"Together: {said}."
+                ports[-1].name, arrays[-1].shape, "leading axes that broadcast", f"Together: {shapes_text}."
             ) from None
 
     def _threaded(self, arrays: Sequence[Any], batch: tuple[int, ...], out: Any, threads: int) -> Any:

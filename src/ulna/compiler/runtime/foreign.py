@@ -1,4 +1,4 @@
-"""Arguments that are no NumPy arrays, and what is said of them."""
+"""Arguments that are no NumPy arrays, and the messages about them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def is_foreign(value: Any) -> bool:
     )
 
 
-def refuse_tables(port: Port, value: Any) -> None:
+def reject_tables(port: Port, value: Any) -> None:
     """Refuses tables with named columns: their order need not be that of the numbers in an array.
 
     Args:

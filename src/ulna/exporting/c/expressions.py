@@ -10,7 +10,7 @@ import numpy as np
 
 from ulna.compiler.language.ops import TABLE, Op
 
-_WORDS = """
+_RESERVED_WORDS = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl complex const const_cast
     constexpr continue decltype default delete do double dynamic_cast else enum errno explicit export extern false
     float for friend goto if imaginary inline int long mutable namespace new noexcept not not_eq nullptr operator or
@@ -94,7 +94,7 @@ def argument_names(names: Iterable[str]) -> list[str]:
     for name in names:
         plain = "".join(c if c.isascii() and (c.isalnum() or c == "_") else "_" for c in name)
         is_value = re.fullmatch(r"[vcask]\d+|[win]", plain) is not None
-        if plain in _WORDS.split() or is_value or not plain[:1].isalpha():
+        if plain in _RESERVED_WORDS.split() or is_value or not plain[:1].isalpha():
             plain = f"arg_{plain}"
         while plain in made:
             plain += "_"

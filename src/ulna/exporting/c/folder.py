@@ -24,7 +24,7 @@ def write(export: Export, folder: Path) -> None:
     Raises:
         InputError: If a function has the name of something else that is written.
     """
-    _refuse_taken_names(export)
+    _reject_reserved_names(export)
     name = export.name
     sources = {f"{name}_{f.name}.c": _source(export, f) for f in export.functions}
     sources |= {f"{name}_{s.name}.c": search.source(export, s) for s in export.searches}
@@ -45,7 +45,7 @@ def write(export: Export, folder: Path) -> None:
         (folder / file).write_text(text, encoding="utf-8", newline="\n")
 
 
-def _refuse_taken_names(export: Export) -> None:
+def _reject_reserved_names(export: Export) -> None:
     searches = [s.name for s in export.searches]
     taken = {"model", "min", "max", "sincos", "sincos_far", "support", "joint_names", "part"}
     taken |= {

@@ -113,7 +113,7 @@ def header(export: Export, searches: Sequence[str], constants: str = "") -> str:
     """
     guard = f"{export.name.upper()}_H"
     subject = f"The robot {export.model.name}" if export.model is not None else f"The functions {export.name}"
-    about = [
+    summary_lines = [
         f"{subject}, in C99. Written by Ulna; do not edit.",
         "",
         "No function allocates memory, has static data that changes, or calls anything but the C library's "
@@ -124,11 +124,11 @@ def header(export: Export, searches: Sequence[str], constants: str = "") -> str:
         "the world. Quaternions are x, y, z, w.",
     ]
     if export.model is not None:
-        about += ["", *coordinates(export.model)]
+        summary_lines += ["", *coordinates(export.model)]
     declared = [declaration(export, f) for f in export.functions]
     return "\n".join(
         [
-            comment(about),
+            comment(summary_lines),
             f"#ifndef {guard}",
             f"#define {guard}",
             "",

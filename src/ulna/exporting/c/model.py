@@ -47,14 +47,14 @@ def declarations(export: Export, model: Model) -> str:
         The text.
     """
     upper = export.name.upper()
-    about = (
+    header = (
         "Sizes of configurations and velocities; limits of positions [rad or m], speeds [rad/s or m/s] and torques "
         "[N m or N], HUGE_VAL where there is none; names of the movable joints; named configurations [rad or m]."
     )
     heads = [f"{_head(export, key, size, x)}" for key, (size, x) in constants(model).items()]
     sizes = [f"#define {upper}_NQ {model.nq}", f"#define {upper}_NV {model.nv}"]
     lines = [*sizes, *(f"extern {head};" for head in (*heads, _names_head(export, model)))]
-    return "\n".join([comment([about]), *lines, ""])
+    return "\n".join([comment([header]), *lines, ""])
 
 
 def source(export: Export, model: Model) -> str:

@@ -1,4 +1,4 @@
-"""The header that the sources share: refusals of compilers' options, minimum, maximum, sines and cosines.
+"""The header that the sources share: errors for unsuitable compiler options, minimum, maximum, sines and cosines.
 
 Sines and cosines are those of `ulna.compiler.codegen.sincos` without fused multiply-add: pi/2 is subtracted in three
 parts (Cody & Waite; Muller, Elementary Functions, 3rd ed., section 11.2), and there is no branch, so that a compiler

@@ -12,7 +12,7 @@ from ulna.exporting.c.header import comment, real_of
 from ulna.exporting.record import Export, ExportedFunction, ExportedSearch
 from ulna.exporting.sensitivity import tolerance
 
-_MOST = 3000
+_MAX_CASES = 3000
 """Recorded numbers of a function."""
 
 
@@ -30,11 +30,13 @@ def test_program(export: Export) -> str:
     blocks += [_search_test(export, s) for s in export.searches]
     names = [*(f.name for f in export.functions), *(s.name for s in export.searches)]
     calls = [f"    failures += test_{name}();" for name in names]
-    about = "Compares the functions with recorded values of Ulna's interpreter. Written by Ulna; do not edit."
+    header = (
+        "Compares the functions with recorded values of Ulna's interpreter. Written by Ulna; do not edit."
+    )
     compare = _COMPARE.replace("@real@", real)
     compare = compare.replace("@fabs@", "fabsf" if real == "float" else "fabs")
     head = [
-        comment([about]),
+        comment([header]),
         "#include <math.h>",
         "#include <stdio.h>",
         "",
@@ -59,7 +61,7 @@ def _table(name: str, values: Any, real: str) -> list[str]:
 def _function_test(export: Export, f: ExportedFunction) -> str:
     real, name = real_of(export), f.name
     size = sum(a.size for a in (*f.inputs, *f.outputs))
-    count = min(len(f.samples[0]) if f.samples else 1, max(1, _MOST // max(size, 1)))
+    count = min(len(f.samples[0]) if f.samples else 1, max(1, _MAX_CASES // max(size, 1)))
     samples = [np.asarray(s[:count], dtype=export.dtype).astype(float) for s in f.samples]
     results: Sequence[Any] = [f.function(*[s[k] for s in samples]) for k in range(count)]
     each = [(r,) if f.function.single else r for r in results]

@@ -11,8 +11,8 @@ from ulna.compiler.codegen.arithmetic import COMPLETE, Arithmetic
 from ulna.compiler.codegen.target import Target
 from ulna.errors import UnknownName
 
-_SMALL = Arithmetic(wide_integers=False, minimum_number=False, minimum=False)
-_PLAIN = Arithmetic(fused_multiply_add=False)
+_BASELINE = Arithmetic(wide_integers=False, minimum_number=False, minimum=False)
+_WITHOUT_FMA = Arithmetic(fused_multiply_add=False)
 
 
 @final
@@ -43,13 +43,13 @@ def _target(
     return Target(triple, cpu, features, "", 16, arithmetic, 2 * lanes, lanes, abi=abi)
 
 
-_M4 = replace(_SMALL, double_precision=False)
+_M4 = replace(_BASELINE, double_precision=False)
 _SOFT_DOUBLES = ("__aeabi_d2f", "__aeabi_dadd", "__aeabi_dmul", "__aeabi_dsub", "__aeabi_f2d", "__aeabi_ui2d")
 
 PROCESSORS: Mapping[str, Processor] = MappingProxyType(
     {
         "x86_64-linux-gnu": Processor(
-            _target("x86_64-unknown-linux-gnu", "x86-64-v2", "", _PLAIN), "PCs and servers since 2009"
+            _target("x86_64-unknown-linux-gnu", "x86-64-v2", "", _WITHOUT_FMA), "PCs and servers since 2009"
         ),
         "aarch64-linux-gnu": Processor(
             _target("aarch64-unknown-linux-gnu", "generic", "", COMPLETE), "Raspberry Pi 4, Jetson, Arm servers"
@@ -59,7 +59,7 @@ PROCESSORS: Mapping[str, Processor] = MappingProxyType(
             "64-bit RISC-V with doubles",
         ),
         "arm-linux-gnueabihf": Processor(
-            _target("armv7-unknown-linux-gnueabihf", "cortex-a7", "", _SMALL, 1),
+            _target("armv7-unknown-linux-gnueabihf", "cortex-a7", "", _BASELINE, 1),
             "Cortex-A7, 32-bit Raspberry Pi",
             ("floor",),
             ("floorf",),
@@ -68,17 +68,17 @@ PROCESSORS: Mapping[str, Processor] = MappingProxyType(
             _target("arm64-apple-macosx11.0.0", "apple-m1", "", COMPLETE), "Macs with M1 and later"
         ),
         "x86_64-apple-macos": Processor(
-            _target("x86_64-apple-macosx10.13.0", "x86-64-v2", "", _PLAIN), "Macs with Intel"
+            _target("x86_64-apple-macosx10.13.0", "x86-64-v2", "", _WITHOUT_FMA), "Macs with Intel"
         ),
         "x86_64-windows-msvc": Processor(
-            _target("x86_64-pc-windows-msvc", "x86-64-v2", "", _PLAIN),
+            _target("x86_64-pc-windows-msvc", "x86-64-v2", "", _WITHOUT_FMA),
             "Windows",
             ("_fltused",),
             ("_fltused",),
             ".obj",
         ),
         "thumbv7em-none-eabihf": Processor(
-            _target("thumbv7em-unknown-none-eabihf", "cortex-m7", "", _SMALL, 1),
+            _target("thumbv7em-unknown-none-eabihf", "cortex-m7", "", _BASELINE, 1),
             "Cortex-M7 with doubles, without a system",
             is_relocatable=False,
         ),

@@ -28,13 +28,13 @@ def write(export: Export, folder: Path) -> None:
     (folder / f"{export.name}.ptx").write_text(
         ptx(functions, export.dtype, architecture), encoding="utf-8", newline="\n"
     )
-    about = {
+    description = {
         "name": export.name,
         "dtype": export.dtype.name,
         "architecture": architecture,
         "kernels": {name: text for name, (_, text) in kernels.items()},
     }
-    (folder / f"{export.name}.json").write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
+    (folder / f"{export.name}.json").write_text(json.dumps(description, indent=2) + "\n", encoding="utf-8")
     (folder / f"{export.name}.cuh").write_text(_header(export, kernels), encoding="utf-8", newline="\n")
 
 
@@ -43,14 +43,14 @@ _Kernels = Mapping[str, tuple[Function, dict[str, Any]]]
 
 def _kernels(export: Export) -> _Kernels:
     """Names of the kernels, with functions and descriptions."""
-    made: dict[str, tuple[Function, dict[str, Any]]] = {}
+    kernels: dict[str, tuple[Function, dict[str, Any]]] = {}
     for f in export.functions:
         text = {"summary": f.summary, "choices": dict(f.choices)}
-        made[f"{export.name}_{f.name}"] = (f.function, text | _ports(f.inputs, f.outputs))
+        kernels[f"{export.name}_{f.name}"] = (f.function, text | _ports(f.inputs, f.outputs))
     for s in export.searches:
         function = s.function(1)
-        made[f"{export.name}_{s.name}"] = (function, _of_search(s, function))
-    return made
+        kernels[f"{export.name}_{s.name}"] = (function, _of_search(s, function))
+    return kernels
 
 
 def _of_search(s: ExportedSearch, function: Function) -> dict[str, Any]:
@@ -74,7 +74,7 @@ def _ports(inputs: Any, outputs: Any) -> dict[str, Any]:
     return {"inputs": listed(inputs), "outputs": listed(outputs)}
 
 
-_HEAD = """// Kernels of {name} for the CUDA driver (cuModuleLoadData, cuModuleGetFunction): a thread for each sample.
+_TOP = """// Kernels of {name} for the CUDA driver (cuModuleLoadData, cuModuleGetFunction): a thread for each sample.
 // Written by Ulna; do not edit.
 //
 // Arguments: the number of samples, and for each input and output its address in the GPU's memory and two strides, in
@@ -90,7 +90,7 @@ _HEAD = """// Kernels of {name} for the CUDA driver (cuModuleLoadData, cuModuleG
 def _header(export: Export, kernels: _Kernels) -> str:
     """Prototypes, with what each argument is."""
     kind = "float" if export.dtype.name == "float32" else "double"
-    lines = [_HEAD.format(name=export.name, dtype=kind)]
+    lines = [_TOP.format(name=export.name, dtype=kind)]
     for name, (_, text) in kernels.items():
         lines.append(f"// {text['summary']}")
         lines += [f"//   {key}: {value}" for key, value in text["choices"].items()]

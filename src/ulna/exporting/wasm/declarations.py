@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-_HEAD = """// Written by Ulna; do not edit.
+_TOP = """// Written by Ulna; do not edit.
 
 /** Numbers, row after row, or rows of them. Matrices of three.js are column after column: transpose them first. */
 export type Numeric = ArrayLike<number> | readonly (readonly number[])[] | readonly (readonly (readonly number[])[])[];
@@ -79,7 +79,7 @@ def declarations(about: dict[str, Any]) -> str:
     """
     array = "Float32Array" if about["dtype"] == "float32" else "Float64Array"
     lines = [
-        _HEAD,
+        _TOP,
         "/** The functions. All arguments are checked; a TypeError or RangeError says what is wrong. */",
     ]
     lines += ["export interface Kernels {", "  readonly description: Description;"]

@@ -58,18 +58,18 @@ def web_module(export: Export) -> WebModule:
             )
     offsets, data_size = places(functions, export.dtype.itemsize)
     made = module(export, functions, data_size)
-    about = description(export, functions, offsets)
+    content = description(export, functions, offsets)
     text = files("ulna.exporting.wasm").joinpath("runtime.js").read_text(encoding="utf-8")
     values = {
         # Safe inside a <script> of a page, whatever the robot's file says.
-        "DESCRIPTION": json.dumps(about, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
+        "DESCRIPTION": json.dumps(content, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
         "FREE": str(made.free),
         "NUMBERS": "Float32Array" if export.dtype.name == "float32" else "Float64Array",
         "DESCENT": str(DESCENT),
         "NAME": export.name,
     }
     text = re.sub(f"__({'|'.join(values)})__", lambda match: values[match[1]], text)
-    return WebModule(made.binary, text, declarations(about))
+    return WebModule(made.binary, text, declarations(content))
 
 
 def write(export: Export, folder: Path) -> None:

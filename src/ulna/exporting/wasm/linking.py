@@ -19,7 +19,7 @@ PAGE = 65536
 _CUSTOM, _TYPE, _IMPORT, _FUNCTION, _MEMORY, _GLOBAL, _EXPORT, _DATA_COUNT, _CODE, _DATA = (
     0, 1, 2, 3, 5, 6, 7, 12, 10, 11,
 )  # fmt: skip
-_OWN = {"__linear_memory", "__stack_pointer"}
+_LINKER_SYMBOLS = {"__linear_memory", "__stack_pointer"}
 _MOST_LOCALS, _MOST_BYTES = 50_000, 7_654_321  # of one function, in the engines of Chrome, Firefox and Safari
 
 
@@ -92,7 +92,7 @@ def _check_imports(content: bytes) -> None:
         _, position = _text(content, position)
         name, position = _text(content, position)
         kind = content[position]
-        if name not in _OWN:
+        if name not in _LINKER_SYMBOLS:
             missing.append(name)
         if kind == 2:  # a memory: whether it has a limit, and its limits
             has_limit, position = content[position + 1], _read(content, position + 2)[1]

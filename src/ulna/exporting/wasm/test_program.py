@@ -10,7 +10,7 @@ import numpy as np
 from ulna.exporting.record import Export, ExportedFunction, ExportedSearch
 from ulna.exporting.sensitivity import tolerance
 
-_MOST = 3000
+_MAX_CASES = 3000
 """Recorded numbers of a function."""
 
 
@@ -34,7 +34,7 @@ def test_program(export: Export) -> str:
 def _recorded(f: ExportedFunction, dtype: str) -> dict[str, Any]:
     """Inputs and outputs of some samples, and the largest difference that passes."""
     size = sum(a.size for a in (*f.inputs, *f.outputs))
-    count = min(len(f.samples[0]) if f.samples else 1, max(1, _MOST // max(size, 1)))
+    count = min(len(f.samples[0]) if f.samples else 1, max(1, _MAX_CASES // max(size, 1)))
     recorded = []
     for k in range(count):
         values = [np.asarray(s[k]) for s in f.samples]

@@ -1,4 +1,4 @@
-"""Where configurations that may reach a pose come from: a closed form, elimination, or many starts."""
+"""Candidates for configurations that reach a pose: from a closed form, elimination, or many starts."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Source(ABC):
         free: The joint of a redundant arm that values are passed for, as an index into the arm's axes; None for none.
     """
 
-    near = 1e-3
+    tolerance = 1e-3
 
     def __init__(self, model: Model, frame: str, arm: Arm, free: int | None) -> None:
         self.arm, self.free = arm, free
@@ -66,7 +66,7 @@ class Source(ABC):
     @property
     @abstractmethod
     def method(self) -> str:
-        """How it works, in words."""
+        """The method, as text."""
 
     @property
     @abstractmethod
@@ -143,7 +143,7 @@ class ClosedForm(Source):
 
     @cached_property
     def method(self) -> str:
-        """How it works, in words."""
+        """The method, as text."""
         words = self.plan.describe(self.arm.names)
         return words if self.plan.off <= EXACT else f"{words}, axes off by {self.plan.off:.1g}, refined"
 
@@ -167,7 +167,7 @@ class Elimination(Source):
 
     @cached_property
     def method(self) -> str:
-        """How it works, in words."""
+        """The method, as text."""
         return "six general axes: elimination to an eigenvalue problem, refined by Newton's method"
 
     @property
@@ -227,7 +227,7 @@ class ManyStarts(Source):
 
     @cached_property
     def method(self) -> str:
-        """How it works, in words."""
+        """The method, as text."""
         return f"Newton's method from {_STARTS} random starts"
 
     @property

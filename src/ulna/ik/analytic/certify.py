@@ -1,4 +1,4 @@
-"""What a candidate is worth, compiled: angles brought into the limits, errors by the robot's own forward kinematics."""
+"""Evaluation of candidates, compiled: angles moved into the limits, errors by the robot's own forward kinematics."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def certificate(model: Model, frame: Frame, arm: Arm) -> Certificate:
         out = vector(*entries)
         pose = algorithms.frame_pose(model, out, frame)
         gap = vector(*(T[:3, 3] - pose.translation), *(T[3] - np.array([0.0, 0.0, 0.0, 1.0])))
-        turned = T[:3, :3] - pose.rotation
-        chord = (turned * turned).sum() / 8.0  # the square of sin(angle / 2)
+        rotation_error = T[:3, :3] - pose.rotation
+        chord = (rotation_error * rotation_error).sum() / 8.0  # the square of sin(angle / 2)
         angle = 2.0 * arctan2(sqrt(chord), sqrt(1.0 - minimum(chord, 1.0)))
         return out, vector(sqrt((gap * gap).sum()), angle, inside)
 
@@ -62,9 +62,9 @@ def periods(arm: Arm) -> Floats:
 
 
 def _period(arm: Arm, index: int) -> float:
-    moved = [axis for axis in arm.axes if axis.index == index]
-    alone = len(moved) == 1 and moved[0].motion == "turn" and moved[0].scale != 0.0
-    return 2.0 * np.pi / abs(moved[0].scale) if alone else np.inf
+    rotating = [axis for axis in arm.axes if axis.index == index]
+    alone = len(rotating) == 1 and rotating[0].motion == "turn" and rotating[0].scale != 0.0
+    return 2.0 * np.pi / abs(rotating[0].scale) if alone else np.inf
 
 
 def _within(x: Any, period: float, lower: float, upper: float, centre: Any) -> tuple[Any, Any]:

@@ -25,7 +25,7 @@ from ulna.model import Frame, Model, Prismatic, Revolute
 from ulna.spatial import SE3
 from ulna.typing import Array, Floats
 
-_MOST = 7  # joints that a closed form, with one of them held, can have
+_MAX_JOINTS = 7  # joints that a closed form, with one of them held, can have
 
 Motion = Literal["turn", "slide", "other"]
 
@@ -118,9 +118,9 @@ def usual(model: Model, frame: Frame) -> tuple[str, ...]:
     """
     names = movable(model, frame)
     turning = tuple(s.joint.name for s in chain(model, frame) if isinstance(s.kind, Revolute))
-    if len(names) > _MOST and len(turning) >= _MOST:
+    if len(names) > _MAX_JOINTS and len(turning) >= _MAX_JOINTS:
         names = tuple(dict.fromkeys(turning))
-    return names[-_MOST:]
+    return names[-_MAX_JOINTS:]
 
 
 def arm_of(model: Model, frame: Frame, joints: Sequence[str], held: Floats) -> Arm:

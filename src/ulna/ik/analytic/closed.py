@@ -108,7 +108,7 @@ def _polished(lines: list[Line], G: SE3, q: Array) -> Array:
     error = _first_order(D)
     normal = J.T @ J + _DAMPING * np.eye(6)
     moved = q + solve_spd(normal, J.T @ error)
-    after = _first_order(_left(lines, G, moved))
+    after = _first_order(_residual_pose(lines, G, moved))
     better = less(dot(after, after), dot(error, error))
     return vector(*(where(better, new, old) for new, old in zip(moved, q, strict=True)))
 
@@ -123,7 +123,7 @@ def _state(lines: list[Line], G: SE3, q: Array) -> tuple[SE3, Array]:
     return G @ E.inverse(), np.stack(columns, axis=-1)
 
 
-def _left(lines: list[Line], G: SE3, q: Array) -> SE3:
+def _residual_pose(lines: list[Line], G: SE3, q: Array) -> SE3:
     E = SE3.identity()
     for line, angle in zip(lines, q, strict=True):
         E = E @ turn_about(line, angle)

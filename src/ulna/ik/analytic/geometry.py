@@ -58,7 +58,7 @@ class Plan:
         return (4, 1, 2) if self.pair == "general" else (2, 2, 2)
 
     def describe(self, names: Sequence[str]) -> str:
-        """The method in words; `names` are those of all joints of the arm."""
+        """The method as text; `names` are those of all joints of the arm."""
         used = [n for i, n in enumerate(names) if i != self.free][self.first : self.first + 3]
         what = (
             "intersecting axes (a spherical wrist or shoulder)"

@@ -203,13 +203,13 @@ def _rotation(W: list[Line], R: Array, sign: Any, near: Array) -> list[Any]:
 def _planar(W: list[Line], origin: Array, motion: SE3, sign: Any, near: Array) -> list[Any]:
     """Three angles about parallel axes that make a motion across them."""
     h = W[0].direction
-    ways = [dot(h, line.direction) for line in W]  # 1, or -1 for an axis that points the other way
+    signs = [dot(h, line.direction) for line in W]  # 1, or -1 for an axis that points the other way
     d, e, f = (across(line.point - origin, h) for line in W)
     reach = across((motion @ W[2].point) - origin, h) - d
     between, arm = e - d, f - e
     k = 0.5 * (dot(reach, reach) - dot(between, between) - dot(arm, arm))
-    angle_e = two_angles(dot(between, arm), dot(between, cross(h, arm)), k, sign, ways[1] * near[1])
+    angle_e = two_angles(dot(between, arm), dot(between, cross(h, arm)), k, sign, signs[1] * near[1])
     angle_d = angle_between(h, between + turn(h, angle_e) @ arm, reach, near[0])
     x = perpendicular(h)
     angle_f = angle_between(h, x, motion.rotation @ x, near[2]) - angle_d - angle_e
-    return [angle_d, ways[1] * angle_e, ways[2] * angle_f]
+    return [angle_d, signs[1] * angle_e, signs[2] * angle_f]

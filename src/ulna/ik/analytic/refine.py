@@ -16,9 +16,9 @@ import numpy as np
 
 from ulna.typing import Floats
 
-_LEAST = 1e-14  # damping that keeps singular configurations from dividing by zero
+_MIN_DAMPING = 1e-14  # damping that keeps singular configurations from dividing by zero
 _SHARE = 0.05
-_LARGEST = 0.5  # largest step of a joint [rad or m]
+_MAX_STEP = 0.5  # largest step of a joint [rad or m]
 
 
 def refined(
@@ -53,9 +53,9 @@ def refined(
             break
         J = jacobian(now)[..., at_v]
         Jt = np.swapaxes(J, -1, -2)
-        damped = J @ Jt + (_LEAST + _SHARE * np.minimum(size, 1.0))[:, None, None] * np.eye(6)
+        damped = J @ Jt + (_MIN_DAMPING + _SHARE * np.minimum(size, 1.0))[:, None, None] * np.eye(6)
         dq = (Jt @ np.linalg.solve(damped, e[..., None]))[..., 0]
-        dq *= np.minimum(1.0, _LARGEST / np.maximum(np.abs(dq).max(axis=-1, keepdims=True), 1e-300))
+        dq *= np.minimum(1.0, _MAX_STEP / np.maximum(np.abs(dq).max(axis=-1, keepdims=True), 1e-300))
         q[going[:, None], at_q] += dq
     return best
 

@@ -15,10 +15,10 @@ from ulna.typing import Floats
 
 _DISTINCT = 1e-6  # two solutions are one when no joint differs by more [rad or m]
 _STEPS = 12
-_LOOSE = 1e-7  # tolerances above it could take what is no pose for one
+_MAX_TOLERANCE = 1e-7  # tolerances above it could take what is no pose for one
 _ROUNDED = 1e-13  # how far a rotation may be off by rounding
-_FEW = 16  # candidates up to which all pairs are compared at once
-_EARLIER = np.tri(_FEW, k=-1, dtype=bool)
+_PAIRWISE_CANDIDATES = 16  # candidates up to which all pairs are compared at once
+_EARLIER = np.tri(_PAIRWISE_CANDIDATES, k=-1, dtype=bool)
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Sift:
         good = at & (worth[..., 2] > 0.5) if self.limits else at
         counts = at.sum(axis=(1, 2)).tolist()
         if (
-            0 in counts or max(self.position, self.rotation) > _LOOSE
+            0 in counts or max(self.position, self.rotation) > _MAX_TOLERANCE
         ):  # else every goal has been met: it is a pose
             exact = _orthogonal(T)
             if exact is not None:
@@ -87,7 +87,7 @@ class Sift:
     def _first(self, q: Floats, at: Any) -> Any:
         """Whether no earlier solution of the same group is the same configuration, turns apart."""
         x = np.where(at[..., None], q[..., self.source.index], np.nan)
-        if x.shape[-2] <= _FEW:
+        if x.shape[-2] <= _PAIRWISE_CANDIDATES:
             same = self._same(x[..., :, None, :], x[..., None, :, :])
             return ~(same & _EARLIER[: x.shape[-2], : x.shape[-2]]).any(axis=-1)
         out = np.ones(at.shape, dtype=bool)

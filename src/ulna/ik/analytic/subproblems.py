@@ -20,7 +20,7 @@ from ulna.ik.analytic.lines import across
 from ulna.numeric import arctan2, cross, dot, loop, maximum, sqrt, vector, where
 from ulna.typing import Array
 
-_NOTHING = 1e-24  # below it the square of a length, or of a product of lengths, carries no direction any more
+_ZERO = 1e-24  # below it the square of a length, or of a product of lengths, carries no direction any more
 
 Affine = tuple[Any, Any, Any]
 """A quantity a + b cos x + c sin x, as (a, b, c); the parts are numbers or vectors."""
@@ -39,7 +39,7 @@ def angle_between(h: Array, u: Array, w: Array, near: Any) -> Any:
         Angle [rad].
     """
     s, c = dot(h, cross(u, w)), dot(across(u, h), w)
-    return where(s * s + c * c > _NOTHING, arctan2(s, c), near)
+    return where(s * s + c * c > _ZERO, arctan2(s, c), near)
 
 
 def two_angles(a: Any, b: Any, c: Any, sign: Any, near: Any) -> Any:
@@ -57,7 +57,7 @@ def two_angles(a: Any, b: Any, c: Any, sign: Any, near: Any) -> Any:
     """
     square = a * a + b * b
     root = sqrt(maximum(square - c * c, 0.0))
-    return where(square > _NOTHING, arctan2(b, a) + sign * arctan2(root, c), near)
+    return where(square > _ZERO, arctan2(b, a) + sign * arctan2(root, c), near)
 
 
 def square(x: Affine) -> Array:

@@ -43,10 +43,6 @@ class ComTask(Task):
         """The point."""
         return {self.label: (3,)}
 
-    def defaults(self, model: Model) -> Mapping[str, Any]:
-        """The point that the task was made with."""
-        return {} if self.target is None else {self.label: np.asarray(self.target, dtype=float)}
-
     def reached_by(self, model: Model, q: Array) -> Mapping[str, Array]:
         """Where the centre of mass is."""
         return {self.label: center_of_mass(model, q)}

@@ -1,4 +1,4 @@
-"""Says why a step of differential inverse kinematics has no solution: which limits, and which joints."""
+"""Explains why a step of differential inverse kinematics has no solution: which limits, and which joints."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ import numpy as np
 
 from ulna.algorithms import frame_jacobian, frame_pose
 from ulna.errors import InputError, UnknownName
-from ulna.ik.differential.task import Rows, Shapes, Task, as_array, cost_of
+from ulna.ik.differential.task import Rows, Shapes, Task, cost_of
 from ulna.model import Model
 from ulna.numeric import apply, dot, skew, sqrt
 from ulna.spatial import (
@@ -67,11 +67,6 @@ class _OfFrame(Task):
     def reached_by(self, model: Model, q: Array) -> Mapping[str, Array]:
         """The target that is reached at `q` (..., nq) [rad or m]."""
         return {self.label: self._measured(model, q)}
-
-    def defaults(self, model: Model) -> Mapping[str, Any]:
-        """The target that the task was made with."""
-        target = getattr(self, "target", None)
-        return {} if target is None else {self.label: as_array(target)}
 
 
 @final

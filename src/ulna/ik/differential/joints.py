@@ -1,4 +1,4 @@
-"""Tasks of joints: a posture, calm, ratios between joints, any linear relation.
+"""Tasks of joints: a posture, damping, ratios between joints, any linear relation.
 
 | symbol | meaning | shape, unit | equation |
 |---|---|---|---|
@@ -114,13 +114,9 @@ class LinearTask(Task):
         """b."""
         return {self.label: (len(self._matrix(model)),)}
 
-    def defaults(self, model: Model) -> Mapping[str, Any]:
-        """The b that the task was made with."""
-        return {} if self.target is None else {self.label: np.asarray(self.target, dtype=float)}
-
     def reached_by(self, model: Model, q: Array) -> Mapping[str, Array]:
         """What the left side is."""
-        return {self.label: self._left(model, q)}
+        return {self.label: self._value(model, q)}
 
     def costs(self, model: Model) -> Floats:
         """One for each row."""
@@ -129,9 +125,9 @@ class LinearTask(Task):
     def rows(self, model: Model, q: Array, *inputs: Array) -> Rows:
         """The rows of A."""
         _, by_q = difference_derivatives(model, self._start(model), q)
-        return Rows(self._matrix(model) @ by_q, inputs[0] - self._left(model, q))
+        return Rows(self._matrix(model) @ by_q, inputs[0] - self._value(model, q))
 
-    def _left(self, model: Model, q: Array) -> Array:
+    def _value(self, model: Model, q: Array) -> Array:
         return apply(self._matrix(model), difference(model, self._start(model), q))
 
     def _start(self, model: Model) -> Floats:

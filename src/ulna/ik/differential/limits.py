@@ -194,9 +194,9 @@ def check_gain(gain: float, label: str) -> None:
         raise InputError(f"{label}: `gain` is {gain}; expected above 0, at most 1.")
 
 
-def _speed_to_stop(way: Any, a: float, dt: Any) -> Any:
+def _speed_to_stop(distance: Any, a: float, dt: Any) -> Any:
     """The greatest speed with which a joint may go on for a step and then stop within `way`."""
-    remaining = maximum(way, 0.0)
+    remaining = maximum(distance, 0.0)
     steps = -ceil(0.5 - sqrt(0.25 + (2.0 / a) * remaining / (dt * dt)))
     return (remaining / dt + (0.5 * a) * dt * steps * (steps + 1.0)) / (steps + 1.0)
 

@@ -1,4 +1,4 @@
-"""Differential inverse kinematics as users hold it: tasks and limits compiled into one kernel, called in a loop."""
+"""The solver of differential inverse kinematics: tasks and limits compiled into one kernel, called in a loop."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every kind of joint must be able to say: its pose, its motion subspace, its coordinates' geometry.
+"""The base of all kinds of joints: pose, motion subspace, and geometry of the coordinates.
 
 | symbol | meaning | shape | unit |
 |---|---|---|---|

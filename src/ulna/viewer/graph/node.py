@@ -124,7 +124,7 @@ def checked_poses(value: Any, name: str, *shape: int | None, fix: str = "") -> F
         where = tuple(int(i) for i in np.argwhere(errors == errors.max())[0])
         entry = f"{name}[{', '.join(map(str, where))}]" if where else name
         raise InputError(
-            f"`{entry}` holds no rotation: {out[where][:3, :3].tolist()}. To stretch or mirror a thing, set its scale."
+            f"`{entry}` holds no rotation: {out[where][:3, :3].tolist()}. Set the scale to stretch or mirror."
         )
     return out
 

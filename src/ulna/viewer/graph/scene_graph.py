@@ -141,7 +141,7 @@ class SceneGraph:
         try:
             return self._rows[name]
         except KeyError:
-            raise UnknownName("thing in the scene", name, self._nodes) from None
+            raise UnknownName("object in the scene", name, self._nodes) from None
 
     def rows(self, names: Iterable[str]) -> Any:
         """The rows of several nodes, for `set_poses`. They hold until a node is removed."""

@@ -67,7 +67,7 @@ DARK = Theme(
     environment_intensity=0.22,
     shadow=0.55,
 )
-_NAMED = {"light": LIGHT, "dark": DARK}
+_THEMES = {"light": LIGHT, "dark": DARK}
 
 
 def theme_of(value: Theme | str) -> Theme:
@@ -78,4 +78,4 @@ def theme_of(value: Theme | str) -> Theme:
     """
     if isinstance(value, Theme):
         return value
-    return _NAMED[one_of("theme", value, _NAMED)]
+    return _THEMES[one_of("theme", value, _THEMES)]

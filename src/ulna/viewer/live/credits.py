@@ -9,7 +9,7 @@ from typing import Any
 from ulna.geometry import Mesh
 
 _LEVELS = 5  # folders above a mesh that may hold what is said of its package
-_LONG = 4_000  # characters above which a licence is named only
+_MAX_LICENCE_LENGTH = 4_000  # characters above which a licence is named only
 _NAMES = ("LICENSE", "LICENSE.txt", "LICENSE.md", "LICENCE", "COPYING")
 
 
@@ -47,7 +47,7 @@ def _credit(folder: Path) -> dict[str, str]:
     parts.append("The meshes were simplified.")
     if source:
         parts.append(f"Source: {source}")
-    text = licence if len(licence) <= _LONG else ""
+    text = licence if len(licence) <= _MAX_LICENCE_LENGTH else ""
     return {"title": f"Meshes of {folder.name}", "text": " ".join(parts), "licence": text}
 
 

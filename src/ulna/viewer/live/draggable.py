@@ -11,9 +11,9 @@ from ulna.checks.values import short_repr
 from ulna.errors import InputError
 from ulna.model import Frame, Model
 
-_LEAST = 3  # joint coordinates that carry a frame worth dragging
+_MIN_COORDINATES = 3  # joint coordinates that carry a frame worth dragging
 _POSE = 6  # joint coordinates from which on a frame is turned, too
-_MOST = 6  # frames that are chosen where none are named
+_MAX_FRAMES = 6  # frames that are chosen where none are named
 
 
 @final
@@ -60,10 +60,10 @@ def draggable_frames(model: Model, names: Sequence[str] | None = None) -> tuple[
     for k, (frame, joints) in enumerate(zip(frames, carrying, strict=True)):
         others = set().union(*carrying[:k], *carrying[k + 1 :])
         alone = joints - others
-        chosen = tuple(sorted(alone if len(alone) >= min(_LEAST, len(joints)) else joints))
+        chosen = tuple(sorted(alone if len(alone) >= min(_MIN_COORDINATES, len(joints)) else joints))
         if not chosen:
             raise InputError(
-                f"`frames` names {frame.name!r}, which no joint with one coordinate carries; "
+                f"`frames` names {frame.name!r}, which no joint with one coordinate moves; "
                 "expected a frame that moves."
             )
         out.append(DraggableFrame(frame, chosen, len(chosen) >= _POSE))
@@ -88,9 +88,9 @@ def _ends(model: Model) -> list[Frame]:
     rows = [row for row in rows if len(row) >= _POSE] or rows
     if not rows:
         carrying = [j for j in model.support(tool.joint) if _is_simple(model, j)]
-        return [tool] if len(carrying) >= _LEAST else []
+        return [tool] if len(carrying) >= _MIN_COORDINATES else []
     ends = [tool if tool.joint in row else _last_frame(model, row[-1]) for row in rows]
-    return sorted(ends, key=lambda frame: -SequenceMatcher(None, tool.name, frame.name).ratio())[:_MOST]
+    return sorted(ends, key=lambda frame: -SequenceMatcher(None, tool.name, frame.name).ratio())[:_MAX_FRAMES]
 
 
 def _limbs(model: Model) -> list[list[int]]:
@@ -104,7 +104,7 @@ def _limbs(model: Model) -> list[list[int]]:
             if len(_followers(model, parent)) > 1:
                 break
             row.insert(0, parent)
-        if len(row) >= _LEAST:
+        if len(row) >= _MIN_COORDINATES:
             rows.append(row)
     return rows
 

@@ -13,7 +13,7 @@ from ulna.viewer.robot.robot_handle import RobotHandle
 from ulna.viewer.robot.robot_visual import RobotVisual
 
 _RATE = 60.0  # rows a second, at most
-_LONGEST = 600.0  # s
+_MAX_DURATION = 600.0  # s
 
 
 def motion_rows(visual: RobotVisual, played: Any) -> tuple[Floats, Floats]:
@@ -36,9 +36,9 @@ def motion_rows(visual: RobotVisual, played: Any) -> tuple[Floats, Floats]:
             f"`recorded` has {len(times)} configuration{'s' * (len(times) != 1)}; "
             "expected two or more, at rising times."
         )
-    if times[-1] - times[0] > _LONGEST:
+    if times[-1] - times[0] > _MAX_DURATION:
         raise InputError(
-            f"`recorded` lasts {times[-1] - times[0]:.0f} s; expected at most {_LONGEST:.0f} s for a page."
+            f"`recorded` lasts {times[-1] - times[0]:.0f} s; expected at most {_MAX_DURATION:.0f} s for a page."
         )
     slots = np.floor((times - times[0]) * _RATE + 1e-6).astype(np.int64)
     chosen = np.flatnonzero(np.concatenate([[True], np.diff(slots) > 0]))

@@ -88,7 +88,7 @@ def live_page(
         "meshes": _meshes(visual, grid_step(points)),
         "kernels": kernels,
         "wasm": _packed(code),
-        "credits": [*credits_of(robot), *_own_credits()],
+        "credits": [*credits_of(robot), *_ulna_credits()],
     }
     if motion is not None:
         rows = np.concatenate([motion[0], motion[1].reshape(-1)]).astype("<f8")
@@ -122,7 +122,7 @@ def _bundled(name: str) -> str:
     return (resources.files("ulna.viewer.live") / "bundle" / name).read_text(encoding="utf-8")
 
 
-def _own_credits() -> list[dict[str, str]]:
+def _ulna_credits() -> list[dict[str, str]]:
     ulna = "Made with Ulna, MIT licence. The kinematics runs as WebAssembly, compiled from the robot's description."
     three = {
         "title": "three.js",

@@ -17,7 +17,7 @@ from ulna.viewer.output.png import encode_png
 from ulna.viewer.render.renderer import render
 
 _WIDTH, _HEIGHT = 720, 450
-_SMALL = 320, 200  # pixels where no compact format can be written
+_FALLBACK_SIZE = 320, 200  # pixels where no compact format can be written
 _OPAQUE = 3  # of 255: opacity below which nothing is seen
 
 
@@ -37,7 +37,7 @@ def poster(scene: SceneGraph, camera: Camera, floor: float) -> str:
     try:
         from PIL import Image, features
     except ImportError:
-        return _url("png", encode_png(_coarse(_cut_out(scene, camera, floor, *_SMALL))))
+        return _url("png", encode_png(_coarse(_cut_out(scene, camera, floor, *_FALLBACK_SIZE))))
     image: Any = Image.fromarray(_cut_out(scene, camera, floor, _WIDTH, _HEIGHT))
     file = io.BytesIO()
     if not features.check("webp"):

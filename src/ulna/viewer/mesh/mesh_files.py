@@ -12,7 +12,7 @@ import numpy as np
 
 from ulna.checks.values import one_of
 from ulna.errors import InputError
-from ulna.files import refuse_special
+from ulna.files import reject_special_files
 from ulna.geometry.meshes import read_pieces
 from ulna.typing import Array, Floats
 from ulna.viewer.mesh import mesh_cache as mesh_store
@@ -58,7 +58,7 @@ def load_mesh(
     """
     check_detail(detail)
     try:
-        refuse_special(path)
+        reject_special_files(path)
         stamp = os.stat(path).st_mtime_ns
     except OSError as error:
         raise InputError(f"Cannot open the mesh file {path!r}: {error.strerror or error}.") from error
@@ -167,7 +167,7 @@ def _material_colour(material: Any) -> RGBA:
     if value is None:
         return DEFAULT_COLOUR
     numbers = np.asarray(value, dtype=float).reshape(-1)
-    whole = numbers.max(initial=0.0) > 1.0 or np.asarray(value).dtype.kind == "u"
-    rgba = colour(np.clip(numbers / 255.0 if whole else numbers, 0.0, 1.0))
+    is_8bit = numbers.max(initial=0.0) > 1.0 or np.asarray(value).dtype.kind == "u"
+    rgba = colour(np.clip(numbers / 255.0 if is_8bit else numbers, 0.0, 1.0))
     # COLLADA writers disagree about which end of transparency is opaque; an invisible part is never meant
     return rgba if rgba[3] > 0.02 else (*rgba[:3], 1.0)

@@ -73,12 +73,12 @@ def tessellate(shape: Shape, rgba: RGBA = DEFAULT_COLOUR, around: int = FACETS) 
     )
 
 
-_MOST_DRAWN = 20_000  # points of a cloud that are drawn, evenly chosen from more
+_MAX_DRAWN_POINTS = 20_000  # points of a cloud that are drawn, evenly chosen from more
 
 
 def _octahedra(cloud: PointCloud, rgba: RGBA) -> Surface:
     """An octahedron about each point of a cloud."""
-    points = cloud.points[:: max(1, -(-len(cloud.points) // _MOST_DRAWN))]
+    points = cloud.points[:: max(1, -(-len(cloud.points) // _MAX_DRAWN_POINTS))]
     corners = cloud.radius * np.concatenate([np.eye(3), -np.eye(3)])
     faces = np.array([(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)])
     vertices = (points[:, None] + corners).reshape(-1, 3)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 else:
     _Path = type(Path())  # Path itself has no subclasses before Python 3.12
 
-_LARGEST = 30_000_000
+_MAX_FILE_SIZE = 30_000_000
 """The largest file that a notebook displays [bytes]: the notebook stores a copy of it."""
 
 
@@ -26,7 +26,7 @@ class PageFile(_Path):
     def _repr_html_(self) -> str | None:
         if self.suffix.lower() not in (".html", ".htm") or not self.is_file():
             return None
-        if self.stat().st_size > _LARGEST:
+        if self.stat().st_size > _MAX_FILE_SIZE:
             return None
         content = html.escape(self.read_text(encoding="utf-8"))
         return f'<iframe srcdoc="{content}" width="100%" height="500" style="border:0"></iframe>'

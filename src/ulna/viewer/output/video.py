@@ -21,7 +21,7 @@ SUFFIXES = (".mp4", ".gif")
 _MAX_FRAMES = 10**7
 _GIF_COLOURS = 255
 _RARE_COLOURS = 32  # how many of them are kept for what covers few pixels
-_LEAST_PIXELS = 12  # from which a colour counts, in all pictures that are looked at
+_MIN_PIXELS = 12  # from which a colour counts, in all pictures that are looked at
 _MIN_GIF_DURATION = 2  # hundredths of a second for which a picture of a GIF is shown
 
 
@@ -184,7 +184,7 @@ def _gif_colours(picture: Array) -> Array:
     levels = pixels.astype(np.uint16) >> 4  # 16 levels of each of red, green and blue
     code = levels[:, 0] << 8 | levels[:, 1] << 4 | levels[:, 2]
     counts = np.bincount(code, minlength=4096)
-    is_present = counts >= _LEAST_PIXELS
+    is_present = counts >= _MIN_PIXELS
     sums = [np.bincount(code, pixels[:, k], minlength=4096)[is_present] for k in range(3)]
     present = np.stack(sums, axis=1) / counts[is_present, None]
     away = np.linalg.norm(present[:, None] - colours, axis=2).min(axis=1, initial=np.inf)

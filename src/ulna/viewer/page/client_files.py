@@ -129,10 +129,10 @@ def _from_base88(text: str, alphabet: str) -> bytes:
     value = np.zeros(128, dtype=np.int64)
     value[np.frombuffer(alphabet.encode("ascii"), np.uint8)] = np.arange(len(alphabet))
     digits = value[np.frombuffer(text.encode("ascii"), np.uint8)]
-    whole = len(digits) // 5 * 5
+    full_groups = len(digits) // 5 * 5
     weights = len(alphabet) ** np.arange(4, -1, -1)
-    out = (digits[:whole].reshape(-1, 5) @ weights).astype(">u4").tobytes()
-    last_digits = digits[whole:]
+    out = (digits[:full_groups].reshape(-1, 5) @ weights).astype(">u4").tobytes()
+    last_digits = digits[full_groups:]
     if len(last_digits):
         out += int(last_digits @ weights[-len(last_digits) :]).to_bytes(len(last_digits) - 1, "big")
     return out

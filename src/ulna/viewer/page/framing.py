@@ -15,7 +15,9 @@ _SIMILAR = (
     0.1  # difference up to which a view stays as it is when something is added, as a part of its distance
 )
 _USUAL_ASPECT = 1.6  # width over height of a window
-_WIDE = 1.2  # aspect above which the panel covers the right of the window; else it is at the bottom
+_SIDE_PANEL_ASPECT = (
+    1.2  # aspect above which the panel covers the right of the window; else it is at the bottom
+)
 
 
 def framing_camera(scene: SceneGraph, aspect: float = _USUAL_ASPECT) -> Camera:
@@ -28,7 +30,7 @@ def framing_camera(scene: SceneGraph, aspect: float = _USUAL_ASPECT) -> Camera:
     Returns:
         The camera.
     """
-    return camera_for(scene, aspect, margin=1.4, aside=0.11 if aspect > _WIDE else 0.0)
+    return camera_for(scene, aspect, margin=1.4, aside=0.11 if aspect > _SIDE_PANEL_ASPECT else 0.0)
 
 
 @final

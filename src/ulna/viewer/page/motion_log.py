@@ -17,7 +17,7 @@ from ulna.viewer.page.poses import pose_rows
 
 _INTERVAL = 1 / 60  # s between two frames
 _CAPACITY = 32_000_000  # bytes of all frames
-_LONGEST_REST = 1.0  # s for which a motion may rest, where its time is the wall clock's
+_MAX_REST = 1.0  # s for which a motion may rest, where its time is the wall clock's
 _FIRST_REST = 0.1  # s before it begins to move
 
 
@@ -113,7 +113,7 @@ class MotionLog:
             self._labelled = t
             return t if t != last or t == 0.0 else None
         now = time.monotonic()
-        rest = min(now - self._wall_time, _LONGEST_REST if len(self._frames) > 1 else _FIRST_REST)
+        rest = min(now - self._wall_time, _MAX_REST if len(self._frames) > 1 else _FIRST_REST)
         self._wall_time = now
         return self.add_later(rest, snapshot)
 

@@ -88,13 +88,7 @@ class Page:
         self.server = serve(host, port, title, self._token) if server is None else server
         self._host = "localhost" if host in (*guard.LOOPBACK, "0.0.0.0", "::") else host
         if exposed:
-            warnings.warn(
-                f"The page is open to the network of {host}, port {self.port}: anyone who has its address with the "
-                "token can look, drag and press. The connection is not encrypted. "
-                f"A tunnel is safer: ssh -L {self.port}:localhost:{self.port} ...",
-                UlnaWarning,
-                stacklevel=2,
-            )
+            warnings.warn(_open_to_network(host, self.port), UlnaWarning, stacklevel=2)
         channel = PoseChannel(self.server, f"{title} · Ulna" if title != "Ulna" else title, self._owned)
         self._publisher = Publisher(scene, self.server, channel, live, theme)
         self._viser_shadows = not channel.is_supported
@@ -116,15 +110,19 @@ class Page:
         """Called before the whole motion is sent to tabs: adds what a motion that is being played has left."""
         atexit.register(self._close_at_exit)
         forks.in_child(self._leave)
-        if self._owned:
-            configure_scene(self.server, theme, self._viser_shadows)
-            add_floor(self.server, theme, scene.floor() if floor is None else floor)
-            set_camera(self.server, camera or framing_camera(scene))
         self._framing = Framing(scene, self.server)
+        self._show(camera)
+
+    def _show(self, camera: Camera | None) -> None:
+        """Sends the scene to the server, and what changes later if the page is live."""
+        if self._owned:
+            configure_scene(self.server, self._theme, self._viser_shadows)
+            add_floor(self.server, self._theme, self.scene.floor() if self._floor is None else self._floor)
+            set_camera(self.server, camera or framing_camera(self.scene))
         self.server.on_client_connect(self._on_connect)
         with self._tick_lock:
             self._publish()
-        if live:
+        if self._live:
             self._thread.start()
             watch(self._notifications)
 
@@ -304,3 +302,11 @@ class Page:
         if self._framing_requested and now - self._framed_at > _FRAMING_INTERVAL:
             self._frame_scene(now)
         self._publisher.publish(now)
+
+
+def _open_to_network(host: str, port: int) -> str:
+    return (
+        f"The page is open to the network of {host}, port {port}: anyone who has its address with the token can look, "
+        "drag and press. The connection is not encrypted. "
+        f"A tunnel is safer: ssh -L {port}:localhost:{port} ..."
+    )

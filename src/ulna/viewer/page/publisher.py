@@ -36,9 +36,9 @@ class Publisher:
     Args:
         scene: What to show.
         server: A viser server.
-        channel: The way of poses and looks.
-        live: Whether colours change later; of a recording they are made part of what is sent.
-        theme: The colours around.
+        channel: Sends poses and appearances.
+        live: Whether colours may change later; in a recording they are part of the nodes.
+        theme: The colours of the background.
     """
 
     def __init__(
@@ -52,19 +52,19 @@ class Publisher:
         self._paths = ViserPaths()
         self._pose_targets: tuple[list[str], list[int]] | None = None
         self._content_due = 0.0  # when contents may be sent again
-        self._label_texts: dict[str, str] = {}  # what those of a file say
-        self._content_pending = False  # whether some wait for that
+        self._label_texts: dict[str, str] = {}  # of the texts that a file contains
+        self._content_pending = False  # whether some have not been sent yet
         self._sent = (-1, -1, -1)
         self._settled = True
         self._moved_at = 0.0
         self.motion = MotionLog()
-        """What the page can play after its program has ended."""
+        """The motion that the page can play after its program has ended."""
         self._logs = live and channel.is_supported
         self.resend_until = 0.0
-        """Until when poses and looks are sent again for newcomers [s, monotonic]."""
+        """Until when poses and appearances are sent again for new tabs [s, monotonic]."""
 
     def resend(self) -> None:
-        """Send poses and looks again for a while: a newcomer replays the scene, and its hook may come after them."""
+        """Send poses and appearances again for a while: a new tab replays the scene, and may install its hook later."""
         self.resend_until = time.monotonic() + 3.0
 
     def set_theme(self, theme: Theme) -> None:
@@ -91,7 +91,7 @@ class Publisher:
             t = self.motion.add_published(snapshot) if self._logs else None
             self._sent, self._settled, self._moved_at = snapshot[:3], False, now
         elif not self._settled and now - self._moved_at > _IDLE_TIME:
-            # at rest: leave the poses in viser's own state, too, which newcomers and recordings start from
+            # at rest: leave the poses in viser's own state, too, which new tabs and recordings start from
             self._settled = True
             self._set_each(snapshot)
         elif now >= self.resend_until:

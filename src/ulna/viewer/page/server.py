@@ -1,4 +1,4 @@
-"""What the page needs of viser beyond its promises, in one place: a guarded socket, and all poses in one message.
+"""What the page needs of viser beyond its public interface: a guarded socket, and all poses in one message.
 
 Everything here was read in viser 1.1. Where a version is not known, poses go through the public interface
 instead; where the socket cannot be guarded, there is no page.
@@ -108,24 +108,28 @@ def serve(host: str, port: int | None, title: str, token: str = "") -> Any:
             server = viser.ViserServer(host=host, port=port, label=title, verbose=False)
         finally:
             sockets.serve = original
-    atexit.unregister(server.stop)  # it would say goodbye; `stop` here does not
+    atexit.unregister(server.stop)  # it prints a message; `stop` here does not
     if not guarded:
         stop(server)
         raise ViewerError(
-            f"viser {viser.__version__} opens its socket in a way that cannot be guarded against other web "
+            f"viser {viser.__version__} opens its socket in a form that cannot be protected against other web "
             f"pages. Install a version that can: {install_command('viewer', 'viser')}"
         )
+    _restrict_messages(server, visits)
+    _serving[server], _visits[server] = guarded, visits
+    return server
+
+
+def _restrict_messages(server: Any, visits: Visits) -> None:
+    """Removes the sharing of the page, checks messages from it, and notes tabs that connect."""
     from viser import _messages
 
-    # else anyone in the page could open a tunnel to the world
+    # else anyone in the page could open a tunnel to the internet
     for kind in ("ShareUrlRequest", "ShareUrlDisconnect"):
         server._websock_server.unregister_handler(getattr(_messages, kind))
     if is_known_version():
         filter_messages(server)
-    if is_known_version():
         server._websock_server.on_client_connect(lambda _: visits.note_connected())
-    _serving[server], _visits[server] = guarded, visits
-    return server
 
 
 def _check_address(host: str) -> None:

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Any, final
 
-_LONGEST_LOADING = 30.0  # s from the request for the page until its tab is connected
+_LOADING_TIMEOUT = 30.0  # s from the request for the page until its tab is connected
 
 
 @final
@@ -45,6 +45,6 @@ class Visits:
         requested, connected = self.requested_at, self.connected_at
         if self.opened_at is not None and (requested is None or requested < self.opened_at):
             return True
-        if requested is None or self.now() - requested > _LONGEST_LOADING:
+        if requested is None or self.now() - requested > _LOADING_TIMEOUT:
             return False
         return connected is None or connected < requested

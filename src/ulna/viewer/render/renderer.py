@@ -25,7 +25,7 @@ from ulna.viewer.render.zbuffer import clip_near, rasterise
 __all__ = ["render", "write_png"]
 
 _SHADED_AT_ONCE = 400_000  # samples, for memory
-_NEAR = 0.02
+_NEAR_PLANE = 0.02
 _MAX_SAMPLES = 2**28  # samples
 _SAME_SHADING_COSINE = 0.95  # cosine between triangles of one surface that a pixel shades as one
 
@@ -110,7 +110,7 @@ def _draw_layer(
 
     Returns how near they are, for what is drawn next.
     """
-    pieces, owner = clip_near(view.local(triangles.corners[chosen]), _NEAR)
+    pieces, owner = clip_near(view.local(triangles.corners[chosen]), _NEAR_PLANE)
     if not len(pieces):
         return before
     screen = view.screen(pieces)
@@ -130,23 +130,40 @@ def _draw_layer(
     by_pixel = by_pixel.transpose(0, 2, 1, 3).reshape(-1, samples * samples)
     pixel = np.flatnonzero(np.logical_or.reduce([column >= 0 for column in by_pixel.T]))
     triangle_of = by_pixel[pixel]
+    pixel_rows, pixel_columns = np.divmod(pixel, width // samples)
+    corner = pixel_columns * samples + low[0], pixel_rows * samples + low[1]
+    mixed = _pixel_colours(view, triangles, triangle_of, corner, shadows, samples)
+    window_pixels = picture[low[1] // samples : high[1] // samples, low[0] // samples : high[0] // samples]
+    window_pixels[pixel_rows, pixel_columns] *= 1 - mixed[:, 3:]
+    window_pixels[pixel_rows, pixel_columns] += mixed[:, :3]
+    depth = np.zeros((view.height, view.width), dtype=np.float32)
+    depth[window] = near
+    return depth
+
+
+def _pixel_colours(
+    view: Projection,
+    triangles: Triangles,
+    triangle_of: Array,
+    corner: tuple[Array, Array],
+    shadows: light.ShadowMap,
+    samples: int,
+) -> Array:
+    """The mean over the samples of pixels: colour, weighted with the opacity, and the opacity; (pixels, 4).
+
+    `triangle_of` is the triangle of each sample, (pixels, samples^2); `corner` the first column and row of each pixel.
+    """
     at, sample, weight = _samples_to_shade(triangle_of, triangles)
-    row = pixel[at] // (width // samples) * samples + sample // samples + low[1]
-    column = pixel[at] % (width // samples) * samples + sample % samples + low[0]
-    mixed = np.zeros((len(pixel), 4), dtype=np.float32)
+    row, column = corner[1][at] + sample // samples, corner[0][at] + sample % samples
+    mixed = np.zeros((len(triangle_of), 4), dtype=np.float32)
     for start in range(0, len(at), _SHADED_AT_ONCE):
         part = slice(start, start + _SHADED_AT_ONCE)
         colours = _shaded_colours(
             view, triangles, triangle_of[at[part], sample[part]], column[part], row[part], shadows, samples
         )
         for k in range(4):
-            mixed[:, k] += np.bincount(at[part], weight[part] * colours[:, k], len(pixel))
-    window_pixels = picture[low[1] // samples : high[1] // samples, low[0] // samples : high[0] // samples]
-    window_pixels[pixel // (width // samples), pixel % (width // samples)] *= 1 - mixed[:, 3:]
-    window_pixels[pixel // (width // samples), pixel % (width // samples)] += mixed[:, :3]
-    depth = np.zeros((view.height, view.width), dtype=np.float32)
-    depth[window] = near
-    return depth
+            mixed[:, k] += np.bincount(at[part], weight[part] * colours[:, k], len(triangle_of))
+    return mixed
 
 
 def _covered(screen: Array, view: Projection, samples: int) -> tuple[Array, Array]:
@@ -228,26 +245,35 @@ def _shaded_colours(
     # an open surface seen from behind is lit as from its front
     away = np.einsum("ij,ij->i", face, towards_eye) < 0
     normal = np.where(away[:, None], -normal, normal).astype(np.float32)
-    rgba = triangles.rgba[triangle_of]
-    albedo = rgba[:, :3]
-    for number in np.unique(triangles.texture[triangle_of]):
-        if number < 0:
-            continue
-        on = np.flatnonzero(triangles.texture[triangle_of] == number)
+    albedo = triangles.rgba[triangle_of][:, :3]
+    if triangles.textures:
+        pixel_area = samples**2 * np.linalg.norm(eye - point, axis=1) ** 2 / view.focus**2
+        slant = np.abs(np.einsum("ij,ij->i", face, towards_eye))
+        _texture(albedo, triangles, triangle_of, u, v, pixel_area / np.maximum(slant, 1e-12))
+    lit = shadows.light_fraction(point.astype(np.float32), normal)
+    shaded = light.tone_mapped(light.shade(albedo, normal, towards_eye.astype(np.float32), lit))
+    opacity = triangles.rgba[triangle_of][:, 3:]
+    return np.concatenate([shaded * opacity, opacity], axis=1)
+
+
+def _texture(
+    albedo: Array, triangles: Triangles, triangle_of: Array, u: Array, v: Array, footprint: Array
+) -> None:
+    """Writes the colours of textures at barycentric coordinates u and v into `albedo` (n, 3).
+
+    `footprint` is the part of its triangle that a pixel covers, times twice the triangle's area.
+    """
+    textures = triangles.texture[triangle_of]
+    for number in np.unique(textures[textures >= 0]):
+        on = np.flatnonzero(textures == number)
         uv = triangles.uv[triangle_of[on]]
         spread_1, spread_2 = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
         # a pixel's share of the texture: that of the triangle in it, times that of the pixel in the triangle
         texture = np.abs(spread_1[:, 0] * spread_2[:, 1] - spread_1[:, 1] * spread_2[:, 0])
-        footprint = samples**2 * np.linalg.norm(eye - point[on], axis=1) ** 2 / view.focus**2
-        slant = np.abs(np.einsum("ij,ij->i", face[on], towards_eye[on]))
-        painted = texels.sample_texture(
+        colours = texels.sample_texture(
             triangles.textures[number].image,
             uv[:, 0] + u[on] * spread_1 + v[on] * spread_2,
-            texture * footprint / np.maximum(slant, 1e-12),
+            texture * footprint[on],
         )
-        if painted is not None:
-            albedo[on] = np.float32(0.8) * painted
-    lit = shadows.light_fraction(point.astype(np.float32), normal)
-    shaded = light.tone_mapped(light.shade(albedo, normal, towards_eye.astype(np.float32), lit))
-    opacity = rgba[:, 3:]
-    return np.concatenate([shaded * opacity, opacity], axis=1)
+        if colours is not None:
+            albedo[on] = np.float32(0.8) * colours

@@ -21,8 +21,8 @@ def clip_near(corners: Floats, near: float) -> tuple[Floats, Array]:
     """
     beyond = corners[:, :, 2] > near
     count = beyond.sum(axis=1)
-    whole = np.flatnonzero(count == 3)
-    pieces, owner = [corners[whole]], [whole]
+    in_front = np.flatnonzero(count == 3)
+    pieces, owner = [corners[in_front]], [in_front]
     one, two = np.flatnonzero(count == 1), np.flatnonzero(count == 2)
     if len(one):  # turn the corner that stays to the front, and shorten both its edges
         turned = _rotate_corners(corners[one], beyond[one].argmax(axis=1))

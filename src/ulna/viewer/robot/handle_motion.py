@@ -148,7 +148,7 @@ def _pose_motion(handle: Handle, trajectory: Trajectory) -> HandleMotion:
     if isinstance(handle, RobotHandle):
         raise InputError(
             f"{trajectory!r} moves a pose, not the joints of {handle.robot.name!r}. "
-            "follow(robot, trajectory, q0) makes joints of it; {handle: trajectory} moves other things."
+            "follow(robot, trajectory, q0) converts it to joint motion; {handle: trajectory} moves other objects."
         )
     none = np.zeros(0), np.zeros((0, 0))
     return HandleMotion(

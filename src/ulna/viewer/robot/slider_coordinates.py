@@ -21,7 +21,7 @@ class SliderCoordinate:
 
     Attributes:
         label: The joint's name, shortened, and the unit.
-        hint: The joint, its kind and its range in words.
+        hint: The joint, its kind and its range, as text.
         low: Least value [rad or m].
         high: Greatest value [rad or m].
         step: Width of a step of the slider [rad or m].

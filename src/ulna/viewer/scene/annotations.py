@@ -269,11 +269,11 @@ class AnnotationMethods(HandleRegistry):
         Raises:
             InputError, ShapeError, NonFiniteError: An argument is invalid.
         """
-        whole, each = checked_length("size", size), checked_length("cell", cell)
-        lines = int(min(whole / each, 2.0 * _MAX_GRID_LINES) + 1e-9)
+        edge, each = checked_length("size", size), checked_length("cell", cell)
+        lines = int(min(edge / each, 2.0 * _MAX_GRID_LINES) + 1e-9)
         if not 1 <= lines <= _MAX_GRID_LINES:
             raise InputError(
-                f"A grid of `size` {whole} m has {whole / each:.3g} cells of {each} m along an edge; expected 1 to "
+                f"A grid of `size` {edge} m has {edge / each:.3g} cells of {each} m along an edge; expected 1 to "
                 f"{_MAX_GRID_LINES}."
             )
         ticks = (np.arange(lines + 1) - lines / 2) * each

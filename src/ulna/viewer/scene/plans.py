@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _PATH, _FROM_START, _FROM_GOAL = "royalblue", "seagreen", "darkorange"
 _STEP = 0.05  # between points of the path [rad, m]
 _PARTS = 4  # pieces in which an edge of a tree is drawn, since the tool does not move straight
-_MOST = 20_000  # edges
+_MAX_EDGES = 20_000  # edges
 
 
 class PlanMethods(WorldMethods):
@@ -74,7 +74,7 @@ class PlanMethods(WorldMethods):
             line = _positions(robot, frame, _dense(plan.points))
             lines["path"] = np.stack([line[:-1], line[1:]], axis=1), color or _PATH, thickness
         if plan.tree is not None:
-            edges = plan.tree.edges[:_MOST]
+            edges = plan.tree.edges[:_MAX_EDGES]
             is_first = plan.tree.is_from_start[edges[:, 1]]
             for place, rows, hue in (
                 ("from start", edges[is_first], _FROM_START),

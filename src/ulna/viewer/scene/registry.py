@@ -35,7 +35,9 @@ class HandleRegistry(abc.ABC):
             UnknownName: There is nothing of that name.
         """
         name = (
-            thing.name if isinstance(thing, Handle) else one_of("thing in the scene", thing, self.scene.names)
+            thing.name
+            if isinstance(thing, Handle)
+            else one_of("object in the scene", thing, self.scene.names)
         )
         handle = self._handles.get(name)
         if handle is not None:
@@ -53,7 +55,7 @@ class HandleRegistry(abc.ABC):
 
     def __getitem__(self, name: str) -> Any:
         """The handle of a node or a group."""
-        one_of("thing in the scene", name, self.scene.names)
+        one_of("object in the scene", name, self.scene.names)
         return self._handles.get(name) or Handle(self.scene, name)
 
     def __contains__(self, name: object) -> bool:

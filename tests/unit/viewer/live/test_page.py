@@ -92,7 +92,7 @@ def test_frames_are_refused() -> None:
     for frames in ("right_link5", ("left_link5", "left_link5"), (3,)):
         with pytest.raises(InputError, match="different names of frames"):
             draggable_frames(model, frames)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="no joint with one coordinate carries"):
+    with pytest.raises(InputError, match="no joint with one coordinate moves"):
         draggable_frames(model, ("body",))
 
 

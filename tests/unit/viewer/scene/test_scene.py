@@ -142,7 +142,7 @@ def test_versions_distinguish_structure_from_motion() -> None:
 
 def test_mistakes_are_named() -> None:
     scene = three()
-    with pytest.raises(UnknownName, match="No thing in the scene named 'd'"):
+    with pytest.raises(UnknownName, match="No object in the scene named 'd'"):
         scene.node("d")
     with pytest.raises(InputError, match="no rotation"):
         scene.add("x", pose=np.diag([1.0, 1.0, -1.0, 1.0]))

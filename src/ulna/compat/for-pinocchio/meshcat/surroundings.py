@@ -1,4 +1,4 @@
-"""What lies beside the objects of MeshCat's tree: "/Cameras", "/Background", "/Grid", "/Axes", "/Lights"."""
+"""Nodes of MeshCat's tree that are no objects of the user: "/Cameras", "/Background", "/Grid", "/Axes", "/Lights"."""
 
 from __future__ import annotations
 
@@ -53,17 +53,17 @@ class Surroundings:
         if frame is not None:
             self._frame, self._target = shaped_array("matrix", frame, 4, 4), np.zeros(3)
         rotation, origin = self._frame[:3, :3], self._frame[:3, 3]
-        places = {"position": self._position, "target": self._target}
-        turned = {key: tuple((rotation @ value + origin).tolist()) for key, value in places.items()}
+        points = {"position": self._position, "target": self._target}
+        in_world = {key: tuple((rotation @ value + origin).tolist()) for key, value in points.items()}
         up = tuple((rotation @ (0.0, 0.0, 1.0)).tolist())
-        self._viewer.camera = dataclasses.replace(old, up=up, **turned)
+        self._viewer.camera = dataclasses.replace(old, up=up, **in_world)
 
     def set_lens(self, fov: float | None = None, zoom: float = 1.0) -> None:
         """Changes how much the camera sees.
 
         Args:
             fov: Vertical field of view [degrees]; the viewer's usual one when not given.
-            zoom: Factor by which things appear larger [-].
+            zoom: Magnification [-].
         """
         half = np.tan((Camera().fov if fov is None else np.deg2rad(float(fov))) / 2.0)
         camera = dataclasses.replace(self._viewer.camera, fov=float(2.0 * np.arctan(half / float(zoom))))
@@ -106,21 +106,21 @@ class Surroundings:
             raise UnknownName(f"property of /{entries[0]}", key, setters)
         setters[key](value)
 
-    def set_object(self, entries: tuple[str, ...], thing: Any) -> None:
+    def set_object(self, entries: tuple[str, ...], value: Any) -> None:
         """Replaces the lens of the camera.
 
         Args:
             entries: Names from the root.
-            thing: A `PerspectiveCamera`.
+            value: A `PerspectiveCamera`.
 
         Raises:
             InputError: Anything else.
         """
-        if entries[0] != "Cameras" or type(thing).__name__ != "PerspectiveCamera":
+        if entries[0] != "Cameras" or type(value).__name__ != "PerspectiveCamera":
             raise InputError(
-                f"/{'/'.join(entries)} was given {thing!r}; expected a PerspectiveCamera at '/Cameras/default/rotated'."
+                f"/{'/'.join(entries)} was given {value!r}; expected a PerspectiveCamera at '/Cameras/default/rotated'."
             )
-        self.set_lens(thing.fov, thing.zoom)
+        self.set_lens(value.fov, value.zoom)
 
     def set_transform(self, entries: tuple[str, ...], matrix: Any) -> None:
         """Places the camera's frame.

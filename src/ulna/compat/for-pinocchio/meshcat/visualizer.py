@@ -90,7 +90,7 @@ class Visualizer:
         """The `ulna.Viewer` behind it."""
         return self.window.gui.viewer
 
-    def _beside(self) -> bool:
+    def _is_surroundings(self) -> bool:
         """Whether it is the camera, the background, ..., not an object."""
         return self.path.entries[:1] != () and self.path.entries[0] in NAMES
 
@@ -118,7 +118,7 @@ class Visualizer:
         Raises:
             InputError: Anything else.
         """
-        if self._beside():
+        if self._is_surroundings():
             self.window.surroundings.set_object(self.path.entries, geometry)
             return
         self.window.show(self._named_node("set_object"), drawn(geometry, material))
@@ -132,7 +132,7 @@ class Visualizer:
         Raises:
             ShapeError, InputError: It is no such matrix.
         """
-        if self._beside():
+        if self._is_surroundings():
             self.window.surroundings.set_transform(self.path.entries, np.eye(4) if matrix is None else matrix)
             return
         values = np.eye(4) if matrix is None else shaped_array("matrix", matrix, 4, 4)
@@ -152,7 +152,7 @@ class Visualizer:
         Raises:
             UnknownName: There is no such property.
         """
-        if self._beside():
+        if self._is_surroundings():
             self.window.surroundings.set_property(self.path.entries, key, value)
             return
         if key not in _PROPERTIES:
@@ -186,7 +186,7 @@ class Visualizer:
 
     def delete(self) -> None:
         """Removes what is here, and all below it; nothing happens where there is nothing."""
-        if self._beside():
+        if self._is_surroundings():
             raise InputError(
                 f"{self.path.lower()} cannot be deleted; set_property('visible', False) hides it."
             )

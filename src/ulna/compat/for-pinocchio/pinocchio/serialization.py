@@ -85,7 +85,7 @@ def saveToBinary(object: Any, buffer: StreamBuffer) -> None:
         object: The model, data or geometries.
         buffer: The buffer that is written.
     """
-    _known(object).saveToBinary(buffer)
+    _checked(object).saveToBinary(buffer)
 
 
 @by_name("object stream_buffer", "object static_buffer", "object buffer")
@@ -96,10 +96,10 @@ def loadFromBinary(object: Any, buffer: StreamBuffer) -> None:
         object: The object that is changed.
         buffer: The buffer that is read.
     """
-    _known(object).loadFromBinary(buffer)
+    _checked(object).loadFromBinary(buffer)
 
 
-def _known(thing: Any) -> Saved:
+def _checked(thing: Any) -> Saved:
     if not isinstance(thing, Saved):
         raise ArgumentError(
             f"A {type(thing).__name__} is not written to buffers; expected a Model, Data, GeometryModel, GeometryData "

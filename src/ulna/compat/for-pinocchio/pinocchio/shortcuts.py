@@ -22,13 +22,13 @@ __all__ = [
     "createDatas",
 ]
 
-_BOTH = (GeometryType.COLLISION, GeometryType.VISUAL)
-_MORE = "verbose? meshLoader? geometry_types?"
+_COLLISION_AND_VISUAL = (GeometryType.COLLISION, GeometryType.VISUAL)
+_OPTIONAL_ARGUMENTS = "verbose? meshLoader? geometry_types?"
 
 
 @overloads(
-    f"filename package_dirs? root_joint:JointModel? root_joint_name:str {_MORE} mimic:bool?",
-    f"filename package_dirs? root_joint:JointModel? {_MORE} mimic:bool?",
+    f"filename package_dirs? root_joint:JointModel? root_joint_name:str {_OPTIONAL_ARGUMENTS} mimic:bool?",
+    f"filename package_dirs? root_joint:JointModel? {_OPTIONAL_ARGUMENTS} mimic:bool?",
 )
 def buildModelsFromUrdf(
     filename: Any,
@@ -69,7 +69,7 @@ def buildModelsFromUrdf(
 
 
 def _kinds(geometry_types: Any) -> Any:
-    kinds = _BOTH if geometry_types is None else geometry_types
+    kinds = _COLLISION_AND_VISUAL if geometry_types is None else geometry_types
     return kinds if hasattr(kinds, "__iter__") else (kinds,)
 
 
@@ -79,8 +79,8 @@ def createDatas(*models: Any) -> tuple[Any, ...]:
 
 
 @overloads(
-    f"filename root_joint:JointModel? root_joint_name:str {_MORE} contacts:bool?",
-    f"filename root_joint:JointModel? {_MORE} contacts:bool?",
+    f"filename root_joint:JointModel? root_joint_name:str {_OPTIONAL_ARGUMENTS} contacts:bool?",
+    f"filename root_joint:JointModel? {_OPTIONAL_ARGUMENTS} contacts:bool?",
 )
 def buildModelsFromMJCF(
     filename: Any,
@@ -113,8 +113,8 @@ def buildModelsFromMJCF(
 
 
 @overloads(
-    f"filename root_joint:JointModel? root_joint_name:str {_MORE} constraints:bool?",
-    f"filename root_joint:JointModel? {_MORE} constraints:bool?",
+    f"filename root_joint:JointModel? root_joint_name:str {_OPTIONAL_ARGUMENTS} constraints:bool?",
+    f"filename root_joint:JointModel? {_OPTIONAL_ARGUMENTS} constraints:bool?",
 )
 def buildModelsAndConstraintsFromMJCF(
     filename: Any,

@@ -35,7 +35,7 @@ __all__ = [
     "tools",
 ]
 
-_INSTEAD = {
+_ALTERNATIVES = {
     "scene": "It is the compiled part of the scene tree; SceneNode has `T`, `scene_parent`, `attach` and `update`.",
     "Plane": "A Cuboid with one thin edge is drawn and collided with as one; ulna.geometry.Plane is without end.",
     "Torus": "Load it as a Mesh.",
@@ -44,5 +44,5 @@ _INSTEAD = {
 
 
 def __getattr__(name: str) -> object:
-    hint = _INSTEAD.get(name, f"There are: {', '.join(__all__)}.")
+    hint = _ALTERNATIVES.get(name, f"There are: {', '.join(__all__)}.")
     raise AttributeError(f"Ulna's package for spatialgeometry has no {name!r}. {hint}")

@@ -161,7 +161,7 @@ class CollisionShapeGroup(CollisionShape, Members):
             member.draw(viewer, f"{name}/{k}")
             viewer[f"{name}/{k}"].pose = member.T
 
-    def dress(self, handle: Any) -> None:
+    def _set_colour(self, handle: Any) -> None:
         """Members keep their colours."""
 
     def to_dict(self) -> dict[str, Any]:

@@ -28,7 +28,7 @@ class Axes(Shape):
         kwargs: As for `Shape`.
     """
 
-    kind, lengths = "axes", ("length",)
+    kind, lengths, _has_colours = "axes", ("length",), True
     length, radius, linewidth = Length(), Length(), Length()
 
     def __init__(
@@ -49,10 +49,6 @@ class Axes(Shape):
 
     def _draw(self, viewer: Any, name: str) -> None:
         viewer.axes(self.length, name=name)
-
-    def dress(self, handle: Any) -> None:
-        """Its colours are its meaning, unless it was given one."""
-        handle.color, handle.opacity = self._rgba[:3] if self._coloured else None, self.opacity
 
 
 class Arrow(Shape):

@@ -30,7 +30,7 @@ class Mesh(CollisionShape):
         FileNotFoundError: There is no such file.
     """
 
-    kind, lengths = "mesh", ("scale",)
+    kind, lengths, _has_colours = "mesh", ("scale",), True
 
     def __init__(
         self,
@@ -81,7 +81,3 @@ class Mesh(CollisionShape):
             upright = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
             turn = upright if self._y_up else np.eye(4)
             viewer.mesh(self._path, self._scale, name=f"{name}/mesh", pose=turn)
-
-    def dress(self, handle: Any) -> None:
-        """Give a handle of the viewer this mesh's colour, or leave the colours of the file, and its opacity."""
-        handle.color, handle.opacity = self._rgba[:3] if self._coloured else None, self.opacity

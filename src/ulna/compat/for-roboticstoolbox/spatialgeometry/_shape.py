@@ -39,6 +39,8 @@ class Shape(SceneNode, abc.ABC):
     kind: ClassVar[str] = "shape"
     lengths: ClassVar[tuple[str, ...]] = ()
     """Attributes with its dimensions, in the order of its description."""
+    _has_colours: ClassVar[bool] = False
+    """Whether it has colours where none was passed: those of axes or of a file."""
 
     def __init__(
         self, pose: Any = None, color: Any = None, stype: str | None = None, base: Any = None, **kwargs: Any
@@ -59,21 +61,22 @@ class Shape(SceneNode, abc.ABC):
         super().__init__(**kwargs if at is None else {"pose": at, **kwargs})
 
     def draw(self, viewer: Any, name: str) -> None:
-        """Add it to an `ulna.Viewer` under a name, at the origin; `dress` gives it its colour.
+        """Add it to an `ulna.Viewer` under a name, at the origin.
 
         Args:
             viewer: The viewer.
             name: Name of the node.
         """
         self._draw(viewer, name)
-        self.dress(viewer[name])
+        self._set_colour(viewer[name])
 
     @abc.abstractmethod
     def _draw(self, viewer: Any, name: str) -> None: ...
 
-    def dress(self, handle: Any) -> None:
-        """Give a handle of the viewer this shape's colour and opacity."""
-        handle.color, handle.opacity = self._rgba[:3], self._rgba[3]
+    def _set_colour(self, handle: Any) -> None:
+        """Gives a handle of the viewer this shape's colour and opacity."""
+        keeps_colours = self._has_colours and not self._coloured
+        handle.color, handle.opacity = None if keeps_colours else self._rgba[:3], self._rgba[3]
 
     @property
     def color(self) -> RGBA:

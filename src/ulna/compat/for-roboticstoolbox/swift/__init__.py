@@ -23,7 +23,7 @@ __all__ = [
 
 _LIGHTS = "The lights are those of the viewer's theme: `env.viewer.theme = 'dark'`, or an ulna.viewer.Theme."
 _SERVER = "The page is served by ulna.Viewer: `env.viewer.url` is its address."
-_INSTEAD = {
+_ALTERNATIVES = {
     "Light": _LIGHTS,
     "AmbientLight": _LIGHTS,
     "HemisphereLight": _LIGHTS,
@@ -39,5 +39,5 @@ _INSTEAD = {
 
 
 def __getattr__(name: str) -> object:
-    hint = _INSTEAD.get(name, f"There are: {', '.join(__all__)}.")
+    hint = _ALTERNATIVES.get(name, f"There are: {', '.join(__all__)}.")
     raise AttributeError(f"Ulna's package for Swift has no {name!r}. {hint}")

@@ -17,18 +17,18 @@ from ulna.viewer.viewer import Viewer
 
 _BROWSER_TIMEOUT = 10.0  # s that `launch` waits for a browser that it opened
 _OLDER = ("comms",)  # arguments of Swift 1 that mean nothing here
-_LOOK = "See `env.viewer.theme` and `env.viewer.floor`."
-_INSTEAD = {
+_SEE_THEME = "See `env.viewer.theme` and `env.viewer.floor`."
+_ALTERNATIVES = {
     "realtime_speed": "It is an argument of `env.launch(realtime=2.0)`, and in the page's panel.",
     "swift_objects": "Take `env[number]` or `env[name]`; `env.show()` lists what there is.",
     "swift_names": "Take `env[name]`; `env.show()` lists what there is.",
     "elementid": "`env.elements` has the controls by their number.",
     "rendering": "Steps never wait for the page.",
     "recording": "A film begins with `env.start_recording` and ends with `env.stop_recording`.",
-    "lights": _LOOK,
-    "ground_opacity": _LOOK,
-    "ground_pattern": _LOOK,
-    "ground_pattern_width": _LOOK,
+    "lights": _SEE_THEME,
+    "ground_opacity": _SEE_THEME,
+    "ground_pattern": _SEE_THEME,
+    "ground_pattern_width": _SEE_THEME,
     **dict.fromkeys(
         ("inq", "outq", "server", "server_thread", "socket", "socket_thread"), "`env.viewer` serves the page."
     ),
@@ -51,7 +51,7 @@ class LaunchedEnvironment:
         self.headless, self.rate = True, 60.0
 
     def __getattr__(self, name: str) -> Any:
-        hint = _INSTEAD.get(name, "")
+        hint = _ALTERNATIVES.get(name, "")
         raise AttributeError(f"Swift on Ulna has no {name!r}. {hint}".strip())
 
     def launch(

@@ -30,11 +30,11 @@ def quaternion_order(order: str | None = None) -> str:
         UnknownName: It is neither.
     """
     if order is not None:
-        _chosen[:] = [_known(order)]
-    return _chosen[0] if _chosen else _known(os.environ.get(VARIABLE) or "xyzw")
+        _chosen[:] = [_checked_order(order)]
+    return _chosen[0] if _chosen else _checked_order(os.environ.get(VARIABLE) or "xyzw")
 
 
-def _known(order: str) -> str:
+def _checked_order(order: str) -> str:
     if order not in _ORDERS:
         raise UnknownName("order of quaternions", order, _ORDERS)
     return order

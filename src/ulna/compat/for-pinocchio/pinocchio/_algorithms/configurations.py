@@ -13,7 +13,7 @@ from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.live_parameters import FREE
 from pinocchio._model.model import Model
-from pinocchio._model.quaternion_signs import quaternion_starts, with_signs_kept
+from pinocchio._model.quaternion_signs import quaternion_starts, with_continuous_signs
 from pinocchio._spatial.random_numbers import generator
 from ulna import algorithms
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
@@ -213,7 +213,7 @@ def _integration(model: Model) -> Any:
         return compiled.core_kernel("integrate")
 
     def build(core: CoreModel) -> Any:
-        return with_signs_kept(functools.partial(algorithms.integrate, core), starts)
+        return with_continuous_signs(functools.partial(algorithms.integrate, core), starts)
 
     return compiled.compile("integrate", build, q=(model.nq,), v=(model.nv,))
 
@@ -398,7 +398,7 @@ def tangentMapTransposeProduct(model: Model, q: Any, mat_in: Any) -> Floats:
     return tangentMap(model, q).T @ numbers(mat_in, "mat_in")
 
 
-_WIDEST = 6
+_MAX_MATRIX_SIZE = 6
 """The most velocities of a joint."""
 
 
@@ -409,7 +409,7 @@ def compactTangentMap(model: Model, q: Any) -> Floats:
         Matrix (nq, k), k the greatest nv of a joint.
     """
     whole = tangentMap(model, q)
-    out = np.zeros((model.nq, _WIDEST))
+    out = np.zeros((model.nq, _MAX_MATRIX_SIZE))
     for i, (size, start) in enumerate(zip(*getTangentToConfigurationSparsitySegment(model), strict=True)):
         out[i, :size] = whole[i, start : start + size]
     return out

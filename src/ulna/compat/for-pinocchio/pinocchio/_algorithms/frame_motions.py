@@ -36,7 +36,7 @@ __all__ = [
     "getVelocity",
 ]
 
-_HERE = np.eye(4)
+_IDENTITY = np.eye(4)
 
 
 @repeated_call("joint velocity")
@@ -152,7 +152,7 @@ def getFrameClassicalAcceleration(
 
 def _joint_motion(model: Model, data: Data, joint_id: int, rf: Any, kind: str) -> Motion:
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
-    return _motion(model, data, kind, reference_of(rf), joint, _HERE, (joint_id, rf, f"joint {kind}"))
+    return _motion(model, data, kind, reference_of(rf), joint, _IDENTITY, (joint_id, rf, f"joint {kind}"))
 
 
 def _frame_motion(model: Model, data: Data, place: Any, rf: Any, kind: str) -> Motion:

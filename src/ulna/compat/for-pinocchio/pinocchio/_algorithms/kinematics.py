@@ -15,7 +15,6 @@ from pinocchio._data.first_evaluation import TABLE_CALLS
 from pinocchio._data.functions import fast_path
 from pinocchio._data.states import check_frames
 from pinocchio._model.bound_kernels import not_read
-from pinocchio._model.kernel_parameters import pose_of
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3, se3_kernel
 from pinocchio._spatial.small_kernels import pose
@@ -99,7 +98,7 @@ def framesForwardKinematics(model: Model, data: Data, q: Any) -> None:
 
 def _moved_frames(model: CoreModel, frames: Sequence[Frame]) -> Any:
     def run(oMi: Array) -> Array:
-        return stacked([pose_of(oMi[frame.joint + 1]) @ frame.placement for frame in frames])
+        return stacked([pose(oMi[frame.joint + 1]) @ frame.placement for frame in frames])
 
     return run
 

@@ -87,21 +87,23 @@ def _locked(model: Model, locked: list[int], reference: Any) -> tuple[Model, lis
             {k: n for k, (n, _) in enumerate(moved)},
         )
         moved.append((new, SE3()))
-    for frame in model.frames:
-        carrier, M = moved[frame.parentJoint]
-        copied = frame.copy()
-        if (
-            frame.type == FrameType.JOINT and frame.parentJoint in locked
-        ):  # it carries the body, as a fixed joint
-            copied.type, copied.parentFrame = FrameType.FIXED_JOINT, out.nframes
-            copied.inertia = model.inertias[frame.parentJoint]
-        copied.parentJoint, copied.placement = carrier, M * frame.placement
-        out.frames.append(copied)
+    _copy_frames(out, model, locked, moved)
     out.nbodies = out.njoints
     free = [k for j in model.joints[1:] if j.id not in locked for k in range(j.idx_q, j.idx_q + j.nq)]
     out.referenceConfigurations = {n: r[free] for n, r in model.referenceConfigurations.items()}
     out._frames_changed()
     return out, moved
+
+
+def _copy_frames(out: Model, model: Model, locked: list[int], moved: list[tuple[int, SE3]]) -> None:
+    for frame in model.frames:
+        carrier, M = moved[frame.parentJoint]
+        copied = frame.copy()
+        if frame.type == FrameType.JOINT and frame.parentJoint in locked:
+            copied.type, copied.parentFrame = FrameType.FIXED_JOINT, out.nframes  # it carries the body now
+            copied.inertia = model.inertias[frame.parentJoint]
+        copied.parentJoint, copied.placement = carrier, M * frame.placement
+        out.frames.append(copied)
 
 
 def add_like(
@@ -309,7 +311,7 @@ def transformJointIntoMimic(
 
 
 def findCommonAncestor(model: Model, joint1_id: int, joint2_id: int) -> tuple[int, int, int]:
-    """The last joint that two joints stand on, and where it is in both of their supports.
+    """The last common ancestor of two joints, and where it is in both of their supports.
 
     Args:
         joint1_id: Index of a joint.

@@ -28,8 +28,8 @@ from pinocchio._constraints.admm_settings import (
     ADMMSolverStats,
     ADMMUpdateRule,
 )
+from pinocchio._constraints.iterative_solver import IterativeSolver, check_settings_and_result
 from pinocchio._constraints.solver_problem import constraint_kind, delassus_matrix
-from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import vector
 from ulna.algorithms.constraints.cone_complementarity import Bounded, Frictional, Kind, Unilateral
 from ulna.typing import Floats
@@ -38,7 +38,7 @@ __all__ = ["ADMMConstraintSolver"]
 
 
 @final
-class ADMMConstraintSolver:
+class ADMMConstraintSolver(IterativeSolver):
     """Finds impulses of all constraints at once, by alternating directions.
 
     Attributes:
@@ -50,17 +50,9 @@ class ADMMConstraintSolver:
         self.reset()
 
     def reset(self) -> None:
-        """Forgets the last search."""
-        self._elapsed, self._valid = 0.0, False
+        """Forgets the last search and its records."""
+        super().reset()
         self.stats.reset()
-
-    def isValid(self) -> bool:
-        """Whether it has solved something."""
-        return self._valid
-
-    def getElapsedTime(self) -> float:
-        """How long the last search took [microseconds]; 0 where the settings do not say `measure_timings`."""
-        return self._elapsed
 
     def solve(
         self,
@@ -88,12 +80,7 @@ class ADMMConstraintSolver:
             ArgumentError: `settings` or `result` is of another class.
             WrongShape: The constraints have not as many rows as `g`.
         """
-        if not isinstance(settings, ADMMSolverSettings) or not isinstance(result, ADMMSolverResult):
-            raise ArgumentError(
-                f"The settings are {settings!r} and the result {result!r}; expected ADMMSolverSettings() and "
-                "ADMMSolverResult()."
-            )
-        settings.checkValidity()
+        check_settings_and_result(settings, result, (ADMMSolverSettings, ADMMSolverResult))
         kinds = [constraint_kind(*pair) for pair in zip(constraint_models, constraint_datas, strict=True)]
         G = delassus_matrix(delassus, kinds)
         g = vector(g, len(G), "g")
@@ -106,8 +93,7 @@ class ADMMConstraintSolver:
         if settings.stat_record:
             self.stats.add(search)
         search.store(result)
-        self._elapsed = 1e6 * (time.perf_counter() - begun) if settings.measure_timings else 0.0
-        self._valid = True
+        self._finished(time.perf_counter() - begun, settings)
         return result.converged
 
 
@@ -183,12 +169,7 @@ class _Search:
         self.shift = self._sets.shift(G @ self.y + g) if settings.solve_ncp else np.zeros(size)
         self.z = G @ self.y + g + self.shift if velocities is None else velocities
         self.primal = self.dual = self.complementarity = np.inf
-        largest = float(np.abs(g).max(initial=0.0))
-        power = size * largest * largest / float(np.trace(G)) if size and np.trace(G) else 0.0
-        self._feasible = settings.absolute_feasibility_tol + settings.relative_feasibility_tol * largest
-        self._complementary = (
-            settings.absolute_complementarity_tol + settings.relative_complementarity_tol * power
-        )
+        self._feasible, self._complementary = settings.thresholds(G, g)
         self._factor()
 
     def _first_rho(self, result: ADMMSolverResult) -> float:

@@ -6,6 +6,7 @@ from typing import Any, final
 
 import numpy as np
 
+from pinocchio._constraints.iterative_solver import ConstraintSolverResult, ToleranceSettings
 from pinocchio._containers.arrays import vector
 from pinocchio._containers.enums import _Named
 from ulna.errors import InputError
@@ -41,17 +42,10 @@ _NOT_OFFERED = {
 
 
 @final
-class ADMMSolverSettings:
-    """When a solution is good enough, and how it is sought.
+class ADMMSolverSettings(ToleranceSettings):
+    """When a solution is good enough, and how it is computed; the other attributes are those of `ToleranceSettings`.
 
     Attributes:
-        absolute_feasibility_tol: How far impulses and velocities may be from where they should be.
-        relative_feasibility_tol: The same, as a part of the largest velocity without impulses.
-        absolute_complementarity_tol: How much power impulses and velocities may have.
-        relative_complementarity_tol: The same, as a part of the largest velocity without impulses, squared, by the
-            mean diagonal entry of the Delassus matrix.
-        max_iterations: How many iterations at most.
-        solve_ncp: Whether contacts slide as Coulomb says; else a convex problem is solved.
         mu_prox: The proximal weight, with the rule MANUAL.
         admm_proximal_rule: MANUAL or AUTOMATIC.
         admm_update_rule: How rho changes: SPECTRAL, OSQP, LINEAR or CONSTANT.
@@ -66,14 +60,11 @@ class ADMMSolverSettings:
         max_delassus_decomposition_updates: How many times matrices are inverted at most.
         warmstart_rho_with_previous_result: Whether rho is at first that of the result.
         lanczos_size: Accepted: eigenvalues are computed to the last digit.
-        measure_timings: Whether `getElapsedTime` is measured.
-        stat_record: Whether iterations are recorded in `solver.stats`.
     """
 
     def __init__(self) -> None:
-        self.absolute_feasibility_tol = self.absolute_complementarity_tol = 1e-6
-        self.relative_feasibility_tol = self.relative_complementarity_tol = 1e-6
-        self.max_iterations, self.solve_ncp, self.mu_prox = 1000, True, 1e-6
+        super().__init__()
+        self.mu_prox = 1e-6
         self.admm_proximal_rule, self.admm_update_rule = ADMMProximalRule.MANUAL, ADMMUpdateRule.OSQP
         self.rho_init: float | None = None
         self.rho_min, self.rho_max, self.rho_momentum = 1e-6, 1e6, 0.0
@@ -81,7 +72,7 @@ class ADMMSolverSettings:
         self.linear_update_rule_factor = 2.0
         self.spectral_rho_power_init, self.spectral_rho_power_factor = 0.2, 0.05
         self.max_delassus_decomposition_updates = self.lanczos_size = 2**31 - 1
-        self.warmstart_rho_with_previous_result = self.measure_timings = self.stat_record = False
+        self.warmstart_rho_with_previous_result = False
         self.__dict__.update(_NOT_OFFERED)
 
     def checkValidity(self) -> None:
@@ -90,23 +81,12 @@ class ADMMSolverSettings:
         Raises:
             InputError: A number makes no sense, or is not offered.
         """
-        tolerances = [
-            self.absolute_feasibility_tol,
-            self.relative_feasibility_tol,
-            self.absolute_complementarity_tol,
-            self.relative_complementarity_tol,
-        ]
-        if not (min(tolerances) >= 0.0 and max(tolerances) > 0.0):
-            raise InputError(
-                f"The tolerances are {tolerances}; expected numbers not below zero, and one above."
-            )
+        super().checkValidity()
         for name, usual in _NOT_OFFERED.items():
             if getattr(self, name) != usual:
                 raise InputError(f"`{name}` is {getattr(self, name)!r}; only {usual!r} is offered here.")
-        for name in ("max_iterations", "rho_min_update_frequency", "lanczos_size"):
-            value = getattr(self, name)
-            if int(value) != value or value < 1:
-                raise InputError(f"`{name}` is {value!r}; expected a whole number from 1.")
+        self._check_whole_number("rho_min_update_frequency")
+        self._check_whole_number("lanczos_size")
         if not 0.0 < self.rho_min <= self.rho_max:
             raise InputError(
                 f"`rho_min` is {self.rho_min!r}, `rho_max` {self.rho_max!r}; expected 0 < rho_min <= rho_max."
@@ -134,52 +114,32 @@ class ADMMSolverSettings:
 
 
 @final
-class ADMMSolverResult:
-    """What was found, and what the next search starts from.
+class ADMMSolverResult(ConstraintSolverResult):
+    """The solution, and what the next search starts from; the other attributes are those of `ConstraintSolverResult`.
 
     Attributes:
-        converged: Whether it is good enough.
-        iterations: How many iterations it took.
-        primal_feasibility: How far impulses are from their sets.
-        dual_feasibility: How far velocities are from where they should be [m/s].
-        complementarity: How much power impulses and velocities have.
         rho, mu_prox, spectral_rho_power: The weights at the end, and the power of the rule SPECTRAL.
         delassus_decomposition_update_count: How many matrices were inverted.
     """
 
     def __init__(self) -> None:
-        self._impulse_guess: Floats | None = None
         self._velocity_guess: Floats | None = None
-        self.reset()
+        super().__init__()
 
     def reset(self) -> None:
         """Forgets the solution."""
-        self._impulses: Floats | None = None
-        self._velocities: Floats | None = None
+        super().reset()
         self._shift: Floats | None = None
-        self.converged, self.iterations, self.delassus_decomposition_update_count = False, 0, 0
         self.primal_feasibility = self.dual_feasibility = self.complementarity = np.nan
         self.rho = self.mu_prox = self.spectral_rho_power = np.nan
+        self.delassus_decomposition_update_count = 0
 
     def resize(self, problem_size: int) -> None:
         """Forgets the solution; the next search sizes it by itself."""
         self.reset()
 
-    def isValid(self) -> bool:
-        """Whether it holds a solution."""
-        return self._impulses is not None
-
-    @property
-    def problem_size(self) -> int:
-        """How many rows there are."""
-        return 0 if self._impulses is None else len(self._impulses)
-
-    def constraintSize(self) -> int:
-        """How many rows there are."""
-        return self.problem_size
-
     def fill(self, impulses: Floats, velocities: Floats, shift: Floats, **values: Any) -> None:
-        """Takes a solution over.
+        """Stores a solution.
 
         Args:
             impulses: Impulses (m,) [N s].
@@ -188,40 +148,12 @@ class ADMMSolverResult:
             **values: The attributes.
         """
         self._impulses, self._velocities, self._shift = impulses, velocities, shift
-        self.__dict__.update(values)
-
-    def _solution(self, what: Floats | None) -> Floats:
-        if what is None:
-            raise InputError("The result is empty; give it to ADMMConstraintSolver().solve(...) first.")
-        return what
-
-    def retrieveConstraintImpulses(self) -> Floats:
-        """The impulses [N s], a copy."""
-        return self._solution(self._impulses).copy()
-
-    def retrieveConstraintVelocities(self) -> Floats:
-        """The velocities of the constraints with them [m/s], a copy."""
-        return self._solution(self._velocities).copy()
-
-    def retrievePrimalSolution(self, primal_solution: Floats) -> None:
-        """Copies the impulses into an array."""
-        primal_solution[...] = self._solution(self._impulses)
-
-    def retrieveDualSolution(self, dual_solution: Floats) -> None:
-        """Copies the velocities into an array."""
-        dual_solution[...] = self._solution(self._velocities)
+        for name, value in values.items():
+            setattr(self, name, value)
 
     def retrieveDesaxceTerm(self, desaxce_term: Floats) -> None:
         """Copies De Saxce's shift into an array."""
         desaxce_term[...] = self._solution(self._shift)
-
-    def setConstraintImpulseGuess(self, impulse_guess: Any) -> None:
-        """Impulses that the next search starts from."""
-        self._impulse_guess = vector(impulse_guess, np.size(impulse_guess), "impulse_guess").copy()
-
-    def clearConstraintImpulseGuess(self) -> None:
-        """Lets the next search start from no impulses."""
-        self._impulse_guess = None
 
     def setConstraintVelocityGuess(self, velocity_guess: Any) -> None:
         """Velocities that the next search starts from."""

@@ -40,7 +40,7 @@ ANCHOR_ORDERS = (
 )
 
 
-class _Known(AnyConstraintData):
+class _ConstraintState(AnyConstraintData):
     """What is known of such a constraint at a state, after its `calc`."""
 
     __slots__ = (
@@ -65,21 +65,21 @@ class _Known(AnyConstraintData):
 
 
 @final
-class PointAnchorConstraintData(_Known):
+class PointAnchorConstraintData(_ConstraintState):
     """Of a PointAnchorConstraintModel."""
 
     __slots__ = ()
 
 
 @final
-class FrameAnchorConstraintData(_Known):
+class FrameAnchorConstraintData(_ConstraintState):
     """Of a FrameAnchorConstraintModel."""
 
     __slots__ = ()
 
 
 @final
-class PointContactConstraintData(_Known):
+class PointContactConstraintData(_ConstraintState):
     """Of a PointContactConstraintModel."""
 
     __slots__ = ()

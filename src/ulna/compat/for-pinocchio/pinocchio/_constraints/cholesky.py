@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._constraints.constraint_set import known_constraint_set
+from pinocchio._constraints.constraint_set import cached_constraint_set
 from pinocchio._constraints.delassus import diagonal, with_added_diagonal
 from pinocchio._constraints.delassus_of_cholesky import DelassusOperatorCholeskyExpression
 from pinocchio._constraints.factorization import Factorization, FactorKernels, kernels_for, no_factors_error
@@ -75,7 +75,7 @@ class ConstraintCholeskyDecomposition:
             mu: Damping: one number, or one for each row.
         """
         M = data._arrays["M"]
-        constraint_set = known_constraint_set(model, data, contact_models, contact_datas)
+        constraint_set = cached_constraint_set(model, data, contact_models, contact_datas)
         if (
             constraint_set is not None
             and constraint_set is self._constraint_set
@@ -84,7 +84,7 @@ class ConstraintCholeskyDecomposition:
             self._hold(self._factored.kernels, M, jacobian_here(model, data, constraint_set), mu)
         else:
             J = getConstraintsJacobian(model, data, contact_models, contact_datas)
-            constraint_set = known_constraint_set(model, data, contact_models, contact_datas)
+            constraint_set = cached_constraint_set(model, data, contact_models, contact_datas)
             compiled = compiled_for(model, data)
             kernels = (
                 kernels_for(compiled, np.ones(J.shape))

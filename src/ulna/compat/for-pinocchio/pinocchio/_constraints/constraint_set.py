@@ -9,7 +9,7 @@ from pinocchio._constraints.rigid_constraint import checked_constraints, structu
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
 
-_MOST_SETS = 8
+_MAX_SETS = 8
 """So many lists of constraints does a Data know."""
 
 
@@ -59,19 +59,19 @@ def constraint_set_of(model: Model, data: Data, models: Any, datas: Any) -> Cons
     Raises:
         InputError: see `checked_constraints`; the Data does not fit the model.
     """
-    constraint_set = known_constraint_set(model, data, models, datas)
+    constraint_set = cached_constraint_set(model, data, models, datas)
     if constraint_set is None:
         data.attach(model)
         models, datas = list(models), list(datas)
-        constraint_set = known_constraint_set(model, data, models, datas)
+        constraint_set = cached_constraint_set(model, data, models, datas)
     if constraint_set is None:
         constraint_set = ConstraintSet(model, models, datas)
         current = [known for known in data._constraint_sets if known.version == changes[0]]
-        data._constraint_sets = [*current, constraint_set][-_MOST_SETS:]
+        data._constraint_sets = [*current, constraint_set][-_MAX_SETS:]
     return constraint_set
 
 
-def known_constraint_set(model: Model, data: Data, models: Any, datas: Any) -> ConstraintSet | None:
+def cached_constraint_set(model: Model, data: Data, models: Any, datas: Any) -> ConstraintSet | None:
     """The constraints as they were bound to a Data before.
 
     Returns:

@@ -1,4 +1,4 @@
-"""What is known of constraints at a state: computed when it is read."""
+"""Placements, velocities and errors of constraints at a state: computed when they are read."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ulna.typing import Array, Floats
 
 @final
 class DeferredConstraintState:
-    """Placements, velocities and errors of constraints, left to be computed when they are read."""
+    """Placements, velocities and errors of constraints at one state, not computed yet."""
 
     def __init__(
         self, compiled: Any, datas: Sequence[RigidConstraintData], shapes: Any, *state: Floats
@@ -33,10 +33,10 @@ class DeferredConstraintState:
         )
         kernel = self.compiled.compile(("constraint state", self.shapes), _state(self.shapes), **sizes)
         results = kernel(*self.state)
-        for k, known in enumerate(self.datas):
-            if known._deferred is self:
-                known._deferred = None
-                for block, rows in zip(known._blocks.values(), results, strict=True):
+        for k, data in enumerate(self.datas):
+            if data._deferred is self:
+                data._deferred = None
+                for block, rows in zip(data._blocks.values(), results, strict=True):
                     block[...] = rows[k]
 
 
@@ -47,30 +47,30 @@ def _state(shapes: Any) -> Any:
             twists = constraint_twists(
                 core, q, v, [frame_pair._replace(local=True) for frame_pair in frame_pairs]
             )
-            poses, speeds, errors = [], [], []
+            poses, velocities, errors = [], [], []
             start = 0
             for k, frame_pair in enumerate(frame_pairs):
                 assert frame_pair.second is not None
                 first, second = frame_of(frame_pair.first), frame_of(frame_pair.second)
                 T1, T2 = (algorithms.frame_pose(core, q, frame) for frame in (first, second))
                 poses.append((T1, T2, T1.inverse() @ T2))
-                speeds.append(
+                velocities.append(
                     [
                         algorithms.frame_velocity(core, q, v, frame, "local").vector()
                         for frame in (first, second)
                     ]
                 )
                 rows = slice(start, start + frame_pair.size)
-                rest = np.zeros(6 - frame_pair.size)
-                e, c = (np.concatenate([x[rows], rest]) for x in (twists.error, twists.velocity))
-                pull = -(gains[k, 0] * e + gains[k, 1] * c)
+                padding = np.zeros(6 - frame_pair.size)
+                e, c = (np.concatenate([x[rows], padding]) for x in (twists.error, twists.velocity))
+                correction = -(gains[k, 0] * e + gains[k, 1] * c)
                 if not frame_pair.local:
-                    pull = np.concatenate([T1.rotation @ pull[:3], T1.rotation @ pull[3:]])
-                errors.append((e, c, pull))
+                    correction = np.concatenate([T1.rotation @ correction[:3], T1.rotation @ correction[3:]])
+                errors.append((e, c, correction))
                 start += frame_pair.size
             return (
                 *(stacked([p[i] for p in poses]) for i in range(3)),
-                *(np.stack([s[i] for s in speeds]) for i in range(2)),
+                *(np.stack([s[i] for s in velocities]) for i in range(2)),
                 *(np.stack([e[i] for e in errors]) for i in range(3)),
             )
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from pinocchio._algorithms.jacobians import computeJointJacobians
 from pinocchio._constraints.constraint_model import AnyConstraint
-from pinocchio._constraints.constraint_set import ConstraintSet, constraint_set_of, known_constraint_set
+from pinocchio._constraints.constraint_set import ConstraintSet, cached_constraint_set, constraint_set_of
 from pinocchio._constraints.delassus import damped_inverse, with_inertia
 from pinocchio._constraints.kernels import core_constraints, jacobian_kernel, sizes_of
 from pinocchio._constraints.proximal_settings import damping_of
@@ -42,7 +42,7 @@ def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, con
     Returns:
         Jacobian (m, nv).
     """
-    constraint_set = known_constraint_set(model, data, constraint_models, constraint_datas)
+    constraint_set = cached_constraint_set(model, data, constraint_models, constraint_datas)
     if constraint_set is not None and "jacobian here" in constraint_set.runs:
         J = constraint_set.runs["jacobian here"]()
         if J is not NotImplemented:

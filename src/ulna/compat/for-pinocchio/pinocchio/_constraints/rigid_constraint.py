@@ -165,7 +165,7 @@ class RigidConstraintData:
 
 def _field(name: str) -> property:
     def get(self: RigidConstraintData) -> Any:
-        if self._deferred is not None and name in _LEFT:
+        if self._deferred is not None and name in _DEFERRED:
             self._deferred.fill()
         return self._views[name]
 
@@ -175,7 +175,7 @@ def _field(name: str) -> property:
     return property(get, put, doc=f"`{name}` as the last algorithm left it, live.")
 
 
-_LEFT = frozenset((*_PLACES, *_MOTIONS))
+_DEFERRED = frozenset((*_PLACES, *_MOTIONS))
 for _name in (*_PLACES, *_MOTIONS, "contact_force", "contact_acceleration_desired"):
     setattr(RigidConstraintData, _name, _field(_name))
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from ulna.errors import nearest
 
-_INSTEAD = {
+_ALTERNATIVES = {
     "B Ivx vxI dAdq dAdv": "data.C after computeCoriolisMatrix, and the matrices of computeRNEADerivatives",
     "Fcrb": "data.M after crba, and data.Ag after ccrba",
     "Yaba oYaba oYaba_augmented a_in q_in tau_in v_in of_augmented": "data.ddq after aba, and data.Minv after "
@@ -18,7 +18,7 @@ _INSTEAD = {
     "mimic_parents_fromRow mimic_subtree_joint non_mimic_parents_fromRow idx_vExtended_to_idx_v_fromRow": "the joints' "
     "ids in model.mimicking_joints and model.mimicked_joints",
 }
-_READ = {name: instead for names, instead in _INSTEAD.items() for name in names.split()}
+_READ = {name: instead for names, instead in _ALTERNATIVES.items() for name in names.split()}
 
 
 def missing_field_message(name: str, fields: Iterable[str]) -> str:

@@ -42,7 +42,7 @@ class TreeFields(FieldStates):
 
     @property
     def parents_fromRow(self) -> StdVec[int]:
-        """For each entry of v the one before it on the way to the world; -1 for the first."""
+        """For each entry of v the one before it towards the world; -1 for the first."""
         model, out = self._model, []
         for row, (start, _, joint) in enumerate(_rows(model)):
             out.append(row - 1 if row > start else _last_row(model, model.parents[joint]))

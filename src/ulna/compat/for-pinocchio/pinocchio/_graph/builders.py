@@ -38,7 +38,7 @@ class EdgeBuilder:
         """What it builds."""
 
     withName = _sets("name", "Sets the name of the joint.")
-    withSourceVertex = _sets("source_vertex", "Sets the body that the joint stands on.")
+    withSourceVertex = _sets("source_vertex", "Sets the body that carries the joint.")
     withTargetVertex = _sets("target_vertex", "Sets the body that the joint moves.")
     withSourcePose = _sets("source_to_joint", "Sets the pose of the joint in its source body.")
     withTargetPose = _sets("joint_to_target", "Sets the pose of the target body behind the joint.")

@@ -41,8 +41,8 @@ class ModelGraphBuildInfo:
 
 
 @dataclass(frozen=True)
-class _Way:
-    """A joint on the way from the root, in the direction in which it is passed."""
+class _DirectedEdge:
+    """A joint of the graph, in the direction in which it is traversed from the root."""
 
     edge: EdgeParameters
     is_reversed: bool
@@ -106,7 +106,7 @@ class _Builder:
         self.model.addFrame(Frame(name, joint, before if is_body else 0, place, vertex.f_type, inertia))
         self.model.nbodies += is_body and frame_inertia and joint > 0
 
-    def pass_joint(self, way: _Way, carrier: int, pose: SE3, frame: int) -> tuple[int, SE3, int]:
+    def pass_joint(self, way: _DirectedEdge, carrier: int, pose: SE3, frame: int) -> tuple[int, SE3, int]:
         """Adds a joint and the body behind it; takes and returns the joint that carries, the pose in it, its frame."""
         place, joint = pose * way.before, way.joint
         vertex = self.graph.frames[way.body]
@@ -127,7 +127,7 @@ class _Builder:
         self.info.is_reversed[way.edge.name] = way.is_reversed
         return index, way.behind, frame
 
-    def _add_moving(self, way: _Way, joint: GraphJoint, carrier: int, place: SE3) -> int:
+    def _add_moving(self, way: _DirectedEdge, joint: GraphJoint, carrier: int, place: SE3) -> int:
         """Adds a joint with its limits."""
         kind = joint.model()
         if isinstance(joint, JointMimic):
@@ -175,7 +175,7 @@ def buildModelWithBuildInfo(
         raise UnknownName("body of the graph", root_body, list(g.frames))
     builder = _Builder(g)
     joints_of_bodies = {root_body: builder.add_root(root_body, root_position, root_joint, root_joint_name)}
-    for before, way in _ways(g, root_body):
+    for before, way in _directed_edges(g, root_body):
         joints_of_bodies[way.body] = builder.pass_joint(way, *joints_of_bodies[before])
     return builder.model, builder.info
 
@@ -202,7 +202,7 @@ def buildModel(
     return buildModelWithBuildInfo(g, root_body, root_position, root_joint, root_joint_name)[0]
 
 
-def _ways(g: ModelGraph, root: str) -> Iterator[tuple[str, _Way]]:
+def _directed_edges(g: ModelGraph, root: str) -> Iterator[tuple[str, _DirectedEdge]]:
     """The joints from the root outward, depth first in the order of their addition, each with the body it begins at."""
     known, passed = {root}, set()
     around: Mapping[str, list[EdgeParameters]] = {name: [] for name in g.frames}
@@ -217,7 +217,7 @@ def _ways(g: ModelGraph, root: str) -> Iterator[tuple[str, _Way]]:
             open_.pop()
             continue
         passed.add(edge.name)
-        way = _Way(edge, edge.source_vertex != body)
+        way = _DirectedEdge(edge, edge.source_vertex != body)
         if way.body in known:
             raise ModelError(
                 f"Joint {edge.name!r} closes a loop of the graph at {way.body!r}. Leave it out, and close the loop "

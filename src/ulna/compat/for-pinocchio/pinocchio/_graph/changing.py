@@ -37,7 +37,7 @@ def merge(
     Args:
         g1: The first graph.
         g2: The second one; no name is in both (`prefixNames`).
-        g1_body: The body of the first graph that the joint stands on.
+        g1_body: The body of the first graph that carries the joint.
         g2_body: The body of the second graph that it moves.
         pose_g2_body_in_g1: Pose of the second body behind the joint.
         merging_joint: The joint; fixed by default.

@@ -122,7 +122,7 @@ class EdgeParameters:
 
     Args:
         name: Its name.
-        source_vertex: The body that it stands on.
+        source_vertex: The body that carries it.
         source_to_joint: Pose of the joint in that body; the identity by default.
         target_vertex: The body that it moves.
         joint_to_target: Pose of that body behind the joint; the identity by default.

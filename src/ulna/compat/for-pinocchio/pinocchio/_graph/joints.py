@@ -271,7 +271,7 @@ class JointPlanar(GraphJoint):
         return np.array([-c * x - s * y, s * x - c * y, c, -s])
 
 
-class _OneWay(GraphJoint):
+class _NotInvertible(GraphJoint):
     """A joint whose inverse is no joint that models have."""
 
     def reversed(self) -> GraphJoint:
@@ -280,7 +280,7 @@ class _OneWay(GraphJoint):
         )
 
 
-class JointEllipsoid(_OneWay):
+class JointEllipsoid(_NotInvertible):
     """Rolls and spins on an ellipsoid: `(radius_x, radius_y, radius_z)` [m]."""
 
     def __init__(self, radius_x: float = 0.01, radius_y: float = 0.01, radius_z: float = 0.01) -> None:
@@ -290,8 +290,8 @@ class JointEllipsoid(_OneWay):
         return kinds.JointModelEllipsoid(self.radius_x, self.radius_y, self.radius_z)
 
 
-class JointMimic(_OneWay):
-    """Follows another joint of the graph: q = scaling * q_primary + offset."""
+class _WithoutCoordinates(GraphJoint):
+    """A joint without entries of q and v."""
 
     @property
     def nq(self) -> int:
@@ -302,6 +302,10 @@ class JointMimic(_OneWay):
     def nv(self) -> int:
         """It has no entries of v: 0."""
         return 0
+
+
+class JointMimic(_WithoutCoordinates, _NotInvertible):
+    """Follows another joint of the graph: q = scaling * q_primary + offset."""
 
     def __init__(
         self, secondary_joint_model: GraphJoint, primary_name: str, scaling: float, offset: float
@@ -316,18 +320,8 @@ class JointMimic(_OneWay):
         return self.secondary_joint.model()
 
 
-class JointFixed(GraphJoint):
+class JointFixed(_WithoutCoordinates):
     """Does not move: `(joint_offset)`, a pose, the identity by default."""
-
-    @property
-    def nq(self) -> int:
-        """It has no entries of q: 0."""
-        return 0
-
-    @property
-    def nv(self) -> int:
-        """It has no entries of v: 0."""
-        return 0
 
     def __init__(self, pose: SE3 | None = None) -> None:
         self.joint_offset = SE3() if pose is None else SE3(pose)

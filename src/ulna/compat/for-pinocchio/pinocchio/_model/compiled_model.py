@@ -11,8 +11,9 @@ import numpy as np
 
 from pinocchio._model.bound_kernels import ParameterKernel
 from pinocchio._model.core_model import core_model
-from pinocchio._model.kernel_parameters import pose_of, with_parameters
+from pinocchio._model.kernel_parameters import with_parameters
 from pinocchio._model.live_parameters import LiveParameters
+from pinocchio._spatial.small_kernels import pose
 from ulna import kernels, spatial
 from ulna.algorithms.constraints.kkt_factors import joined
 from ulna.compiler import compile as compile_function
@@ -25,7 +26,7 @@ from ulna.typing import Array, Floats
 
 COMPILING = forks.lock(forks.RECIPES)
 """Held while a kernel is compiled, so that other threads that need it wait instead of compiling it, too."""
-_MOST_FRAME_CHANGES = 3
+_MAX_FRAME_CHANGES = 3
 """How many times frames move before kernels take their placements as inputs."""
 
 
@@ -212,9 +213,9 @@ class _FrameKernels:
             self._state, self._changes = state, self._changes + 1 if moved else 0
         elif self.frames:
             return
-        if self.as_inputs and self._changes > _MOST_FRAME_CHANGES:
+        if self.as_inputs and self._changes > _MAX_FRAME_CHANGES:
             return
-        self.as_inputs = self._changes >= _MOST_FRAME_CHANGES
+        self.as_inputs = self._changes >= _MAX_FRAME_CHANGES
         self.cache = {}
         self.frames = fixed_frames(source)
 
@@ -238,7 +239,7 @@ def placed(frames: Sequence[Frame], placements: Array) -> tuple[Frame, ...]:
     Returns:
         The frames with these poses.
     """
-    return tuple(replace(frame, placement=pose_of(T)) for frame, T in zip(frames, placements, strict=True))
+    return tuple(replace(frame, placement=pose(T)) for frame, T in zip(frames, placements, strict=True))
 
 
 def _cached(cache: dict[Any, Any], key: Any, make: Callable[[], Any]) -> Any:

@@ -13,7 +13,7 @@ from typing import final
 
 ENVIRONMENT_VARIABLE = "ULNA_COMPILE"
 MODES = ("frequent", "first", "never")
-_MOST_DOUBLINGS = 9
+_MAX_DOUBLINGS = 9
 
 
 @final
@@ -43,9 +43,9 @@ class FirstCalls:
         count = self._counts[function] = self._counts.get(function, 0) + 1
         if self._doublings is not None:
             return count <= usual << self._doublings
-        if count <= usual << min(FirstCalls._compiled_models, _MOST_DOUBLINGS):
+        if count <= usual << min(FirstCalls._compiled_models, _MAX_DOUBLINGS):
             return True
-        self._doublings = min(FirstCalls._compiled_models, _MOST_DOUBLINGS)
+        self._doublings = min(FirstCalls._compiled_models, _MAX_DOUBLINGS)
         FirstCalls._compiled_models += 1
         return False
 

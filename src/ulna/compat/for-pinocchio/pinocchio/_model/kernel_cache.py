@@ -15,10 +15,10 @@ from pinocchio._model.kernel_parameters import PARAMETERS
 from pinocchio._model.live_parameters import LiveParameters
 from ulna.typing import Array, Floats
 
-_MOST_VARIANTS = 3
+_MAX_VARIANTS = 3
 """How many states of a model have kernels compiled for them; what differs among more becomes an input of kernels."""
 
-_MOST_STRUCTURES = 32
+_MAX_STRUCTURES = 32
 """How many kinds of trees have their kernels kept for other models."""
 _STRUCTURES: dict[Any, CompiledModel] = {}
 
@@ -90,7 +90,7 @@ class KernelCache(LiveParameters):
         general, names = self._with_inputs, ()
         if general is None:
             self._variants = {key: variant for key, variant in self._variants.items() if variant.cache}
-            if len(self._variants) < _MOST_VARIANTS:
+            if len(self._variants) < _MAX_VARIANTS:
                 variant = self._variants[state] = CompiledModel(self, (), self._newest)
                 return variant
             states = [*self._variants, state]
@@ -109,7 +109,7 @@ class KernelCache(LiveParameters):
             key = tuple((j.kind, j.idx_q, j.idx_v, j.mimic) for j in self.joints[1:])
             self._structure = _STRUCTURES.pop(key, None) or CompiledModel(self)
             _STRUCTURES[key] = self._structure  # the newest last
-            while len(_STRUCTURES) > _MOST_STRUCTURES:
+            while len(_STRUCTURES) > _MAX_STRUCTURES:
                 _STRUCTURES.pop(next(iter(_STRUCTURES)), None)
         return self._structure
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pinocchio._spatial.small_kernels import pose
 from ulna import spatial
 from ulna.model import Model as CoreModel
 from ulna.model.inertial import with_drive_values
@@ -29,7 +30,7 @@ def with_parameters(model: CoreModel, values: Mapping[str, Array]) -> CoreModel:
         The changed model.
     """
     if "placements" in values:
-        poses = [pose_of(T) for T in values["placements"][1:]]
+        poses = [pose(T) for T in values["placements"][1:]]
         joints = (replace(j, placement=T) for j, T in zip(model.joints, poses, strict=True))
         model = replace(model, joints=tuple(joints))
     if "inertias" in values:
@@ -40,11 +41,6 @@ def with_parameters(model: CoreModel, values: Mapping[str, Array]) -> CoreModel:
     if "armature" in values:
         model = with_drive_values(model, "armature", values["armature"])
     return model
-
-
-def pose_of(T: Array) -> spatial.SE3:
-    """A homogeneous matrix as a pose."""
-    return spatial.SE3(T[:3, :3], T[:3, 3])
 
 
 def _inertia_of(p: Array) -> spatial.Inertia:

@@ -11,7 +11,7 @@ from pinocchio._containers.arrays import exact, not_applicable, numbers, vector
 from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.joint_base import JointBase
-from pinocchio._model.quaternion_signs import quaternion_starts, with_signs_kept
+from pinocchio._model.quaternion_signs import quaternion_starts, with_continuous_signs
 from pinocchio._spatial.random_numbers import generator
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
@@ -251,7 +251,7 @@ class LieGroup:
                 quaternion_starts([(0, self._nonempty_kind)]),
             )
             if name == "integrate" and starts:
-                function = with_signs_kept(function, starts)
+                function = with_continuous_signs(function, starts)
             _kernels[key] = BoundKernel(compile_function(function, **shapes)).call
         setattr(self, f"_{name}", _kernels[key])
         return _kernels[key](*arrays)

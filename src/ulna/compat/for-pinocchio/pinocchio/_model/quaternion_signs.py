@@ -32,7 +32,7 @@ def quaternion_starts(kinds: Iterable[tuple[int, JointKind]]) -> tuple[int, ...]
     return tuple(starts)
 
 
-def with_signs_kept(
+def with_continuous_signs(
     integrate: Callable[[Array, Array], Array], starts: tuple[int, ...]
 ) -> Callable[[Array, Array], Array]:
     """An integration that turns the sign of quaternions which would point away from those it starts from.

@@ -1,4 +1,4 @@
-"""Which joints and velocities each joint of a tree stands on."""
+"""The supports of each joint of a tree: its ancestors, and their entries of v."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ class Table(NamedTuple):
     """Steps, parents first; a step is a joint, or one part of a joint that is made of parts.
 
     Attributes:
-        parents: The step it stands on, -1 for the world, (steps,).
+        parents: The parent of each step, -1 for the world, (steps,).
         kinds: What it is, (steps,).
         starts: Where its configuration begins in q, (steps,).
         columns: Where its columns of S begin, (steps + 1,).

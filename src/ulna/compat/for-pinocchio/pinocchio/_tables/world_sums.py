@@ -1,9 +1,9 @@
-"""Inertias and momenta of all that each joint moves, in the world: centre of mass, centroidal map, energies.
+"""Inertias and momenta of subtrees, in the world: centre of mass, centroidal map, energies.
 
 | symbol | meaning | shape | unit |
 |---|---|---|---|
 | Y_i, dY_i | spatial inertia of step i in the world, about the origin, and its rate | (6, 6) | |
-| Yc, dYc | the same of all that step i moves | (6, 6) | |
+| Yc, dYc | the same of the subtree of step i | (6, 6) | |
 | J, dJ | columns of motion subspaces in the world, and their rates | (columns, 6) | |
 | G, dG | momentum about the origin that a unit of a column's velocity makes, Yc J, and its rate | (columns, 6) | |
 
@@ -42,7 +42,7 @@ class WorldSums:
         self._a: Any = a
         self._J, self._dJ = out.J.copy(), out.dJ.copy()
         table = evaluator.steps.table
-        self._carriers = np.repeat(np.arange(len(table.parents)), np.diff(table.columns))
+        self._step_of_column = np.repeat(np.arange(len(table.parents)), np.diff(table.columns))
         self._entries = table.entries
         self._twists = in_world(out.T, out.V)
         self._Y = inertias_in_world(out.T, evaluator.inertias)
@@ -58,19 +58,19 @@ class WorldSums:
         return self._evaluator.subtree_sums(-np.swapaxes(twists, 1, 2) @ self._Y - self._Y @ twists)
 
     @cached_property
-    def _whole(self) -> Floats:
+    def _total(self) -> Floats:
         return self._Y.sum(axis=0) if len(self._Y) else np.zeros((6, 6))
 
     @cached_property
     def mass(self) -> float:
         """The mass of all [kg]."""
-        return float(self._whole[0, 0])
+        return float(self._total[0, 0])
 
     @cached_property
     def center(self) -> Floats:
         """The centre of mass (3,) [m]."""
         with np.errstate(all="ignore"):
-            return np.array([self._whole[5, 1], self._whole[3, 2], self._whole[4, 0]]) / self.mass
+            return np.array([self._total[5, 1], self._total[3, 2], self._total[4, 0]]) / self.mass
 
     def _by_entries(self, columns: Floats) -> Floats:
         return self._evaluator.by_entries(columns)
@@ -78,12 +78,14 @@ class WorldSums:
     @cached_property
     def map_about_origin(self) -> Floats:
         """G by entries of v, (6, nv)."""
-        return self._by_entries(_times(self._Yc[self._carriers], self._J))
+        return self._by_entries(_times(self._Yc[self._step_of_column], self._J))
 
     @cached_property
     def map_rate_about_origin(self) -> Floats:
         """dG by entries of v, (6, nv)."""
-        rates = _times(self._dYc[self._carriers], self._J) + _times(self._Yc[self._carriers], self._dJ)
+        rates = _times(self._dYc[self._step_of_column], self._J) + _times(
+            self._Yc[self._step_of_column], self._dJ
+        )
         return self._by_entries(rates)
 
     @cached_property
@@ -121,7 +123,7 @@ class WorldSums:
     def one_body(self) -> Floats:
         """Mass, a zero lever, and the moments about the centre of mass row by row, (13,)."""
         c = self.center
-        moments = self._whole[3:, 3:] - self.mass * (c @ c * np.eye(3) - np.outer(c, c))
+        moments = self._total[3:, 3:] - self.mass * (c @ c * np.eye(3) - np.outer(c, c))
         return np.concatenate([[self.mass, 0.0, 0.0, 0.0], moments.reshape(9)])
 
     def about_origin(self, about_center: Floats) -> Floats:
@@ -144,14 +146,14 @@ class WorldSums:
     @cached_property
     def kinetic_energy(self) -> Floats:
         """The kinetic energy, armature included () [J]."""
-        spinning = self._evaluator.armature @ (self._v * self._v)
-        return np.asarray(0.5 * (np.einsum("ni,nij,nj->", self._twists, self._Y, self._twists) + spinning))
+        of_rotors = self._evaluator.armature @ (self._v * self._v)
+        return np.asarray(0.5 * (np.einsum("ni,nij,nj->", self._twists, self._Y, self._twists) + of_rotors))
 
     @cached_property
     def potential_energy(self) -> Floats:
         """The potential energy () [J]."""
-        whole = self._whole
-        return np.asarray(-self._gravity @ np.array([whole[5, 1], whole[3, 2], whole[4, 0]]))
+        total = self._total
+        return np.asarray(-self._gravity @ np.array([total[5, 1], total[3, 2], total[4, 0]]))
 
 
 def in_world(T: Floats, twists: Floats) -> Floats:

@@ -74,8 +74,8 @@ def quarter_turns(angle: Any) -> int | None:
         count = sympy.simplify(2 * angle / sympy.pi)
         return int(count) % 4 if count.is_integer else None
     turns = angle / (math.pi / 2)
-    whole = round(turns)
-    return whole % 4 if abs(turns - whole) * math.pi / 2 < 1e-9 else None
+    quarters = round(turns)
+    return quarters % 4 if abs(turns - quarters) * math.pi / 2 < 1e-9 else None
 
 
 def shortened(values: Any) -> Any:

@@ -45,10 +45,7 @@ class MassParameters(RobotMixin):
         out = self.copy()
         out.name = f"NF/{self.name}"
         for link in out._links:
-            if coulomb:
-                link.Tc = [0.0, 0.0]
-            if viscous:
-                link.B = 0.0
+            link._remove_friction(coulomb, viscous)
         return out
 
     def perturb(self, p: float = 0.1) -> Self:

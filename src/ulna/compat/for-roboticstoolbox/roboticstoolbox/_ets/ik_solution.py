@@ -10,7 +10,7 @@ import numpy as np
 
 from ulna.typing import Floats
 
-_SHOWN = 6  # rows beyond which text leaves some out
+_MAX_PRINTED_ROWS = 6  # rows beyond which text leaves some out
 
 
 @dataclass
@@ -73,7 +73,7 @@ class IKSolution:
     __repr__ = __str__
 
     def _configuration_text(self) -> str:
-        if self.q is None or np.ndim(self.q) == 1 or len(self) <= _SHOWN:
+        if self.q is None or np.ndim(self.q) == 1 or len(self) <= _MAX_PRINTED_ROWS:
             return "None" if self.q is None else _text(np.asarray(self.q))
         rows = self._rows()
         lines = [*(_text(row) for row in rows[:3]), "...", *(_text(row) for row in rows[-2:])]

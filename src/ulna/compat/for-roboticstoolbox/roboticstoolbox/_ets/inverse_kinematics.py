@@ -32,7 +32,7 @@ Damping = Literal["chan", "wampler", "sugihara"]
 _DAMPINGS: tuple[Damping, ...] = ("chan", "wampler", "sugihara")
 _STEPS = 30  # of a search, by default
 _SQUARE = 6  # joints of a chain whose Jacobian is square
-_FINE = 1e-6  # [m], [rad]
+_REFINED_TOLERANCE = 1e-6  # [m], [rad]
 _KINDS = {"NR": "newton_raphson", "GN": "gauss_newton", "QP": "qp"}
 
 
@@ -166,7 +166,7 @@ def _search(chain: Chain, T: Floats, start: Any, slimit: int, settings: Settings
     first = 0 if settings.seed is None else settings.seed
     tol = settings.tol
     if settings.is_default:
-        fine = _FINE if tol >= _FINE * _FINE else math.sqrt(tol)
+        fine = _REFINED_TOLERANCE if tol >= _REFINED_TOLERANCE * _REFINED_TOLERANCE else math.sqrt(tol)
         result = chain.arm.ik(
             T,
             start,

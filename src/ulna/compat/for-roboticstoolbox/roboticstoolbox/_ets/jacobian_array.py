@@ -15,8 +15,8 @@ import numpy as np
 from ulna.compiler import compile
 from ulna.linalg import pseudoinverse
 
-_SURE = 1e8  # the greatest condition number at which the kernel is as accurate as NumPy
-_WIDEST = 12  # compiling larger matrices takes too long
+_MAX_CONDITION = 1e8  # the greatest condition number at which the kernel is as accurate as NumPy
+_MAX_COLUMNS = 12  # compiling larger matrices takes too long
 
 
 class Jacobian(np.ndarray):
@@ -44,10 +44,12 @@ Jacobian.__name__ = "array"  # the name that NumPy prints
 
 def _inverse(func: Any, J: np.ndarray) -> Any:
     shape = J.shape
-    is_matrix = J.dtype == np.float64 and len(shape) == 2 and 0 < min(shape) <= 6 and max(shape) <= _WIDEST
+    is_matrix = (
+        J.dtype == np.float64 and len(shape) == 2 and 0 < min(shape) <= 6 and max(shape) <= _MAX_COLUMNS
+    )
     if is_matrix and (shape[0] == shape[1] or func is np.linalg.pinv):
         inverse, condition = _kernel(shape)(J)
-        if condition < _SURE:
+        if condition < _MAX_CONDITION:
             return inverse
     return func(J)
 

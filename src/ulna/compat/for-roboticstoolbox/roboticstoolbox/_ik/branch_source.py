@@ -26,7 +26,7 @@ from ulna.ik.analytic.geometry import EXACT
 
 _FIELD = re.compile("@([a-z]+)@")
 _WORD = re.compile(r"(?<![@\w])[A-Za-z_]\w*")
-_WORDS = """
+_RESERVED_WORDS = """
 auto bool case catch char class const constexpr delete double enum extern false float friend goto inline int long main
 namespace new null operator private protected public register short signed sizeof static struct switch template this
 throw true typedef typename union unsigned using virtual void volatile sin cos tan asin acos atan2 sqrt floor fmod fabs
@@ -145,7 +145,9 @@ def closed_form_source(robot: Any, language: str, name: str) -> str:
 def _check_name(name: str) -> None:
     """Refuses names that the source itself uses, in any of the languages, and words of the languages."""
     templates_of_all = (language.template for language in _LANGUAGES.values())
-    used = {word for template in templates_of_all for word in _WORD.findall(template)}.union(_WORDS.split())
+    used = {word for template in templates_of_all for word in _WORD.findall(template)}.union(
+        _RESERVED_WORDS.split()
+    )
     is_word = keyword.iskeyword(name) or hasattr(builtins, name)
     if not (name.isascii() and name.isidentifier()) or name in used or is_word:
         raise InputError(

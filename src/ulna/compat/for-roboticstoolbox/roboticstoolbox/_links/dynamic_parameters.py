@@ -133,11 +133,14 @@ class DynamicParameters:
             The copy.
         """
         out = self.copy()
-        if coulomb:
-            out.Tc = [0.0, 0.0]
-        if viscous:
-            out.B = 0.0
+        out._remove_friction(coulomb, viscous)
         return out
+
+    def _remove_friction(self, coulomb: bool, viscous: bool) -> None:
+        if coulomb:
+            self.Tc = [0.0, 0.0]
+        if viscous:
+            self.B = 0.0
 
     def _inertia(self) -> Inertia | None:
         """The body in Ulna's terms."""

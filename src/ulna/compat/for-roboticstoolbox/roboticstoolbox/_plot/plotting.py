@@ -22,7 +22,16 @@ _FLAT_ONLY = (
     "matplotlib's figures have it, the viewer does not. Take backend='pyplot'; for films of the viewer see "
     "ulna.Viewer.film, for its camera ulna.Viewer.camera."
 )
-_LOOKS = ("color", "options", "display", "jointaxes", "jointlabels", "eeframe", "shadow", "name")
+_APPEARANCE_ARGUMENTS = (
+    "color",
+    "options",
+    "display",
+    "jointaxes",
+    "jointlabels",
+    "eeframe",
+    "shadow",
+    "name",
+)
 
 
 class Plotting(RobotMixin):
@@ -117,7 +126,11 @@ class Plotting(RobotMixin):
             if value is not None and value is not False
         ]
         chosen = self._backend_of(env) or self._backend_for(backend, here=bool(used))
-        looks = {} if chosen == "swift" else {key: options.pop(key) for key in _LOOKS if key in options}
+        looks = (
+            {}
+            if chosen == "swift"
+            else {key: options.pop(key) for key in _APPEARANCE_ARGUMENTS if key in options}
+        )
         if options or notebook:
             names = ", ".join([*options, *(["notebook"] if notebook else [])])
             text = f"plot draws Ulna's picture of the robot, without the options {names} of the toolbox's."

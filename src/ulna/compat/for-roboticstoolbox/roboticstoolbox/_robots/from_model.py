@@ -14,6 +14,7 @@ from roboticstoolbox._ets.ets import ETS
 from roboticstoolbox._links.link import Link
 from ulna.errors import FormatError, ModelError
 from ulna.loading import load_model
+from ulna.model import Link as CoreLink
 from ulna.model import Model, Prismatic, Revolute
 
 _LETTERS = "xyz"
@@ -68,31 +69,9 @@ def from_model(
     links: list[Link] = []
     by_name: dict[str, Link] = {}
     for part in model.links:
-        if part.name in leave_out:
-            continue
-        joint = model.joint(part.parent_joint) if part.parent_joint in model.joint_names else None
-        transforms = [] if np.array_equal(part.origin.matrix(), np.eye(4)) else [ET.SE3(part.origin.matrix())]
-        extra: dict[str, Any] = {}
-        if joint is not None:
-            transforms += _joint_transforms(joint.kind, part.name)
-            limits = joint.limits
-            if np.isfinite([*limits.lower, *limits.upper]).all():
-                transforms[-1].qlim = [limits.lower[0], limits.upper[0]]
-            extra["qdlim"] = limits.velocity[0] if np.isfinite(limits.velocity[0]) else None
-            extra |= {"B": joint.damping[0], "Tc": joint.friction[0]}
-            extra["tlim"] = limits.effort[0] if np.isfinite(limits.effort[0]) else None
-        if part.inertia.mass:
-            extra |= {"m": part.inertia.mass, "r": part.inertia.com, "I": part.inertia.inertia}
-        link = Link(
-            ETS(transforms) if transforms else None,
-            name=part.name,
-            parent=by_name.get(part.parent or ""),
-            geometry=part.visuals,
-            collision=part.collisions,
-            **extra,
-        )
-        by_name[part.name] = link
-        links.append(link)
+        if part.name not in leave_out:
+            by_name[part.name] = link = _link(model, part, by_name.get(part.parent or ""))
+            links.append(link)
     gripper_roots = [by_name[gripper_link]] if gripper_link else []
     for name, before in (carriers or {}).items():
         carrier = Link(name=name, parent=by_name[before])
@@ -106,6 +85,31 @@ def from_model(
     if tool is not None and robot.grippers:
         robot.grippers[0].tool = tool
     return robot
+
+
+def _link(model: Model, part: CoreLink, parent: Link | None) -> Link:
+    """A link of a model, with the joint that moves it."""
+    joint = model.joint(part.parent_joint) if part.parent_joint in model.joint_names else None
+    transforms = [] if np.array_equal(part.origin.matrix(), np.eye(4)) else [ET.SE3(part.origin.matrix())]
+    extra: dict[str, Any] = {}
+    if joint is not None:
+        transforms += _joint_transforms(joint.kind, part.name)
+        limits = joint.limits
+        if np.isfinite([*limits.lower, *limits.upper]).all():
+            transforms[-1].qlim = [limits.lower[0], limits.upper[0]]
+        extra["qdlim"] = limits.velocity[0] if np.isfinite(limits.velocity[0]) else None
+        extra |= {"B": joint.damping[0], "Tc": joint.friction[0]}
+        extra["tlim"] = limits.effort[0] if np.isfinite(limits.effort[0]) else None
+    if part.inertia.mass:
+        extra |= {"m": part.inertia.mass, "r": part.inertia.com, "I": part.inertia.inertia}
+    return Link(
+        ETS(transforms) if transforms else None,
+        name=part.name,
+        parent=parent,
+        geometry=part.visuals,
+        collision=part.collisions,
+        **extra,
+    )
 
 
 def _joint_transforms(kind: Any, name: str) -> list[Any]:

@@ -19,7 +19,7 @@ from roboticstoolbox._robots.robot import Robot
 from ulna.errors import InputError
 from ulna.typing import Floats
 
-_NOTHING = 1e-8  # [m or rad] below which a step between two frames is left out
+_ZERO_STEP = 1e-8  # [m or rad] below which a step between two frames is left out
 
 
 class PoELink(Link):
@@ -139,8 +139,8 @@ def _frame(v: Floats, w: Floats, joint: str) -> Floats:
     if joint == "Rz":
         T[:3, 3] = np.cross(w, v)
     distance = float(np.linalg.norm(T[:3, 3]))
-    y = np.cross(z, T[:3, 3] / distance if distance > _NOTHING else [1.0, 0.0, 0.0])
-    if np.linalg.norm(y) < _NOTHING:
+    y = np.cross(z, T[:3, 3] / distance if distance > _ZERO_STEP else [1.0, 0.0, 0.0])
+    if np.linalg.norm(y) < _ZERO_STEP:
         y = np.cross(z, [0.0, 1.0, 0.0])
     y /= np.linalg.norm(y)
     T[:3, 0], T[:3, 1], T[:3, 2] = np.cross(y, z), y, z
@@ -153,7 +153,7 @@ def _transforms(T: Floats, joint: str) -> ETS:
 
     roll, pitch, yaw = tr2rpy(T)
     steps = dict(zip(("tx", "ty", "tz"), T[:3, 3], strict=True)) | {"Rz": yaw, "Ry": pitch, "Rx": roll}
-    parts = [ET(kind, float(size)) for kind, size in steps.items() if abs(size) > _NOTHING]
+    parts = [ET(kind, float(size)) for kind, size in steps.items() if abs(size) > _ZERO_STEP]
     out = ETS([*parts, ET(joint)] if joint else parts)
     out._auto_jindex = True
     return out

@@ -1,0 +1,202 @@
+"""What the iterative solvers of constraints share: tolerances, results, and the state of a solver."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arrays import vector
+from ulna.errors import InputError
+from ulna.typing import Floats
+
+
+class ToleranceSettings:
+    """Tolerances of a solver, and what it records.
+
+    Attributes:
+        absolute_feasibility_tol: Greatest residual of impulses and velocities.
+        relative_feasibility_tol: The same, as a part of the largest velocity without impulses.
+        absolute_complementarity_tol: Greatest power of impulses and velocities.
+        relative_complementarity_tol: The same, as a part of the largest velocity without impulses, squared, by the
+            mean diagonal entry of the Delassus matrix.
+        max_iterations: How many iterations at most.
+        solve_ncp: Whether contacts slide as Coulomb says; else a convex problem is solved.
+        measure_timings: Whether `getElapsedTime` is measured.
+        stat_record: Whether iterations are recorded in `solver.stats`, which takes longer.
+    """
+
+    __slots__ = (
+        "absolute_complementarity_tol",
+        "absolute_feasibility_tol",
+        "max_iterations",
+        "measure_timings",
+        "relative_complementarity_tol",
+        "relative_feasibility_tol",
+        "solve_ncp",
+        "stat_record",
+    )
+
+    def __init__(self) -> None:
+        self.absolute_feasibility_tol = self.absolute_complementarity_tol = 1e-6
+        self.relative_feasibility_tol = self.relative_complementarity_tol = 1e-6
+        self.max_iterations, self.solve_ncp = 1000, True
+        self.measure_timings = self.stat_record = False
+
+    def checkValidity(self) -> None:
+        """Checks the settings.
+
+        Raises:
+            InputError: A number makes no sense.
+        """
+        tolerances = (
+            self.absolute_feasibility_tol,
+            self.relative_feasibility_tol,
+            self.absolute_complementarity_tol,
+            self.relative_complementarity_tol,
+        )
+        if not (min(tolerances) >= 0.0 and max(tolerances) > 0.0):
+            raise InputError(
+                f"The tolerances are {tolerances}; expected numbers not below zero, and one above."
+            )
+        self._check_whole_number("max_iterations")
+
+    def _check_whole_number(self, name: str) -> None:
+        value = getattr(self, name)
+        if int(value) != value or value < 1:
+            raise InputError(f"`{name}` is {value!r}; expected a whole number from 1.")
+
+    def thresholds(self, G: Floats, g: Floats) -> tuple[float, float]:
+        """The residual and the power below which a solution is accepted.
+
+        Args:
+            G: Delassus matrix (m, m).
+            g: Velocities of the constraints without impulses (m,) [m/s].
+
+        Returns:
+            Threshold of the residuals, and of the power of impulses and velocities.
+        """
+        largest, trace = float(np.abs(g).max(initial=0.0)), float(np.trace(G))
+        power = len(G) * largest * largest / trace if trace else 0.0
+        return (
+            self.absolute_feasibility_tol + self.relative_feasibility_tol * largest,
+            self.absolute_complementarity_tol + self.relative_complementarity_tol * power,
+        )
+
+
+class ConstraintSolverResult:
+    """Impulses and velocities of a solution, and the impulses that the next search starts from.
+
+    Attributes:
+        converged: Whether the solution is within the tolerances.
+        iterations: How many iterations it took.
+        primal_feasibility: How far impulses are from their sets.
+        dual_feasibility: How far velocities are from where they should be [m/s].
+        complementarity: How much power impulses and velocities have.
+    """
+
+    __slots__ = (
+        "_impulse_guess",
+        "_impulses",
+        "_velocities",
+        "complementarity",
+        "converged",
+        "dual_feasibility",
+        "iterations",
+        "primal_feasibility",
+    )
+
+    def __init__(self) -> None:
+        self._impulse_guess: Floats | None = None
+        self.reset()
+
+    def reset(self) -> None:
+        """Forgets the solution."""
+        self._impulses: Floats | None = None
+        self._velocities: Floats | None = None
+        self.converged, self.iterations = False, 0
+        self.primal_feasibility = self.dual_feasibility = self.complementarity = -1.0
+
+    def isValid(self) -> bool:
+        """Whether it holds a solution."""
+        return self._impulses is not None
+
+    @property
+    def problem_size(self) -> int:
+        """How many rows there are."""
+        return 0 if self._impulses is None else len(self._impulses)
+
+    def constraintSize(self) -> int:
+        """How many rows there are."""
+        return self.problem_size
+
+    def _solution(self, values: Floats | None) -> Floats:
+        if values is None:
+            solver = type(self).__name__.replace("SolverResult", "ConstraintSolver")
+            raise InputError(f"The result is empty; give it to {solver}().solve(...) first.")
+        return values
+
+    def retrieveConstraintImpulses(self) -> Floats:
+        """The impulses [N s], a copy."""
+        return self._solution(self._impulses).copy()
+
+    def retrieveConstraintVelocities(self) -> Floats:
+        """The velocities of the constraints with them [m/s], a copy."""
+        return self._solution(self._velocities).copy()
+
+    def retrievePrimalSolution(self, primal_solution: Floats) -> None:
+        """Copies the impulses into an array."""
+        primal_solution[...] = self._solution(self._impulses)
+
+    def retrieveDualSolution(self, dual_solution: Floats) -> None:
+        """Copies the velocities into an array."""
+        dual_solution[...] = self._solution(self._velocities)
+
+    def setConstraintImpulseGuess(self, impulse_guess: Any) -> None:
+        """Impulses that the next search starts from."""
+        self._impulse_guess = vector(impulse_guess, np.size(impulse_guess), "impulse_guess").copy()
+
+    def clearConstraintImpulseGuess(self) -> None:
+        """Lets the next search start from no impulses."""
+        self._impulse_guess = None
+
+
+class IterativeSolver:
+    """The state of a solver after its last search."""
+
+    __slots__ = ("_elapsed", "_valid")
+
+    def reset(self) -> None:
+        """Forgets the last search."""
+        self._elapsed, self._valid = 0.0, False
+
+    def isValid(self) -> bool:
+        """Whether it has solved something."""
+        return self._valid
+
+    def getElapsedTime(self) -> float:
+        """How long the last search took [microseconds]; 0 where the settings do not say `measure_timings`."""
+        return self._elapsed
+
+    def _finished(self, seconds: float, settings: ToleranceSettings) -> None:
+        """Stores that a search has ended, and how long it took."""
+        self._elapsed, self._valid = 1e6 * seconds if settings.measure_timings else 0.0, True
+
+
+def check_settings_and_result(settings: Any, result: Any, expected: tuple[type, type]) -> None:
+    """Checks the classes of the settings and of the result, and the values of the settings.
+
+    Args:
+        settings: Settings of the solver.
+        result: Result to fill.
+        expected: The classes of both.
+
+    Raises:
+        ArgumentError: One is of another class.
+        InputError: A number of the settings makes no sense.
+    """
+    if not isinstance(settings, expected[0]) or not isinstance(result, expected[1]):
+        names = " and ".join(f"{cls.__name__}()" for cls in expected)
+        raise ArgumentError(f"The settings are {settings!r} and the result {result!r}; expected {names}.")
+    settings.checkValidity()
