@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from typing import Any, final
 
-from ulna.errors import JobStopped, UlnaError
+from ulna.errors import UlnaError
 from ulna.lazy import Portable
 from ulna.scale.job import State
 
@@ -273,18 +273,3 @@ class Tasks:
         """Submits parts in tasks of one, so that the one that fails is known."""
         for part in parts:
             self._submit((part,))
-
-
-def stopped(error: Interrupted, done: int, parts: int, store: str) -> JobStopped:
-    """The error for the user.
-
-    Args:
-        error: Why the cluster cannot go on.
-        done: How many parts are done.
-        parts: How many there are.
-        store: Where they are.
-
-    Returns:
-        The error.
-    """
-    return JobStopped(str(error), done, parts, store)
