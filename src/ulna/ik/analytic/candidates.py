@@ -49,7 +49,7 @@ class Source(ABC):
         free: The joint of a redundant arm that values are passed for, as an index into the arm's axes; None for none.
     """
 
-    tolerance = 1e-3
+    near = 1e-3  # errors below which Newton may still reach the goal [m, rad]
 
     def __init__(self, model: Model, frame: str, arm: Arm, free: int | None) -> None:
         self.arm, self.free = arm, free
