@@ -12,7 +12,7 @@ from typing import Any, final
 from ulna.compat.members import missing_keywords, offered_member, refused
 from ulna.compat.packages import FOLDERS, compatibility_imports, modules
 from ulna.compat.script_names import expressions
-from ulna.compat.script_objects import Known, Objects, ObjectsOf
+from ulna.compat.script_objects import KnownObject, Objects, ObjectsOf
 from ulna.errors import FormatError, InputError
 from ulna.files import read_regular
 
@@ -111,7 +111,7 @@ def _added(tree: ast.Module) -> frozenset[str]:
     return frozenset(names)
 
 
-def _of_attribute(node: ast.Attribute, base: tuple[Known, ...], added: frozenset[str]) -> list[Finding]:
+def _of_attribute(node: ast.Attribute, base: tuple[KnownObject, ...], added: frozenset[str]) -> list[Finding]:
     instances = [one.value for one in base if one.is_instance]
     if not instances or len(instances) < len(base) or node.attr in added:
         return []
