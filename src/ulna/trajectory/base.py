@@ -109,7 +109,7 @@ class Trajectory(ABC):
         """The pose at time `t` [s], T_world_frame, (..., 4, 4)."""
         if not isinstance(self.space, Poses):
             raise InputError(
-                "This trajectory moves joints and has no `T`; ask q(t), or robot.fk(trajectory.q(t))."
+                "This trajectory moves joints and has no `T`; use q(t), or robot.fk(trajectory.q(t))."
             )
         return self._derivative(t, 0)
 

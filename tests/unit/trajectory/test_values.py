@@ -151,9 +151,9 @@ def test_words() -> None:
     assert repr(trajectory.quintic(A, B, 2.0)) == "<quintic: 3 joints, 2 s, 1 segment>"
     line = trajectory.pose_line(SE3.identity(), SE3.trans(1, 0, 0), 1.5)
     assert repr(line) == "<pose line: a pose, 1.5 s, 1 segment>"
-    with pytest.raises(InputError, match=r"ask T\(t\)"):
+    with pytest.raises(InputError, match=r"use T\(t\)"):
         line.q(0.0)
-    with pytest.raises(InputError, match=r"ask q\(t\)"):
+    with pytest.raises(InputError, match=r"use q\(t\)"):
         trajectory.quintic(A, B, 2.0).T(0.0)
     with pytest.raises(InputError, match="no jerk"):
         line.jerk(0.0)
