@@ -53,10 +53,12 @@ def tab(chromium: Any, file: Path) -> Iterator[Tab]:
 def test_a_finger_drags_the_tool(robot: ulna.Robot, phone: Tab) -> None:
     x, y = phone.place_of()
     phone.touch("touchStart", (x, y))
+    goals = [None]
     for k in range(1, 7):
         phone.touch("touchMove", (x - 5 * k, y - 6 * k))
-    assert wait(lambda: phone.ask("session.goal"))
-    goal = np.array(phone.ask("session.goal")).reshape(4, 4)
+        assert wait(lambda: phone.ask("session.goal") not in (None, goals[-1]))  # the page has seen this move
+        goals.append(phone.ask("session.goal"))
+    goal = np.array(goals[-1]).reshape(4, 4)
     assert np.abs(goal - robot.fk(robot.configurations["qr"])).max() > 1e-3
     assert wait(lambda: np.abs(robot.fk(phone.ask("q")) - goal).max() < 1e-6)
     phone.touch("touchEnd")
