@@ -59,7 +59,6 @@ from pinocchio._package.coal_poses import watch_coal as _watch_coal
 from pinocchio._package.former_modules import register_former_modules as _register_former_modules
 from pinocchio._package.lazy_names import lazy_names as _lazy_names
 from pinocchio._package.lazy_names import load_lazy_name as _load_lazy_name
-from pinocchio._package.unsupported_names import called_from_import_statement as _imported
 from pinocchio._package.unsupported_names import unsupported_name_message as _message
 from pinocchio._parsers.urdf import buildModelFromUrdf as buildModelFromUrdf
 from pinocchio._parsers.urdf import buildModelFromXML as buildModelFromXML
@@ -79,6 +78,7 @@ from pinocchio._spatial.se3 import SE3ToXYZQUATtuple as SE3ToXYZQUATtuple
 from pinocchio._spatial.se3 import XYZQUATToSE3 as XYZQUATToSE3
 from pinocchio._spatial.symmetric3 import Symmetric3 as Symmetric3
 from pinocchio.explog import *
+from ulna.compat.missing_names import missing_name as _missing_name
 
 _register_former_modules()
 _watch_coal()
@@ -100,9 +100,7 @@ else:
         if name in _lazy_names():
             return globals().setdefault(name, _load_lazy_name(name))
         text = f"module 'pinocchio' (Ulna's) has no {name!r}. {_message(name, __dir__())}"
-        if not name.startswith("_") and _imported():
-            raise ImportError(text, name="pinocchio")
-        raise AttributeError(text, name=name, obj=None)
+        raise _missing_name("pinocchio", name, text)
 
     del annotations
 

@@ -9,6 +9,7 @@ from typing import Any
 from roboticstoolbox._common.class_registry import register_class
 from roboticstoolbox._common.former_modules import register_former_modules
 from roboticstoolbox._common.module_aliases import add_module_aliases
+from ulna.compat.missing_names import missing_name as _missing_name
 
 _MODULE_NAMES = {
     "roboticstoolbox._ets.elementary_transform": ("ET", "ET2"),
@@ -72,11 +73,12 @@ def __getattr__(name: str) -> Any:
     if name in _MODULES:
         return importlib.import_module(f"roboticstoolbox.{name}")
     if name in _MOBILE:
-        raise AttributeError(
+        text = (
             f"roboticstoolbox.{name} is not offered: Ulna is for robot arms; for mobile robots, maps, filters and "
             "block diagrams use the toolbox itself, without `ulna run`."
         )
-    raise AttributeError(f"module 'roboticstoolbox' has no attribute {name!r}")
+        raise _missing_name(__name__, name, text)
+    raise _missing_name(__name__, name, f"module 'roboticstoolbox' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

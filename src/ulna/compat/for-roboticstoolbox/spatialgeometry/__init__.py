@@ -9,6 +9,7 @@ from spatialgeometry._mesh import Mesh
 from spatialgeometry._node import SceneGroup, SceneNode
 from spatialgeometry._shape import Shape
 from spatialgeometry._solids import Box, Capsule, Cone, Cuboid, Cylinder, Ellipsoid, Sphere
+from ulna.compat.missing_names import missing_name as _missing_name
 
 __version__ = "1.4"
 """The version of spatialgeometry whose names these are."""
@@ -45,4 +46,4 @@ _ALTERNATIVES = {
 
 def __getattr__(name: str) -> object:
     hint = _ALTERNATIVES.get(name, f"There are: {', '.join(__all__)}.")
-    raise AttributeError(f"Ulna's package for spatialgeometry has no {name!r}. {hint}")
+    raise _missing_name(__name__, name, f"Ulna's package for spatialgeometry has no {name!r}. {hint}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from swift.Elements import Button, Checkbox, Label, Radio, Select, Slider, SwiftElement
 from swift.Handle import AssemblyHandle
 from swift.Swift import Swift
+from ulna.compat.missing_names import missing_name as _missing_name
 
 __version__ = "2.1"
 """The version of Swift whose names these are."""
@@ -40,4 +41,4 @@ _ALTERNATIVES = {
 
 def __getattr__(name: str) -> object:
     hint = _ALTERNATIVES.get(name, f"There are: {', '.join(__all__)}.")
-    raise AttributeError(f"Ulna's package for Swift has no {name!r}. {hint}")
+    raise _missing_name(__name__, name, f"Ulna's package for Swift has no {name!r}. {hint}")

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import dis
 import re
-import sys
 from collections.abc import Iterable
 
 from pinocchio._containers.former_names import replacement_message
@@ -40,10 +38,3 @@ def unsupported_name_message(name: str, offered: Iterable[str]) -> str:
     hint = f"Did you mean {near[0]!r}?" if near else ""
     both = f"{message} {hint}".strip()
     return both or "Real Pinocchio is `pip install pin`; run the script with plain python to use it."
-
-
-def called_from_import_statement() -> bool:
-    """Whether a module is read by `from module import name`, which hides the message of an AttributeError."""
-    frame = sys._getframe(2)
-    code = frame.f_code.co_code
-    return 0 <= frame.f_lasti < len(code) and dis.opname[code[frame.f_lasti]] == "IMPORT_FROM"
