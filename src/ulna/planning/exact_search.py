@@ -85,19 +85,14 @@ class ExactSearch:
 
     def _prepare(self, run: Run) -> Failure | None:
         """Keeps the goals that are free; why the search cannot begin, where it cannot."""
-        outside = self._box.violations(run.q0)
-        if outside:
-            return "start", f"`q0` is out of limits: {outside}."
-        if not len(run.goals):
-            return "unreachable", "no configuration within the limits was found for the pose."
-        inside = np.flatnonzero(self._box.contains(run.goals))
-        if not len(inside):
-            return "goal", f"the goal is out of limits: {self._box.violations(run.goals[0])}."
+        failure = run.check_limits(self._box)
+        if failure is not None:
+            return failure
         touching = self._touching(run.q0)
         if touching:
             return "start", f"at the start {touching}."
-        reasons = [self._touching(run.goals[k]) for k in inside]
-        free = [k for k, reason in zip(inside.tolist(), reasons, strict=True) if not reason]
+        reasons = [self._touching(run.goals[k]) for k in run.numbers]
+        free = [k for k, reason in zip(run.numbers, reasons, strict=True) if not reason]
         if not free:
             return "goal", f"at the {'' if len(reasons) == 1 else 'first '}goal {reasons[0]}."
         run.numbers, run.goals = free, run.goals[free]

@@ -41,17 +41,6 @@ class JointBox:
         values, (low, high) = q.tolist(), self._lists
         return all(map(le, low, values)) and all(map(le, values, high))
 
-    def contains(self, points: Floats) -> Array:
-        """Which configurations are within the limits.
-
-        Args:
-            points: Configurations, shape (..., nq) [rad, m].
-
-        Returns:
-            Truth values, shape (...).
-        """
-        return np.asarray(((points >= self.low) & (points <= self.high)).all(axis=-1))
-
     def violations(self, q: Floats) -> str:
         """Joints that are out of limits, by how much, as text; empty where none is.
 
@@ -61,7 +50,7 @@ class JointBox:
         Returns:
             The text.
         """
-        if self.contains(q):
+        if self.holds(q):
             return ""
         texts = []
         for joint in self._model.joints:

@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+from ulna.planning.joint_box import JointBox
 from ulna.planning.result import Outcome
 from ulna.planning.search_tree import SearchTree
 from ulna.planning.workspace import COARSE
@@ -66,6 +67,24 @@ class Run:
     def is_late(self) -> bool:
         """Whether the time is up."""
         return time.perf_counter() - self.start_time > self.options.timeout
+
+    def check_limits(self, box: JointBox) -> Failure | None:
+        """Notes in `numbers` which goals are within the limits of the joints.
+
+        Args:
+            box: The limits.
+
+        Returns:
+            Why the search cannot begin: the start or all goals are outside, or there is no goal; else None.
+        """
+        if not box.holds(self.q0):
+            return "start", f"`q0` is out of limits: {box.violations(self.q0)}."
+        if not len(self.goals):
+            return "unreachable", "no configuration within the limits was found for the pose."
+        self.numbers = [k for k, goal in enumerate(self.goals) if box.holds(goal)]
+        if not self.numbers:
+            return "goal", f"the goal is out of limits: {box.violations(self.goals[0])}."
+        return None
 
     def limit_reached(self) -> Failure:
         """That no path was found, and within which limit."""

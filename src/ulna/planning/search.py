@@ -89,24 +89,20 @@ class Search:
 
     def _prepare(self, run: Run) -> Failure | None:
         """Storage, and the goals that are free; why the search cannot begin, where it cannot."""
-        if not self._box.holds(run.q0):
-            return "start", f"`q0` is out of limits: {self._box.violations(run.q0)}."
-        if not len(run.goals):
-            return "unreachable", "no configuration within the limits was found for the pose."
-        inside = [k for k, goal in enumerate(run.goals) if self._box.holds(goal)]
-        if not inside:
-            return "goal", f"the goal is out of limits: {self._box.violations(run.goals[0])}."
-        if len(inside) < len(run.goals):
-            run.goals = run.goals[inside]
+        failure = run.check_limits(self._box)
+        if failure is not None:
+            return failure
+        if len(run.numbers) < len(run.goals):
+            run.goals = run.goals[run.numbers]
         run.workspace = self._workspace(run.options.coarse)
         free, run.direct = run.workspace.examine(run.q0, run.goals)
         if not (free[0] and any(free[1:])):
             return self._blocked(run, free)
-        run.numbers, run.roots = inside, len(free)
+        run.roots = len(free)
         if not all(free):
             run.direct = sum(free[1 : 1 + run.direct]) if run.direct >= 0 else -1
             run.goals = run.goals[free[1:]]
-            run.numbers = [number for number, is_free in zip(inside, free[1:], strict=True) if is_free]
+            run.numbers = [number for number, is_free in zip(run.numbers, free[1:], strict=True) if is_free]
         run.note("prepare")
         return None
 
