@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import doctest
 import importlib
 import inspect
 import re
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -38,9 +40,11 @@ SLOW = {"ulna.Robot.save_html", "ulna.identification.identify", "ulna.interop.to
 NAMES = [
     "ulna.Inertia.from_box",
     "ulna.Inertia.from_mesh",
+    "ulna.Inertia.zero",
     "ulna.ModelBuilder",
     "ulna.ModelBuilder.add_joint",
     "ulna.ModelBuilder.add_link",
+    "ulna.ModelBuilder.build",
     "ulna.Robot",
     "ulna.Robot.analytical_jacobian",
     "ulna.Robot.attach",
@@ -97,6 +101,8 @@ NAMES = [
     "ulna.SE3.rx",
     "ulna.SE3.trans",
     "ulna.Simulation",
+    "ulna.Simulation.run",
+    "ulna.Simulation.step",
     "ulna.Viewer",
     "ulna.Viewer.add",
     "ulna.Viewer.box",
@@ -109,6 +115,7 @@ NAMES = [
     "ulna.collision.World",
     "ulna.collision.World.add",
     "ulna.collision.World.attach",
+    "ulna.collision.World.move",
     "ulna.collision.first_contact",
     "ulna.compile",
     "ulna.compiler.KernelBase.dask",
@@ -130,13 +137,17 @@ NAMES = [
     "ulna.identification.base_parameters",
     "ulna.identification.identify",
     "ulna.ik.DifferentialIK",
+    "ulna.ik.DifferentialIK.velocity",
     "ulna.ik.FrameTask",
     "ulna.interop.to_torch",
     "ulna.load",
     "ulna.model.Revolute",
     "ulna.model.attach",
+    "ulna.numeric.cos",
+    "ulna.numeric.sin",
     "ulna.numeric.sqrt",
     "ulna.numeric.vector",
+    "ulna.numeric.where",
     "ulna.p_servo",
     "ulna.planning.PathConstraint.pointing",
     "ulna.planning.Plan.trajectory",
@@ -145,11 +156,14 @@ NAMES = [
     "ulna.planning.plan",
     "ulna.scale.data_set",
     "ulna.scale.reach",
+    "ulna.scale.run",
     "ulna.show",
     "ulna.sim.Recording.save",
     "ulna.sim.simulate",
+    "ulna.trajectory.Trajectory.plot",
     "ulna.trajectory.Trajectory.reversed",
     "ulna.trajectory.Trajectory.sample",
+    "ulna.trajectory.Trajectory.v",
     "ulna.trajectory.check",
     "ulna.trajectory.circle",
     "ulna.trajectory.concatenate",
@@ -168,6 +182,15 @@ NAMES = [
     "ulna.viewer.RobotHandle.trace",
 ]
 """Names that have an example."""
+
+MOST_USED = 60
+"""Of how many names that the pages call most an example is asked."""
+
+FOREIGN = {"np", "math", "plt", "pin", "rtb", "sympy", "torch", "dask", "da", "json", "Path", "mujoco"}
+"""How the pages name other packages."""
+
+PYTHONS = {"replace", "index"}
+"""Methods of strings and lists whose names are names of Ulna, too."""
 
 _NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?(?![\w.])")
 _SCALAR = re.compile(r"np\.(?:float64|int64|bool|bool_|True_|False_)(?:\(([^()]*)\)|\b)")
@@ -257,6 +280,28 @@ def _documented() -> Iterator[tuple[str, Any]]:
             for key, member in vars(value).items() if inspect.isclass(value) else ():
                 if inspect.isfunction(member) or isinstance(member, property | classmethod | staticmethod):
                     yield f"{name}.{key}", member
+
+
+def _calls() -> Iterator[str]:
+    """The last names of what the pages and the examples call, without those of other packages."""
+    pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
+    fence = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
+    codes = [code for page in pages for code in fence.findall(page.read_text(encoding="utf-8"))]
+    codes += [file.read_text(encoding="utf-8") for file in (ROOT / "examples").glob("*.py")]
+    for node in (n for code in codes for n in ast.walk(ast.parse(code)) if isinstance(n, ast.Call)):
+        first = ast.unparse(node.func).partition(".")[0]
+        if isinstance(node.func, ast.Attribute) and first not in FOREIGN:
+            yield node.func.attr
+        elif isinstance(node.func, ast.Name):
+            yield node.func.id
+
+
+def test_the_names_that_pages_call_most_have_an_example() -> None:
+    with_example = {name.rpartition(".")[2] for name in NAMES}
+    public = with_example | {name.rpartition(".")[2] for name, _ in _documented()} - PYTHONS
+    called = [name for name, _ in Counter(_calls()).most_common() if name in public]
+    without = [name for name in called[:MOST_USED] if name not in with_example]
+    assert not without, f"of the {MOST_USED} names that are called most, these have no example: {without}"
 
 
 def test_every_example_is_run() -> None:

@@ -127,6 +127,13 @@ class World:
 
         Raises:
             UnknownName: no obstacle of that name; offers the nearest one.
+
+        Example:
+            >>> from ulna.collision import World
+            >>> from ulna.geometry import Sphere
+            >>> world = World().add("ball", Sphere(0.1), (0.5, 0.2, 0.4))
+            >>> world.move("ball", (0.5, 0.3, 0.4))["ball"].pose.translation
+            array([0.5, 0.3, 0.4])
         """
         old = self[name]
         new = replace(old, pose=checked_pose(f"obstacle {name!r}", pose))

@@ -10,7 +10,7 @@ import numpy as np
 from ulna.compiler import compile
 from ulna.errors import DtypeError, InputError, ShapeError, UnknownName
 from ulna.numeric import maximum, vector
-from ulna.spatial import matrix_to_rpy, so3_log
+from ulna.spatial import SE3, matrix_to_rpy, so3_log
 from ulna.typing import Array, ArrayLike
 
 Method = Literal["rpy", "angle-axis"]
@@ -19,8 +19,8 @@ _ROUGH = 1e-3  # how far R^T R of a pose may be from the identity: poses typed w
 
 
 def p_servo(
-    T: ArrayLike,
-    T_goal: ArrayLike,
+    T: SE3 | ArrayLike,
+    T_goal: SE3 | ArrayLike,
     gain: ArrayLike = 1.0,
     threshold: float = 0.1,
     method: Method = "rpy",
@@ -38,8 +38,8 @@ def p_servo(
     Source: Corke, "Robotics, Vision and Control", 2023, section 15.1.
 
     Args:
-        T: Where the frame is, T_world_frame, shape (..., 4, 4).
-        T_goal: Where it should be, T_world_goal, shape (..., 4, 4).
+        T: Where the frame is, T_world_frame, an SE3 or an array of shape (..., 4, 4).
+        T_goal: Where it should be, T_world_goal, an SE3 or an array of shape (..., 4, 4).
         gain: Gain, one number or six, shape (6,) [1/s]: along x, y, z and about them.
         threshold: The goal counts as reached when the absolute values of the error add up to less [m and rad].
         method: How the error is expressed: "rpy" or "angle-axis".
@@ -70,6 +70,8 @@ def p_servo(
     shape = () if type(gain) is float else np.shape(factors)
     if shape not in ((), (6,)):
         raise ShapeError("gain", shape, "one number or (6,)")
+    T = T.matrix() if isinstance(T, SE3) else T
+    T_goal = T_goal.matrix() if isinstance(T_goal, SE3) else T_goal
     twist, lack, off = _kernel(method, shape)(T, T_goal, factors)
     if not (off if off.ndim == 0 else off.max(initial=0.0)) < _ROUGH:
         raise InputError(

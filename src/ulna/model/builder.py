@@ -83,5 +83,12 @@ class ModelBuilder(PartsBuilder):
         Raises:
             ModelError: the parts contradict one another; the message says how to fix it.
             UnknownName: a name is used that nothing bears; offers the nearest one.
+
+        Example:
+            >>> from ulna.model import Revolute
+            >>> builder = ulna.ModelBuilder("door").add_link("frame").add_link("leaf")
+            >>> door = builder.add_joint("hinge", Revolute((0, 0, 1)), "frame", "leaf").build()
+            >>> ulna.Robot(door).joint_names
+            ('hinge',)
         """
         return assemble(self._state)

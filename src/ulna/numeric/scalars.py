@@ -33,12 +33,39 @@ def sincos(x: Any) -> tuple[Any, Any]:
 
 
 def sin(x: Any) -> Any:
-    """Sine."""
+    """Sine, of numbers [rad], arrays, and numbers that are traced.
+
+    Args:
+        x: Angles [rad], shape (...).
+
+    Returns:
+        Shape (...).
+
+    Example:
+        >>> from ulna import numeric
+        >>> height = ulna.compile(lambda a: 2.0 * numeric.sin(a), a=())
+        >>> float(height(np.pi / 2))
+        2.0
+        >>> numeric.sin(np.array([0.0, np.pi / 6])).round(3)
+        array([0. , 0.5])
+    """
     return _elementwise(_sin, x) if is_symbolic(x) else np.sin(x)
 
 
 def cos(x: Any) -> Any:
-    """Cosine."""
+    """Cosine, of numbers [rad], arrays, and numbers that are traced.
+
+    Args:
+        x: Angles [rad], shape (...).
+
+    Returns:
+        Shape (...).
+
+    Example:
+        >>> from ulna import numeric
+        >>> numeric.cos(np.array([0.0, np.pi / 3])).round(3)
+        array([1. , 0.5])
+    """
     return _elementwise(_cos, x) if is_symbolic(x) else np.cos(x)
 
 
@@ -104,6 +131,12 @@ def where(condition: Any, a: Any, b: Any) -> Any:
 
     Returns:
         Shape (...).
+
+    Example:
+        >>> from ulna import numeric
+        >>> penalty = ulna.compile(lambda x: numeric.where(x > 0.0, x * x, 0.0), x=())
+        >>> float(penalty(3.0)), float(penalty(-3.0))
+        (9.0, 0.0)
     """
     if not is_symbolic(condition, a, b):
         return np.where(condition, a, b)[()]  # a number, not an array without axes, for numbers

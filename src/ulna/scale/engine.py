@@ -55,6 +55,24 @@ def run(
         InputError: If `to` holds another job, or an argument makes no sense.
         VersionMismatch: If a worker has another version of Ulna.
         MissingExtra: If Dask is not installed.
+
+    Example:
+        >>> class Mean(ulna.scale.Job):  # of a million random numbers, in 10 parts
+        ...     kind, parts = "mean", 10
+        ...     def description(self):
+        ...         return {"kind": self.kind, "parts": self.parts}
+        ...     def start(self):
+        ...         return {"sum": np.zeros(())}
+        ...     def work(self, part):
+        ...         return {"sum": np.random.default_rng(part).random(100_000).sum()}
+        ...     def fold(self, state, part, result):
+        ...         state["sum"] += result["sum"]
+        ...     def existing(self, to):
+        ...         return np.load(to)
+        ...     def finish(self, state, to):
+        ...         return float(state["sum"]) / 1_000_000
+        >>> round(ulna.scale.run(Mean(), workers=0, progress=False), 2)
+        0.5
     """
     if workers is not None:
         count("workers", workers, least=0)

@@ -158,6 +158,17 @@ class Simulation:
 
         Raises:
             InputError: `dt` is not above zero, or a motion diverged.
+
+        Example:
+            >>> robot, sim = ulna.load("panda"), ulna.Simulation()
+            >>> arm = sim.add(robot, q=robot.configurations["ready"], control="velocity")
+            >>> goal = ulna.SE3.pointing_down((0.4, 0.2, 0.3))
+            >>> for _ in range(500):
+            ...     v, arrived = ulna.p_servo(robot.fk(arm.q), goal, method="angle-axis")
+            ...     arm.qd = np.linalg.pinv(robot.jacobian(arm.q)) @ v
+            ...     sim.step(0.01)
+            >>> arrived, robot.fk(arm.q)[:3, 3].round(2)
+            (True, array([0.4, 0.2, 0.3]))
         """
         if dt.__class__ is not float or not 0.0 < dt < math.inf:
             dt = checked_duration("dt", dt)
@@ -185,6 +196,14 @@ class Simulation:
 
         Raises:
             InputError: A time is not above zero.
+
+        Example:
+            >>> sim = ulna.Simulation()
+            >>> arm = sim.add(ulna.load("panda"), control="velocity")
+            >>> arm.qd = [0.5, 0, 0, 0, 0, 0, 0]
+            >>> sim.run(5.0, until=lambda sim: arm.q[0] > 0.998)
+            >>> round(sim.t, 2)
+            2.0
         """
         length, count = step_count(duration, dt, _MAX_STEPS)
         if until is not None:

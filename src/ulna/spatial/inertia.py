@@ -45,7 +45,13 @@ class Inertia(Batched):
 
     @classmethod
     def zero(cls) -> Inertia:
-        """The inertia of nothing."""
+        """The inertia of nothing: mass, centre of mass and moments are zero.
+
+        Example:
+            >>> body = ulna.Inertia.zero() + ulna.Inertia.from_box(2.0, (0.1, 0.1, 0.1))
+            >>> float(body.mass)
+            2.0
+        """
         return cls(0.0, np.zeros(3), np.zeros((3, 3)))
 
     @classmethod

@@ -114,7 +114,15 @@ class Trajectory(ABC):
         return self._derivative(t, 0)
 
     def v(self, t: ArrayLike) -> Floats:
-        """The velocity at time `t` [s], (..., nv) [rad/s or m/s]; for a pose its twist (..., 6), linear part first."""
+        """The velocity at time `t` [s], (..., nv) [rad/s or m/s]; for a pose its twist (..., 6), linear part first.
+
+        Example:
+            >>> move = ulna.trajectory.quintic([0.0], [1.0], duration=2.0)
+            >>> move.v([0.0, 1.0, 2.0]).round(4)  # three times: three rows
+            array([[0.    ],
+                   [0.9375],
+                   [0.    ]])
+        """
         return self._derivative(t, 1)
 
     def a(self, t: ArrayLike) -> Floats:
@@ -269,6 +277,12 @@ class Trajectory(ABC):
 
         Returns:
             The Matplotlib figure.
+
+        Example:
+            >>> move = ulna.trajectory.quintic([0.0, 0.0], [1.0, 2.0], duration=2.0)
+            >>> figure = move.plot("move.png")
+            >>> [axes.get_ylabel() for axes in figure.axes]
+            ['position [rad or m]', 'velocity [1/s]', 'acceleration [1/s^2]']
         """
         return _operations["plot"](self, path, samples)
 

@@ -83,6 +83,13 @@ def test_a_batch_is_its_poses() -> None:
         np.testing.assert_allclose(v[0], p_servo(T[0], np.eye(4), 2.0, method=method)[0], atol=1e-14)
 
 
+def test_poses_are_matrices_or_se3() -> None:
+    T, T_goal = SE3(0.1, 0.2, 0.3) @ SE3.rx(0.3), SE3.pointing_down((0.4, 0.0, 0.2))
+    expected = p_servo(T.matrix(), T_goal.matrix())[0]
+    for a, b in ((T, T_goal), (T, T_goal.matrix()), (T.matrix(), T_goal)):
+        np.testing.assert_array_equal(p_servo(a, b)[0], expected)
+
+
 def test_mistakes_are_named() -> None:
     with pytest.raises(ShapeError, match="4, 4"):
         p_servo(np.eye(3), np.eye(4))

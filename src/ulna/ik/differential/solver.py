@@ -135,6 +135,15 @@ class DifferentialIK:
                 batch.
             UnknownName, InputError: If an input is missing, unknown, or cannot be one.
             MissingExtra: If rows matter and daqp is not installed.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> q = robot.configurations["ready"]
+            >>> ik = ulna.ik.DifferentialIK(robot, [ulna.ik.FrameTask("panda_hand")])
+            >>> T_goal = ulna.SE3(0.0, 0.0, 0.05) @ robot.fk(q, "panda_hand")  # 5 cm higher
+            >>> v = ik.velocity(q, 0.1, T_goal)
+            >>> (robot.jacobian(q, "panda_hand") @ v)[:3].round(2)  # 5 cm in 0.1 s
+            array([0. , 0. , 0.5])
         """
         return self._solve(q, dt, targets, named)[0]
 
