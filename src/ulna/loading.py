@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import check_keywords
 from ulna.model import JointKind, Model
@@ -145,7 +146,7 @@ def load_model(
     return model if srdf is None else _with_srdf(model, srdf)
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclass(frozen=True)
 class _Options:
     root: str | JointKind | None
     visuals: str

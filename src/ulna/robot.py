@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
@@ -13,6 +12,7 @@ import numpy as np
 from ulna import compiler, kernels
 from ulna.checks.values import short_repr
 from ulna.compiler import Function, trace
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import Explained, explained
 from ulna.lazy import is_deferred

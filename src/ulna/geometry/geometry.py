@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.geometry.shapes import Shape
 from ulna.spatial import SE3

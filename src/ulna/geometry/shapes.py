@@ -9,11 +9,11 @@ from __future__ import annotations
 import abc
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Array, ArrayLike, Floats
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
 
 from ulna import disk_cache
 from ulna.algorithms.multibody.references import check_reference
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.methods.background_compilation import Preparation, processors
 from ulna.methods.ik import InverseKinematics

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Any, Literal, NamedTuple, TypeAlias, final, get_args
 
 import numpy as np
 
 from ulna.checks.arrays import shaped_array
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.model.model import Model
 from ulna.spatial import SE3
@@ -124,7 +125,7 @@ class FrameContact(Constraint):
     """
 
     frame: str
-    placement: SE3 = SE3.identity()  # noqa: RUF009 - frozen, and so is the pose
+    placement: SE3 = SE3.identity()
     axes: Axes = "local_world_aligned"
 
     @property
@@ -181,8 +182,8 @@ class FrameLoop(Constraint):
 
     frame_a: str
     frame_b: str
-    placement_a: SE3 = SE3.identity()  # noqa: RUF009 - frozen, and so is the pose
-    placement_b: SE3 = SE3.identity()  # noqa: RUF009
+    placement_a: SE3 = SE3.identity()
+    placement_b: SE3 = SE3.identity()
     axes: Axes = "local_world_aligned"
 
     @property

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.errors import ModelError
 from ulna.model.joints import Fixed, JointKind
 from ulna.model.model import Model

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.errors import UnknownName
 from ulna.idioms import Explained, explained
 from ulna.model.content import fingerprint

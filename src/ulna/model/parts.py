@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
+from ulna.data_classes import dataclass
 from ulna.geometry import Geometry
 from ulna.model.joints import JointKind
 from ulna.spatial import SE3, Inertia

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ModelError
 from ulna.model.builder import ModelBuilder
 from ulna.model.merge import attach

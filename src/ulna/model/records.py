@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
+from ulna.data_classes import dataclass
 from ulna.errors import ModelError
 from ulna.geometry import Geometry
 from ulna.model.joints import Fixed, JointKind

@@ -21,12 +21,13 @@ Calibration (1991), chapter 2.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, final
 
 import numpy as np
 
 from ulna.checks.arrays import batched_array
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.model.change import with_gravity, with_root_joint
 from ulna.model.inertial import (

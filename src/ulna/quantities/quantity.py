@@ -19,10 +19,10 @@ from __future__ import annotations
 import functools
 import types
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, TypeVar, final
 
 from ulna.compiler.language.columns import Columns
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model import Frame, Model
 from ulna.quantities.documentation import ARRAYS, Size, documented

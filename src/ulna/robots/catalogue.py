@@ -14,9 +14,9 @@ from __future__ import annotations
 import importlib.util
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Literal
 
+from ulna.data_classes import dataclass
 from ulna.errors import MissingExtra, UnknownName
 from ulna.geometry import Geometry
 from ulna.model import JointKind, Model

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 
+from ulna.data_classes import dataclass
 from ulna.errors import MissingExtra, UnknownName
 
 _FOLDERS = ("cmeel.prefix/share/example-robot-data", "share/example-robot-data")

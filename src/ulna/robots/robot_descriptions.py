@@ -5,11 +5,12 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import pkgutil
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+from ulna.data_classes import dataclass
 from ulna.errors import ModelError, UnknownName
 
 _PACKAGE = "robot_descriptions"

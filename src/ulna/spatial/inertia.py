@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar, final
 
 import numpy as np
 
 from ulna.checks.arrays import batched_array
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.numeric import apply, cross, dot, is_symbolic, matrix, skew, vector, where
 from ulna.spatial.batched import Batched, as_array, column

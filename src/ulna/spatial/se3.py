@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, Self, TypeVar, final, overload
 
 import numpy as np
 
 from ulna.checks.arrays import batched_array
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError, UnknownOperation
 from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, is_symbolic, skew, sqrt, vector

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar, final
 
 import numpy as np
 
 from ulna.checks.arrays import batched_array
 from ulna.checks.rotations import checked_rotation
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError, UnknownOperation
 from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, sqrt

@@ -8,12 +8,12 @@ chapter 2 (which writes the angular part first).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar, Self, final, overload
 
 import numpy as np
 
 from ulna.checks.arrays import batched_array
+from ulna.data_classes import dataclass
 from ulna.numeric import apply, cross, dot, matrix
 from ulna.spatial.batched import Batched, as_array, column
 from ulna.typing import Array, ArrayLike

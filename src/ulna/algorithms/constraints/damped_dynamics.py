@@ -17,7 +17,6 @@ Budhiraja & Mansard, Proximal and sparse resolution of constrained dynamic equat
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple, final
 
 import numpy as np
@@ -29,6 +28,7 @@ from ulna.algorithms.dynamics.crba import mass_matrix
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors
 from ulna.algorithms.dynamics.rnea_point_accelerations import bias_forces
 from ulna.algorithms.multibody.external_forces import External
+from ulna.data_classes import dataclass
 from ulna.model import Model
 from ulna.numeric import apply, vector
 from ulna.typing import Array

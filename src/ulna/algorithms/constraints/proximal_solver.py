@@ -21,7 +21,6 @@ section IV; Parikh & Boyd, Proximal algorithms (2014), section 4.1.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import reduce
 from typing import Any, NamedTuple, final
 
@@ -29,6 +28,7 @@ import numpy as np
 
 from ulna import numeric
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.typing import Array
 

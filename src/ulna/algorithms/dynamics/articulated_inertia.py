@@ -15,12 +15,12 @@ Source: Featherstone 2008, section 7.2, equations 7.23 to 7.25 and section 2.9 f
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ulna.algorithms.multibody.mass_moments import MassMoments, rotate_symmetric
+from ulna.data_classes import dataclass
 from ulna.numeric import apply, is_symbolic, matrix, skew
 from ulna.spatial import SE3, Force, Motion
 from ulna.spatial.batched import column

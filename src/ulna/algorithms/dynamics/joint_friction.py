@@ -19,11 +19,12 @@ the width. Time stepping with an exact law of dry friction is in `ulna.sim`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Any, final
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.model import Drive, Model, with_drives
 from ulna.numeric import exp, is_symbolic, less, tanh, where

@@ -15,12 +15,12 @@ coordinate axis).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ulna.algorithms.multibody.tree import Step
+from ulna.data_classes import dataclass
 from ulna.model import Continuous, Helical, JointKind, Model, Revolute
 from ulna.numeric import apply, cross, dot, matrix, skew
 from ulna.spatial import SE3, Force, Inertia, Motion

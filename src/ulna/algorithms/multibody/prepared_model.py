@@ -8,7 +8,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import final
 
@@ -17,6 +16,7 @@ from ulna.algorithms.multibody.link_frames import choose_link_frames
 from ulna.algorithms.multibody.mass_moments import MassMoments, body_moments
 from ulna.algorithms.multibody.regrouped_moments import regrouped_moments
 from ulna.algorithms.multibody.tree import Step
+from ulna.data_classes import dataclass
 from ulna.model import Model
 from ulna.spatial import SE3, Force
 

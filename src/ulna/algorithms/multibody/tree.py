@@ -20,9 +20,9 @@ same way.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from ulna.data_classes import dataclass
 from ulna.model import Frame, Joint, JointKind, Model
 from ulna.spatial import SE3, Force, Motion
 from ulna.typing import Array

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
 from math import isnan
 from typing import Literal, final
+
+from ulna.data_classes import dataclass
 
 DType = Literal["double", "float"]
 BYTES = {"double": 8, "float": 4}

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 from ulna.compiler.codegen.ir_text import Lanes, truth
 from ulna.compiler.language.graph import Graph, Loop
+from ulna.data_classes import dataclass
 
 
 @dataclass(frozen=True)

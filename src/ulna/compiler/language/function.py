@@ -6,7 +6,7 @@ import operator
 import re
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from ulna.compiler.language.ops import TABLE, Op
 from ulna.compiler.language.packing import Packable
 from ulna.compiler.language.ports import Port, Shape
 from ulna.compiler.language.scalar import Scalar, Value, index_in, innermost, number_in, tracing
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError, TraceError
 from ulna.numeric import is_symbolic
 from ulna.system.cached import cached_property

@@ -6,11 +6,11 @@ import hashlib
 import os
 import struct
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from ulna.compiler.language.ops import TABLE, Op
 from ulna.compiler.language.simplify import simplify
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, TooLargeError, TraceError
 
 

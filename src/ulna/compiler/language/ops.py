@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY
 from enum import IntEnum
 from typing import Any
 
 import numpy as np
 
 from ulna import numeric
+from ulna.data_classes import dataclass
 
 
 class Op(IntEnum):

@@ -6,7 +6,6 @@ Entries are in order column by column. So the lower triangle of a dense symmetri
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy as np
 from ulna.checks.masked import check_not_masked
 from ulna.compiler.language.ops import Op
 from ulna.compiler.language.ports import Port
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Array, ArrayLike
 

@@ -9,7 +9,6 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import Any
 
@@ -18,6 +17,7 @@ from ulna.compiler.codegen.target import Target, arithmetic_of, register_bytes
 from ulna.compiler.language.function import Function
 from ulna.compiler.runtime.interrupt import at_end, interruptible
 from ulna.compiler.runtime.object_file import is_sound
+from ulna.data_classes import dataclass
 from ulna.errors import CompileError
 from ulna.system import forks
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.model.joints.axes import EYE, ZERO
 from ulna.model.joints.base import (
     Coordinate,

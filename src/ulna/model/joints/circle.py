@@ -11,11 +11,11 @@ Lie theory (2018), examples 1 (S^1) and 6 (SE(2)).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.model.joints.axes import ZERO, Axis, rotation_of, unit, unit_axis
 from ulna.model.joints.base import Coordinate, JointKind, angle, identity, length
 from ulna.model.joints.planar import Planar

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model.joints.axes import snap_pose
 from ulna.model.joints.base import Coordinate, ElementaryJoint, JointKind

@@ -22,9 +22,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model.joints.axes import ZERO, rotation_about, unit
 from ulna.model.joints.base import Coordinate, ElementaryJoint, VectorKind, angle

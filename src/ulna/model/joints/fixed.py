@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
+from ulna.data_classes import dataclass
 from ulna.model.joints.axes import EYE, ZERO
 from ulna.model.joints.base import Coordinate, VectorKind
 from ulna.spatial import SE3, Motion

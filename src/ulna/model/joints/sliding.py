@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
+from ulna.data_classes import dataclass
 from ulna.model.joints.axes import EYE, ZERO, Axis, scaled_axis, unit, unit_axis
 from ulna.model.joints.base import Coordinate, VectorKind, length
 from ulna.model.joints.words import axis_name

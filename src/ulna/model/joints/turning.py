@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model.joints.axes import ZERO, Axis, rotate_about, rotation_about, scaled_axis, unit, unit_axis
 from ulna.model.joints.base import Coordinate, ElementaryJoint, VectorKind, angle, length
