@@ -251,7 +251,7 @@ def maps(client: Any, n: int, rounds: int) -> None:
     def mapped(chunk: int, **where: Any) -> Callable[[], Any]:
         return lambda: scale.reach("ur5", n, chunk=chunk, **where, **options)
 
-    scale.reach("ur5", 2e6, chunk=100_000, scheduler=client, **options)
+    scale.reach("ur5", 2e6, chunk=1_000_000, scheduler=client, **options)
     first = memory(client)
     times = in_turns(
         {

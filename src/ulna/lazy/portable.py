@@ -18,7 +18,7 @@ from ulna import version
 from ulna.errors import InputError, VersionMismatch
 from ulna.system import forks
 
-_MAX_CACHED_FUNCTIONS = 128  # functions that a process keeps
+_MAX_CACHED_FUNCTIONS = 32  # functions that a process keeps
 _known: OrderedDict[str, Any] = OrderedDict()
 _lock = forks.lock()
 

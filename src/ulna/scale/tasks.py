@@ -24,8 +24,8 @@ _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, err
 _ATTEMPTS = 3  # of a part whose work raises an error that is not Ulna's
 _COUNT = 3.0  # s between two questions how many workers there are
 _TICK = 0.25  # s between looks at the connection
-_SHORTEST, _LONGEST = 0.04, 1.0  # s that a task takes, where several parts are sent at a time
-_SHARES = 1.5  # of the parts that are left, for each thread: a task has one of them
+_SHORTEST, _LONGEST = 0.08, 2.0  # s that a task takes, where several parts are sent at a time
+_SHARES = 1.3  # of the parts that are left, for each thread: a task has one of them
 _SCHEDULER = 0.005  # s by which tasks grow for each thread, so that the scheduler keeps up with many workers
 _FIRST, _FIRST_SECONDS = 16, 0.1  # parts of a task, and s for it, where nothing is known of their time yet
 _SENT, _RETURNED = 2**23, 2**24  # bytes that parts of a task may need, and return, together
@@ -232,7 +232,7 @@ class Tasks:
             self._lose(parts, None)
 
     def _adapt(self, seconds: float, size: float) -> None:
-        """Learns how many parts the next tasks may have: some tenths of a second of work, and not too many results."""
+        """Learns how many parts the next tasks may have: up to two seconds of work, and not too many results."""
         self._seconds = max(seconds, 1e-9)
         self._longest = max(_LONGEST, _SCHEDULER * self._count)
         self._most = max(1, int(min(self._longest / self._seconds, _RETURNED / max(size, 1.0))))

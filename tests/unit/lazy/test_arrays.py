@@ -255,3 +255,13 @@ def test_errors_travel(error: Exception) -> None:
     again = pickle.loads(pickle.dumps(error))
     assert type(again) is type(error) and str(again) == str(error)
     assert repr(vars(again)) == repr(vars(error))
+
+
+def test_a_process_keeps_a_bounded_number_of_functions() -> None:
+    from functools import partial
+
+    from ulna.lazy import Portable, portable
+
+    for k in range(2 * portable._MAX_CACHED_FUNCTIONS):
+        assert Portable(partial(np.add, k))(1) == k + 1
+        assert len(portable._known) <= portable._MAX_CACHED_FUNCTIONS
