@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import ast
 import importlib
+import inspect
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
 from ulna.compat.members import missing_keywords, offered_member, refused
+from ulna.compat.missing_names import REFUSAL
 from ulna.compat.packages import FOLDERS, compatibility_imports, modules
 from ulna.compat.script_names import expressions
 from ulna.compat.script_objects import KnownObject, Objects, ObjectsOf
@@ -169,7 +171,7 @@ def _is_offered(name: str) -> tuple[bool, str]:
         value = _value(name)
     except (AttributeError, ImportError) as error:
         return False, str(error)
-    refusal = refused(value)
+    refusal = getattr(value, REFUSAL, None) if inspect.ismodule(value) else refused(value)
     return refusal is None, refusal or ""
 
 

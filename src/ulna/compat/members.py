@@ -47,14 +47,57 @@ def missing_keywords(function: Any, keywords: list[str]) -> list[str]:
     Returns:
         Those without a parameter; none where the function takes any, or its parameters are not known.
     """
+    names = _keywords_of_class(function) if inspect.isclass(function) else _keywords_of(function)
+    return [] if names is None else [keyword for keyword in keywords if keyword not in names]
+
+
+def _keywords_of(function: Any) -> set[str] | None:
+    """The keywords that a function takes; None where it takes any, or its parameters are not known."""
     try:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):
-        return []
+        return None
     if any(p.kind is p.VAR_KEYWORD for p in parameters):
-        return []
-    names = {p.name for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
-    return [keyword for keyword in keywords if keyword not in names]
+        return None
+    return {p.name for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
+
+
+def _keywords_of_class(kind: type) -> set[str] | None:
+    """The keywords that a class takes: its own, and those of base classes to which its `__init__` passes all others."""
+    names: set[str] = set()
+    for base in kind.__mro__:
+        init = vars(base).get("__init__")
+        if init is None:
+            continue
+        if not inspect.isfunction(init):
+            break
+        more = next(
+            (p.name for p in inspect.signature(init).parameters.values() if p.kind is p.VAR_KEYWORD), None
+        )
+        if more is None:
+            own = _keywords_of(init)
+            return None if own is None else names | own
+        if not _passes_on(init, more):
+            return None
+        names |= {p.name for p in inspect.signature(init).parameters.values() if p.name != more}
+    return _keywords_of(kind) if not names else None
+
+
+def _passes_on(init: Any, more: str) -> bool:
+    """Whether all that an `__init__` does with its other keywords is to pass them to that of the base class."""
+    try:
+        tree = ast.parse(textwrap.dedent(inspect.getsource(init)))
+    except (OSError, SyntaxError, TypeError):
+        return False
+    uses = sum(isinstance(node, ast.Name) and node.id == more for node in ast.walk(tree))
+    passed = [
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call)
+        and ast.unparse(node.func) == "super().__init__"
+        and any(one.arg is None and ast.unparse(one.value) == more for one in node.keywords)
+    ]
+    return len(passed) == 1 and uses == 1
 
 
 def refused(function: Any) -> str | None:

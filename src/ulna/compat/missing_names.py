@@ -1,10 +1,13 @@
-"""Errors for names that a compatibility package does not offer."""
+"""Errors for names and modules that a compatibility package does not offer."""
 
 from __future__ import annotations
 
 import dis
 import sys
 from types import FrameType
+
+REFUSAL = "__not_offered__"
+"""The attribute of a module without names that says what to use instead."""
 
 
 def missing_name(module: str, name: str, text: str) -> AttributeError | ImportError:
@@ -20,9 +23,26 @@ def missing_name(module: str, name: str, text: str) -> AttributeError | ImportEr
     Returns:
         The error.
     """
-    if not name.startswith("_") and _is_import(sys._getframe(2)):
+    if not name.startswith("__") and _is_import(sys._getframe(2)):
         return ImportError(text, name=module)
     return AttributeError(text, name=name, obj=None)
+
+
+def missing_module(module: str) -> ModuleNotFoundError:
+    """The error for a module of a library to raise that its compatibility package does not offer.
+
+    Args:
+        module: Its name; `__getattr__` of the package says what to use instead.
+
+    Returns:
+        The error.
+    """
+    package, _, name = module.rpartition(".")
+    try:
+        getattr(sys.modules[package], name)
+    except AttributeError as error:
+        return ModuleNotFoundError(str(error), name=module)
+    raise ValueError(f"{package} offers {name}.")
 
 
 def _is_import(frame: FrameType) -> bool:

@@ -182,7 +182,7 @@ def test_a_robot_with_shapes_is_taught_in_the_viewer_where_there_is_a_screen(
         assert panda.teach(block=False, backend="pyplot") == "figure"
         assert panda.teach(block=False, backend="swift") == "viewer"
     monkeypatch.setattr("ulna.viewer.page.browser.has_screen", lambda: True)
-    assert puma.teach(block=False) == ("viewer" if puma.hasgeometry else "figure")
+    assert puma.teach(block=False) == "figure"
 
 
 def test_what_is_recommended_instead_of_an_absent_name_exists(rtb: Any, panda: Any, puma: Any) -> None:
@@ -192,8 +192,6 @@ def test_what_is_recommended_instead_of_an_absent_name_exists(rtb: Any, panda: A
         "ikine_min": (panda, "ikine_QP"),
         "pay": (panda, "payload"),
         "paycap": (panda, "payload_capacity"),
-        "basemesh": (panda.links[0], "geometry"),
-        "meshdir": (panda.links[0], "geometry"),
         "URDF_read": (rtb.models.URDF, "URDFRobot"),
         "ikine_a": (puma, "analytic_ik"),
         "ikine_6s": (panda.ulna, "ik_all"),

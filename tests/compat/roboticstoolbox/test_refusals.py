@@ -92,7 +92,7 @@ REFUSED: list[tuple[Callable[[Any], Any], str]] = [
     (lambda n: n.rtb.Robot(3), "3"),
     (lambda n: n.rtb.DHRobot([]), "at least one link"),
     (lambda n: n.rtb.DHRobot([n.rtb.RevoluteDH(), n.rtb.RevoluteMDH()]), "one convention"),
-    (lambda n: n.rtb.DHRobot([n.rtb.RevoluteDH()], meshdir="there"), "`meshdir`"),
+    (lambda n: n.rtb.DHRobot([n.rtb.RevoluteDH()], meshdir="there"), "no data file 'there'"),
     (lambda n: n.rtb.Gripper([]), "at least one link"),
     (lambda n: n.rtb.Gripper([3]), "link"),
     (lambda n: n.bare.ikine_LM(n.SE3(), mask=[1, 1]), r"\(6,\)"),

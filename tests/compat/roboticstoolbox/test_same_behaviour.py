@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -189,3 +190,65 @@ def test_robots_and_links_are_tested_against_groups_of_shapes(panda: Any) -> Non
     panda.q = Q
     touched = [link.name for link in panda.links if link.collision and link.iscollided(group)]
     assert touched == [link.name for link in panda.links if link.collision and link.iscollided(near)]
+
+
+def test_solvers_in_python_say_success(rtb: Any, panda: Any) -> None:
+    """Those in C++ say nothing, and nothing is said of several poses."""
+    T = panda.fkine(Q)
+    for solve in (panda.ikine_LM, panda.ets().ikine_LM, panda.ikine_QP):
+        assert solve(T, q0=Q + 0.01).reason == "Success"
+    assert panda.ikine_NR(T, q0=Q + 0.01, pinv=True).reason == "Success"
+    assert rtb.IK_LM().solve(panda.ets(), T, Q + 0.01).astuple()[5] == "Success"
+    assert (
+        panda.ik_LM(T, q0=Q + 0.01).reason
+        == ""
+        == panda.ikine_LM(panda.fkine(np.vstack([Q, Q])), q0=Q).reason
+    )
+    assert panda.ikine_LM(T, q0=np.vstack([Q + 0.01, Q])).reason == "Success"
+
+
+def test_greatest_speeds_are_set_by_classes_of_robots(rtb: Any, panda: Any, puma: Any) -> None:
+    assert panda.qdlim.tolist() == [2.175] * 4 + [2.61] * 3 + [3.0] * 2
+    assert rtb.models.URDF.FrankieOmni().qdlim.tolist() == [4.0] * 3 + panda.qdlim.tolist()
+
+    class Mine(rtb.Robot):
+        def __init__(self) -> None:
+            super().__init__(rtb.ET.Rz() * rtb.ET.tx(0.5) * rtb.ET.Ry())
+            self.qdlim = np.array([1.0, 2.0])
+
+    assert Mine().qdlim.tolist() == [1.0, 2.0] == Mine().copy().qdlim.tolist() and puma.qdlim is None
+
+
+def test_transforms_of_a_link_are_set(rtb: Any) -> None:
+    ET = rtb.ET
+    arm = rtb.Robot([rtb.Link(ET.Rz(), name="a"), rtb.Link(ET.tx(1) * ET.Ry(), name="b")])
+    before = arm.fkine([0.1, 0.2]).t
+    arm.links[1].ets = ET.tx(2) * ET.Ry()
+    assert np.allclose(arm.fkine([0.1, 0.2]).t, 2 * before) and arm.links[1].jindex == 1
+    with pytest.raises(ValueError, match="belongs to a robot of 2 joints"):
+        arm.links[1].ets = ET.tx(2)
+    with pytest.raises(ValueError, match="one joint at most"):
+        arm.links[1].ets = ET.Rx() * ET.Ry()
+    free = rtb.Link(ET.Rz(), name="c")
+    free.ets = rtb.ETS(ET.tz(0.3))
+    assert not free.isjoint and free.A().t[2] == 0.3
+
+
+def test_poses_of_links_with_symbols_have_no_factors_of_one(rtb: Any) -> None:
+    sympy = pytest.importorskip("sympy")
+    q, a = sympy.symbols("q a")
+    T = rtb.RevoluteDH(a=a).A(q).A
+    assert T[0, 0] == sympy.cos(q) and T[1, 3] == a * sympy.sin(q)
+
+
+def test_folders_of_meshes(rtb: Any, tmp_path: Path) -> None:
+    arm = rtb.DHRobot([rtb.RevoluteDH(), rtb.RevoluteDH(a=1)], meshdir=tmp_path)
+    assert arm.meshdir == tmp_path.resolve() and arm.basemesh == arm.meshdir / "link0.stl"
+    assert [link.mesh.name for link in arm.links] == ["link1.stl", "link2.stl"]
+    assert arm.hasgeometry and ", geometry" in str(arm) and arm.copy().meshdir == arm.meshdir
+    plain = rtb.DHRobot([rtb.RevoluteDH()])
+    assert (
+        plain.basemesh is None is plain.links[0].mesh
+        and not plain.hasgeometry
+        and not hasattr(plain, "meshdir")
+    )

@@ -124,9 +124,9 @@ def test_names_are_found_in_the_innermost_scope() -> None:
 def test_loaded_libraries_are_not_examined_in_place_of_the_packages(tmp_path: Path) -> None:
     toolbox = pytest.importorskip("roboticstoolbox")
     script = tmp_path / "lab.py"
-    script.write_text("import roboticstoolbox as rtb\np = rtb.models.DH.Puma560()\np.basemesh\n")
+    script.write_text("import roboticstoolbox as rtb\np = rtb.models.DH.Puma560()\np.pay\n")
     for _ in range(2):
-        assert "roboticstoolbox.Puma560.basemesh" in _missing({f.name: f for f in doctor.examine(script)})
+        assert "roboticstoolbox.Puma560.pay" in _missing({f.name: f for f in doctor.examine(script)})
         import roboticstoolbox
 
         assert roboticstoolbox is toolbox
@@ -137,14 +137,43 @@ def test_scripts_of_the_toolbox(tmp_path: Path) -> None:
     script = tmp_path / "lab.py"
     script.write_text(
         "import roboticstoolbox as rtb, swift\nenv = swift.Swift()\nenv.launch(realtime=True)\nenv.set_lights([])\n"
-        "p = rtb.models.DH.Puma560()\np.basemesh\np.fkinee(p.qz)\np.fkine(p.qn, nonsense=1)\nenv.add(p, wrong=2)\n"
+        "p = rtb.models.DH.Puma560()\np.pay\np.fkinee(p.qz)\np.fkine(p.qn, nonsense=1)\nenv.add(p, wrong=2)\n"
     )
     found = {one.name: one for one in doctor.examine(script)}
     assert _missing(found) == {
-        "swift.Swift.set_lights", "roboticstoolbox.Puma560.basemesh", "roboticstoolbox.Puma560.fkinee",
+        "swift.Swift.set_lights", "roboticstoolbox.Puma560.pay", "roboticstoolbox.Puma560.fkinee",
         "roboticstoolbox.Puma560.fkine(nonsense=)", "swift.Swift.add(wrong=)",
     }  # fmt: skip
-    assert "geometry" in found["roboticstoolbox.Puma560.basemesh"].hint
+    assert "payload" in found["roboticstoolbox.Puma560.pay"].hint
+
+
+def test_keywords_that_a_class_passes_to_its_base_class(tmp_path: Path) -> None:
+    pytest.importorskip("spatialmath")
+    script = tmp_path / "lab.py"
+    script.write_text(
+        "import roboticstoolbox as rtb, spatialgeometry as sg\n"
+        "link = rtb.RevoluteDH(zzz=1, a=0.1, m=2, qlim=[0, 1], name='one')\n"
+        "rtb.DHRobot([link], nme='x', gravity=[0, 0, 1])\nrtb.IK_LM(foo=1, verbose=True)\n"
+        "sg.Cuboid([1, 1, 1], colour='red', pose=None)\nrtb.models.DH.Puma560(symbolic=True)\n"
+    )
+    assert _missing({one.name: one for one in doctor.examine(script)}) == {
+        "roboticstoolbox.RevoluteDH(zzz=)", "roboticstoolbox.DHRobot(nme=)", "roboticstoolbox.IK_LM(foo=)",
+        "spatialgeometry.Cuboid(colour=)",
+    }  # fmt: skip
+
+
+def test_modules_that_are_not_offered(tmp_path: Path) -> None:
+    pytest.importorskip("spatialmath")
+    script = tmp_path / "lab.py"
+    script.write_text(
+        "import swift.phys\nimport roboticstoolbox.mobile.drivers as d\nimport swift.Elements\n"
+    )
+    found = {one.name: one for one in doctor.examine(script)}
+    assert _missing(found) == {"swift.phys", "roboticstoolbox.mobile.drivers"}
+    assert (
+        "env.step" in found["swift.phys"].hint
+        and "for robot arms" in found["roboticstoolbox.mobile.drivers"].hint
+    )
 
 
 def test_what_is_not_known_is_named_once_whatever_it_is_taken_from(tmp_path: Path) -> None:

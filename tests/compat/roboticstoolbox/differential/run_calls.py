@@ -82,7 +82,7 @@ def made(call: dict[str, Any], objects: dict[str, Any], base: dict[str, Any]) ->
         except Exception as error:
             return out | {"error": ["no subject", type(error).__name__, str(error)[:300]]}
         caught.clear()
-        signal.alarm(SECONDS)
+        signal.setitimer(signal.ITIMER_REAL, SECONDS, 1)  # again: a library may swallow the first
         try:
             if "\n" in call["code"] or " = " in call["code"].partition("(")[0]:
                 exec(call["code"], names)
@@ -93,7 +93,7 @@ def made(call: dict[str, Any], objects: dict[str, Any], base: dict[str, Any]) ->
             out["error"] = [*(kind.__name__ for kind in type(error).__mro__), str(error)[:300]]
             out["checked"] = is_check(error)
         finally:
-            signal.alarm(0)
+            signal.setitimer(signal.ITIMER_REAL, 0)
     out["text"] = printed.getvalue()
     kinds = {w.category.__name__ for w in caught}
     out["warnings"] = sorted(kinds & {"DeprecationWarning", "FutureWarning"})

@@ -50,19 +50,7 @@ __all__ = list(_MODULE_OF)
 __all__ += ["backends", "models"]
 __version__ = "1.5.0"  # whose names these are
 register_former_modules()
-add_module_aliases(
-    __name__,
-    (
-        "mobile",
-        "blocks",
-        "demo",
-        "demo.eigdemo",
-        "demo.tripleangledemo",
-        "demo.twistdemo",
-        "_fknm_c",
-        "_frne_c",
-    ),
-)
+add_module_aliases(__name__, ("mobile", "blocks", "demo", "_fknm_c", "_frne_c"))
 
 
 def __getattr__(name: str) -> Any:

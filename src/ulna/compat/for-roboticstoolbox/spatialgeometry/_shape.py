@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from spatialgeometry._colour import rgba
-from spatialgeometry._node import SceneNode, matrix_of
+from spatialgeometry._node import _ORIGIN, SceneNode, matrix_of
 from ulna.checks.arrays import finite_array
 from ulna.errors import InputError, ShapeError
 from ulna.spatial import matrix_to_quat_xyzw
@@ -58,7 +58,7 @@ class Shape(SceneNode, abc.ABC):
             np.zeros(6),
         )
         at = base if pose is None else pose
-        super().__init__(**kwargs if at is None else {"pose": at, **kwargs})
+        super().__init__(pose=_ORIGIN if at is None else at, **kwargs)
 
     def draw(self, viewer: Any, name: str) -> None:
         """Add it to an `ulna.Viewer` under a name, at the origin.

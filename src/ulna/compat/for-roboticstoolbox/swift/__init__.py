@@ -35,7 +35,7 @@ _ALTERNATIVES = {
     "SwiftSocket": _SERVER,
     "start_servers": _SERVER,
     "SwiftRoute": _SERVER,
-    "phys": "Robots are stepped by ulna.sim: see ulna.sim.kinematic_step.",
+    "phys": "Robots are stepped by `env.step`, and by ulna.sim.kinematic_step.",
 }
 
 

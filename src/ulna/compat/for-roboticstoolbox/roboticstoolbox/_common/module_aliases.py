@@ -9,7 +9,8 @@ from functools import reduce
 from types import ModuleType
 from typing import Any
 
-from roboticstoolbox._common.module_names import ADVICE, CLOSED, PLACES
+from roboticstoolbox._common.module_names import PLACES, advice_on, is_closed
+from ulna.compat.missing_names import REFUSAL, missing_name
 
 
 class _AliasModule(ModuleType):
@@ -19,11 +20,14 @@ class _AliasModule(ModuleType):
         if name == "__all__":
             last = self.__name__.rpartition(".")[2]
             return sorted(
-                PLACES.get(_below(self.__name__), () if _below(self.__name__) in CLOSED else (last,))
+                PLACES.get(_below(self.__name__), () if is_closed(_below(self.__name__)) else (last,))
             )
         if name.startswith("__"):
             raise AttributeError(name)
-        return name_in(self.__name__, name)
+        try:
+            return name_in(self.__name__, name)
+        except AttributeError as error:
+            raise missing_name(self.__name__, name, str(error)) from None
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.__getattr__("__all__")]
@@ -38,17 +42,19 @@ def add_module_aliases(package: str, names: Iterable[str]) -> None:
 
     Args:
         package: Name of the package.
-        names: Names of the modules.
+        names: Names of the modules; those below them in the table are added, too.
     """
-    listed = [key for key in PLACES if key.startswith(f"{_below(package)}.")]
-    for place in [*(f"{package}.{name}" for name in names), *(f"roboticstoolbox.{key}" for key in listed)]:
+    places = [f"{package}.{name}" for name in names]
+    above = tuple(f"{_below(place)}." for place in [package, *places])
+    listed = [f"roboticstoolbox.{key}" for key in PLACES if key.startswith(above)]
+    for place in [*places, *listed]:
         if place in sys.modules:
             continue
         module = _AliasModule(place, f"Names of `roboticstoolbox`, as {place}.")
         if any(key.startswith(f"{_below(place)}.") for key in PLACES):
             module.__path__ = []
-        if _below(place) in ADVICE:  # which `from ... import name` prints where a name is missing
-            module.__file__ = f"no file of Ulna; {ADVICE[_below(place)]}"
+        if is_closed(_below(place)):
+            setattr(module, REFUSAL, advice_on(_below(place)))
         sys.modules[place] = module
 
 
@@ -86,13 +92,16 @@ def public_name(place: str, name: str) -> Any:
         AttributeError: There is no such name; says what to use.
     """
     toolbox = sys.modules["roboticstoolbox"]
-    if name in toolbox.__all__ and _below(place) not in CLOSED:
+    is_open = not is_closed(_below(place))
+    if name in toolbox.__all__ and is_open:
         return getattr(toolbox, name)
-    module = sys.modules.get(f"{place}.{name}")
+    module = sys.modules.get(f"{place}.{name}") if is_open else None  # those are called as their classes
     if module is not None:
         return module
     package, _, last = place.rpartition(".")
-    if name == last and package.startswith("roboticstoolbox.models"):  # the class that the module is for
+    if (
+        is_open and name == last and package.startswith("roboticstoolbox.models")
+    ):  # the class that the module is for
         return getattr(sys.modules[package], name)
-    advice = ADVICE.get(_below(place), "")
+    advice = advice_on(_below(place))
     raise AttributeError(f"module {place!r} has no attribute {name!r}{f': {advice}' if advice else ''}")

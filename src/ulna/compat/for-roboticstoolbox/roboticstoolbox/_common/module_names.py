@@ -12,6 +12,13 @@ _PLANAR = {name: f"_ets.elementary_transform:ET2.{name}" for name in ("R", "tx",
 _FIGURES = {"PyPlot": "_plot.figure:PyPlot", "PyPlot2": "_plot.figure:PyPlot2"}
 _TYPES = {name: f"_common.array_types:{name}" for name in ("ArrayLike", "NDArray", "PyArrayLike")}
 
+_OF_MOBILE = (
+    "Animations", "Bug2", "CurvaturePolyPlanner", "DistanceTransformPlanner", "DstarPlanner", "DubinsPlanner",
+    "EKF", "LatticePlanner", "OccGrid", "PRMPlanner", "ParticleFilter", "PlannerBase", "PoseGraph",
+    "QuinticPolyPlanner", "RRTPlanner", "ReedsSheppPlanner", "Vehicle", "drivers", "landmarkmap", "sensors",
+    "workspace",
+)  # fmt: skip
+_OF_BLOCKS = ("arm", "mobile", "quad_model", "spatial", "uav")
 PLACES: dict[str, dict[str, str]] = {
     "ets.ET": {"ET": "", **_TURNS},
     "ets.ET2": {"ET2": "", **_PLANAR},
@@ -73,49 +80,39 @@ PLACES: dict[str, dict[str, str]] = {
     "demo.tripleangledemo": {},
     "demo.twistdemo": {},
     "backends.ROS": {},
+    "backends.ROS.ROS": {},
+    **{f"mobile.{name}": {} for name in _OF_MOBILE},
+    **{f"blocks.{name}": {} for name in _OF_BLOCKS},
     "mobile": {},
     "blocks": {},
+    "models.DH.Uprighttl": {},
+    "models.ETS.Omni": {},
     "_fknm_c": {},
     "_frne_c": {},
 }  # fmt: skip
 
-CLOSED = {
-    "tools.urdf",
-    "tools.urdf.urdf",
-    "tools.urdf.utils",
-    "tools.DHFactor",
-    "robot.DHFactor",
-    "bin._bintools",
-    "demo",
-    "demo.eigdemo",
-    "demo.tripleangledemo",
-    "demo.twistdemo",
-    "backends.ROS",
-    "mobile",
-    "blocks",
-    "_fknm_c",
-    "_frne_c",
-}
-"""Modules whose names mean something else than public names of `roboticstoolbox`."""
+_CLOSED = (
+    "tools.urdf", "tools.DHFactor", "robot.DHFactor", "bin._bintools", "demo", "backends.ROS", "mobile", "blocks",
+    "_fknm_c", "_frne_c", "models.DH.Uprighttl", "models.ETS.Omni",
+)  # fmt: skip
+"""Modules, and packages with all of theirs, whose names mean something else than public names of `roboticstoolbox`."""
 
 _URDF = "`ulna.load(path)`, `models.URDF.URDFRobot(path)` or `Robot.URDF(path)` read a description"
 _PLOTS = "`env.add(robot)` draws a robot in a figure, `env.remove` takes it out"
 _DEMOS = "demonstrations are the toolbox's own; `ulna demo` and the pages of Ulna's gallery show what is here"
 _MOBILE = "Ulna is for robot arms; for mobile robots, maps, filters and block diagrams use the toolbox itself"
 _ROS = "no backend of ROS is offered; `robot.plot` and `backends.PyPlot`, `backends.swift` draw"
-ADVICE: dict[str, str] = {
+_BINTOOLS = "the console tools are modules of `roboticstoolbox.bin`, such as `roboticstoolbox.bin.rtbtool`"
+_ADVICE: dict[str, str] = {
     "mobile": _MOBILE,
     "blocks": _MOBILE,
     "demo": _DEMOS,
-    "demo.eigdemo": _DEMOS,
-    "demo.tripleangledemo": _DEMOS,
-    "demo.twistdemo": _DEMOS,
     "backends.ROS": _ROS,
     "_fknm_c": "`roboticstoolbox.ets.fknm` has the functions of chains",
     "_frne_c": "`robot.rne(q, qd, qdd)` is compiled",
+    "models.DH.Uprighttl": "the toolbox has no robot in it, either",
+    "models.ETS.Omni": "Ulna is for robot arms; `models.URDF.FrankieOmni` is an arm on a base that moves",
     "tools.urdf": _URDF,
-    "tools.urdf.urdf": _URDF,
-    "tools.urdf.utils": _URDF,
     "tools.DHFactor": "the parameters of a chain are `ETS.split('dh')`",
     "robot.DHFactor": "the parameters of a chain are `ETS.split('dh')`",
     "robot.frne": "`robot.rne(q, qd, qdd)` is compiled, and `robot.dynchanged()` follows changed links by itself",
@@ -127,6 +124,32 @@ ADVICE: dict[str, str] = {
     "backends.PyPlot.RobotPlot": _PLOTS,
     "backends.PyPlot.RobotPlot2": _PLOTS,
     "backends.PyPlot.EllipsePlot": "`robot.vellipse(q)` and `robot.fellipse(q)` make ellipses for `env.add`",
-    "bin": "the console tools are modules of it, such as `roboticstoolbox.bin.rtbtool`",
+    "bin": _BINTOOLS,
 }
-"""What to use in place of names of a module that are not offered."""
+"""What to use in place of names of a module, or of a package and its modules, that are not offered."""
+
+
+def is_closed(place: str) -> bool:
+    """Whether names of a module mean something else than public names of `roboticstoolbox`.
+
+    Args:
+        place: Its name below `roboticstoolbox`.
+
+    Returns:
+        Whether they do.
+    """
+    return any(f"{place}.".startswith(f"{name}.") for name in _CLOSED)
+
+
+def advice_on(place: str) -> str:
+    """What to use in place of names of a module that are not offered; "" where there is nothing to say.
+
+    Args:
+        place: Its name below `roboticstoolbox`.
+
+    Returns:
+        The advice.
+    """
+    while place and place not in _ADVICE:
+        place = place.rpartition(".")[0]
+    return _ADVICE.get(place, "")

@@ -23,7 +23,7 @@ class IKSolution:
         iterations: Steps of all searches.
         searches: Number of searches.
         residual: E of the solution.
-        reason: Why there is no solution.
+        reason: Why there is no solution; "Success" where the solvers in Python of the toolbox say so.
     """
 
     q: Any

@@ -33,6 +33,8 @@ _DAMPINGS: tuple[Damping, ...] = ("chan", "wampler", "sugihara")
 _STEPS = 30  # of a search, by default
 _SQUARE = 6  # joints of a chain whose Jacobian is square
 _REFINED_TOLERANCE = 1e-6  # [m], [rad]
+REACHED = "Success"
+"""What `reason` of the solvers in Python of the toolbox says where a pose is reached."""
 _KINDS = {"NR": "newton_raphson", "GN": "gauss_newton", "QP": "qp"}
 
 
@@ -58,6 +60,7 @@ def solve(
     verbose: bool = False,
     pinv: bool = True,
     pinv_damping: float | None = 0.0,
+    reason: str = "",
 ) -> IKSolution:
     """The solution for poses `Tep`, (4, 4) or (m, 4, 4), of the chain's end in its start.
 
@@ -83,6 +86,7 @@ def solve(
         verbose: Whether to print what the search found.
         pinv: Whether "NR" and "GN" may take the pseudoinverse; a Jacobian that is not square has no other.
         pinv_damping: Damping d of that pseudoinverse, J^T (J J^T + d^2 I)^-1 [-]; 0 for none.
+        reason: What `reason` of the result is where one pose is reached.
 
     Returns:
         Joint coordinates (n,) or (m, n), success, and figures of the search.
@@ -103,6 +107,8 @@ def solve(
         result = _search(chain, T, None if starts is None else starts[0], slimit, settings)
     else:
         result = _searches_from_rows(chain, T, starts, slimit, settings)
+    if result.success and T.ndim == 2:
+        result.reason = reason
     if verbose:
         print(result.report())
     return result

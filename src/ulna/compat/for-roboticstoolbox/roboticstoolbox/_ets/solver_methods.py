@@ -11,7 +11,7 @@ from typing import Any, final
 from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._ets.compiled_chain import Chain
 from roboticstoolbox._ets.ik_solution import IKSolution
-from roboticstoolbox._ets.inverse_kinematics import one_row, solve
+from roboticstoolbox._ets.inverse_kinematics import REACHED, one_row, solve
 
 
 @describe_arguments
@@ -121,7 +121,19 @@ class ChainSolvers:
         search: Any = (ilimit, slimit, tol, mask, joint_limits)
         null_motion: dict[str, Any] = {"kq": kq, "km": km, "ps": ps, "pi": pi}
         chain = self._compiled(None)
-        return solve(chain, Tep, "LM", q0, *search, k=k, method=method, seed=seed, **null_motion, **more)
+        return solve(
+            chain,
+            Tep,
+            "LM",
+            q0,
+            *search,
+            k=k,
+            method=method,
+            seed=seed,
+            reason=REACHED,
+            **null_motion,
+            **more,
+        )
 
     def ikine_NR(
         self,
@@ -151,7 +163,9 @@ class ChainSolvers:
         search: Any = (ilimit, slimit, tol, mask, joint_limits)
         null_motion: dict[str, Any] = {"kq": kq, "km": km, "ps": ps, "pi": pi}
         chain = self._compiled(None)
-        return solve(chain, Tep, "NR", q0, *search, pinv=bool(pinv), seed=seed, **null_motion, **more)
+        return solve(
+            chain, Tep, "NR", q0, *search, pinv=bool(pinv), seed=seed, reason=REACHED, **null_motion, **more
+        )
 
     def ikine_GN(
         self,
@@ -181,7 +195,9 @@ class ChainSolvers:
         search: Any = (ilimit, slimit, tol, mask, joint_limits)
         null_motion: dict[str, Any] = {"kq": kq, "km": km, "ps": ps, "pi": pi}
         chain = self._compiled(None)
-        return solve(chain, Tep, "GN", q0, *search, pinv=bool(pinv), seed=seed, **null_motion, **more)
+        return solve(
+            chain, Tep, "GN", q0, *search, pinv=bool(pinv), seed=seed, reason=REACHED, **null_motion, **more
+        )
 
     def ikine_QP(
         self,
@@ -212,7 +228,9 @@ class ChainSolvers:
         search: Any = (ilimit, slimit, tol, mask, joint_limits)
         null_motion: dict[str, Any] = {"kq": kq, "km": km, "ps": ps, "pi": pi}
         chain = self._compiled(None)
-        return solve(chain, Tep, "QP", q0, *search, kj=kj, ks=ks, seed=seed, **null_motion, **more)
+        return solve(
+            chain, Tep, "QP", q0, *search, kj=kj, ks=ks, seed=seed, reason=REACHED, **null_motion, **more
+        )
 
 
 @final

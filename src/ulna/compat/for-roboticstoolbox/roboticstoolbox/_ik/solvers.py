@@ -18,7 +18,7 @@ import numpy as np
 from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._common.errors import WrongShape
 from roboticstoolbox._ets.ik_solution import IKSolution
-from roboticstoolbox._ets.inverse_kinematics import Damping, Kind, damping_name, solve
+from roboticstoolbox._ets.inverse_kinematics import REACHED, Damping, Kind, damping_name, solve
 from roboticstoolbox.tools.servo import angle_axis
 from ulna.errors import InputError
 from ulna.ik.classic import Method, move
@@ -99,6 +99,7 @@ class IKSolver:
             joint_limits=self.joint_limits,
             seed=self.seed,
             verbose=self.verbose,
+            reason=REACHED,
             **self._options(),
         )
 

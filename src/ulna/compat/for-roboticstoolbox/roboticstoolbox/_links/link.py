@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import warnings
+from functools import reduce
+from operator import matmul
 from typing import Any, Self
 
 import numpy as np
@@ -76,22 +78,12 @@ class Link(LinkNode, DynamicParameters):
         self._joint_name = joint_name
         self.children: list[Link] = []
         self._children: list[Any] = []
-        transforms = self._ets_class(ets)
-        transforms._auto_jindex = getattr(ets, "_auto_jindex", transforms._auto_jindex)
-        joints = [i for i, et in enumerate(transforms.data) if et.isjoint]
-        if len(joints) > 1 or (
-            joints and joints[0] != len(transforms.data) - 1 and type(self) in (Link, Link2)
-        ):
-            raise InputError(
-                f"Link {name!r} has the transforms {transforms}; expected one joint at most, at the end."
-            )
-        self._ets = transforms
-        if joints:
-            joint = transforms.data[joints[0]]
+        self._ets = self._checked_transforms(ets)
+        if self.v is not None:
             if jindex is not None:
-                joint.jindex, transforms._auto_jindex = jindex, False
+                self.jindex = jindex
             if qlim is not None:
-                joint.qlim = qlim
+                self.v.qlim = qlim
         self.qdlim, self.tlim = qdlim, tlim
         self.m, self.r, self.I, self.Jm, self.B, self.Tc, self.G = m, r, I, Jm, B, Tc, G
         self._drawn, self._solids = list(geometry), list(collision)
@@ -121,10 +113,38 @@ class Link(LinkNode, DynamicParameters):
         if self.robot is not None:
             self.robot._discard_compiled()
 
+    def _checked_transforms(self, ets: Any) -> Any:
+        """A chain that a link can have: its joint, if it has one, is at its end."""
+        transforms = self._ets_class(ets)
+        transforms._auto_jindex = getattr(ets, "_auto_jindex", transforms._auto_jindex)
+        joints = [i for i, et in enumerate(transforms.data) if et.isjoint]
+        if len(joints) > 1 or (
+            joints and joints[0] != len(transforms.data) - 1 and type(self) in (Link, Link2)
+        ):
+            raise InputError(
+                f"Link {self.name!r} has the transforms {transforms}; expected one joint at most, at the end."
+            )
+        return transforms
+
     @property
     def ets(self) -> Any:
         """Its transforms."""
         return self._ets
+
+    @ets.setter
+    def ets(self, ets: Any) -> None:
+        transforms = self._checked_transforms(ets)
+        number, was_joint = self.jindex, self.isjoint
+        if self.robot is not None and was_joint != any(et.isjoint for et in transforms.data):
+            raise InputError(
+                f"Link {self.name!r} belongs to a robot of {self.robot.n} joints; expected transforms "
+                f"{'with' if was_joint else 'without'} a joint. Make a new Robot of the links."
+            )
+        keeps_number = was_joint and not self._ets._auto_jindex and transforms._auto_jindex
+        self._ets = transforms
+        if keeps_number and number is not None:
+            self.jindex = number
+        self._limits_or_shapes_changed()
 
     @property
     def v(self) -> BaseET | None:
@@ -135,12 +155,7 @@ class Link(LinkNode, DynamicParameters):
     def Ts(self) -> Floats | None:
         """The constant part of its transforms, as a matrix; None where there is none."""
         fixed = [et.A() for et in self._ets.data if not et.isjoint]
-        if not fixed:
-            return None
-        T = fixed[0]
-        for other in fixed[1:]:
-            T = T @ other
-        return T
+        return reduce(matmul, fixed) if fixed else None
 
     @property
     def jindex(self) -> int | None:
@@ -213,10 +228,8 @@ class Link(LinkNode, DynamicParameters):
 
     def A(self, q: float = 0.0) -> Any:
         """The pose in the link before, as an SE3."""
-        T = np.eye(self._ets_class._et._size)
-        for et in self._ets.data:
-            T = T @ et.A(q if et.isjoint else None)
-        return pose(T)
+        factors = [et.A(q if et.isjoint else None) for et in self._ets.data]
+        return pose(reduce(matmul, factors) if factors else np.eye(self._ets_class._et._size))
 
     def copy(self, parent: Any = None) -> Self:
         """A copy, of no robot yet."""

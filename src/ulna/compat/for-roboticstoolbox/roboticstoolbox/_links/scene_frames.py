@@ -13,7 +13,7 @@ import numpy as np
 from ulna.errors import InputError
 from ulna.typing import Floats
 
-_OF_LINKS = {"actuator": "`G`, `Jm`, `B` and `Tc`", "mesh": "`geometry`", "id": "`number`"}
+_OF_LINKS = {"actuator": "`G`, `Jm`, `B` and `Tc`", "id": "`number`"}
 
 
 def scene_node() -> Any:

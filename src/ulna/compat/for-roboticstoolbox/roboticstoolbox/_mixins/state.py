@@ -18,6 +18,7 @@ class State(RobotMixin):
     """State and named configurations."""
 
     _configs: dict[str, Floats]
+    _qdlim: Any = None
 
     @property
     def q(self) -> Floats:  # type: ignore[override]
@@ -66,10 +67,16 @@ class State(RobotMixin):
         self._control_mode = mode
 
     @property
-    def qdlim(self) -> Floats | None:
-        """Greatest speeds, (n,); None where a joint has none."""
+    def qdlim(self) -> Any:
+        """Greatest speeds: those that were set, or (n,) of the joints; None where a joint has none."""
+        if self._qdlim is not None:
+            return self._qdlim
         speeds = [link.qdlim for link in self._joints()]
         return None if None in speeds else np.array(speeds, dtype=float)
+
+    @qdlim.setter
+    def qdlim(self, speeds: Any) -> None:
+        self._qdlim = speeds
 
     @property
     def configs(self) -> dict[str, Floats]:

@@ -161,7 +161,7 @@ class Plotting(RobotMixin):
         """Whether the robot has shapes and there is a screen."""
         from ulna.viewer.page.browser import has_screen
 
-        if not self.hasgeometry or os.environ.get("SWIFT_HEADLESS"):
+        if not any(link._drawn for link in self._links) or os.environ.get("SWIFT_HEADLESS"):
             return False
         return has_screen() and importlib.util.find_spec("viser") is not None
 

@@ -24,6 +24,7 @@ from roboticstoolbox._links.ulna_model import model_of
 from roboticstoolbox._robots.dh_links import DHLink
 from roboticstoolbox._robots.dh_text import DHText
 from roboticstoolbox._robots.robot import BaseRobot, Robot
+from roboticstoolbox.tools.data import rtb_path_to_datafile
 from ulna.algorithms.kinematics.analytical_jacobian import rate_matrix
 from ulna.errors import InputError, ModelError
 from ulna.robot import Robot as Body
@@ -35,14 +36,19 @@ class DHRobot(DHText, Analytic, Robot):
     """A serial arm of DH links; its base and its tool are part of its transforms."""
 
     def __init__(self, links: Any, meshdir: Any = None, **more: Any) -> None:
-        """`links` are DH links of one convention, or a DH robot; `more` are arguments of `Robot`.
+        """An arm of DH links.
+
+        Args:
+            links: DH links of one convention, or a DH robot.
+            meshdir: Folder with the files link0.stl, link1.stl ..., of the user or of the package `rtb-data`. Their
+                paths become `basemesh` and `mesh` of the links; as in the toolbox they are not drawn.
+            **more: Arguments of `Robot`.
 
         Raises:
             ModelError: The links are no DH links, or of both conventions.
-            InputError: `meshdir` is given.
+            FormatError: There is no such folder.
         """
-        if meshdir is not None:
-            raise InputError(f"`meshdir` is {meshdir!r}; meshes are set as `geometry` of the links here.")
+        folder = None if meshdir is None else rtb_path_to_datafile(meshdir)
         dh_links = _dh_links(links)
         if not dh_links:
             raise ModelError("A DHRobot has at least one link; `links` is empty.")
@@ -51,7 +57,16 @@ class DHRobot(DHText, Analytic, Robot):
         for i, (link, name) in enumerate(zip(dh_links, _link_names(dh_links), strict=True)):
             link._parent, link._parent_name = (dh_links[i - 1] if i else None), None
             link.jindex, link.name = i, name
+            link.mesh = link.mesh if folder is None else folder / f"link{i + 1}.stl"
+        if folder is not None:
+            self.meshdir = folder
+        self.basemesh = None if folder is None else folder / "link0.stl"
         super().__init__(dh_links, **more)
+
+    @property
+    def hasgeometry(self) -> bool:
+        """Whether any link has shapes to draw, or a file with its shape."""
+        return super().hasgeometry or any(getattr(link, "mesh", None) for link in self._links)
 
     def ets(self, start: Any = None, end: Any = None) -> ETS:
         """The transforms from `start` to `end`; of the whole arm with base and tool.

@@ -35,8 +35,6 @@ _ELSEWHERE = {
     "ikine_min": "ikine_QP or ulna's robot.ik",
     "pay": "payload",
     "paycap": "payload_capacity",
-    "basemesh": "`geometry` of a link",
-    "meshdir": "`geometry` of links",
     "URDF_read": "ulna.load(path), or models.URDF.URDFRobot(path)",
     "ikine_a": "analytic_ik().solve(T), which returns all solutions",
     "ikine_6s": "robot.ulna.ik_all, which returns all solutions",

@@ -11,6 +11,7 @@ The robots are those of the Robotics Toolbox 1.5 by Corke and Haviland (MIT lice
 
 from __future__ import annotations
 
+import importlib.util
 import json
 from functools import cache
 from pathlib import Path
@@ -32,6 +33,18 @@ _KINDS = {(0, 0): RevoluteDH, (1, 0): PrismaticDH, (0, 1): RevoluteMDH, (1, 1): 
 _LENGTH = {"Hyper", "Hyper3d", "Coil"}
 _COILED = {"Coil"}  # the fewer joints, the more each of them turns
 _SYMBOLIC = {"Puma560"}
+_MESHES = {
+    "IRB140": "meshes/ABB/IRB140",
+    "KR5": "meshes/KUKA/KR5_arc",
+    "Panda": "meshes/FRANKA-EMIKA/Panda",
+    "Puma560": "meshes/UNIMATE/puma560",
+}
+"""Folders of the package `rtb-data`."""
+
+
+def _meshes(name: str) -> str | None:
+    """The folder of a robot's meshes, if the package with them is installed."""
+    return _MESHES.get(name) if importlib.util.find_spec("rtbdata") else None
 
 
 def _with_symbolic_angles(entry: dict[str, Any]) -> dict[str, Any]:
@@ -100,6 +113,8 @@ def fill(robot: BaseRobot, source: str, name: str) -> None:
     Robot.__init__(robot, links, gripper_links=gripper_roots or None, **_about(entry))  # type: ignore[arg-type]
     for gripper in robot.grippers:
         gripper.tool = _homogeneous(grippers[gripper.name])
+    if "qdlim" in entry:
+        robot.qdlim = np.array(entry["qdlim"])
     _name(robot, entry)
 
 
@@ -144,7 +159,7 @@ def dh_class(name: str, module: str, *more: type) -> type:
             row["alpha"] = turns * row.get("alpha", 0.0)
             configs = {key: [turns * q[0]] * count for key, q in entry["configs"].items()}
             chosen = entry | {"links": [row] * count, "configs": configs, "name": f"{name}{count}"}
-        DHRobot.__init__(self, dh_links(chosen), symbolic=symbolic, **_about(chosen))
+        DHRobot.__init__(self, dh_links(chosen), _meshes(name), symbolic=symbolic, **_about(chosen))
         _name(self, chosen)
 
     about = f"{entry['name']}, {len(entry['links'])} joints, by Denavit and Hartenberg's parameters."

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from roboticstoolbox._common.module_aliases import add_module_aliases
 from roboticstoolbox._robots.from_model import from_model
 from roboticstoolbox._robots.robot import Robot
@@ -11,6 +13,8 @@ from roboticstoolbox.models._from_tables import table, tree_class
 from roboticstoolbox.models.URDF._external_descriptions import ROBOTS, described_class
 from roboticstoolbox.models.URDF.URDFRobot import URDFRobot
 from ulna.robots.panda import panda
+
+_FINGER_SPEEDS = (3.0, 3.0)  # [m/s], which the toolbox appends to `qdlim` of the Panda
 
 
 class Panda(URDFRobot):
@@ -22,6 +26,7 @@ class Panda(URDFRobot):
         like = from_model(Robot, model, "panda_hand", tool, ("panda_hand_tcp",), manufacturer="Franka Emika")
         like.name = "panda"
         self._filled(like)
+        self.qdlim = np.append(self.qdlim, _FINGER_SPEEDS)
         for name in ("qr", "qz"):
             self.addconfiguration_attr(name, model.configurations[name][:7])
 
