@@ -64,6 +64,9 @@ _PACKAGES = (
 _FORMER_PACKAGES = ("faces",)
 """The same under former names."""
 
+_OWN = ("disk_cache",)
+"""What our own files import from here; without it, each would look for similar names first."""
+
 __all__ = [
     "SE3",
     "SO3",
@@ -104,7 +107,7 @@ _register_page_writer(_write_page)
 def __getattr__(name: str) -> Any:
     if name in _LATER:
         return getattr(importlib.import_module(_LATER[name]), name)
-    if name in _PACKAGES or name in _FORMER_PACKAGES:
+    if name in _PACKAGES or name in _FORMER_PACKAGES or name in _OWN:
         return importlib.import_module(f"ulna.{name}")
     raise unknown_attribute("module ulna", name, __dir__())
 

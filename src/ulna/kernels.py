@@ -17,8 +17,6 @@ import numpy as np
 from ulna import compiler
 from ulna import model as models
 from ulna.algorithms.multibody.references import check_reference
-from ulna.compiler import Function, trace
-from ulna.compiler.language.columns import DeferredFunction, column_form, with_columns
 from ulna.errors import InputError, UnknownName
 from ulna.model import Model
 from ulna.quantities import QUANTITIES, Quantity
@@ -30,6 +28,7 @@ from ulna.quantities.size import estimated_nodes, sized
 from ulna.system import forks
 
 if TYPE_CHECKING:
+    from ulna.compiler import Function
     from ulna.recursions.looped_function import LoopedFunction
 
 _SEARCHES = ("ik", "ik_all", "ik_classic", "ik_free", "distance", "collides", "first_contact")
@@ -92,9 +91,11 @@ def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), *
         return run
 
     with sized(model, quantity, chosen):
-        traced = trace(on_parameters(quantity.build), name=name, doc=doc, **shapes, **extra)
+        traced = compiler.trace(on_parameters(quantity.build), name=name, doc=doc, **shapes, **extra)
     if quantity.columns is None or model.nv < _MIN_COLUMNS:
         return traced
+    from ulna.compiler.language.columns import with_columns
+
     return with_columns(traced, on_parameters(quantity.build_columns), **shapes, **extra)
 
 
@@ -214,6 +215,8 @@ def _traced_kernel(
 
 def _deferred(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> Function:
     """A quantity in its form of columns; the graph, which single calls do not need, is traced when it is used."""
+    from ulna.compiler.language.columns import DeferredFunction, column_form
+
     shapes, doc = _shapes(model, quantity, chosen), _doc(model, quantity, chosen)
     with sized(model, quantity, chosen):
         form = column_form(quantity.build_columns(model, **chosen), quantity.name, **shapes)

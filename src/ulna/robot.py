@@ -5,13 +5,12 @@ from __future__ import annotations
 import importlib
 import inspect
 from collections.abc import Callable, Mapping
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from ulna import compiler, kernels
 from ulna.checks.values import short_repr
-from ulna.compiler import Function, trace
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import Explained, explained
@@ -35,6 +34,9 @@ from ulna.quantities.kinematics import Kinematics
 from ulna.quantities.operational_space import OperationalSpace
 from ulna.quantities.regressors import Regressors
 from ulna.typing import ArrayLike, Floats
+
+if TYPE_CHECKING:
+    from ulna.compiler import Function
 
 _notebook_display: Callable[[Any], str] | None = None
 
@@ -336,7 +338,7 @@ def compile(
             shapes,
             f"Give it: compile(f, {missing[0]}=(3,)), or pass the robot.",
         )
-    traced = trace(f, **{name: shapes[name] for name in names})
+    traced = compiler.trace(f, **{name: shapes[name] for name in names})
     if device == "cuda":
         from ulna.compiler.runtime.cuda_kernel import CudaKernel
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import ast
+import importlib
 import inspect
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import ulna
+import ulna.algorithms
 
 HEAVY = (
     "viser",
@@ -24,7 +28,15 @@ HEAVY = (
     "sympy",
     "torch",
     "jax",
+    "ulna.compiler.language",
     "ulna.compiler.runtime",
+    "ulna.algorithms.dynamics.crba",
+    "ulna.algorithms.kinematics",
+    "ulna.recursions",
+    "hashlib",
+    "multiprocessing",
+    "queue",
+    "subprocess",
     "llvmlite",
     "urllib.request",
     "ssl",
@@ -70,6 +82,28 @@ def test_importing_ulna_imports_nothing_heavy() -> None:
     script = f"import sys, ulna; print([m for m in {HEAVY!r} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_importing_ulna_imports_few_files() -> None:
+    """On top of NumPy: each takes 0.1 ms and more. What only some programs need is imported when it is first used."""
+    script = (
+        "import sys, numpy; before = set(sys.modules); import ulna; print(*sorted(set(sys.modules) - before))"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    imported = done.stdout.split()
+    assert len(imported) <= 137, imported
+
+
+def test_files_of_algorithms() -> None:
+    """What type checkers read and what is imported when first used are the same."""
+    source = ast.parse(Path(ulna.algorithms.__file__).read_text(encoding="utf-8"))
+    block = next(node for node in source.body if isinstance(node, ast.If))
+    for node in block.body:
+        assert isinstance(node, ast.ImportFrom)
+        for alias in node.names:
+            home = importlib.import_module(str(node.module))
+            assert getattr(ulna.algorithms, alias.name) is getattr(home, alias.name)
+    assert {alias.name for node in block.body for alias in node.names} == set(dir(ulna.algorithms))  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("kind", [ulna.Robot, ulna.Model, ulna.ModelBuilder, ulna.SE3, ulna.SO3, ulna.Motion])

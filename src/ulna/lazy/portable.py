@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import pickle
 import platform
@@ -39,6 +38,8 @@ class Portable:
     def __init__(self, function: Callable[..., Any]) -> None:
         content, is_by_value = _pickled(function)
         self._content = zlib.compress(content)
+        import hashlib  # with OpenSSL, which takes as long as fifty files of ours
+
         self._digest = hashlib.sha256(content).hexdigest()[:32]
         self._versions = versions(is_by_value)
         _remember(self._digest, function)

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Iterable, Mapping
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from ulna import disk_cache
 from ulna.algorithms.multibody.references import check_reference
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
-from ulna.methods.background_compilation import Preparation, processors
 from ulna.methods.ik import InverseKinematics
 from ulna.model import Model
 from ulna.quantities import QUANTITIES
 from ulna.quantities.part import frozen
 from ulna.version import __version__
+
+if TYPE_CHECKING:
+    from ulna.methods.background_compilation import Preparation
 
 DAILY = (
     "fk", "jacobian", "ik", "inverse_dynamics", "forward_dynamics", "mass_matrix", "bias_forces", "gravity_forces",
@@ -54,6 +55,9 @@ class Preparing(InverseKinematics):
             >>> robot.prepare("fk", "jacobian", frame="panda_hand").wait()
             True
         """
+        from ulna import disk_cache
+        from ulna.methods.background_compilation import Preparation, processors  # with subprocesses, for few
+
         if workers is not None and (not isinstance(workers, (int, np.integer)) or workers < 0):
             raise InputError(f"`workers` is {workers!r}; expected a whole number, 0 or more, or None.")
         chosen = tuple(dict.fromkeys(names or DAILY))

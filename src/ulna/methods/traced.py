@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from ulna.compiler.language.scalar import Value
 from ulna.errors import TraceError
 
 
@@ -22,8 +21,10 @@ def only_numbers(what: str, advice: str, *values: Any) -> None:
         TraceError: If one of them holds a traced value.
     """
     for value in values:
-        is_object = isinstance(value, np.ndarray) and value.dtype.kind == "O"
-        if is_object and any(isinstance(v, Value) for v in value.flat):
-            raise TraceError(
-                f"{what} takes numbers only, so it cannot be part of a compiled function. {advice}"
-            )
+        if isinstance(value, np.ndarray) and value.dtype.kind == "O":
+            from ulna.compiler.language.scalar import Value  # numbers do without the compiler
+
+            if any(isinstance(v, Value) for v in value.flat):
+                raise TraceError(
+                    f"{what} takes numbers only, so it cannot be part of a compiled function. {advice}"
+                )

@@ -7,7 +7,6 @@ kernels are found again on disk by this one.
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import struct
 from collections.abc import Callable, Mapping
 from functools import cache
@@ -24,6 +23,8 @@ _VERSION = "ulna model 1"
 
 def fingerprint(*values: Any) -> str:
     """The SHA-256 of the values' content, 64 hexadecimal digits."""
+    import hashlib  # with OpenSSL, which takes as long as fifty files of ours
+
     out = bytearray(_VERSION.encode())
     for value in values:
         _write(value, out)

@@ -14,17 +14,18 @@ import numpy as np
 
 def is_symbolic(*values: Any) -> bool:
     """Whether any value is a traced scalar, a symbol, or an object array of them."""
-    return any(_is_symbolic(v) for v in values)
+    for value in values:  # noqa: SIM110, loading a model asks thousands of times: `any` takes twice as long
+        if _is_symbolic(value):
+            return True
+    return False
 
 
 def _is_symbolic(value: Any) -> bool:
-    if isinstance(value, np.ndarray):
-        return value.dtype == object
     if isinstance(value, (float, int, np.generic)):
         return False
-    if isinstance(value, (list, tuple)):
-        return any(_is_symbolic(v) for v in value)
-    return True
+    if isinstance(value, np.ndarray):
+        return value.dtype.char == "O"
+    return is_symbolic(*value) if isinstance(value, (list, tuple)) else True
 
 
 def sincos(x: Any) -> tuple[Any, Any]:

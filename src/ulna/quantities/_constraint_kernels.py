@@ -6,11 +6,11 @@ import functools
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ulna import algorithms
-from ulna.algorithms import Proximal, Stabilisation
+from ulna.algorithms import Proximal
 from ulna.model import Model
 from ulna.model.constraint import frame_pairs
 from ulna.quantities.forces import friction_of, wrenches
+from ulna.quantities.late import algorithms
 from ulna.quantities.quantity import Arguments
 from ulna.typing import Array
 
@@ -59,7 +59,7 @@ def constrained_dynamics(
         external = algorithms.at_joints(model, q, remaining.pop(0), frames, reference)
     if stabilised:
         anchored = any(constraint.is_contact for constraint in constraints)
-        pull = Stabilisation(remaining.pop(0) if anchored else None, remaining.pop(0))
+        pull = algorithms.Stabilisation(remaining.pop(0) if anchored else None, remaining.pop(0))
     if law is not None:
         tau = tau + algorithms.friction_torque(v, law)
     return tuple(algorithms.constrained_dynamics(model, q, v, tau, resolved, external, pull, solver))

@@ -6,8 +6,8 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna import algorithms
 from ulna.errors import InputError
+from ulna.quantities.late import algorithms
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import quantity
 from ulna.typing import ArrayLike, Floats, Numbers

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from ulna import algorithms
-from ulna.algorithms import ConstrainedDerivatives, ConstrainedMotion, Friction, Impact, Proximal
+from ulna.algorithms import Proximal
 from ulna.algorithms.multibody.references import Reference
 from ulna.errors import InputError, ShapeError
 from ulna.model import Constraint
@@ -17,9 +16,13 @@ from ulna.numeric import is_symbolic
 from ulna.quantities import _constraint_kernels as kernels
 from ulna.quantities.constraint_arguments import anchor_poses, checked_solver, one_each, stabilisation_arrays
 from ulna.quantities.forces import FORCES, Forces, stacked
+from ulna.quantities.late import algorithms
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import quantity
 from ulna.typing import ArrayLike, Floats
+
+if TYPE_CHECKING:
+    from ulna.algorithms import ConstrainedDerivatives, ConstrainedMotion, Friction, Impact
 
 AnyConstraints = Sequence[Constraint] | Constraint
 """What constrains the robot: a list of constraints, or one."""
@@ -110,7 +113,7 @@ class Constraints(Part):
             )
         written = reference if forces else FORCES["reference"]
         options = (frames, written, friction, stabilised, checked_solver(solver))
-        return ConstrainedMotion(*self._kernel("constrained_dynamics", listing, *options)(*arrays))
+        return algorithms.ConstrainedMotion(*self._kernel("constrained_dynamics", listing, *options)(*arrays))
 
     @quantity(
         kernels.of_frame_pairs(algorithms.constrained_dynamics_derivatives),
@@ -144,7 +147,9 @@ class Constraints(Part):
         """
         kernel = self._kernel("constrained_dynamics_derivatives", listed(constraints))
         matrices, n = kernel(q, v, tau), self.model.nv
-        return ConstrainedDerivatives(*(x[..., :n, :] for x in matrices), *(x[..., n:, :] for x in matrices))
+        return algorithms.ConstrainedDerivatives(
+            *(x[..., :n, :] for x in matrices), *(x[..., n:, :] for x in matrices)
+        )
 
     @quantity(
         kernels.forward_dynamics_with_jacobian,
@@ -187,7 +192,7 @@ class Constraints(Part):
             raise ShapeError("J", shape, f"(..., m, {self.model.nv}) with m from 1")
         soft = () if compliance is None else (compliance,)
         options = (shape[-2], compliance is not None, checked_solver(solver))
-        return ConstrainedMotion(
+        return algorithms.ConstrainedMotion(
             *self._kernel("forward_dynamics_with_jacobian", *options)(q, v, tau, J, drift, *soft)
         )
 
@@ -226,11 +231,11 @@ class Constraints(Part):
         """
         listing, checked = listed(constraints), checked_solver(solver)
         if isinstance(restitution, (int, float)) and restitution == 0.0:
-            return Impact(*self._kernel("impulse_dynamics", listing, False, checked)(q, v))
+            return algorithms.Impact(*self._kernel("impulse_dynamics", listing, False, checked)(q, v))
         back = one_each("restitution", restitution, len(listing))
         if not is_symbolic(back) and not ((back >= 0.0) & (back <= 1.0)).all():
             raise InputError(f"`restitution` is {restitution}; expected numbers in [0, 1].")
-        return Impact(*self._kernel("impulse_dynamics", listing, True, checked)(q, v, back))
+        return algorithms.Impact(*self._kernel("impulse_dynamics", listing, True, checked)(q, v, back))
 
     @quantity(
         kernels.of_frame_pairs(algorithms.delassus_matrix),

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any, final
 
-from ulna import algorithms
 from ulna.algorithms.multibody.references import Reference
 from ulna.errors import InputError
 from ulna.quantities.forces import Forces, stacked, under_forces, wrenches
+from ulna.quantities.late import algorithms
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import of_frame, quantity
 from ulna.typing import ArrayLike, Floats

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ulna import algorithms
-from ulna.algorithms import Friction
 from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.model import Model
 from ulna.quantities.forces import FORCES, Forces, friction_of, stacked, under_forces, wrenches
+from ulna.quantities.late import algorithms
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import of_frame, quantity
 from ulna.typing import Array, ArrayLike, Floats, Numbers
+
+if TYPE_CHECKING:
+    from ulna.algorithms import Friction
 
 _LOADED: dict[str, Any] = {
     "options": FORCES,

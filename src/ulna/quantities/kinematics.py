@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ulna import algorithms
-from ulna.algorithms import Representation
 from ulna.algorithms.multibody.references import Reference
 from ulna.model import Frame, Model
+from ulna.quantities.late import algorithms
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import frame_of, of_frame, quantity
 from ulna.typing import Array, ArrayLike, Floats, Numbers
+
+if TYPE_CHECKING:
+    from ulna.algorithms import Representation
 
 FrameName = str | Sequence[str] | None
 Measure = Literal["yoshikawa", "inverse_condition", "minimum_singular_value", "asada"]

@@ -9,14 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ulna import algorithms
 from ulna.algorithms.dynamics import conditioning
 from ulna.algorithms.dynamics.conditioning import Conditioning
-from ulna.algorithms.dynamics.mass_matrix_factors import ZeroPivot
-from ulna.algorithms.dynamics.pivots import conditioning_by_pivots
+from ulna.algorithms.dynamics.pivots import ZeroPivot, conditioning_by_pivots
 from ulna.errors import ModelError, ModelWarning
 from ulna.model import Model
 from ulna.numeric import is_symbolic
+from ulna.quantities.late import algorithms
 
 MASS_PARAMETERS = frozenset({"placement", "shift", "offset", "inertia", "armature"})
 """Parameters of a model (see `ulna.model.parameters`) that the inverse of its mass matrix depends on."""

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import functools
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
-from ulna import algorithms
-from ulna.algorithms import Representation, Task
 from ulna.algorithms.multibody.references import Reference
 from ulna.model import Model
+from ulna.quantities.late import algorithms
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import frame_of, quantity
 from ulna.typing import Array, ArrayLike, Floats
+
+if TYPE_CHECKING:
+    from ulna.algorithms import Representation
 
 
 def _at_frame(algorithm: Any) -> Any:
@@ -19,7 +21,7 @@ def _at_frame(algorithm: Any) -> Any:
 
     @functools.wraps(algorithm)
     def run(model: Model, *arrays: Array, frame: Any, **options: Any) -> Array:
-        return algorithm(model, *arrays, Task(frame_of(model, frame), **options))
+        return algorithm(model, *arrays, algorithms.Task(frame_of(model, frame), **options))
 
     return run
 

@@ -19,14 +19,16 @@ from __future__ import annotations
 import functools
 import types
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeVar, final
+from typing import TYPE_CHECKING, Any, TypeVar, final
 
-from ulna.compiler.language.columns import Columns
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model import Frame, Model
 from ulna.quantities.documentation import ARRAYS, Size, documented
 from ulna.quantities.mass import with_mass
+
+if TYPE_CHECKING:
+    from ulna.compiler.language.columns import Columns
 
 F = TypeVar("F", bound=Callable[..., Any])
 Arguments = tuple[tuple[str, Size], ...]

@@ -17,7 +17,6 @@ from math import ceil
 from typing import Any
 
 from ulna.algorithms.multibody.tree import steps
-from ulna.compiler.language.graph import most_operations, raise_too_large
 from ulna.model import Model
 from ulna.quantities.quantity import Quantity
 
@@ -60,6 +59,8 @@ def sized(model: Model, quantity: Quantity, options: Mapping[str, Any]) -> Itera
     Raises:
         TooLargeError: The estimate is above `most_operations()`.
     """
+    from ulna.compiler.language.graph import most_operations, raise_too_large  # when the compiler is needed
+
     nodes = estimated_nodes(model, quantity, options)
     what = f"{quantity.name} of {model.name!r}"
     if nodes > most_operations():

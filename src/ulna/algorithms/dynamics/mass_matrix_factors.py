@@ -21,22 +21,11 @@ from typing import Any
 
 import numpy as np
 
+from ulna.algorithms.dynamics.pivots import ZeroPivot
 from ulna.compiler.language.columns import Columns, row_places
-from ulna.errors import ModelError
 from ulna.linalg import reciprocal_above
 from ulna.numeric import matrix
 from ulna.typing import Array
-
-
-class ZeroPivot(ModelError):
-    """A motion moves no inertia, whatever the inputs: a matrix that depends on nothing there cannot be inverted."""
-
-    def __init__(self, index: int) -> None:
-        self.index = index
-        super().__init__(
-            f"Entry {index} of v moves no inertia, and its drive has no armature, so that forces accelerate it without "
-            "bound. Lock the joint, or give it inertia or armature."
-        )
 
 
 class Factors:

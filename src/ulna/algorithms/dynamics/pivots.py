@@ -18,12 +18,24 @@ import numpy as np
 
 from ulna.algorithms.dynamics.conditioning import Conditioning
 from ulna.algorithms.multibody.tree import Step, poses, shares_velocities, steps
+from ulna.errors import ModelError
 from ulna.model import Model
 from ulna.numeric.arrays import skew
 from ulna.spatial import SE3, Inertia
 from ulna.typing import Floats
 
 _ROUNDING = 64.0 * np.finfo(float).eps
+
+
+class ZeroPivot(ModelError):
+    """A motion moves no inertia, whatever the inputs: a matrix that depends on nothing there cannot be inverted."""
+
+    def __init__(self, index: int) -> None:
+        self.index = index
+        super().__init__(
+            f"Entry {index} of v moves no inertia, and its drive has no armature, so that forces accelerate it without "
+            "bound. Lock the joint, or give it inertia or armature."
+        )
 
 
 def conditioning_by_pivots(model: Model, q: Floats) -> Conditioning:

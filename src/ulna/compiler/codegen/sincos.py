@@ -120,37 +120,60 @@ def arc(body: Body, r: str, s: str) -> tuple[tuple[str, str], tuple[str, str]]:
 
 
 def _reduce_far(body: Body, x: str, far: str, near: tuple[str, str, str]) -> tuple[str, str, str]:
-    """(r, s, k) with the lanes that are `far` reduced one by one, for every x."""
+    """(r, s, k) with the lanes that are `far` reduced one by one, for every x: a loop, which compiles in no time."""
     kind = body.lanes
-    pair = "{ double, double, i64 }"
-    safe = body.select(far, x, 2.0 * BOUND[kind.dtype])
-    r, s, k = near
-    for lane in range(kind.lanes):
-        value = safe if kind.lanes == 1 else body.emit(f"extractelement {kind.real} {safe}, i32 {lane}")
-        if kind.dtype == "float":
-            value = body.emit(f"fpext float {value} to double")
-        whole = body.emit(f"call {pair} @{payne_hanek.NAME}(double {value})")
-        parts = [body.emit(f"extractvalue {pair} {whole}, {i}") for i in range(3)]
-        if kind.dtype == "float":
-            exact = body.emit(f"fsub double {parts[0]}, {parts[1]}")
-            parts[0] = body.emit(f"fptrunc double {exact} to float")
-            back = body.emit(f"fpext float {parts[0]} to double")
-            parts[1] = body.emit(f"fptrunc double {body.emit(f'fsub double {back}, {exact}')} to float")
-            parts[2] = body.emit(f"trunc i64 {parts[2]} to i32")
-        flag = far if kind.lanes == 1 else body.emit(f"extractelement {kind.truth} {far}, i32 {lane}")
-        merged = []
-        for element, current, part in zip(
-            (kind.dtype, kind.dtype, f"i{kind.bits}"), (r, s, k), parts, strict=True
-        ):
-            if kind.lanes == 1:
-                merged.append(body.emit(f"select i1 {flag}, {element} {part}, {element} {current}"))
-                continue
-            vector = kind.of(element)
-            old = body.emit(f"extractelement {vector} {current}, i32 {lane}")
-            chosen = body.emit(f"select i1 {flag}, {element} {part}, {element} {old}")
-            merged.append(body.emit(f"insertelement {vector} {current}, {element} {chosen}, i32 {lane}"))
-        r, s, k = merged
+    types = (kind.real, kind.real, kind.of(f"i{kind.bits}"))
+    if kind.lanes == 1:
+        huge = _reduce_huge(body, body.select(far, x, 2.0 * BOUND[kind.dtype]))
+        r, s, k = (
+            body.emit(f"select i1 {far}, {of} {part}, {of} {current}")
+            for of, part, current in zip(types, huge, near, strict=True)
+        )
+        return r, s, k
+    elements = (kind.dtype, kind.dtype, f"i{kind.bits}")
+    body.jump("lane")
+    body.open_block("lane")
+    index = body.emit("phi i32 [ 0, %start ], [ %following, %merged ]")
+    now = [
+        body.emit(f"phi {of} [ {value}, %start ], [ %next.{n}, %merged ]")
+        for n, (of, value) in enumerate(zip(types, near, strict=True))
+    ]
+    flag = body.emit(f"extractelement {kind.truth} {far}, i32 {index}")
+    body.write(f"br i1 {flag}, label %far, label %merged")
+    body.open_block("far")
+    huge = _reduce_huge(body, body.emit(f"extractelement {kind.real} {x}, i32 {index}"))
+    changed = [
+        body.emit(f"insertelement {of} {current}, {element} {part}, i32 {index}")
+        for of, element, current, part in zip(types, elements, now, huge, strict=True)
+    ]
+    body.jump("merged")
+    body.open_block("merged")
+    r, s, k = (
+        body.let(f"next.{n}", f"phi {of} [ {current}, %lane ], [ {other}, %far ]")
+        for n, (of, current, other) in enumerate(zip(types, now, changed, strict=True))
+    )
+    body.let("following", f"add i32 {index}, 1")
+    more = body.emit(f"icmp ult i32 %following, {kind.lanes}")
+    body.write(f"br i1 {more}, label %lane, label %done")
+    body.open_block("done")
     return r, s, k
+
+
+def _reduce_huge(body: Body, value: str) -> tuple[str, str, str]:
+    """(r, s, k) of one number, however large."""
+    single = body.lanes.dtype == "float"
+    if single:
+        value = body.emit(f"fpext float {value} to double")
+    pair = "{ double, double, i64 }"
+    whole = body.emit(f"call {pair} @{payne_hanek.NAME}(double {value})")
+    r, s, k = (body.emit(f"extractvalue {pair} {whole}, {i}") for i in range(3))
+    if not single:
+        return r, s, k
+    exact = body.emit(f"fsub double {r}, {s}")
+    r = body.emit(f"fptrunc double {exact} to float")
+    back = body.emit(f"fpext float {r} to double")
+    s = body.emit(f"fptrunc double {body.emit(f'fsub double {back}, {exact}')} to float")
+    return r, s, body.emit(f"trunc i64 {k} to i32")
 
 
 def reduced_function(
@@ -189,6 +212,7 @@ def reduced_function(
 
     text = [
         f"define internal {returned} @{name}.slow({real} %x) noinline cold nounwind {{",
+        "start:",
         *slow.lines,
         *_return(kind, slow_results),
         "}",

@@ -81,8 +81,8 @@ def snap_pose(pose: SE3) -> SE3:
     become
     0: what a rotation by pi/2 leaves behind would otherwise be computed with in every compiled kernel.
     """
-    rotation = [[snap(float(entry)) for entry in row] for row in pose.rotation]
-    translation = [float(t) if abs(t) > SNAP else 0.0 for t in pose.translation]
+    rotation = [[snap(float(entry)) for entry in row] for row in pose.rotation.tolist()]
+    translation = [float(t) if abs(t) > SNAP else 0.0 for t in pose.translation.tolist()]
     return SE3(constant(rotation), constant(translation))
 
 
