@@ -136,16 +136,17 @@ def goal_configurations(
         InputError: If it holds nan, `frame` is given for what names frames or needs none, or joints would have to move
             that may not.
     """
-    moving = moving_columns(robot.model, joints)
+    if isinstance(goal, np.ndarray):
+        return _of_array(robot, goal, frame, q0, seed, joints)
     if isinstance(goal, Mapping):
         if frame is not None:
             raise InputError("`frame` and a goal that names its frames are given; expected one of them.")
-        return _solved(robot, [goal], None, q0, seed, moving, joints)
+        return _solved(robot, [goal], None, q0, seed, joints)
     if isinstance(goal, (list, tuple)) and any(isinstance(item, SE3 | Region) for item in goal):
-        return _solved(robot, [_single(item) for item in goal], frame, q0, seed, moving, joints)
+        return _solved(robot, [_single(item) for item in goal], frame, q0, seed, joints)
     if isinstance(goal, Region):
-        return _solved(robot, [goal], frame, q0, seed, moving, joints)
-    return _of_array(robot, goal, frame, q0, seed, moving, joints)
+        return _solved(robot, [goal], frame, q0, seed, joints)
+    return _of_array(robot, goal, frame, q0, seed, joints)
 
 
 def moving_columns(model: Model, joints: Sequence[str] | None) -> Any:
@@ -184,7 +185,7 @@ def _single(item: Any) -> Any:
 
 
 def _of_array(
-    robot: Any, goal: Any, frame: str | None, q0: Floats, seed: int, moving: Any, joints: Sequence[str] | None
+    robot: Any, goal: Any, frame: str | None, q0: Floats, seed: int, joints: Sequence[str] | None
 ) -> Goals:
     """The configurations of a goal that is numbers."""
     nq = robot.model.nq
@@ -195,15 +196,15 @@ def _of_array(
             )
         goal = goal.q
     poses = goal.matrix() if isinstance(goal, SE3) else finite_array("goal", goal)
-    is_pose = poses.shape[-2:] == (4, 4) and poses.ndim in (2, 3)
+    is_pose = poses.ndim in (2, 3) and poses.shape[-2:] == (4, 4)
     if is_pose and nq == 4 and poses.ndim == 2 and not isinstance(goal, SE3):
         raise InputError(
             "`goal` of shape (4, 4) may be a pose or four configurations. Pass SE3.from_matrix(goal) or goal[None] "
             "for a pose; plan to the configurations one by one."
         )
     if is_pose:
-        return _solved(robot, list(poses.reshape(-1, 4, 4)), frame, q0, seed, moving, joints)
-    if poses.shape not in ((nq,),) and not (poses.ndim == 2 and poses.shape[1] == nq and len(poses)):
+        return _solved(robot, list(poses.reshape(-1, 4, 4)), frame, q0, seed, joints)
+    if poses.shape != (nq,) and not (poses.ndim == 2 and poses.shape[1] == nq and len(poses)):
         raise ShapeError(
             "goal",
             poses.shape,
@@ -217,6 +218,7 @@ def _of_array(
     flat = poses.reshape(-1, nq)
     if joints is None:
         return Goals(flat, tuple(range(len(flat))))
+    moving = moving_columns(robot.model, joints)
     stray = (np.abs(flat - q0) > 1e-9) & ~moving
     if stray.any():
         column = int(np.argwhere(stray)[0][1])
@@ -246,12 +248,12 @@ def _solved(
     frame: str | None,
     q0: Floats,
     seed: int,
-    moving: Any,
     joints: Sequence[str] | None,
 ) -> Goals:
     """Different configurations for poses, nearest to q0 first."""
     random = np.random.default_rng([seed, 2])
     model = robot.model
+    moving = moving_columns(model, joints)
     lower, upper = np.maximum(model.lower_position, q0 - np.pi), np.minimum(model.upper_position, q0 + np.pi)
     solutions: list[tuple[float, int, Floats]] = []
     nearest: tuple[float, IKSolution] | None = None

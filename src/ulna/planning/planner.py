@@ -260,10 +260,10 @@ class Planner:
         q0 = finite_array("q0", q0)
         if q0.shape != (self.model.nq,):
             raise ShapeError("q0", q0.shape, f"({self.model.nq},)")
-        moving = moving_columns(self.model, joints)
         goals = goal_configurations(self.robot, goal, frame, q0, options.seed, joints)
         if joints is not None:
-            options = replace(options, still=None if moving.all() else ~moving)
+            moving = moving_columns(self.model, joints)
+            options = options._replace(still=None if moving.all() else ~moving)
         plan = self._search_along(constraints).run(q0, goals.configurations, options)
         if plan.outcome == "unreachable" and goals.reason:
             return replace(plan, reason=f"{plan.reason.rstrip('.')}: {goals.reason}.")

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ulna.planning.joint_box import JointBox
 from ulna.planning.result import Outcome
@@ -15,9 +14,10 @@ from ulna.typing import Floats
 Failure = tuple[Outcome, str]
 """What stood in the way, and a sentence about it."""
 
+_NO_SECONDS = {"prepare": 0.0, "search": 0.0, "shorten": 0.0, "improve": 0.0, "certify": 0.0}
 
-@dataclass(frozen=True)
-class Options:
+
+class Options(NamedTuple):
     """What one call asks for.
 
     Attributes:
@@ -60,9 +60,7 @@ class Run:
         self.tree: SearchTree | None = None
         self.direct, self.roots, self.used, self.nodes = -1, 0, 0, 0
         self.improvements: list[tuple[float, float]] = []
-        self.seconds: dict[str, float] = dict.fromkeys(
-            ("prepare", "search", "shorten", "improve", "certify"), 0.0
-        )
+        self.seconds = dict(_NO_SECONDS)
 
     def is_late(self) -> bool:
         """Whether the time is up."""

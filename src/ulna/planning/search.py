@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from ulna.planning.samples import samples
 from ulna.planning.scenes import PlanningScene
 from ulna.planning.search_tree import search_tree
 from ulna.planning.workspace import COARSE, SLICE, Workspace, thread_storage
+from ulna.system.cached import cached_property
 from ulna.typing import Floats
 
 
@@ -51,8 +51,7 @@ class Search:
         Returns:
             The plan, or why there is none.
         """
-        for coarse in (options.coarse, COARSE[1])[: 2 if options.improve else 1]:
-            self._workspace(coarse).bind(coarse == COARSE[1])  # compiles before the clock starts
+        self._compile(options)
         run = Run(options, q0, goals)
         points, goal, failure = self._searched(run)
         if failure is not None:
@@ -65,16 +64,19 @@ class Search:
         reason = "" if certificate else f"edges {certificate.unproved} are not proved free"
         return self._result(run, "solved", reason, points, certificate, run.numbers[goal])
 
+    def _compile(self, options: Options) -> None:
+        """Compiles what a call needs before its clock starts."""
+        self._workspace(options.coarse).bind(False)
+        if options.improve:
+            self._workspace(COARSE[1]).bind(True)
+
     def _searched(self, run: Run) -> tuple[Floats, int, Failure | None]:
         """A path that is not proved yet and the number of its goal; or why there is none."""
         failure = self._prepare(run)
         if failure is not None:
             return run.q0, -1, failure
         if run.direct >= 0:
-            same = (run.goals == run.q0).all(axis=1)
-            if same.any():
-                return run.q0[None], int(same.argmax()), None
-            return np.stack([run.q0, run.goals[run.direct]]), run.direct, None
+            return *_straight(run), None
         is_met = self._grow(run)
         run.note("search")
         if run.options.keep_tree:
@@ -222,8 +224,8 @@ class Search:
     def _detour(self, run: Run, a: Floats, b: Floats, coarse: float) -> Floats | None:
         """A path that a search with shorter steps finds in the time that is left; None where it finds none."""
         left = run.options.timeout - (time.perf_counter() - run.start_time)
-        options = replace(
-            run.options, coarse=coarse, timeout=max(left, 0.0), improve=0, keep_tree=False, with_reason=False
+        options = run.options._replace(
+            coarse=coarse, timeout=max(left, 0.0), improve=0, keep_tree=False, with_reason=False
         )
         points, _, failure = self._searched(Run(options, a, b[None]))
         return points if failure is None else None
@@ -238,6 +240,10 @@ class Search:
             checks += edge.checks
             unproved += [] if edge else [k]
         return Certificate(tuple(unproved), self._margin, checks)
+
+    @cached_property
+    def _allowed_deviation(self) -> Floats | None:
+        return self._deviation_bounds()
 
     def _deviation_bounds(self) -> Floats | None:
         """What motions may deviate by without touching anything; see `Plan`."""
@@ -260,6 +266,14 @@ class Search:
             run.seconds,
             self._model,
             tuple(run.improvements),
-            self._deviation_bounds(),
+            self._allowed_deviation,
             run.tree,
         )
+
+
+def _straight(run: Run) -> tuple[Floats, int]:
+    """The straight motion to the goal to which one leads, or the start alone where it is a goal; the goal's number."""
+    same = next((k for k, goal in enumerate(run.goals) if goal.tolist() == run.q0.tolist()), -1)
+    if same >= 0:
+        return run.q0[None], same
+    return np.array([run.q0, run.goals[run.direct]]), run.direct
