@@ -8,6 +8,7 @@ from typing import Any
 
 from docutils import nodes
 from docutils.utils.math import latex2mathml, unichar2tex
+from sphinx.domains.python import PyObject
 from sphinx.util.inspect import TypeAliasForwardRef
 
 # The staged copy of this file lies in out/docs/source.
@@ -85,8 +86,10 @@ def setup(app: Any) -> dict[str, bool]:
         inline_renderers=(lambda self, node: _formula(self, node, as_block=False), None),
         block_renderers=(lambda self, node: _formula(self, node, as_block=True), None),
     )
+    next(f for f in PyObject.doc_field_types if f.name == "variable").label = "Attributes"
     TypeAliasForwardRef.__repr__ = lambda self: self.name  # as within Mapping[str, Floats]
     app.connect("autodoc-process-signature", docstrings.name_arrays)
+    app.connect("autodoc-skip-member", docstrings.skip_former_names)
     app.connect("autodoc-process-docstring", docstrings.process, priority=100)
     app.connect("autodoc-process-docstring", docstrings.keep_attributes, priority=900)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

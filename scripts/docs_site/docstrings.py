@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 from typing import Any
+
+from docs_site.names import target
 
 _CODE = re.compile(r"(``[^`]+``|`[^`]+`)")
 _SECTION = re.compile(r"(Args|Returns|Raises|Yields|Attributes|Examples?|Note):")
@@ -15,7 +18,7 @@ _SPECIAL = re.compile(r"([*|]|(?<=\w)_(?=\W|$))")
 
 
 def inline(line: str) -> str:
-    """A line as reStructuredText: code in double back quotes, other special characters escaped.
+    """A line as reStructuredText: code in double back quotes, or linked, other special characters escaped.
 
     Args:
         line: The line.
@@ -31,8 +34,14 @@ def inline(line: str) -> str:
             continue
         before, after = text[-1:], parts[number + 1][:1]
         text += "\\ " if before.isalnum() else ""
-        text += f"``{part.strip('`')}``" + ("\\ " if after.isalnum() else "")
+        text += _code(part.strip("`")) + ("\\ " if after.isalnum() else "")
     return text
+
+
+def _code(code: str) -> str:
+    """Code within a line; a name that the reference describes is a link."""
+    name = target(code)
+    return f"``{code}``" if name is None else f":py:obj:`{code} <{name}>`"
 
 
 def process(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
@@ -80,6 +89,11 @@ def keep_attributes(app: Any, what: str, name: str, obj: Any, options: Any, line
 _NUMPY = r"~?numpy\._typing\.[\w.]*"
 _ARRAY_LIKE = re.compile(rf"{_NUMPY}_Buffer \| .*?{_NUMPY}_NestedSequence\[complex \| bytes \| str\]")
 """What NumPy's ArrayLike stands for, as Sphinx writes it."""
+_NDARRAY = re.compile(
+    r"~?(?:numpy\.)?ndarray\[tuple\[~?(?:typing\.)?Any, \.\.\.\], ~?(?:numpy\.)?dtype\[~?(?:[\w.]+\.)?(\w+)\]\]"
+)
+"""What `ulna.typing` calls an array, as Sphinx writes it."""
+_ARRAYS = {"Any": "Array", "float64": "Floats"}
 
 
 def name_arrays(
@@ -95,5 +109,23 @@ def name_arrays(
     Returns:
         Both with shorter names.
     """
-    named = [text and _ARRAY_LIKE.sub("ArrayLike", text) for text in (signature, returns)]
-    return named[0], named[1]
+    return signature and _named(signature), returns and _named(returns)
+
+
+def _named(text: str) -> str:
+    """A signature with arrays by their names, and "..." for defaults that are made anew, which Sphinx can read."""
+    text = _NDARRAY.sub(lambda m: _ARRAYS.get(m[1], m[0]), _ARRAY_LIKE.sub("ArrayLike", text))
+    return text.replace("<factory>", "...")
+
+
+def skip_former_names(app: Any, what: str, name: str, obj: Any, skip: bool, options: Any) -> bool | None:
+    """Sphinx's event: names of earlier versions, which still work, are not listed.
+
+    Args:
+        app, what, name, obj, skip, options: What Sphinx passes; only `name` and `obj` are needed.
+
+    Returns:
+        True for a name of an earlier version; None leaves the decision to Sphinx.
+    """
+    is_second_name = inspect.isfunction(obj) and obj.__name__ not in (name, "<lambda>")
+    return True if is_second_name or (getattr(obj, "__doc__", None) or "").startswith("Old name") else None

@@ -12,6 +12,7 @@ from typing import Any
 
 import ulna
 from docs_site.docstrings import inline
+from docs_site.names import groups
 
 MODULES = {
     "ulna": "What is imported first: loading, compiling, poses, the viewer",
@@ -80,15 +81,6 @@ def public_names(module: str) -> list[str]:
     return sorted(
         name for name in names if not name.startswith("__") and not inspect.ismodule(getattr(home, name))
     )
-
-
-def groups() -> dict[str, type]:
-    """The groups of a robot's methods: names and classes."""
-    from ulna.quantities.part import Part
-
-    robot = ulna.load("panda", visuals="simple")
-    parts = {name: getattr(robot, name) for name in dir(robot) if not name.startswith("_")}
-    return {name: type(part) for name, part in parts.items() if isinstance(part, Part)}
 
 
 def write(folder: Path) -> None:

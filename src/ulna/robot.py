@@ -117,15 +117,15 @@ class Robot(
     """
 
     __slots__ = {
-        "centroidal": "Motion of the centre of mass, momentum and inertia about it: `ulna.quantities.centroidal`.",
-        "collision": "Collision checkers, first contacts, covering spheres: `ulna.methods.collision`.",
-        "configuration_space": "Distances of configurations, normalisation: `ulna.quantities.configurations`.",
-        "constraints": "Contacts, closed loops, impacts: `ulna.quantities.constraints`.",
-        "derivatives": "Derivatives by state, acceleration and torques: `ulna.quantities.derivatives`.",
-        "limits": "Limits of positions, speeds and torques: `Limits`.",
-        "operational_space": "Dynamics at a frame: `ulna.quantities.operational_space`.",
-        "parameters": "Numbers of the model that can be inputs of kernels: `ulna.methods.parameters`.",
-        "regressors": "Matrices that map dynamic parameters to torques and energies: `ulna.quantities.regressors`.",
+        "centroidal": "Motion of the centre of mass, momentum about it, such as `robot.centroidal.momentum`.",
+        "collision": "Collision checkers, first contacts, covering spheres, such as `robot.collision.checker`.",
+        "configuration_space": "Distances of configurations, such as `robot.configuration_space.distance`.",
+        "constraints": "Contacts, closed loops, impacts, such as `robot.constraints.forward_dynamics`.",
+        "derivatives": "Derivatives by state, acceleration and torques, such as `robot.derivatives.inverse_dynamics`.",
+        "limits": "Limits of positions, speeds and torques: `.lower`, `.upper`, `.velocity`, `.effort`.",
+        "operational_space": "Dynamics at a frame, such as `robot.operational_space.inertia`.",
+        "parameters": "Numbers of the model that can be inputs of kernels, such as `robot.parameters.dynamic`.",
+        "regressors": "Matrices from dynamic parameters to torques, such as `robot.regressors.joint_torque`.",
     }
 
     def __init__(self, model: Model) -> None:

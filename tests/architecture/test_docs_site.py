@@ -7,6 +7,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ import ulna
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from docs_site import built, docstrings, execution, pages, reference, staging  # noqa: E402
+from docs_site import built, docstrings, execution, names, pages, reference, staging  # noqa: E402
 
 PAGE = """# A page
 
@@ -130,6 +131,42 @@ def test_signatures_name_arrays() -> None:
     like = inspect.stringify_annotation(np.typing.ArrayLike, "smart")
     found = docstrings.name_arrays(None, "", "", None, None, f"(q: {like} | None = None, n: int = 1)", None)
     assert found == ("(q: ArrayLike | None = None, n: int = 1)", None)
+    text = inspect.stringify_annotation(dict[str, np.typing.NDArray[np.float64]], "smart")
+    assert docstrings.name_arrays(None, "", "", None, None, "()", text) == ("()", "dict[str, Floats]")
+    text = inspect.stringify_annotation(np.typing.NDArray[Any], "smart")
+    assert docstrings.name_arrays(None, "", "", None, None, None, text) == (None, "Array")
+    text = "(options: ~typing.Any = <factory>)"  # of a dataclass; no Python otherwise
+    assert docstrings.name_arrays(None, "", "", None, None, text, None)[0] == text.replace("<factory>", "...")
+
+
+@pytest.mark.parametrize(
+    ("code", "target"),
+    [
+        ("ulna.load", "ulna.load"),
+        ("robot.fk(q)", "ulna.Robot.fk"),
+        ("robot.centroidal.momentum", "ulna.quantities.centroidal.Centroidal.momentum"),
+        ("robot.limits.lower", None),
+        ("q[0] < 1", None),
+        ("robot.fk(q) < 1", None),
+    ],
+)
+def test_names_in_docstrings_are_links(code: str, target: str | None) -> None:
+    assert names.target(code) == target
+    expected = f"See ``{code}``." if target is None else f"See :py:obj:`{code} <{target}>`."
+    assert docstrings.inline(f"See `{code}`.") == expected
+
+
+def test_names_of_earlier_versions_are_not_listed() -> None:
+    old = {"put": ulna.sim.Body.put, "patience": ulna.Simulation.patience}
+    listed = {
+        "step": ulna.sim.Body.step,
+        "q": ulna.sim.Body.q,
+        "sin": ulna.numeric.sin,
+        "Body": ulna.sim.Body,
+    }
+    for names_and_values, expected in ((old, True), (listed, None)):
+        for name, value in names_and_values.items():
+            assert docstrings.skip_former_names(None, "class", name, value, False, None) is expected
 
 
 def test_examples_in_docstrings_stay_as_they_are_and_fields_of_tuples_say_nothing() -> None:

@@ -70,8 +70,6 @@ def p_servo(
     shape = () if type(gain) is float else np.shape(factors)
     if shape not in ((), (6,)):
         raise ShapeError("gain", shape, "one number or (6,)")
-    T = T.matrix() if isinstance(T, SE3) else T
-    T_goal = T_goal.matrix() if isinstance(T_goal, SE3) else T_goal
     twist, lack, off = _kernel(method, shape)(T, T_goal, factors)
     if not (off if off.ndim == 0 else off.max(initial=0.0)) < _ROUGH:
         raise InputError(

@@ -47,7 +47,7 @@ def picture_html(scene: SceneGraph, theme: Theme = LIGHT, width: int = 800, heig
     """
     image = render(scene, width, height, camera_for(scene, width / height), theme=theme)
     data = base64.b64encode(encode_png(image)).decode("ascii")
-    return f'<img src="data:image/png;base64,{data}" width="{width}" alt="the scene"/>'
+    return f'<img src="data:image/png;base64,{data}" width="{width}" style="max-width:100%" alt="the scene"/>'
 
 
 @lru_cache(maxsize=16)

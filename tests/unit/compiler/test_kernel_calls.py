@@ -515,3 +515,19 @@ def test_numbers_of_python_and_numpy_take_the_fast_call(checked: bool) -> None:
         kernel(x, "2.5")
     single = compile(lambda s: s + 1.0, dtype="float32", s=())
     assert single(1.5) == 2.5  # in float32 the bits of a Python float mean nothing, so it is converted
+
+
+class Pose:
+    """An object that is read as an array and takes no part in ufuncs, as `SE3`."""
+
+    __array_ufunc__ = None
+
+    def __array__(self, dtype: object = None, copy: object = None) -> np.ndarray:
+        return np.arange(9.0).reshape(3, 3)
+
+
+def test_objects_that_are_no_part_of_ufuncs_are_read_as_arrays(kernel) -> None:
+    for given, expected in zip(kernel(np.ones(3), Pose()), plain(np.ones(3), Pose()), strict=True):
+        np.testing.assert_array_equal(given, expected)
+    with pytest.raises(ShapeError, match=r"`q` has shape \(3, 3\); expected \(\.\.\., 2\)"):
+        compile(lambda q: q[0] + q[1], q=(2,))(Pose())

@@ -108,6 +108,7 @@ def test_robots_are_displayed_as_picture_and_table() -> None:
     data = text.partition("base64,")[2].partition('"')[0]
     assert base64.b64decode(data).startswith(PNG)
     assert "white-space:pre" in text  # JupyterLab wraps the lines of a plain <pre>
+    assert "max-width:100%" in text and "overflow-x:auto" in text  # as narrow as the window
     assert "shoulder_pan_joint" in text
     assert str(Viewer(page=False)._repr_html_()) == "None"
     viewer = Viewer(page=False)

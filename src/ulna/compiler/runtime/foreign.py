@@ -21,10 +21,13 @@ _TENSORS = {
 
 
 def is_foreign(value: Any) -> bool:
-    """Whether an argument brings its own meaning of ufuncs: subclasses of ndarray, Dask arrays and the like."""
+    """Whether an argument brings its own meaning of ufuncs: subclasses of ndarray, Dask arrays and the like.
+
+    Objects that take no part in ufuncs, such as poses, say so by None; they are read as arrays.
+    """
     return (
         type(value) is not np.ndarray
-        and hasattr(value, "__array_ufunc__")
+        and getattr(value, "__array_ufunc__", None) is not None
         and not isinstance(value, np.generic)
     )
 
