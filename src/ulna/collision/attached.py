@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import lru_cache
 
 from ulna.collision.cover import cover
@@ -12,6 +11,7 @@ from ulna.collision.pairs import LinkPair
 from ulna.collision.solids import Missing, Solid, solid_of
 from ulna.collision.spheres import LinkSpheres, Spheres
 from ulna.collision.world import World
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.geometry import HeightField, Plane, PointCloud, Shape
 from ulna.model import Model

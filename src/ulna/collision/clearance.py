@@ -18,7 +18,6 @@ that is positive. These functions run on floats, on symbols and on traces; what 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -29,6 +28,7 @@ from ulna.collision.pairs import LinkPair
 from ulna.collision.solids import Missing, Solid, link_solids, obstacle_solids
 from ulna.collision.spheres import Spheres
 from ulna.collision.world import World
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.geometry import Box, Capsule, Cone, Cylinder, HeightField, Plane, PointCloud, Sphere
 from ulna.model import Model

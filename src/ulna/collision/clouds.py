@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from hashlib import blake2b
 from typing import Any, final
 
@@ -17,6 +16,7 @@ from ulna.collision.point_sets import surface_points
 from ulna.collision.solids import Missing, Solid, obstacle_solid
 from ulna.collision.spheres import Spheres
 from ulna.collision.world import World
+from ulna.data_classes import dataclass
 from ulna.geometry import HeightField, Mesh, PointCloud, Shape
 from ulna.model import Model
 from ulna.spatial import SE3

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import final
 
 import numpy as np
@@ -13,6 +12,7 @@ from ulna.collision.polyhedra import interior, triangles
 from ulna.collision.problem import Problem, problem
 from ulna.collision.region import region
 from ulna.collision.solids import Solid
+from ulna.data_classes import dataclass
 from ulna.geometry import Sphere
 from ulna.spatial import SE3
 from ulna.typing import Array, Floats

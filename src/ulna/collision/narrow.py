@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
 
 from ulna.collision.solids import Solid, hull
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, MissingExtra
 from ulna.geometry import (
     Box,

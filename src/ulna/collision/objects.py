@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
 
 from ulna.checks.arrays import check_finite
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.geometry import Shape
 from ulna.spatial import SE3

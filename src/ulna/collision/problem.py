@@ -11,12 +11,13 @@ Source of the greedy cover: Chvatal, A greedy heuristic for the set-covering pro
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, final
 
 import numpy as np
 
 from ulna.collision.region import Region, thinned
+from ulna.data_classes import dataclass
 from ulna.typing import Array, Floats
 
 _SAMPLES = 800  # points that decide where centres go first

@@ -16,13 +16,13 @@ only its surface is covered. Hollows that cannot be reached count as inside, and
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import product
 from typing import Any, final
 
 import numpy as np
 
 from ulna.collision.polyhedra import distance, split
+from ulna.data_classes import dataclass
 from ulna.errors import MissingExtra
 from ulna.typing import Array, Floats
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, final
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.lazy import Collection
 from ulna.typing import Array, Floats
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import os
 import warnings
-from dataclasses import dataclass
 from typing import Literal, final
 
 import numpy as np
@@ -13,6 +12,7 @@ import numpy as np
 from ulna.collision.objects import Obstacle
 from ulna.collision.point_sets import thinned
 from ulna.collision.world import World
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, MissingExtra, ModelError, ModelWarning
 from ulna.geometry import Capsule, Ellipsoid, HeightField, Mesh, Plane, PointCloud, Shape, Sphere
 from ulna.geometry.meshes import merged, read_pieces

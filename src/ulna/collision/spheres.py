@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import final
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from ulna import algorithms
 from ulna.checks.arrays import finite_array
+from ulna.data_classes import dataclass
 from ulna.errors import FormatError, InputError, ShapeError
 from ulna.model import Model
 from ulna.model.content import fingerprint

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
@@ -11,6 +10,7 @@ from ulna import algorithms
 from ulna.collision.exact import Checker
 from ulna.collision.pairs import LinkPair, link_pairs
 from ulna.collision.solids import Missing
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model import Model
 from ulna.model.of_robot import model_of

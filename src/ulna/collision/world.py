@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any, final
 
 from ulna.checks.values import number
 from ulna.collision.objects import Attachment, Obstacle, checked_object, checked_pose
 from ulna.collision.robot_poses import robot_poses
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.geometry import Mesh, Shape
 from ulna.idioms import unknown_attribute

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Any, final
 
@@ -11,6 +10,7 @@ import numpy as np
 
 from ulna.checks.arrays import batched_array
 from ulna.checks.masked import check_not_masked
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.ik import deferred
 from ulna.ik.analytic.candidates import Source, between, source_of

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 
 from ulna.collision import Checker, SphereChecker
 from ulna.collision.touches import deepest_touch
+from ulna.data_classes import dataclass
 from ulna.model import Model
 from ulna.typing import Array, ArrayLike, Floats
 

@@ -11,7 +11,6 @@ of a batch advance together, so that what they want is computed in a few large b
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, TypeAlias, TypeVar, final
 
@@ -19,6 +18,7 @@ import numpy as np
 
 from ulna.checks.arrays import batched_array
 from ulna.checks.values import count as check_count
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.ik.analytic.candidates import ClosedForm, Elimination, between, source_of
 from ulna.ik.arguments import matrix_of

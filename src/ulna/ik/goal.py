@@ -18,12 +18,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple, final
 
 import numpy as np
 
 from ulna import algorithms, numeric
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.model import Frame, Model
 from ulna.typing import Array

@@ -14,12 +14,12 @@ Each step is clipped to the limits, so that whatever is found lies within them.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple, final
 
 import numpy as np
 
 from ulna import algorithms, numeric
+from ulna.data_classes import dataclass
 from ulna.ik.goal import Distance, Mask, distance
 from ulna.linalg import solve_damped
 from ulna.model import Frame, Model

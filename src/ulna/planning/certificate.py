@@ -12,12 +12,11 @@ Transactions on Robotics 21 (2005).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ulna.checks.arrays import finite_array
 from ulna.checks.values import number
+from ulna.data_classes import dataclass
 from ulna.errors import ShapeError
 from ulna.planning.scenes import PlanningScene
 from ulna.typing import Floats

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, final
 
 import numpy as np
 
 from ulna.checks.arrays import finite_array, real_array
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.ik.result import IKSolution
 from ulna.model import Model

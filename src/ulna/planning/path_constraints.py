@@ -15,7 +15,6 @@ Srinivasa and Kuffner, Task space regions, IJRR 30 (2011), sections 4 and 5; Sic
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal, final
 
@@ -27,6 +26,7 @@ from ulna.checks.values import number
 from ulna.collision.lanes.motion_bounds import Group, motion_bounds
 from ulna.compiler import compile, trace
 from ulna.compiler.procedures import lanes_kernel
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.linalg import solve_damped
 from ulna.model import Frame, Model

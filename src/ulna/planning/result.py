@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, Literal, final
+from dataclasses import field
+from typing import TYPE_CHECKING, Any, Literal, final
 
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.planning.certificate import Certificate
-from ulna.planning.motion_path import motion_path
 from ulna.planning.path_length import length
 from ulna.planning.search_tree import SearchTree
-from ulna.trajectory import Retimed, time_optimal
 from ulna.typing import ArrayLike, Floats
+
+if TYPE_CHECKING:
+    from ulna.trajectory import Retimed
 
 Outcome = Literal["solved", "start", "goal", "unreachable", "iterations", "time"]
 
@@ -108,6 +110,9 @@ class Plan:
             >>> np.allclose(motion(motion.duration), plan.points[-1])
             True
         """
+        from ulna.planning.motion_path import motion_path
+        from ulna.trajectory import time_optimal
+
         if not self:
             raise InputError(f"There is no path to move along: {self.reason}")
         if len(self.points) < 2:

@@ -7,13 +7,13 @@ algorithms for optimal motion planning (IJRR 2011), section 3.3: k >= e (1 + 1/n
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ulna.collision.lanes.touching import Tables, Work
 from ulna.compiler.procedures import Array1, Array2, Kernel, f32, procedure
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, MissingExtra
 from ulna.planning.edges import edge_touches
 from ulna.planning.goals import joint_of_column

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ulna.collision import SphereChecker
 from ulna.collision.lanes.tables import Scene, links_of
+from ulna.data_classes import dataclass
 from ulna.system.cached import cached_property
 
 

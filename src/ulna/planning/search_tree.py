@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.planning.trees import Trees
 from ulna.typing import Array, Floats
 

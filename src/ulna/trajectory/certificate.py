@@ -17,7 +17,6 @@ Source: Farouki, The Bernstein polynomial basis: a centennial retrospective (201
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache, reduce
 from math import comb
 from typing import Any
@@ -25,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from ulna.compiler import compile
+from ulna.data_classes import dataclass
 from ulna.numeric import maximum, minimum, vector, where
 from ulna.trajectory.quartics import AT_PROBES, NODES, TO_BERNSTEIN, TO_HALVES
 from ulna.typing import Array, Floats

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, final
 
 import numpy as np
 
 from ulna import kernels
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.lazy import Slot, apply, is_deferred
 from ulna.model import Model

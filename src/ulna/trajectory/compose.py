@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from itertools import pairwise
 from typing import final
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.trajectory.base import Trajectory, register_operation
 from ulna.trajectory.polynomial import Polynomial

@@ -13,7 +13,6 @@ Source: Pham & Pham 2018, section II; Bobrow, Dubowsky & Gibson 1985.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -21,6 +20,7 @@ import numpy as np
 
 from ulna import algorithms
 from ulna.compiler import compile
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.model import Model
 from ulna.typing import Array, ArrayLike, Floats

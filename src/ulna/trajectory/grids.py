@@ -11,12 +11,12 @@ jump, each segment sees its own side.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.trajectory.base import Trajectory
 from ulna.trajectory.quartics import NODES

@@ -13,11 +13,11 @@ section 4.3.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Literal, final
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.numeric import apply, cross
 from ulna.spatial import SE3, Motion, so3_exp, so3_log
@@ -40,7 +40,7 @@ class Screw(UnitPath):
     origin: SE3
     twist: Motion
     kind: str = "screw"
-    space: Space = Poses()  # noqa: RUF009, frozen
+    space: Space = Poses()
 
     def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
         T = self.origin @ SE3.exp(Motion(t[:, None] * self.twist.linear, t[:, None] * self.twist.angular))
@@ -72,7 +72,7 @@ class Arc(UnitPath):
     displacement: Floats
     turn: Floats
     kind: str
-    space: Space = Poses()  # noqa: RUF009, frozen
+    space: Space = Poses()
 
     def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
         s = t[:, None]

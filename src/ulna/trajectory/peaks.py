@@ -8,10 +8,10 @@ bound is above the best value found so far are cut in four, until the bounds are
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.trajectory.quartics import NODES, TO_HALVES
 from ulna.typing import Floats
 

@@ -12,7 +12,6 @@ Source: Biagiotti & Melchiorri, Trajectory Planning for Automatic Machines and R
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from math import comb, perm
 from typing import Any, final
@@ -21,6 +20,7 @@ import numpy as np
 
 from ulna.checks.arrays import finite_array
 from ulna.compiler import compile
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.trajectory.base import Trajectory
 from ulna.trajectory.space import Space, Vectors

@@ -16,13 +16,13 @@ groups (2020), eq. (10) and theorems 5.1 and 5.2.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Literal, final
 
 import numpy as np
 
 from ulna.checks.arrays import finite_array
 from ulna.checks.values import duration as checked_duration
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.numeric import apply, cross
 from ulna.spatial import SE3, Motion
@@ -49,7 +49,7 @@ class PoseSpline(Trajectory):
     control: SE3
     duration: float
     kind: str
-    space: Space = Poses()  # noqa: RUF009, frozen
+    space: Space = Poses()
 
     @property
     def knots(self) -> Floats:

@@ -11,11 +11,12 @@ Source: Pham & Pham 2018 for the passes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.trajectory.certificate import Bound, bounded, speed_use
 from ulna.trajectory.grids import halved, sampled

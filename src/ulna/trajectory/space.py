@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import final
 
 import numpy as np
 
 from ulna import algorithms
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.model import Model
 from ulna.spatial import so3_log

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
 
 from ulna import algorithms, kernels
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model import Model
 from ulna.model.of_robot import model_of

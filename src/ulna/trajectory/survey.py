@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache, reduce
 from typing import Any
 
 import numpy as np
 
 from ulna.compiler import compile
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.numeric import maximum, minimum, where
 from ulna.trajectory.base import Trajectory

@@ -7,11 +7,11 @@ section 3.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ulna.algorithms.multibody.tree import Step, steps
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model import Model
 from ulna.typing import Floats

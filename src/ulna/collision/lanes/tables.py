@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -25,6 +24,7 @@ from ulna.collision.spheres import Spheres
 from ulna.collision.world import World
 from ulna.compiler import trace
 from ulna.compiler.procedures import aligned, lanes_kernel
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.geometry import Shape
 from ulna.model import Model, Planar

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from ulna.compiler.imperative.types import (
     element_of,
     lanes_of,
 )  # fmt: skip
+from ulna.data_classes import dataclass
 
 WORDS = {"bool": "i1", "int": "i64", "f32": "float", "f64": "double"}
 SIZES = {"int": 8, "f32": 4, "f64": 8}

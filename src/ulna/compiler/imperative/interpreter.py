@@ -7,7 +7,6 @@ was made with `np.empty` holds nan (integers: -(2^62)) until it is written.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ import numpy as np
 from ulna.compiler.imperative import tree as t
 from ulna.compiler.imperative.operations import TABLE
 from ulna.compiler.imperative.types import INT, Lanes, Number
+from ulna.data_classes import dataclass
 from ulna.errors import DivisionByZero, OutOfBounds
 
 UNWRITTEN = -(2**62)

@@ -8,10 +8,10 @@ import inspect
 import linecache
 import textwrap
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NoReturn
 
+from ulna.data_classes import dataclass
 from ulna.errors import ProcedureError
 
 

@@ -6,9 +6,8 @@ the only Python objects in it are numbers.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ulna.compiler.imperative.types import ArrayType, KernelType, Lanes, Number, Type
+from ulna.data_classes import dataclass
 
 
 @dataclass(frozen=True)

@@ -13,12 +13,12 @@ import json
 import os
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ulna import disk_cache
 from ulna.compiler.imperative.types import ArrayType, KernelType, Lanes, Number, RecordType, Type
+from ulna.data_classes import dataclass
 
 _COMPILER = Path(__file__).parents[1]
 

@@ -13,12 +13,12 @@ The pose of the frame is base(q) E_1(x_1) ... E_n(x_n) M (Brockett's product of 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from ulna.algorithms.multibody.tree import Step, chain, tip_pose
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.ik.analytic.lines import Line, turn_about
 from ulna.model import Frame, Model, Prismatic, Revolute

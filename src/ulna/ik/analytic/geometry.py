@@ -13,12 +13,12 @@ a quartic. Both are closed forms. An arm without any W takes elimination (see ge
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.ik.analytic.chain import Arm
 from ulna.ik.analytic.lines import Line, nearest_points
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.ik.analytic.candidates import Source
 from ulna.spatial import SE3
 from ulna.spatial.nearest import nearest_rotation

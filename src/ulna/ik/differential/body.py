@@ -9,13 +9,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, final
 
 import numpy as np
 
 from ulna.algorithms import center_of_mass, center_of_mass_jacobian, manipulability_gradient
 from ulna.algorithms.kinematics.manipulability import Axes, chosen_rows
+from ulna.data_classes import dataclass
 from ulna.ik.differential.task import Rows, Shapes, Task, cost_of
 from ulna.model import Model
 from ulna.typing import Array, ArrayLike, Floats

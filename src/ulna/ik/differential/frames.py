@@ -20,12 +20,13 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar, Literal, final, get_args
 
 import numpy as np
 
 from ulna.algorithms import frame_jacobian, frame_pose
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.ik.differential.task import Rows, Shapes, Task, cost_of
 from ulna.model import Model

@@ -12,12 +12,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
 
 from ulna.algorithms import difference, difference_derivatives
+from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.ik.differential.task import Rows, Shapes, Task, cost_of
 from ulna.model import FreeFlyer, Model

@@ -19,13 +19,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any, NamedTuple, final
 
 import numpy as np
 
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.checks.arrays import number_or_array
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.ik.differential.task import Shapes
 from ulna.model import Composite, JointKind, Model

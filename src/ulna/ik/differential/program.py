@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import reduce
 from typing import Any, NamedTuple
 
@@ -27,6 +26,7 @@ import numpy as np
 
 from ulna.algorithms import integrate
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.ik.differential.joints import PostureTask
 from ulna.ik.differential.limits import Interval, Limit, Strip

@@ -14,12 +14,12 @@ of freedom (1987). The rows are linear: a step may miss a bent bound by the squa
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
 
 from ulna.algorithms import frame_jacobian, frame_pose
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.ik.differential.limits import Limit, Strip, check_gain
 from ulna.ik.differential.task import Shapes

@@ -16,11 +16,11 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model import Model
 from ulna.spatial import SE3, SO3
