@@ -1,4 +1,4 @@
-"""Least squares for dynamic parameters in one pass over a log that does not fit in memory.
+"""Least squares for dynamic parameters in one pass over a log, which need not fit in memory.
 
 | symbol | meaning | shape |
 |---|---|---|
@@ -13,6 +13,7 @@ lose half of the digits, and with them the base parameters.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal, final
 
@@ -20,6 +21,7 @@ import numpy as np
 
 from ulna.errors import InputError
 from ulna.identification.base import extended_regressor, parameter_names
+from ulna.identification.convex import Progress
 from ulna.identification.result import FittedParameters
 from ulna.identification.solve import (
     NO_SAMPLES,
@@ -35,6 +37,7 @@ from ulna.identification.solve import (
     solved,
 )
 from ulna.model import Model
+from ulna.system.progress import Report, silent
 from ulna.typing import Array, ArrayLike, Floats
 
 Sums = dict[str, Array]
@@ -84,8 +87,16 @@ def no_rows(model: Model, sought: Sought) -> Sums:
     }
 
 
-def sums_of(robot: Any, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike, sought: Sought) -> Sums:
-    """The sums of a block of a log.
+def sums_of(
+    robot: Any,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    tau: ArrayLike,
+    sought: Sought,
+    report: Report = silent,
+) -> Sums:
+    """The sums of a log, or of a block of it.
 
     Args:
         robot: An `ulna.Robot`.
@@ -94,14 +105,13 @@ def sums_of(robot: Any, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike
         a: Accelerations, (rows, nv) [rad/s^2, m/s^2].
         tau: Torques of the drives, (rows, nv) [N m, N].
         sought: Which parameters are sought.
+        report: Called after each part of the block with how many samples are done, and of how many.
 
     Returns:
         The sums.
     """
     log, total = Log.checked(robot.model, q, v, a, tau), no_rows(robot.model, sought)
-    for first in range(0, len(log.q), _ROWS):
-        here = slice(first, first + _ROWS)
-        part = Log(log.q[here], log.v[here], log.a[here], log.tau[here])
+    for here, part in _parts(log):
         W = extended_regressor(robot, part.q, part.v, part.a, **sought.drives, width=sought.width)
         y = part.tau - known_torques(robot.model, part, sought.drives, sought.width)
         block = {
@@ -112,7 +122,36 @@ def sums_of(robot: Any, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike
             "most": np.abs(y).max(axis=0),
         }
         add(total, block)
+        report(here.stop, len(log.q))
     return total
+
+
+def torques(robot: Any, log: Log, sought: Sought, parameters: ArrayLike) -> Floats:
+    """The torques that parameters explain, with what is known.
+
+    Args:
+        robot: An `ulna.Robot`.
+        log: The log.
+        sought: Which parameters are sought.
+        parameters: The parameters sought, one set in a row, (k, n).
+
+    Returns:
+        Torques of the drives, (k, rows, nv) [N m, N].
+    """
+    p = np.asarray(parameters, dtype=float)
+    out = np.empty((len(p), *log.tau.shape))
+    for here, part in _parts(log):
+        W = extended_regressor(robot, part.q, part.v, part.a, **sought.drives, width=sought.width)
+        known = known_torques(robot.model, part, sought.drives, sought.width)
+        out[:, here] = np.moveaxis(W @ p.T, -1, 0) + known
+    return out
+
+
+def _parts(log: Log) -> Iterator[tuple[slice, Log]]:
+    """A log in parts, with their places: small ones stay in the processor's cache, and Ctrl-C is heard in between."""
+    for first in range(0, len(log.q), _ROWS):
+        here = slice(first, min(first + _ROWS, len(log.q)))
+        yield here, Log(log.q[here], log.v[here], log.a[here], log.tau[here])
 
 
 def add(total: Sums, block: Sums) -> None:
@@ -192,41 +231,73 @@ def fit_sums(
     Raises:
         InputError: If the log has no samples, or `ridge` or `noise` is out of range.
     """
+    p, fields = fitted(model, sums, sought, physical=physical, prior=prior, ridge=ridge, noise=noise)
+    rows, rms = int(sums["rows"][0]), _residuals(sums, p)
+    variance = sums["tau2"] / rows - (sums["tau"] / rows) ** 2
+    return LogFit(
+        **fields,
+        rows=rows,
+        rms=rms,
+        rms_before=_residuals(sums, present_parameters(model, sought.drives)),
+        explained=1.0 - rms**2 / np.where(variance > 0.0, variance, np.inf),
+    )
+
+
+def fitted(
+    model: Model,
+    sums: Sums,
+    sought: Sought,
+    *,
+    physical: bool,
+    prior: ArrayLike | None,
+    ridge: float | None,
+    noise: ArrayLike | Literal["auto"] | None,
+    progress: Callable[[Progress], object] | None = None,
+) -> tuple[Floats, dict[str, Any]]:
+    """The parameters that explain a log best, from its sums.
+
+    Args:
+        model: The robot.
+        sums: The sums of the whole log.
+        sought: Which parameters are sought.
+        physical: As for `identify`.
+        prior: As for `identify`, (10 nbodies,).
+        ridge: As for `identify` [(N m)^2].
+        noise: As for `identify`, (nv,) [N m or N].
+        progress: As for `identify`.
+
+    Returns:
+        The parameters sought, (n,), and the fields of `FittedParameters` by name.
+
+    Raises:
+        InputError: If the log has no samples, or `ridge` or `noise` is out of range.
+    """
     rows, triangles = int(sums["rows"][0]), sums["triangles"]
     if not rows:
         raise InputError(NO_SAMPLES)
-    nominal = present_parameters(model, sought.drives)
-    p0 = nominal.copy()
+    p0 = present_parameters(model, sought.drives)
     if prior is not None:
         p0[: 10 * len(model.joints)] = checked_prior(model, prior)
     sigma, ridge, sizes = checked_noise(noise, model.nv), checked_ridge(ridge), parameter_sizes(model, p0)
     bodies, scale = len(model.joints) if physical else None, np.sqrt(triangles.shape[1] / rows)
 
-    def fitted(sigma: Floats) -> tuple[Floats, int]:
+    def solution(sigma: Floats) -> tuple[Floats, int]:
         weighed = (
             triangles / sigma[:, None, None] * scale
         )  # means over the rows; `reduced` takes those of fewer
-        return solved(*reduced(weighed[..., :-1], weighed[..., -1]), p0, sizes, ridge, bodies)
+        return solved(*reduced(weighed[..., :-1], weighed[..., -1]), p0, sizes, ridge, bodies, progress)
 
-    def residuals(p: Floats) -> Floats:
-        """The root mean square of the residuals of each joint, (nv,)."""
-        return np.sqrt(((triangles @ np.append(-p, 1.0)) ** 2).sum(axis=1) / rows)
-
-    p, count = fitted(sigma)
+    p, count = solution(sigma)
     if isinstance(noise, str):
         least = 1e-12 + 1e-9 * float(sums["most"].max(initial=0.0))
-        p, count = fitted(np.maximum(residuals(p), least))
-        sigma = np.maximum(residuals(p), least)
+        p, count = solution(np.maximum(_residuals(sums, p), least))
+        sigma = np.maximum(_residuals(sums, p), least)
     stack = (triangles[..., :-1] / sigma[:, None, None]).reshape(-1, len(p))
-    rms = residuals(p)
-    squares = float(rows * ((rms / sigma) ** 2).sum())
-    variance = sums["tau2"] / rows - (sums["tau"] / rows) ** 2
-    return LogFit(
-        **fitted_fields(model, p, sought.drives, stack, squares, rows * model.nv),
-        physical=physical,
-        iterations=count,
-        rows=rows,
-        rms=rms,
-        rms_before=residuals(nominal),
-        explained=1.0 - rms**2 / np.where(variance > 0.0, variance, np.inf),
-    )
+    squares = float(rows * ((_residuals(sums, p) / sigma) ** 2).sum())
+    fields = fitted_fields(model, p, sought.drives, stack, squares, rows * model.nv)
+    return p, {**fields, "physical": physical, "iterations": count}
+
+
+def _residuals(sums: Sums, p: Floats) -> Floats:
+    """The root mean square of the residuals of each joint, (nv,)."""
+    return np.sqrt(((sums["triangles"] @ np.append(-p, 1.0)) ** 2).sum(axis=1) / sums["rows"][0])

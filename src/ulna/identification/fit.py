@@ -21,25 +21,13 @@ from typing import Any, Literal
 import numpy as np
 
 from ulna.errors import InputError
-from ulna.identification.base import extended_regressor
+from ulna.identification.blocks import Sought, fitted, sums_of, torques
 from ulna.identification.convex import Progress
 from ulna.identification.result import Identification
-from ulna.identification.solve import (
-    Log,
-    checked_noise,
-    checked_prior,
-    checked_ridge,
-    deviations,
-    fitted_fields,
-    known_torques,
-    parameter_sizes,
-    present_parameters,
-    reduced,
-    solved,
-)
+from ulna.identification.solve import Log, present_parameters
 from ulna.model import Model
 from ulna.system.progress import progress as task_progress
-from ulna.typing import ArrayLike, Floats
+from ulna.typing import ArrayLike
 
 
 def identify(
@@ -106,37 +94,13 @@ def identify(
         raise InputError(
             "`progress` reports the steps of physical=True; the linear solver has none. Leave it out."
         )
-    log = Log.checked(model, q, v, a, tau)
-    sought = {"armature": armature, "damping": damping, "friction": friction}
-    W = extended_regressor(robot, log.q, log.v, log.a, **sought, width=width)
-    known = known_torques(model, log, sought, width)
-    y = log.tau - known
-    nominal = present_parameters(model, sought)
-    p0 = nominal.copy()
-    if prior is not None:
-        p0[: 10 * len(model.joints)] = checked_prior(model, prior)
-    sigma = checked_noise(noise, model.nv)
-    ridge, sizes = checked_ridge(ridge), parameter_sizes(model, p0)
-
-    def fitted(sigma: Floats) -> tuple[Floats, int]:
-        R, z = reduced(W / sigma[:, None], y / sigma)
-        return solved(R, z, p0, sizes, ridge, len(model.joints) if physical else None, progress)
-
-    with task_progress("Fitting parameters"):
-        p, count = fitted(sigma)
-        if isinstance(noise, str):
-            p, count = fitted(deviations(y - W @ p, y))
-            sigma = deviations(y - W @ p, y)
+    log, sought = Log.checked(model, q, v, a, tau), Sought(armature, damping, friction, width)
+    with task_progress("Identifying") as report:
+        sums = sums_of(robot, log.q, log.v, log.a, log.tau, sought, report)
+        p, fields = fitted(
+            model, sums, sought, physical=physical, prior=prior, ridge=ridge, noise=noise, progress=progress
+        )
+        after, before = torques(robot, log, sought, [p, present_parameters(model, sought.drives)])
     rms = np.sqrt((log.v**2).mean(axis=0))
     unmoved = tuple(name for name, size in zip(model.velocity_names, rms, strict=True) if size < width)
-    stack = (W / sigma[:, None]).reshape(-1, len(p))
-    squares = float((((y - W @ p) / sigma) ** 2).sum())
-    return Identification(
-        **fitted_fields(model, p, sought, stack, squares, len(stack)),
-        physical=physical,
-        iterations=count,
-        measured=log.tau,
-        fitted=W @ p + known,
-        before=W @ nominal + known,
-        unmoved=unmoved,
-    )
+    return Identification(**fields, measured=log.tau, fitted=after, before=before, unmoved=unmoved)

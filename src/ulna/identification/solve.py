@@ -84,19 +84,6 @@ def known_torques(model: Model, log: Log, sought: dict[str, bool], width: float)
     return drives - friction_torque(log.v, law)
 
 
-def deviations(residuals: Floats, y: Floats) -> Floats:
-    """The standard deviation of the residuals of each joint, (nv,).
-
-    Args:
-        residuals: Of the torques, (rows, nv) [N m, N].
-        y: The torques, which say what counts as zero, (rows, nv) [N m, N].
-
-    Returns:
-        Deviations, (nv,) [N m, N].
-    """
-    return np.maximum(np.sqrt((residuals**2).mean(axis=0)), 1e-12 + 1e-9 * np.abs(y).max(initial=0.0))
-
-
 def present_parameters(model: Model, sought: dict[str, bool]) -> Floats:
     """The model's values of the parameters that are estimated.
 

@@ -36,7 +36,7 @@ from ulna.typing import Floats
 _BATCH_FROM = 64  # goals from which the lock-step batch beats one multi-start search after the other
 _SINGLE_BELOW = 16  # unmet goals of a batch below which each is searched for alone
 _ROUNDS = 12  # rounds of a batch before each unmet goal is searched for alone
-_PART = 2**16  # goals that are solved between two reports of progress
+_PART = 2**14  # goals that are solved between two reports of progress
 _CACHED = 256  # seeds, and sets of tolerances, that are remembered
 
 

@@ -10,6 +10,7 @@ import pytest
 import ulna
 from ulna.errors import InputError, MissingExtra, ModelError, NonFiniteError, ShapeError
 from ulna.identification import identify
+from ulna.identification.blocks import Sought, fit_sums, sums_of
 from ulna.model import (
     FreeFlyer,
     ModelBuilder,
@@ -204,3 +205,23 @@ def test_joints_that_did_not_move_are_named() -> None:
     assert "damping" not in identify(robot, q, v, a, tau).report()
     moved = identify(robot, q, v, a, tau, friction=True, width=1e-3)
     assert moved.unmoved == () and "not moved" not in moved.report()
+
+
+def test_a_long_log_is_reduced_in_parts_that_are_reported(robot: Robot) -> None:
+    """Ctrl-C is heard between the parts; the whole log in one QR decomposition took a minute without a word."""
+    q, v, a, tau = log(robot, rows=1200)
+    seen: list[tuple[int, int]] = []
+    whole = sums_of(robot, q, v, a, tau, Sought(), lambda done, of: seen.append((done, of)))
+    assert seen == [(512, 1200), (1024, 1200), (1200, 1200)]
+    large, found = fit_sums(robot.model, whole, Sought()), identify(robot, q, v, a, tau)
+    np.testing.assert_array_equal(found.parameters, large.parameters)
+    np.testing.assert_allclose(np.sqrt((found.residuals**2).mean(axis=0)), large.rms, atol=1e-9)
+
+    class Stop(Exception):
+        """Stands for KeyboardInterrupt."""
+
+    def stop(done: int, of: int) -> None:
+        raise Stop
+
+    with pytest.raises(Stop):
+        sums_of(robot, q, v, a, tau, Sought(), stop)
