@@ -252,3 +252,33 @@ def test_folders_of_meshes(rtb: Any, tmp_path: Path) -> None:
         and not plain.hasgeometry
         and not hasattr(plain, "meshdir")
     )
+
+
+def test_backends_and_catalogues_by_their_names(rtb: Any) -> None:
+    names: dict[str, Any] = {}
+    exec(
+        "from roboticstoolbox.backends import Connector\nfrom roboticstoolbox.backends.Connector import Connector as C",
+        names,
+    )
+    assert names["Connector"] is names["C"] and isinstance(names["C"], type)
+    with pytest.raises(KeyError, match="There are: 'DH', 'ETS', 'URDF'"):
+        rtb.models.catalog(mtype="XX")
+
+
+def test_the_pumas_first_joints_are_below_half_a_turn(puma: Any) -> None:
+    """As there: half a turn is -pi, which is within the limits of the third joint."""
+    for letters in ("ru", "ld"):
+        assert np.isclose(puma.ikine_a(puma.fkine(puma.qn), letters).q[2], -np.pi)
+
+
+def test_files_say_where_each_link_is_and_how_its_joint_is_called(rtb: Any, tmp_path: Path) -> None:
+    """Also a link in the place of the one before it: its transforms begin with a pose, as there."""
+    file = tmp_path / "arm.urdf"
+    file.write_text(
+        '<robot name="t"><link name="base"/><link name="a"/><link name="b"/>'
+        '<joint name="j0" type="fixed"><parent link="base"/><child link="a"/></joint>'
+        '<joint name="j1" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/></joint></robot>'
+    )
+    arm = rtb.models.URDF.URDFRobot(file)
+    assert str(arm.ets()) == "SE3() ⊕ SE3() ⊕ Ry(q)"
+    assert [link._joint_name for link in arm.links] == [None, "j0", "j1"]

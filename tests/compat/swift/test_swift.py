@@ -454,3 +454,11 @@ def _at(x: float, y: float, z: float) -> np.ndarray:
 def _turned() -> np.ndarray:
     c, s = np.cos(1.0), np.sin(1.0)
     return np.array([[1, 0, 0, 1], [0, c, -s, 0], [0, s, c, 0], [0, 0, 0, 1]], dtype=float)
+
+
+@pytest.mark.parametrize("dt", [-1, "x", None, float("nan")])
+def test_steps_that_are_no_time_are_refused_as_swift_does(env: Any, dt: Any) -> None:
+    with pytest.raises(TypeError, match="a time of at least zero"):
+        env.step(dt)
+    with pytest.raises(ValueError, match="`dt`"):
+        env.step(dt)

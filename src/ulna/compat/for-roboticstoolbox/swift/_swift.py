@@ -19,6 +19,18 @@ from ulna.viewer.graph.camera import Camera
 from ulna.viewer.page.browser import somebody_can_look
 
 
+class StepError(InputError, TypeError):
+    """A time step that is no number (a TypeError in Swift), or below zero."""
+
+
+def _checked_step(dt: Any) -> float:
+    """A time step, as a number of at least zero [s]."""
+    try:
+        return number("dt", dt, "a time of at least zero [s]", least=0.0)
+    except InputError as error:
+        raise StepError(str(error)) from None
+
+
 class Swift(Contents):
     """An environment of robots and shapes.
 
@@ -33,7 +45,7 @@ class Swift(Contents):
             render: Whether it is to be shown; it costs nothing.
 
         Raises:
-            InputError: `dt` is below zero.
+            StepError: `dt` is no number, or below zero.
             ViewerError: The environment was not launched.
         """
         viewer, controls = self._viewer, self._controls
@@ -41,7 +53,7 @@ class Swift(Contents):
             raise not_open_error()
         simulation = self._simulation
         if dt.__class__ is not float or not 0.0 <= dt < math.inf:
-            dt = number("dt", dt, "a time of at least zero [s]", least=0.0)
+            dt = _checked_step(dt)
         if controls.events:
             controls.handle()
         items = self._in_order

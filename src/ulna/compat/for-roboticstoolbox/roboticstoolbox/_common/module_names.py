@@ -12,6 +12,8 @@ _PLANAR = {name: f"_ets.elementary_transform:ET2.{name}" for name in ("R", "tx",
 _FIGURES = {"PyPlot": "_plot.figure:PyPlot", "PyPlot2": "_plot.figure:PyPlot2"}
 _TYPES = {name: f"_common.array_types:{name}" for name in ("ArrayLike", "NDArray", "PyArrayLike")}
 
+_CONNECTOR = {"Connector": "backends._connector:Connector"}
+
 _OF_MOBILE = (
     "Animations", "Bug2", "CurvaturePolyPlanner", "DistanceTransformPlanner", "DstarPlanner", "DubinsPlanner",
     "EKF", "LatticePlanner", "OccGrid", "PRMPlanner", "ParticleFilter", "PlannerBase", "PoseGraph",
@@ -67,7 +69,8 @@ PLACES: dict[str, dict[str, str]] = {
     "tools.urdf.urdf": {},
     "tools.urdf.utils": {},
     "models.catalog": {"catalog": "models:catalog", "list": "models:list"},
-    "backends.Connector": {"Connector": "backends._connector:Connector"},
+    "backends": _CONNECTOR,
+    "backends.Connector": _CONNECTOR,
     "backends.PyPlot.PyPlot": {"PyPlot": _FIGURES["PyPlot"]},
     "backends.PyPlot.PyPlot2": {"PyPlot2": _FIGURES["PyPlot2"]},
     "backends.PyPlot.RobotPlot": {"RobotPlot": "_plot.robot_plot:RobotPlot"},

@@ -46,6 +46,7 @@ class PumaBranches(RobotMixin):
             q = wrapped(solutions.q[matching[0]])
             if abs(math.sin(q[4])) < _STRAIGHT:  # any turns of the fourth and sixth joint with that sum
                 q = wrapped([*q[:3], 0.0, q[4], q[5] + q[3] * math.cos(q[4])])
+            q[:3] = np.where(q[:3] > math.pi - _STRAIGHT, -math.pi, q[:3])  # from -pi up to pi, as there
             rows.append(q)
             e = solutions.position_error[matching[0]], solutions.rotation_error[matching[0]]
             E = 0.5 * (e[0] * e[0] + e[1] * e[1])

@@ -63,7 +63,8 @@ class DHLink(Link):
             _d=d, _alpha=alpha, _theta=theta, _a=a, _sigma=sigma, _mdh=int(mdh), _offset=offset
         )
         super().__init__(self._transforms(ET("tz" if sigma else "Rz", flip=flip, qlim=qlim)), **more)
-        self.number, self.mesh = None, None
+        self.number = None
+        self.mesh: Any = None
 
     def _transforms(self, joint: Any) -> ETS:
         """The transforms of the present parameters around a joint."""

@@ -90,8 +90,9 @@ def from_model(
 def _link(model: Model, part: CoreLink, parent: Link | None) -> Link:
     """A link of a model, with the joint that moves it."""
     joint = model.joint(part.parent_joint) if part.parent_joint in model.joint_names else None
-    transforms = [] if np.array_equal(part.origin.matrix(), np.eye(4)) else [ET.SE3(part.origin.matrix())]
-    extra: dict[str, Any] = {}
+    is_root = part.parent is None and np.array_equal(part.origin.matrix(), np.eye(4))
+    transforms = [] if is_root else [ET.SE3(part.origin.matrix())]
+    extra: dict[str, Any] = {"joint_name": part.parent_joint}
     if joint is not None:
         transforms += _joint_transforms(joint.kind, part.name)
         limits = joint.limits

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any
 
 from roboticstoolbox._common.errors import UnknownOption
-from roboticstoolbox._common.module_aliases import add_module_aliases, public_name
+from roboticstoolbox._common.module_aliases import add_module_aliases, name_in
 
 _NAMES = ("swift", "pyplot", "pyplot2")
 add_module_aliases(__name__, ())
@@ -35,7 +36,5 @@ def __getattr__(name: str) -> Any:
             "be sent to a real arm."
         )
     if name in ("swift", "PyPlot"):
-        import importlib
-
         return importlib.import_module(f"roboticstoolbox.backends.{name}")
-    return public_name(__name__, name)
+    return name_in(__name__, name)

@@ -28,13 +28,14 @@ def catalog(
         border: "thin", "thick", "double", "round" or "ascii".
 
     Raises:
-        UnknownOption: There is no such kind, column or border.
+        UnknownKey: There is no such kind.
+        UnknownOption: There is no such column or border.
     """
-    from roboticstoolbox._common.errors import UnknownOption
+    from roboticstoolbox._common.errors import UnknownKey, UnknownOption
     from roboticstoolbox._common.text_table import bordered, grid
 
     if mtype is not None and mtype not in _KINDS:
-        raise UnknownOption("kind of model", mtype, _KINDS)
+        raise UnknownKey("kind of model", mtype, _KINDS)
     columns: dict[str, Any] = {"name": 1, "manufacturer": 2, "dof": 4}
     if sorton is not None and sorton.lower() not in columns:
         raise UnknownOption("column", sorton, columns)
