@@ -32,10 +32,10 @@ SIZES = (50, 100, 200, 500, 1000, 5000)
 MOST_TRACED, MOST_FOR_PINOCCHIO, MOST_IN_MATRICES = 60_000, 200, 2000
 NAMES = (
     "fk", "jacobian", "inverse_dynamics", "forward_dynamics", "center_of_mass", "mechanical_energy", "centroidal_matrix",
-    "centroidal_derivatives", "mass_matrix", "coriolis_matrix", "inverse_mass_matrix", "inverse_dynamics_derivatives",
-    "forward_dynamics_derivatives", "joint_torque_regressor",
+    "centroidal_derivatives", "jacobian_dot", "frame_acceleration_derivatives", "mass_matrix", "coriolis_matrix", "inverse_mass_matrix", "inverse_dynamics_derivatives",
+    "forward_dynamics_derivatives", "joint_torque_regressor", "hessian",
 )  # fmt: skip
-SQUARE = NAMES[-6:]
+SQUARE = NAMES[-7:]
 """Those whose results grow with the square of the joints."""
 
 
@@ -73,6 +73,11 @@ def by_pinocchio(model: Model, name: str, q: Any, v: Any, u: Any) -> Callable[[]
         "jacobian": lambda: pin.computeJointJacobian(robot, data, q, model.nv),
         "inverse_dynamics": lambda: pin.rnea(robot, data, q, v, u),
         "forward_dynamics": lambda: pin.aba(robot, data, q, v, u),
+        "jacobian_dot": lambda: pin.computeJointJacobiansTimeVariation(robot, data, q, v),
+        "frame_acceleration_derivatives": lambda: pin.computeForwardKinematicsDerivatives(
+            robot, data, q, v, u
+        ),
+        "hessian": lambda: pin.computeJointKinematicHessians(robot, data, q),
         "mass_matrix": lambda: pin.crba(robot, data, q),
         "inverse_mass_matrix": lambda: pin.computeMinverse(robot, data, q),
         "center_of_mass": lambda: pin.centerOfMass(robot, data, q),

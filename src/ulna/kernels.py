@@ -43,7 +43,7 @@ _MORE_FOR_MATRICES = 3
 """How many times as many for quantities in a form of columns, which is compiled in a third of the time, and for others
 that take many operations for each pair of joints, whose loops are slowest beside straight-line code."""
 
-_MANY_FOR_A_PAIR = 50
+_MANY_FOR_A_PAIR = 39
 """Operations."""
 
 DEVICES = ("cpu", "cuda")

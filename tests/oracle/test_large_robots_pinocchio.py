@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -105,3 +107,37 @@ def test_derivatives_under_forces_agree_with_pinocchio(
     found = robot.derivatives.inverse_dynamics(q, v, a, ours, "local")
     for x, y in zip(found, (by_q, by_v, np.triu(M) + np.triu(M, 1).T), strict=True):
         assert_close(x, twin.both(y))
+
+
+@pytest.mark.parametrize(("joints", "branching"), SIZES)
+def test_derivatives_of_frames_agree_with_pinocchio(
+    joints: int, branching: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ulna.kernels, "LOOPED_ABOVE", 0)
+    model = long_robot(joints, branching)
+    robot, twin = ulna.Robot(model), to_pinocchio(model)
+    rng = np.random.default_rng(joints)
+    q, data = configurations(model, rng, 1)[0], twin.pin.createData()
+    v, a = rng.standard_normal((2, model.nv)) / np.sqrt(joints)
+    tool = model.frames.index(model.frame(model.tool))
+    index = dict((f.name, i) for f, i in twin.frames)[model.frames[tool].name]
+    pin.computeJointJacobiansTimeVariation(twin.pin, data, twin.q(q), twin.v(v))
+    pin.updateFramePlacements(twin.pin, data)
+    references: tuple[tuple[Any, Any], ...] = (
+        ("world", pin.WORLD),
+        ("local", pin.LOCAL),
+        ("local_world_aligned", pin.LOCAL_WORLD_ALIGNED),
+    )
+    for name, reference in references:
+        theirs = pin.getFrameJacobianTimeVariation(twin.pin, data, index, reference)
+        assert_close(robot.jacobian_dot(q, v, reference=name), twin.columns(theirs))
+    pin.computeForwardKinematicsDerivatives(twin.pin, data, twin.q(q), twin.v(v), twin.v(a))
+    theirs = pin.getFrameVelocityDerivatives(twin.pin, data, index, pin.LOCAL)
+    for x, y in zip(robot.derivatives.frame_velocity(q, v), theirs, strict=True):
+        assert_close(x, twin.columns(y))
+    _, *theirs = pin.getFrameAccelerationDerivatives(twin.pin, data, index, pin.LOCAL)
+    for x, y in zip(robot.derivatives.frame_acceleration(q, v, a), theirs, strict=True):
+        assert_close(x, twin.columns(y))
+    for name, _ in references:  # along v, the Hessian is the rate of the Jacobian
+        along = np.tensordot(v, robot.derivatives.jacobian(q, reference=name), 1)
+        assert_close(along, robot.jacobian_dot(q, v, reference=name))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import ulna
-from ulna import kernels
+from ulna import compiler, kernels
 from ulna.algorithms.multibody import link_frames
 from ulna.compiler import trace
 from ulna.errors import InputError, TooLargeError
@@ -56,7 +56,7 @@ def test_a_frame_counts_the_joints_that_carry_it() -> None:
 
 def test_what_is_too_large_is_refused_before_it_is_traced(monkeypatch: pytest.MonkeyPatch) -> None:
     model = chain(500)
-    monkeypatch.setattr(kernels, "trace", lambda *_, **__: pytest.fail("it is traced"))
+    monkeypatch.setattr(compiler, "trace", lambda *_, **__: pytest.fail("it is traced"))
     with pytest.raises(
         TooLargeError, match=r"joint_torque_regressor of 'before500' .* s and .* GB.* ULNA_MOST_OPERATIONS"
     ):

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from ulna.model import Frame, Model
+from ulna.model.constraint import End
 from ulna.recursions._procedures.frame_table import INT, REFERENCES, Frames
 from ulna.recursions.tree_table import matrices_as_rows, step_rows
 
 Options = Mapping[str, Any]
 
 
-def frame_table(frames: Sequence[Frame], rows: Mapping[int, int], reference: str = "world") -> Frames:
+def frame_table(frames: Sequence[Frame | End], rows: Mapping[int, int], reference: str = "world") -> Frames:
     """Some frames.
 
     Args:

@@ -7,13 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from ulna.model import Frame, Model
+from ulna.algorithms.constraints.proximal_settings import Proximal
+from ulna.model import Model
+from ulna.model.constraint import frame_pairs
+from ulna.model.variable import with_parameters
 from ulna.numeric import is_symbolic
 from ulna.quantities.forces import friction_of
 from ulna.quantities.quantity import Quantity, frame_of
-from ulna.recursions import pairs, regressors, whole_body
+from ulna.recursions import frame_columns, pairs, regressors, whole_body
 from ulna.recursions._procedures import articulated, composite, inverse_mass, newton_euler
-from ulna.recursions._procedures import frames as of_frames
 from ulna.recursions._procedures.frame_table import Frames
 from ulna.recursions._procedures.placements import new_placements
 from ulna.recursions.composition import (
@@ -23,14 +25,23 @@ from ulna.recursions.composition import (
     SolvedAccelerations,
     WithFriction,
 )
-from ulna.recursions.frame_rows import frame_table, loaded_frames
+from ulna.recursions.constrained import (
+    READERS,
+    ConstrainedAccelerations,
+    Delassus,
+    Impulses,
+    OfState,
+    Pairs,
+    Response,
+)
+from ulna.recursions.frame_motions import jacobian_of, motion_of, poses_of
+from ulna.recursions.frame_rows import loaded_frames
 from ulna.recursions.recursion import Recursion
 from ulna.recursions.tree_table import (
     INT,
     TreeTable,
     UnknownKind,
     has_mimics,
-    step_rows,
     tree_table,
 )
 
@@ -95,66 +106,29 @@ def _with_friction(model: Model, options: Options, is_forward: bool, made: Made)
     return WithFriction(made, law, is_forward)
 
 
-def _carriers(model: Model, frames: Sequence[Frame]) -> tuple[TreeTable, Mapping[int, int]]:
-    """The table of the joints that carry frames, and the rows of joints."""
-    needed: set[int] = set()
-    for first in {frame.joint for frame in frames}:
-        joint = first
-        while joint >= 0 and joint not in needed:
-            needed.add(joint)
-            joint = model.joints[joint].parent
-    joints = None if len(needed) == len(model.joints) else tuple(sorted(needed))
-    return tree_table(model, joints), step_rows(model, joints)
-
-
-def _pose_recursion(model: Model, frames: Sequence[Frame], shape: tuple[int, ...]) -> Recursion:
-    tree, rows = _carriers(model, frames)
-
-    def storage(lanes: int) -> Sequence[Any]:
-        return tree, new_placements(len(tree.parents), lanes, True), frame_table(frames, rows)
-
-    return Recursion(of_frames.frame_poses, storage, ((model.nq,),), (shape,), len(tree.parents))
-
-
 def _fk(model: Model, options: Options) -> Recursion | None:
     frame = options["frame"]
     if frame == "all" or isinstance(frame, tuple):
         frames = [model.frame(name) for name in (model.frame_names if frame == "all" else frame)]
-        return _pose_recursion(model, frames, (len(frames), 4, 4)) if frames else None
-    return _pose_recursion(model, [frame_of(model, frame)], (4, 4))
+        return poses_of(model, frames, (len(frames), 4, 4)) if frames else None
+    return poses_of(model, [frame_of(model, frame)], (4, 4))
 
 
 def _link_poses(model: Model, options: Options) -> Recursion | None:
     frames = [model.frame(name) for name in model.link_names]
-    return _pose_recursion(model, frames, (len(frames), 4, 4))
+    return poses_of(model, frames, (len(frames), 4, 4))
 
 
-def _jacobian(model: Model, options: Options) -> Recursion | None:
-    frame = frame_of(model, options["frame"])
-    tree, rows = _carriers(model, [frame])
-
-    def storage(lanes: int) -> Sequence[Any]:
-        places = new_placements(len(tree.parents), lanes, True)
-        return tree, places, frame_table([frame], rows, options["reference"])
-
-    return Recursion(of_frames.frame_jacobian, storage, ((model.nq,),), ((6, model.nv),), len(tree.parents))
+def _jacobian(model: Model, options: Options) -> Recursion:
+    return jacobian_of(model, frame_of(model, options["frame"]), options["reference"])
 
 
-def _motion_of_frame(procedure: Any, *sizes: str) -> Callable[[Model, Options], Recursion]:
+def _motion_of_frame(order: int) -> Callable[[Model, Options], Recursion]:
     """The velocity of one frame, or its acceleration."""
 
     def make(model: Model, options: Options) -> Recursion:
         frame = frame_of(model, options["frame"])
-        tree, rows = _carriers(model, [frame])
-        last = (np.array([int(options["classical"])], INT),) if "classical" in options else ()
-
-        def storage(lanes: int) -> Sequence[Any]:
-            count = len(tree.parents)
-            places = new_placements(count, lanes, True)
-            moves = newton_euler.new_motions(count, lanes)
-            return tree, places, moves, frame_table([frame], rows, options["reference"]), *last
-
-        return Recursion(procedure, storage, _inputs(model, sizes, None), ((6,),), len(tree.parents))
+        return motion_of(model, frame, options["reference"], order, options.get("classical", False))
 
     return make
 
@@ -199,6 +173,46 @@ def _forward_dynamics_derivatives(model: Model, options: Options) -> Derivatives
     if accelerations is None:
         return None
     return DerivativesOfAccelerations(accelerations, derivatives, _inverse_mass_matrix(model, {}))
+
+
+def _response(model: Model, options: Options) -> Response:
+    """What constraints are solved by."""
+    weightless = with_parameters(model, {"gravity": np.zeros(3)})
+    accelerations = _forward_dynamics(weightless, {"forces": ()})
+    assert accelerations is not None  # there is no friction
+    return Response(accelerations, options.get("solver", Proximal()))
+
+
+def _constrained_dynamics(model: Model, options: Options) -> ConstrainedAccelerations | None:
+    free = _forward_dynamics(model, options)
+    if free is None:
+        return None
+    pairs = Pairs(model, frame_pairs(model, options["constraints"]))
+    wrenches, is_stabilised = bool(options["forces"]), options["stabilised"]
+    return ConstrainedAccelerations(pairs, free, _response(model, options), wrenches, is_stabilised)
+
+
+def _impulse_dynamics(model: Model, options: Options) -> Impulses:
+    pairs = Pairs(model, frame_pairs(model, options["constraints"]))
+    return Impulses(pairs, _response(model, options), options["elastic"])
+
+
+def _delassus_matrix(model: Model, options: Options) -> Delassus:
+    pairs = Pairs(model, frame_pairs(model, options["constraints"]))
+    return Delassus(pairs, _response(model, options))
+
+
+def _of_state(name: str) -> Callable[[Model, Options], OfState]:
+    """What follows from the frames of constraints alone."""
+
+    def make(model: Model, options: Options) -> OfState:
+        found = frame_pairs(model, options["constraints"])
+        pairs, (has_velocity, read) = Pairs(model, found), READERS[name]
+        shape = (pairs.rows, model.nv) if name == "constraint_jacobian" else (pairs.rows,)
+        shown = jacobian_of(model, found[0].first, "local_world_aligned")
+        return OfState(pairs, shape, shown, has_velocity, read)
+
+    return make
 
 
 def _inverse_mass_matrix(model: Model, options: Options) -> Recursion | InverseOfMassMatrix:
@@ -250,8 +264,8 @@ _RECURSIONS: dict[str, Callable[[Model, Options], Made | None]] = {
     "fk": _fk,
     "link_poses": _link_poses,
     "jacobian": _jacobian,
-    "frame_velocity": _motion_of_frame(of_frames.frame_velocity, "nq", "nv"),
-    "frame_acceleration": _motion_of_frame(of_frames.frame_acceleration, "nq", "nv", "nv"),
+    "frame_velocity": _motion_of_frame(1),
+    "frame_acceleration": _motion_of_frame(2),
     "inverse_dynamics": _dynamics(
         newton_euler.inverse_dynamics, newton_euler.loaded_inverse_dynamics, "nq", "nv", "nv"
     ),
@@ -262,8 +276,13 @@ _RECURSIONS: dict[str, Callable[[Model, Options], Made | None]] = {
     "forward_dynamics": _forward_dynamics,
     "inverse_mass_matrix": _inverse_mass_matrix,
     "forward_dynamics_derivatives": _forward_dynamics_derivatives,
+    "constrained_dynamics": _constrained_dynamics,
+    "impulse_dynamics": _impulse_dynamics,
+    "delassus_matrix": _delassus_matrix,
+    **{name: _of_state(name) for name in READERS},
     **whole_body.RECURSIONS,
     **pairs.RECURSIONS,
+    **frame_columns.RECURSIONS,
     **regressors.RECURSIONS,
 }
 """By the names of quantities."""

@@ -23,6 +23,7 @@ from ulna.algorithms.multibody.tree import Step, steps
 from ulna.compiler.procedures import Array1, Array2, f64
 from ulna.model import (
     Circle,
+    Frame,
     FreeFlyer,
     Helical,
     JointKind,
@@ -34,6 +35,7 @@ from ulna.model import (
     Spherical,
     Translation,
 )
+from ulna.model.constraint import End
 from ulna.spatial import SE3
 from ulna.typing import Floats
 
@@ -130,6 +132,26 @@ def has_mimics(model: Model, tree: TreeTable) -> bool:
         Whether there is such a joint.
     """
     return not np.array_equal(tree.entries, np.arange(model.nv))
+
+
+def carriers(model: Model, frames: Sequence[Frame | End]) -> tuple[TreeTable, Mapping[int, int]]:
+    """The table of the joints that carry frames, and the rows of joints.
+
+    Args:
+        model: The robot.
+        frames: The frames.
+
+    Returns:
+        The table of these joints and of those between them and the world, and their rows by joint.
+    """
+    needed: set[int] = set()
+    for first in {frame.joint for frame in frames}:
+        joint = first
+        while joint >= 0 and joint not in needed:
+            needed.add(joint)
+            joint = model.joints[joint].parent
+    joints = None if len(needed) == len(model.joints) else tuple(sorted(needed))
+    return tree_table(model, joints), step_rows(model, joints)
 
 
 def free_columns(tree: TreeTable) -> TreeTable:

@@ -105,13 +105,26 @@ def constrained_dynamics(
     J = constraint_jacobian(model, q, frame_pairs, local_axes=False)
     g = constraint_bias(model, q, v, frame_pairs, local_axes=False)
     if stabilisation is not None:
-        owner = [i for i, frame_pair in enumerate(frame_pairs) for _ in range(frame_pair.size)]
-        kp, kd = stabilisation.gains[..., owner, 0], stabilisation.gains[..., owner, 1]
+        gains = spread_over_rows(stabilisation.gains, frame_pairs)
+        kp, kd = gains[..., 0], gains[..., 1]
         error = constraint_error(model, q, stabilisation.anchors, frame_pairs, local_axes=False)
         g = g + kd * apply(J, v) + kp * error
     motion = forward_dynamics_with_jacobian(model, q, v, tau, J, g, 0.0, external, settings)
     forces = along_axes(model, q, motion.forces[..., None], frame_pairs)[..., 0]
     return motion._replace(forces=forces)
+
+
+def spread_over_rows(numbers: Array, frame_pairs: Sequence[FramePair]) -> Array:
+    """Numbers of constraints, for each of their rows.
+
+    Args:
+        numbers: Shape (..., constraints, n).
+        frame_pairs: The constraints.
+
+    Returns:
+        Shape (..., m, n).
+    """
+    return numbers[..., [i for i, pair in enumerate(frame_pairs) for _ in range(pair.size)], :]
 
 
 def forward_dynamics_with_jacobian(
@@ -174,9 +187,7 @@ def impulse_dynamics(
     J = constraint_jacobian(model, q, frame_pairs, local_axes=False)
     returned: Any = 0.0
     if restitution is not None:
-        returned = restitution[
-            ..., [i for i, frame_pair in enumerate(frame_pairs) for _ in range(frame_pair.size)]
-        ]
+        returned = spread_over_rows(restitution[..., None], frame_pairs)[..., 0]
     before = apply(J, v)
     factors = Factors(mass_matrix(model, q))
     gain, impulses, iterations = _response(factors, J, 0.0 * v, (1.0 + returned) * before, 0.0, settings)

@@ -21,7 +21,7 @@ Algorithms (2018), section III. Derivatives by q are along the tangent space, as
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from ulna.algorithms.kinematics.forward_kinematics import frame_acceleration, frame_pose, frame_velocity
 from ulna.algorithms.kinematics.jacobian import by_step, local_columns
@@ -80,14 +80,46 @@ def frame_acceleration_derivatives(
     U, C = Motion.zero(), Motion.zero()
     for group, V_k, rest in zip(groups, upto, beyond, strict=True):
         joint_twist = step_twist(group, v)
+        state = ColumnState(U, C, joint_twist + rest, rest)
         for c in group:
-            change = U.cross(c.motion)
-            add_column(dA_dq, c.index, C.cross(c.motion) + change.cross(joint_twist + rest))
-            add_column(dA_dv, c.index, change + c.motion.cross(rest))
-            add_column(dA_da, c.index, c.motion)
+            for matrix, change in zip(
+                (dA_dq, dA_dv, dA_da), acceleration_changes(c.motion, state), strict=True
+            ):
+                add_column(matrix, c.index, change)
         C = C + step_twist(group, a) + V_k.cross(joint_twist)
         U = V_k
     return dA_dq, dA_dv, dA_da
+
+
+class ColumnState(NamedTuple):
+    """What the change of an acceleration with the coordinate of a column depends on.
+
+    Attributes:
+        U: Twist of the body before its step [m/s, rad/s].
+        C: Spatial acceleration of that body [m/s^2, rad/s^2].
+        onward: What its step and those beyond add to the twist [m/s, rad/s].
+        rest: What the steps beyond add [m/s, rad/s].
+    """
+
+    U: Motion
+    C: Motion
+    onward: Motion
+    rest: Motion
+
+
+def acceleration_changes(J: Motion, state: ColumnState) -> tuple[Motion, Motion, Motion]:
+    """How the acceleration of a frame changes with q, v and a of a column; see the table of the module.
+
+    Args:
+        J: The column of the Jacobian in "local", or a batch of columns.
+        state: What it depends on, as many.
+
+    Returns:
+        The derivatives by q, v and a.
+    """
+    change = state.U.cross(J)
+    by_q = state.C.cross(J) + change.cross(state.onward)
+    return by_q, change + J.cross(state.rest), J
 
 
 def motion_derivatives(

@@ -49,7 +49,7 @@ def frame_jacobian_dot(
     dJ = batch_zeros((6, model.nv), q, v)
     for group, V, rest in zip(groups, upto, beyond, strict=True):
         for column in group:
-            change = _change(column.motion, V, rest, reference)
+            change = rate_of_column(column.motion, V, rest, reference)
             dJ[..., :3, column.index] += change.linear
             dJ[..., 3:, column.index] += change.angular
     return dJ
@@ -117,7 +117,18 @@ def step_twist(group: list[Column], v: Array) -> Motion:
     return reduce(add, terms)
 
 
-def _change(J: Motion, V: Motion, rest: Motion, reference: Reference) -> Motion:
+def rate_of_column(J: Motion, V: Motion, rest: Motion, reference: Reference) -> Motion:
+    """How a column of the Jacobian changes with time; see the table of the module.
+
+    Args:
+        J: The column, or a batch of columns.
+        V: The twist of the body behind its step [m/s, rad/s].
+        rest: What the steps beyond it add to the twist of the frame [m/s, rad/s].
+        reference: As for `frame_jacobian_dot`.
+
+    Returns:
+        The rate of the column.
+    """
     if reference == "world":
         return V.cross(J)
     if reference == "local":

@@ -21,7 +21,7 @@ from ulna.recursions.tree_table import TreeTable
 
 
 @procedure
-def _constant_pose(F, k, T, i, C, W):
+def constant_pose(F, k, T, i, C, W):
     """C[0] = T[i] F[k], where F is constant."""
     for r in range(3):
         x, y, z = three(T, i, 3 * r, W)
@@ -35,7 +35,7 @@ def _poses(tree, places, frames, q, out, C, W):
     """Matrices of the frames, 16 numbers each."""
     place_in_world(tree, places, q, W)
     for k in range(len(frames.rows)):
-        _constant_pose(frames.placements, k, places.T, frames.rows[k], C, W)
+        constant_pose(frames.placements, k, places.T, frames.rows[k], C, W)
         for r in range(3):
             for c in range(3):
                 out[16 * k + 4 * r + c, 0:W] = C[0, 3 * r + c, 0:W]
@@ -71,7 +71,7 @@ def frame_poses(
 
 
 @procedure
-def _column(tree, T, C, k, i, reference, W):
+def jacobian_column(tree, T, C, k, i, reference, W):
     """Column k of S, of step i, in a reference: of the frame with the pose in C[0]."""
     lx, ly, lz = rotate(T, i, tree.S[k, 0], tree.S[k, 1], tree.S[k, 2], W)
     rx, ry, rz = rotate(T, i, tree.S[k, 3], tree.S[k, 4], tree.S[k, 5], W)
@@ -90,14 +90,14 @@ def _column(tree, T, C, k, i, reference, W):
 def _jacobian(tree, places, frames, q, J, C, W):
     """The Jacobian of one frame by rows; entries that its joints do not move are left as they are."""
     place_in_world(tree, places, q, W)
-    _constant_pose(frames.placements, 0, places.T, frames.rows[0], C, W)
+    constant_pose(frames.placements, 0, places.T, frames.rows[0], C, W)
     n = len(tree.armature)
     for k in range(len(tree.entries)):
         for r in range(6):
             J[r * n + tree.entries[k], 0:W] = broadcast(0.0, W)
     for i in range(1, len(tree.parents)):
         for k in range(tree.columns[i], tree.columns[i + 1]):
-            lx, ly, lz, rx, ry, rz = _column(tree, places.T, C, k, i, frames.reference[0], W)
+            lx, ly, lz, rx, ry, rz = jacobian_column(tree, places.T, C, k, i, frames.reference[0], W)
             e = tree.entries[k]
             J[e, 0:W] = J[e, 0:W] + lx
             J[n + e, 0:W] = J[n + e, 0:W] + ly
@@ -197,7 +197,7 @@ def _acceleration(tree, places, moves, frames, classical, q, v, a, out, C, twist
     """The acceleration of one frame, without gravity."""
     place_in_world(tree, places, q, W)
     row, reference = frames.rows[0], frames.reference[0]
-    _constant_pose(frames.placements, 0, places.T, row, C, W)
+    constant_pose(frames.placements, 0, places.T, row, C, W)
     for i in range(1, len(tree.parents)):
         acceleration_of(tree, places.X, moves.A, a, i, True, W)
         sx, sy, sz, wx, wy, wz = velocity_of(tree, places.X, moves.V, v, i, W)
@@ -215,7 +215,7 @@ def _velocity(tree, places, moves, frames, q, v, out, C, W):
     """The twist of one frame."""
     place_in_world(tree, places, q, W)
     row = frames.rows[0]
-    _constant_pose(frames.placements, 0, places.T, row, C, W)
+    constant_pose(frames.placements, 0, places.T, row, C, W)
     for i in range(1, len(tree.parents)):
         _sx, _sy, _sz, _wx, _wy, _wz = velocity_of(tree, places.X, moves.V, v, i, W)
     _of_frame(moves.V, row, frames.placements, out, W)
