@@ -84,8 +84,8 @@ def _cheapest_within(trees, tree, q, reach, W):
         for k in range(len(q)):
             d = trees.nodes[tree, k, i : i + W] - q[k]
             total = total + d * d
-        way = np.sqrt(total)
-        cost = np.where(way <= reach, way + trees.costs[tree, i : i + W], broadcast(f32(1e38), W))
+        distances = np.sqrt(total)
+        cost = np.where(distances <= reach, distances + trees.costs[tree, i : i + W], broadcast(f32(1e38), W))
         closer = cost < best
         best = np.where(closer, cost, best)
         where_best = np.where(closer, lane_numbers(W) + i, where_best)

@@ -106,8 +106,8 @@ class ConstrainedWorkspace(Workspace):
         """
         return self.grow(first, count, roots)
 
-    def way(self, a: Floats, b: Floats) -> Floats | None:
-        """The way from one configuration to another along the constraints, as straight as they allow.
+    def path_between(self, a: Floats, b: Floats) -> Floats | None:
+        """The path from one configuration to another along the constraints, as straight as they allow.
 
         Args:
             a: Shape (nq,) [rad, m].
@@ -189,9 +189,9 @@ class ConstrainedSearch(Search):
             i, j = np.sort(random.choice(len(points), 2, replace=False))
             if j - i < 2:
                 continue
-            way = run.workspace.way(points[i], points[j])
-            if way is not None and length(way) < length(points[i : j + 1]) - 1e-3:
-                points = np.concatenate([points[:i], way, points[j + 1 :]])
+            path = run.workspace.path_between(points[i], points[j])
+            if path is not None and length(path) < length(points[i : j + 1]) - 1e-3:
+                points = np.concatenate([points[:i], path, points[j + 1 :]])
         if run.options.still is not None:
             points[:, run.options.still] = run.q0[run.options.still]
         return points, goal

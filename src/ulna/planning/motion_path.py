@@ -33,9 +33,9 @@ def motion_path(model: Model, points: Floats, deviation_bounds: Floats | None = 
     Returns:
         The curve; its tangent jumps at corners that are not cut.
     """
-    way = np.diff(points, axis=0)
-    lengths = np.linalg.norm(way, axis=1)
-    u = way / lengths[:, None]
+    edges = np.diff(points, axis=0)
+    lengths = np.linalg.norm(edges, axis=1)
+    u = edges / lengths[:, None]
     b = np.zeros(len(points))
     if deviation_bounds is not None and len(u) > 1:
         turn = np.abs(np.diff(u, axis=0))

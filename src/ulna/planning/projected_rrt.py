@@ -159,7 +159,7 @@ def walk_between(
         growth: Its step counts.
         points: Both points, shape (at least 2, n) [rad, m].
         touching: Above 0 for points that touch, shape (at least 2,).
-        trees: Receives the way, the nodes of its first tree, in order.
+        trees: Receives the path, the nodes of its first tree, in order.
         step: From a configuration to the step back to the constraints, and the violation, one sample.
         projection: How configurations are moved back.
         work: Working storage.

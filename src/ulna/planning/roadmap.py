@@ -125,10 +125,10 @@ class RoadmapSearch(Search):
     def _grow(self, run: Run) -> bool:
         if run.options.still is not None or run.options.coarse != COARSE[0] or self.roadmap.tree is None:
             return super()._grow(run)
-        way = self._way(run)
-        if way is None:
+        shortest = self._shortest_path(run)
+        if shortest is None:
             return super()._grow(run)
-        nodes, goal = way
+        nodes, goal = shortest
         run.workspace.grow(0, 0, run.roots)  # start and goals, without samples
         while len(nodes) + 64 > run.workspace.storage.trees.nodes.shape[2]:
             run.workspace.storage.enlarge_trees()
@@ -139,8 +139,8 @@ class RoadmapSearch(Search):
         trees.meeting[:] = count - 1, goal
         return True
 
-    def _way(self, run: Run) -> tuple[Any, int] | None:
-        """The nodes of the shortest way from the start to a goal, and the goal's number; None where there is none."""
+    def _shortest_path(self, run: Run) -> tuple[Any, int] | None:
+        """The nodes of the shortest path from the start to a goal, and the goal's number; None where there is none."""
         from scipy.sparse import csr_matrix
         from scipy.sparse.csgraph import dijkstra
 
@@ -157,14 +157,14 @@ class RoadmapSearch(Search):
         goal = int(lengths[size + 1 :].argmin())
         if not np.isfinite(lengths[size + 1 + goal]):
             return None
-        way, at = [], int(before[size + 1 + goal])
+        path, at = [], int(before[size + 1 + goal])
         while at != size:
-            way.append(at)
+            path.append(at)
             at = int(before[at])
-        if any(node > size for node in way):  # through another goal, which is nearer
-            goal = next(node for node in reversed(way) if node > size) - size - 1
-            way = way[max(k for k, node in enumerate(way) if node > size) + 1 :]
-        return np.array(way[::-1], int), goal
+        if any(node > size for node in path):  # through another goal, which is nearer
+            goal = next(node for node in reversed(path) if node > size) - size - 1
+            path = path[max(k for k, node in enumerate(path) if node > size) + 1 :]
+        return np.array(path[::-1], int), goal
 
 
 def _touching(workspace: Workspace, starts: Floats, ends: Floats) -> Any:

@@ -67,9 +67,9 @@ def _in_ellipsoids(random: np.random.Generator, a: Floats, b: Floats, length: fl
     directions = random.standard_normal(b.shape) * moves
     ball = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     ball *= random.random((len(b), 1)) ** (1.0 / max(int(moves.sum()), 1))
-    way = b - a
-    distance = np.linalg.norm(way, axis=1, keepdims=True)
-    along = np.divide(way, distance, out=np.zeros_like(way), where=distance > 0.0)
+    difference = b - a
+    distance = np.linalg.norm(difference, axis=1, keepdims=True)
+    along = np.divide(difference, distance, out=np.zeros_like(difference), where=distance > 0.0)
     part = (ball * along).sum(axis=1, keepdims=True)
     across = 0.5 * np.sqrt(np.maximum(length**2 - distance**2, 0.0))
     return 0.5 * (a + b) + across * ball + (0.5 * length - across) * part * along

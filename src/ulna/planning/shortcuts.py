@@ -65,7 +65,7 @@ def _cut_corners(kernel, tables, step, points, count, corner, work, W):
             middle = f32(0.5) * (points[i - 1, k] + points[i + 1, k])
             corner[k] = f32(0.5) * (points[i, k] + middle)
             change += (corner[k] - points[i, k]) * (corner[k] - points[i, k])
-        if np.sqrt(change) <= f32(0.1):
+        if np.sqrt(change) <= f32(LEAST_CHANGE):
             continue
         if edge_touches(kernel, tables, step, points[i - 1], corner, work, W):
             continue
