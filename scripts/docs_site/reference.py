@@ -6,6 +6,7 @@ import ast
 import importlib
 import inspect
 import sys
+from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -175,15 +176,29 @@ def _robot_page() -> str:
 
 
 def _group_page(name: str, kind: type) -> str:
-    return _title(f"robot.{name}") + f".. autoclass:: {kind.__module__}.{kind.__qualname__}\n{_MEMBERS}\n"
+    """The page of a group; robots make it, so that its constructor has no arguments here."""
+    return _title(f"robot.{name}") + f".. autoclass:: {kind.__module__}.{kind.__qualname__}()\n{_MEMBERS}\n"
 
 
 def _index() -> str:
-    entries = "".join(f"   {module}\n" for module in MODULES)
-    robot = "   robot\n" + "".join(f"   robot.{name}\n" for name in groups())
+    robot = {"robot": "A robot: what is used daily"}
+    robot |= {
+        f"robot.{name}": (inspect.getdoc(kind) or "").splitlines()[0] for name, kind in groups().items()
+    }
     return (
         _title("API")
         + "Every public name, from the docstrings. ``help(name)`` in Python shows the same text.\n\n"
-        + f".. toctree::\n   :maxdepth: 1\n   :caption: Modules\n\n{entries}\n"
-        + f".. toctree::\n   :maxdepth: 1\n   :caption: A robot and its groups\n\n{robot}"
+        + _contents("Modules", MODULES)
+        + _contents("A robot and its groups", robot)
     )
+
+
+def _contents(title: str, pages: Mapping[str, str]) -> str:
+    """A table of pages, by name, with what each is about."""
+    rows = "".join(
+        f"   * - :doc:`{'ulna.Robot' if name == 'robot' else name} <{name}>`\n     - {inline(about)}\n"
+        for name, about in pages.items()
+    )
+    table = f".. list-table::\n   :widths: 30 70\n\n{rows}\n"
+    listed = "".join(f"   {name}\n" for name in pages)
+    return _title(title, "-") + table + f".. toctree::\n   :hidden:\n\n{listed}\n"

@@ -67,7 +67,11 @@ class ExactSearch:
         Returns:
             The plan, or why there is none.
         """
-        run = Run(options, q0, goals)
+        with Run(options, q0, goals) as run:
+            return self._planned(run)
+
+    def _planned(self, run: Run) -> Plan:
+        """The plan that a run finds, or why there is none."""
         failure = self._prepare(run)
         if failure is not None:
             return self._result(run, *failure, np.zeros((0, self._model.nq)), -1)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import Any, Literal, final, get_args
@@ -180,7 +181,7 @@ class Planner:
         self.robot, self.model = robot, robot.model
         numbers = {"margin": margin, "step": step, "longest": longest, "roadmap": roadmap}
         self._arguments = (robot, world), {"spheres": spheres, "pairs": pairs, "method": method, **numbers}
-        self._is_exact = method == "exact"
+        self._is_exact, self._batches = method == "exact", 0
         if self._is_exact:
             _check_exact(spheres=spheres is None, step=step == _STEP, roadmap=not roadmap)
             self._search = ExactSearch(
@@ -244,6 +245,7 @@ class Planner:
             _count("seed", seed, 0),
             improve=_count("improve", improve, 0),
             keep_tree=flag("keep_tree", keep_tree),
+            is_shown=not self._batches,
         )
         if self._is_exact:
             _check_exact(improve=not options.improve)
@@ -329,7 +331,7 @@ class Planner:
             )
 
         count, out = len(goal_list), []
-        with progress("Planning") as report:
+        with self._in_batch(), progress("Planning") as report:
             if workers == 1 or count < 2:
                 for number in range(count):
                     report(number, count)
@@ -344,6 +346,15 @@ class Planner:
             finally:  # Ctrl-C, too, waits for plans under way only
                 is_stopped.set()
                 pool.shutdown(cancel_futures=True)
+
+    @contextmanager
+    def _in_batch(self) -> Iterator[None]:
+        """Within, the progress of the batch is shown, not that of each search."""
+        self._batches += 1
+        try:
+            yield
+        finally:
+            self._batches -= 1
 
 
 def _check_scene(robot: Any, world: Any) -> None:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import time
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 from ulna.planning.joint_box import JointBox
 from ulna.planning.result import Outcome
 from ulna.planning.search_tree import SearchTree
 from ulna.planning.workspace import COARSE
+from ulna.system.progress import Report, progress, silent
 from ulna.typing import Floats
 
 Failure = tuple[Outcome, str]
 """What stood in the way, and a sentence about it."""
+
+_SHORT = 0.1  # s; of a search that shows no progress
 
 _NO_SECONDS = {"prepare": 0.0, "search": 0.0, "shorten": 0.0, "improve": 0.0, "certify": 0.0}
 
@@ -30,6 +33,7 @@ class Options(NamedTuple):
         improve: How many samples are spent on shorter paths once there is one.
         keep_tree: Whether the plan has the trees of the search.
         with_reason: Whether a failure says what touches, which takes a millisecond.
+        is_shown: Whether a long search shows how many samples it has taken.
     """
 
     shorten: int
@@ -41,10 +45,11 @@ class Options(NamedTuple):
     improve: int = 0
     keep_tree: bool = False
     with_reason: bool = True
+    is_shown: bool = True
 
 
 class Run:
-    """What is known of one call while it runs.
+    """What is known of one call while it runs; it ends, as a context, when progress is no longer shown.
 
     Args:
         options: What it asks for.
@@ -61,10 +66,25 @@ class Run:
         self.direct, self.roots, self.used, self.nodes = -1, 0, 0, 0
         self.improvements: list[tuple[float, float]] = []
         self.seconds = dict(_NO_SECONDS)
+        self._progress: Any = None
+        self._report: Report = silent
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._progress is not None:
+            self._progress.__exit__(*error)
 
     def is_late(self) -> bool:
-        """Whether the time is up."""
-        return time.perf_counter() - self.start_time > self.options.timeout
+        """Whether the time is up; a search that takes long shows its progress from here on."""
+        elapsed = time.perf_counter() - self.start_time
+        if elapsed > _SHORT and self.options.is_shown:
+            if self._progress is None:  # the thread of a progress takes longer than most searches
+                self._progress = progress("Planning")
+                self._report = self._progress.__enter__()
+            self._report(self.used, self.options.iterations)
+        return elapsed > self.options.timeout
 
     def check_limits(self, box: JointBox) -> Failure | None:
         """Notes in `numbers` which goals are within the limits of the joints.

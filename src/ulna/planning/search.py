@@ -52,11 +52,15 @@ class Search:
             The plan, or why there is none.
         """
         self._compile(options)
-        run = Run(options, q0, goals)
+        with Run(options, q0, goals) as run:
+            return self._planned(run)
+
+    def _planned(self, run: Run) -> Plan:
+        """The plan that a run finds, or why there is none."""
         points, goal, failure = self._searched(run)
         if failure is not None:
             return self._result(run, *failure, np.zeros((0, self._model.nq)), None, -1)
-        if options.improve:
+        if run.options.improve:
             points, goal = self._improved(run, points, goal)
             run.note("improve")
         points, certificate = self._proved(run, points)
@@ -225,7 +229,12 @@ class Search:
         """A path that a search with shorter steps finds in the time that is left; None where it finds none."""
         left = run.options.timeout - (time.perf_counter() - run.start_time)
         options = run.options._replace(
-            coarse=coarse, timeout=max(left, 0.0), improve=0, keep_tree=False, with_reason=False
+            coarse=coarse,
+            timeout=max(left, 0.0),
+            improve=0,
+            keep_tree=False,
+            with_reason=False,
+            is_shown=False,
         )
         points, _, failure = self._searched(Run(options, a, b[None]))
         return points if failure is None else None

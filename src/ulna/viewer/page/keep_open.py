@@ -45,7 +45,7 @@ def keep_open(page: Page, seconds: float | None = None) -> None:
 
 def print_address(page: Page) -> None:
     """Print the address of a page, and how it is seen from elsewhere."""
-    print(f"Look at {page.url}. Ctrl-C ends it.", flush=True)
+    print(f"Look at {page.url} (Ctrl-C ends it)", flush=True)
     if "SSH_CONNECTION" in os.environ:
         print(
             f"From elsewhere: ssh -L {page.port}:localhost:{page.port} ... and open the same address there.",

@@ -27,7 +27,7 @@ def opened(**options: Any) -> Gui:
         warnings.warn(f"{error} Going on without a page; pictures can be written.", UlnaWarning, stacklevel=3)
         viewer = ulna.Viewer(page=False)
     if viewer.url and somebody_can_look():
-        print(f"Look at {viewer.url}.", flush=True)
+        print(f"Look at {viewer.url}", flush=True)
         if not hasattr(sys, "ps1"):  # at a prompt the user says when it ends
             atexit.register(viewer.hold)
     return Gui(viewer)
