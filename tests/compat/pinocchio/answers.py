@@ -1,6 +1,6 @@
 """Evaluates calls with the package that is imported, and says what came of each.
 
-`python answers.py` reads lines of JSON, [number, expression], and writes for each a line [number, answer]; before it, the
+`python answers.py [SEED]` reads lines of JSON, [number, expression], and writes for each a line [number, answer]; before it, the
 number alone, so that the reader knows which call ended the process.
 """
 
@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from generated_calls import NAMES
+from generated_calls import names_with_numbers
 
 DIGITS = 9
 LONGEST = 30
@@ -87,6 +87,9 @@ def rounded(value: Any) -> Any:
         return str(array)[:80]
     flat = array.astype(float).ravel()[:400]
     return ["nan" if np.isnan(x) else f"{0.0 if abs(x) < 1e-10 else x:.{DIGITS - 2}e}" for x in flat]
+
+
+NAMES = names_with_numbers(int(sys.argv[1]) if len(sys.argv) > 1 else 0)
 
 
 def answer(expression: str, prepared: list[Any]) -> dict[str, Any]:

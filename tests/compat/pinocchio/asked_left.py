@@ -54,6 +54,18 @@ def numbers(value):
     return [numbers(value[i]) for i in range(1, len(value))]  # the universe's are left as they were
 
 
+def articulated(m, d):
+    """What aba leaves of its recursion."""
+    joints = [d.joints[i] for i in range(1, m.njoints)]
+    terms = {
+        n: [np.asarray(getattr(joint, n)).ravel().tolist() for joint in joints]
+        for n in ("U", "Dinv", "UDinv")
+    }
+    rows = {n: list(getattr(d, n)) for n in ("non_mimic_parents_fromRow", "mimic_parents_fromRow")}
+    rows["extended"] = list(d.idx_vExtended_to_idx_v_fromRow)
+    return {"Yaba": numbers(d.Yaba), **terms, **rows}
+
+
 def main(target, file, root):
     m = pin.buildModelFromUrdf(file, *((getattr(pin, f"JointModel{root}")(),) if root else ()))
     rng = np.random.default_rng(7)
@@ -82,6 +94,8 @@ def main(target, file, root):
                     found[f"{name}: {of.__name__} {rf}"] = numbers(of(m, d, frame, rf))
             pin.getFrameJacobian(m, d, frame, rf)
             found[f"{name}: placed by getFrameJacobian {rf}"] = numbers(d.oMf[frame])
+        if name == "aba":
+            found |= articulated(m, d)
         if name == "rnea":
             found["body regressor"] = numbers(pin.frameBodyRegressor(m, d, frame))
     with open(target, "w", encoding="utf-8") as out:

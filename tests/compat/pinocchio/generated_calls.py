@@ -5,6 +5,7 @@ A call is the text of an expression. Names in it are made anew for each call by 
 
 from __future__ import annotations
 
+import random
 import re
 from collections.abc import Iterator
 from typing import Any
@@ -45,6 +46,28 @@ NAMES: dict[str, str] = {
     "composite": "pin.JointModelComposite(pin.JointModelRX(), pin.SE3.Identity())",
 }
 """How each name is made; `prepared`, `data_of` and `filled` are those of `answers.py`."""
+
+
+def names_with_numbers(seed: int) -> dict[str, str]:
+    """`NAMES`, with numbers that are drawn anew for each seed but 0."""
+    if seed == 0:
+        return NAMES
+    draws = random.Random(seed)
+
+    def drawn(count: int, least: float = -1.0, most: float = 1.0) -> str:
+        return f"np.array({[draws.uniform(least, most) for _ in range(count)]})"
+
+    new = {name: drawn(6) for name in ("q", "k", "v", "six")}
+    new |= {"three": drawn(3), "three_b": drawn(3), "R": f"pin.exp3({drawn(3)})"}
+    new |= {"M": f"pin.SE3(pin.exp3({drawn(3)}), {drawn(3)})", "mo": f"pin.Motion({drawn(6)})"}
+    new |= {"fo": f"pin.Force({drawn(6)})", "Q": f"pin.Quaternion(pin.exp3({drawn(3)}))"}
+    new["I"] = (
+        f"pin.Inertia({draws.uniform(1, 3)}, {drawn(3, -0.1, 0.1)}, np.diag({drawn(3, 0.5, 0.7)}) + 0.01)"
+    )
+    new["Y"] = f"pin.Symmetric3(np.diag({drawn(3, 1.0, 3.0)}) + 0.2)"
+    new["AA"] = f"pin.AngleAxis({draws.uniform(0, 1)}, np.array([0.0, 1.0, 0.0]))"
+    return NAMES | new
+
 
 CLASSES = {
     "Model": "m",

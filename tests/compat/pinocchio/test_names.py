@@ -84,9 +84,34 @@ def test_functions_made_of_records_have_their_names_and_arguments(pin: Any) -> N
     weight = pin.computeGeneralizedGravity(model, data, q)
     for _ in range(2):  # the general case, and the bound kernel
         np.testing.assert_allclose(pin.rnea(model, data, q=q, v=zero, a=zero), weight, atol=1e-12)
-        np.testing.assert_allclose(pin.rnea(model, data, list(q), zero, zero, fext=None), weight, atol=1e-12)
+        np.testing.assert_allclose(pin.rnea(model, data, list(q), zero, zero), weight, atol=1e-12)
     with pytest.raises(InputError, match="accelerations without velocities"):
-        pin.forwardKinematics(model, data, q, None, zero)
+        pin.forwardKinematics(model, data, q, a=zero)
+
+
+def test_none_is_no_argument(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, q, zero = model.createData(), np.linspace(0.1, 0.6, 6), np.zeros(6)
+    pin.forwardKinematics(model, data, q, zero, zero)
+    pin.computeJointJacobians(model, data, q)
+    calls: dict[str, Any] = {
+        "fext": lambda: pin.rnea(model, data, q, zero, zero, None),
+        "v": lambda: pin.forwardKinematics(model, data, q, None),
+        "q": lambda: pin.computeJointJacobians(model, data, q=None),
+        "data": lambda: pin.computeTotalMass(model, None),
+        "argument_position": lambda: pin.dIntegrate(model, q, zero, None),
+        "NoneType": lambda: pin.getFrameVelocity(model, data, 5, None),
+        "other": lambda: pin.Model(None),
+        "res": lambda: pin.Symmetric3(np.eye(3)).inverse(None),
+        "upper_bound": lambda: pin.randomConfiguration(model, q, None),
+        "lower_bound": lambda: pin.randomConfiguration(model, upper_bound=q),
+    }
+    for words, call in calls.items():
+        for _ in range(2):  # the general case, and what is known of its types
+            with pytest.raises(TypeError, match=words):
+                call()
+    assert pin.computeTotalMass(model, data) == pin.computeTotalMass(model)
+    np.testing.assert_array_equal(pin.centerOfMass(model, data, q, None), data.com[0])  # no: no subtrees
 
 
 def test_what_is_misspelt_offers_the_nearest_name(pin: Any) -> None:

@@ -257,7 +257,7 @@ def test_checks_of_arguments_look_at_values_that_types_do_not_decide(pin: Any) -
             "a",
             None,
         )
-        for wrong in ((2, 1.0), (True, "1"), (True, np.ones(2)), (True, 1.0, 3), (0.5, 1.0), (None, 1.0)):
+        for wrong in ((2, 1.0), (True, "1"), (True, np.ones(2)), (True, 1.0, 3), (0.5, 1.0), ("", 1.0)):
             with pytest.raises(ArgumentError):
                 called(*wrong)
         assert called(0, 1.0) == (0, 1.0, "", None) and called(True, size=np.array(1.5))[1] == 1.5

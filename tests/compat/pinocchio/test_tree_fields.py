@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterator
 from typing import Any
 
@@ -62,6 +63,39 @@ def test_rows_follow_each_other_as_joints_do(pin: Any) -> None:
     )
     with pytest.raises(Exception, match="one coordinate"):
         pin.transformJointIntoMimic(model, 0, 3, 2.0, 0.1)
+
+
+def test_rows_of_mimic_joints_count(pin: Any) -> None:
+    model = pin.transformJointIntoMimic(pin.buildSampleModelManipulator(), 2, 4, 1.5, 0.1)
+    data = model.createData()
+    assert list(data.parents_fromRow) == [-1, 0, 1, 2, 3, 4]
+    assert list(data.mimic_parents_fromRow) == [-1, -1, -1, -1, 3, 3]
+    assert list(data.non_mimic_parents_fromRow) == [-1, 0, 1, 2, 2, 4]
+    assert list(data.idx_vExtended_to_idx_v_fromRow) == [0, 1, 2, 1, 3, 4]
+    assert list(data.mimic_subtree_joint) == [5]
+    pin.crba(model, data, pin.neutral(model))
+    with pytest.raises(InputError, match="mimic"):
+        _ = data.Yaba
+
+
+def test_terms_of_the_articulated_bodies_make_accelerations(pin: Any) -> None:
+    """The diagonal of the inverse mass matrix's factors: of the last joint, the first pivot of U D U^T is 1 / Dinv."""
+    model = pin.buildSampleModelHumanoidRandom()
+    model.armature[6:] = 0.3
+    data, rng = model.createData(), np.random.default_rng(5)
+    q = pin.integrate(model, pin.neutral(model), rng.standard_normal(model.nv))
+    pin.crba(model, data, q)
+    for i in range(2, model.njoints):
+        joint = data.joints[i]
+        assert joint.Dinv[0] == pytest.approx(1.0 / data.D[model.joints[i].idx_v])
+        np.testing.assert_allclose(joint.UDinv, joint.U * joint.Dinv)
+    pin.forwardKinematics(model, data, q)
+    placed = data.oMi[1]
+    np.testing.assert_allclose(
+        placed.toDualActionMatrix() @ data.Yaba[1], data.oYaba[1] @ placed.action, atol=1e-9
+    )
+    again = pickle.loads(pickle.dumps(data.joints[3]))
+    np.testing.assert_array_equal(again.U, data.joints[3].U)
 
 
 def test_factors_of_the_mass_matrix(pin: Any) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, WrongShape, is_number
+from pinocchio._containers.arguments import OMITTED, ArgumentError, WrongShape, is_number
 from pinocchio._containers.arrays import matrix, numbers, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
@@ -66,12 +66,12 @@ def exp3(w: Any) -> Floats:
 
 
 @by_name("R theta", "quat theta")
-def log3(R: Any, theta: Any = None) -> Floats:
+def log3(R: Any, theta: Any = OMITTED) -> Floats:
     """The rotation vector of a rotation.
 
     Args:
         R: Rotation matrix (3, 3), a Quaternion, or its coefficients x, y, z, w, (4,).
-        theta: An array (1,) that takes the angle [rad]; None for none.
+        theta: An array (1,) that takes the angle [rad]; it may be left out.
 
     Returns:
         Rotation vector (3,) [rad].
@@ -79,7 +79,7 @@ def log3(R: Any, theta: Any = None) -> Floats:
     Raises:
         ArgumentError: `theta` is no such array.
     """
-    if theta is None:
+    if theta is OMITTED:
         turn = without_gaps(_EXACT["log3"], R)
         if turn is not NotImplemented:
             return turn
@@ -89,7 +89,7 @@ def log3(R: Any, theta: Any = None) -> Floats:
     turn = _CONVERTING["log3"](matrix(turned, (3, 3), "R"))
     if isinstance(theta, np.ndarray) and theta.dtype == float and theta.size == 1:
         theta[...] = np.linalg.norm(turn)
-    elif theta is not None:
+    elif theta is not OMITTED:
         raise ArgumentError(f"`theta` is {theta!r}; expected an array (1,) of floats, which takes the angle.")
     return turn
 

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, WrongShape
+from pinocchio._containers.arguments import ArgumentError, WrongShape, check_size
 from pinocchio._containers.arrays import numbers
+from ulna.errors import InputError
 from ulna.typing import Floats
 
 __all__ = [
@@ -26,19 +27,33 @@ def inv(matrix: Any) -> Floats:
 
 
 def computeLargestEigenvector(mat: Any, max_it: int = 10, rel_tol: float = 1e-8) -> Floats:
-    """The eigenvector of the largest eigenvalue of a symmetric matrix, as long as that is large.
+    """The eigenvector of the eigenvalue of largest size of a symmetric matrix, by power iteration from (1, ..., 1).
+
+    Source: Golub & Van Loan, Matrix Computations, 4th edition, 7.3.1.
 
     Args:
         mat: The matrix (n, n).
-        max_it: Not needed; the answer is exact.
-        rel_tol: Not needed [-].
+        max_it: Most steps, one at least.
+        rel_tol: Change of the eigenvalue between two steps at which the iteration ends, relative to it [-].
 
     Returns:
         Eigenvector (n,), whose length is the size of the eigenvalue.
+
+    Raises:
+        InputError: No step is allowed.
     """
-    values, vectors = np.linalg.eigh(_square(mat, "mat"))
-    along = vectors[:, -1]
-    return np.asarray(along * np.copysign(values[-1], along.sum() * values[-1]), dtype=float)
+    matrix = _square(mat, "mat")
+    if check_size(max_it, "max_it", 2**31) < 1:
+        raise InputError("`max_it` is 0; expected one step at least.")
+    direction, size = np.full(len(matrix), len(matrix) ** -0.5), 1.0
+    eigenvector = direction
+    for _ in range(max_it):
+        eigenvector = matrix @ direction
+        before, size = size, float(np.linalg.norm(eigenvector))
+        if abs(size - before) <= rel_tol * max(size, before) or size == 0.0:
+            break
+        direction = eigenvector / size
+    return eigenvector
 
 
 def retrieveLargestEigenvalue(eigenvector: Any) -> float:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, wrong_model
+from pinocchio._containers.arguments import OMITTED, ArgumentError, wrong_model
 from pinocchio._containers.arrays import StdVec, exact, numbers, vector
 from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel
@@ -57,17 +57,18 @@ def neutral(model: Model) -> Floats:
     return q.copy()
 
 
-def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any = None) -> Floats:
+def randomConfiguration(model: Model, lower_bound: Any = OMITTED, upper_bound: Any = OMITTED) -> Floats:
     """A configuration (nq,) drawn evenly within the limits; where there is none, from [-pi, pi] or [-1, 1] m.
 
     Args:
-        lower_bound: Least values (nq,); those of the model by default.
-        upper_bound: Greatest values (nq,); those of the model by default.
+        lower_bound: Least values (nq,); those of the model where neither is given.
+        upper_bound: Greatest values (nq,).
 
     Returns:
         Configuration (nq,) [rad or m].
 
     Raises:
+        ArgumentError: One of the limits is given without the other.
         InputError: A lower limit is above the upper one.
     """
     if not isinstance(model, Model):
@@ -75,12 +76,15 @@ def randomConfiguration(model: Model, lower_bound: Any = None, upper_bound: Any 
     draws = generator()
     drawn = next(model._drawn, None) if model._drawn_by is draws else None
     parts, normal = _draw(model, draws) if drawn is None else drawn
-    if lower_bound is None and upper_bound is None:
+    if lower_bound is OMITTED and upper_bound is OMITTED:
         q = model._random_within_own_limits(parts, normal)
     else:
-        low = model.lowerPositionLimit if lower_bound is None else lower_bound
-        high = model.upperPositionLimit if upper_bound is None else upper_bound
-        q = model._random(parts, normal, low, high)
+        for name, bound in {"lower_bound": lower_bound, "upper_bound": upper_bound}.items():
+            if bound is OMITTED or bound is None:
+                raise ArgumentError(
+                    f"randomConfiguration: `{name}` is missing; expected both lower_bound and upper_bound, or neither."
+                )
+        q = model._random(parts, normal, lower_bound, upper_bound)
     if q is NotImplemented:
         q = _random_bound_anew(model, parts, normal, lower_bound, upper_bound)
     if not model._narrowest[0] >= 0.0:
@@ -98,12 +102,11 @@ def _random_bound_anew(model: Model, parts: Floats, normal: Floats, low: Any, hi
     )
     narrowest = np.frombuffer(model._narrowest).reshape(())
     limits_of_model = model.lowerPositionLimit, model.upperPositionLimit
-    if low is None and high is None:
+    if low is OMITTED:
         step = BoundKernel(kernel, others=[narrowest], last_inputs=limits_of_model).call
         model._random_within_own_limits = step
         return step(parts, normal)
-    low = limits_of_model[0] if low is None else exact(low, model.nq, "lower_bound")
-    high = limits_of_model[1] if high is None else exact(high, model.nq, "upper_bound")
+    low, high = exact(low, model.nq, "lower_bound"), exact(high, model.nq, "upper_bound")
     q = model._random(parts, normal, low, high)
     if q is NotImplemented:
         model._random = BoundKernel(kernel, others=[narrowest]).call
@@ -304,7 +307,7 @@ def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
     return bool(np.abs(normalize(model, entries) - entries).max(initial=0.0) <= prec)
 
 
-def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float = 1e-12) -> bool:
+def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float) -> bool:
     """Whether two configurations are the same place.
 
     Args:
@@ -355,7 +358,12 @@ def dIntegrateTransport(model: Model, q: Any, v: Any, Jin: Any, argument_positio
 
     Returns:
         Matrix (nv, n).
+
+    Raises:
+        ArgumentError: `argument_position` is None.
     """
+    if argument_position is None:
+        raise ArgumentError("dIntegrateTransport: `argument_position` is None; expected ARG0 or ARG1.")
     return dIntegrate(model, q, v, argument_position) @ numbers(Jin, "Jin")
 
 

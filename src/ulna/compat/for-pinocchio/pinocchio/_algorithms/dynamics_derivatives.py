@@ -168,7 +168,7 @@ def computeABADerivatives(
     if q is None:
         stored = data.require(data._state_of_forward_dynamics, "aba(model, data, q, v, tau)")
         q, v, ddq = (x.copy() for x in stored)
-        tau = rnea(model, data, q, v, ddq, fext)
+        tau = rnea(model, data, q, v, ddq) if fext is None else rnea(model, data, q, v, ddq, fext)
     if fext is None:
         return run(model, data, _ABA_ALONE, q, v, tau)
     return run(model, data, _ABA_UNDER_FORCES, q, v, tau, *checked_forces(fext, model.njoints))

@@ -7,7 +7,7 @@ import inspect
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arguments import OMITTED, ArgumentError
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame
 from pinocchio._containers.keywords import general_case, overloads
@@ -80,22 +80,22 @@ def repeated_call(kind: str, has_default: bool = True) -> Callable[[Function], F
     def decorate(function: Any) -> Any:
         name = function.__name__
         place, reference, *rest = list(inspect.signature(function).parameters)[2:]
-        defaults = {reference: "None" if rest else "LOCAL"} if has_default else {}
-        defaults |= {place: "None"} if rest else {}
         names = [place, reference, *rest]
+        defaults = dict.fromkeys(names, "omitted") if rest else {reference: "LOCAL"} if has_default else {}
         source = _TEMPLATE.format(
             name=name,
-            parameters=", ".join(
-                f"{x}={defaults.get(x, 'None')}" if x in defaults or x in rest else x for x in names
-            ),
-            others=" or ".join(f"{other} is not None" for other in rest) or "False",
+            parameters=", ".join(f"{x}={defaults[x]}" if x in defaults else x for x in names),
+            others=" or ".join(f"{other} is not omitted" for other in rest) or "False",
             call=", ".join(names),
             place=place,
-            reference=f"LOCAL if {reference} is None else {reference}" if rest else reference,
+            reference=f"LOCAL if {reference} is omitted else {reference}"
+            if rest and has_default
+            else reference,
             kind=kind,
         )
         scope: dict[str, Any] = {
             "general": general_case(function),
+            "omitted": OMITTED,
             "LOCAL": LOCAL,
         }
         exec(compile(source, f"<repeated call of {name}>", "exec"), scope)
@@ -107,10 +107,15 @@ def repeated_call(kind: str, has_default: bool = True) -> Callable[[Function], F
 
 
 at_frame_or_joint = overloads(
+    "model data frame_id:int reference_frame:ReferenceFrame",
+    "model data joint_id:int placement:SE3 reference_frame:ReferenceFrame",
+)
+"""For functions of a frame, or of a placement on a joint."""
+at_frame_or_joint_by_default_local = overloads(
     "model data frame_id:int reference_frame:ReferenceFrame?",
     "model data joint_id:int placement:SE3 reference_frame:ReferenceFrame?",
 )
-"""For functions of a frame, or of a placement on a joint."""
+"""The same, where the reference frame may be left out."""
 
 
 _TEMPLATE = """
@@ -127,5 +132,5 @@ def {name}(model, data, {parameters}):
             result = step()
             if result is not NotImplemented:
                 return result
-    return general(model, data, {place}, reference)
+    return general(model, data, {call})
 """

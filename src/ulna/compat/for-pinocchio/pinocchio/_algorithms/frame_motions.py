@@ -10,7 +10,7 @@ import numpy as np
 from pinocchio._algorithms.frame_arguments import (
     LOCAL,
     at_frame,
-    at_frame_or_joint,
+    at_frame_or_joint_by_default_local,
     at_placement,
     repeated_call,
 )
@@ -79,7 +79,7 @@ def getClassicalAcceleration(model: Model, data: Data, joint_id: int, reference_
 
 
 @repeated_call("velocity")
-@at_frame_or_joint
+@at_frame_or_joint_by_default_local
 def getFrameVelocity(
     model: Model,
     data: Data,
@@ -103,7 +103,7 @@ def getFrameVelocity(
 
 
 @repeated_call("acceleration")
-@at_frame_or_joint
+@at_frame_or_joint_by_default_local
 def getFrameAcceleration(
     model: Model,
     data: Data,
@@ -127,7 +127,7 @@ def getFrameAcceleration(
 
 
 @repeated_call("classical")
-@at_frame_or_joint
+@at_frame_or_joint_by_default_local
 def getFrameClassicalAcceleration(
     model: Model,
     data: Data,

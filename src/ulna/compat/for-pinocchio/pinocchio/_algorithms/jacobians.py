@@ -89,8 +89,8 @@ def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
     ...
 
 
-@repeated_call("joint J")
-def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Floats:
+@repeated_call("joint J", has_default=False)
+def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: Any) -> Floats:
     """The Jacobian (6, nv) of a joint, after computeJointJacobians.
 
     Args:
@@ -121,7 +121,7 @@ def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Flo
     return _at(model, data, binding_key, None, at_joint(joint), q)
 
 
-@repeated_call("J")
+@repeated_call("J", has_default=False)
 @at_frame_or_joint
 def getFrameJacobian(
     model: Model,
@@ -141,7 +141,7 @@ def getFrameJacobian(
     Returns:
         Jacobian (6, nv), linear rows first.
     """
-    rf = LOCAL if reference_frame is None else reference_frame
+    rf = reference_frame
     key, frame = at_frame(model, frame_id, joint_id, placement)
     if frame is None:
         return _bind_at(model, data, (frame_id, rf, "J"), key, None)
@@ -272,10 +272,8 @@ def computeJointJacobiansTimeVariation(model: Model, data: Data, q: Any, v: Any)
     ...
 
 
-@repeated_call("joint dJ")
-def getJointJacobianTimeVariation(
-    model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL
-) -> Floats:
+@repeated_call("joint dJ", has_default=False)
+def getJointJacobianTimeVariation(model: Model, data: Data, joint_id: int, reference_frame: Any) -> Floats:
     """The time derivative (6, nv) of a joint's Jacobian, after computeJointJacobiansTimeVariation.
 
     Args:
@@ -288,9 +286,7 @@ def getJointJacobianTimeVariation(
     return _bind_dot(model, data, (joint_id, reference_frame, "joint dJ"), ("joint", joint), at_joint(joint))
 
 
-def getFrameJacobianTimeVariation(
-    model: Model, data: Data, frame_id: int, reference_frame: Any = LOCAL
-) -> Floats:
+def getFrameJacobianTimeVariation(model: Model, data: Data, frame_id: int, reference_frame: Any) -> Floats:
     """The time derivative (6, nv) of a frame's Jacobian, after computeJointJacobiansTimeVariation.
 
     Args:
@@ -304,13 +300,13 @@ def getFrameJacobianTimeVariation(
     return J_rate
 
 
-@repeated_call("dJ")
+@repeated_call("dJ", has_default=False)
 def _frame_jacobian_rate(model: Model, data: Data, frame_id: int, reference_frame: Any) -> Floats:
     return _bind_dot(model, data, (frame_id, reference_frame, "dJ"), at_frame(model, frame_id)[0], None)
 
 
 def frameJacobianTimeVariation(
-    model: Model, data: Data, q: Any, v: Any, frame_id: int, reference_frame: Any = LOCAL
+    model: Model, data: Data, q: Any, v: Any, frame_id: int, reference_frame: Any
 ) -> Floats:
     """The time derivative (6, nv) of a frame's Jacobian.
 
@@ -352,10 +348,13 @@ def computeJointKinematicHessians(model: Model, data: Data, q: Any = None) -> No
     Args:
         q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
     """
-    computeJointJacobians(model, data, q)
+    if q is None:
+        computeJointJacobians(model, data)
+    else:
+        computeJointJacobians(model, data, q)
 
 
-def getJointKinematicHessian(model: Model, data: Data, joint_id: int, reference_frame: Any = LOCAL) -> Floats:
+def getJointKinematicHessian(model: Model, data: Data, joint_id: int, reference_frame: Any) -> Floats:
     """The derivative (6, nv, nv) of a joint's Jacobian by q; [:, j, k] is that of column j by entry k.
 
     Args:
@@ -369,8 +368,8 @@ def getJointKinematicHessian(model: Model, data: Data, joint_id: int, reference_
 
 
 @overloads(
-    "model data frame_id reference_frame:ReferenceFrame?",
-    "model data joint_id>frame_id frame_placement:SE3 reference_frame:ReferenceFrame?",
+    "model data frame_id reference_frame:ReferenceFrame",
+    "model data joint_id>frame_id frame_placement:SE3 reference_frame:ReferenceFrame",
 )
 def getFrameKinematicHessian(
     model: Model, data: Data, frame_id: int, reference_frame: Any = LOCAL, frame_placement: Any = None

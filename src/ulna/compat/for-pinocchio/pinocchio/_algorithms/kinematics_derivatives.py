@@ -61,7 +61,7 @@ def getJointVelocityDerivatives(
     return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, False, place)
 
 
-@repeated_call("velocity derivatives")
+@repeated_call("velocity derivatives", has_default=False)
 @at_frame_or_joint
 def getFrameVelocityDerivatives(
     model: Model,
@@ -102,7 +102,7 @@ def getJointAccelerationDerivatives(
     return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, True, place)
 
 
-@repeated_call("acceleration derivatives")
+@repeated_call("acceleration derivatives", has_default=False)
 @at_frame_or_joint
 def getFrameAccelerationDerivatives(
     model: Model,

@@ -42,7 +42,7 @@ class BaumgarteCorrectorParameters:
 
     __slots__ = ("_v",)
 
-    def __init__(self, Kp: float = 0.0, Kd: float = 0.0) -> None:
+    def __init__(self, Kp: float, Kd: float) -> None:
         self._v = np.array([Kp, Kd], dtype=float)
 
     @property
@@ -114,7 +114,7 @@ class FramePair:
         self.joint2_id = index(named.pop("joint2_id", 0), model.njoints, "joint", fix)
         self._places = np.stack([SE3(named.pop(f"joint{k}_placement", 1))._m for k in (1, 2)])
         self.joint1_placement, self.joint2_placement = (SE3._of(m) for m in self._places)
-        self._gains = BaumgarteCorrectorParameters()
+        self._gains = BaumgarteCorrectorParameters(0.0, 0.0)
         if named:
             raise InputError(f"{type(self).__name__} has no {', '.join(named)}.")
         if self._binds_always and self.joint1_id == self.joint2_id:

@@ -40,7 +40,7 @@ class _OfJoints(AnyConstraint):
         self._joints = [index(joint, model.njoints, "joint", fix) for joint in chosen]
         if 0 in self._joints or len(set(self._joints)) < len(self._joints):
             raise InputError(f"The joints are {self._joints}; expected indices from 1, each once.")
-        self.name, self.nv, self._gains = "", model.nv, BaumgarteCorrectorParameters()
+        self.name, self.nv, self._gains = "", model.nv, BaumgarteCorrectorParameters(0.0, 0.0)
 
     def copy(self) -> Any:
         """A copy."""

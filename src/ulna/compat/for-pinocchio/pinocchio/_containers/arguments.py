@@ -29,9 +29,41 @@ class WrongShape(ShapeError, TypeError, RuntimeError):
     """An array has the wrong shape; Pinocchio raises a ValueError, a TypeError or a RuntimeError."""
 
 
+class _Omitted:
+    """Stands for an argument that was left out, where None would be one that was passed."""
+
+    def __repr__(self) -> str:
+        return "..."
+
+
+OMITTED: Any = _Omitted()
+"""The default of parameters whose argument may be left out, but not be None."""
+
+
+def given(function: str, **values: Any) -> tuple[Any, ...]:
+    """Arguments of parameters that may be left out: None for those that were.
+
+    Args:
+        function: Name of the function, for messages.
+        **values: What was passed, by the names of the parameters; OMITTED for nothing.
+
+    Returns:
+        The arguments, in the order of their names.
+
+    Raises:
+        ArgumentError: One of them is None.
+    """
+    for name, value in values.items():
+        if value is None:
+            raise ArgumentError(f"{function}: `{name}` is None. Leave it out, or pass what it stands for.")
+    return tuple(None if value is OMITTED else value for value in values.values())
+
+
 def is_flag(value: Any) -> bool:
-    """Whether a value says yes or no."""
-    return isinstance(value, (bool, np.bool_)) or (isinstance(value, int) and value in (0, 1))
+    """Whether a value says yes or no; None says no, as there."""
+    return (
+        value is None or isinstance(value, (bool, np.bool_)) or (isinstance(value, int) and value in (0, 1))
+    )
 
 
 def is_number(value: Any) -> bool:
@@ -126,8 +158,8 @@ def checked(function: Function) -> Function:
         ArgumentError: An argument has another type.
         InputError: The data was made for another model.
     """
-    checks = _checks_of(function)
-    if not checks or hasattr(function, "arguments_checked"):
+    checks, optional = _checks_of(function), optional_parameters(function)
+    if not (checks or optional) or hasattr(function, "arguments_checked"):
         return function
     if any(p.kind not in _NAMED for p in _own_parameters(function)):
         return _checked_tuple(function, checks)
@@ -137,28 +169,55 @@ def checked(function: Function) -> Function:
     types = "".join(f"kind_of_({name}), " for name in by_type)
     conditions = [f"({types}) in accepted_", *(["data._layout is model._layout"] if related else [])]
     check_all = _check_all(function.__qualname__.rpartition(">.")[2], checks, related, accepted)
-    body = f"""    if not ({" and ".join(conditions)}):
+    title = function.__qualname__.rpartition(">.")[2].removesuffix(".__init__")
+    absent = "".join(
+        f"    if {name} is omitted_: {name} = None\n    elif {name} is None: given_({title!r}, {name}=None)\n"
+        for name in optional
+    )
+    body = f"""{absent}    if not ({" and ".join(conditions)}):
         check_all_({", ".join(by_type)})
     return original_({{arguments}})"""
     scope = {"kind_of_": type, "accepted_": accepted, "check_all_": check_all, "original_": function}
-    called = with_same_parameters(function, body, scope)
+    scope |= {"given_": given, "omitted_": OMITTED}
+    called = with_same_parameters(function, body, scope, dict.fromkeys(optional, OMITTED))
     called.arguments_checked = True
     return called
 
 
-def with_same_parameters(function: Any, body: str, scope: dict[str, Any]) -> Any:
+def optional_parameters(function: Any) -> list[str]:
+    """The parameters whose default is None, for a function that Pinocchio has in C++, where None is no argument."""
+    if not written_in_cpp(function):
+        return []
+    return [p.name for p in inspect.signature(function).parameters.values() if p.default is None]
+
+
+def written_in_cpp(function: Any) -> bool:
+    """Whether Pinocchio has a function in C++, where None does not stand for an argument that is left out."""
+    return function.__module__.startswith(_IN_CPP)
+
+
+_IN_CPP = tuple(
+    f"pinocchio.{name}" for name in ("_algorithms", "_geometry", "_model", "_spatial", "explog", "rpy")
+)
+
+
+def with_same_parameters(
+    function: Any, body: str, scope: dict[str, Any], other_defaults: dict[str, Any]
+) -> Any:
     """A function with the parameters of another, and its name and documentation.
 
     Args:
         function: The other; none of its parameters stands for several arguments.
         body: The lines of its body; `{arguments}` is replaced by the arguments for a call of the other.
         scope: What the names in these lines mean.
+        other_defaults: The defaults of parameters that have others here.
 
     Returns:
         The function.
     """
     parameters = inspect.signature(function).parameters.values()
     defaults = {f"{p.name}__default": p.default for p in parameters if p.default is not p.empty}
+    defaults |= {f"{name}__default": default for name, default in other_defaults.items()}
     heads, passed = [], []
     for p in parameters:
         by_name = p.kind is p.KEYWORD_ONLY

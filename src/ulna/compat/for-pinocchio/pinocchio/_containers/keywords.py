@@ -10,7 +10,14 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, checked, is_flag
+from pinocchio._containers.arguments import (
+    OMITTED,
+    ArgumentError,
+    checked,
+    is_flag,
+    optional_parameters,
+    written_in_cpp,
+)
 
 Result = TypeVar("Result")
 
@@ -64,7 +71,9 @@ def _by_position(function: Any, body: Any, general: Any) -> Any:
         return general__(*[x for x in ({"".join(f"{n}, " for n in names)}) if x is not absent__], **named__)
     return body__({", ".join(passed)})"""
     scope: dict[str, Any] = {"absent__": object(), "general__": general, "body__": body}
-    scope |= {f"{p.name}__default": p.default for p in parameters if p.default is not p.empty}
+    optional = optional_parameters(function)
+    defaults = {p.name: OMITTED if p.name in optional else p.default for p in parameters}
+    scope |= {f"{name}__default": x for name, x in defaults.items() if x is not inspect.Parameter.empty}
     exec(compile(lines, f"<positions of {function.__qualname__}>", "exec"), scope)
     return functools.update_wrapper(scope[function.__name__], function)
 
@@ -146,7 +155,7 @@ def overloads(*signatures: str) -> Callable[[Callable[..., Result]], Callable[..
 
     Args:
         signatures: The parameters of each way, as `Parameter.parse` reads them, `self` left out. The function itself
-            takes all of them by name; what is None counts as left out.
+            takes all of them by name; what is None counts as left out, except in functions that Pinocchio has in C++.
     """
     ways = [[Parameter.parse(text) for text in signature.split()] for signature in signatures]
 
@@ -154,14 +163,14 @@ def overloads(*signatures: str) -> Callable[[Callable[..., Result]], Callable[..
         parameters = list(inspect.signature(function).parameters.values())
         method = parameters[0].name == "self"
         parameters = parameters[method:]
-        body, places = checked(function), _Places(function, parameters)
+        body, places, none_counts = checked(function), _Places(function, parameters), written_in_cpp(function)
         known: dict[Any, _Chosen] = {}  # for types of arguments, which parameters they are
         at_dimensions = sorted({k for way in ways for k, x in enumerate(way) if x.kind == "matrix"})
 
         def choose(this: tuple[Any, ...], parts: tuple[Any, ...], named: dict[str, Any]) -> Result:
-            rest = {name: x for name, x in named.items() if x is not None}
+            rest = named if none_counts else {name: x for name, x in named.items() if x is not None}
             for k, way in enumerate(ways):
-                chosen = _fitting(way, parts, rest)
+                chosen = _fitting(way, parts, rest, none_counts)
                 if chosen is not None:
                     if not named and _decided_by_types(ways[: k + 1], parts):
                         picked = places.picked(way, chosen, parts, at_dimensions)
@@ -222,7 +231,8 @@ class _Places:
 
     def __init__(self, function: Any, parameters: list[inspect.Parameter]) -> None:
         self._names = [parameter.name for parameter in parameters]
-        self._defaults = tuple(parameter.default for parameter in parameters)
+        optional = optional_parameters(function)
+        self._defaults = tuple(OMITTED if p.name in optional else p.default for p in parameters)
         code = function.__code__  # a wrapper may take fewer arguments by position than its signature says
         by_position = bool(code.co_flags & inspect.CO_VARARGS) or code.co_argcount >= len(parameters)
         self._in_order = by_position and all(p.kind is p.POSITIONAL_OR_KEYWORD for p in parameters)
@@ -290,25 +300,40 @@ def _non_default(
 ) -> tuple[tuple[Any, ...], dict[str, Any]]:
     """The values that differ from their defaults: by position up to the first that does not, then by name."""
     differs_from_default = [
-        x is not None and x is not p.default for p, x in zip(parameters, values, strict=False)
+        x is not OMITTED and (x is not p.default or x is None)
+        for p, x in zip(parameters, values, strict=False)
     ]
     count = differs_from_default.index(False) if False in differs_from_default else len(values)
     rest = zip(parameters[count:], values[count:], differs_from_default[count:], strict=False)
     return values[:count], {p.name: x for p, x, differs in rest if differs}
 
 
-def _fitting(way: list[Parameter], parts: tuple[Any, ...], named: dict[str, Any]) -> dict[str, Any] | None:
-    """The arguments by the names of the function's parameters, or None where the overload does not take them."""
+def _fitting(
+    way: list[Parameter], parts: tuple[Any, ...], named: dict[str, Any], none_counts: bool
+) -> dict[str, Any] | None:
+    """The arguments by the names of the function's parameters, or None where the overload does not take them.
+
+    Args:
+        way: The parameters of the overload.
+        parts: The arguments without names.
+        named: Those with names.
+        none_counts: Whether None is an argument as any other; else it stands for one that was left out.
+
+    Returns:
+        The arguments.
+    """
     places = {parameter.name for parameter in way[: len(parts)]}
     names = {parameter.name for parameter in way[len(parts) :]}
     if len(parts) > len(way) or named.keys() - names or places & named.keys():
         return None
     chosen: dict[str, Any] = {}
     for k, parameter in enumerate(way):
-        value = parts[k] if k < len(parts) else named.get(parameter.name)
-        if value is None and parameter.optional:
+        if k >= len(parts) and parameter.name not in named and parameter.optional:
             continue
-        if value is None or not parameter.accepts(value):
+        value = parts[k] if k < len(parts) else named.get(parameter.name)
+        if value is None and parameter.optional and not none_counts:
+            continue
+        if (value is None and parameter.kind != "bool") or not parameter.accepts(value):
             return None
         chosen[parameter.target] = value
     return chosen

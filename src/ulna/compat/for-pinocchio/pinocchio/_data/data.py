@@ -11,9 +11,10 @@ import numpy as np
 from pinocchio._containers.arrays import StdVec, matrix, views
 from pinocchio._containers.files import Saved, register
 from pinocchio._data.algorithm import ALGORITHMS
+from pinocchio._data.articulated_bodies import articulated_bodies, placed, with_articulated_terms
 from pinocchio._data.missing_fields import missing_field_message
 from pinocchio._data.states import BoundAlgorithms, Waiting
-from pinocchio._data.storage import CENTRES, FORCES, MATRICES, MOTIONS, FieldArrays
+from pinocchio._data.storage import CENTRES, FORCES, MATRICES, MOTIONS, UNUSED, FieldArrays
 from pinocchio._data.tree_fields import TreeFields
 from pinocchio._model.building import KinematicTree
 from pinocchio._model.compiled_model import CompiledModel
@@ -172,7 +173,27 @@ class Data(Saved, TreeFields):
     @property
     def joints(self) -> StdVec[Any]:
         """For each joint its placement, motion subspace, velocity and bias, at the state of the last algorithm."""
-        return states(self._model.joints, self._q_of_joints, self._qv_of_joints)
+        joints = states(self._model.joints, self._q_of_joints, self._qv_of_joints)
+        if self._q_of_joints is not None:
+            with_articulated_terms(self._model, joints)
+        return joints
+
+    @property
+    def Yaba(self) -> StdVec[Floats]:
+        """For each joint its articulated inertia (6, 6) in its frame, at the configuration of the last algorithm.
+
+        For joints not on the universe it is that of the other side, which the joint's own motion does not feel.
+        """
+        self.require(self._q_of_joints, "aba(model, data, q, v, tau)")
+        bodies = articulated_bodies(self._model, self.joints)
+        return StdVec([np.zeros((6, 6)), *(body.inertia for body in bodies)])
+
+    @property
+    def oYaba(self) -> StdVec[Floats]:
+        """The same in the world; see `Yaba`."""
+        local, placements = self.Yaba, placed(self._model, self.joints)
+        matrices = [placement.toActionMatrixInverse() for placement in placements]
+        return StdVec([X.T @ Y @ X for X, Y in zip(matrices, local, strict=True)])
 
     def copy(self) -> Data:
         """A copy."""
@@ -259,6 +280,18 @@ def _entries(name: str) -> property:
     return property(get, doc=f"`{name}` as the last algorithm left it, live references.")
 
 
+def _unused(name: str, shape: str) -> property:
+    def get(self: Data) -> Any:
+        array = self._arrays[name]
+        return views(SE3, array) if shape == "n44" else StdVec(array) if shape == "n66" else array
+
+    def put(self: Data, value: Any) -> None:
+        rows = [x.homogeneous if isinstance(x, SE3) else x for x in value]
+        self._arrays[name][...] = matrix(rows, self._arrays[name].shape, name)
+
+    return property(get, put, doc=f"`{name}`: no algorithm reads or writes it; programs may.")
+
+
 def _number(name: str) -> property:
     def get(self: Data) -> float:
         return float(self._arrays[name])
@@ -272,6 +305,8 @@ def _number(name: str) -> property:
 Data.slots = {name: k for k, name in enumerate(_FIELDS)}
 for _name in MATRICES:
     setattr(Data, _name, _block(_name))
+for _name, _shape in UNUSED.items():
+    setattr(Data, _name, _unused(_name, _shape))
 for _name, _block_name in _ENERGIES.items():
     setattr(Data, _name, _number(_block_name))
 for _name in (*_SINGLE, *_LISTS):

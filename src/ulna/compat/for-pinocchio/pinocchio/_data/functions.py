@@ -14,6 +14,7 @@ import inspect
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from pinocchio._containers.arguments import OMITTED, given
 from pinocchio._containers.keywords import general_case, overloads, with_names
 from pinocchio._data.algorithm import PARAMETER_NAMES, Algorithm
 from pinocchio._data.binding import run
@@ -70,11 +71,22 @@ def algorithm(
             return getattr(data, returns_field) if returns_field else result
 
         functools.update_wrapper(general, function)
-        body = overloads(*calls)(with_names(general)) if calls else general
+        body = overloads(*calls)(with_names(general)) if calls else _without_none(general)
         made_fast = fast_path(made, forces=forces, returns_field=returns_field, returns_number=returns_number)
         return made_fast(body)  # type: ignore[return-value]
 
     return decorate
+
+
+def _without_none(function: Any) -> Any:
+    """The same for calls with a value for every parameter, OMITTED for those left out; None raises."""
+    names, title = [*inspect.signature(function).parameters][2:], function.__name__
+
+    @functools.wraps(function)
+    def called(model: Any, data: Any, *args: Any) -> Any:
+        return function(model, data, *given(title, **dict(zip(names, args, strict=True))))
+
+    return called
 
 
 def fast_path(
@@ -107,8 +119,10 @@ def fast_path(
         scope: dict[str, Any] = {
             "general": general_case(function),
             "alternative": (alternative or "  ")[1],
+            "omitted": OMITTED,
         }
-        scope |= {f"default_{key}": parameter.default for key, parameter in parameters.items()}
+        defaults = {key: parameter.default for key, parameter in parameters.items()}
+        scope |= {f"default_{k}": OMITTED if x is None else x for k, x in defaults.items()}
         exec(compile(source, f"<fast path of {name}>", "exec"), scope)
         made: Any = functools.update_wrapper(scope[name], function)
         made.arguments_checked = True
@@ -137,11 +151,11 @@ def _source(
     calls = [f"data._bound.{r.name}({', '.join(args)})" for r, args in zip(records, inputs, strict=True)]
     lines = [f"result = {calls[0]}"]
     for call, longer in zip(calls[1:], inputs[1:], strict=True):
-        lines = [f"if {longer[-1]} is not None:", f"    result = {call}", "else:", *_indented(lines)]
+        lines = [f"if {longer[-1]} is not omitted:", f"    result = {call}", "else:", *_indented(lines)]
     if forces:
         arguments = ", ".join([*inputs[-1], "*[f._v for f in fext]"])
         lines = [
-            *("if fext is None:", f"    {lines[0]}", "else:", "    try:"),
+            *("if fext is omitted:", f"    {lines[0]}", "else:", "    try:"),
             f"        result = data._bound.{forces.name}({arguments})",
             *("    except (AttributeError, TypeError):", "        result = NotImplemented"),
         ]
@@ -172,4 +186,4 @@ def _usual(name: str, default: Any) -> str:
     """Whether an argument besides the state leaves the result as it is."""
     if default is True or default is False:  # of `compute_subtree_coms`, which leaves it whatever it says
         return f"({name} is True or {name} is False)"
-    return f"{name} is None" if default is None else f"{name} is default_{name}"
+    return f"{name} is default_{name}"

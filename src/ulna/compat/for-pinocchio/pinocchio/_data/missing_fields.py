@@ -7,16 +7,13 @@ from collections.abc import Iterable
 from ulna.errors import nearest
 
 _ALTERNATIVES = {
-    "B Ivx vxI dAdq dAdv": "data.C after computeCoriolisMatrix, and the matrices of computeRNEADerivatives",
+    "B dAdq dAdv": "data.C after computeCoriolisMatrix, and the matrices of computeRNEADerivatives",
     "Fcrb": "data.M after crba, and data.Ag after ccrba",
-    "Yaba oYaba oYaba_augmented a_in q_in tau_in v_in of_augmented": "data.ddq after aba, and data.Minv after "
-    "computeMinverse",
+    "oYaba_augmented of_augmented": "data.ddq after aba, data.Yaba, and data.Minv after computeMinverse",
     "dac_dq dac_dv dvc_dq": "data.ddq_dq and data.ddq_dv after computeConstraintDynamicsDerivatives",
-    "iMf oK oL": "data.oMi, data.oMf and the results of constraintDynamics",
+    "oK oL": "data.oMi, data.oMf and the results of constraintDynamics",
     "lambda_c_prox primal_dual_contact_solution primal_rhs_contact": "data.lambda_c and data.ddq after "
     "constraintDynamics",
-    "mimic_parents_fromRow mimic_subtree_joint non_mimic_parents_fromRow idx_vExtended_to_idx_v_fromRow": "the joints' "
-    "ids in model.mimicking_joints and model.mimicked_joints",
 }
 _READ = {name: instead for names, instead in _ALTERNATIVES.items() for name in names.split()}
 

@@ -50,8 +50,14 @@ FORCES = ("f", "h", "of", "oh")
 MOTIONS = ("v", "a", "a_gf", "ov", "oa", "oa_gf")
 CENTRES = ("com", "vcom", "acom")
 PER_JOINT = ("oMi", "liMi", *MOTIONS, *FORCES, *CENTRES)
+UNUSED = {
+    **{"q_in": "q", "v_in": "v", "a_in": "v", "tau_in": "v"},
+    **{"vxI": "n66", "Ivx": "n66", "iMf": "n44"},
+}
+"""Fields that no algorithm reads or writes, in Pinocchio 4.1 as here; programs may keep something there."""
 _SHAPES = {
     **MATRICES,
+    **UNUSED,
     **dict.fromkeys(("oMi", "liMi"), "n44"),
     "oMf": "f44",
     **dict.fromkeys((*MOTIONS, *FORCES), "n6"),

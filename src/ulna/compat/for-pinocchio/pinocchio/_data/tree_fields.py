@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from pinocchio._containers.arrays import StdVec, views
 from pinocchio._data.evaluated_model import evaluator_of
 from pinocchio._data.states import FieldStates
 from pinocchio._model.building import KinematicTree
+from pinocchio._model.joint_model import JointModel
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
 from pinocchio._tables import recursions as r
@@ -42,11 +45,46 @@ class TreeFields(FieldStates):
 
     @property
     def parents_fromRow(self) -> StdVec[int]:
-        """For each entry of v the one before it towards the world; -1 for the first."""
-        model, out = self._model, []
-        for row, (start, _, joint) in enumerate(_rows(model)):
-            out.append(row - 1 if row > start else _last_row(model, model.parents[joint]))
+        """For each entry of v, mimic joints included, the one before it towards the world; -1 for none."""
+        return self._nearest_rows(lambda joint: True)
+
+    @property
+    def non_mimic_parents_fromRow(self) -> StdVec[int]:
+        """The same, passing over mimic joints."""
+        return self._nearest_rows(lambda joint: joint.mimic is None)
+
+    @property
+    def mimic_parents_fromRow(self) -> StdVec[int]:
+        """The same, passing over all joints but mimic ones."""
+        return self._nearest_rows(lambda joint: joint.mimic is not None)
+
+    def _nearest_rows(self, counts: Callable[[JointModel], bool]) -> StdVec[int]:
+        """For each row of a v with those of mimic joints, the one before it; of other joints, only those that count."""
+        model = self._model
+        out = [-1] * model.nvExtended
+        for i, joint in enumerate(model.joints[1:], start=1):
+            before = model.parents[i]
+            while before and not (counts(model.joints[before]) and model.joints[before].nvExtended):
+                before = model.parents[before]
+            last = model.joints[before].idx_vExtended + model.joints[before].nvExtended - 1 if before else -1
+            for row in range(joint.idx_vExtended, joint.idx_vExtended + joint.nvExtended):
+                out[row] = last if row == joint.idx_vExtended else row - 1
         return StdVec(out)
+
+    @property
+    def mimic_subtree_joint(self) -> StdVec[int]:
+        """For each mimic joint the first joint behind it that has entries of v of its own; 0 for none."""
+        model, moved = self._model, _moved(self._model)
+        mimicking = [i for i, joint in enumerate(model.joints) if joint.mimic is not None]
+        return StdVec(
+            [min((j for j in moved[i] if model.joints[j].mimic is None), default=0) for i in mimicking]
+        )
+
+    @property
+    def idx_vExtended_to_idx_v_fromRow(self) -> StdVec[int]:
+        """For each entry of a v with those of mimic joints, the entry of v that it follows."""
+        joints = sorted(self._model.joints[1:], key=lambda joint: joint.idx_vExtended)
+        return StdVec([joint.idx_v + k for joint in joints for k in range(joint.nvExtended)])
 
     @property
     def supports_fromRow(self) -> StdVec[StdVec[int]]:
@@ -121,10 +159,3 @@ def _rows(model: KinematicTree) -> list[tuple[int, int, int]]:
     """For each entry of v: where its joint begins, how many it has, and the joint."""
     joints = [(joint.idx_v, joint.nv, i) for i, joint in enumerate(model.joints) if i and joint.nv]
     return [place for place in sorted(joints) for _ in range(place[1])]
-
-
-def _last_row(model: KinematicTree, joint: int) -> int:
-    """The last entry of v of a joint, or of the nearest one below it that has some; -1 for none."""
-    while joint and not model.joints[joint].nv:
-        joint = model.parents[joint]
-    return model.joints[joint].idx_v + model.joints[joint].nv - 1 if joint else -1

@@ -257,14 +257,16 @@ def _placed(parts: Any) -> tuple[GeometryModel, GeometryData, tuple[Any, ...]]:
     if len(parts) >= 2 and isinstance(parts[0], GeometryModel) and isinstance(parts[1], GeometryData):
         return parts[0], parts[1], parts[2:]
     kinds = [type(part).__name__ for part in parts]
-    if len(parts) < 4 or kinds[:4] != ["Model", "Data", "GeometryModel", "GeometryData"]:
+    if len(parts) < 5 or kinds[:4] != ["Model", "Data", "GeometryModel", "GeometryData"]:
         raise ArgumentError(
             f"Expected (geometry_model, geometry_data), or (model, data, geometry_model, geometry_data, q), before "
             f"anything else; got ({', '.join(kinds)})."
         )
     model: Model = parts[0]
     data: Data = parts[1]
-    updateGeometryPlacements(model, data, parts[2], parts[3], parts[4] if len(parts) > 4 else None)
+    if parts[4] is None:
+        raise ArgumentError("`q` is None; expected a configuration (nq,).")
+    updateGeometryPlacements(model, data, parts[2], parts[3], parts[4])
     return parts[2], parts[3], parts[5:]
 
 

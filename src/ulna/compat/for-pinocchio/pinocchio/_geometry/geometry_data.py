@@ -13,6 +13,7 @@ from pinocchio._geometry.geometry_collection import GeometryCollection, pair_map
 from pinocchio._geometry.geometry_object import GeometryObject
 from pinocchio._geometry.pair_functors import ComputeCollision, ComputeDistance
 from pinocchio._spatial.se3 import SE3
+from ulna.errors import InputError
 
 
 @final
@@ -124,6 +125,18 @@ class GeometryData(Saved):
     def deactivateAllCollisionPairs(self) -> None:
         """Has no pair checked."""
         self.activeCollisionPairs = StdVec([False] * len(self._pairs))
+
+    def fillInnerOuterObjectMaps(self, geometry_model: GeometryCollection) -> None:
+        """Does nothing: the geometries of each joint are looked up in the model when they are needed.
+
+        Raises:
+            InputError: The geometries are not those that this data was made for.
+        """
+        if geometry_model.ngeoms != len(self.oMg):
+            raise InputError(
+                f"This GeometryData was made for {len(self.oMg)} geometries; the model has {geometry_model.ngeoms}. "
+                "Make a new one: data = geometry_model.createData()."
+            )
 
     def setActiveCollisionPairs(
         self, geometry_model: GeometryCollection, collision_map: Any, upper: bool = True

@@ -278,19 +278,16 @@ class KinematicTree(KernelCache):
             self._inertias[frame.parentJoint] += frame.inertia.se3Action(frame.placement)
         return self._append_frame(frame.copy())
 
-    def appendBodyToJoint(
-        self, joint_id: int, body_inertia: Inertia, body_placement: SE3 | None = None
-    ) -> None:
+    def appendBodyToJoint(self, joint_id: int, body_inertia: Inertia, body_placement: SE3) -> None:
         """Adds the inertia of a body to a joint.
 
         Args:
             body_inertia: The inertia.
-            body_placement: Pose of the body in the frame of the joint; the identity by default.
+            body_placement: Pose of the body in the frame of the joint.
         """
         index(joint_id, self.njoints, "joint", "Add the joint with addJoint first.")
-        moved = body_inertia if body_placement is None else body_inertia._moved(body_placement)
         inertia = self._inertias[joint_id]
-        inertia += moved
+        inertia += body_inertia._moved(body_placement)
         self.nbodies += 1
 
 

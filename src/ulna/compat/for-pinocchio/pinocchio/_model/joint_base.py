@@ -26,6 +26,9 @@ def present_names(state: dict[str, Any]) -> dict[str, Any]:
 class JointBase:
     """A kind of joint and, once in a model, its index and its places in q and v."""
 
+    _limit_entries = 1
+    """How many entries of `hasConfigurationLimit` there are for each of q."""
+
     def __init__(self, other: JointBase | None = None) -> None:
         self.id = NOWHERE
         """The index in its model."""
@@ -104,10 +107,10 @@ class JointBase:
 
     @property
     def hasConfigurationLimit(self) -> StdVec[bool]:
-        """For each entry of its q, whether a limit on it means something."""
-        return (
-            StdVec() if self.kind is None else StdVec(c.unit in ("rad", "m") for c in self.kind.coordinates)
-        )
+        """For each entry of its q, whether a limit on it means something; twice for a screw about a main axis."""
+        if self.kind is None:
+            return StdVec()
+        return StdVec(c.unit in ("rad", "m") for c in self.kind.coordinates * self._limit_entries)
 
     @property
     def hasConfigurationLimitInTangent(self) -> StdVec[bool]:
@@ -115,7 +118,7 @@ class JointBase:
         if self.kind is None:
             return StdVec()
         plain = self.kind.nq == self.kind.nv
-        return StdVec(plain or c.unit == "m" for c in self.kind.rates)
+        return StdVec(plain or c.unit == "m" for c in self.kind.rates * self._limit_entries)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(present_names(state))

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
+from pinocchio._containers.arguments import OMITTED
 from pinocchio._containers.arrays import StdVec, vector
 from pinocchio._model.joint_base import JointBase, present_names
 from pinocchio._spatial.motion_force import Motion
@@ -30,7 +31,8 @@ _KINDS = (
 class JointData:
     """The state of one joint: `joint.createData()`, filled by `joint.calc(data, q, v)`; `data.joints` has those of all.
 
-    The terms U, Dinv and UDinv of the articulated-body recursion are not kept: that recursion is compiled as a whole.
+    U, Dinv and UDinv are the terms of the articulated-body algorithm [Featherstone 2008, table 7.1]. Those in
+    `data.joints` are computed when they are read, in the joint's own axes; others are zero, for nothing fills them.
     """
 
     def __init__(self, other: JointData | None = None) -> None:
@@ -49,6 +51,8 @@ class JointData:
         self._mimic_shortname = ""
         self.joints: StdVec[JointData] = StdVec()
         """Of a composite joint: the data of its parts."""
+        self._terms: Callable[[], tuple[Floats, Floats]] | tuple[Floats, Floats] | None = None
+        self._places: StdVec[SE3] = StdVec()
         if other is not None:
             self.__dict__.update(other.__dict__)
 
@@ -56,6 +60,41 @@ class JointData:
     def S(self) -> Floats:
         """The motion subspace (6, nv), or (6,) for one column: the velocity is S times the rates."""
         return self._subspace[:, 0].copy() if self._subspace.shape[1] == 1 else self._subspace.copy()
+
+    @property
+    def U(self) -> Floats:
+        """The articulated inertia times the motion subspace, (6, nv), or (6,) for one column."""
+        return self._single_column(self._of_recursion()[0])
+
+    @property
+    def Dinv(self) -> Floats:
+        """The inverse of S^T U and the armature, (nv, nv), or (1,)."""
+        inverse = self._of_recursion()[1]
+        return inverse[0] if inverse.shape == (1, 1) else inverse
+
+    @property
+    def UDinv(self) -> Floats:
+        """U Dinv, (6, nv), or (6,) for one column."""
+        if self._terms is None and self._shortname == "JointDataFreeFlyer":
+            return np.eye(6)
+        U, inverse = self._of_recursion()
+        return self._single_column(U @ inverse)
+
+    def _of_recursion(self) -> tuple[Floats, Floats]:
+        """U (6, nv) and Dinv (nv, nv)."""
+        columns = self._subspace.shape[1]
+        if self._terms is None:
+            return np.zeros((6, columns)), np.zeros((columns, columns))
+        if callable(self._terms):
+            self._terms = self._terms()
+        return self._terms
+
+    def _single_column(self, matrix: Floats) -> Floats:
+        return matrix[:, 0].copy() if matrix.shape[1] == 1 else matrix.copy()
+
+    def set_terms(self, terms: Callable[[], tuple[Floats, Floats]]) -> None:
+        """Sets how U (6, nv) and Dinv (nv, nv) are computed when they are read."""
+        self._terms = terms
 
     def shortname(self) -> str:
         """The name of its kind."""
@@ -105,6 +144,11 @@ class JointData:
 
     __copy__ = copy
 
+    def __getstate__(self) -> dict[str, Any]:
+        if callable(self._terms):
+            self._of_recursion()
+        return self.__dict__
+
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(present_names(state))
 
@@ -130,6 +174,54 @@ class JointData:
     __repr__ = __str__
 
 
+def _product(data: JointData) -> Floats:
+    inverse: Floats = data._of_recursion()[1]
+    if not inverse.any():
+        return inverse.copy()
+    return np.linalg.inv(inverse).astype(float)
+
+
+def _placements_of_parts(data: JointData) -> StdVec[SE3]:
+    return StdVec(place * part.M for place, part in zip(data._places, data.joints, strict=True))
+
+
+def _placements_of_last(data: JointData) -> StdVec[SE3]:
+    out: list[SE3] = []
+    for place in reversed(_placements_of_parts(data)):
+        out.insert(0, place * out[0] if out else place)
+    return StdVec(out)
+
+
+def _about_axis(self: JointData, axis: Any = OMITTED) -> None:
+    JointData.__init__(self, *([axis] if isinstance(axis, JointData) else []))
+    if axis is OMITTED or isinstance(axis, JointData):
+        return
+    direction = vector(axis, 3, "axis")
+    turns = type(self).__name__ != "JointDataPrismaticUnaligned"
+    self._subspace = np.concatenate([np.zeros(3), direction] if turns else [direction, np.zeros(3)])[:, None]
+
+
+_OF_SOME_KINDS: dict[str, tuple[tuple[str, ...], Any]] = {
+    "StU": (
+        ("Composite", "Planar", "SphericalZYX", "Universal", "Ellipsoid"),
+        property(_product, doc="S^T U and the armature, (nv, nv); zero where nothing filled the terms."),
+    ),
+    "pjMi": (
+        ("Composite",),
+        property(
+            _placements_of_parts, doc="For each part its placement in the frame moved by the part before."
+        ),
+    ),
+    "iMlast": (
+        ("Composite",),
+        property(
+            _placements_of_last, doc="For each part the last part's frame, in the frame before that part."
+        ),
+    ),
+    "__init__": (("HelicalUnaligned", "PrismaticUnaligned", "RevoluteUnaligned"), _about_axis),
+}
+"""What some kinds have, as in Pinocchio: terms of products, placements of parts, a constructor of an axis."""
+
 CLASSES: dict[str, type[JointData]] = {
     f"JointData{kind}": type(
         f"JointData{kind}",
@@ -137,6 +229,7 @@ CLASSES: dict[str, type[JointData]] = {
         {
             "__doc__": f"The state of a joint of the class JointModel{kind.removesuffix('Tpl')}.",
             "__module__": __name__,
+            **{name: member for name, (kinds, member) in _OF_SOME_KINDS.items() if kind in kinds},
         },
     )
     for kind in _KINDS
@@ -149,12 +242,14 @@ def data_of(joint: JointBase) -> JointData:
     """Data for a joint, at its neutral position."""
     shortname = joint.shortname().replace("JointModel", "JointData")
     cls = CLASSES.get(shortname) or CLASSES[f"{shortname}Tpl"]
-    data = cls()
+    data = cls.__new__(cls)
+    JointData.__init__(data)
     if joint.mimic is not None:
         data._mimic_shortname = (joint._mimic_shortname or type(joint).__name__).replace(
             "JointModel", "JointData"
         )
     data.joints = StdVec(data_of(part) for part in joint.parts)
+    data._places = StdVec(getattr(joint, "jointPlacements", ()))
     if joint.kind is not None:
         data.place(joint, joint.kind.neutral(), np.zeros(joint.kind.nv))
     elif shortname == "JointDataComposite":

@@ -113,9 +113,17 @@ class JointModelPrismaticUnaligned(_Unaligned):
 
 
 class JointModelRevoluteUnboundedUnaligned(_Unaligned):
-    """Turns about an axis without end; q is (cos, sin), nv = 1."""
+    """Turns about an axis, three numbers, without end; q is (cos, sin), nv = 1."""
 
     _make = Circle
+
+    @by_name("x y z")
+    def __init__(self, *axis: Any) -> None:
+        if len(axis) == 1:
+            raise ArgumentError(
+                f"JointModelRevoluteUnboundedUnaligned was given {axis[0]!r}; expected three numbers: pass *axis."
+            )
+        super().__init__(*axis)
 
 
 class JointModelHelicalUnaligned(JointModel):
@@ -235,6 +243,7 @@ def _screw(letter: str) -> type[JointModel]:
         "__doc__": doc,
         "__module__": __name__,
         "getMotionAxis": _motion_axis(_AXES[letter]),
+        "_limit_entries": 2,
     }
     return type(shortname, (JointModel,), members)
 
@@ -257,7 +266,7 @@ def along(axis: Any, aligned: tuple[Any, Any, Any], unaligned: Any) -> JointMode
     for letter, make in zip("XYZ", aligned, strict=True):
         if unit == _AXES[letter]:
             return make()
-    return unaligned(unit)
+    return unaligned(*unit)
 
 
 def revolute(axis: Any) -> JointModel:

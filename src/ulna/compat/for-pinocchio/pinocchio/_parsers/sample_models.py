@@ -125,7 +125,7 @@ def _segment(
 
 def _put(model: Model, joint: int, body: tuple[float, ...]) -> None:
     mass, centre, moment = body
-    model.appendBodyToJoint(joint, Inertia(mass, [0.0, 0.0, centre], moment * np.eye(3)))
+    model.appendBodyToJoint(joint, Inertia(mass, [0.0, 0.0, centre], moment * np.eye(3)), SE3())
 
 
 def _random_chain(model: Model, parent: int, names: list[str], axes: Any) -> int:

@@ -227,7 +227,7 @@ class Motion(_Six):
 
     def dot(self, f: Any) -> float:
         """The power of a Force at this velocity [W]."""
-        return float(self._v @ (f._v if isinstance(f, Force) else vector(f, 6, "f")))
+        return float(self._v @ _entries(f, Force, "f"))
 
     @property
     def action(self) -> Floats:
@@ -257,7 +257,20 @@ class Force(_Six):
 
     def dot(self, m: Any) -> float:
         """The power at a velocity [W]."""
-        return float(self._v @ (m._v if isinstance(m, Motion) else vector(m, 6, "m")))
+        return float(self._v @ _entries(m, Motion, "m"))
+
+
+def _entries(value: Any, kind: type[Any], name: str) -> Floats:
+    """The six numbers of a Motion or a Force.
+
+    Raises:
+        ArgumentError: It is neither, or the other one.
+    """
+    if not isinstance(value, kind):
+        raise ArgumentError(
+            f"dot: `{name}` is {value!r}; expected a pinocchio.{kind.__name__}, such as {kind.__name__}(array)."
+        )
+    return value._v
 
 
 _DRAWS = Draws(normal=0, even=6)
