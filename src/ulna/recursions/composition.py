@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, final
+from typing import Any, NamedTuple, final
 
 import numpy as np
 
@@ -155,6 +155,99 @@ class OfMomentum(_OneByOne):
         shaped = (matrix.reshape(shape) for matrix, shape in zip(matrices, self._shapes, strict=True))
         for output, result in zip(outputs, self._combine(*shaped), strict=True):
             output[0] = result.reshape(-1)
+
+
+class Couplings(NamedTuple):
+    """Which columns of motion subspaces move together.
+
+    Attributes:
+        entries: The entry of v that every column belongs to, (columns,).
+        sources: A column of every entry of v, (nv,).
+        followers: The other columns, (m,).
+        leaders: The column among `sources` that each of them follows, (m,).
+    """
+
+    entries: np.ndarray
+    sources: np.ndarray
+    followers: np.ndarray
+    leaders: np.ndarray
+
+    @classmethod
+    def of(cls, entries: np.ndarray) -> Couplings:
+        """Those of columns.
+
+        Args:
+            entries: The entry of v that every column belongs to, (columns,).
+
+        Returns:
+            The couplings.
+        """
+        sources = np.unique(entries, return_index=True)[1]
+        followers = np.setdiff1d(np.arange(len(entries)), sources)
+        return cls(entries, sources, followers, sources[entries[followers]])
+
+    def ties(self) -> Floats:
+        """What forces of couplings are as torques of columns, (m, columns)."""
+        ties = np.zeros((len(self.followers), len(self.entries)))
+        rows = np.arange(len(self.followers))
+        ties[rows, self.followers], ties[rows, self.leaders] = 1.0, -1.0
+        return ties
+
+
+_LARGEST_RESIDUAL = 1e-9
+"""Of torques that coupled accelerations take, beside the largest; beyond it the mass matrix is solved."""
+
+
+@final
+class CoupledAccelerations(_OneByOne):
+    """Forward dynamics of a robot of whose joints some mimic others, at a cost linear in the joints for each of these.
+
+    Every joint moves by itself under forces that keep followers beside their leaders; these are found as those of
+    constraints are. The result is checked by inverse dynamics. Where it is not precise, as where a follower moves no
+    inertia of its own, `solved` computes it.
+
+    Args:
+        free: Forward dynamics of the tree in which every column has its own entry of velocity: of q, v, tau, and
+            what comes after.
+        response: The same of a weightless robot at rest.
+        couplings: Which columns move together.
+        torques: Inverse dynamics: of q, v, a, and what comes after.
+        solved: Forward dynamics by the mass matrix.
+    """
+
+    def __init__(
+        self,
+        free: Recursion,
+        response: Recursion,
+        couplings: Couplings,
+        torques: Recursion,
+        solved: SolvedAccelerations,
+    ) -> None:
+        super().__init__(solved.outputs, free)
+        self._response, self._torques = response.evaluator(), torques.evaluator()
+        self._couplings, self._ties, self._solved = couplings, couplings.ties(), solved
+
+    def _evaluate_one(self, inputs: Sequence[Floats], outputs: Sequence[Floats]) -> None:
+        q, v, tau, *rest = inputs
+        c = self._couplings
+        loads, free = np.zeros((1, len(c.entries))), np.empty((1, len(c.entries)))
+        loads[:, c.sources] = tau
+        self._main.evaluate([q, v[:, c.entries], loads, *rest], [free])
+        X = np.empty(self._ties.shape)
+        self._response.evaluate([np.repeat(q, len(X), axis=0), np.zeros(X.shape), self._ties], [X])
+        try:
+            G = X[:, c.followers] - X[:, c.leaders]
+            forces = np.linalg.solve(G.T, free[0, c.leaders] - free[0, c.followers])
+        except np.linalg.LinAlgError:
+            self._solved.evaluate(inputs, outputs)
+            return
+        outputs[0][0] = (free[0] + forces @ X)[c.sources]
+        taken, bias = np.empty(tau.shape), np.empty(tau.shape)
+        self._torques.evaluate([q, v, outputs[0], *rest], [taken])
+        self._torques.evaluate([q, v, np.zeros(v.shape), *rest], [bias])
+        size = max(np.abs(tau).max(), np.abs(bias).max())
+        if not np.abs(taken - tau).max() <= _LARGEST_RESIDUAL * size:  # also where it is nan
+            self._solved.evaluate(inputs, outputs)
 
 
 @final

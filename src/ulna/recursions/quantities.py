@@ -20,6 +20,8 @@ from ulna.recursions._procedures.frame_table import Frames
 from ulna.recursions._procedures.placements import new_placements
 from ulna.recursions.composition import (
     Composition,
+    CoupledAccelerations,
+    Couplings,
     DerivativesOfAccelerations,
     InverseOfMassMatrix,
     SolvedAccelerations,
@@ -41,12 +43,15 @@ from ulna.recursions.tree_table import (
     INT,
     TreeTable,
     UnknownKind,
+    free_columns,
     has_mimics,
     tree_table,
 )
 
 Options = Mapping[str, Any]
 Made = Recursion | Composition
+_FEW = 4
+"""Mimic joints are solved one by one where there are this many entries of v for each; else the mass matrix is."""
 
 
 def recursion_of(model: Model, quantity: Quantity, options: Options) -> Made | None:
@@ -140,8 +145,26 @@ def _articulated(tree: TreeTable, lanes: int) -> articulated.Articulated:
 
 
 def _forward_dynamics(model: Model, options: Options) -> Made | None:
-    made = _solved(model, options) if has_mimics(model, tree_table(model)) else _accelerations(model, options)
+    tree = tree_table(model)
+    made = _coupled(model, options) if has_mimics(model, tree) else _accelerations(model, options, tree)
     return _with_friction(model, options, True, made)
+
+
+def _coupled(model: Model, options: Options) -> CoupledAccelerations | SolvedAccelerations:
+    """Forward dynamics where joints mimic others."""
+    tree, solved = tree_table(model), _solved(model, options)
+    couplings = Couplings.of(tree.entries)
+    if len(couplings.followers) * _FEW > model.nv or len(couplings.sources) != model.nv:
+        return solved
+    armature = np.zeros(len(tree.entries))
+    armature[couplings.sources] = tree.armature
+    free = free_columns(tree)._replace(armature=armature)
+    response = _accelerations(model, {}, free._replace(gravity=np.zeros(3)))
+    sizes = "nq", "nv", "nv"
+    torques = _torques(
+        model, newton_euler.inverse_dynamics, newton_euler.loaded_inverse_dynamics, sizes, options
+    )
+    return CoupledAccelerations(_accelerations(model, options, free), response, couplings, torques, solved)
 
 
 def _solved(model: Model, options: Options) -> SolvedAccelerations:
@@ -151,9 +174,9 @@ def _solved(model: Model, options: Options) -> SolvedAccelerations:
     return SolvedAccelerations(bias, _mass_matrix(model, {}))
 
 
-def _accelerations(model: Model, options: Options) -> Recursion:
-    """Forward dynamics by articulated bodies."""
-    tree, frames = tree_table(model), loaded_frames(model, options)
+def _accelerations(model: Model, options: Options, tree: TreeTable) -> Recursion:
+    """Forward dynamics by articulated bodies, each column of the table with an entry of velocity of its own."""
+    frames, count = loaded_frames(model, options), len(tree.entries)
     rows = len(tree.parents)
 
     def storage(lanes: int) -> Sequence[Any]:
@@ -161,9 +184,9 @@ def _accelerations(model: Model, options: Options) -> Recursion:
         plain = tree, places, newton_euler.new_motions(rows, lanes), _articulated(tree, lanes)
         return plain if frames is None else (*plain, frames)
 
-    inputs = _inputs(model, ("nq", "nv", "nv"), frames)
+    inputs = ((model.nq,), (count,), (count,)) + (() if frames is None else ((len(frames.rows), 6),))
     procedure = articulated.forward_dynamics if frames is None else articulated.loaded_forward_dynamics
-    return Recursion(procedure, storage, inputs, ((model.nv,),), rows)
+    return Recursion(procedure, storage, inputs, ((count,),), rows)
 
 
 def _forward_dynamics_derivatives(model: Model, options: Options) -> DerivativesOfAccelerations | None:

@@ -16,9 +16,10 @@ from ulna import kernels
 from ulna.algorithms import Friction
 from ulna.compiler import compile
 from ulna.errors import InputError, NonFiniteError, ShapeError
-from ulna.model import Model
-from ulna.recursions import pairs, quantities, regressors, whole_body
+from ulna.model import Model, ModelBuilder, Prismatic, Revolute
+from ulna.recursions import composition, pairs, quantities, regressors, whole_body
 from ulna.recursions.recursion import specialized
+from ulna.spatial import SE3, Inertia
 
 REFERENCES = ("world", "local", "local_world_aligned")
 FRAMES = [{"frame": frame, "reference": reference} for frame in ("tip", "side") for reference in REFERENCES]
@@ -351,3 +352,46 @@ def test_friction_joins_the_torques_of_loops(chain: ulna.Robot) -> None:
     law = Friction(viscous=np.linspace(0.1, 1.0, 30), coulomb=0.3)
     assert np.abs(chain.inverse_dynamics(q, v, a, friction=law) - plain + law.torque(v)).max() < 1e-12
     assert np.abs(chain.forward_dynamics(q, v, plain - law.torque(v), friction=law) - a).max() < 1e-9
+
+
+def finger_robot(joints: int, mass: float) -> Model:
+    """A chain with a gripper: its second finger, of some mass, mimics the first."""
+    body = Inertia.from_com(1.0, (0.05, -0.02, 0.08), np.diag([0.1, 0.2, 0.15]))
+    builder = ModelBuilder("gripper").add_link("l0")
+    for k in range(1, joints + 1):
+        kind = Revolute(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))[k % 3])
+        builder.add_link(f"l{k}", body)
+        builder.add_joint(f"j{k}", kind, f"l{k - 1}", f"l{k}", SE3.trans(0.03, 0.02, 0.01) @ SE3.rx(0.3))
+    for k, size in ((1, 1.0), (2, mass)):
+        builder.add_link(f"finger{k}", Inertia.from_com(size, (0.0, 0.0, 0.02), size * np.eye(3)))
+        mimic = ("finger1", -1.0, 0.0) if k == 2 else None
+        builder.add_joint(
+            f"finger{k}",
+            Prismatic((0.0, 1.0, 0.0)),
+            f"l{joints}",
+            f"finger{k}",
+            SE3.identity(),
+            armature=0.1,
+            mimic=mimic,
+        )
+    return builder.set_tool(f"l{joints}").build()
+
+
+@pytest.mark.parametrize(
+    "model", [long_robot(60, 0.1, coupled=9), finger_robot(20, 1.0), finger_robot(20, 0.0)],
+    ids=["many", "gripper", "massless finger"],
+)  # fmt: skip
+def test_few_mimic_joints_are_solved_one_by_one(model: Model) -> None:
+    """Also a follower without mass, where every joint by itself would accelerate without bound."""
+    tool = model.tool
+    for options in ({}, {"friction": True}, {"forces": (tool,)}):
+        looped = kernels.looped(model, "forward_dynamics", **options)
+        torques = kernels.looped(model, "inverse_dynamics", **options)
+        assert looped is not None and torques is not None
+        q, v, tau, *rest = arguments(model, "forward_dynamics", 3, 0, options.get("forces"))
+        a = looped(q, v, tau, *rest)
+        taken = torques(q, v, a, *rest)
+        size = np.abs(torques(q, v, 0.0 * v, *rest)).max()
+        assert np.abs(taken - tau).max() <= 1e-9 * max(size, np.abs(tau).max())
+    made = quantities._forward_dynamics(model, {"forces": ()})
+    assert isinstance(made, composition.CoupledAccelerations)
