@@ -282,3 +282,49 @@ def test_files_say_where_each_link_is_and_how_its_joint_is_called(rtb: Any, tmp_
     arm = rtb.models.URDF.URDFRobot(file)
     assert str(arm.ets()) == "SE3() ⊕ SE3() ⊕ Ry(q)"
     assert [link._joint_name for link in arm.links] == [None, "j0", "j1"]
+
+
+def test_torques_of_a_simulation_are_a_function(puma: Any) -> None:
+    pytest.importorskip("scipy")
+    with pytest.raises(ValueError, match="expected a function"):
+        puma.fdyn(0.01, puma.qn, Q=3)
+
+
+def test_few_searches_are_as_many_as_were_asked_for(rtb: Any, panda: Any) -> None:
+    import spatialmath as sm
+
+    far, near = sm.SE3(5, 5, 5), panda.fkine(Q)
+    for count in (1, 3, 7):
+        assert panda.ik_LM(far, slimit=count).searches == count == panda.ikine_LM(far, slimit=count).searches
+    alone = panda.ik_LM(near, q0=Q + 0.1, slimit=1)
+    assert alone.success and alone.searches == 1
+    assert panda.ikine_LM(near, q0=np.vstack([Q + 3.0, Q + 0.1])).searches == 2
+
+
+def test_descriptions_of_rtb_data_by_their_paths(rtb: Any) -> None:
+    pytest.importorskip("rtbdata")
+    pytest.importorskip("xacrodoc")
+    from_file = rtb.models.URDF.URDFRobot("trossen_descriptions/urdf/px100.urdf.xacro")
+    arm = rtb.models.URDF.px100()
+    poses = [robot.fkine(arm.q, end="/gripper_link").A for robot in (from_file, arm)]
+    assert from_file.name == arm.name == "px100" and np.allclose(*poses)
+    for robot in (from_file, arm, rtb.models.URDF.LBR()):
+        assert robot.hasgeometry and robot.hascollision
+    assert [len(link.collision) for link in arm.links] == [len(link.collision) for link in from_file.links]
+
+
+def test_ros_packages_by_names_that_their_folders_do_not_have(rtb: Any, tmp_path: Path) -> None:
+    pytest.importorskip("trimesh")
+    shapes = tmp_path / "folder" / "meshes"
+    shapes.mkdir(parents=True)
+    corners = "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+    (shapes / "a.stl").write_text(
+        f"solid a\nfacet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet\nendsolid a\n"
+    )
+    file = tmp_path / "arm.urdf"
+    file.write_text(
+        '<robot name="t"><link name="base"><visual><geometry><mesh filename="package://named/meshes/a.stl"/>'
+        "</geometry></visual></link></robot>"
+    )
+    arm = rtb.models.URDF.URDFRobot(file, extra_packages={"named": str(tmp_path / "folder")})
+    assert type(arm.links[0].geometry[0]).__name__ == "Mesh"

@@ -12,7 +12,7 @@ NEAR = 1e-9
 BY_DIFFERENCES = 1e-4  # of what the toolbox computes by differences
 BY_ROOTS = 1e-7  # of the square root of a determinant, which rounding makes 1e-8 at a singularity
 ZEROS = (
-    r"(?<![\w.])[- ]?(0|\d(\.\d+)?e-(1[5-9]|[2-9]\d))(?![\d.])"  # in text: of either sign, or rounding errors
+    r"(?<![\w.])[- ]*(0|\d(\.\d+)?e-(1[5-9]|[2-9]\d))(?![\d.])"  # in text: of either sign, or rounding errors
 )
 CLASSES = ("LinAlgError",)  # that scripts catch, beside the built-in ones
 

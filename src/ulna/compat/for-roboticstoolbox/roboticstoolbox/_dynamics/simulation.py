@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from roboticstoolbox._common.errors import UnknownKey
+from roboticstoolbox._common.errors import UnknownKey, WrongType
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.errors import MissingExtra, ShapeError
 from ulna.typing import Floats
@@ -50,6 +50,7 @@ class ForwardSimulation(RobotMixin):
 
         Raises:
             MissingExtra: SciPy is not installed.
+            WrongType: `Q` is no function; a ValueError, too, which the toolbox raises.
             RuntimeError: The solver failed; says when.
             ShapeError: `q0` has another shape.
             UnknownName: There is no such solver.
@@ -62,6 +63,10 @@ class ForwardSimulation(RobotMixin):
         solvers = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
         if solver not in solvers:
             raise UnknownKey("solver", solver, solvers)
+        if Q is not None and not callable(Q):
+            raise WrongType(
+                f"`Q` is {Q!r}; expected a function of the robot, t, q and qd, or None for no torques."
+            )
         start = np.asarray(q0, dtype=float)
         if start.shape != (self.n,):
             raise ShapeError("q0", start.shape, f"({self.n},)")

@@ -2,8 +2,8 @@
 
 | name | solver of Ulna |
 |---|---|
-| `ik_LM`, `ikine_LM` with the default damping and nothing to do for the null space | `robot.ik` |
-| the same with another damping or `ilimit`, or a null motion | `robot.ik_classic`, "chan", "wampler" or "sugihara" |
+| `ik_LM`, `ikine_LM` with the default damping, 8 searches or more, and no null motion | `robot.ik` |
+| the same with other damping, `ilimit`, fewer searches, null motion | `ik_classic`, "chan", "wampler" or "sugihara" |
 | `ik_NR`, `ikine_NR`; `ik_GN`, `ikine_GN`; `ikine_QP` | "newton_raphson"; "gauss_newton"; "qp" |
 
 The toolbox's `tol` bounds E = e^T W e / 2; a solution within it counts as converged. `robot.ik` goes
@@ -31,6 +31,7 @@ Kind = Literal["LM", "NR", "GN", "QP"]
 Damping = Literal["chan", "wampler", "sugihara"]
 _DAMPINGS: tuple[Damping, ...] = ("chan", "wampler", "sugihara")
 _STEPS = 30  # of a search, by default
+_MANY_SEARCHES = 8  # from which `robot.ik`, which makes several at once, keeps to their number
 _SQUARE = 6  # joints of a chain whose Jacobian is square
 _REFINED_TOLERANCE = 1e-6  # [m], [rad]
 REACHED = "Success"
@@ -70,7 +71,7 @@ def solve(
         kind: The solver.
         q0: Where the first search begins, (n,), or the first searches, (k, n).
         ilimit: Steps of a search.
-        slimit: How many searches are made.
+        slimit: How many searches are made; about as many where `robot.ik` makes them.
         tol: Greatest E that counts as reached [-].
         mask: What each of the six errors counts, (6,).
         joint_limits: Whether a solution must be within the limits.
@@ -171,7 +172,7 @@ class Settings:
 def _search(chain: Chain, T: Floats, start: Any, slimit: int, settings: Settings) -> IKSolution:
     first = 0 if settings.seed is None else settings.seed
     tol = settings.tol
-    if settings.is_default:
+    if settings.is_default and slimit >= _MANY_SEARCHES:
         fine = _REFINED_TOLERANCE if tol >= _REFINED_TOLERANCE * _REFINED_TOLERANCE else math.sqrt(tol)
         result = chain.arm.ik(
             T,
@@ -180,7 +181,7 @@ def _search(chain: Chain, T: Floats, start: Any, slimit: int, settings: Settings
             position_tolerance=fine,
             rotation_tolerance=fine,
             seed=first,
-            attempts=int(slimit) if slimit >= 1 else 1,
+            attempts=int(slimit),
         )
     else:
         null_motion: dict[str, Any] = dict(settings.null_motion())

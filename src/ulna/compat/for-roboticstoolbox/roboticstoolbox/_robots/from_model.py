@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import atexit
+import importlib.util
+import shutil
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -20,12 +24,13 @@ from ulna.model import Model, Prismatic, Revolute
 _LETTERS = "xyz"
 
 
-def read_model(path: Any, **options: Any) -> tuple[Model, str]:
+def read_model(path: Any, packages: Mapping[str, str] | None = None) -> tuple[Model, str]:
     """The model in a file, or of a name of the catalogue, and where it was read from.
 
     Args:
-        path: Path of the file, or a name of the catalogue.
-        **options: Other arguments of `ulna.load_model`.
+        path: Path of the file, or a name of the catalogue; also the path of a description in the package `rtb-data`,
+            such as "trossen_descriptions/urdf/px100.urdf.xacro".
+        packages: Folders of ROS packages by name, also in the package `rtb-data`; None for no more than are found.
 
     Returns:
         The model, and the path as text.
@@ -34,12 +39,57 @@ def read_model(path: Any, **options: Any) -> tuple[Model, str]:
         MissingFile: There is no such file.
         FormatError: The file is broken.
     """
+    folder = descriptions_folder()
+    folders = [_package_folder(name, _within(folder, place)) for name, place in (packages or {}).items()]
+    file = path if Path(path).exists() else _within(folder, path)
+    if file is not path and folder is not None:
+        folders.append(folder)
     try:
-        return load_model(path, mimic=False, **options), str(Path(path))
+        return load_model(file, mimic=False, package_dirs=tuple(folders)), str(Path(file))
     except FormatError as error:
-        if Path(path).exists() or error.file is None or Path(error.file) != Path(path):
+        if Path(file).exists() or error.file is None or Path(error.file) != Path(file):
             raise
-        raise MissingFile("there is no such file.", file=str(path)) from None
+        raise MissingFile("there is no such file.", file=str(file)) from None
+
+
+def _within(folder: Path | None, place: Any) -> Any:
+    """A path in a folder, if there is such a file or folder; else the path itself."""
+    return folder / place if folder is not None and (folder / place).exists() else place
+
+
+def _package_folder(name: str, folder: Any) -> Path:
+    """A folder of the name of a package: that of the package, or one that leads to it while Python runs."""
+    path = Path(folder).absolute()
+    if path.name == name or not path.is_dir():
+        return path
+    place = Path(tempfile.mkdtemp(prefix="ulna-packages-"))
+    atexit.register(shutil.rmtree, place, ignore_errors=True)
+    (place / name).symlink_to(path, target_is_directory=True)
+    return place / name
+
+
+def descriptions_folder() -> Path | None:
+    """The folder with descriptions of robots in the package `rtb-data`; None where it is not installed."""
+    spec = importlib.util.find_spec("rtbdata")
+    places = [] if spec is None else list(spec.submodule_search_locations or ())
+    return next((Path(place) / "xacro" for place in places if (Path(place) / "xacro").is_dir()), None)
+
+
+def take_shapes(robot: Any, path: str, packages: Mapping[str, str]) -> None:
+    """Gives the links of a robot the shapes of a description in the package `rtb-data`, where that is installed.
+
+    Args:
+        robot: The robot, whose links are changed.
+        path: Path of the description in the package.
+        packages: Folders of ROS packages in it, by name.
+    """
+    folder = descriptions_folder()
+    if folder is None or not (folder / path).is_file():
+        return
+    parts = {part.name: part for part in read_model(path, packages)[0].links}
+    for link in robot.link_dict.values():
+        if link.name in parts:
+            link.geometry, link.collision = parts[link.name].visuals, parts[link.name].collisions
 
 
 def from_model(

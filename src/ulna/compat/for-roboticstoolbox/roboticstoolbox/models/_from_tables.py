@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from roboticstoolbox._ets.ets import ETS
 from roboticstoolbox._links.link import Link
 from roboticstoolbox._robots.dh_links import DHLink, PrismaticDH, PrismaticMDH, RevoluteDH, RevoluteMDH
 from roboticstoolbox._robots.dh_robot import DHRobot
+from roboticstoolbox._robots.from_model import take_shapes
 from roboticstoolbox._robots.robot import BaseRobot, Robot
 from ulna.errors import InputError
 from ulna.typing import Floats
@@ -166,7 +168,14 @@ def dh_class(name: str, module: str, *more: type) -> type:
     return type(name, (DHRobot, *more), {"__init__": init, "__doc__": about, "__module__": module})
 
 
-def tree_class(source: str, name: str, base: type, module: str) -> type:
+def tree_class(
+    source: str,
+    name: str,
+    base: type,
+    module: str,
+    shapes: str | None = None,
+    packages: Mapping[str, str] | None = None,
+) -> type:
     """The class of an entry of "ets" or "urdf".
 
     Args:
@@ -174,6 +183,8 @@ def tree_class(source: str, name: str, base: type, module: str) -> type:
         name: Name of the entry.
         base: Base class.
         module: Name of the module that the class is in.
+        shapes: Path of a description in the package `rtb-data` with the shapes of its links; None for no shapes.
+        packages: Folders of ROS packages that it names, in that package, by name.
 
     Returns:
         The class.
@@ -181,6 +192,8 @@ def tree_class(source: str, name: str, base: type, module: str) -> type:
 
     def init(self: Any) -> None:
         fill(self, source, name)
+        if shapes is not None:
+            take_shapes(self, shapes, packages or {})
 
     return type(
         name, (base,), {"__init__": init, "__doc__": f"{name}, by frames of its links.", "__module__": module}

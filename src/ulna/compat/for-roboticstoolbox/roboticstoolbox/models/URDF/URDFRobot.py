@@ -28,12 +28,12 @@ class URDFRobot(Robot):
         """A robot from a file, or from the catalogue.
 
         Args:
-            urdf_path: A path, or a name such as "ur5".
+            urdf_path: A path, also of a description in the package `rtb-data`, or a name such as "ur5".
             manufacturer: Who makes it.
             gripper_link_index: Number of the first link of its gripper, as they stand in the file.
             gripper_link_name: Its name, or names of which the first that there is counts.
             patch: Not supported; raises InputError.
-            extra_packages: Folders of packages, by name.
+            extra_packages: Folders of ROS packages, also in the package `rtb-data`, by name.
 
         Raises:
             InputError: `patch` is given.
@@ -41,7 +41,7 @@ class URDFRobot(Robot):
         """
         if patch is not None:
             raise InputError("`patch` is not offered; fix the file, or pass its fixed text.")
-        model, path = read_model(urdf_path, package_dirs=tuple((extra_packages or {}).values()))
+        model, path = read_model(urdf_path, extra_packages)
         names = [link.name for link in model.links]
         gripper = None if gripper_link_index is None else names[gripper_link_index]
         if gripper_link_name is not None:
@@ -65,7 +65,7 @@ def URDF_file(
     Args:
         file: A path, or a name such as "ur5".
         patch: Not supported; raises InputError.
-        extra_packages: Folders of packages, by name.
+        extra_packages: Folders of ROS packages, also in the package `rtb-data`, by name.
 
     Returns:
         The links, the name of the robot, and the path of the file.
