@@ -254,6 +254,17 @@ def test_folders_of_meshes(rtb: Any, tmp_path: Path) -> None:
     )
 
 
+def test_the_catalogue_has_the_columns_of_the_toolbox(rtb: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    rtb.models.catalog(mtype="DH", keywords="Sawyer")
+    cells = [
+        [cell.strip() for cell in line.split("│")[1:-1]]
+        for line in capsys.readouterr().out.splitlines()
+        if "│" in line
+    ]
+    assert cells[0][4:] == ["DoF", "dims", "structure", "dynamics", "geometry", "keywords"]
+    assert cells[1][4:] == ["7", "3d", "RRRRRRR", "", "", "redundant, symbolic"]
+
+
 def test_backends_and_catalogues_by_their_names(rtb: Any) -> None:
     names: dict[str, Any] = {}
     exec(

@@ -43,18 +43,17 @@ def catalog(
     rows = []
     for kind in _KINDS if mtype is None else (mtype,):
         module = importlib.import_module(f"roboticstoolbox.models.{kind}")
-        for name in sorted(n for n in module.__all__ if n != "URDFRobot" and _is_here(kind, n)):
+        for name in (n for n in module.__all__ if n != "URDFRobot" and _is_here(kind, n)):
             robot = getattr(module, name)()
             text = " ".join([name, robot.name, robot.manufacturer, *robot.keywords]).lower()
             if dof not in (None, robot.n) or (words and not any(word.lower() in text for word in words)):
                 continue
-            yes = "Y" if robot.hasdynamics else ""
-            rows.append([name, robot.name, robot.manufacturer, kind, str(robot.n), robot.structure, yes])
+            rows.append([name, robot.name, robot.manufacturer, kind, *_figures(robot)])
     if sorton is not None:
         column = columns[sorton.lower()]
         rows.sort(key=lambda row: int(row[column]) if sorton.lower() == "dof" else row[column].lower())
-    header = ["class", "robot name", "manufacturer", "model type", "DoF", "structure", "dynamics"]
-    table = grid(header, rows, [False] * 7) if rows else "no such robots"
+    header = ["class", "robot name", "manufacturer", "model type", *_FIGURES]
+    table = grid(header, rows, [False] * len(header)) if rows else "no such robots"
     print(bordered(table, border))
 
 
@@ -72,6 +71,16 @@ def list(
     """
     warnings.warn("models.list is the former name of models.catalog", FutureWarning, stacklevel=2)
     catalog(keywords, dof, mtype, sorton, border)
+
+
+_FIGURES = ("DoF", "dims", "structure", "dynamics", "geometry", "keywords")
+
+
+def _figures(robot: Any) -> tuple[str, ...]:
+    """The cells of a robot in the columns of `_FIGURES`."""
+    has = ["Y" if there else "" for there in (robot.hasdynamics, robot.hasgeometry)]
+    dimensions = "2d" if robot._size == 3 else "3d"
+    return str(robot.n), dimensions, robot.structure, *has, ", ".join(robot.keywords)
 
 
 def _is_here(kind: str, name: str) -> bool:
