@@ -44,6 +44,7 @@ Sums = dict[str, Array]
 """What is kept of a log: "rows" (1,), "triangles" (nv, n + 1, n + 1), and "tau", "tau2" and "most" (nv,)."""
 
 _ROWS = 512  # samples at a time
+_SINGLE = 5000  # entries of a matrix that BLAS takes in one thread; several would wait more than compute
 
 
 @final
@@ -166,8 +167,10 @@ def add(total: Sums, block: Sums) -> None:
     total["most"] = np.maximum(total["most"], block["most"])
     for k, (triangle, more) in enumerate(zip(total["triangles"], block["triangles"], strict=True)):
         moves = np.flatnonzero((triangle != 0.0).any(axis=0) | (more != 0.0).any(axis=0))
-        stack = np.concatenate([triangle[:, moves], more[:, moves]])  # a torque depends on some bodies only
-        R = np.linalg.qr(stack, mode="r")
+        R, left = triangle[:, moves], more[:, moves]  # a torque depends on some bodies only
+        rows = max(_SINGLE // max(len(moves), 1) - len(moves), len(moves), 1)
+        for first in range(0, len(left), rows):
+            R = np.linalg.qr(np.concatenate([R, left[first : first + rows]]), mode="r")
         total["triangles"][k] = 0.0
         total["triangles"][k][: len(R), moves] = R
 
