@@ -319,7 +319,7 @@ def test_descriptions_of_rtb_data_by_their_paths(rtb: Any) -> None:
     arm = rtb.models.URDF.px100()
     poses = [robot.fkine(arm.q, end="/gripper_link").A for robot in (from_file, arm)]
     assert from_file.name == arm.name == "px100" and np.allclose(*poses)
-    for robot in (from_file, arm, rtb.models.URDF.LBR()):
+    for robot in (from_file, arm, rtb.models.URDF.LBR(), rtb.models.URDF.FrankieOmni()):
         assert robot.hasgeometry and robot.hascollision
     assert [len(link.collision) for link in arm.links] == [len(link.collision) for link in from_file.links]
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -173,7 +173,7 @@ def tree_class(
     name: str,
     base: type,
     module: str,
-    shapes: str | None = None,
+    shapes: Sequence[str] = (),
     packages: Mapping[str, str] | None = None,
 ) -> type:
     """The class of an entry of "ets" or "urdf".
@@ -183,7 +183,7 @@ def tree_class(
         name: Name of the entry.
         base: Base class.
         module: Name of the module that the class is in.
-        shapes: Path of a description in the package `rtb-data` with the shapes of its links; None for no shapes.
+        shapes: Paths of descriptions in the package `rtb-data` with the shapes of its links.
         packages: Folders of ROS packages that it names, in that package, by name.
 
     Returns:
@@ -192,8 +192,8 @@ def tree_class(
 
     def init(self: Any) -> None:
         fill(self, source, name)
-        if shapes is not None:
-            take_shapes(self, shapes, packages or {})
+        for description in shapes:
+            take_shapes(self, description, packages or {})
 
     return type(
         name, (base,), {"__init__": init, "__doc__": f"{name}, by frames of its links.", "__module__": module}

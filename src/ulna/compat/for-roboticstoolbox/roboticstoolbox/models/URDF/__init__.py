@@ -39,12 +39,16 @@ _TABULATED = [name for name in table("urdf") if name != "Panda"]
 
 __all__ = list(dict.fromkeys(["Panda", "Frankie", "URDFRobot", *_TABULATED, *ROBOTS]))
 
-_SHAPES = {
-    "LBR": "kuka_description/kuka_lbr_iiwa/urdf/lbr_iiwa_14_r820.xacro",
-    "Puma560": "unimation_puma560_description/urdf/puma560_robot.urdf.xacro",
-    "AL5D": "lynxmotion_al5d_description/urdf/al5d_robot.urdf",
+_SHAPES: dict[str, tuple[str, ...]] = {
+    "LBR": ("kuka_description/kuka_lbr_iiwa/urdf/lbr_iiwa_14_r820.xacro",),
+    "Puma560": ("unimation_puma560_description/urdf/puma560_robot.urdf.xacro",),
+    "AL5D": ("lynxmotion_al5d_description/urdf/al5d_robot.urdf",),
+    "FrankieOmni": (
+        "clearpath_ridgeback_description/urdf/ridgeback.urdf.xacro",
+        "qut_frankie_description/robots/panda_arm_hand.urdf.xacro",
+    ),
     **{
-        name: f"trossen_descriptions/urdf/{name}.urdf.xacro"
+        name: (f"trossen_descriptions/urdf/{name}.urdf.xacro",)
         for name in ("px100", "px150", "rx150", "rx200", "vx300", "vx300s", "wx200", "wx250", "wx250s")
     },
 }
@@ -54,7 +58,7 @@ _PACKAGES = {"LBR": {"kuka_lbr_iiwa_support": "kuka_description/kuka_lbr_iiwa"}}
 
 for _each in _TABULATED:
     globals()[_each] = tree_class(
-        "urdf", _each, URDFRobot, __name__, _SHAPES.get(_each), _PACKAGES.get(_each, {})
+        "urdf", _each, URDFRobot, __name__, _SHAPES.get(_each, ()), _PACKAGES.get(_each, {})
     )
 
 for _each in ROBOTS:
