@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import pickle
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from support.random_functions import BINARY, UNARY
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.interpreter import interpret
 from ulna.compiler.language.ops import TABLE, Op
+from ulna.compiler.language.simplify import simplify
 
 CONSTANTS = (*SPECIAL, 2.0, -8.0, 2.0**-1022, 2.0**1023, 3.0)
 X, Y = ("x",), ("y",)
@@ -177,6 +179,23 @@ def test_constants_are_distinguished_by_their_bits():
     assert g.constant(0.0) != g.constant(-0.0)
     assert g.constant(1.0) != g.truth(True)
     assert g.constant(float("nan")) == g.constant(float("nan"))
+
+
+def test_what_is_beside_zero_is_found_at_once_as_rules_find_it() -> None:
+    """The shortcut of relaxed graphs; zeros of the other sign, infinity and nan take the longer way."""
+    graph = Graph(relaxed=True)
+    x, zero = graph.input(), graph.constant(0.0)
+    others = [x, zero, *map(graph.constant, (-0.0, 2.0, np.inf, np.nan))]
+    for op in (Op.MUL, Op.ADD, Op.SUB):
+        for other in others:
+            for args in ((other, zero), (zero, other)):
+                quick = graph.node(op, *args)
+                by_rules = simplify(graph, op, args)
+                assert quick == by_rules, (op, args)
+    assert pickle.loads(pickle.dumps(graph)).zero == zero
+    exact = Graph(relaxed=False)
+    y = exact.input()
+    assert exact.node(Op.MUL, y, exact.constant(0.0)) not in (y, exact.constant(0.0))
 
 
 def test_rewriting_ends_on_long_chains():

@@ -269,14 +269,15 @@ def _batch_of(array: Any, port: Port) -> Shape:
 
 
 def _count(graph: Graph, nodes: Sequence[int]) -> Counter[str]:
+    live = graph.live(nodes)
     counts: Counter[str] = Counter()
-    for index in graph.live(nodes):
-        row = TABLE[graph.op[index]]
-        if isinstance(graph.data[index], Loop):
-            inner = graph.data[index]
-            counts += _count(inner.graph, [inner.condition, *inner.following])
+    for op, number in Counter(map(graph.op.__getitem__, live)).items():
+        row = TABLE[op]
+        if op == Op.LOOP:
+            for loop in (graph.data[index] for index in live if graph.op[index] == op):
+                counts += _count(loop.graph, [loop.condition, *loop.following])
         elif row.cost:
-            counts[row.op.name.lower()] += row.cost
+            counts[row.op.name.lower()] += number * row.cost
     return counts
 
 

@@ -37,6 +37,8 @@ _MAX_NODES = 3_000_000
 _COMMUTING = frozenset(int(row.op) for row in TABLE if row.commutes)
 """Operations of two operands whose order does not matter."""
 _bits = struct.Struct("<d").pack
+_ZERO = _bits(0.0)
+_ADD, _SUB, _MUL = int(Op.ADD), int(Op.SUB), int(Op.MUL)
 
 
 def most_operations() -> float:
@@ -99,6 +101,7 @@ class Graph:
         "op",
         "parent",
         "relaxed",
+        "zero",
     )
 
     def __init__(self, *, relaxed: bool = True, parent: Graph | None = None, lanes: int = 1) -> None:
@@ -109,6 +112,7 @@ class Graph:
         self.relaxed = relaxed
         self.parent = parent
         self.lanes = lanes if parent is None else parent.lanes
+        self.zero = -1  # the node of 0.0, once there is one
         self._interned: dict[Any, int] = {}
         self._captured: dict[int, int] = {}
         self.most = most_operations()
@@ -132,6 +136,8 @@ class Graph:
         index = self._interned.get(key)
         if index is None:
             index = self._interned[key] = self._append(Op.CONST, (), value)
+            if key == _ZERO:
+                self.zero = index
         return index
 
     def truth(self, value: bool) -> int:
@@ -152,6 +158,10 @@ class Graph:
         Returns:
             The node.
         """
+        if self.relaxed and self.zero in args:
+            index = self._beside_zero(op, args)
+            if index is not None:
+                return index
         key = (op, *args)
         if op in _COMMUTING and args[0] > args[1]:
             key = (op, args[1], args[0])
@@ -161,6 +171,17 @@ class Graph:
         if index is None:
             index = self._interned[key] = self._append(op, key[1:], None)
         return index
+
+    def _beside_zero(self, op: int, args: tuple[int, ...]) -> int | None:
+        """What `simplify` makes of x * 0, x + 0 and x - 0, at once: most of what the trace of a robot asks for."""
+        if op == _SUB:
+            return args[0] if args[1] == self.zero else None
+        if op not in (_MUL, _ADD):
+            return None
+        other = args[0] if args[1] == self.zero else args[1]
+        if self.op[other] == Op.CONST and other != self.zero:  # -0.0, inf and nan among them
+            return None
+        return self.zero if op == _MUL else other
 
     def find(self, op: int, *args: int) -> int | None:
         """The node of `op` on `args`, if there is one already.
@@ -282,6 +303,8 @@ def _rebuild(
     for index, (o, a, d) in enumerate(zip(op, args, data, strict=True)):
         if o == Op.CONST:
             graph._interned[_bits(d)] = index
+            if _bits(d) == _ZERO:
+                graph.zero = index
         elif o == Op.BOOL:
             graph._interned[d] = index
         elif o == Op.LANE:

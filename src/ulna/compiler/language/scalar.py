@@ -108,6 +108,7 @@ class Condition(Value):
 def _binary_method(op: int, *, swap: bool = False, doc: str = "") -> Callable[[Scalar, Any], Any]:
     """A method that makes the node of `op` on the value and its argument, or the other way round."""
     result_type = Condition if TABLE[op].is_condition else None
+    op = int(op)  # a plain number: see simplify.py
 
     def method(self: Scalar, other: Any) -> Any:
         g = self.graph
