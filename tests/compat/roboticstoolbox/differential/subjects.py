@@ -127,11 +127,11 @@ CONSTRUCTORS = {
 
 MODELS = {
     "DH": (
-        "AR4", "AL5D", "Ball", "Baxter", "Coil", "Cobra600", "GRP6600", "Hyper", "Hyper3d", "IRB140", "Jaco", "KR5", "LWR4",
-        "Mico", "Orion5", "P8", "Panda", "Planar2", "Planar3", "Puma560", "Sawyer", "Stanford", "Threelink", "TwoLink",
+        "AL5D", "Ball", "Baxter", "Coil", "Cobra600", "Hyper", "Hyper3d", "IRB140", "Jaco", "KR5", "LWR4",
+        "Mico", "Orion5", "P8", "Panda", "Planar2", "Planar3", "Puma560", "Sawyer", "Stanford", "TwoLink",
         "UR10", "UR3", "UR5",
     ),
-    "ETS": ("Frankie", "GenericSeven", "Omni", "Panda", "Planar2", "Planar_Y", "Puma560", "XYPanda"),
-    "URDF": ("LBR", "Mico", "Panda", "Puma560", "px100", "px150", "rx150", "rx200", "vx300", "wx200", "wx250"),
+    "ETS": ("Frankie", "GenericSeven", "Panda", "Planar2", "Planar_Y", "Puma560", "XYPanda"),
+    "URDF": ("LBR", "Panda", "Puma560", "px100", "px150", "rx150", "rx200", "vx300", "wx200", "wx250"),
 }  # fmt: skip
-"""Robots that both packages have without fetching anything, if they have them at all."""
+"""Robots that both packages have without fetching anything."""
