@@ -5,6 +5,7 @@ from ulna.collision.covering import fit
 from ulna.collision.exact import Checker
 from ulna.collision.objective import sphere_clearance
 from ulna.collision.objects import Attachment, Obstacle
+from ulna.collision.pair_tables import PairTable
 from ulna.collision.pairs import LinkPair, link_pairs
 from ulna.collision.refine import refine
 from ulna.collision.result import Distance, Proximity
@@ -22,6 +23,7 @@ __all__ = [
     "LinkPair",
     "LinkSpheres",
     "Obstacle",
+    "PairTable",
     "Proximity",
     "SphereChecker",
     "Spheres",

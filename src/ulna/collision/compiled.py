@@ -1,5 +1,6 @@
 """Collision checks by covering spheres, compiled: never "free" where the real shapes touch.
 
+Pairs of links whose spheres touch unduly are looked up in tables of proved clearance first; see `pair_tables`.
 One kernel places the spheres and checks them against each other, in SIMD lanes over configurations; one for each kind
 of obstacle checks them against a row of numbers, in SIMD lanes over obstacles. Obstacles and the spheres of attached
 objects are data: to move, add, remove or attach one compiles nothing.
@@ -18,7 +19,7 @@ import numpy as np
 from ulna import kernels
 from ulna.checks.arrays import batched_array
 from ulna.checks.values import count as check_count
-from ulna.checks.values import number, short_repr
+from ulna.checks.values import flag, number, short_repr
 from ulna.collision import clearance as gap
 from ulna.collision import deferred, sphere_kernels
 from ulna.collision.attached import carried
@@ -29,10 +30,13 @@ from ulna.collision.lanes.batches import BatchCheck, batch_scene
 from ulna.collision.lanes.single import DOUBTFUL, FREE, TOUCHING
 from ulna.collision.lanes.tables import Scene
 from ulna.collision.mask import check_touches
+from ulna.collision.pair_tables import without_tables
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.solids import Missing
 from ulna.collision.sphere_kernels import What, outer_kernel, self_collision_kernel, sphere_kernel
 from ulna.collision.spheres import Spheres
+from ulna.collision.table_checks import TableChecks
+from ulna.collision.table_choice import pair_tables
 from ulna.collision.touches import deepest_touch
 from ulna.collision.world import World
 from ulna.errors import InputError
@@ -67,6 +71,9 @@ class SphereChecker:
         spheres: Spheres of the links; None for `fit(model)`.
         pairs: Pairs of links to check against each other; None for `link_pairs(model)`, () for none.
         missing: What to do about a mesh file that is not there: "error", or "skip" it with a warning.
+        tables: Whether links that few joints lie between, and whose spheres touch unduly, are checked by tables of
+            proved clearance of their real shapes; they take seconds, once, and are kept on disk. None where `spheres`
+            is None, since spheres that you give are taken as they are.
 
     Raises:
         ModelError: If the robot has no collision geometry.
@@ -82,10 +89,11 @@ class SphereChecker:
         spheres: Spheres | None = None,
         pairs: Iterable[LinkPair] | None = None,
         missing: Missing = "error",
+        tables: bool | None = None,
     ) -> None:
         model = model_of(model, "model")
         pairs = pairs if pairs is None else tuple(pairs)
-        self._options = {"spheres": spheres, "pairs": pairs, "missing": missing}
+        self._options = {"spheres": spheres, "pairs": pairs, "missing": missing, "tables": tables}
         self.missing: Missing = missing
         self.model, self.world = model, World() if world is None else world
         if not (spheres is None or isinstance(spheres, Spheres)):
@@ -114,10 +122,15 @@ class SphereChecker:
         self._places = {
             k: range(a, b) for k, a, b in zip(self.covering.links, starts, starts[1:], strict=False)
         }
-        self._apart = pairs_apart(model, self.world, self.covering, self.pairs, self.attached_pairs)
-        self._groups = grouped(
-            model, self.world, self.covering, self.attached, (*self.pairs, *self.attached_pairs), missing
-        )
+        with_tables = spheres is None if tables is None else flag("tables", tables)
+        self.tables = pair_tables(model, self.spheres, self.pairs, missing) if with_tables else ()
+        """Tables of proved clearance, by which some of the pairs are checked."""
+        self.sphere_pairs = without_tables(self.pairs, self.tables)
+        """The pairs of links that are checked by spheres alone."""
+        self.table_checks = TableChecks(model, self.world, self.spheres, self.tables, missing)
+        self._apart = pairs_apart(model, self.world, self.covering, self.sphere_pairs, self.attached_pairs)
+        checked = (*self.sphere_pairs, *self.attached_pairs)
+        self._groups = grouped(model, self.world, self.covering, self.attached, checked, missing)
         self._clouds = cloud_checks(self.model, self.world, self.covering, self._chosen, self.missing)
         self._still = [self._rows(parts, {}) for _, _, parts in self._groups]
         self._kernels: dict[Any, Any] = {}
@@ -127,6 +140,11 @@ class SphereChecker:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return partial(SphereChecker, **self._options), (self.model, self.world)
+
+    def __repr__(self) -> str:
+        tables = f", {len(self.tables)} tables of pairs" if self.tables else ""
+        count = len(self.world.names)
+        return f"<check of {self.model.name!r} by {self.spheres!r}{tables}, {count} obstacles>"
 
     def collides(
         self,
@@ -185,7 +203,7 @@ class SphereChecker:
         *,
         threads: int | None = None,
     ) -> Any:
-        """How far the nearest spheres are.
+        """How far the nearest spheres are, or what tables prove of two links.
 
         While it is positive, the real shapes are at least that far. Negative, it says how deep the spheres are, which
         is not how deep the shapes are.
@@ -260,7 +278,7 @@ class SphereChecker:
     @cached_property
     def _scene(self) -> Scene | None:
         """What checks in float32 share; None where they do not do."""
-        return batch_scene(self.model, self.world, self.spheres, self.pairs, self.missing)
+        return batch_scene(self.model, self.world, self.spheres, self.pairs, self.missing, self.tables)
 
     def _collides_in_lanes(self, check: BatchCheck, q: Floats, reach: float, threads: int | None) -> Any:
         """Which configurations touch: by float32 where that is certain, else by float64."""
@@ -286,7 +304,7 @@ class SphereChecker:
     @cached_property
     def _is_compilable(self) -> bool:
         """Whether few enough spheres are checked against each other for one kernel."""
-        return len(gap.self_pairs(self.model, self.spheres, self.pairs)) <= sphere_kernels.MOST_COUPLES
+        return len(gap.self_pairs(self.model, self.spheres, self.sphere_pairs)) <= sphere_kernels.MOST_COUPLES
 
     def _touches_exactly(self, q: Floats, reach: float, threads: int | None = None) -> Array:
         """Which configurations touch, in float64: one by one until so many were asked that a kernel is compiled."""
@@ -313,9 +331,10 @@ class SphereChecker:
         for check in self._clouds:
             pose = poses.get(check.name, self.world[check.name].pose).matrix()
             rows.append((None, check, pose.reshape(*pose.shape[:-2], 1, 16)))
-        self_distance = self_collision_kernel(what, self.model, self.spheres, self.pairs)
+        self_distance = self_collision_kernel(what, self.model, self.spheres, self.sphere_pairs)
         if not batch:
-            return self._one(what, self._with_attached(q, self_distance(q, reach)), rows, join, reach)[()]
+            placed = self._with_attached(q, self_distance(q, reach))
+            return self._one(what, q, placed, rows, join, reach)[()]
         count = int(np.prod(batch))
         flat = np.broadcast_to(q, (*batch, self.model.nq)).reshape(count, self.model.nq)
         spread = [
@@ -335,7 +354,7 @@ class SphereChecker:
                 placed = self_distance(flat[part], reach, out=(c, np.empty(len(c))))
                 placed = self._with_attached(flat[part], placed)
                 here = [(kind, links, x[part]) for kind, links, x in spread]
-                results.append(self._one(what, placed, here, join, reach))
+                results.append(self._one(what, flat[part], placed, here, join, reach))
             return results
 
         starts = range(0, count, _CHUNK)
@@ -349,7 +368,7 @@ class SphereChecker:
                 results = [piece for share in pool.map(run, shares) for piece in share]
         return np.concatenate(results).reshape(batch) if results else np.empty(batch)
 
-    def _one(self, what: What, placed: tuple[Any, Any], rows: Any, join: Any, reach: float) -> Any:
+    def _one(self, what: What, q: Floats, placed: tuple[Any, Any], rows: Any, join: Any, reach: float) -> Any:
         """The answers of some configurations whose spheres are placed and checked against each other."""
         centres, result = placed
         for kind, links, numbers in rows:
@@ -371,7 +390,21 @@ class SphereChecker:
             apart = np.linalg.norm(a[..., :, None, :] - b[..., None, :, :], axis=-1) - least
             least_apart = apart.min(axis=(-2, -1))
             result = join(result, least_apart > reach if what == "free" else least_apart)
-        return np.asarray(result)
+        return np.asarray(self._with_tables(what, q, centres, result, reach))
+
+    def _with_tables(self, what: What, q: Floats, centres: Floats, result: Any, reach: float) -> Any:
+        """The answers together with those of pairs that have tables."""
+        if not len(self.table_checks):
+            return result
+        several, balls = np.atleast_2d(q), centres.reshape(-1, *centres.shape[-2:])
+        placed = {
+            name: balls[:, self._places[name].start : self._places[name].stop] for name in self.spheres.links
+        }
+        known = np.array(np.broadcast_to(result, q.shape[:-1]), dtype=float).reshape(-1)
+        limit = np.where(known > 0.5, np.nextafter(reach, np.inf), -np.inf) if what == "free" else known
+        least = self.table_checks.least(several, placed, limit)
+        answer = (least > reach).astype(float) if what == "free" else least
+        return answer.reshape(q.shape[:-1])
 
     def _poses(self, moving: Mapping[str, ArrayLike] | None) -> dict[str, SE3]:
         """Poses of moving obstacles, by name."""

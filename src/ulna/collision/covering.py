@@ -90,7 +90,7 @@ def fit(
     if most is not None and (int(most) != most or most < 1):
         raise InputError(f"`most` is {most!r}; expected a count, 1 or more.")
     solids = solids_by_link(model, missing)
-    contents = {name: _content(model, name, parts) for name, parts in solids.items()}
+    contents = {name: link_content(model, name, parts) for name, parts in solids.items()}
     budget = _default_budget(solids) if most is None else int(most) * len(solids)
     key = _key(model, contents, float(tolerance), budget)
     stored = cache.read(key)
@@ -117,7 +117,7 @@ def is_fitted(model: Model, missing: Missing = "error") -> bool:
         The truth value.
     """
     solids = solids_by_link(model, missing)
-    contents = {name: _content(model, name, parts) for name, parts in solids.items()}
+    contents = {name: link_content(model, name, parts) for name, parts in solids.items()}
     return cache.read(_key(model, contents, _TOLERANCE, _default_budget(solids))) is not None
 
 
@@ -163,8 +163,17 @@ def link_task(model: Model, name: str, solids: Sequence[Solid]) -> Task:
     return task(solids, [base @ solid.placement for solid in solids])
 
 
-def _content(model: Model, name: str, solids: Sequence[Solid]) -> str:
-    """What decides the spheres of a link, as a fingerprint; equal for links of equal shape."""
+def link_content(model: Model, name: str, solids: Sequence[Solid]) -> str:
+    """What decides the spheres of a link, as a fingerprint; equal for links of equal shape.
+
+    Args:
+        model: The robot.
+        name: The link.
+        solids: Its solids.
+
+    Returns:
+        The fingerprint.
+    """
     base = model.link(name).placement.inverse()
     parts = [
         [s.shape, base @ s.placement, s.vertices[s.triangles] if isinstance(s.shape, Mesh) else None]

@@ -196,6 +196,25 @@ class Narrow:
 
         return ask
 
+    def separation(self, poses: Poses, row: int, i: int, j: int) -> tuple[float, Any]:
+        """The distance of two solids and its direction, for many questions.
+
+        Args:
+            poses: The poses of all solids.
+            row: The configuration in the batch.
+            i, j: The numbers of the two solids.
+
+        Returns:
+            The signed distance [m], and a unit vector from the first to the second, shape (3,).
+        """
+        pair = self._distances.get((i, j))
+        if pair is None:
+            pair = self._distances[i, j] = coal().ComputeDistance(self._geometries[i], self._geometries[j])
+        result = self._result
+        result.clear()
+        d = pair(self._place(poses, row, i), self._place(poses, row, j), self._request, result)
+        return d, result.normal
+
     def distance(self, poses: Poses, row: int, i: int, j: int, best: Found | None = None) -> Any:
         """The distance of two solids.
 

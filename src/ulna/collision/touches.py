@@ -11,6 +11,7 @@ from ulna.collision.clearance import Kind
 from ulna.collision.pairs import LinkPair
 from ulna.collision.sphere_kernels import sphere_kernel
 from ulna.collision.spheres import Spheres, sphere_centres
+from ulna.collision.table_checks import TableChecks
 from ulna.collision.world import World
 from ulna.model import Model
 from ulna.typing import ArrayLike, Floats
@@ -21,8 +22,10 @@ class _SpheresInWorld(Protocol):
 
     model: Model
     world: World
+    spheres: Spheres
     covering: Spheres
-    pairs: tuple[LinkPair, ...]
+    sphere_pairs: tuple[LinkPair, ...]
+    table_checks: TableChecks
     attached_pairs: tuple[LinkPair, ...]
     carriers: dict[str, str]
 
@@ -51,7 +54,13 @@ def deepest_touch(
         Their clearance [m], negative where they overlap, less the margin that the world has for them; a link or
         attached object, and what is near it: an obstacle, another link or object.
     """
+    placed = sphere_centres(checker.model, q, checker.spheres)
+    by_tables = [
+        (distance - (2.0 if is_moving else 1.0) * margin, distance, *names)
+        for distance, *names, is_moving in checker.table_checks.each(q, placed)
+    ]
     found = [
+        *by_tables,
         *((distance - margin, distance, *names) for distance, *names in _to_obstacles(checker, q, moving)),
         *((distance - 2.0 * margin, distance, *names) for distance, *names in _to_each_other(checker, q)),
     ]
@@ -81,7 +90,7 @@ def _to_each_other(checker: _SpheresInWorld, q: Floats) -> Iterator[tuple[float,
     spheres = checker.covering.links
     placed = sphere_centres(checker.model, q, checker.covering, checker.carriers)
     still = {link.name for link in checker.model.links if link.joint < 0}
-    for a, b in (*checker.pairs, *checker.attached_pairs):
+    for a, b in (*checker.sphere_pairs, *checker.attached_pairs):
         if a in still or b in still:
             continue  # these count by their real shapes, as obstacles do
         apart = np.linalg.norm(placed[a][:, None] - placed[b][None], axis=2) - checker.world.margin(a, b)

@@ -187,7 +187,8 @@ class Collision(Part):
         Args:
             world: Obstacles; None for none.
             method: "exact" or "spheres".
-            **options: Of "exact": pairs, without, convex, missing; of "spheres": spheres, pairs, missing.
+            **options: Of "exact": pairs, without, convex, missing; of "spheres": spheres, pairs, missing,
+                tables.
 
         Returns:
             An `ulna.collision.Checker`, or a `SphereChecker` for "spheres".

@@ -97,15 +97,21 @@ class FreeInverseKinematics(InverseKinematics, CollisionQueries):
 
 def _screen(part: Any, world: World | None, options: dict[str, Any]) -> Any:
     """The check by spheres that rules out contact before coal is asked; None where it would take long to prepare."""
+    from ulna.collision import fit, link_pairs
     from ulna.collision.covering import is_fitted
+    from ulna.collision.table_choice import are_known
 
     missing = options.get("missing", "error")
     if options.get("convex") or (world and world.attachments):
         return None
-    known = part._searches.setdefault("fitted spheres", set())
-    if missing not in known:
+    known = part._searches.setdefault("fitted spheres", {})
+    pairs = options.get("pairs")
+    chosen_pairs = link_pairs(part.model) if pairs is None else tuple(pairs)
+    if (missing, chosen_pairs) not in known:
         if not is_fitted(part.model, missing):
             return None
-        known.add(missing)
+        known[missing, chosen_pairs] = are_known(
+            part.model, fit(part.model, missing=missing), chosen_pairs, missing
+        )
     chosen = {name: options[name] for name in ("pairs", "missing") if name in options}
-    return _checker(part, world, method="spheres", **chosen)
+    return _checker(part, world, method="spheres", tables=known[missing, chosen_pairs], **chosen)

@@ -189,7 +189,7 @@ class Planner:
             )
             return
         checker = _self_checker(robot, spheres, pairs)
-        robot_alone = links_of(checker.model, checker.spheres, checker.pairs, checker.missing)
+        robot_alone = links_of(checker.model, checker.spheres, checker.pairs, checker.missing, checker.tables)
         world = World() if world is None else world
         self.scene = PlanningScene(robot_alone, checker.spheres, checker.pairs, world, checker.missing)
         size, self._lengths = _count("roadmap", roadmap, 0), (margin, step)

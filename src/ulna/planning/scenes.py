@@ -16,8 +16,9 @@ class PlanningScene(Scene):
     def checker(self) -> SphereChecker:
         """The check in float64."""
         return SphereChecker(
-            self.robot.model, self.world, spheres=self.spheres, pairs=self.link_pairs, missing=self.missing
-        )
+            self.robot.model, self.world, spheres=self.spheres, pairs=self.link_pairs, missing=self.missing,
+            tables=bool(self.robot.clearances),
+        )  # fmt: skip
 
 
 def scene(checker: SphereChecker) -> PlanningScene:
@@ -32,5 +33,5 @@ def scene(checker: SphereChecker) -> PlanningScene:
     Raises:
         InputError: If a joint has a configuration that is not one number, or no link with spheres moves.
     """
-    robot = links_of(checker.model, checker.spheres, checker.pairs, checker.missing)
+    robot = links_of(checker.model, checker.spheres, checker.pairs, checker.missing, checker.tables)
     return PlanningScene(robot, checker.spheres, checker.pairs, checker.world, checker.missing)

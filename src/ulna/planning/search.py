@@ -153,6 +153,8 @@ class Search:
         what = f"overlaps {other!r} by {-1e3 * distance:.3g} mm"
         if distance > 0.0:
             what = f"comes within {1e3 * distance:.3g} mm of {other!r}"
+        elif distance == 0.0:
+            what = f"comes nearer to {other!r} than its table of clearances can tell"
         who = "the start" if outcome == "start" else "the goal" if len(run.goals) == 1 else "the first goal"
         reason = f"at {who} {link!r} {what}, by their covering spheres."
         if distance > 0.0 and self._margin > 0.0:

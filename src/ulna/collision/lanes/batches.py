@@ -12,6 +12,7 @@ from typing import final
 import numpy as np
 
 from ulna.collision.lanes.single import DOUBTFUL, FREE, StateCheck
+from ulna.collision.lanes.table_lookup import table_clearance
 from ulna.collision.lanes.tables import Scene, links_of
 from ulna.collision.lanes.touching import (
     Tables,
@@ -24,11 +25,13 @@ from ulna.collision.lanes.touching import (
     near_point,
     on_body,
     overlapping,
+    pair_in_doubt,
     place_bounds,
     placed_row,
     within_box,
     within_cylinder,
 )
+from ulna.collision.pair_tables import PairTable
 from ulna.collision.pairs import LinkPair
 from ulna.collision.point_grid import in_cloud, lane_touches, maybe_near
 from ulna.collision.solids import Missing
@@ -149,22 +152,44 @@ def _with_clouds(tables, g, less, maybe, sure, work, W):
 
 
 @procedure
+def _surely_unproved(tables, k, less, in_doubt, work, W):
+    """The lanes of `in_doubt` in which the table of a pair, if it has one, does not prove a smaller reach either."""
+    g = tables.grids.of_pair[k]
+    if g >= 0:
+        reach = tables.grids.pair_reach[k] - f32(2.0) * less
+        return in_doubt & (table_clearance(tables.grids, g, work.q, W) <= reach)
+    return in_doubt
+
+
+@procedure
+def _with_fixed_links(tables, less, maybe, sure, work, W):
+    """The lanes in which links may touch links that never move, by tables, and do, and those known before."""
+    for k in range(len(tables.grids.fixed)):
+        apart = table_clearance(tables.grids, tables.grids.fixed[k], work.q, W)
+        maybe = maybe | (apart <= tables.grids.fixed_reach[k])
+        sure = sure | (apart <= tables.grids.fixed_reach[k] - less)
+    return maybe, sure
+
+
+@procedure
 def _with_pair(tables, k, less, maybe, sure, work, W):
     """The lanes in which spheres of the groups of a pair may touch, and do for sure, and those known before."""
     a, b = tables.pairs[k, 0], tables.pairs[k, 1]
-    bound, row = tables.bounds[b, 3] + tables.pair_margins[k], bound_row(tables, b)
-    if any_of(near_each_other(work.c, bound_row(tables, a), row, tables.bounds[a, 3] + bound, W) & ~sure):
-        x, y, z = on_body(tables.bodies[a], work.c, row, W)
+    in_doubt = pair_in_doubt(tables, k, work, W) & ~sure
+    if any_of(in_doubt):
+        bound = tables.bounds[b, 3] + tables.pair_margins[k]
+        surely = _surely_unproved(tables, k, less, in_doubt, work, W)
+        x, y, z = on_body(tables.bodies[a], work.c, bound_row(tables, b), W)
         for n in range(tables.pairs[k, 2], tables.pairs[k, 3]):
             i = tables.rows[n, 0]
-            if any_of(near_point(tables.spheres, i, x, y, z, bound, W) & ~sure):
+            if any_of(near_point(tables.spheres, i, x, y, z, bound, W) & in_doubt & ~sure):
                 row = placed_row(tables, a, i, work, W)
                 for m in range(tables.rows[n, 1], tables.rows[n + 1, 1]):
                     j = tables.partners[m]
                     reach = tables.spheres[i, 3] + tables.spheres[j, 3] + tables.pair_margins[k]
                     other = placed_row(tables, b, j, work, W)
-                    maybe = maybe | near_each_other(work.c, row, other, reach, W)
-                    sure = sure | near_each_other(work.c, row, other, reach - f32(2.0) * less, W)
+                    maybe = maybe | (near_each_other(work.c, row, other, reach, W) & in_doubt)
+                    sure = sure | (near_each_other(work.c, row, other, reach - f32(2.0) * less, W) & surely)
     return maybe, sure
 
 
@@ -190,6 +215,7 @@ def touching_lanes(tables, less, maybe, sure, work, W):
         maybe, sure = _with_clouds(tables, g, less, maybe, sure, work, W)
         if all_of(sure):
             return maybe, sure
+    maybe, sure = _with_fixed_links(tables, less, maybe, sure, work, W)
     for k in range(len(tables.pairs)):
         maybe, sure = _with_pair(tables, k, less, maybe, sure, work, W)
         if all_of(sure):
@@ -241,8 +267,9 @@ def which_touch(
 
 
 def batch_scene(
-    model: Model, world: World, spheres: Spheres, pairs: tuple[LinkPair, ...], missing: Missing
-) -> Scene | None:
+    model: Model, world: World, spheres: Spheres, pairs: tuple[LinkPair, ...], missing: Missing,
+    tables: tuple[PairTable, ...],
+) -> Scene | None:  # fmt: skip
     """What checks of a robot in a world share.
 
     Args:
@@ -251,13 +278,14 @@ def batch_scene(
         spheres: Spheres of the links.
         pairs: Pairs of links to check against each other.
         missing: What to do about mesh files that are missing: "error", or "skip" them with a warning.
+        tables: Tables of proved clearance of some of the pairs.
 
     Returns:
         The scene; None where float32 does not do: joints whose positions are no plain numbers, nothing that moves, or
         something more than 100 m away.
     """
     try:
-        scene = Scene(links_of(model, spheres, pairs, missing), spheres, pairs, world, missing)
+        scene = Scene(links_of(model, spheres, pairs, missing, tables), spheres, pairs, world, missing)
         scene.tables(0.0)
     except InputError:
         return None

@@ -15,9 +15,11 @@ from ulna.collision.clouds import is_points, point_grid
 from ulna.collision.grids import joined
 from ulna.collision.lanes.motion_bounds import Group, motion_bounds
 from ulna.collision.lanes.sphere_pairs import RESERVE, meeting_spheres
+from ulna.collision.lanes.table_lookup import PairGrids, packed
 from ulna.collision.lanes.touching import Tables, Work
 from ulna.collision.mask import check_touches
 from ulna.collision.objects import Obstacle
+from ulna.collision.pair_tables import PairTable, without_tables
 from ulna.collision.pairs import LinkPair
 from ulna.collision.solids import Missing, obstacle_solid
 from ulna.collision.spheres import Spheres
@@ -38,6 +40,8 @@ ROUNDING = 1e-4
 
 _UNIT = 2.0**-20  # some sixteen roundings of float32
 
+_WIDEST = 1e30  # within which everything is [m]
+
 FARTHEST = 100.0
 """Nothing may be farther from the origin than this, so that the rounding of float32 stays below `ROUNDING` [m]."""
 
@@ -52,6 +56,8 @@ class Moving:
         pairs: Numbers of groups that are checked against each other, with the distances that they must keep [m].
         standing: Parts of links that never move, each with the names of the groups that it is checked against.
         kernel: From configurations to the poses of all joints, and the centres of bounding spheres of the links.
+        clearances: Tables of proved clearance of pairs of links.
+        fixed: Tables of links that never move, by number: each with its group and the distance to keep [m].
     """
 
     model: Model
@@ -59,6 +65,8 @@ class Moving:
     pairs: tuple[tuple[int, int, float], ...]
     standing: tuple[tuple[gap.Part, frozenset[str]], ...]
     kernel: Any
+    clearances: tuple[PairTable, ...] = ()
+    fixed: tuple[tuple[int, float], ...] = ()
 
     @cached_property
     def bounds_of_motion(self) -> tuple[Floats, Floats]:
@@ -98,6 +106,33 @@ class Moving:
             "spheres": np.column_stack([centres, radii]),
             "reach": aligned(filled),
         }
+
+    @cached_property
+    def _packed_clearances(self) -> dict[str, Any]:
+        return packed(self.clearances)
+
+    def grids(self, pairs: dict[str, Any], by: float) -> PairGrids:
+        """The tables of proved clearance.
+
+        Args:
+            pairs: What `pair_tables` returns.
+            by: By how much spheres are larger [m].
+
+        Returns:
+            The tables, with how near links may come.
+        """
+        number = {frozenset((t.first, t.second)): g for g, t in enumerate(self.clearances)}
+        names = [group.name for group in self.groups]
+        of_pair = [number.get(frozenset((names[a], names[b])), -1) for a, b, *_ in pairs["pairs"].tolist()]
+        by = min(by, _WIDEST)
+        reach = np.maximum(pairs["pair_margins"].astype(float), -_WIDEST) + 2.0 * by
+        fixed = np.array([(g, margin + by) for g, margin in self.fixed]).reshape(-1, 2)
+        return PairGrids(
+            **self._packed_clearances, of_pair=np.array(of_pair, np.int64),
+            pair_reach=np.nextafter(reach.astype(np.float32), np.float32(np.inf)),
+            fixed=fixed[:, 0].astype(np.int64),
+            fixed_reach=np.nextafter(fixed[:, 1].astype(np.float32), np.float32(np.inf)),
+        )  # fmt: skip
 
     def pair_tables(self, margin: float) -> dict[str, Any]:
         """The tables of groups that are checked against each other, by name.
@@ -188,10 +223,11 @@ class Scene:
         for name, balls in held.spheres.items():
             link = model.link(held.carriers[name])
             groups.append(Group(name, link.joint, link.placement @ balls.centres, balls.radii))
-        pairs = (*self.link_pairs, *held.pairs)
+        pairs, tables = (*self.link_pairs, *held.pairs), self.robot.clearances
         return Moving(
-            model, tuple(groups), _numbered(groups, pairs, self.world), _standing(model, pairs, self.missing),
-            self.robot.kernel,
+            model, tuple(groups), _numbered(groups, pairs, self.world),
+            _standing(model, without_tables(pairs, tables), self.missing), self.robot.kernel, tables,
+            _fixed(model, tables, self.world),
         )  # fmt: skip
 
     def tables(self, margin: float) -> Tables:
@@ -229,7 +265,8 @@ class Scene:
         columns = np.zeros((4, len(spheres) + self.lanes), np.float32)
         columns[:, : len(spheres)] = spheres.T
         larger_ones = {"bounds": bounds, "spheres": spheres, "columns": columns}
-        return Tables(**{**tables, **pairs, **self._obstacles, **larger_ones})
+        grids = self.moving.grids(pairs, by)
+        return Tables(**{**tables, **pairs, **self._obstacles, **larger_ones, "grids": grids})
 
     @cached_property
     def _obstacles(self) -> dict[str, Any]:
@@ -339,7 +376,10 @@ def check_vector_joints(model: Model) -> None:
 
 
 @lru_cache(maxsize=32)
-def links_of(model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...], missing: Missing) -> Moving:
+def links_of(
+    model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...], missing: Missing,
+    tables: tuple[PairTable, ...] = (),
+) -> Moving:  # fmt: skip
     """The links of a robot, as planning checks them.
 
     Args:
@@ -347,6 +387,7 @@ def links_of(model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...], missin
         spheres: Spheres of its links.
         pairs: Pairs of links to check against each other.
         missing: What to do about mesh files that are missing: "error", or "skip" them with a warning.
+        tables: Tables of proved clearance of some of the pairs.
 
     Returns:
         The links, with the kernel of poses.
@@ -367,7 +408,17 @@ def links_of(model: Model, spheres: Spheres, pairs: tuple[LinkPair, ...], missin
     numbered = _numbered(groups, pairs, World())
     bounds = tuple((12 * group.joint, *_bounding_sphere(group)[:3]) for group in groups)
     return Moving(
-        model, tuple(groups), numbered, _standing(model, pairs, missing), _pose_kernel(model, bounds)
+        model, tuple(groups), numbered, _standing(model, without_tables(pairs, tables), missing),
+        _pose_kernel(model, bounds), tables, _fixed(model, tables, World()),
+    )  # fmt: skip
+
+
+def _fixed(model: Model, tables: Sequence[PairTable], world: World) -> tuple[tuple[int, float], ...]:
+    """The tables of links that never move, by number, with the distances that the others must keep [m]."""
+    return tuple(
+        (number, world.margin(table.first, table.second))
+        for number, table in enumerate(tables)
+        if model.link(table.first).joint < 0 or model.link(table.second).joint < 0
     )
 
 

@@ -24,6 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ulna.collision.lanes.table_lookup import PairGrids, table_clearance
 from ulna.collision.point_grid import Clouds, in_cloud, lane_touches, maybe_near
 from ulna.compiler.procedures import (
     Array1,
@@ -66,6 +67,7 @@ class Tables(NamedTuple):
         partners: Spheres of the second group that it can meet.
         reach: How far a point of a body moves at most when a joint moves by one, (nq, bodies filled up to whole
             registers) [m/rad], [1].
+        grids: Tables of proved clearance of pairs.
     """
 
     bodies: Array1[INT]
@@ -89,6 +91,7 @@ class Tables(NamedTuple):
     rows: Array2[INT]
     partners: Array1[INT]
     reach: Array2[f32]
+    grids: PairGrids
 
 
 class Work(NamedTuple):
@@ -483,25 +486,46 @@ def _group_touches_clouds(tables, g, work, W):
 
 
 @procedure
+def pair_in_doubt(tables, k, work, W):
+    """The lanes in which bounding spheres of a pair touch, and no table proves that the links do not.
+
+    Args:
+        tables: What is checked against what [m].
+        k: The pair [-].
+        work: Holds configurations and poses [m].
+        W: Lanes, a constant [-].
+
+    Returns:
+        A mask.
+    """
+    a, b = tables.pairs[k, 0], tables.pairs[k, 1]
+    bound = tables.bounds[a, 3] + tables.bounds[b, 3] + tables.pair_margins[k]
+    in_doubt = near_each_other(work.c, bound_row(tables, a), bound_row(tables, b), bound, W)
+    g = tables.grids.of_pair[k]
+    if g >= 0 and any_of(in_doubt):
+        in_doubt = in_doubt & (table_clearance(tables.grids, g, work.q, W) <= tables.grids.pair_reach[k])
+    return in_doubt
+
+
+@procedure
 def _pair_touches(tables, k, work, W):
-    """Whether spheres of the groups of a pair touch, or come nearer than they may, in any lane."""
+    """Whether groups of a pair touch, or come nearer than they may, in any lane."""
+    in_doubt = pair_in_doubt(tables, k, work, W)
+    if not any_of(in_doubt):
+        return False
     a, b = tables.pairs[k, 0], tables.pairs[k, 1]
     bound = tables.bounds[b, 3] + tables.pair_margins[k]
-    if not any_of(
-        near_each_other(work.c, bound_row(tables, a), bound_row(tables, b), tables.bounds[a, 3] + bound, W)
-    ):
-        return False
     x, y, z = on_body(tables.bodies[a], work.c, bound_row(tables, b), W)
     for n in range(tables.pairs[k, 2], tables.pairs[k, 3]):
         i = tables.rows[n, 0]
-        if any_of(near_point(tables.spheres, i, x, y, z, bound, W)):
+        if any_of(near_point(tables.spheres, i, x, y, z, bound, W) & in_doubt):
             r = tables.spheres[i, 3]
             row = placed_row(tables, a, i, work, W)
             for m in range(tables.rows[n, 1], tables.rows[n + 1, 1]):
                 j = tables.partners[m]
                 reach = r + tables.spheres[j, 3] + tables.pair_margins[k]
                 other = placed_row(tables, b, j, work, W)
-                if any_of(near_each_other(work.c, row, other, reach, W)):
+                if any_of(near_each_other(work.c, row, other, reach, W) & in_doubt):
                     return True
     return False
 
@@ -527,6 +551,10 @@ def block_touches(tables, work, W):
         for i in range(len(tables.bodies)):
             if _group_touches_clouds(tables, len(tables.bodies) - 1 - i, work, W):
                 return True
+    for k in range(len(tables.grids.fixed)):
+        apart = table_clearance(tables.grids, tables.grids.fixed[k], work.q, W)
+        if any_of(apart <= tables.grids.fixed_reach[k]):
+            return True
     for k in range(len(tables.pairs)):  # noqa: SIM110  # a loop of the language
         if _pair_touches(tables, k, work, W):
             return True

@@ -1,0 +1,142 @@
+"""Convex solids that together contain a mesh: its surface is cut where that makes the hulls of the parts smaller.
+
+Each part of the surface lies in its hull, so a distance of the hulls is never more than that of the surfaces; and
+convex solids are compared hundreds of times as fast as thousands of triangles. Source: Lien and Amato, Approximate
+convex decomposition of polyhedra, Computer Aided Geometric Design 25 (2008), for the greedy cuts; here by planes
+across the axes, with the volume of the hulls as measure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from ulna.collision.solids import Solid, hull
+from ulna.errors import InputError
+from ulna.geometry import HeightField, Mesh, PointCloud
+from ulna.typing import Floats
+
+_MOST = 16  # parts of a mesh
+_LEAST_GAIN = 0.002  # of a cut, in the volume of the whole hull
+_CUTS = (0.2, 0.4, 0.6, 0.8)  # places of cuts that are tried, in parts of an edge
+_GRID = 60  # cells along the longest edge in which one corner stands for all while cuts are compared
+_THICKNESS = 5e-5  # that flat parts are given, to either side [m]
+
+
+def convex_pieces(solids: Sequence[Solid]) -> list[Solid]:
+    """Solids that contain the solids of a link, all convex.
+
+    Args:
+        solids: The solids.
+
+    Returns:
+        The same, with parts in place of meshes: meshes of a few corners, to be taken by their hulls.
+    """
+    return [piece for solid in solids for piece in _pieces(solid)]
+
+
+def _pieces(solid: Solid) -> list[Solid]:
+    if not isinstance(solid.shape, Mesh | HeightField | PointCloud):
+        return [solid]
+    parts = [_Part.of(solid.vertices[solid.triangles])]
+    least = _LEAST_GAIN * parts[0].volume
+    while len(parts) < _MOST:
+        best = max(range(len(parts)), key=lambda k: parts[k].gain)
+        if parts[best].gain <= least:
+            break
+        parts += parts.pop(best).halves()
+    hulls = [_hull(part.triangles.reshape(-1, 3)) for part in parts]
+    return [replace(solid, vertices=vertices, triangles=triangles) for vertices, triangles in hulls]
+
+
+def _hull(points: Floats) -> tuple[Floats, Floats]:
+    try:
+        return hull(points)
+    except InputError:  # they lie in a plane
+        corners = np.array(np.meshgrid(*3 * [[-_THICKNESS, _THICKNESS]])).reshape(3, -1).T
+        return hull((points[:, None] + corners).reshape(-1, 3))
+
+
+def _volume(points: Floats) -> float:
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return float(ConvexHull(points).volume)
+    except (QhullError, ValueError):
+        return 0.0
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A part of a surface.
+
+    Attributes:
+        triangles: Corners, shape (m, 3, 3) [m].
+        volume: Of its hull [m^3].
+        gain: By how much smaller the volume of the hulls is after the best cut [m^3].
+        axis: The axis across which that cut is.
+        place: Where it is [m].
+    """
+
+    triangles: Floats
+    volume: float
+    gain: float
+    axis: int
+    place: float
+
+    @classmethod
+    def of(cls, triangles: Floats) -> _Part:
+        """A part with its best cut."""
+        points = triangles.reshape(-1, 3)
+        low, high = points.min(axis=0), points.max(axis=0)
+        volume, best = _volume(points), (0.0, 0, 0.0)
+        few = _snapped(triangles, low, float((high - low).max()) / _GRID)
+        whole = _volume(few.reshape(-1, 3))
+        for axis in range(3):
+            for part in _CUTS:
+                place = float(low[axis] + part * (high[axis] - low[axis]))
+                halves = _cut(few, axis, place)
+                gain = whole - sum(_volume(half.reshape(-1, 3)) for half in halves if len(half))
+                best = max(best, (gain, axis, place))
+        return cls(triangles, volume, *best)
+
+    def halves(self) -> list[_Part]:
+        """What the best cut makes of it."""
+        return [_Part.of(half) for half in _cut(self.triangles, self.axis, self.place) if len(half)]
+
+
+def _snapped(triangles: Floats, low: Floats, edge: float) -> Floats:
+    """Triangles with corners on a grid, without those that became points or lines."""
+    cells = np.round((triangles - low) / max(edge, 1e-12)).astype(int)
+    is_thin = np.zeros(len(cells), dtype=bool)
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        is_thin |= (cells[:, i] == cells[:, j]).all(axis=1)
+    kept = cells[~is_thin] if not is_thin.all() else cells
+    return low + edge * np.unique(kept, axis=0)
+
+
+def _cut(triangles: Floats, axis: int, place: float) -> tuple[Floats, Floats]:
+    """The triangles below and above a plane across an axis; those that cross it are divided."""
+    above = triangles[:, :, axis] - place
+    is_below, is_above = (above <= 0.0).all(axis=1), (above > 0.0).all(axis=1)
+    sides = [[triangles[is_below]], [triangles[is_above]]]
+    crossing = ~(is_below | is_above)
+    corners, heights = triangles[crossing], above[crossing]
+    upper = heights > 0.0
+    for side, is_lone in enumerate(
+        (upper.sum(axis=1) == 2, upper.sum(axis=1) == 1)
+    ):  # a corner below, or above
+        mine, up = corners[is_lone], upper[is_lone]
+        lone = (up if side else ~up).argmax(axis=1)
+        order = (lone[:, None] + np.arange(3)) % 3
+        p = np.take_along_axis(mine, order[:, :, None], axis=1)
+        h = np.take_along_axis(heights[is_lone], order, axis=1)
+        a, b = (p[:, 0] + (h[:, :1] / (h[:, :1] - h[:, k : k + 1])) * (p[:, k] - p[:, 0]) for k in (1, 2))
+        sides[side].append(np.stack([p[:, 0], a, b], axis=1))
+        sides[1 - side].append(np.stack([a, p[:, 1], p[:, 2]], axis=1))
+        sides[1 - side].append(np.stack([a, p[:, 2], b], axis=1))
+    return np.concatenate(sides[0]), np.concatenate(sides[1])

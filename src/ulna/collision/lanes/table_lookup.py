@@ -1,0 +1,96 @@
+"""Proved clearances of pairs of links, looked up for many configurations in lanes.
+
+The numbers are those of `PairTable.clearance`, bit by bit: nothing here may be contracted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ulna.collision.pair_tables import PairTable
+from ulna.compiler.procedures import Array1, Array2, broadcast, f32, procedure
+
+INT = np.int64
+_MOST = 3  # joints of a table
+
+
+class PairGrids(NamedTuple):
+    """Tables of pairs of links, one after the other.
+
+    Attributes:
+        axes: How many joints a table has, and where its cells begin; then by joint its column and how many cells it
+            has, (n, 8).
+        numbers: By joint where cells begin, 1 / range, 1 where the range repeats, else 0, and from where to where the
+            table holds, (n, 15) [rad, m].
+        cells: Clearances of all tables, (cells,) [m].
+        of_pair: Which table the pairs of `Tables.pairs` have, -1 for none, (P,).
+        pair_reach: How near these may come, (P,) [m].
+        fixed: Tables of links with links that never move, (m,).
+        fixed_reach: How near these may come, (m,) [m].
+    """
+
+    axes: Array2[INT]
+    numbers: Array2[f32]
+    cells: Array1[f32]
+    of_pair: Array1[INT]
+    pair_reach: Array1[f32]
+    fixed: Array1[INT]
+    fixed_reach: Array1[f32]
+
+
+@procedure
+def table_clearance(grids, g, q, W):
+    """The proved clearances of a pair, in lanes.
+
+    Args:
+        grids: The tables [m].
+        g: Which table [-].
+        q: Configurations, (nq, W) [rad, m].
+        W: Lanes, a constant [-].
+
+    Returns:
+        Clearances, not above 0 where nothing is proved [m].
+    """
+    cell = broadcast(0, W)
+    is_outside = broadcast(f32(0.0), W) > 1
+    for j in range(grids.axes[g, 0]):
+        column, count = grids.axes[g, 2 + 2 * j], grids.axes[g, 3 + 2 * j]
+        x = q[column, 0:W]
+        part = (x - grids.numbers[g, 5 * j]) * grids.numbers[g, 5 * j + 1]
+        part = part - np.floor(part) * grids.numbers[g, 5 * j + 2]
+        part = np.minimum(np.maximum(part * f32(count), 0), f32(count - 1))
+        cell = cell * count + int(part)
+        is_outside = is_outside | (x < grids.numbers[g, 5 * j + 3]) | (x > grids.numbers[g, 5 * j + 4])
+    return np.where(is_outside, f32(-1.0), grids.cells[grids.axes[g, 1] + cell])
+
+
+def packed(tables: Sequence[PairTable]) -> dict[str, Any]:
+    """Tables as `PairGrids` takes them, by name; without pairs.
+
+    Args:
+        tables: The tables.
+
+    Returns:
+        `axes`, `numbers` and `cells`.
+    """
+    axes, numbers = (
+        np.zeros((len(tables), 2 + 2 * _MOST), np.int64),
+        np.zeros((len(tables), 5 * _MOST), np.float32),
+    )
+    cells: list[Any] = [np.zeros(0, np.float32)]
+    begin = 0
+    for g, table in enumerate(tables):
+        axes[g, 0], axes[g, 1] = len(table.columns), begin
+        axes[g, 2 : 2 + 2 * len(table.columns) : 2] = table.columns
+        axes[g, 3 : 3 + 2 * len(table.columns) : 2] = table.codes.shape
+        by_joint = np.stack(
+            [table.low, 1.0 / table.span, table.is_periodic.astype(float), table.least, table.greatest],
+            axis=1,
+        )
+        numbers[g, : by_joint.size] = by_joint.astype(np.float32).ravel()
+        cells.append(table.values.ravel())
+        begin += table.codes.size
+    return {"axes": axes, "numbers": numbers, "cells": np.concatenate(cells)}
