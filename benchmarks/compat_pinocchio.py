@@ -1,6 +1,6 @@
 """Pinocchio's calls through the face, beside real Pinocchio: each package in a separate Python process, taking turns.
 
-python benchmarks/compat_pinocchio.py
+python benchmarks/compat_pinocchio.py [--markdown]
 """
 
 from __future__ import annotations
@@ -51,12 +51,21 @@ CALLS = {
     "randomConfiguration": "pin.randomConfiguration(m, low, high)",
     "LieGroup.integrate": "group.integrate(q, v)",
     "LieGroup.difference": "group.difference(q, k)",
+    "getVelocity": "pin.getVelocity(m, d, end, pin.LOCAL)",
+    "computeTotalMass": "pin.computeTotalMass(m)",
+    "computeSubtreeMasses": "pin.computeSubtreeMasses(m, d)",
+    "updateGlobalPlacements": "pin.updateGlobalPlacements(m, d)",
+    "jointBodyRegressor": "pin.jointBodyRegressor(m, d, end)",
+    "data.Ycrb[-1]": "d.Ycrb[end]",
     "createData": "m.createData()",
     "model.copy": "m.copy()",
     "log6(SE3)": "pin.log6(M)",
     "SE3 * SE3": "M * M",
     "oMi[-1].translation alone": "d.oMi[end].translation",
     "data.M alone": "d.M",
+    "buildModelFromUrdf of the same file again": "pin.buildModelFromUrdf(urdf, *roots)",
+    "buildReducedModel": "pin.buildReducedModel(m, [end], q)",
+    "buildSampleModelHumanoidRandom": "pin.buildSampleModelHumanoidRandom()",
 }
 
 
@@ -65,7 +74,8 @@ def worker(urdf: str, floating: bool) -> None:
     import numpy as np
     import pinocchio as pin
 
-    m = pin.buildModelFromUrdf(urdf, *([pin.JointModelFreeFlyer()] if floating else []))
+    roots = [pin.JointModelFreeFlyer()] if floating else []
+    m = pin.buildModelFromUrdf(urdf, *roots)
     rng = np.random.default_rng(0)
     q, k = (pin.integrate(m, pin.neutral(m), rng.uniform(-1.0, 1.0, m.nv)) for _ in range(2))
     v, a, tau = rng.normal(size=(3, m.nv))
@@ -75,10 +85,13 @@ def worker(urdf: str, floating: bool) -> None:
     fext.extend([pin.Force.Random() for _ in range(m.njoints)])
     low, high = np.full(m.nq, -1.0), np.ones(m.nq)
     names |= {"fext": fext, "group": pin.lieGroup(m), "low": low, "high": high}
+    names |= {"urdf": urdf, "roots": roots}
     names |= {"end": m.njoints - 1, "last": m.nframes - 1, "clock": time.perf_counter}
     pin.forwardKinematics(m, d, q, v, a)
     pin.framesForwardKinematics(m, d, q)
     pin.computeJointJacobians(m, d, q)
+    pin.rnea(m, d, q, v, a)
+    pin.crba(m, d, q)
     loops = {}
     for title, call in CALLS.items():
         exec(f"def loop(n):\n start = clock()\n for _ in range(n): {call}\n return clock() - start", names)
@@ -120,6 +133,11 @@ def main() -> None:
             process.stdin.close()
             process.wait()
         columns.append([{t: statistics.median(r[t] for r in found) for t in CALLS} for found in rounds])
+    if "--markdown" in sys.argv:
+        for title in CALLS:
+            cells = [f"{x:.2g}" for own, real in columns for x in (own[title], real[title])]
+            print(f"| {title} | {' | '.join(cells)} |")
+        return
     for title in CALLS:
         row = [
             f"{own[title]:6.2f}{real[title]:6.2f}{real[title] / own[title]:6.2f}x" for own, real in columns

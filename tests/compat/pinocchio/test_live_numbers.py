@@ -257,3 +257,60 @@ def test_arguments_to_be_converted_bind_nothing_anew(pin: Any, monkeypatch: pyte
     for given in (np.tile(q[:, None], 3)[:, 1], list(q), q.reshape(-1, 1)):
         assert np.array_equal(pin.rnea(model, data, given, given, given), wanted[0])
         assert np.array_equal(pin.integrate(model, given, given), wanted[1])
+
+
+_ARM = """<robot name="two"><link name="base"/>
+<link name="a"><inertial><mass value="1.5"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+<joint name="j" type="revolute"><parent link="base"/><child link="a"/><origin xyz="0 0 0.2"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="2" velocity="3"/></joint></robot>"""
+
+
+def test_a_text_that_was_built_before_gives_a_model_of_its_own(pin: Any) -> None:
+    first = pin.buildModelFromXML(_ARM)
+    first.inertias[1].mass, first.jointPlacements[1].translation[2], first.names[1] = 9.0, 0.9, "other"
+    first.upperPositionLimit[0], first.frames[2].name = 0.1, "changed"
+    first.addFrame(pin.Frame("tool", 1, 0, pin.SE3.Identity(), pin.OP_FRAME))
+    again = pin.buildModelFromXML(_ARM)
+    assert again == pin.buildModelFromXML(_ARM) and again != first and again.nframes == first.nframes - 1
+    assert (again.inertias[1].mass, again.jointPlacements[1].translation[2]) == (1.5, 0.2)
+    assert (again.names[1], again.upperPositionLimit[0]) == ("j", 1.0)
+    floating = pin.buildModelFromXML(_ARM, pin.JointModelFreeFlyer(), "root")
+    assert floating.nq == 8 and floating.names[1] == "root" and again.nq == 1
+    added = pin.buildModelFromXML(_ARM, pin.JointModelRX(), pin.Model())
+    assert added.njoints == 3
+
+
+def test_masses_are_those_of_the_moment(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data = model.createData()
+    for k in range(8):
+        model.inertias[3].mass = 1.0 + k
+        total = sum(inertia.mass for inertia in list(model.inertias)[1:])
+        assert pin.computeTotalMass(model) == pytest.approx(total)
+        assert pin.computeTotalMass(model, data) == pytest.approx(total)
+        model.inertias[6].mass = 2.0 + k
+        pin.computeSubtreeMasses(model, data)
+        assert data.mass[6] == pytest.approx(2.0 + k)
+        assert data.mass[3] == pytest.approx(sum(inertia.mass for inertia in list(model.inertias)[3:]))
+        assert data.mass[0] == data.mass[1]
+    with pytest.raises(TypeError, match="model"):
+        pin.computeTotalMass(3)
+
+
+def test_regressors_of_bodies_follow_the_state_and_the_frame(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, rng = model.createData(), np.random.default_rng(2)
+    last = model.nframes - 1
+    for _ in range(4):
+        q, v, a = rng.standard_normal((3, 6))
+        pin.rnea(model, data, q, v, a)
+        wanted = pin.bodyRegressor(data.v[6], data.a_gf[6])
+        np.testing.assert_allclose(pin.jointBodyRegressor(model, data, 6), wanted, atol=1e-12)
+        np.testing.assert_allclose(data.bodyRegressor, wanted, atol=1e-12)
+        model.frames[last].placement.translation = rng.standard_normal(3)
+        M = model.frames[last].placement
+        placed = pin.bodyRegressor(M.actInv(data.v[6]), M.actInv(data.a_gf[6]))
+        np.testing.assert_allclose(pin.frameBodyRegressor(model, data, last), placed, atol=1e-12)
+        data.liMi[1].translation = rng.standard_normal(3)
+        pin.updateGlobalPlacements(model, data)
+        np.testing.assert_allclose(data.oMi[1].translation, data.liMi[1].translation, atol=1e-15)

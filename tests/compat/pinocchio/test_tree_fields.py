@@ -46,6 +46,24 @@ def test_inertias_of_what_joints_move(pin: Any) -> None:
     assert local[0].isZero() and world[0].mass == pytest.approx(pin.computeTotalMass(model))
 
 
+def test_composite_inertias_are_those_of_the_last_call(pin: Any) -> None:
+    model = pin.buildSampleModelHumanoidRandom()
+    data, rng = model.createData(), np.random.default_rng(8)
+    for k in range(14):  # the table, and the compiled kernel
+        q = pin.integrate(model, pin.neutral(model), rng.standard_normal(model.nv))
+        if k == 12:
+            model.inertias[20] = pin.Inertia.FromBox(3.0, 0.1, 0.2, 0.3)
+        pin.crba(model, data, q)
+        local = data.Ycrb
+        pin.forwardKinematics(model, data, q)
+        for i in (1, 15, 20):
+            wanted = _inertia(pin, model, data, model.subtrees[i], data.oMi[i])
+            np.testing.assert_allclose(local[i].matrix(), wanted, atol=1e-10)
+        kept = local[1].copy()
+        pin.crba(model, data, pin.neutral(model))
+        assert local[1] == kept and local[0].isZero()
+
+
 def test_rows_follow_each_other_as_joints_do(pin: Any) -> None:
     model = pin.buildSampleModelHumanoid()
     data = model.createData()

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.jacobians import JACOBIANS, columns
+from pinocchio._containers.arguments import OMITTED, checked, checks_itself, wrong_model
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import KinematicLevel
 from pinocchio._containers.keywords import overloads
@@ -19,15 +20,15 @@ from pinocchio._data.deferred_fields import (
     CENTERS_AND_VELOCITIES,
     CENTERS_TO_ACCELERATIONS,
     JOINTS,
-    MASSES,
     SUBTREE_MOMENTA,
     SUBTREE_MOMENTA_AND_RATES,
     VELOCITIES_IN_WORLD,
     rows,
     stacked,
 )
-from pinocchio._data.evaluated_model import kernels_for
+from pinocchio._data.evaluated_model import NUMBER_CALLS, kernels_for
 from pinocchio._data.functions import algorithm, fast_path
+from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Force
 from ulna import algorithms
@@ -222,24 +223,59 @@ def _of_subtree(model: Model, data: Data, root: int, q: Floats) -> Floats:
     return kernels_for(model, data, "subtree Jacobian").kernel("center_of_mass_jacobian", subtree=subtree)(q)
 
 
-def computeTotalMass(model: Model, data: Data | None = None) -> float:
+@checks_itself
+def computeTotalMass(model: Model, data: Data = OMITTED) -> float:
     """The mass of all that moves [kg]; kept in `data.mass[0]`.
 
     Args:
-        data: Its data, which is filled if it is passed.
+        data: Its data, which is filled; it may be left out.
 
     Returns:
         The mass [kg].
+
+    Raises:
+        ArgumentError: `model` is no model.
     """
-    if data is not None:
+    if data is not OMITTED:
         computeSubtreeMasses(model, data)
-    first, *others = model.parameter_blocks("inertias")
-    return float(first[1:, 0].sum() + sum(block[:, 0].sum() for block in others))
+        return data.mass[0]
+    try:
+        masses = model._masses()
+    except AttributeError:
+        raise wrong_model("computeTotalMass", model) from None
+    return float((_subtree_masses(model) if masses is NotImplemented else masses)[0])
 
 
+@checked
 def computeSubtreeMasses(model: Model, data: Data) -> None:
     """Fills `data.mass` with the mass of what each joint moves; the universe, first, counts all that moves."""
-    data.defer(MASSES["mass"], ("mass",), data.attach(model))
+    list.__setitem__(data._lists["mass"], slice(None), _subtree_masses(model).tolist())
+    data.mark_filled("mass")
+
+
+def _subtree_masses(model: Model) -> Floats:
+    """The mass of what each joint moves, (njoints,); by a compiled kernel after the first calls."""
+    masses = model._masses()
+    if masses is not NotImplemented:
+        return masses
+    blocks, parents = model.parameter_blocks("inertias"), tuple(model.parents)
+    if len(blocks) > 1 or model.first_calls.includes("masses", NUMBER_CALLS):
+        return _sums_to_root(np.concatenate(blocks)[:, 0], parents)
+    kernel = model.compiled_structure().compile(
+        ("masses", parents),
+        lambda _: lambda inertias: _sums_to_root(inertias[:, 0], parents),
+        inertias=blocks[0].shape,
+    )
+    model._masses = BoundKernel(kernel, last_inputs=blocks).call
+    return model._masses()
+
+
+def _sums_to_root(masses: Array, parents: tuple[int, ...]) -> Array:
+    """The sums of what each joint and those behind it have; the first leaves out the universe's own."""
+    sums = [0.0, *masses[1:]]
+    for i in range(len(parents) - 1, 0, -1):
+        sums[parents[i]] = sums[parents[i]] + sums[i]
+    return np.stack(sums)
 
 
 # momentum -----------------------------------------------------------------------------------------------

@@ -161,10 +161,21 @@ def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
 def updateGlobalPlacements(model: Model, data: Data) -> None:
     """Fills `data.oMi` from `data.liMi`."""
     data.read("liMi")
-    blocks, parents = data._arrays, tuple(model.parents)
+    step = data._bound_at.get("global placements", not_applicable) if data._model is model else not_applicable
+    if step() is not NotImplemented:
+        return
+    parents, liMi = tuple(model.parents), data._arrays["liMi"]
     key = "global placements", parents
-    kernel = model.compiled_structure().compile(key, _global_placements(parents), liMi=(len(parents), 4, 4))
-    blocks["oMi"][1:] = kernel(blocks["liMi"])
+    kernel = model.compiled_structure().compile(key, _global_placements(parents), liMi=liMi.shape)
+    step = kernel.into(
+        data._arrays["oMi"][1:],
+        watch=model.watched("structure"),
+        otherwise=not_applicable,
+        last_inputs=[liMi],
+    )
+    if data._model is model:
+        data._bound_at["global placements"] = step
+    step()
 
 
 def _global_placements(parents: tuple[int, ...]) -> Any:

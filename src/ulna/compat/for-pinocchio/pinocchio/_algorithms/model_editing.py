@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, final
 
+from pinocchio._algorithms.reduced_model import Moved, reduced_model
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import index, vector
-from pinocchio._containers.enums import FrameType
+from pinocchio._containers.arrays import index
 from pinocchio._containers.keywords import by_name
-from pinocchio._data.deferred_fields import joint_placements
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3
 from ulna import algorithms
@@ -45,7 +44,7 @@ def buildReducedModel(model: Model, *rest: Any) -> Any:
     *geometries, locked, reference = rest
     several = bool(geometries) and isinstance(geometries[0], (list, tuple))
     geometry_models = list(geometries[0]) if several else geometries
-    out, moved = _locked(model, [index(i, model.njoints, "joint", _NAMES) for i in locked], reference)
+    out, moved = reduced_model(model, [index(i, model.njoints, "joint", _NAMES) for i in locked], reference)
     if not geometry_models:
         return out
     reduced = [_moved_geometry(g, moved) for g in geometry_models]
@@ -53,57 +52,6 @@ def buildReducedModel(model: Model, *rest: Any) -> Any:
 
 
 _NAMES = "model.getJointId(name) returns one."
-
-
-def _locked(model: Model, locked: list[int], reference: Any) -> tuple[Model, list[tuple[int, SE3]]]:
-    q = vector(reference, model.nq, "reference_configuration")
-    if 0 in locked:
-        raise InputError(
-            "Joint 0 is the universe, which does not move; take it off the list of joints to lock."
-        )
-    for i, joint in enumerate(model.joints):
-        if joint.mimic and i not in locked and joint.mimic[0] in locked:
-            raise InputError(f"Joint {model.names[i]!r} follows a joint that is to be locked. Lock it, too.")
-    poses = joint_placements(model.compiled().model, q)
-    out = Model()
-    out.name, out._gravity = model.name, model.gravity.copy()
-    out.frames.clear()
-    out._inertias[0]._assign(model.inertias[0])
-    moved: list[tuple[int, SE3]] = [(0, SE3())]  # for each old joint: the new one, and its frame there
-    for i in range(1, model.njoints):
-        carrier, M = moved[model.parents[i]]
-        if i in locked:
-            placement = M * SE3._of(poses[i - 1].copy())
-            out._inertias[carrier] += model.inertias[i].se3Action(placement)
-            moved.append((carrier, placement))
-            continue
-        new = add_like(
-            out,
-            model,
-            i,
-            carrier,
-            M * model.jointPlacements[i],
-            model.names[i],
-            {k: n for k, (n, _) in enumerate(moved)},
-        )
-        moved.append((new, SE3()))
-    _copy_frames(out, model, locked, moved)
-    out.nbodies = out.njoints
-    free = [k for j in model.joints[1:] if j.id not in locked for k in range(j.idx_q, j.idx_q + j.nq)]
-    out.referenceConfigurations = {n: r[free] for n, r in model.referenceConfigurations.items()}
-    out._frames_changed()
-    return out, moved
-
-
-def _copy_frames(out: Model, model: Model, locked: list[int], moved: list[tuple[int, SE3]]) -> None:
-    for frame in model.frames:
-        carrier, M = moved[frame.parentJoint]
-        copied = frame.copy()
-        if frame.type == FrameType.JOINT and frame.parentJoint in locked:
-            copied.type, copied.parentFrame = FrameType.FIXED_JOINT, out.nframes  # it carries the body now
-            copied.inertia = model.inertias[frame.parentJoint]
-        copied.parentJoint, copied.placement = carrier, M * frame.placement
-        out.frames.append(copied)
 
 
 def add_like(
@@ -143,11 +91,13 @@ def add_like(
     return new
 
 
-def _moved_geometry(geometry: Any, moved: list[tuple[int, SE3]]) -> Any:
+def _moved_geometry(geometry: Any, moved: Moved) -> Any:
     out = geometry.copy()
     for shape in out.geometryObjects:
         carrier, M = moved[shape.parentJoint]
-        shape.parentJoint, shape.placement = carrier, M * shape.placement
+        shape.parentJoint = carrier
+        if M is not None:
+            shape.placement = M * shape.placement
     return out
 
 

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
-from pinocchio._containers.arrays import index
+import numpy as np
+
+from pinocchio._containers.arguments import check_model_and_data, checks_itself
+from pinocchio._containers.arrays import index, not_applicable
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import BODIES, JOINTS, VELOCITIES_IN_WORLD, rows, stacked
 from pinocchio._data.functions import algorithm
+from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
 from pinocchio._spatial.bound_functions import BoundFunctions
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.small_kernels import pose
 from ulna import algorithms, spatial
+from ulna.compiler import compile as compile_function
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
 
@@ -108,9 +114,9 @@ def _body_regressor(*motions: spatial.Motion) -> Array:
     return algorithms.body_regressor(*motions)
 
 
-def _body_regressor_at(m: Array, *motions: Array) -> Array:
+def _body_regressor_at(m: Array, v: Array, a: Array) -> Array:
     back = pose(m).inverse()
-    return _body_regressor(*(back.act(spatial.Motion(x[:3], x[3:])) for x in motions))
+    return _body_regressor(*(back.act(spatial.Motion(x[:3], x[3:])) for x in (v, a)))
 
 
 _AT_JOINT = SE3()
@@ -120,8 +126,7 @@ _REGRESSORS = BoundFunctions(
             lambda *motions: _body_regressor(*(spatial.Motion(x[:3], x[3:]) for x in motions)),
             (6,),
             (6,),
-        ),
-        "placed": (_body_regressor_at, (4, 4), (6,), (6,)),
+        )
     }
 )
 
@@ -139,6 +144,7 @@ def bodyRegressor(velocity: Motion, acceleration: Motion) -> Floats:
     return _REGRESSORS["body"](velocity._v, acceleration._v)
 
 
+@checks_itself
 def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
     """The regressor of the body of a joint, in the frame of the joint.
 
@@ -148,10 +154,15 @@ def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
     Returns:
         Matrix (6, 10).
     """
+    regressor = _repeated(model, data, (joint_id, "joint body regressor"))
+    if regressor is not NotImplemented:
+        return regressor
+    check_model_and_data("jointBodyRegressor", model, data)
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
-    return _body(model, data, joint, _AT_JOINT)
+    return _bound(model, data, (joint_id, "joint body regressor"), joint, _AT_JOINT._m, ("structure",))
 
 
+@checks_itself
 def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
     """The regressor of the body that a frame is on, in that frame.
 
@@ -161,17 +172,47 @@ def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
     Returns:
         Matrix (6, 10).
     """
-    frame = model.frames[index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")]
-    return _body(model, data, frame.parentJoint, frame.placement)
+    regressor = _repeated(model, data, (frame_id, "frame body regressor"))
+    if regressor is not NotImplemented:
+        return regressor
+    check_model_and_data("frameBodyRegressor", model, data)
+    key = index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")
+    frame = model.frames[key]
+    return _bound(
+        model, data, (frame_id, "frame body regressor"), frame.parentJoint, frame.placement._m, ("frame", key)
+    )
 
 
-def _body(model: Model, data: Data, joint: int, placement: SE3) -> Floats:
-    """The regressor in a frame at a placement on a joint, whose motion and weight rnea left."""
+def _repeated(model: Model, data: Data, place: tuple[Any, str]) -> Any:
+    """The regressor by the kernel that is bound at `place`; NotImplemented where it does not apply."""
+    try:
+        return data._bound_at[place]() if data._model is model else NotImplemented
+    except (KeyError, TypeError, AttributeError):  # not bound yet, or of no model or data
+        return NotImplemented
+
+
+def _bound(
+    model: Model, data: Data, place: tuple[Any, str], joint: int, placement: Floats, on: Any
+) -> Floats:
+    """The regressor in a frame on a joint, whose motion and weight rnea left; bound at `place` for the next time."""
+    watch = model.watched(*on)
+    compiled_for(model, data)
     data.require(data._qv, "rnea(model, data, q, v, a)")
-    moves = (motion[joint]._v for motion in (data.v, data.a_gf))
-    return _stored(data, "bodyRegressor", _REGRESSORS["placed"](placement._m, *moves))
+    data.read("a_gf")
+    watch += [(data.mark_of(field), np.zeros(())) for field in ("v", "a_gf")]
+    step = _regressor_kernel().into(
+        data._arrays["bodyRegressor"],
+        returns=(0,),
+        watch=watch,
+        otherwise=not_applicable,
+        last_inputs=[placement, data._arrays["v"][joint], data._arrays["a_gf"][joint]],
+    )
+    if data._model is model:
+        data._bound_at[place] = step
+    return step()
 
 
-def _stored(data: Data, name: str, regressor: Floats) -> Floats:
-    data._arrays[name][:] = regressor
-    return regressor
+@cache
+def _regressor_kernel() -> Any:
+    """The compiled regressor of a body at a placement on a joint."""
+    return compile_function(_body_regressor_at, m=(4, 4), v=(6,), a=(6,))

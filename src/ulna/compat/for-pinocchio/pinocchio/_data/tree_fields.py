@@ -6,9 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pinocchio._containers.arrays import StdVec, views
+from pinocchio._containers.arrays import StdVec, not_applicable, views
 from pinocchio._data.evaluated_model import evaluator_of
+from pinocchio._data.first_evaluation import TABLE_CALLS
 from pinocchio._data.states import FieldStates
+from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.building import KinematicTree
 from pinocchio._model.joint_model import JointModel
 from pinocchio._spatial.inertia import Inertia
@@ -16,7 +18,8 @@ from pinocchio._spatial.se3 import SE3
 from pinocchio._tables import recursions as r
 from pinocchio._tables.evaluation import about_center
 from ulna.errors import InputError
-from ulna.typing import Floats
+from ulna.model import Model as CoreModel
+from ulna.typing import Array, Floats
 
 
 class TreeFields(FieldStates):
@@ -105,7 +108,26 @@ class TreeFields(FieldStates):
     @property
     def Ycrb(self) -> StdVec[Inertia]:
         """For each joint the inertia of all it moves, in its frame, at the configuration of the last algorithm."""
-        return views(Inertia, self._composite_inertias()[0])
+        step = self._bound_at.get("Ycrb", not_applicable)
+        inertias = step()
+        if inertias is NotImplemented:
+            inertias = self._composite_inertias_bound()
+        return views(Inertia, inertias)
+
+    def _composite_inertias_bound(self) -> Floats:
+        """Parameters of the composite inertias (njoints, 13); after the first calls by a kernel that is bound here."""
+        model = self._model
+        q = self.require(self._q_of_joints, "crba(model, data, q)")
+        if model.first_calls.includes("Ycrb", TABLE_CALLS):
+            return self._composite_inertias()[0]
+        watch = model.watched("parameters")
+        compiled = self.attach(model)
+        if compiled.parameter_names:  # where masses are inputs, bodies without mass need the table's cases
+            return self._composite_inertias()[0]
+        kernel = compiled.compile("composite inertias", _composite, q=(model.nq,))
+        step = BoundKernel(kernel, watch, last_inputs=[q]).call
+        self._bound_at["Ycrb"] = step
+        return step()
 
     @property
     def oYcrb(self) -> StdVec[Inertia]:
@@ -145,6 +167,21 @@ class TreeFields(FieldStates):
         out = evaluator.run(r.MASS, q)
         inertias = np.concatenate([np.zeros((1, 13)), about_center(evaluator.of_joints(out.B))])
         return inertias, np.concatenate([np.eye(4)[None], evaluator.placements()])
+
+
+def _composite(model: CoreModel) -> Callable[[Array], Array]:
+    """The inertias of what each joint moves, in its frame, as an Inertia stores them; the universe's, zero, first."""
+
+    def run(q: Array) -> Array:
+        sums = list(model.inertias)
+        for i, joint in reversed([*enumerate(model.joints)]):
+            if joint.parent >= 0:
+                placed = joint.placement @ joint.kind.transform(joint.q_of(q))
+                sums[joint.parent] = sums[joint.parent] + placed.act(sums[i])
+        stored = [np.concatenate([[Y.mass], Y.com, Y.inertia.reshape(9)]) for Y in sums]
+        return np.stack([np.zeros(13), *stored])
+
+    return run
 
 
 def _moved(model: KinematicTree) -> list[list[int]]:

@@ -64,7 +64,7 @@ class KernelCache(LiveParameters):
         self._compiled_for, self._newest, self._structure = (), None, None
         self._integrate = self._difference = not_applicable
         self._random = self._random_within_own_limits = not_applicable
-        self._distance = self._normalize = not_applicable
+        self._distance = self._normalize = self._masses = not_applicable
         self._interpolate = self._squared_distance = not_applicable
         self._narrowest = array("d", [0.0])
         self._drawn, self._drawn_by = iter(()), None  # see randomConfiguration

@@ -97,6 +97,26 @@ class RowStorage:
         out._blocks, out.count = [block.copy() for block in self._blocks], self.count
         return out
 
+    @classmethod
+    def of_rows(cls, slot: str, rows: Floats) -> RowStorage:
+        """A storage of rows whose objects are not made yet; see `objects`.
+
+        Args:
+            slot: The attribute in which an object holds its array.
+            rows: The arrays (n, ...), one after the other; they are copied.
+
+        Returns:
+            The storage.
+        """
+        out = cls(slot)
+        out.count = len(rows)
+        for first in range(0, len(rows), _BLOCK_ROWS):
+            block = np.zeros((_BLOCK_ROWS, *rows.shape[1:]))
+            part = rows[first : first + _BLOCK_ROWS]
+            block[: len(part)] = part
+            out._blocks.append(block)
+        return out
+
     def objects(self, make: Callable[[Floats], Any]) -> list[Any]:
         """The objects of a copy, each made of its row by `make`."""
         self._owners = [make(row) for block in self.blocks() for row in block]
@@ -236,18 +256,41 @@ class LiveParameters:
         self._indexed_changes, self._frame_index = -1, FrameIndex(())
         self._frame_changes: Array = np.zeros(1, np.int64)
 
+    def take_rows(self, rows: dict[str, Floats], facts: list[Any]) -> None:
+        """Takes placements, inertias and frames, whose objects are made when needed.
+
+        Args:
+            rows: The arrays (n, ...) of each, one after the other, by their names.
+            facts: What is known of each frame; see `Frame.facts`.
+        """
+        slots = {"placements": "_m", "inertias": "_p", "frames": "_m"}
+        self._rows = {name: RowStorage.of_rows(slots[name], rows[name]) for name in slots}
+        self._frames_of_copy = facts
+
+    def _store_all(self) -> None:
+        """Moves the arrays of new joints and frames into rows, where their objects are made."""
+        if {"_placements", "_inertias"} <= self.__dict__.keys():
+            self._store_joints()
+        if "_frames" in self.__dict__:
+            self._store_frames()
+
+    def rows_of(self, name: str) -> Floats:
+        """A copy of all placements, inertias or frames, one after the other."""
+        with _MAKING:
+            self._store_all()
+            return np.concatenate(self._rows[name].blocks())
+
+    def facts_of_frames(self) -> list[Any]:
+        """What is known of each frame; see `Frame.facts`."""
+        frames: Any = self.__dict__.get("_frames")
+        return list(self._frames_of_copy) if frames is None else [frame.facts() for frame in frames]
+
     def _copy_rows(self, other: LiveParameters) -> None:
         """Copies placements, inertias and frames of another model; their objects are made when needed."""
         with _MAKING:
-            if {"_placements", "_inertias"} <= other.__dict__.keys():
-                other._store_joints()
-            frames: Any = other.__dict__.get("_frames")
-            if frames is not None:
-                other._store_frames()
+            other._store_all()
             self._rows = {name: rows.copied() for name, rows in other._rows.items()}
-            self._frames_of_copy = (
-                other._frames_of_copy if frames is None else [frame.facts() for frame in frames]
-            )
+            self._frames_of_copy = other.facts_of_frames()
 
     if not TYPE_CHECKING:  # for type checkers the attributes are there
 

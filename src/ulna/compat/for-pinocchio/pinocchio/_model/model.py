@@ -207,6 +207,13 @@ class Model(Saved, Supports, KinematicTree):
         self._layout = other._layout
         self._forget_kernels()
 
+    def _adopt_rows(self, rows: dict[str, Floats], facts: list[Any]) -> None:
+        """Completes a model whose joints are there: takes placements, inertias and frames; see `take_rows`."""
+        self._create_counters()
+        self.take_rows(rows, facts)
+        self._layout = tuple((j.shortname(), j.idx_q, j.idx_v) for j in self.joints)
+        self._forget_kernels()
+
     __copy__ = cast = copy
 
     def __deepcopy__(self, memo: Any) -> Model:

@@ -18,8 +18,9 @@ from pinocchio._model.model import Model
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
 from ulna.errors import FormatError
+from ulna.formats.markup import read_file
 from ulna.formats.poses import pose
-from ulna.formats.urdf import inertia_of, read_urdf
+from ulna.formats.urdf import inertia_of
 from ulna.formats.urdf_document import UrdfDocument, UrdfJoint
 from ulna.formats.urdf_parse import parse_urdf
 
@@ -58,8 +59,8 @@ def buildModelFromUrdf(
     Raises:
         FormatError: the file is missing or broken; says where and how to fix it.
     """
-    document = read_urdf(os.fspath(urdf_filename))
-    return build_model(document, root_joint, root_joint_name or "root_joint", model, mimic)
+    path = os.fspath(urdf_filename)
+    return _built(read_file(path), path, root_joint, root_joint_name or "root_joint", model, mimic)
 
 
 @overloads(*(order.format("urdf_xml_stream") for order in _ORDERS))
@@ -84,8 +85,32 @@ def buildModelFromXML(
     Returns:
         The model.
     """
-    document = parse_urdf(urdf_xml_stream)
-    return build_model(document, root_joint, root_joint_name or "root_joint", model, mimic)
+    return _built(urdf_xml_stream, None, root_joint, root_joint_name or "root_joint", model, mimic)
+
+
+_BUILT: dict[Any, Model] = {}
+_MOST_BUILT = 8
+"""Models of texts that were built, the newest last, of which copies are returned; how many are kept."""
+
+
+def _built(
+    text: bytes | str,
+    file: str | None,
+    root: JointModel | None,
+    root_name: str,
+    model: Model | None,
+    mimic: bool,
+) -> Model:
+    """The model of a URDF text; of one that was built before, a copy, unless it is added to a model."""
+    root_kind = None if root is None else (type(root), root.shortname(), root.kind)
+    key = text, root_kind, root_name, mimic
+    if model is not None or (root is not None and (root.parts or root.mimic)):
+        return build_model(parse_urdf(text, file), root, root_name, model, mimic)
+    made = _BUILT.pop(key, None) or build_model(parse_urdf(text, file), root, root_name, None, mimic)
+    _BUILT[key] = made  # the newest last
+    while len(_BUILT) > _MOST_BUILT:
+        _BUILT.pop(next(iter(_BUILT)), None)
+    return made.copy()
 
 
 def build_model(
