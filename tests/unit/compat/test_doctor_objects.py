@@ -162,6 +162,17 @@ def test_keywords_that_a_class_passes_to_its_base_class(tmp_path: Path) -> None:
     }  # fmt: skip
 
 
+def test_attributes_that_only_some_trajectories_have(tmp_path: Path) -> None:
+    pytest.importorskip("spatialmath")
+    script = tmp_path / "lab.py"
+    script.write_text(
+        "import roboticstoolbox as rtb\nm = rtb.mstraj(rtb.via, 0.1, 0.2, qdmax=1)\nm.arrive, m.info, m.via, m.duration\n"
+        "rtb.trapezoidal(0, 1, 5).tblend\n"
+    )
+    missing = _missing({one.name: one for one in doctor.examine(script)})
+    assert missing == {"roboticstoolbox.via", "roboticstoolbox.Trajectory.duration"}
+
+
 def test_modules_that_are_not_offered(tmp_path: Path) -> None:
     pytest.importorskip("spatialmath")
     script = tmp_path / "lab.py"

@@ -20,7 +20,16 @@ class Trajectory:
         qd: Velocities; also `sd`.
         qdd: Accelerations; also `sdd`.
         istime: Whether `t` is in seconds rather than steps.
+        tblend: Duration of a blend, of `trapezoidal` [s].
+        arrive: When each via point is passed, of `mstraj` (m,) [s].
+        info: What was chosen for each segment, of `mstraj`.
+        via: The via points after the first, of `mstraj`, (m, n).
     """
+
+    tblend: float
+    arrive: Floats
+    info: list[Any]
+    via: Floats
 
     def __init__(
         self, name: str, t: Any, s: Any, sd: Any = None, sdd: Any = None, istime: bool = False
