@@ -24,6 +24,9 @@ from ulna.geometry import (
 )
 from ulna.typing import Array, Floats
 
+_NO_AREA = 1e-15  # twice the area up to which a triangle has none [m^2]
+_WIDTH = 1e-8  # that such a triangle is given [m]
+
 
 def coal() -> Any:
     """The coal package.
@@ -92,7 +95,24 @@ def _points(vertices: Floats) -> Any:
     return _triangles(corners.reshape(-1, 3), np.arange(3 * len(vertices)).reshape(-1, 3))
 
 
+def _with_area(vertices: Floats, triangles: Array) -> tuple[Floats, Array]:
+    """Triangles of which those without area are ten nanometres wide.
+
+    coal 3.0 finds every sphere to touch a triangle without area, however far away it is.
+    """
+    corners = vertices[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    flat = np.flatnonzero(np.linalg.norm(normals, axis=1) <= _NO_AREA)
+    if not len(flat):
+        return vertices, triangles
+    wider = corners[flat] + _WIDTH * (np.eye(3) - 1.0 / 3.0)
+    triangles = np.array(triangles)
+    triangles[flat] = len(vertices) + np.arange(3 * len(flat)).reshape(-1, 3)
+    return np.concatenate([vertices, wider.reshape(-1, 3)]), triangles
+
+
 def _triangles(vertices: Floats, triangles: Array) -> Any:
+    vertices, triangles = _with_area(vertices, triangles)
     model = coal().BVHModelOBBRSS()
     model.beginModel(len(triangles), len(vertices))
     model.addVertices(np.asfortranarray(vertices))

@@ -221,6 +221,21 @@ def test_meshes_and_their_hulls(tmp_path: Path) -> None:
     np.testing.assert_allclose(float(Checker(model, world, convex=True).distance([2.0])), 1.3, atol=1e-6)
 
 
+@pytest.mark.parametrize("corner", [(0.0, 0.0, 0.0), (0.5, 0.0, 0.0)], ids=["a point", "a line"])
+def test_triangles_without_area_touch_no_distant_sphere(tmp_path: Path, corner: Any) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [*corner]]
+    mesh = trimesh.Trimesh(vertices, [[0, 1, 2], [0, 3, 1]], process=False)
+    mesh.export(tmp_path / "flat.stl")
+    model = slider(Mesh(str(tmp_path / "flat.stl")))
+    for place in ([3.0, 0.0, 0.0], [0.5, 0.2, 1.0], [0.2, -2.0, 0.1], [0.5, 0.0, 0.06]):
+        world = World().add("ball", Sphere(0.05), place)
+        nearest = trimesh.proximity.closest_point_naive(mesh, [place])[1][0]
+        found = Checker(model, world).distance([0.0])
+        np.testing.assert_allclose(found.distance, nearest - 0.05, atol=1e-6)
+        assert not Checker(model, world).collides([0.0])
+
+
 def test_without_coal_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, robot: ulna.Robot) -> None:
     true_import = builtins.__import__
 
