@@ -79,11 +79,10 @@ def randomConfiguration(model: Model, lower_bound: Any = OMITTED, upper_bound: A
     if lower_bound is OMITTED and upper_bound is OMITTED:
         q = model._random_within_own_limits(parts, normal)
     else:
-        for name, bound in {"lower_bound": lower_bound, "upper_bound": upper_bound}.items():
-            if bound is OMITTED or bound is None:
-                raise ArgumentError(
-                    f"randomConfiguration: `{name}` is missing; expected both lower_bound and upper_bound, or neither."
-                )
+        if lower_bound is None or lower_bound is OMITTED or upper_bound is None or upper_bound is OMITTED:
+            raise ArgumentError(
+                "randomConfiguration was given one of lower_bound and upper_bound; expected both, or neither."
+            )
         q = model._random(parts, normal, lower_bound, upper_bound)
     if q is NotImplemented:
         q = _random_bound_anew(model, parts, normal, lower_bound, upper_bound)
