@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -45,7 +46,7 @@ def buildSampleModelHumanoid(using_free_flyer: bool = True) -> Model:
             singularity, but as many entries of q as of v.
     """
     model = Model()
-    root = _root(model, using_free_flyer, ())
+    root = _root(model, using_free_flyer)
     _put(model, root, _LIGHT)
     down = rotate("x", np.pi).round()
     for side, y in (("r", -0.2), ("l", 0.2)):
@@ -71,29 +72,50 @@ def buildSampleModelHumanoidRandom(using_free_flyer: bool = True, mimic: bool = 
     Returns:
         The model.
     """
+    model = _humanoid_of_chains(using_free_flyer, mimic).copy()
+    (placements,), (inertias,) = model.parameter_blocks("placements"), model.parameter_blocks("inertias")
+    for i in range(1, model.njoints):
+        if i > 1:
+            placements[i] = SE3.Random()._m
+        inertias[i] = Inertia.Random().se3Action(SE3.Random())._p
+    rng, arrays = generator(), model._arrays
+    for key in ("Effort", "Velocity", "DryFriction"):
+        least, most = -2.0 * rng.random(model.nv), 2.0 * rng.random(model.nv)
+        arrays[f"lower{key}Limit"][:], arrays[f"upper{key}Limit"][:] = least, most
+        if key != "DryFriction":
+            arrays[f"lower{key}Limit"][:] = -most
+    low, high, margin = 2.0 * rng.random((3, model.nq))
+    model.lowerPositionLimit, model.upperPositionLimit, model.positionLimitMargin = -low, high, margin
+    if using_free_flyer:
+        model.lowerPositionLimit[3:7], model.upperPositionLimit[3:7] = -1.0, 1.0
+    return model
+
+
+@cache
+def _humanoid_of_chains(using_free_flyer: bool, mimic: bool) -> Model:
+    """The joints and frames of that humanoid, its numbers being those of new joints."""
     model = Model()
-    root = _root(model, using_free_flyer, None)
-    _add_body(model, root, "root")
+    root = _root(model, using_free_flyer)
+    _add_body_frame(model, root, "root")
     kinds = (*"XYZ", *"YYX")
     for side in ("lleg", "rleg"):
-        _random_chain(model, root, [f"{side}{k}" for k in range(1, 7)], kinds)
-    chest = _random_chain(model, root, ["torso1", "chest"], "YZ")
+        _chain(model, root, [f"{side}{k}" for k in range(1, 7)], kinds)
+    chest = _chain(model, root, ["torso1", "chest"], "YZ")
     for side in ("rarm", "larm"):
-        last = _random_chain(model, chest, [f"{side}{k}" for k in range(1, 7)], kinds)
+        last = _chain(model, chest, [f"{side}{k}" for k in range(1, 7)], kinds)
     if mimic:
         model.make_mimic(last - 1, last, 1.0, 0.0)
     return model
 
 
-def _root(model: Model, using_free_flyer: bool, limits: tuple[Any, ...] | None) -> int:
+def _root(model: Model, using_free_flyer: bool) -> int:
     if using_free_flyer:
         joint: JointModel = joint_kinds.JointModelFreeFlyer()
     else:
         joint = JointModelComposite(joint_kinds.JointModelTranslation()).addJoint(
             joint_kinds.JointModelSphericalZYX()
         )
-    bounds = _random_limits(joint) if limits is None else limits
-    root = model.addJoint(0, joint, SE3(), "root_joint", *bounds)
+    root = model.addJoint(0, joint, SE3(), "root_joint")
     if using_free_flyer:
         model.lowerPositionLimit[3:7], model.upperPositionLimit[3:7] = -1.0, 1.0
     model.addJointFrame(root, -1)
@@ -128,24 +150,15 @@ def _put(model: Model, joint: int, body: tuple[float, ...]) -> None:
     model.appendBodyToJoint(joint, Inertia(mass, [0.0, 0.0, centre], moment * np.eye(3)), SE3())
 
 
-def _random_chain(model: Model, parent: int, names: list[str], axes: Any) -> int:
+def _chain(model: Model, parent: int, names: list[str], axes: Any) -> int:
     for name, letter in zip(names, axes, strict=True):
         kind = getattr(joint_kinds, f"JointModelR{letter}")()
-        parent = model.addJoint(parent, kind, SE3.Random(), f"{name}_joint", *_random_limits(kind))
+        parent = model.addJoint(parent, kind, SE3(), f"{name}_joint")
         model.addJointFrame(parent, -1)
-        _add_body(model, parent, name)
+        _add_body_frame(model, parent, name)
     return parent
 
 
-def _add_body(model: Model, joint: int, name: str) -> None:
-    model.appendBodyToJoint(joint, Inertia.Random(), SE3.Random())
+def _add_body_frame(model: Model, joint: int, name: str) -> None:
     model.addBodyFrame(f"{name}_body", joint, SE3())
-
-
-def _random_limits(joint: JointModel) -> list[Any]:
-    """Effort, velocity, position, margin, friction and damping between 0 and 2, lower ones below zero."""
-    rng, nq, nv = generator(), joint.nq, joint.nv
-    draw = 2.0 * rng.random((4, nv)), 2.0 * rng.random((3, nq))
-    (effort, velocity, low_friction, high_friction), (low, high, margin) = draw
-    least = [-effort, effort, -velocity, velocity, -low, high]
-    return [*least, margin, -low_friction, high_friction, np.zeros(nv)]
+    model.nbodies += 1
