@@ -264,6 +264,19 @@ def test_outside_the_limits_spheres_decide(ur5: SphereChecker) -> None:
         assert ur5.collides(q) == plain.collides(q)
 
 
+def test_corners_of_cells_near_contact_are_proved(ur5: SphereChecker) -> None:
+    rng = np.random.default_rng(11)
+    for table in ur5.tables:
+        values = table.values
+        near = np.argwhere((values > 0.0) & (values < 0.006))
+        cells = near[rng.integers(0, len(near), 300)]
+        part = (cells + rng.integers(0, 2, cells.shape)) / np.array(values.shape)
+        q = np.zeros((300, 6))
+        q[:, list(table.columns)] = table.low + part * table.span
+        exact = Checker(ur5.model, pairs=[(table.first, table.second)]).distance(q).distance
+        assert (values[tuple(cells.T)] <= exact).all()
+
+
 def test_tables_are_kept_on_disk_and_made_again_after_an_interruption(
     machine: Model, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
