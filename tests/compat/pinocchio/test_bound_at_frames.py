@@ -231,3 +231,20 @@ def test_derivatives_of_motions_are_read_again_after_changes(pin: Any, model: An
         np.testing.assert_allclose(own, wanted, atol=1e-12)
     with pytest.raises(TypeError):
         pin.getJointVelocityDerivatives(model, data, 1)
+
+
+def test_motions_at_placements_follow_the_state(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, rng = model.createData(), np.random.default_rng(3)
+    for _ in range(3):
+        q, v, a = rng.standard_normal((3, 6))
+        pin.forwardKinematics(model, data, q, v, a)
+        for rf in (pin.LOCAL, pin.WORLD, pin.LOCAL_WORLD_ALIGNED):
+            M = pin.SE3.Random()
+            frame = model.addFrame(pin.Frame(f"{rng.random()}", 4, 0, M, pin.OP_FRAME))
+            fresh = model.createData()
+            pin.forwardKinematics(model, fresh, q, v, a)
+            for ask in (pin.getFrameVelocity, pin.getFrameAcceleration, pin.getFrameClassicalAcceleration):
+                wanted = ask(model, fresh, frame, rf)
+                assert ask(model, data, 4, M, rf).isApprox(wanted, 1e-12)
+                assert ask(model, data, 4, M, rf).isApprox(wanted, 1e-12)

@@ -21,6 +21,7 @@ from pinocchio._data.states import compiled_for
 from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Motion
+from pinocchio._spatial.se3 import SE3
 from ulna import spatial
 from ulna.algorithms.multibody.references import Reference
 from ulna.compiler import compile as compile_function
@@ -159,11 +160,30 @@ def _frame_motion(model: Model, data: Data, place: Any, rf: Any, kind: str) -> M
     rf = LOCAL if rf is None else rf
     if place[2] is not None:
         joint, placement = at_placement(model, *place[1:])
-        return _motion(model, data, kind, reference_of(rf), joint, placement._m)
+        return _placed_motion(model, data, kind, rf, joint, placement)
     key, _ = at_frame(model, *place)
     frame = model.frames[key]
     binding_key = place[0], rf, kind
     return _motion(model, data, kind, reference_of(rf), frame.parentJoint, frame.placement._m, binding_key)
+
+
+def _placed_motion(model: Model, data: Data, kind: str, rf: Any, joint: int, placement: SE3) -> Motion:
+    """The motion of a frame at a placement on a joint; bound to what the Data holds of the joint for the next time."""
+    place = joint, rf, f"placed {kind}"
+    step, bound_reference = data._bound_at.get(place, (not_applicable, rf))
+    if data._model is model and bound_reference is rf:
+        motion = step(placement._m)
+        if motion is not NotImplemented:
+            return motion
+    motion = _motion(model, data, kind, reference_of(rf), joint, placement._m)  # deferred fields are filled
+    fields = ("v",) if kind == "velocity" else ("v", "a")
+    watch = model.watched("structure")
+    watch += [(data.mark_of(field), np.zeros(())) for field in fields]
+    if data._model is model:
+        arrays = [data._arrays[x][joint] for x in ("oMi", *fields)]
+        kernel = _frame_motion_at(kind, reference_of(rf))
+        data._bound_at[place] = BoundKernel(kernel, watch, last_inputs=arrays, holder=Motion).call, rf
+    return motion
 
 
 def _motion(
