@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ulna.scale import Job
+from ulna.scale import Job, Samples
 
 
 @dataclass(frozen=True)
@@ -115,3 +115,37 @@ class Rows(Job):
 
     def finish(self, state: Any, to: Path | None) -> Any:
         return state["sum"]
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn(Job):
+    """The mean of random numbers.
+
+    Attributes:
+        samples: The numbers.
+    """
+
+    kind: ClassVar[str] = "drawn"
+    samples: Samples
+
+    @property
+    def parts(self) -> int:
+        return self.samples.parts
+
+    def description(self) -> dict[str, Any]:
+        return {"kind": self.kind}
+
+    def start(self) -> dict[str, Any]:
+        return {"sum": np.zeros(())}
+
+    def work(self, part: int) -> dict[str, Any]:
+        return {"sum": self.samples.generator(part).random(self.samples.size(part)).sum()}
+
+    def fold(self, state: Any, part: int, result: Any) -> None:
+        state["sum"] += result["sum"]
+
+    def existing(self, to: Path) -> Any:
+        return np.load(to)
+
+    def finish(self, state: Any, to: Path | None) -> Any:
+        return state["sum"] / self.samples.count

@@ -42,9 +42,11 @@ def body_findings(model: Model, points: Mapping[str, Floats]) -> Iterator[Findin
         if link.joint >= 0:
             yield from _link(link, points.get(link.name))
     for index, joint in enumerate(model.joints):
-        if joint.kind.nv == 0 or _moved_mass(model, index) > 0.0:
+        if joint.kind.nv == 0:
             continue
-        if all(armature == 0.0 for armature in joint.armature):
+        if _moved_mass(model, index) > 0.0:
+            yield from _body_without_mass(model, index, points)
+        elif all(armature == 0.0 for armature in joint.armature):
             yield Finding(
                 "warning",
                 "no-mass",
@@ -56,6 +58,21 @@ def body_findings(model: Model, points: Mapping[str, Floats]) -> Iterator[Findin
 
 def _moved_mass(model: Model, index: int) -> float:
     return float(sum(float(model.inertias[i].mass) for i in model.subtree(index)))
+
+
+def _body_without_mass(model: Model, index: int, points: Mapping[str, Floats]) -> Iterator[Finding]:
+    """A link that a joint moves, that has shapes, and of which neither it nor what is fixed to it has a mass."""
+    if float(model.inertias[index].mass) > 0.0:
+        return
+    shaped = [link.name for link in model.links if link.joint == index and len(points.get(link.name, ()))]
+    if shaped:
+        yield Finding(
+            "warning",
+            "shape-without-mass",
+            f"link {shaped[0]!r}",
+            "it has shapes and no mass, as if it weighed nothing",
+            "Give it an <inertial>; ulna.diagnosis.shape_inertias computes that of its shapes for a density.",
+        )
 
 
 def _link(link: Link, points: Floats | None) -> Iterator[Finding]:

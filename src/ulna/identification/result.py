@@ -15,6 +15,8 @@ from ulna.system.figures import displayed
 from ulna.system.storage import save_figure
 from ulna.typing import Floats
 
+_WORST_CONDITION = 1e5  # of a log whose fit a report does not doubt
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FittedParameters:
@@ -113,6 +115,7 @@ class Identification(FittedParameters):
         sure = int((deviations < 0.1).sum())
         lines = [
             *self._heading(f"{rows} samples, {nv} joints", f"; {sure} known to better than 10 %"),
+            *self._doubts(sure),
             f"  {'joint':24s} {'rms before':>12s} {'rms after':>12s} {'max after':>12s} {'explained':>10s}",
         ]
         greatest = np.abs(self.residuals).max(axis=0)
@@ -126,6 +129,15 @@ class Identification(FittedParameters):
             lines += ["", f"  not moved in this log: {', '.join(self.unmoved)}"]
             lines.append("  (their friction and armature cannot be found from it)")
         return "\n".join(lines)
+
+    def _doubts(self, sure: int) -> list[str]:
+        """A warning where the log does not determine the parameters, however well they explain it."""
+        if self.condition <= _WORST_CONDITION and (sure or not len(self.base_values)):
+            return []
+        return [
+            "  WARNING: the log hardly determines these parameters (a condition below 100 is good). Torques of other",
+            "  motions may be far off: record more motion, leave out fewer rows, or seek fewer parameters.",
+        ]
 
     def _drives(self) -> list[str]:
         """A table of the drives, where any number of them was sought."""

@@ -14,7 +14,7 @@ from ulna.checks.values import count, number
 from ulna.errors import InputError, JobStopped
 from ulna.lazy import Portable
 from ulna.scale.cluster import connected
-from ulna.scale.job import Job, State
+from ulna.scale.job import Job, Samples, State
 from ulna.scale.progress import Progress, Reporter, reporter
 from ulna.scale.store import Store, job_folder
 from ulna.scale.tasks import Interrupted, Tasks, is_storage_error
@@ -52,7 +52,7 @@ def run(
     Raises:
         JobStopped: If the job ended before all was done: the scheduler was lost, nothing can be written, or a part
             failed again and again. It says what is missing; the same call continues.
-        InputError: If `to` holds another job, or an argument makes no sense.
+        InputError: If `to` holds another job, an argument makes no sense, or `job.finish` wrote nothing to `to`.
         VersionMismatch: If a worker has another version of Ulna.
         MissingExtra: If Dask is not installed.
 
@@ -70,6 +70,8 @@ def run(
         ...     def existing(self, to):
         ...         return np.load(to)
         ...     def finish(self, state, to):
+        ...         if to is not None:
+        ...             np.save(to, state["sum"] / 1_000_000)
         ...         return float(state["sum"]) / 1_000_000
         >>> round(ulna.scale.run(Mean(), workers=0, progress=False), 2)
         0.5
@@ -85,7 +87,7 @@ def run(
         with ExitStack() as stack:
             if place is not None and place.exists() and not job_folder(place).exists():
                 return job.existing(place)
-            store = None if place is None else Store(place, job.description())
+            store = None if place is None else Store(place, _described(job))
             if store is not None:
                 stack.callback(store.close)
             return _Run(job, place, store, reporter(progress, job.kind)).do(
@@ -94,7 +96,15 @@ def run(
     except OSError as error:
         if not is_storage_error(error):
             raise
-        raise JobStopped(f"Nothing can be written: {error}.", 0, job.parts, str(place or "")) from error
+        raise JobStopped(
+            f"Nothing can be written: {error}.", 0, job.parts, "" if place is None else str(job_folder(place))
+        ) from error
+
+
+def _described(job: Job) -> dict[str, Any]:
+    """What a job depends on, its samples included: a job that goes on with another seed would mix both."""
+    samples = getattr(job, "samples", None)
+    return {**(vars(samples) if isinstance(samples, Samples) else {}), **job.description()}
 
 
 def _results(
@@ -159,6 +169,11 @@ class _Run:
             raise
         self._save()
         result = self._job.finish(self._state, self._to)
+        if self._to is not None and not self._to.exists():
+            raise InputError(
+                f"{type(self._job).__name__}.finish wrote nothing to {str(self._to)!r}; expected the result there. The "
+                "parts are kept: write it where `to` is not None, then run the job again."
+            )
         if self._store is not None:
             self._store.finished()
         return result
@@ -196,4 +211,6 @@ class _Run:
         if self._store is not None:
             known = self._store.load()
             done = known[1] if known else 0
-        return JobStopped(reason, done, self._job.parts, "" if self._to is None else str(self._to))
+        return JobStopped(
+            reason, done, self._job.parts, "" if self._to is None else str(job_folder(self._to))
+        )

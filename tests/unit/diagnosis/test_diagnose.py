@@ -12,6 +12,9 @@ import ulna
 from ulna.cli import main
 from ulna.diagnosis import Finding, diagnose, report
 from ulna.errors import UnknownName
+from ulna.geometry import Box, Geometry
+from ulna.model import ModelBuilder, Revolute
+from ulna.spatial import Inertia
 
 SOUND = {
     "limit": '<limit lower="-1.5" upper="1.5" velocity="2" effort="10"/>',
@@ -232,3 +235,16 @@ def test_robots_of_others_are_diagnosed() -> None:
         assert len(report(findings).splitlines()) < 40
     kinds = {f.kind for f in diagnose("hyq")}
     assert "triangle-inequality" in kinds
+
+
+def test_a_moved_link_with_shapes_and_no_mass_is_named() -> None:
+    builder = ModelBuilder("arm")
+    builder.add_link("base")
+    builder.add_link("upper", collisions=(Geometry("", Box((0.1, 0.1, 0.4))),))
+    builder.add_link(
+        "lower", Inertia.from_box(1.0, (0.1, 0.1, 0.4)), collisions=(Geometry("", Box((0.1, 0.1, 0.4))),)
+    )
+    builder.add_joint("shoulder", Revolute((0.0, 1.0, 0.0)), "base", "upper", lower=-1.0, upper=1.0)
+    builder.add_joint("elbow", Revolute((0.0, 1.0, 0.0)), "upper", "lower", lower=-1.0, upper=1.0)
+    (found,) = (f for f in diagnose(builder.build()) if f.kind == "shape-without-mass")
+    assert (found.subject, found.severity) == ("link 'upper'", "warning") and "shape_inertias" in found.advice

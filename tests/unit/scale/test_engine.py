@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from support.clusters import cluster
-from support.jobs import Rows, Sums
+from support.jobs import Drawn, Rows, Sums
 from ulna import scale
 from ulna.errors import InputError, JobStopped, VersionMismatch
 from ulna.scale import tasks
@@ -124,6 +124,29 @@ def test_a_state_that_cannot_be_written_is_said(tmp_path: Path, monkeypatch: pyt
 
 def _no_space(*_: Any, **__: Any) -> None:
     raise OSError(28, "No space left on device")
+
+
+def test_a_job_that_writes_no_result_keeps_its_parts(tmp_path: Path) -> None:
+    to = tmp_path / "mean.npy"
+    with pytest.raises(
+        InputError, match=r"Drawn\.finish wrote nothing to .*mean\.npy.* expected the result there"
+    ):
+        scale.run(Drawn(scale.Samples(100, 10, 0)), to, workers=0, progress=False)
+    assert (tmp_path / "mean.npy.job" / "state.npz").exists()
+
+
+def test_a_job_does_not_go_on_with_another_seed(tmp_path: Path) -> None:
+    to = tmp_path / "mean.npy"
+
+    def stop(progress: scale.Progress) -> None:
+        if progress.done == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        scale.run(Drawn(scale.Samples(100, 10, 0)), to, workers=0, progress=stop)
+    for samples in (scale.Samples(100, 10, 5), scale.Samples(100, 20, 0)):
+        with pytest.raises(InputError, match="seed|chunk"):
+            scale.run(Drawn(samples), to, workers=0, progress=False)
 
 
 def test_ctrl_c_keeps_what_is_done(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -43,7 +43,7 @@ class Value:
         raise TraceError(
             "A traced value has no truth: `if`, `and`, `or`, `min()`, `max()`, np.minimum, np.sign and np.clip cannot "
             "branch on it, and `<` cannot compare an array of them. Use ulna.numeric.where, minimum, maximum, clip, "
-            "and less for arrays; combine conditions with & | ~."
+            "and less for arrays, and ulna.numeric.loop for `while`; combine conditions with & | ~."
         )
 
     def _loop_(self, condition: Any, body: Any, state: tuple[Any, ...], limit: int) -> tuple[Any, ...]:
