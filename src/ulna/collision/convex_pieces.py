@@ -14,7 +14,7 @@ from typing import final
 
 import numpy as np
 
-from ulna.collision.solids import Solid, hull
+from ulna.collision.solids import Solid, hull, qhull_of
 from ulna.errors import InputError
 from ulna.geometry import HeightField, Mesh, PointCloud
 from ulna.typing import Floats
@@ -61,11 +61,9 @@ def _hull(points: Floats) -> tuple[Floats, Floats]:
 
 
 def _volume(points: Floats) -> float:
-    from scipy.spatial import ConvexHull, QhullError
-
     try:
-        return float(ConvexHull(points).volume)
-    except (QhullError, ValueError):
+        return float(qhull_of(points).volume)
+    except (InputError, ValueError):
         return 0.0
 
 

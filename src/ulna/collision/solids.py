@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import os
 import warnings
-from typing import Literal, final
+from typing import Any, Literal, final
 
 import numpy as np
 
@@ -209,8 +209,8 @@ def _half_edges(shape: Shape) -> tuple[float, float, float]:
     return half
 
 
-def hull(vertices: Floats) -> tuple[Floats, Array]:
-    """The convex hull of points (n, 3): its corners and its triangles, anticlockwise seen from outside.
+def qhull_of(vertices: Floats) -> Any:
+    """What Qhull finds of the convex hull of points (n, 3): a `scipy.spatial.ConvexHull`.
 
     Raises:
         MissingExtra: If scipy is not installed.
@@ -221,12 +221,22 @@ def hull(vertices: Floats) -> tuple[Floats, Array]:
     except ImportError as error:
         raise MissingExtra("scipy", "collision", "Taking convex hulls") from error
     try:
-        qhull = ConvexHull(vertices)
+        return ConvexHull(vertices)
     except QhullError as error:
         raise InputError(
             "The points of a mesh lie in a plane and have no convex hull with a volume. "
             "Put a thin Box in its place, or use exact checks with convex=False."
         ) from error
+
+
+def hull(vertices: Floats) -> tuple[Floats, Array]:
+    """The convex hull of points (n, 3): its corners and its triangles, anticlockwise seen from outside.
+
+    Raises:
+        MissingExtra: If scipy is not installed.
+        InputError: If the points lie in a plane.
+    """
+    qhull = qhull_of(vertices)
     corners = qhull.vertices
     place = np.full(len(vertices), -1)
     place[corners] = np.arange(len(corners))

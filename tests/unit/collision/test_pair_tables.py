@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.spatial import ConvexHull
 
 import ulna
 from ulna import algorithms
@@ -28,6 +27,7 @@ from ulna.spatial import SE3
 from ulna.typing import Floats
 
 pytest.importorskip("coal")
+ConvexHull = pytest.importorskip("scipy.spatial").ConvexHull
 
 
 @pytest.fixture(scope="module")
