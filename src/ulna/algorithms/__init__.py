@@ -8,8 +8,9 @@ Each file is imported when one of its names is first used.
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ulna.system.deferred_names import deferred_names
 
 if TYPE_CHECKING:
     from ulna.algorithms.constraints.dry_friction import velocity_after_friction as velocity_after_friction
@@ -263,13 +264,7 @@ _NAMES = {
 
 _FILES = {name: file for file, names in _NAMES.items() for name in names}
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _FILES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"{__name__}.{_FILES[name]}"), name)
-    globals()[name] = value
-    return value
+__getattr__ = deferred_names(__name__, _FILES)
 
 
 def __dir__() -> list[str]:

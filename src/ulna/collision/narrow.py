@@ -216,6 +216,14 @@ class Narrow:
 
         return ask
 
+    def _asked(self, poses: Poses, row: int, i: int, j: int) -> float:
+        """The distance that coal finds [m]; points and normal are in `_result`."""
+        pair = self._distances.get((i, j))
+        if pair is None:
+            pair = self._distances[i, j] = coal().ComputeDistance(self._geometries[i], self._geometries[j])
+        self._result.clear()
+        return pair(self._place(poses, row, i), self._place(poses, row, j), self._request, self._result)
+
     def separation(self, poses: Poses, row: int, i: int, j: int) -> tuple[float, Any]:
         """The distance of two solids and its direction, for many questions.
 
@@ -227,13 +235,7 @@ class Narrow:
         Returns:
             The signed distance [m], and a unit vector from the first to the second, shape (3,).
         """
-        pair = self._distances.get((i, j))
-        if pair is None:
-            pair = self._distances[i, j] = coal().ComputeDistance(self._geometries[i], self._geometries[j])
-        result = self._result
-        result.clear()
-        d = pair(self._place(poses, row, i), self._place(poses, row, j), self._request, result)
-        return d, result.normal
+        return self._asked(poses, row, i, j), self._result.normal
 
     def distance(self, poses: Poses, row: int, i: int, j: int, best: Found | None = None) -> Any:
         """The distance of two solids.
@@ -247,12 +249,7 @@ class Narrow:
         Returns:
             The distance with its points and normal, or `best` where that is not larger.
         """
-        pair = self._distances.get((i, j))
-        if pair is None:
-            pair = self._distances[i, j] = coal().ComputeDistance(self._geometries[i], self._geometries[j])
-        result = self._result
-        result.clear()
-        d = pair(self._place(poses, row, i), self._place(poses, row, j), self._request, result)
+        d, result = self._asked(poses, row, i, j), self._result
         if self._margins is not None:
             d -= self._margins[i][j]
         if best is not None and best.distance <= d:

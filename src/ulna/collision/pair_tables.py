@@ -4,8 +4,8 @@
 |---|---|---|
 | c, h | middle and half widths of a cell of configurations of the joints between the links | [rad, m] |
 | d(c) | distance of the real shapes at c | [m] |
-| b | bound of how much nearer the links come in the cell; see `joint_chains` | [m] |
-| d(c) - b | what the table holds: no configuration of the cell brings the links nearer | [m] |
+| b | bound of how much nearer the links come in the cell; see `cell_bounds` | [m] |
+| d(c) - b | what the table holds, or more where planes prove it: nothing in the cell brings the links nearer | [m] |
 
 Cells are divided until b is a small part of d, or they are as small as the table's: far from contact one distance
 serves thousands of them. Where d(c) - b is not positive, nothing is proved. A cell is as wide as float32 may place a

@@ -5,8 +5,9 @@ Each file is imported when one of its names is first used: who looks at a model 
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ulna.system.deferred_names import deferred_names
 
 if TYPE_CHECKING:
     from ulna.compiler.language.function import Function as Function
@@ -30,10 +31,4 @@ _FILES = {
 
 __all__ = ["Function", "KernelBase", "Pattern", "Port", "compile", "element_of", "trace"]
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _FILES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"{__name__}.{_FILES[name]}"), name)
-    globals()[name] = value
-    return value
+__getattr__ = deferred_names(__name__, _FILES)

@@ -9,8 +9,8 @@ from typing import Any
 from ulna.algorithms import Proximal
 from ulna.model import Model
 from ulna.model.constraint import frame_pairs
+from ulna.quantities.deferred_algorithms import algorithms
 from ulna.quantities.forces import friction_of, wrenches
-from ulna.quantities.late import algorithms
 from ulna.quantities.quantity import Arguments
 from ulna.typing import Array
 

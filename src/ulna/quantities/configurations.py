@@ -7,7 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna.errors import InputError
-from ulna.quantities.late import algorithms
+from ulna.quantities.deferred_algorithms import algorithms
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import quantity
 from ulna.typing import ArrayLike, Floats, Numbers

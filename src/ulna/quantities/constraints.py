@@ -15,8 +15,8 @@ from ulna.model.constraint import listed
 from ulna.numeric import is_symbolic
 from ulna.quantities import _constraint_kernels as kernels
 from ulna.quantities.constraint_arguments import anchor_poses, checked_solver, one_each, stabilisation_arrays
+from ulna.quantities.deferred_algorithms import algorithms
 from ulna.quantities.forces import FORCES, Forces, stacked
-from ulna.quantities.late import algorithms
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import quantity
 from ulna.typing import ArrayLike, Floats

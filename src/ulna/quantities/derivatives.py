@@ -6,8 +6,8 @@ from typing import Any, final
 
 from ulna.algorithms.multibody.references import Reference
 from ulna.errors import InputError
+from ulna.quantities.deferred_algorithms import algorithms
 from ulna.quantities.forces import Forces, stacked, under_forces, wrenches
-from ulna.quantities.late import algorithms
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import of_frame, quantity
 from ulna.typing import ArrayLike, Floats

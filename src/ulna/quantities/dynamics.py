@@ -8,8 +8,8 @@ import numpy as np
 
 from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.model import Model
+from ulna.quantities.deferred_algorithms import algorithms
 from ulna.quantities.forces import FORCES, Forces, friction_of, stacked, under_forces, wrenches
-from ulna.quantities.late import algorithms
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import of_frame, quantity
 from ulna.typing import Array, ArrayLike, Floats, Numbers

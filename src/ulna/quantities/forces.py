@@ -13,7 +13,7 @@ from ulna.checks.masked import check_not_masked
 from ulna.errors import ShapeError
 from ulna.lazy import is_dask
 from ulna.model import Model
-from ulna.quantities.late import algorithms
+from ulna.quantities.deferred_algorithms import algorithms
 from ulna.quantities.quantity import Arguments
 from ulna.typing import Array, ArrayLike
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ulna.algorithms.multibody.references import Reference
 from ulna.model import Frame, Model
-from ulna.quantities.late import algorithms
+from ulna.quantities.deferred_algorithms import algorithms
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import frame_of, of_frame, quantity
 from ulna.typing import Array, ArrayLike, Floats, Numbers

@@ -15,7 +15,7 @@ from ulna.algorithms.dynamics.pivots import ZeroPivot, conditioning_by_pivots
 from ulna.errors import ModelError, ModelWarning
 from ulna.model import Model
 from ulna.numeric import is_symbolic
-from ulna.quantities.late import algorithms
+from ulna.quantities.deferred_algorithms import algorithms
 
 MASS_PARAMETERS = frozenset({"placement", "shift", "offset", "inertia", "armature"})
 """Parameters of a model (see `ulna.model.parameters`) that the inverse of its mass matrix depends on."""

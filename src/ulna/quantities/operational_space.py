@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, final
 
 from ulna.algorithms.multibody.references import Reference
 from ulna.model import Model
-from ulna.quantities.late import algorithms
+from ulna.quantities.deferred_algorithms import algorithms
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import frame_of, quantity
 from ulna.typing import Array, ArrayLike, Floats

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import final
 
-from ulna.quantities.late import algorithms
+from ulna.quantities.deferred_algorithms import algorithms
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import of_frame, quantity
 from ulna.typing import ArrayLike, Floats
