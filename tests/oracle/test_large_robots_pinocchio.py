@@ -20,16 +20,24 @@ def assert_close(a, b) -> None:
     assert np.abs(a - b).max() <= 2e-11 * np.abs(b).max()
 
 
+def looped_case(
+    joints: int, branching: float, monkeypatch: pytest.MonkeyPatch
+) -> tuple[ulna.Robot, Twin, Any, np.random.Generator, tuple[Any, Any, Any]]:
+    """A long robot whose kernels are loops, Pinocchio's twin of it with data, and q, v and a."""
+    monkeypatch.setattr(ulna.kernels, "LOOPED_ABOVE", 0)
+    robot = ulna.Robot(long_robot(joints, branching))
+    twin = to_pinocchio(robot.model)
+    rng = np.random.default_rng(joints)
+    q = configurations(robot.model, rng, 1)[0]
+    v, a = rng.standard_normal((2, robot.model.nv)) / np.sqrt(joints)
+    return robot, twin, twin.pin.createData(), rng, (q, v, a)
+
+
 @pytest.mark.parametrize(("joints", "branching"), SIZES)
 def test_large_robots_agree_with_pinocchio(
     joints: int, branching: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ulna.kernels, "LOOPED_ABOVE", 0)
-    robot = ulna.Robot(long_robot(joints, branching))
-    twin: Twin = to_pinocchio(robot.model)
-    rng = np.random.default_rng(joints)
-    q, data = configurations(robot.model, rng, 1)[0], twin.pin.createData()
-    v, a = rng.standard_normal((2, robot.model.nv)) / np.sqrt(joints)
+    robot, twin, data, rng, (q, v, a) = looped_case(joints, branching, monkeypatch)
     q_, v_, a_ = twin.q(q), twin.v(v), twin.v(a)
     pin.computeJointJacobians(twin.pin, data, q_)
     pin.updateFramePlacements(twin.pin, data)
@@ -63,12 +71,7 @@ def test_large_robots_agree_with_pinocchio(
 def test_regressors_and_momentum_agree_with_pinocchio(
     joints: int, branching: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ulna.kernels, "LOOPED_ABOVE", 0)
-    robot = ulna.Robot(long_robot(joints, branching))
-    twin: Twin = to_pinocchio(robot.model)
-    rng = np.random.default_rng(joints)
-    q, data = configurations(robot.model, rng, 1)[0], twin.pin.createData()
-    v, a = rng.standard_normal((2, robot.model.nv)) / np.sqrt(joints)
+    robot, twin, data, _, (q, v, a) = looped_case(joints, branching, monkeypatch)
     state = twin.q(q), twin.v(v), twin.v(a)
     names = ("joint_torque_regressor", "centroidal_derivatives", "centroidal_matrix_dot")
     regressor, derivatives, matrix_dot = (robot.kernel(name) for name in names)
@@ -89,12 +92,8 @@ def test_regressors_and_momentum_agree_with_pinocchio(
 def test_derivatives_under_forces_agree_with_pinocchio(
     joints: int, branching: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ulna.kernels, "LOOPED_ABOVE", 0)
-    model = long_robot(joints, branching)
-    robot, twin = ulna.Robot(model), to_pinocchio(model)
-    rng = np.random.default_rng(joints)
-    q, data = configurations(model, rng, 1)[0], twin.pin.createData()
-    v, a = rng.standard_normal((2, model.nv)) / np.sqrt(joints)
+    robot, twin, data, rng, (q, v, a) = looped_case(joints, branching, monkeypatch)
+    model = robot.model
     theirs, ours = pin.StdVec_Force([pin.Force.Zero() for _ in range(twin.pin.njoints)]), {}
     for k in (3, joints // 2, joints):
         frame, wrench = model.frame(f"l{k}"), rng.standard_normal(6)
@@ -113,12 +112,8 @@ def test_derivatives_under_forces_agree_with_pinocchio(
 def test_derivatives_of_frames_agree_with_pinocchio(
     joints: int, branching: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ulna.kernels, "LOOPED_ABOVE", 0)
-    model = long_robot(joints, branching)
-    robot, twin = ulna.Robot(model), to_pinocchio(model)
-    rng = np.random.default_rng(joints)
-    q, data = configurations(model, rng, 1)[0], twin.pin.createData()
-    v, a = rng.standard_normal((2, model.nv)) / np.sqrt(joints)
+    robot, twin, data, _, (q, v, a) = looped_case(joints, branching, monkeypatch)
+    model = robot.model
     tool = model.frames.index(model.frame(model.tool))
     index = dict((f.name, i) for f, i in twin.frames)[model.frames[tool].name]
     pin.computeJointJacobiansTimeVariation(twin.pin, data, twin.q(q), twin.v(v))

@@ -10,11 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ulna.collision.pair_tables import PairTable
+from ulna.collision.pair_tables import MOST_JOINTS, PairTable
 from ulna.compiler.procedures import Array1, Array2, broadcast, f32, procedure
 
 INT = np.int64
-_MOST = 3  # joints of a table
 
 
 class PairGrids(NamedTuple):
@@ -77,8 +76,8 @@ def packed(tables: Sequence[PairTable]) -> dict[str, Any]:
         `axes`, `numbers` and `cells`.
     """
     axes, numbers = (
-        np.zeros((len(tables), 2 + 2 * _MOST), np.int64),
-        np.zeros((len(tables), 5 * _MOST), np.float32),
+        np.zeros((len(tables), 2 + 2 * MOST_JOINTS), np.int64),
+        np.zeros((len(tables), 5 * MOST_JOINTS), np.float32),
     )
     cells: list[Any] = [np.zeros(0, np.float32)]
     begin = 0
