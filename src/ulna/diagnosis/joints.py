@@ -76,8 +76,8 @@ def _of_one_axis(joint: Joint) -> Iterator[Finding]:
 
 def _range(joint: Joint, name: str, turns: bool) -> Iterator[Finding]:
     lower, upper = joint.limits.lower[0], joint.limits.upper[0]
-    slides = type(joint.kind).__name__ == "Prismatic"
-    largest = max((abs(x) for x in (lower, upper) if math.isfinite(x)), default=0.0)
+    kind = type(joint.kind).__name__
+    slides = kind == "Prismatic"
     if lower == upper:
         yield Finding(
             "warning",
@@ -86,40 +86,11 @@ def _range(joint: Joint, name: str, turns: bool) -> Iterator[Finding]:
             f"it cannot move: lower = upper = {lower:g}",
             "Give it its range, or make it a fixed joint.",
         )
-    if turns and _TWO_TURNS < largest <= _MANY_TURNS:
-        yield Finding(
-            "warning",
-            "degrees",
-            name,
-            f"limits {lower:g} to {upper:g} rad look like degrees; these would be "
-            f"{math.radians(lower):.4g} to {math.radians(upper):.4g} rad",
-            "URDF has radians: multiply by pi/180.",
-        )
-    elif turns and largest > _MANY_TURNS:
-        yield Finding(
-            "note",
-            "endless",
-            name,
-            f"limits {lower:g} to {upper:g} rad stand for none",
-            "Make it a continuous joint, so that samples and searches do not take the range literally.",
-        )
-    elif slides and largest > _MANY_METRES:
-        yield Finding(
-            "note",
-            "endless",
-            name,
-            f"limits {lower:g} to {upper:g} m stand for none",
-            "Give it the range of the real joint; samples and searches take limits literally.",
-        )
-    elif slides and largest > _MAX_USUAL_TRAVEL:
-        yield Finding(
-            "warning",
-            "millimetres",
-            name,
-            f"limits {lower:g} to {upper:g} m look like millimetres",
-            "URDF has metres: divide by 1000.",
-        )
-    elif type(joint.kind).__name__ in ("Revolute", "Prismatic") and not math.isfinite(upper - lower):
+    unusual = _unusual_angles if turns else _unusual_travel if slides else None
+    finding = None if unusual is None else unusual(name, lower, upper)
+    if finding is not None:
+        yield finding
+    elif kind in ("Revolute", "Prismatic") and not math.isfinite(upper - lower):
         yield Finding(
             "note",
             "unlimited",
@@ -127,6 +98,56 @@ def _range(joint: Joint, name: str, turns: bool) -> Iterator[Finding]:
             "it has no position limits on at least one side",
             "Give it lower and upper." if slides else "Give it lower and upper, or make it continuous.",
         )
+
+
+def _unusual_angles(name: str, lower: float, upper: float) -> Finding | None:
+    """Limits [rad] that look like degrees, or like none at all."""
+    largest = _largest(lower, upper)
+    if largest > _MANY_TURNS:
+        return Finding(
+            "note",
+            "endless",
+            name,
+            f"limits {lower:g} to {upper:g} rad stand for none",
+            "Make it a continuous joint, so that samples and searches do not take the range literally.",
+        )
+    if largest > _TWO_TURNS:
+        return Finding(
+            "warning",
+            "degrees",
+            name,
+            f"limits {lower:g} to {upper:g} rad look like degrees; these would be "
+            f"{math.radians(lower):.4g} to {math.radians(upper):.4g} rad",
+            "URDF has radians: multiply by pi/180.",
+        )
+    return None
+
+
+def _unusual_travel(name: str, lower: float, upper: float) -> Finding | None:
+    """Limits [m] that look like millimetres, or like none at all."""
+    largest = _largest(lower, upper)
+    if largest > _MANY_METRES:
+        return Finding(
+            "note",
+            "endless",
+            name,
+            f"limits {lower:g} to {upper:g} m stand for none",
+            "Give it the range of the real joint; samples and searches take limits literally.",
+        )
+    if largest > _MAX_USUAL_TRAVEL:
+        return Finding(
+            "warning",
+            "millimetres",
+            name,
+            f"limits {lower:g} to {upper:g} m look like millimetres",
+            "URDF has metres: divide by 1000.",
+        )
+    return None
+
+
+def _largest(lower: float, upper: float) -> float:
+    """The finite limit that is farthest from zero; 0 where there is none."""
+    return max((abs(x) for x in (lower, upper) if math.isfinite(x)), default=0.0)
 
 
 def _drive(name: str, velocity: float, effort: float, turns: bool) -> Iterator[Finding]:

@@ -103,19 +103,8 @@ def classic(problem: Problem, method: Method, has_null_motion: bool) -> Function
             at = errors(problem, q, goals, tolerances)
             is_met = at.is_met & _is_within(problem, q)
             over = (at.is_met | (age >= most)) & ~is_met
-            null_velocity = None
-            if has_null_motion:
-                # It fades near the goal, where what it does to e would keep the search from ending.
-                null_velocity = _null_velocity(problem, q, *settings[5:8]) * (
-                    at.squared / (at.squared + _FADING_ERROR)
-                )
-            if method == "qp":
-                dq = bounded_move(problem, q, at, damping, null_velocity)
-            else:
-                dq = move(at, method, damping)
-                if null_velocity is not None:
-                    dq = dq + null_velocity - solve_damped(at.J, at.J @ null_velocity, _SINGULAR)
-            moved = problem.moved(q, dq)
+            gains = settings[5:8] if has_null_motion else None
+            moved = problem.moved(q, _step(problem, method, q, at, damping, gains))
             anew = starting_point(problem, q0, shift, failed + 1.0, 1.0)
             following = numeric.where(is_met, q, numeric.where(over, anew, moved))
             return (
@@ -134,6 +123,20 @@ def classic(problem: Problem, method: Method, has_null_motion: bool) -> Function
 
     shapes: dict[str, Any] = {**problem.shapes, "shift": (len(problem.drawn),), "settings": (len(SETTINGS),)}
     return trace(solve, name=f"ik_{method}", **shapes)
+
+
+def _step(problem: Problem, method: Method, q: Array, at: Errors, damping: Any, gains: Array | None) -> Array:
+    """The step of a search from q, with the null motion of these gains; None for no such motion."""
+    null_velocity = None
+    if gains is not None:
+        # It fades near the goal, where what it does to e would keep the search from ending.
+        null_velocity = _null_velocity(problem, q, *gains) * (at.squared / (at.squared + _FADING_ERROR))
+    if method == "qp":
+        return bounded_move(problem, q, at, damping, null_velocity)
+    dq = move(at, method, damping)
+    if null_velocity is not None:
+        dq = dq + null_velocity - solve_damped(at.J, at.J @ null_velocity, _SINGULAR)
+    return dq
 
 
 def move(at: Errors, method: Method, damping: Any) -> Array:

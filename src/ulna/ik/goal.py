@@ -140,37 +140,57 @@ def distance(
     R, R_goal = pose.rotation, goal[:3, :3]
     e_p = goal[:3, 3] - pose.translation
     J = algorithms.frame_jacobian(model, q, frame, "local_world_aligned") if with_rows else None
-    weighted, rows, position, rotation = [], [], 0.0, 0.0
+    weighted, rows, position = [], [], 0.0
     for k, weight in enumerate(mask.position):
         if weight:
             position = position + e_p[k] * e_p[k]
             weighted.append(e_p[k] * weight)
             if J is not None:
                 rows.append(J[k] * weight)
-    is_near, angle = True, 0.0
     s, c, weights = _sine_and_cosine(R, R_goal, mask)
     turning = None if J is None else J[3:] if mask.axis is None else R.T @ J[3:]
-    if any(weights):
-        half = 0.5 * (1.0 + c)
-        chord = s / numeric.sqrt(numeric.maximum(half, _HALF_TURN))
-        turned = [k for k, weight in enumerate(weights) if weight]
-        is_whole = mask.axis is not None or all(weights)
-        if is_whole:  # at half a turn s vanishes; without this the worst rotation would count as the best one
-            chord[turned[0]] = numeric.where(half < _HALF_TURN, 2.0, chord[turned[0]])
-        arc = _arc(s, c, chord) if by_angle or not is_whole else 1.0
-        rotation = sum((chord[k] * chord[k] for k in turned), 0.0)
-        if is_whole:
-            rotation = numeric.where(c > 0.0, rotation, 2.0 - 2.0 * c)  # beyond, s shrinks again
-            angle = numeric.arctan2(numeric.sqrt(sum((s[k] * s[k] for k in turned), 0.0)), c)
-        else:
-            is_near = c > _NEARLY_HALF_TURN
-            rotation = rotation * (arc * arc)
-            angle = numeric.sqrt(rotation)
-        stretch = arc if by_angle else 1.0
-        weighted += [chord[k] * (weights[k] * length) * stretch for k in turned]
-        if turning is not None:
-            rows += [turning[k] * (weights[k] * length) for k in turned]
-    return Distance(position, rotation, is_near, weighted, rows, angle)
+    turned = [k for k, weight in enumerate(weights) if weight]
+    if not turned:
+        return Distance(position, 0.0, True, weighted, rows, 0.0)
+    is_whole = mask.axis is not None or all(weights)
+    turn = _turn(s, c, turned, is_whole, by_angle)
+    weighted += [turn.chord[k] * (weights[k] * length) * turn.stretch for k in turned]
+    if turning is not None:
+        rows += [turning[k] * (weights[k] * length) for k in turned]
+    return Distance(position, turn.squared, turn.is_near, weighted, rows, turn.angle)
+
+
+class _Turn(NamedTuple):
+    """The turn to the goal, of which entries of the axis count."""
+
+    chord: Array
+    stretch: Any
+    """What the chord is multiplied by to be as long as the angle; 1 where errors are chords."""
+    squared: Any
+    """`Distance.rotation`."""
+    is_near: Any
+    angle: Any
+
+
+def _turn(s: Array, c: Any, turned: Sequence[int], is_whole: bool, by_angle: bool) -> _Turn:
+    """The turn whose axis times sine is `s` and whose cosine is `c`; `turned` are the entries that count.
+
+    `is_whole` says that all that can change counts: the whole rotation, or the direction of an axis.
+    """
+    half = 0.5 * (1.0 + c)
+    chord = s / numeric.sqrt(numeric.maximum(half, _HALF_TURN))
+    if is_whole:  # at half a turn s vanishes; without this the worst rotation would count as the best one
+        chord[turned[0]] = numeric.where(half < _HALF_TURN, 2.0, chord[turned[0]])
+    arc = _arc(s, c, chord) if by_angle or not is_whole else 1.0
+    squared = sum((chord[k] * chord[k] for k in turned), 0.0)
+    stretch = arc if by_angle else 1.0
+    if is_whole:
+        squared = numeric.where(c > 0.0, squared, 2.0 - 2.0 * c)  # beyond, s shrinks again
+        angle = numeric.arctan2(numeric.sqrt(sum((s[k] * s[k] for k in turned), 0.0)), c)
+        return _Turn(chord, stretch, squared, True, angle)
+    is_near = c > _NEARLY_HALF_TURN
+    squared = squared * (arc * arc)
+    return _Turn(chord, stretch, squared, is_near, numeric.sqrt(squared))
 
 
 def _sine_and_cosine(R: Array, R_goal: Array, mask: Mask) -> tuple[Array, Any, Sequence[float]]:

@@ -22,7 +22,7 @@ Rows are left to daqp, a dual active-set solver: Arnstrom, Bemporad, Axehill (20
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import reduce
+from functools import partial, reduce
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -65,48 +65,68 @@ def solve_box(H: Array, g: Array, lower: Array, upper: Array) -> Boxed:
     bounded = [i for i in range(n) if not (_is_infinite(low[i]) and _is_infinite(high[i]))]
     large = reduce(maximum, (abs(e) for e in pull))
     size = reduce(maximum, (rows[i][i] for i in range(n)))
-    zero = 0.0 * large
+    box = _Box(rows, pull, low, high, bounded, large, size, 0.0 * large)
 
-    def improve(*state: Any) -> tuple[Any, ...]:
-        side, x = dict(zip(bounded, state, strict=False)), state[len(bounded) : len(bounded) + n]
-        t = _with_fixed(rows, pull, x, side)
-        beyond = {i: where(less(t[i], low[i]), -1.0, where(less(high[i], t[i]), 1.0, zero)) for i in bounded}
-        bound = {i: where(beyond[i] < 0.0, low[i], high[i]) for i in bounded}
-        c = [where(abs(beyond[i]) > 0.5, bound[i], t[i]) if i in side else t[i] for i in range(n)]
-        slope = _slope(rows, pull, c)
-        middle = _slope(rows, pull, [0.5 * (c[i] + x[i]) for i in range(n)])
-        change = sum(((c[i] - x[i]) * middle[i] for i in range(n)), zero)
-        reach = {}
-        for i in bounded:
-            out = abs(beyond[i]) > 0.5
-            reach[i] = where(out, (bound[i] - x[i]) / where(out, t[i] - x[i], 1.0), 2.0)
-        first = reduce(minimum, reach.values(), zero + 2.0)
-        inside, projected = less(1.5, first), less(change, 0.0)
-
-        release = {i: where(less(_SLOPE * large, side[i] * slope[i]), 1.0, zero) for i in bounded}
-        sides, following = [], list(c)
-        for i in bounded:
-            arrives = where(reach[i] <= first, beyond[i], side[i])
-            stopped = where(reach[i] <= first, bound[i], x[i] + first * (t[i] - x[i]))
-            fixed = where(abs(beyond[i]) > 0.5, beyond[i], side[i])
-            released = where(release[i] > 0.5, 0.0, side[i])
-            sides.append(where(inside, released, where(projected, fixed, arrives)))
-            following[i] = where(inside, t[i], where(projected, c[i], stopped))
-        for i in set(range(n)) - set(bounded):
-            following[i] = where(inside | projected, t[i], x[i] + first * (t[i] - x[i]))
-        wrong = reduce(maximum, release.values(), zero)
-        done = where(inside, 1.0 - wrong, 0.0)
-        residual = reduce(maximum, (_if_free(side.get(i), abs(slope[i])) for i in range(n)))
-        scale = large + size * reduce(maximum, (abs(e) for e in c))
-        return (*sides, *following, done, where(residual <= _RESIDUAL * scale, done, 0.0))
-
-    start = [clip(zero, low[i], high[i]) for i in range(n)]
-    state = (*(zero for _ in bounded), *start, zero, zero)
+    start = [clip(box.zero, low[i], high[i]) for i in range(n)]
+    state = (*(box.zero for _ in bounded), *start, box.zero, box.zero)
     if bounded:
+        improve = partial(_improved, box)
         end = loop(lambda *state: less(state[-2], 0.5), improve, state, limit=20 + 10 * n)
     else:
-        end = improve(*state)
+        end = _improved(box, *state)
     return Boxed(vector(*end[len(bounded) : -2]), end[-1])
+
+
+class _Box(NamedTuple):
+    """A program with bounds, entry by entry."""
+
+    H: _Rows
+    g: Sequence[Any]
+    low: Sequence[Any]
+    high: Sequence[Any]
+    bounded: Sequence[int]
+    """The variables that have a finite bound."""
+    large: Any
+    """The largest part of g."""
+    size: Any
+    """The largest entry on the diagonal of H."""
+    zero: Any
+
+
+def _improved(box: _Box, *state: Any) -> tuple[Any, ...]:
+    """The state (s of bounded variables, x, done, solved) after a step of the active-set method."""
+    n, bounded, low, high, zero = len(box.g), box.bounded, box.low, box.high, box.zero
+    side, x = dict(zip(bounded, state, strict=False)), state[len(bounded) : len(bounded) + n]
+    t = _with_fixed(box.H, box.g, x, side)
+    beyond = {i: where(less(t[i], low[i]), -1.0, where(less(high[i], t[i]), 1.0, zero)) for i in bounded}
+    bound = {i: where(beyond[i] < 0.0, low[i], high[i]) for i in bounded}
+    c = [where(abs(beyond[i]) > 0.5, bound[i], t[i]) if i in side else t[i] for i in range(n)]
+    slope = _slope(box.H, box.g, c)
+    middle = _slope(box.H, box.g, [0.5 * (c[i] + x[i]) for i in range(n)])
+    change = sum(((c[i] - x[i]) * middle[i] for i in range(n)), zero)
+    reach = {}
+    for i in bounded:
+        out = abs(beyond[i]) > 0.5
+        reach[i] = where(out, (bound[i] - x[i]) / where(out, t[i] - x[i], 1.0), 2.0)
+    first = reduce(minimum, reach.values(), zero + 2.0)
+    inside, projected = less(1.5, first), less(change, 0.0)
+
+    release = {i: where(less(_SLOPE * box.large, side[i] * slope[i]), 1.0, zero) for i in bounded}
+    sides, following = [], list(c)
+    for i in bounded:
+        arrives = where(reach[i] <= first, beyond[i], side[i])
+        stopped = where(reach[i] <= first, bound[i], x[i] + first * (t[i] - x[i]))
+        fixed = where(abs(beyond[i]) > 0.5, beyond[i], side[i])
+        released = where(release[i] > 0.5, 0.0, side[i])
+        sides.append(where(inside, released, where(projected, fixed, arrives)))
+        following[i] = where(inside, t[i], where(projected, c[i], stopped))
+    for i in set(range(n)) - set(bounded):
+        following[i] = where(inside | projected, t[i], x[i] + first * (t[i] - x[i]))
+    wrong = reduce(maximum, release.values(), zero)
+    done = where(inside, 1.0 - wrong, 0.0)
+    residual = reduce(maximum, (_if_free(side.get(i), abs(slope[i])) for i in range(n)))
+    scale = box.large + box.size * reduce(maximum, (abs(e) for e in c))
+    return (*sides, *following, done, where(residual <= _RESIDUAL * scale, done, 0.0))
 
 
 def _with_fixed(H: _Rows, g: Sequence[Any], x: Sequence[Any], side: Mapping[int, Any]) -> list[Any]:

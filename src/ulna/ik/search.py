@@ -17,6 +17,7 @@ of steps selects it.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ from ulna.compiler import Function, trace
 from ulna.compiler.language.lanes import choose, in_any_lane, lane, least
 from ulna.errors import InputError
 from ulna.ik.acceptance import acceptance, are_rotations, unwound
-from ulna.ik.problem import Problem, errors, step
+from ulna.ik.problem import Errors, Problem, errors, step
 from ulna.typing import Array, Floats
 
 LANES = 8
@@ -170,8 +171,7 @@ def advance(
     if lower is not None:
         damping = numeric.where(descends, lower.damping, damping)
     q = step(problem, now.q, at, damping)
-    stalled = (now.age >= STALL_STEPS) & (at.squared > STALL_RATIO * now.before)
-    over = ((now.age >= float(ATTEMPT_STEPS)) | stalled) & ~at.is_met
+    over = _is_over(now, at)
     following = now.number + stride
     anew = starting_point(problem, q0, shift, following, _draw_radius(following, near))
     better = at.is_met | (at.squared < now.least)
@@ -179,13 +179,11 @@ def advance(
     age, before = numeric.where(over, 0.0, now.age + 1.0), numeric.where(over, _INFINITE_ERROR, at.squared)
     is_met = numeric.where(at.is_met, 1.0, 0.0)
     if lower is not None and descends is not None:
-        keeps, restarts = keeps & ~descends, numeric.where(descends, lower.is_worse, over)
-        anew = numeric.where(descends, now.best, anew)
-        age, before = (
-            numeric.where(descends, lower.damping, age),
-            numeric.where(descends, lower.is_worse, before),
-        )
-        is_met = numeric.where(descends, lower.is_over, is_met)
+        chosen = partial(numeric.where, descends)
+        keeps, restarts = keeps & ~descends, chosen(lower.is_worse, over)
+        anew = chosen(now.best, anew)
+        age, before = chosen(lower.damping, age), chosen(lower.is_worse, before)
+        is_met = chosen(lower.is_over, is_met)
     return Attempt(
         numeric.where(keeps, now.q, numeric.where(restarts, anew, q)),
         numeric.where(over, following, now.number),
@@ -195,6 +193,12 @@ def advance(
         numeric.where(better, now.q, now.best),
         numeric.where(better, at.squared, now.least),
     )
+
+
+def _is_over(now: Attempt, at: Errors) -> Any:
+    """Whether an attempt ends without success: it has been long, or comes no nearer."""
+    stalled = (now.age >= STALL_STEPS) & (at.squared > STALL_RATIO * now.before)
+    return ((now.age >= float(ATTEMPT_STEPS)) | stalled) & ~at.is_met
 
 
 class Descent(NamedTuple):
@@ -262,22 +266,17 @@ def multi_start(problem: Problem, lanes: int = LANES) -> Function:
         descends = settings[3] < 0.0
         home = problem.clip(q0)
         number = lane(lanes)
-        first = Attempt.first(
-            starting_point(problem, home, shift, number, _draw_radius(number, near)), number
-        )
-        first = first._replace(
+        start = starting_point(problem, home, shift, number, _draw_radius(number, near))
+        first = Attempt.first(start, number)._replace(
             age=numeric.where(descends, _FIRST * problem.length**2, 0.0),
             before=numeric.where(descends, 1.0, _INFINITE_ERROR),
         )
         is_valid = are_rotations(goals)
 
-        def offset(q: Array) -> Any:
-            return sum(((q[i] - home[i]) * (q[i] - home[i]) for i in problem.drawn), 0.0)
-
         def go_on(*state: Any) -> Any:
             now, steps = Attempt.of(problem, home, state[:-1]), state[-1]
             is_met = now.is_met > 0.5
-            close = (number < 0.5) & (offset(now.q) < NEAR_START**2)
+            close = (number < 0.5) & (_offset(problem, now.q, home) < NEAR_START**2)
             is_over = is_met & ((near < 0.5) | close | (steps > float(ATTEMPT_STEPS)))
             is_over = numeric.where(descends, is_met & (number < 0.5), is_over)
             return (steps < limit) & is_valid & ~in_any_lane(is_over)
@@ -289,15 +288,19 @@ def multi_start(problem: Problem, lanes: int = LANES) -> Function:
 
         state = numeric.loop(go_on, body, (*first.flat(problem), 0.0), 2**30)
         last, steps = Attempt.of(problem, home, state[:-1]), state[-1]
-        chosen = number == _best_lane(last, near * offset(last.best), number, descends, lanes)
+        chosen = number == _best_lane(last, near * _offset(problem, last.best, home), number, descends, lanes)
         q = problem.replaced(home, [choose(chosen, x) for x in last.best[problem.positions]])
         q = unwound(problem, q, home, near)
-        return numeric.vector(
-            *q, *acceptance(problem, q, goals, tolerances, is_valid, steps, choose(chosen, last.number))
-        )
+        chosen_number = choose(chosen, last.number)
+        return numeric.vector(*q, *acceptance(problem, q, goals, tolerances, is_valid, steps, chosen_number))
 
     shapes: dict[str, Any] = {**problem.shapes, "shift": (len(problem.drawn),), "settings": (4,)}
     return trace(search, name="ik", lanes=lanes, **shapes)
+
+
+def _offset(problem: Problem, q: Array, home: Array) -> Any:
+    """Squared distance of the joints that are drawn from where they begin."""
+    return sum(((q[i] - home[i]) * (q[i] - home[i]) for i in problem.drawn), 0.0)
 
 
 def _best_lane(last: Attempt, cost: Any, number: Any, descends: Any, lanes: int) -> Any:

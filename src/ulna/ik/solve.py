@@ -105,14 +105,7 @@ class Solver:
                 return IKSolution(self.problem, deferred.solve(self, self.problem, T, q0, options))
             T = matrix_of(T)
         try:
-            if T.ndim > self._core and T.size >= self._batch_size:
-                raw = self._search_in_parts(T, q0, shift, settings, threads)
-            else:
-                start = self._default_start if q0 is None else q0
-                if threads is None:
-                    raw = self._multi_start(T, start, shift, settings)
-                else:
-                    raw = self._multi_start(T, start, shift, settings, threads=threads)
+            raw = self._searched(T, q0, shift, settings, threads)
         except ShapeError:
             poses = poses_of_parts(T, self.problem)
             if poses is not None:
@@ -126,6 +119,15 @@ class Solver:
         elif (raw[..., self._status] < 0.5).any():
             raw = self._nearest(T, raw, shift, settings, threads)
         return IKSolution(self.problem, raw)
+
+    def _searched(self, T: Any, q0: Any, shift: Floats, settings: Floats, threads: int | None) -> Floats:
+        """What the search finds, as `search.multi_start` has it; large batches in parts."""
+        if T.ndim > self._core and T.size >= self._batch_size:
+            return self._search_in_parts(T, q0, shift, settings, threads)
+        start = self._default_start if q0 is None else q0
+        if threads is None:
+            return self._multi_start(T, start, shift, settings)
+        return self._multi_start(T, start, shift, settings, threads=threads)
 
     def _search_in_parts(
         self, T: Any, q0: Any, shift: Floats, settings: Floats, threads: int | None

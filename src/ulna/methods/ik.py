@@ -127,16 +127,10 @@ class InverseKinematics(Part):
         Returns:
             A solution as from `ik`; its `restarts` are the searches that failed, its `iterations` those of all.
         """
-        from ulna.ik.arguments import named_goals
-        from ulna.ik.classic import DAMPING, ClassicSolver
+        from ulna.ik.classic import DAMPING
 
-        goals, names, masks = named_goals(T, frame, mask, self.model.tool)
         has_null_motion = bool(limit_gain or manipulability_gain)
-        key = ("classic", method, names, masks, None if joints is None else tuple(joints), has_null_motion)
-        solver = self._searches.get(key) if isinstance(method, str) else None
-        if solver is None:
-            solver = ClassicSolver(self.model, names, masks, key[4], method, has_null_motion)
-            self._searches[key] = solver
+        goals, solver = self._classic_solver(T, frame, mask, joints, method, has_null_motion)
         settings = {
             "position_tolerance": position_tolerance,
             "rotation_tolerance": rotation_tolerance,
@@ -148,6 +142,22 @@ class InverseKinematics(Part):
             "manipulability_gain": manipulability_gain,
         }
         return solver(goals, q0, settings, seed, threads)
+
+    def _classic_solver(
+        self, T: Any, frame: Any, mask: Any, joints: Any, method: Method, has_null_motion: bool
+    ) -> tuple[Any, Any]:
+        """The goals as the classic solver takes them, and that solver."""
+        from ulna.ik.arguments import named_goals
+        from ulna.ik.classic import ClassicSolver
+
+        goals, names, masks = named_goals(T, frame, mask, self.model.tool)
+        moving = None if joints is None else tuple(joints)
+        key = ("classic", method, names, masks, moving, has_null_motion)
+        solver = self._searches.get(key) if isinstance(method, str) else None
+        if solver is None:
+            solver = ClassicSolver(self.model, names, masks, moving, method, has_null_motion)
+            self._searches[key] = solver
+        return goals, solver
 
     def _solver(self, T: Any, frame: Any, mask: Any, joints: Any) -> tuple[Any, Any]:
         from ulna.ik.arguments import named_goals

@@ -50,6 +50,58 @@ CONFIGURATIONS = {
 }
 """Joint angles [rad]: zero (stretched out level), the same with the wrist turned, and bent, tool down."""
 
+_BODIES: dict[str, list[Geometry]] = {
+    "world": [],
+    "base_link": [
+        tube((0.0, 0.0, 0.0), (0.0, 0.0, 0.012), 0.0745, SILVER),
+        tube((0.0, 0.0, 0.012), (0.0, 0.0, 0.024), 0.06, DARK),
+        block((0.0, -0.085, 0.011), (0.05, 0.04, 0.014), DARK),
+    ],
+    "shoulder_link": [
+        tube((0.0, 0.0, -0.065), (0.0, 0.0, -0.052), 0.06, DARK),
+        tube((0.0, 0.0, -0.052), (0.0, 0.0, 0.0), 0.0585, SILVER),
+        rod((0.0, 0.0, 0.0), (0.0, 0.01, 0.005), 0.0585, SILVER),
+        tube((0.0, 0.0, 0.0), (0.0, 0.066, 0.0), 0.0585, SILVER),
+        tube((0.0, 0.066, 0.0), (0.0, 0.072, 0.0), 0.059, DARK),
+    ],
+    "upper_arm_link": [
+        tube((0.0, -0.064, 0.0), (0.0, 0.05, 0.0), 0.0585, SILVER),
+        tube((0.0, 0.05, 0.0), (0.0, 0.068, 0.0), 0.054, BLUE),
+        rod((0.0, -0.004, 0.05), (0.0, -0.004, 0.375), 0.0425, SILVER),
+        tube((0.0, -0.06, 0.425), (0.0, 0.042, 0.425), 0.0585, SILVER),
+        tube((0.0, 0.042, 0.425), (0.0, 0.06, 0.425), 0.054, BLUE),
+    ],
+    "forearm_link": [
+        tube((0.0, -0.05, 0.0), (0.0, 0.056, 0.0), 0.0575, SILVER),
+        tube((0.0, -0.056, 0.0), (0.0, -0.05, 0.0), 0.053, BLUE),
+        rod((0.0, 0.002, 0.04), (0.0, 0.002, 0.35), 0.0365, SILVER),
+        tube((0.0, -0.036, 0.39225), (0.0, 0.047, 0.39225), 0.038, SILVER),
+        tube((0.0, -0.05, 0.39225), (0.0, -0.036, 0.39225), 0.035, BLUE),
+    ],
+    "wrist_1_link": [
+        tube((0.0, 0.047, 0.0), (0.0, 0.053, 0.0), 0.0375, DARK),
+        rod((0.0, 0.093, 0.0), (0.0, 0.09, 0.0), 0.0385, SILVER),
+        tube((0.0, 0.053, 0.0), (0.0, 0.09, 0.0), 0.038, SILVER),
+        tube((0.0, 0.093, -0.043), (0.0, 0.093, 0.047), 0.038, SILVER),
+        tube((0.0, 0.093, -0.057), (0.0, 0.093, -0.043), 0.035, BLUE),
+    ],
+    "wrist_2_link": [
+        tube((0.0, 0.0, 0.047), (0.0, 0.0, 0.053), 0.0375, DARK),
+        tube((0.0, 0.0, 0.053), (0.0, 0.0, 0.0946), 0.038, SILVER),
+        tube((0.0, -0.043, 0.0946), (0.0, 0.047, 0.0946), 0.038, SILVER),
+        tube((0.0, -0.057, 0.0946), (0.0, -0.043, 0.0946), 0.035, BLUE),
+        rod((0.0, 0.0, 0.09), (0.0, 0.0, 0.0946), 0.0385, SILVER),
+    ],
+    "wrist_3_link": [
+        tube((0.0, 0.047, 0.0), (0.0, 0.0715, 0.0), 0.037, GREY),
+        tube((0.0, 0.0715, 0.0), (0.0, 0.0823, 0.0), 0.031, SILVER),
+    ],
+    "ee_link": [],
+    "base": [],
+    "tool0": [],
+}
+"""The shapes of each link, in link coordinates [m]; the links in order."""
+
 
 def ur5(
     *, visuals: Mapping[str, tuple[Geometry, ...]] | None = None, root: str | JointKind | None = None
@@ -64,7 +116,7 @@ def ur5(
         The model.
     """
     builder = ModelBuilder("ur5")
-    add_root_and_links(builder, root, _bodies(), _inertia, visuals)
+    add_root_and_links(builder, root, _BODIES, _inertia, visuals)
     fixed = Fixed()
     builder.add_joint("world_joint", fixed, "world", "base_link", pose())
     parent = "base_link"
@@ -105,57 +157,3 @@ def _inertia(link: str) -> Inertia | None:
         return None
     mass, height, across, along = _INERTIAS[link]
     return Inertia.from_com(mass, (0.0, 0.0, height), np.diag([across, across, along]))
-
-
-def _bodies() -> dict[str, list[Geometry]]:
-    """The shapes of each link, in link coordinates [m]; the links in order."""
-    return {
-        "world": [],
-        "base_link": [
-            tube((0.0, 0.0, 0.0), (0.0, 0.0, 0.012), 0.0745, SILVER),
-            tube((0.0, 0.0, 0.012), (0.0, 0.0, 0.024), 0.06, DARK),
-            block((0.0, -0.085, 0.011), (0.05, 0.04, 0.014), DARK),
-        ],
-        "shoulder_link": [
-            tube((0.0, 0.0, -0.065), (0.0, 0.0, -0.052), 0.06, DARK),
-            tube((0.0, 0.0, -0.052), (0.0, 0.0, 0.0), 0.0585, SILVER),
-            rod((0.0, 0.0, 0.0), (0.0, 0.01, 0.005), 0.0585, SILVER),
-            tube((0.0, 0.0, 0.0), (0.0, 0.066, 0.0), 0.0585, SILVER),
-            tube((0.0, 0.066, 0.0), (0.0, 0.072, 0.0), 0.059, DARK),
-        ],
-        "upper_arm_link": [
-            tube((0.0, -0.064, 0.0), (0.0, 0.05, 0.0), 0.0585, SILVER),
-            tube((0.0, 0.05, 0.0), (0.0, 0.068, 0.0), 0.054, BLUE),
-            rod((0.0, -0.004, 0.05), (0.0, -0.004, 0.375), 0.0425, SILVER),
-            tube((0.0, -0.06, 0.425), (0.0, 0.042, 0.425), 0.0585, SILVER),
-            tube((0.0, 0.042, 0.425), (0.0, 0.06, 0.425), 0.054, BLUE),
-        ],
-        "forearm_link": [
-            tube((0.0, -0.05, 0.0), (0.0, 0.056, 0.0), 0.0575, SILVER),
-            tube((0.0, -0.056, 0.0), (0.0, -0.05, 0.0), 0.053, BLUE),
-            rod((0.0, 0.002, 0.04), (0.0, 0.002, 0.35), 0.0365, SILVER),
-            tube((0.0, -0.036, 0.39225), (0.0, 0.047, 0.39225), 0.038, SILVER),
-            tube((0.0, -0.05, 0.39225), (0.0, -0.036, 0.39225), 0.035, BLUE),
-        ],
-        "wrist_1_link": [
-            tube((0.0, 0.047, 0.0), (0.0, 0.053, 0.0), 0.0375, DARK),
-            rod((0.0, 0.093, 0.0), (0.0, 0.09, 0.0), 0.0385, SILVER),
-            tube((0.0, 0.053, 0.0), (0.0, 0.09, 0.0), 0.038, SILVER),
-            tube((0.0, 0.093, -0.043), (0.0, 0.093, 0.047), 0.038, SILVER),
-            tube((0.0, 0.093, -0.057), (0.0, 0.093, -0.043), 0.035, BLUE),
-        ],
-        "wrist_2_link": [
-            tube((0.0, 0.0, 0.047), (0.0, 0.0, 0.053), 0.0375, DARK),
-            tube((0.0, 0.0, 0.053), (0.0, 0.0, 0.0946), 0.038, SILVER),
-            tube((0.0, -0.043, 0.0946), (0.0, 0.047, 0.0946), 0.038, SILVER),
-            tube((0.0, -0.057, 0.0946), (0.0, -0.043, 0.0946), 0.035, BLUE),
-            rod((0.0, 0.0, 0.09), (0.0, 0.0, 0.0946), 0.0385, SILVER),
-        ],
-        "wrist_3_link": [
-            tube((0.0, 0.047, 0.0), (0.0, 0.0715, 0.0), 0.037, GREY),
-            tube((0.0, 0.0715, 0.0), (0.0, 0.0823, 0.0), 0.031, SILVER),
-        ],
-        "ee_link": [],
-        "base": [],
-        "tool0": [],
-    }

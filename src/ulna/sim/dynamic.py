@@ -21,8 +21,8 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Sequence
-from functools import lru_cache
-from typing import Literal
+from functools import lru_cache, partial
+from typing import Any, Literal
 
 import numpy as np
 
@@ -204,6 +204,34 @@ def _adaptive(
     atol: float,
 ) -> Recording:
     """Steps u and v from a base that follows, where rotations make the tangent space bend."""
+    n, integrate = plant.robot.nv, _adaptive_solver(plant, solver, rtol, atol)
+    recording, total = Recording(), _sum(law, push, n)
+    recording.add(times[0], q, v=v, tau=checked_torques(law(float(times[0]), q, v), n))
+    t, row = float(times[0]), 1
+    while row < len(times):
+        base = q
+
+        def rates(t: float, y: Floats, base: Floats = base) -> Floats:
+            return np.concatenate(plant._rates(base, y[:n], y[n:], total, t))
+
+        state = np.concatenate([np.zeros(n), v])
+        solution = integrate(rates, (t, float(times[-1])), state, t_eval=times[row:])
+        if solution.status < 0 or not np.isfinite(np.asarray(solution.y)).all():
+            raise InputError(
+                f"The solver gave up at t = {solution.t[-1] if len(solution.t) else t:g} s: {solution.message}"
+            )
+        for at, y in zip(solution.t, np.asarray(solution.y).T, strict=True):
+            here, speed = plant._integrate(base, y[:n].copy()), y[n:].copy()
+            recording.add(at, here, v=speed, tau=checked_torques(law(float(at), here, speed), n))
+        row += len(solution.t)
+        if solution.status == 1:
+            t, y = float(solution.t_events[0][0]), solution.y_events[0][0]
+            q, v = plant._integrate(base, y[:n].copy()), y[n:].copy()
+    return recording
+
+
+def _adaptive_solver(plant: Plant, solver: str | None, rtol: float, atol: float) -> Callable[..., Any]:
+    """SciPy's solver with its options; it stops where u is so long that the tangent space bends too much."""
     try:
         from scipy.integrate import solve_ivp
     except ImportError:
@@ -217,37 +245,8 @@ def _adaptive(
         return float(np.abs(y[:n]).max(initial=0.0)) - 1.5
 
     far.terminal = True  # type: ignore[attr-defined]
-    recording, total = Recording(), _sum(law, push, n)
-    recording.add(times[0], q, v=v, tau=checked_torques(law(float(times[0]), q, v), n))
-    t, row = float(times[0]), 1
-    while row < len(times):
-        base = q
-
-        def rates(t: float, y: Floats, base: Floats = base) -> Floats:
-            return np.concatenate(plant._rates(base, y[:n], y[n:], total, t))
-
-        solution = solve_ivp(
-            rates,
-            (t, float(times[-1])),
-            np.concatenate([np.zeros(n), v]),
-            method=method,
-            t_eval=times[row:],
-            events=None if plant._is_vector_space else far,
-            rtol=rtol,
-            atol=atol,
-        )
-        if solution.status < 0 or not np.isfinite(np.asarray(solution.y)).all():
-            raise InputError(
-                f"The solver gave up at t = {solution.t[-1] if len(solution.t) else t:g} s: {solution.message}"
-            )
-        for at, y in zip(solution.t, np.asarray(solution.y).T, strict=True):
-            here, speed = plant._integrate(base, y[:n].copy()), y[n:].copy()
-            recording.add(at, here, v=speed, tau=checked_torques(law(float(at), here, speed), n))
-        row += len(solution.t)
-        if solution.status == 1:
-            t, y = float(solution.t_events[0][0]), solution.y_events[0][0]
-            q, v = plant._integrate(base, y[:n].copy()), y[n:].copy()
-    return recording
+    events = None if plant._is_vector_space else far
+    return partial(solve_ivp, method=method, events=events, rtol=rtol, atol=atol)
 
 
 @lru_cache(maxsize=32)

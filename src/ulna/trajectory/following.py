@@ -14,7 +14,7 @@ from ulna.trajectory.inputs import vector
 from ulna.trajectory.polynomial import Polynomial
 from ulna.trajectory.space import Poses
 from ulna.trajectory.waypoints import cubic_spline
-from ulna.typing import ArrayLike
+from ulna.typing import ArrayLike, Floats
 
 
 def follow(
@@ -54,26 +54,11 @@ def follow(
         >>> (robot.fk(move(1.0))[:3, 3] - T.translation).round(4)
         array([-0. ,  0.1, -0. ])
     """
-    if not isinstance(trajectory, Trajectory):
-        raise InputError(
-            f"`trajectory` is {short_repr(trajectory)}; expected one of poses, such as pose_line(...)."
-        )
-    if not isinstance(trajectory.space, Poses):
-        raise InputError("`trajectory` moves joints already; expected one of poses, such as pose_line(...).")
-    if not isinstance(samples, (int, np.integer)) or samples < 3:
-        raise InputError(f"`samples` is {samples!r}; expected a count of at least 3.")
+    _check(trajectory, samples)
     t, T, V, _ = trajectory.sample(n=int(samples) + 1)
     q, configurations = vector("q0", q0), []
     for time, goal in zip(t, T, strict=True):
-        answer = ik(goal, q)
-        if not bool(getattr(answer, "success", True)):
-            raise InputError(
-                f"Inverse kinematics fails at {time:.6g} s of {t[-1]:.6g} s, at {goal[:3, 3].round(4)} m."
-            )
-        try:
-            new = vector("q", getattr(answer, "q", answer), q.size)
-        except NonFiniteError:
-            raise InputError(f"Inverse kinematics returns nan at {time:.6g} s of {t[-1]:.6g} s.") from None
+        new = _solved(ik, goal, q, f"{time:.6g} s of {t[-1]:.6g} s")
         step = np.abs(new - q)
         if configurations and step.max() > jump:
             k = int(np.argmax(step))
@@ -88,6 +73,28 @@ def follow(
     end = None if np.abs(V[-1]).max() < 1e-9 else _slope(rows[:-5:-1], t[:-5:-1])
     spline = cubic_spline(rows, times=t, v0=start, v1=end)
     return Polynomial(spline.times, spline.coefficients, spline.space, "followed path")
+
+
+def _check(trajectory: Any, samples: Any) -> None:
+    if not isinstance(trajectory, Trajectory):
+        raise InputError(
+            f"`trajectory` is {short_repr(trajectory)}; expected one of poses, such as pose_line(...)."
+        )
+    if not isinstance(trajectory.space, Poses):
+        raise InputError("`trajectory` moves joints already; expected one of poses, such as pose_line(...).")
+    if not isinstance(samples, (int, np.integer)) or samples < 3:
+        raise InputError(f"`samples` is {samples!r}; expected a count of at least 3.")
+
+
+def _solved(ik: Callable[[Any, Any], Any], goal: Floats, q: Floats, time: str) -> Floats:
+    """The configuration (n,) that inverse kinematics finds for a goal from q; errors name the time."""
+    answer = ik(goal, q)
+    if not bool(getattr(answer, "success", True)):
+        raise InputError(f"Inverse kinematics fails at {time}, at {goal[:3, 3].round(4)} m.")
+    try:
+        return vector("q", getattr(answer, "q", answer), q.size)
+    except NonFiniteError:
+        raise InputError(f"Inverse kinematics returns nan at {time}.") from None
 
 
 def _slope(q: Any, t: Any) -> Any:

@@ -80,19 +80,16 @@ def time_optimal(
     """
     if scheme not in _SCHEMES:
         raise UnknownName("scheme", scheme, _SCHEMES)
-    curve = path if isinstance(path, Trajectory) else _spline(path)
-    if isinstance(curve.space, Poses):
-        raise InputError("The path is one of poses; expected joints: follow(path, ik) makes them.")
-    n = curve.space.n
+    curve = _curve(path)
     model = None if robot is None else model_of(robot)
     if model is not None:
         require_configurations("path", curve.space, model)
     if torque is not None and model is None:
         raise InputError("`torque` was given without `robot`, whose dynamics they take; pass it.")
     names = curve.space.names if model is None else model.velocity_names
-    speeds = bounds_of("velocity", _or_limit(velocity, model, "velocity_limit"), n)
-    hard = bounds_of("acceleration", acceleration, n)
-    strong = bounds_of("torque", _or_limit(torque, model, "effort_limit"), n)
+    speeds = bounds_of("velocity", _or_limit(velocity, model, "velocity_limit"), curve.space.n)
+    hard = bounds_of("acceleration", acceleration, curve.space.n)
+    strong = bounds_of("torque", _or_limit(torque, model, "effort_limit"), curve.space.n)
     if not (hard.any or strong.any):
         raise InputError(
             "No limit of acceleration or torque is finite; with speeds alone no motion starts from rest."
@@ -109,6 +106,14 @@ def time_optimal(
     )
     solution = solved(task, first_grid(grid, curve))
     return Retimed(curve, _law(solution.s, solution.D, solution.x), "time-optimal", solution.use)
+
+
+def _curve(path: Trajectory | ArrayLike) -> Trajectory:
+    """The path as a trajectory of joints; way-points are joined by a spline."""
+    curve = path if isinstance(path, Trajectory) else _spline(path)
+    if isinstance(curve.space, Poses):
+        raise InputError("The path is one of poses; expected joints: follow(path, ik) makes them.")
+    return curve
 
 
 def _spline(points: ArrayLike) -> Polynomial:

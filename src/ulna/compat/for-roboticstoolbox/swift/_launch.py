@@ -18,6 +18,10 @@ from ulna.viewer.viewer import Viewer
 _BROWSER_TIMEOUT = 10.0  # s that `launch` waits for a browser that it opened
 _OLDER = ("comms",)  # arguments of Swift 1 that mean nothing here
 _SEE_THEME = "See `env.viewer.theme` and `env.viewer.floor`."
+_NOT_USED = (
+    "Swift.launch: the floor and the lights are those of the viewer; `lights` and `ground_...` are not used. "
+    + _SEE_THEME
+)
 _ALTERNATIVES = {
     "realtime_speed": "It is an argument of `env.launch(realtime=2.0)`, and in the page's panel.",
     "swift_objects": "Take `env[number]` or `env[name]`; `env.show()` lists what there is.",
@@ -99,12 +103,7 @@ class LaunchedEnvironment:
         if unknown:
             raise TypeError(f"Swift.launch has no argument {unknown[0]!r}.")
         if lights is not None or ground_opacity != 1.0 or ground_pattern or ground_pattern_width != 1.0:
-            warnings.warn(
-                "Swift.launch: the floor and the lights are those of the viewer; `lights` and `ground_...` are not "
-                "used. See `env.viewer.theme` and `env.viewer.floor`.",
-                UlnaWarning,
-                stacklevel=2,
-            )
+            warnings.warn(_NOT_USED, UlnaWarning, stacklevel=2)
         if browser == "notebook":
             warnings.warn(
                 'launch(browser="notebook") is now launch(notebook=True)', FutureWarning, stacklevel=2

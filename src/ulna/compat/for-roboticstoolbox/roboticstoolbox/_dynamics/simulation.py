@@ -67,24 +67,27 @@ class ForwardSimulation(RobotMixin):
             raise WrongType(
                 f"`Q` is {Q!r}; expected a function of the robot, t, q and qd, or None for no torques."
             )
-        start = np.asarray(q0, dtype=float)
-        if start.shape != (self.n,):
-            raise ShapeError("q0", start.shape, f"({self.n},)")
-        v0 = np.zeros(self.n) if qd0 is None else np.asarray(qd0, dtype=float)
         still, arguments, n = np.zeros(self.n), Q_args or {}, self.n
 
         def rate(t: float, x: Floats) -> Floats:
             tau = still if Q is None else np.asarray(Q(self, t, x[:n], x[n:], **arguments), dtype=float)
             return np.concatenate([x[n:], self.accel(x[:n], x[n:], tau)])
 
-        stepper = getattr(integrate, solver)(
-            rate, t0=0.0, y0=np.concatenate([start, v0]), t_bound=T, **(solver_args or {})
-        )
+        start = _state(q0, qd0, n)
+        stepper = getattr(integrate, solver)(rate, t0=0.0, y0=start, t_bound=T, **(solver_args or {}))
         t, x = _all_steps(stepper, solver, T, progress)
         if dt is not None:
             even = np.arange(0.0, T, dt)
             x, t = interpolate.interp1d(t, x, axis=0)(even), even
         return fdyn(t, x[:, :n], x[:, n:])
+
+
+def _state(q0: Any, qd0: Any, n: int) -> Floats:
+    """Configuration and velocity at the start, one after the other, (2 n,); at rest where there is no velocity."""
+    q = np.asarray(q0, dtype=float)
+    if q.shape != (n,):
+        raise ShapeError("q0", q.shape, f"({n},)")
+    return np.concatenate([q, np.zeros(n) if qd0 is None else np.asarray(qd0, dtype=float)])
 
 
 def _all_steps(stepper: Any, solver: str, T: float, progress: bool) -> tuple[Floats, Floats]:

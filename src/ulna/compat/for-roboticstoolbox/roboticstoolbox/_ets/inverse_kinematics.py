@@ -104,15 +104,20 @@ def solve(
     )  # fmt: skip
     if not pinv and chain.n != _SQUARE:
         result = _without_inverse(chain, T, starts, slimit, settings)
-    elif starts is None or len(starts) == 1:
-        result = _search(chain, T, None if starts is None else starts[0], slimit, settings)
     else:
-        result = _searches_from_rows(chain, T, starts, slimit, settings)
+        result = _searched(chain, T, starts, slimit, settings)
     if result.success and T.ndim == 2:
         result.reason = reason
     if verbose:
         print(result.report())
     return result
+
+
+def _searched(chain: Chain, T: Floats, starts: Floats | None, slimit: int, settings: Settings) -> IKSolution:
+    """The solution from these starting rows (k, n); None for a default."""
+    if starts is None or len(starts) == 1:
+        return _search(chain, T, None if starts is None else starts[0], slimit, settings)
+    return _searches_from_rows(chain, T, starts, slimit, settings)
 
 
 @dataclass(frozen=True)

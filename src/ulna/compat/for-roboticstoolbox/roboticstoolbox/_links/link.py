@@ -71,10 +71,7 @@ class Link(LinkNode, DynamicParameters):
         self.robot: Any = None
         self.number: int | None = 0
         self.name = name
-        if not isinstance(parent, Link | str | None):
-            raise WrongType(f"`parent` of a link is {parent!r}; expected a link, or its name.")
-        self._parent = parent if isinstance(parent, Link) else None
-        self._parent_name = parent.name if isinstance(parent, Link) else parent
+        self._parent, self._parent_name = _link_and_name(parent)
         self._joint_name = joint_name
         self.children: list[Link] = []
         self._children: list[Any] = []
@@ -265,6 +262,13 @@ class Link(LinkNode, DynamicParameters):
     def __repr__(self) -> str:
         first = [*([repr(self._ets)] if self._ets.data else []), f'name = "{self.name}"']
         return f"{type(self).__name__}({', '.join([*first, *self._details()])})"
+
+
+def _link_and_name(parent: Any) -> tuple[Link | None, str | None]:
+    """The link before a link, where it is known already, and its name."""
+    if not isinstance(parent, Link | str | None):
+        raise WrongType(f"`parent` of a link is {parent!r}; expected a link, or its name.")
+    return (parent, parent.name) if isinstance(parent, Link) else (None, parent)
 
 
 def _listed(numbers: Any) -> str:

@@ -108,54 +108,38 @@ class Plotting(RobotMixin):
             WrongShape: `q` has another shape.
             InputError: The backend or a figure that is there cannot use an argument.
         """
-        rows = np.atleast_2d(np.asarray(q, dtype=float))
-        if rows.shape[-1] != self.n or rows.ndim != 2:
-            raise WrongShape("q", np.shape(q), f"({self.n},) or (m, {self.n})")
+        rows = _rows(q, self.n)
         _check_with_scene(env, limits=limits, fig=fig, ax=ax, notebook=notebook)
-        only_flat = {
-            "limits": limits,
-            "vellipse": vellipse,
-            "fellipse": fellipse,
-            "fig": fig,
-            "ax": ax,
-            "view": view,
-        }
-        used = [
-            name
-            for name, value in {**only_flat, "movie": movie}.items()
-            if value is not None and value is not False
-        ]
-        chosen = self._backend_of(env) or self._backend_for(backend, here=bool(used))
-        looks = (
-            {}
-            if chosen == "swift"
-            else {key: options.pop(key) for key in _APPEARANCE_ARGUMENTS if key in options}
+        only_flat = _names_of_given(
+            limits=limits, vellipse=vellipse, fellipse=fellipse, fig=fig, ax=ax, view=view, movie=movie
         )
-        if options or notebook:
-            names = ", ".join([*options, *(["notebook"] if notebook else [])])
-            text = f"plot draws Ulna's picture of the robot, without the options {names} of the toolbox's."
-            warnings.warn(text, UlnaWarning, stacklevel=2)
+        chosen = self._backend_of(env) or self._backend_for(backend, here=bool(only_flat))
+        names = () if chosen == "swift" else _APPEARANCE_ARGUMENTS
+        looks = {name: options.pop(name) for name in names if name in options}
+        _warn_of_unused([*options, *(["notebook"] if notebook else [])])
         if chosen == "swift":
-            if used:
-                raise InputError(f"{', '.join(used)} of plot: {_FLAT_ONLY}")
+            if only_flat:
+                raise InputError(f"{', '.join(only_flat)} of plot: {_FLAT_ONLY}")
             return self._play(rows, block, dt, loop, env)
         if env is None:
             env = (PyPlot2 if chosen == "pyplot2" else PyPlot)(ax, None, fig or f"{self.name} Plot")
             env.launch(limits=limits)
-        env.set_view(view)
-        env.heading, self._figure = self.name, env
-        drawing = env.add(self, readonly=True, q=rows[0], **looks)
-        drawing.ellipsoids = _kinds(vellipse, fellipse)
-        if movie is not None:
-            from ulna.viewer.output.video import write_video
-
-            write_video(movie, _frames(drawing, rows, dt), 1.0 / dt)
-        else:
-            _animate(drawing, rows, dt, loop)
+        drawing = self._drawing_in(env, rows[0], view, looks, _kinds(vellipse, fellipse))
+        _show_rows(drawing, rows, dt, loop, movie)
         self.q = rows[-1]
         if block:
             env.hold()
         return env
+
+    def _drawing_in(
+        self, figure: Any, q: Floats, view: str | None, looks: dict[str, Any], ellipsoids: tuple[str, ...]
+    ) -> Any:
+        """The robot in a figure of matplotlib, which is remembered."""
+        figure.set_view(view)
+        figure.heading, self._figure = self.name, figure
+        drawing = figure.add(self, readonly=True, q=q, **looks)
+        drawing.ellipsoids = ellipsoids
+        return drawing
 
     def _prefers_viewer(self) -> bool:
         """Whether the robot has shapes and there is a screen."""
@@ -197,6 +181,20 @@ class Plotting(RobotMixin):
         return env
 
 
+def _rows(q: Any, n: int) -> Floats:
+    """Configurations (m, n), also of one."""
+    rows = np.atleast_2d(np.asarray(q, dtype=float))
+    if rows.shape[-1] != n or rows.ndim != 2:
+        raise WrongShape("q", np.shape(q), f"({n},) or (m, {n})")
+    return rows
+
+
+def _warn_of_unused(options: list[str]) -> None:
+    if options:
+        text = f"plot draws Ulna's picture of the robot, without the options {', '.join(options)} of the toolbox's."
+        warnings.warn(text, UlnaWarning, stacklevel=3)
+
+
 def _check_with_scene(env: Any, **fixed: Any) -> None:
     """Refuses arguments that are chosen when a scene is made, together with a scene.
 
@@ -209,6 +207,21 @@ def _check_with_scene(env: Any, **fixed: Any) -> None:
             f"plot was given env and {', '.join(scene_options)}; what a scene is drawn in is chosen by the plot that "
             "makes it. Pass them there."
         )
+
+
+def _names_of_given(**arguments: Any) -> list[str]:
+    """The names of arguments that are neither None nor False."""
+    return [name for name, value in arguments.items() if value is not None and value is not False]
+
+
+def _show_rows(drawing: RobotPlot, rows: Floats, dt: float, loop: bool, movie: str | None) -> None:
+    """Writes configurations into a film, or plays them where there is none."""
+    if movie is None:
+        _animate(drawing, rows, dt, loop)
+        return
+    from ulna.viewer.output.video import write_video
+
+    write_video(movie, _frames(drawing, rows, dt), 1.0 / dt)
 
 
 def _kinds(vellipse: bool, fellipse: bool) -> tuple[str, ...]:

@@ -101,17 +101,9 @@ class BaseRobot(
             urdf_string: What it was read from.
             urdf_filepath: Where it was read from.
         """
+        links = self._links_from(arg)
         if isinstance(arg, BaseRobot):
-            links = [link.copy() for link in arg._links]
             name, manufacturer = name or arg.name, manufacturer or arg.manufacturer
-        elif isinstance(arg, BaseETS):
-            links = self._links_of(arg)
-        elif isinstance(arg, list | tuple):
-            links = list(arg)
-        else:
-            raise WrongType(
-                f"A robot is made of links, a chain of transforms or a robot; {arg!r} is none of them."
-            )
         self.name, self.manufacturer, self.comment = name, manufacturer, comment
         self.keywords, self.symbolic = list(keywords), bool(symbolic)
         self.urdf_string, self.urdf_filepath = urdf_string, urdf_filepath
@@ -127,6 +119,18 @@ class BaseRobot(
             self.addconfiguration_attr(key, q)
 
     _size = 4
+
+    def _links_from(self, arg: Any) -> list[Link]:
+        """The links of what a robot is made of: links, a chain of transforms or a robot, whose links are copied."""
+        if isinstance(arg, BaseRobot):
+            return [link.copy() for link in arg._links]
+        if isinstance(arg, BaseETS):
+            return self._links_of(arg)
+        if isinstance(arg, list | tuple):
+            return list(arg)
+        raise WrongType(
+            f"A robot is made of links, a chain of transforms or a robot; {arg!r} is none of them."
+        )
 
     @classmethod
     def _from_links(cls, links: list[Link], gripper: list[Link] | None, **more: Any) -> Self:

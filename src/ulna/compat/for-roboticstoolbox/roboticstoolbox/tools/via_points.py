@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -50,23 +51,17 @@ def mstraj(
     points = np.atleast_2d(np.asarray(viapoints, dtype=float))
     if q0 is not None:
         points = np.vstack([np.asarray(q0, dtype=float), points])
-    if (qdmax is None) == (tsegment is None):
-        raise InputError("mstraj takes `qdmax` or `tsegment`, one of them.")
     segments, n = len(points) - 1, points.shape[1]
     blends = np.ceil(number_or_array("tacc", tacc, segments) / dt - 1e-9) * dt
     v = number_or_array("qd0", 0.0 if qd0 is None else qd0, n)
+    halves = np.ceil(blends / 2 / dt - 1e-9) * dt
+    corners = [*halves[:1], *blends[1:]]
+    times = _segment_times(np.abs(np.diff(points, axis=0)), corners, blends, dt, qdmax, tsegment)
     p, clock, half, duration = points[0], 0, 0.0, 0.0
     rows: list[Any] = []
     arrive, info = np.zeros(segments), []
-    for k, (a, b, blend) in enumerate(zip(points, points[1:], blends, strict=False)):
-        half = math.ceil(blend / 2 / dt - 1e-9) * dt
-        corner = half if k == 0 else blend
-        slowest: float = math.nan
-        if tsegment is None:
-            needed = corner + np.ceil(np.abs(b - a) / number_or_array("qdmax", qdmax, n) / dt - 1e-9) * dt
-            slowest, duration = int(needed.argmax()), np.maximum(needed.max(), 2 * blend)
-        else:
-            duration = float(number_or_array("tsegment", tsegment, segments)[k])
+    for k, (a, b, half, corner) in enumerate(zip(points, points[1:], halves, corners, strict=False)):
+        slowest, duration = times[k]
         info.append(mstraj_info(slowest, duration, clock))
         arrive[k] = clock + duration + (half if k else 0.0)
         rate = (b - a) / duration
@@ -78,11 +73,31 @@ def mstraj(
         p, v = rows[-1][0] if rows else a, rate
         clock += float(corner + dt * len(line))
     rows += _corner(p, v, points[-1], number_or_array("qdf", 0.0 if qdf is None else qdf, n), half, dt)
-    q, rates, rises = (np.array(part) for part in zip(*rows, strict=True))
-    out: Any = Trajectory("mstraj", dt * np.arange(len(q)), q, rates, rises, istime=True)
+    out = _sampled(rows, dt)
     out.arrive, out.via = arrive, points[1:]
     out.info = [*info, mstraj_info(None, duration, clock)]
     return out
+
+
+def _segment_times(
+    lengths: Floats, corners: Sequence[float], blends: Floats, dt: float, qdmax: Any, tsegment: Any
+) -> list[tuple[float, float]]:
+    """For each segment the axis that takes longest, nan where times are given, and how long it takes [s]."""
+    if (qdmax is None) == (tsegment is None):
+        raise InputError("mstraj takes `qdmax` or `tsegment`, one of them.")
+    if tsegment is not None:
+        return [(math.nan, float(t)) for t in number_or_array("tsegment", tsegment, len(lengths))]
+    speeds, times = number_or_array("qdmax", qdmax, lengths.shape[1]), []
+    for length, corner, blend in zip(lengths, corners, blends, strict=True):
+        needed = corner + np.ceil(length / speeds / dt - 1e-9) * dt
+        times.append((int(needed.argmax()), np.maximum(needed.max(), 2 * blend)))
+    return times
+
+
+def _sampled(rows: list[Any], dt: float) -> Any:
+    """The trajectory of rows of position, velocity and acceleration, `dt` apart."""
+    q, rates, rises = (np.array(part) for part in zip(*rows, strict=True))
+    return Trajectory("mstraj", dt * np.arange(len(q)), q, rates, rises, istime=True)
 
 
 def _corner(a: Floats, v: Floats, b: Floats, w: Floats, duration: float, dt: float) -> list[Any]:

@@ -1,0 +1,61 @@
+"""Functions are short: at most 40 lines besides their docstring, but for those listed here."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import ulna
+
+SOURCE = Path(ulna.__file__).parent
+MOST = 40
+LONGER = {
+    "algorithms/constraints/dry_friction.py: velocity_after_friction",
+    "algorithms/constraints/dynamics_derivatives.py: bound_terms",
+    "collision/compiled.py: __init__",
+    "collision/compiled.py: _evaluate",
+    "compat/for-pinocchio/pinocchio/_algorithms/kinematics_derivatives.py: _motions",
+    "compat/for-pinocchio/pinocchio/_containers/keywords.py: decorate",
+    "compat/for-pinocchio/pinocchio/_containers/keywords.py: overloads",
+    "compat/for-pinocchio/pinocchio/_data/functions.py: _source",
+    "compat/for-pinocchio/pinocchio/_geometry/geometry_object.py: __init__",
+    "compiler/codegen/elementary.py: _atan2",
+    "compiler/codegen/sincos.py: reduced_function",
+    "compiler/language/function.py: trace",
+    "compiler/runtime/array_call.py: __call__",
+    "planning/goals.py: _of_array",
+    "planning/planner.py: plan",
+    "quantities/quantity.py: quantity",
+    "scale/cluster.py: connected",
+    "scale/commands.py: add_commands",
+    "viewer/page/page.py: __init__",
+    "viewer/page/server.py: serve",
+    "viewer/render/renderer.py: _shaded_colours",
+}
+"""Functions that are longer, mostly because of their signature; none may be added."""
+
+
+def length(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+    """The lines of a function, without its docstring."""
+    lines = (function.end_lineno or 0) - function.lineno + 1
+    if ast.get_docstring(function) is not None:
+        docstring = function.body[0]
+        lines -= (docstring.end_lineno or 0) - docstring.lineno + 1
+    return lines
+
+
+def test_functions_are_short() -> None:
+    found = {}
+    for path in sorted(SOURCE.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and length(node) > MOST:
+                found[f"{path.relative_to(SOURCE).as_posix()}: {node.name}"] = length(node)
+    longer = {name: lines for name, lines in found.items() if name not in LONGER}
+    assert not longer, f"split these functions, which have more than {MOST} lines: {longer}"
+
+
+def test_the_docstring_does_not_count() -> None:
+    source = 'def f(a,\n      b):\n    """One.\n\n    Two.\n    """\n    return a\n'
+    function = ast.parse(source).body[0]
+    assert isinstance(function, ast.FunctionDef)
+    assert length(function) == 3
