@@ -110,6 +110,29 @@ def test_two_tabs_play_what_was_left_and_go_to_the_next_program(chromium: Any) -
         tab.context.close()
 
 
+def test_the_first_attempt_to_reconnect_waits_for_messages_that_are_held_back(chromium: Any) -> None:
+    """viser's page reconnects at once, and its worker then discards messages that it holds back to smooth their times."""
+    with Viewer(port=free_port(), browser=False) as viewer:
+        tab = tab_at(chromium, viewer.url)
+        assert wait(lambda: tab.evaluate("() => !!window.__viserMutable?.ulnaPlayback"))
+        passed = tab.evaluate(
+            """() => new Promise(resolve => {
+                const source = "onmessage = e => { if (e.data.type !== 'zstd_wasm') postMessage({type: e.data.type}); }";
+                const worker = new Worker(URL.createObjectURL(new Blob([source])));
+                let closed = 0;
+                worker.addEventListener("message", ({data}) => { if (data.type === "closed") closed = performance.now(); });
+                worker.postMessage({type: "zstd_wasm"});
+                worker.onmessage = ({data}) => {  // as viser's page does, on a connection that is older than 5 s
+                    if (data.type === "closed") worker.postMessage({type: "retry"});
+                    if (data.type === "retry") resolve(performance.now() - closed);
+                };
+                worker.postMessage({type: "closed"});
+            })"""
+        )
+        tab.context.close()
+    assert passed > 200.0
+
+
 def _delay(tab: Any) -> float:
     """How long the motion of 2 s in a tab rests before it begins [s]."""
     return float(tab.locator(f"{BAR} output").text_content().split(" of ")[1].split()[0]) - 2.0

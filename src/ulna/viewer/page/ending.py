@@ -10,7 +10,8 @@ from ulna.viewer.page.server import has_delivered, is_connected, visits_of
 
 _DELIVERY_TIME = 10.0  # s that connected tabs have to take what is left
 _LOADING_TIME = 15.0  # s that a tab which is loading has, at the end of the program
-_QUIET_TIME = 0.5  # s after which a message says what is waited for
+_QUIET_TIME = 0.5  # s of loading after which a message says what is waited for
+_QUIET_DELIVERY_TIME = 2.0  # s of delivery after which a message says so
 
 
 def has_tabs(server: Any, at_exit: bool) -> bool:
@@ -42,11 +43,12 @@ def wait_for_tabs(server: Any, at_exit: bool) -> None:
             loading = at_exit and visits.is_loading()
             if not loading and (not is_connected(server) or has_delivered(server) or passed > _DELIVERY_TIME):
                 return
-            if loading and not printed and passed > _QUIET_TIME:
+            if not printed and passed > (_QUIET_TIME if loading else _QUIET_DELIVERY_TIME):
                 printed = True
+                state, limit = ("loading", _LOADING_TIME) if loading else ("receiving", _DELIVERY_TIME)
                 print(
-                    f"The page is still loading; it gets {_LOADING_TIME:.0f} s at most, to show the motion by itself "
-                    "then. Ctrl-C ends this.",
+                    f"The page is still {state}; it gets {limit:.0f} s at most, to show the motion by itself then. "
+                    "Ctrl-C ends this.",
                     file=sys.stderr,
                     flush=True,
                 )

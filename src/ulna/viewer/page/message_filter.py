@@ -13,23 +13,27 @@ import math
 from typing import Any
 
 from ulna.checks.values import MAX_LENGTH
+from ulna.viewer.page.pose_channel import LAST
 
 _log = logging.getLogger("ulna.page.messages")
 _MAX_TEXT = 100_000  # characters of a text that somebody types
 _ROUNDING = 1e-9  # of the range of a slider: what JavaScript's arithmetic leaves beyond its limits
 
 
-def filter_messages(server: Any) -> None:
+def filter_messages(server: Any, answered: set[int]) -> None:
     """Have a viser server ignore messages that no page of ours sends.
 
     Args:
         server: A `viser.ViserServer` of a known version.
+        answered: Gets the numbers of clients that have answered the last message of the program.
     """
     connection = server._websock_server
     handle = connection._handle_incoming_message
 
     async def checked(client_id: Any, message: Any) -> None:
-        if is_valid(server, message):
+        if getattr(message, "name", None) == LAST:
+            answered.add(int(client_id))
+        elif is_valid(server, message):
             await handle(client_id, message)
         else:
             _log.info("ignored a %s of client %s", type(message).__name__, client_id)

@@ -26,6 +26,9 @@ POSES, APPEARANCES, FLOOR = "/(page)/poses", "/(page)/looks", "/(page)/floor"
 MOTION = "/(page)/motion"
 """The name, followed by a number, under which parts of the whole motion are sent."""
 
+LAST = "/(page)/last"
+"""The name of the last message of a program, which pages answer under the same name."""
+
 _SCRIPTS = ("shadow_light", "render_on_demand", "playback", "scene_messages")
 
 
@@ -44,6 +47,7 @@ def _hook_script(title: str) -> str:
         "APPEARANCES": APPEARANCES,
         "FLOOR": FLOOR,
         "MOTION": MOTION,
+        "LAST": LAST,
         "KEY_LIGHT": KEY_LIGHT,
         "SKY": SKY,
         "TITLE": title,
@@ -106,6 +110,10 @@ class PoseChannel:
         for k, part in enumerate(parts):
             updates = {"names": part.paths, "t": part.t, "p": part.rows, "part": k, "parts": len(parts)}
             self._queue(f"{MOTION} {k}", updates)
+
+    def send_last(self) -> None:
+        """Send a message that pages answer: those that did have everything that was sent before."""
+        self._queue(LAST, {})
 
     def send_appearances(self, paths: Sequence[str], rows: Array, texts: dict[str, str]) -> None:
         """Send appearances; they replace those not sent yet. Nodes that are not named look plain.

@@ -102,11 +102,12 @@ class Publisher:
             self._set_each(snapshot)
 
     def send_motion(self) -> None:
-        """Send the whole motion, for pages to play after the program has ended."""
+        """Send the whole motion, for pages to play after the program has ended, and ask them whether they have it."""
         if self._logs:
             self.motion.add_step(self._scene.snapshot, at_end=True)
             paths = {name: [h.name for h in node.handles] for name, node in self.shown.items()}
             self._channel.send_motion(self.motion.parts(paths))
+            self._channel.send_last()
 
     def _update_nodes(self, snapshot: Snapshot, now: float) -> None:
         """Make the nodes of the page those of the scene."""

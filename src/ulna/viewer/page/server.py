@@ -29,6 +29,7 @@ from ulna.viewer.page.visits import Visits
 
 _construction_lock = forks.lock()
 _visits: weakref.WeakKeyDictionary[Any, Visits] = weakref.WeakKeyDictionary()
+_answered: weakref.WeakKeyDictionary[Any, set[int]] = weakref.WeakKeyDictionary()  # clients that have it all
 _serving: weakref.WeakKeyDictionary[Any, list[Any]] = weakref.WeakKeyDictionary()  # what opened the sockets
 _log = logging.getLogger("ulna.page")
 _log.setLevel(logging.CRITICAL)
@@ -115,20 +116,21 @@ def serve(host: str, port: int | None, title: str, token: str = "") -> Any:
             f"viser {viser.__version__} opens its socket in a form that cannot be protected against other web "
             f"pages. Install a version that can: {install_command('viewer', 'viser')}"
         )
-    _restrict_messages(server, visits)
+    _answered[server] = set()
+    _restrict_messages(server, visits, _answered[server])
     _serving[server], _visits[server] = guarded, visits
     return server
 
 
-def _restrict_messages(server: Any, visits: Visits) -> None:
-    """Removes the sharing of the page, checks messages from it, and notes tabs that connect."""
+def _restrict_messages(server: Any, visits: Visits, answered: set[int]) -> None:
+    """Removes the sharing of the page, checks messages from it, and notes tabs that connect and that have it all."""
     from viser import _messages
 
     # else anyone in the page could open a tunnel to the internet
     for kind in ("ShareUrlRequest", "ShareUrlDisconnect"):
         server._websock_server.unregister_handler(getattr(_messages, kind))
     if is_known_version():
-        filter_messages(server)
+        filter_messages(server, answered)
         server._websock_server.on_client_connect(lambda _: visits.note_connected())
 
 
@@ -170,14 +172,8 @@ def is_connected(server: Any) -> bool:
 
 
 def has_delivered(server: Any) -> bool:
-    """Whether all messages for all tabs were handed to the operating system."""
-    sockets = server._websock_server
-    buffer = sockets.get_message_buffer()
-    last = buffer.message_counter - 1
-    return all(
-        buffer.generator_cursors.get(client, -1) >= last and not connection.transport.get_write_buffer_size()
-        for client, connection in list(sockets._live_connections.items())
-    )
+    """Whether all tabs have answered the last message, and so have everything that was sent before it."""
+    return _answered.get(server, set()).issuperset(list(server._websock_server._live_connections))
 
 
 def disconnect(server: Any) -> None:

@@ -20,6 +20,7 @@ from websockets.sync.client import connect
 import ulna
 from support.patience import patient
 from ulna.viewer import Viewer
+from ulna.viewer.page import ending
 
 wait = patient()
 CAMERA = {
@@ -97,7 +98,8 @@ class Panel:
 
 
 @pytest.fixture
-def viewer() -> Iterator[Viewer]:
+def viewer(monkeypatch: pytest.MonkeyPatch) -> Iterator[Viewer]:
+    monkeypatch.setattr(ending, "_DELIVERY_TIME", 0.0)  # the tabs here never answer
     viewer = Viewer(port=0, browser=False)
     yield viewer
     viewer.close()

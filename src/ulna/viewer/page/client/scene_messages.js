@@ -151,6 +151,9 @@
       } else if (update && m.name.startsWith(MOTION)) {
         page.ulnaPlayback?.take(m.updates);
         markChanged(false);
+      } else if (update && m.name === LAST) {
+        page.sendMessage?.({type: "TransformControlsDragEndMessage", name: LAST, owner: ""});  // the server waits for it
+        markChanged(false);
       } else if (update && m.name === APPEARANCES) {
         onAppearances(m.updates);
         markChanged(false);  // it requested a frame where it needed one
