@@ -48,13 +48,13 @@ def diagnose(robot: Any, **options: Any) -> tuple[Finding, ...]:
     model = getattr(robot, "model", robot)
     findings: list[Finding] = []
     if not isinstance(model, Model):
-        with warnings.catch_warnings(record=True) as said:
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             try:
                 model = load_model(robot, **options)
             except ModelError as error:
                 return (_not_loadable(error),)
-        findings += [_warned(str(w.message)) for w in said]
+        findings += [_warned(str(w.message)) for w in caught]
     shapes = Shapes(model)
     bodies = list(body_findings(model, shapes.points))
     impossible = {f.subject.removeprefix("link ") for f in bodies if f.severity == "error"}

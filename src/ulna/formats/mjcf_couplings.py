@@ -26,11 +26,11 @@ class Couplings:
 
     Attributes:
         followed: for each joint that follows another, by index: the index of that one, multiplier, offset.
-        kept: indices of the equalities that these relations keep.
+        expressed: indices of the equalities that these relations express.
     """
 
     followed: dict[int, tuple[int, float, float]]
-    kept: frozenset[int]
+    expressed: frozenset[int]
 
 
 def couplings(m: Any, equalities_on: bool = True) -> Couplings:

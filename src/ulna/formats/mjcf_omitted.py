@@ -126,7 +126,7 @@ class OmissionSearch:
         m = self._m
         not_expressed: dict[tuple[str, str, str], list[str]] = {}
         for e in range(m.neq):
-            if self._switches.equalities and m.eq_active0[e] and e not in self._joined.kept:
+            if self._switches.equalities and m.eq_active0[e] and e not in self._joined.expressed:
                 not_expressed.setdefault(reason_omitted(m, e), []).append(
                     self._location("equality", m.equality(e).name, e)
                 )

@@ -91,6 +91,6 @@ def _oddity(declarations: tuple[tuple[int, int], ...], start: int, first: bytes)
     if len(declarations) > 1:
         return f"the file has {len(declarations)} XML declarations"
     if version is None or not re.fullmatch(rb"1\.\d+", version[1]):
-        said = version[1].decode("utf-8", errors="replace") if version else ""
-        return f"the XML declaration has the version {excerpt(said)!r}, and there is none but 1.0 and 1.1"
+        number = version[1].decode("utf-8", errors="replace") if version else ""
+        return f"the XML declaration has the version {excerpt(number)!r}, and there is none but 1.0 and 1.1"
     return f"the XML declaration {excerpt(first.decode('utf-8', errors='replace'))} is not written as one"

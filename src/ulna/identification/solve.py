@@ -332,13 +332,13 @@ def fitted_fields(
         Fields of `FittedParameters` by name.
     """
     base = base_parameters_of(rows, parameter_names(model, **sought))
-    spread, condition = base_statistics(base, rows, squares, count)
+    deviations, condition = base_statistics(base, rows, squares, count)
     return {
         "model": model,
         "parameters": p[: 10 * len(model.joints)],
         **drive_parameters(model, p, sought),
         "base": base,
         "base_values": base.of(p),
-        "base_deviations": spread,
+        "base_deviations": deviations,
         "condition": condition,
     }

@@ -39,8 +39,8 @@ class BranchKernel:
     def __init__(self, model: Model, frame: str, joints: Sequence[str] | None, free: str | None) -> None:
         names = None if joints is None else tuple(joints)
         default_start = np.clip(model.neutral, model.lower_position, model.upper_position)
-        held = tuple(default_start[list(between(model, frame, names))].tolist())
-        source = source_of(model, frame, names, free, held)
+        fixed = tuple(default_start[list(between(model, frame, names))].tolist())
+        source = source_of(model, frame, names, free, fixed)
         if not isinstance(source, ClosedForm):
             raise InputError(
                 f"The arm that carries {frame!r} has no closed form: {source.method}. Use ik_all."

@@ -166,7 +166,7 @@ def ik_all(
     batch = goals.shape[:-2]
     names = None if joints is None else tuple(joints)
     base = _start(model, q0, batch)
-    source = source_of(model, frame, names, free, _held_values(base, between(model, frame, names)))
+    source = source_of(model, frame, names, free, _fixed_values(base, between(model, frame, names)))
     values = _values(model, source, samples, None if q0 is None else base)
     sift = Sift(source, q0 is not None, limits, turns, position_tolerance, rotation_tolerance)
     goals, base = goals.reshape(-1, 4, 4), base.reshape(-1, model.nq)
@@ -191,20 +191,20 @@ def _deferred(
     options: dict[str, Any],
 ) -> Branches:
     """The solutions of poses in lazy or labelled arrays; the free joint has the same values in every block."""
-    held = between(model, frame, joints)
+    fixed = between(model, frame, joints)
     is_single = q0 is None or (not is_deferred(q0) and np.ndim(q0) == 1)
-    if held and not is_single:
+    if fixed and not is_single:
         raise InputError(
             "`q0` is lazy or a batch, but joints that are held at their values in `q0` change the arm. "
             "Pass one `q0` of shape (nq,), or NumPy arrays."
         )
     base = _start(model, q0 if is_single else None, ())
-    source = source_of(model, frame, joints, free, _held_values(base, held))
+    source = source_of(model, frame, joints, free, _fixed_values(base, fixed))
     values = _values(model, source, samples, base if is_single and q0 is not None else None)
     most = source.most * len(values) * (_turns(source) if options["turns"] else 1)
-    ask = partial(_solve_block, model, frame, joints, free, values, options)
-    found = deferred.branches(ask, T, q0, model.nq, model.position_names, most)
-    q, position_error, rotation_error, total, miss, complete = found
+    solve_block = partial(_solve_block, model, frame, joints, free, values, options)
+    arrays = deferred.branches(solve_block, T, q0, model.nq, model.position_names, most)
+    q, position_error, rotation_error, total, miss, complete = arrays
     method = _method(source, values)
     return Branches(q, position_error, rotation_error, total, miss, complete.all(), method)
 
@@ -252,17 +252,17 @@ def _clipped_neutral(model: Model) -> Floats:
     return np.clip(model.neutral, model.lower_position, model.upper_position)
 
 
-def _held_values(base: Floats, places: tuple[int, ...]) -> tuple[float, ...]:
+def _fixed_values(base: Floats, places: tuple[int, ...]) -> tuple[float, ...]:
     """The coordinates at `places`, which must be the same throughout a batch."""
     if not places or not base.size:
         return (0.0,) * len(places)
-    held = base[..., list(places)].reshape(-1, len(places))
-    if not (held == held[0]).all():
+    values = base[..., list(places)].reshape(-1, len(places))
+    if not (values == values[0]).all():
         raise InputError(
             "`q0` differs within the batch in joints that are held between those of the arm, which then has another "
             "shape for each pose; solve pose by pose."
         )
-    return tuple(held[0].tolist())
+    return tuple(values[0].tolist())
 
 
 def _values(model: Model, source: Source, samples: int | ArrayLike, q0: Floats | None) -> Floats:

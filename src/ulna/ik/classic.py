@@ -105,8 +105,8 @@ def classic(problem: Problem, method: Method, has_null_motion: bool) -> Function
             over = (at.is_met | (age >= most)) & ~is_met
             gains = settings[5:8] if has_null_motion else None
             moved = problem.moved(q, _step(problem, method, q, at, damping, gains))
-            anew = starting_point(problem, q0, shift, failed + 1.0, 1.0)
-            following = numeric.where(is_met, q, numeric.where(over, anew, moved))
+            start = starting_point(problem, q0, shift, failed + 1.0, 1.0)
+            following = numeric.where(is_met, q, numeric.where(over, start, moved))
             return (
                 *following[problem.positions],
                 numeric.where(over, 0.0, age + 1.0),

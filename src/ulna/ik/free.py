@@ -156,8 +156,8 @@ class FreeSolver:
         if len(problem.frames) != 1 or problem.rows != 6 or len(problem.velocities) != 6:
             return False
         frame = self.model.frame_name(problem.frames[0])
-        held = self.model.neutral[list(between(self.model, frame, self._arm))]
-        source = source_of(self.model, frame, self._arm, None, tuple(held.tolist()))
+        fixed = self.model.neutral[list(between(self.model, frame, self._arm))]
+        source = source_of(self.model, frame, self._arm, None, tuple(fixed.tolist()))
         return isinstance(source, (ClosedForm, Elimination))
 
     @property

@@ -173,7 +173,7 @@ def advance(
     q = step(problem, now.q, at, damping)
     over = _is_over(now, at)
     following = now.number + stride
-    anew = starting_point(problem, q0, shift, following, _draw_radius(following, near))
+    start = starting_point(problem, q0, shift, following, _draw_radius(following, near))
     better = at.is_met | (at.squared < now.least)
     keeps, restarts = at.is_met, over
     age, before = numeric.where(over, 0.0, now.age + 1.0), numeric.where(over, _INFINITE_ERROR, at.squared)
@@ -181,11 +181,11 @@ def advance(
     if lower is not None and descends is not None:
         chosen = partial(numeric.where, descends)
         keeps, restarts = keeps & ~descends, chosen(lower.is_worse, over)
-        anew = chosen(now.best, anew)
+        start = chosen(now.best, start)
         age, before = chosen(lower.damping, age), chosen(lower.is_worse, before)
         is_met = chosen(lower.is_over, is_met)
     return Attempt(
-        numeric.where(keeps, now.q, numeric.where(restarts, anew, q)),
+        numeric.where(keeps, now.q, numeric.where(restarts, start, q)),
         numeric.where(over, following, now.number),
         age,
         before,

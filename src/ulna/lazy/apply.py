@@ -135,7 +135,7 @@ def _check_batch(arrays: Sequence[Any], inputs: Sequence[Slot]) -> None:
     for axis in range(1, max(map(len, batches)) + 1):
         lengths = {batch[-axis] for batch in batches if len(batch) >= axis}
         if len({n for n in lengths if not math.isnan(n) and n != 1}) > 1:
-            said = ", ".join(f"`{slot.name}` {a.shape}" for a, slot in zip(arrays, inputs, strict=True))
+            shapes = ", ".join(f"`{slot.name}` {a.shape}" for a, slot in zip(arrays, inputs, strict=True))
             raise ShapeError(
-                inputs[-1].name, arrays[-1].shape, "leading axes that broadcast", f"Together: {said}."
+                inputs[-1].name, arrays[-1].shape, "leading axes that broadcast", f"Together: {shapes}."
             )

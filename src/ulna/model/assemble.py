@@ -268,23 +268,23 @@ def _impossible_inertias(state: BuilderState) -> tuple[list[str], list[tuple[flo
 def _warn_of_inertias(state: BuilderState) -> None:
     """One warning about all inertias that no distribution of mass has."""
     negative, lopsided = _impossible_inertias(state)
-    said = []
+    groups = []
     if negative:
-        said.append(f"with a negative principal moment: {', '.join(negative)}")
+        groups.append(f"with a negative principal moment: {', '.join(negative)}")
     if lopsided:
         links = "1 link" if len(lopsided) == 1 else f"{len(lopsided)} links"
-        said.append(
+        groups.append(
             f"with a principal moment larger than the other two together, at {links}, the worst "
             f"{max(lopsided)[1]} (are its six numbers in order, and about the centre of mass?)"
         )
-    if said:
+    if groups:
         trust = (
             "do not trust the dynamics"
             if negative
             else "the dynamics are those of the numbers, not of a body"
         )
         warnings.warn(
-            f"Model {state.name!r} has inertias that no body has, {'; and '.join(said)}. "
+            f"Model {state.name!r} has inertias that no body has, {'; and '.join(groups)}. "
             f"Kinematics are right; {trust}.",
             ModelWarning,
             stacklevel=level_of_caller(),

@@ -114,9 +114,9 @@ class OfColumns(_OneByOne):
     def _evaluate_one(self, inputs: Sequence[Floats], outputs: Sequence[Floats]) -> None:
         q, *others = inputs
         kinds = zip(others, self._are_velocities, strict=True)
-        spread = [x[:, self._entries] if is_velocity else x for x, is_velocity in kinds]
+        expanded = [x[:, self._entries] if is_velocity else x for x, is_velocity in kinds]
         matrices = [np.empty((1, shape[0] * shape[1])) for shape in self._shapes]
-        self._main.evaluate([q, *spread], matrices)
+        self._main.evaluate([q, *expanded], matrices)
         for matrix, shape, output in zip(matrices, self._shapes, outputs, strict=True):
             output[0] = self._added(matrix.reshape(shape)).reshape(-1)
         if self._armature is not None:
@@ -186,12 +186,12 @@ class Couplings(NamedTuple):
         followers = np.setdiff1d(np.arange(len(entries)), sources)
         return cls(entries, sources, followers, sources[entries[followers]])
 
-    def ties(self) -> Floats:
-        """What forces of couplings are as torques of columns, (m, columns)."""
-        ties = np.zeros((len(self.followers), len(self.entries)))
+    def jacobian(self) -> Floats:
+        """The Jacobian of the couplings, (m, columns): the velocity of each follower less that of its leader."""
+        J = np.zeros((len(self.followers), len(self.entries)))
         rows = np.arange(len(self.followers))
-        ties[rows, self.followers], ties[rows, self.leaders] = 1.0, -1.0
-        return ties
+        J[rows, self.followers], J[rows, self.leaders] = 1.0, -1.0
+        return J
 
 
 _LARGEST_RESIDUAL = 1e-9
@@ -225,7 +225,7 @@ class CoupledAccelerations(_OneByOne):
     ) -> None:
         super().__init__(solved.outputs, free)
         self._response, self._torques = response.evaluator(), torques.evaluator()
-        self._couplings, self._ties, self._solved = couplings, couplings.ties(), solved
+        self._couplings, self._jacobian, self._solved = couplings, couplings.jacobian(), solved
 
     def _evaluate_one(self, inputs: Sequence[Floats], outputs: Sequence[Floats]) -> None:
         q, v, tau, *rest = inputs
@@ -233,8 +233,8 @@ class CoupledAccelerations(_OneByOne):
         loads, free = np.zeros((1, len(c.entries))), np.empty((1, len(c.entries)))
         loads[:, c.sources] = tau
         self._main.evaluate([q, v[:, c.entries], loads, *rest], [free])
-        X = np.empty(self._ties.shape)
-        self._response.evaluate([np.repeat(q, len(X), axis=0), np.zeros(X.shape), self._ties], [X])
+        X = np.empty(self._jacobian.shape)
+        self._response.evaluate([np.repeat(q, len(X), axis=0), np.zeros(X.shape), self._jacobian], [X])
         try:
             G = X[:, c.followers] - X[:, c.leaders]
             forces = np.linalg.solve(G.T, free[0, c.leaders] - free[0, c.followers])

@@ -167,11 +167,11 @@ class State:
         Returns:
             e, (m,) [m, rad].
         """
-        held = iter(() if anchors is None else anchors)
+        anchor_poses = iter(() if anchors is None else anchors)
 
         def rows(a: Motion, b: Motion | None, size: int) -> Floats:
             if b is None:
-                T = next(held)
+                T = next(anchor_poses)
                 p, R = T[:3, 3], T[:3, :3]
             else:
                 p, R = b.p, b.R
@@ -289,8 +289,8 @@ class ConstrainedAccelerations(_OfConstraints):
         a = np.empty(v.shape)
         self._main.evaluate([q, v, tau, *wrenches], [a])
         gain, forces, rounds = self._solve(q, J, J @ a[0] + g)
-        found = a[0] + gain
-        return found, state.along_axes(forces), np.abs(J @ found + g).max(), rounds
+        acceleration = a[0] + gain
+        return acceleration, state.along_axes(forces), np.abs(J @ acceleration + g).max(), rounds
 
 
 @final
@@ -353,9 +353,9 @@ class _Solve:
 
     def columns(self, q: Floats, J: Floats) -> Floats:
         """M^-1 J^T as rows, (m, nv)."""
-        found = np.empty(J.shape)
-        self._accelerations.evaluate([np.repeat(q, len(J), axis=0), np.zeros(J.shape), J], [found])
-        return found
+        rows = np.empty(J.shape)
+        self._accelerations.evaluate([np.repeat(q, len(J), axis=0), np.zeros(J.shape), J], [rows])
+        return rows
 
     def __call__(self, q: Floats, J: Floats, amiss: Floats) -> tuple[Floats, Floats, float]:
         """M^-1 J^T f, f and the rounds, for J M^-1 J^T f = -amiss."""

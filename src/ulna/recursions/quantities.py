@@ -229,10 +229,10 @@ def _of_state(name: str) -> Callable[[Model, Options], OfState]:
     """What follows from the frames of constraints alone."""
 
     def make(model: Model, options: Options) -> OfState:
-        found = frame_pairs(model, options["constraints"])
-        pairs, (has_velocity, read) = Pairs(model, found), READERS[name]
+        frames = frame_pairs(model, options["constraints"])
+        pairs, (has_velocity, read) = Pairs(model, frames), READERS[name]
         shape = (pairs.rows, model.nv) if name == "constraint_jacobian" else (pairs.rows,)
-        shown = jacobian_of(model, found[0].first, "local_world_aligned")
+        shown = jacobian_of(model, frames[0].first, "local_world_aligned")
         return OfState(pairs, shape, shown, has_velocity, read)
 
     return make

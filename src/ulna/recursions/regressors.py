@@ -21,15 +21,15 @@ Options = Mapping[str, Any]
 def _bodies(model: Model) -> regressors.Bodies:
     """The bodies of the steps; the subtree of a joint is a range of joints, as these are depth first."""
     tree = steps(model)
-    own, starts, stops = (np.full(len(tree) + 1, -1, INT) for _ in range(3))
+    body, starts, stops = (np.full(len(tree) + 1, -1, INT) for _ in range(3))
     for row, step in enumerate(tree, start=1):
         joint = model.joint_index(step.joint.name)
-        own[row] = joint if step.is_last else -1
+        body[row] = joint if step.is_last else -1
         starts[row], stops[row] = joint, joint + 1
     for row in range(len(tree), 0, -1):
         parent = tree[row - 1].parent + 1
         stops[parent] = max(stops[parent], stops[row])
-    return regressors.Bodies(own, starts, stops, np.zeros((6, 10 * len(model.joints))))
+    return regressors.Bodies(body, starts, stops, np.zeros((6, 10 * len(model.joints))))
 
 
 def _regressor(procedure: Any, *sizes: str) -> Callable[[Model, Options], Recursion]:

@@ -86,7 +86,7 @@ def find(name: str) -> Entry:
     plain = re.sub(r"[\s-]+", "_", plain_name.strip()).lower()
     for candidate in SOURCES:
         if source in ("", candidate):
-            entry = _find_in(candidate, plain, asked=bool(source))
+            entry = _find_in(candidate, plain, is_requested=bool(source))
             if entry is not None:
                 return entry
     if not source and plain in example_robot_data.DESCRIPTIONS:
@@ -94,20 +94,20 @@ def find(name: str) -> Entry:
     raise UnknownName("robot", name, names(), "Or pass the path of a .urdf or .xacro file.")
 
 
-def _find_in(source: Source, name: str, asked: bool) -> Entry | None:
+def _find_in(source: Source, name: str, is_requested: bool) -> Entry | None:
     if source == "ulna":
         return OWN.get(name)
     if source == "example-robot-data":
         if example_robot_data.share_folder() is None:
-            if asked:
+            if is_requested:
                 raise MissingExtra(source, "robots", f"The robot {name!r}")
             return None
         d = example_robot_data.DESCRIPTIONS.get(name)
-        if d is None and asked:
+        if d is None and is_requested:
             raise UnknownName("robot of example-robot-data", name, example_robot_data.DESCRIPTIONS)
         return Entry(d.name, source, d.urdf, d.floating) if d else None
     module = robot_descriptions.module_name(name)
-    if module is None and asked:
+    if module is None and is_requested:
         robot_descriptions.fetch(name)  # raises, saying why
     return Entry(module, source, "fetched on first use") if module else None
 

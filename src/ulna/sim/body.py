@@ -248,8 +248,8 @@ class Body:
         for k in range(count):
             tau: Any = self._tau
             if callable(tau):
-                asked: Any = tau(t + k * dt / count, self._q.copy(), self._qd.copy())
-                tau = shaped_array("tau", asked, self.robot.nv)
+                torques: Any = tau(t + k * dt / count, self._q.copy(), self._qd.copy())
+                tau = shaped_array("tau", torques, self.robot.nv)
             if self._limits == "all":
                 tau = np.clip(tau, -effort, effort)
             self._q, self._qd = self._plant.euler(self._q, self._qd, tau, dt / count)

@@ -59,8 +59,8 @@ class Source(ABC):
         self.periods = periods(arm)
         self.lower, self.upper = model.lower_position[self.index], model.upper_position[self.index]
         self.centre = np.clip(0.0, self.lower, self.upper)
-        held = -1 if free is None else arm.axes[free].index
-        solved = [i for i, index in enumerate(self.index) if index != held]
+        free_index = -1 if free is None else arm.axes[free].index
+        solved = [i for i, index in enumerate(self.index) if index != free_index]
         self._columns = [self.index[i] for i in solved], [arm.indices_v[i] for i in solved]
 
     @property
@@ -75,7 +75,7 @@ class Source(ABC):
 
     @abstractmethod
     def rows(
-        self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
+        self, T: Floats, base: Floats, centre: Floats, free_values: Floats, seed: int
     ) -> tuple[Floats, Floats, bool]:
         """Candidates (m, groups, k, nq) for m goals, what each is worth, and whether all branches are among them.
 
@@ -83,7 +83,7 @@ class Source(ABC):
             T: The goals, (m, 4, 4).
             base: Configurations (m, nq) of the other joints; those of the arm are what continua are resolved by.
             centre: Where the arm's coordinates are wanted, (m, n).
-            held: Values of the free coordinate, (groups,); (1,) where there is none.
+            free_values: Values of the free coordinate, (groups,); (1,) where there is none.
             seed: For what is drawn at random.
 
         Returns:
@@ -153,11 +153,13 @@ class ClosedForm(Source):
         return len(self.numbers)
 
     def rows(
-        self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
+        self, T: Floats, base: Floats, centre: Floats, free_values: Floats, seed: int
     ) -> tuple[Floats, Floats, bool]:
         """Candidates; see `Source.rows`."""
         goals, base, centre = T[:, None, None], base[:, None, None], centre[:, None, None]
-        q, worth = self.kernel.gufunc(goals, self.base(base), held[:, None, None], self.numbers, base, centre)
+        q, worth = self.kernel.gufunc(
+            goals, self.base(base), free_values[:, None, None], self.numbers, base, centre
+        )
         return q, worth, self.plan.off <= EXACT
 
 
@@ -176,7 +178,7 @@ class Elimination(Source):
         return 32  # 16 solutions [Raghavan & Roth 1993], each at most twice where two nearly meet
 
     def rows(
-        self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
+        self, T: Floats, base: Floats, centre: Floats, free_values: Floats, seed: int
     ) -> tuple[Floats, Floats, bool]:
         """Candidates; see `Source.rows`."""
         SE3.from_matrix(T)  # eigenvalues want finite numbers
@@ -185,20 +187,20 @@ class Elimination(Source):
         free = None if self.free is None else self.arm.axes[self.free]
         for i, goal in enumerate(T):
             local = self.arm.base(base[i]).inverse() @ SE3(goal[:3, :3], goal[:3, 3]) @ self.arm.end.inverse()
-            for j, value in enumerate(held):
+            for j, value in enumerate(free_values):
                 x = 0.0 if free is None else value * free.scale + free.offset
                 G = local if free is None else local @ free.move(-x)
                 starts[i, j], condition = general.starts(remaining(self.arm, self.free, x), G)
                 complete &= condition < _WELL
         most = max((len(start) for start in starts.values()), default=0)
-        q = np.full((len(T), len(held), max(most, 1), base.shape[-1]), np.nan)
+        q = np.full((len(T), len(free_values), max(most, 1), base.shape[-1]), np.nan)
         for (i, j), start in starts.items():
             q[i, j, : len(start)] = base[i]
             others = [axis for axis in self.arm.axes if axis is not free]
             for k, axis in enumerate(others):
                 q[i, j, : len(start), axis.index] = (start[:, k] - axis.offset) / axis.scale
             if free is not None:
-                q[i, j, : len(start), free.index] = held[j]
+                q[i, j, : len(start), free.index] = free_values[j]
         goals = np.broadcast_to(T[:, None, None], (*q.shape[:-1], 4, 4))
         known = np.isfinite(q).all(axis=-1)
         q[known] = self.refine(q[known], goals[known], _FEW_STEPS)
@@ -236,7 +238,7 @@ class ManyStarts(Source):
         return _STARTS
 
     def rows(
-        self, T: Floats, base: Floats, centre: Floats, held: Floats, seed: int
+        self, T: Floats, base: Floats, centre: Floats, free_values: Floats, seed: int
     ) -> tuple[Floats, Floats, bool]:
         """Candidates; see `Source.rows`."""
         SE3.from_matrix(T)
@@ -251,7 +253,7 @@ class ManyStarts(Source):
 
 @lru_cache(maxsize=128)
 def source_of(
-    model: Model, frame: str, joints: tuple[str, ...] | None, free: str | None, held: tuple[float, ...]
+    model: Model, frame: str, joints: tuple[str, ...] | None, free: str | None, fixed: tuple[float, ...]
 ) -> Source:
     """The best source for an arm.
 
@@ -260,7 +262,7 @@ def source_of(
         frame: Name of the frame to place.
         joints: Names of the joints that move; None for the usual ones; see `usual`.
         free: Name of the joint of a seven-joint arm that is given values; None for the one that suits best.
-        held: Values of the coordinates that `between` names.
+        fixed: Values of the coordinates that `between` names.
 
     Returns:
         A closed form, elimination, or many starts.
@@ -272,7 +274,7 @@ def source_of(
     end = model.frame(frame)
     names = joints if joints is not None else usual(model, end)
     still = np.array(model.neutral)
-    still[list(between(model, frame, joints))] = held
+    still[list(between(model, frame, joints))] = fixed
     arm = arm_of(model, end, names, still)
     count = len(arm.axes)
     chosen = None

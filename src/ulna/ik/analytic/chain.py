@@ -123,14 +123,14 @@ def usual(model: Model, frame: Frame) -> tuple[str, ...]:
     return names[-_MAX_JOINTS:]
 
 
-def arm_of(model: Model, frame: Frame, joints: Sequence[str], held: Floats) -> Arm:
+def arm_of(model: Model, frame: Frame, joints: Sequence[str], q_fixed: Floats) -> Arm:
     """The arm of those joints that carries the frame; joints between them are held as in `held`, (nq,).
 
     Args:
         model: The robot.
         frame: The frame.
         joints: Names of the joints that move.
-        held: Configuration of the others, (nq,).
+        q_fixed: Configuration of the others, (nq,).
 
     Returns:
         The arm.
@@ -149,7 +149,7 @@ def arm_of(model: Model, frame: Frame, joints: Sequence[str], held: Floats) -> A
     if not moving:
         raise InputError(f"No joint moves the frame {frame.name!r}; expected names out of {choices}.")
     first = moving[0]
-    zero = np.array(held, dtype=float)
+    zero = np.array(q_fixed, dtype=float)
     T = SE3.identity()
     axes = []
     for i, step in enumerate(steps[first:], first):

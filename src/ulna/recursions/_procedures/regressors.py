@@ -30,13 +30,13 @@ class Bodies(NamedTuple):
     """Storage, and which bodies steps move.
 
     Attributes:
-        own: The body that a step carries itself, or -1, (rows,).
+        body: The body that a step carries itself, or -1, (rows,).
         starts: The first body that a step moves, (rows,).
         stops: The one after the last, (rows,).
         wrenches: Ten columns for each body, (6, 10 nbodies).
     """
 
-    own: Array1[INT]
+    body: Array1[INT]
     starts: Array1[INT]
     stops: Array1[INT]
     wrenches: Array2[f64]
@@ -91,14 +91,14 @@ def _regressor(tree, places, moves, bodies, q, v, a, Y, HAS_V, W):
     for e in range(Y.shape[0]):
         fill_row(Y, e, 0, 0.0, W)
     for i in range(len(tree.parents) - 1, 0, -1):
-        if bodies.own[i] >= 0:
+        if bodies.body[i] >= 0:
             vx, vy, vz = three(moves.V, i, 0, 1)
             wx, wy, wz = three(moves.V, i, 3, 1)
             ax, ay, az = three(moves.A, i, 0, 1)
             ex, ey, ez = three(moves.A, i, 3, 1)
             cx, cy, cz = cross(wx, wy, wz, vx, vy, vz)
             ax, ay, az = ax + cx, ay + cy, az + cz
-            _body_wrenches(bodies.wrenches, 10 * bodies.own[i], ax, ay, az, wx, wy, wz, ex, ey, ez)
+            _body_wrenches(bodies.wrenches, 10 * bodies.body[i], ax, ay, az, wx, wy, wz, ex, ey, ez)
         start, stop = 10 * bodies.starts[i], 10 * bodies.stops[i]
         for k in range(tree.columns[i], tree.columns[i + 1]):
             _add_row(tree.S, k, bodies.wrenches, Y, tree.entries[k], start, stop, W)

@@ -190,8 +190,8 @@ class Rewriting:
                 continue
             if unit == "deg" and not et.isrotation:
                 raise InputError(f"unit='deg' is for joints that turn; {et} slides.")
-            held = math.radians(value) if unit == "deg" else value
-            out[-1] = self._et(et.kind, (-held if et.isflip else held) + et.offset)
+            constant = math.radians(value) if unit == "deg" else value
+            out[-1] = self._et(et.kind, (-constant if et.isflip else constant) + et.offset)
         return type(self)(out)  # type: ignore[call-arg]
 
     def _modified_copy(self, what: str, *arguments: Any) -> Self:

@@ -176,10 +176,10 @@ def _rows(values: Any, language: str) -> str:
 
 def _branch(source: ClosedForm, n: int) -> Function:
     """The function of a pose and of the numbers of a branch to q, distance and angle."""
-    base, held, zeros = source.base(np.zeros(n)), np.zeros(1), np.zeros(n)
+    base, free_value, zeros = source.base(np.zeros(n)), np.zeros(1), np.zeros(n)
 
     def branch(T: Any, numbers: Any) -> Any:
-        return source.kernel.function(T, base, held, numbers, zeros, zeros)
+        return source.kernel.function(T, base, free_value, numbers, zeros, zeros)
 
     return compile(branch, T=(4, 4), numbers=(source.numbers.shape[1],)).function
 
