@@ -1,3 +1,3 @@
-"""Pictures of a scene with NumPy alone: rasterisation, lighting, shadows, textures and labels."""
+"""Pictures of a scene without a graphics card: rasterisation, lighting, shadows, textures and labels."""
 
 from ulna.viewer.render.renderer import render as render

@@ -1,4 +1,4 @@
-"""A picture of a scene without a browser or a graphics card: triangles, light and shadow in NumPy."""
+"""A picture of a scene without a browser or a graphics card: triangles, light and shadow on the processor."""
 
 from __future__ import annotations
 

@@ -1,8 +1,11 @@
 """Coverage and visibility of triangles, against sampling one by one."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
+from ulna.viewer.render.triangle_filling import fill_triangles
 from ulna.viewer.render.zbuffer import clip_near, rasterise
 
 
@@ -47,6 +50,38 @@ def test_owners_are_found_again_and_absent_ones_are_not() -> None:
     assert owner[2, 2] == 4_000_000_000
     assert owner[12, 12] == 7
     assert near[39, 39] == 0
+
+
+def filled(
+    run: Callable[..., int], points: np.ndarray, nearness: np.ndarray
+) -> tuple[int, np.ndarray, np.ndarray]:
+    depth, seen = np.zeros(30 * 20, np.float32), np.zeros(30 * 20, np.int64)
+    return run(points, nearness, np.arange(len(points)), depth, seen, 30, 20), depth, seen
+
+
+def test_machine_code_fills_what_the_interpreter_fills() -> None:
+    rng = np.random.default_rng(3)
+    points = rng.uniform((-5, -5), (35, 25), (12, 3, 2))
+    points[0, 1, 1] = points[0, 0, 1]  # a level edge
+    points[1] = points[2]  # equally near: the larger number is seen
+    nearness = rng.uniform(0.5, 2.0, (12, 3))
+    nearness[1:3] = 3.0
+    count, depth, seen = filled(fill_triangles, points, nearness)
+    assert count == 12 and not (seen == 1).any() and (seen == 2).any()
+    for run in (fill_triangles.checked, fill_triangles.interpret):
+        other_count, other_depth, other_seen = filled(run, points, nearness)
+        assert other_count == count
+        assert (other_depth == depth).all() and (other_seen == seen).all()
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e300, -1e300, 1e-300])
+def test_corners_that_are_no_numbers_write_nothing_elsewhere(value: float) -> None:
+    rng = np.random.default_rng(4)
+    for k in range(9):
+        points, nearness = rng.uniform(0, 20, (4, 3, 2)), rng.uniform(0.5, 2.0, (4, 3))
+        (points if k < 6 else nearness)[1].reshape(-1)[k % 6] = value
+        _, depth, _ = filled(fill_triangles.checked, points, nearness)  # raises OutOfBounds where it would
+        assert not np.isnan(depth).any()
 
 
 def test_nothing_to_draw() -> None:
