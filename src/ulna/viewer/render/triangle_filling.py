@@ -30,6 +30,51 @@ def _side(y_from, y_to, area):
 
 
 @procedure
+def _fill_row(row, low, high, at_left, across, owner, depth, seen, width):
+    """Enters the samples of a row whose middles lie between two places; `at_left` is the nearness at its left end."""
+    first, last = int(max(np.ceil(low - 0.5), 0.0)), int(min(np.floor(high - 0.5), width - 1.0))
+    at_first = at_left + (first + 0.5) * across
+    for column in range(first, last + 1):
+        near = f32(max(at_first + (column - first) * across, 1e-30))
+        at = row * width + column
+        if near > depth[at] or (near == depth[at] and owner > seen[at]):
+            depth[at] = near
+            seen[at] = owner
+
+
+@procedure
+def _fill_triangle(corner, near, area, top, bottom, owner, depth, seen, width):
+    """Enters the rows of a triangle with corners (3, 2) from the row `top` to the row `bottom`."""
+    xa, ya, xb, yb, xc, yc = (
+        corner[0, 0],
+        corner[0, 1],
+        corner[1, 0],
+        corner[1, 1],
+        corner[2, 0],
+        corner[2, 1],
+    )
+    one, two = near[1] - near[0], near[2] - near[0]
+    # nearness over the screen: origin + x across + y down
+    across = (one * (yc - ya) - two * (yb - ya)) / area
+    down = (two * (xb - xa) - one * (xc - xa)) / area
+    origin = near[0] - xa * across - ya * down
+    slope_a, side_a = _slope(xa, ya, xb, yb), _side(ya, yb, area)
+    slope_b, side_b = _slope(xb, yb, xc, yc), _side(yb, yc, area)
+    slope_c, side_c = _slope(xc, yc, xa, ya), _side(yc, ya, area)
+    for row in range(top, bottom + 1):
+        y = row + 0.5
+        a, b, c = (
+            xa - slope_a * ya + slope_a * y,
+            xb - slope_b * yb + slope_b * y,
+            xc - slope_c * yc + slope_c * y,
+        )
+        least, most = -0.5, width - 0.5
+        low = max(least, a if side_a < 0 else least, b if side_b < 0 else least, c if side_c < 0 else least)
+        high = min(most, a if side_a > 0 else most, b if side_b > 0 else most, c if side_c > 0 else most)
+        _fill_row(row, low, high, origin + y * down, across, owner, depth, seen, width)
+
+
+@procedure
 def fill_triangles(
     points: Array3[f64],
     nearness: Array2[f64],
@@ -68,33 +113,5 @@ def fill_triangles(
         right = min(np.floor(max(xa, xb, xc) - 0.5), width - 1.0)
         if abs(area) > 1e-9 and top <= bottom and left <= right:
             count += 1
-            one, two = nearness[t, 1] - nearness[t, 0], nearness[t, 2] - nearness[t, 0]
-            # nearness over the screen: origin + x across + y down
-            across = (one * (yc - ya) - two * (yb - ya)) / area
-            down = (two * (xb - xa) - one * (xc - xa)) / area
-            origin = nearness[t, 0] - xa * across - ya * down
-            slope_a, side_a = _slope(xa, ya, xb, yb), _side(ya, yb, area)
-            slope_b, side_b = _slope(xb, yb, xc, yc), _side(yb, yc, area)
-            slope_c, side_c = _slope(xc, yc, xa, ya), _side(yc, ya, area)
-            for row in range(int(top), int(bottom) + 1):
-                y = row + 0.5
-                crossing_a = (xa - slope_a * ya) + slope_a * y
-                crossing_b = (xb - slope_b * yb) + slope_b * y
-                crossing_c = (xc - slope_c * yc) + slope_c * y
-                low, high = -0.5, width - 0.5
-                low = max(low, crossing_a if side_a < 0 else -0.5)
-                low = max(low, crossing_b if side_b < 0 else -0.5)
-                low = max(low, crossing_c if side_c < 0 else -0.5)
-                high = min(high, crossing_a if side_a > 0 else high)
-                high = min(high, crossing_b if side_b > 0 else high)
-                high = min(high, crossing_c if side_c > 0 else high)
-                first = int(max(np.ceil(low - 0.5), 0.0))
-                last = int(min(np.floor(high - 0.5), width - 1.0))
-                at_first = origin + (first + 0.5) * across + y * down
-                for column in range(first, last + 1):
-                    near = f32(max(at_first + (column - first) * across, 1e-30))
-                    at = row * width + column
-                    if near > depth[at] or (near == depth[at] and owner[t] > seen[at]):
-                        depth[at] = near
-                        seen[at] = owner[t]
+            _fill_triangle(points[t], nearness[t], area, int(top), int(bottom), owner[t], depth, seen, width)
     return count
