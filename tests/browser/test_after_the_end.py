@@ -100,8 +100,9 @@ def test_two_tabs_play_what_was_left_and_go_to_the_next_program(chromium: Any) -
         tab.wait_for_selector(BAR)
         for t in (0.0, 1.0):
             scrub(tab, t + _delay(tab))
+            # at most 0.94 m/s: a frame holds for 1/60 s, and the delay is rounded to 0.01 s
             height = line.T(t)[2, 3]
-            assert wait(lambda tab=tab, height=height: abs(place(tab, "/box")[2, 3] - height) < 0.02)
+            assert wait(lambda tab=tab, height=height: abs(place(tab, "/box")[2, 3] - height) < 0.06)
     with Viewer(port=port, browser=False) as viewer:
         viewer.sphere(0.1, name="ball")
         assert all(wait(lambda tab=tab: tab.evaluate(PLACE, "/ball")) for tab in tabs)
