@@ -1,12 +1,18 @@
-"""A real Chromium for the tests of the page; tests that lack a program or package are skipped and say why. Ctrl-C reaches every test."""
+"""A real Chromium for the tests of the page; tests that lack a program or package are skipped and say why. Ctrl-C reaches every test.
+
+While tests are collected, no garbage is: two million objects of modules and tests that all stay would be looked at again and again.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 import shutil
 import signal
 from collections.abc import Generator, Iterator
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -31,12 +37,34 @@ _LONGEST = 100_000
 """How long an operation of the browser may take [ms]."""
 
 
+def pytest_collection(session: pytest.Session) -> None:
+    gc.disable()
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    gc.enable()
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Tests in a browser are tried twice more: Chromium, which draws with the processor here, fails now and then by itself."""
+    """Tests in a browser are tried twice more: Chromium, which draws with the processor here, fails now and then by itself.
+
+    Raises:
+        pytest.UsageError: A slow test is in a file that `.ci/run` would not find.
+    """
+    hidden = {item.path for item in items if item.get_closest_marker("slow") and not _says_slow(item.path)}
+    if hidden:
+        raise pytest.UsageError(
+            f"`.ci/run` finds slow tests by the words `mark.slow`, which these files lack: {hidden}"
+        )
     if config.pluginmanager.hasplugin("rerunfailures"):
         for item in items:
             if item.get_closest_marker("browser"):
                 item.add_marker(pytest.mark.flaky(reruns=2))
+
+
+@cache
+def _says_slow(path: Path) -> bool:
+    return "mark.slow" in path.read_text(encoding="utf-8")
 
 
 @pytest.hookimpl(wrapper=True)

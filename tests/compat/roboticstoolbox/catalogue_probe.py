@@ -20,6 +20,11 @@ ERRORS = {
 }  # where the toolbox fails nothing is compared
 SINGULAR = ("Ball", "Coil", "Hyper", "Hyper3d", "Planar_Y")  # wherever they are: no angles, no gradients
 CHAINS = ("Panda", "Frankie", "Puma560", "GenericSeven", "XYPanda", "Planar_Y")
+ALIKE = (
+    *("Coil", "Hyper3d", "IRB140", "Jaco", "LWR4", "Mico", "Orion5", "TwoLink", "UR10", "UR3"),
+    *("px150", "rx150", "rx200", "vx300", "wx200"),
+)
+"""Models with the structure of another one in the list: of them poses and Jacobians are compared, which have all their numbers."""
 
 
 def everyone(rtb: Any, rooms: str = "DH ETS URDF") -> Iterator[tuple[str, Any, Any, dict[str, Any]]]:
@@ -42,11 +47,13 @@ def derivatives(rtb: Any, sm: Any) -> dict[str, Any]:
     for key, robot, q, end in everyone(rtb):
         out[f"{key} fkine"] = np.asarray(robot.fkine(q, **end).A)
         out[f"{key} jacob0"], out[f"{key} jacobe"] = robot.jacob0(q, **end), robot.jacobe(q, **end)
+        if room_of(key) != "ETS":
+            out[f"{key} qlim"] = robot.qlim
+        if key.endswith(ALIKE):
+            continue
         out[f"{key} hessian0"] = robot.hessian0(q, **end)
         turned = robot.ets() if room_of(key) == "DH" else robot  # theirs of DH robots forgets the tool
         out[f"{key} hessiane"] = turned.hessiane(q, **end)
-        if room_of(key) != "ETS":
-            out[f"{key} qlim"] = robot.qlim
         if robot.n >= 6 and not end and not key.endswith(SINGULAR):
             out[f"{key} dot"] = robot.jacob0_dot(q, 0.1 + 0.2 * q)
             for name in ("rpy/xyz", "rpy/zyx", "eul", "exp"):
