@@ -59,14 +59,26 @@ class FittedParameters:
         drives = {name: np.maximum(getattr(self, name), 0.0) for name in ("armature", "damping", "friction")}
         return with_joint_dynamics(with_dynamic_parameters(self.model, self.parameters), **drives)
 
-    def _heading(self, samples: str, note: str = "") -> list[str]:
-        """The first lines of a report."""
+    def _heading(self, samples: str) -> list[str]:
+        """The first lines of a report: what was sought, and how well the log determines it."""
         kind = "physically consistent" if self.physical else "linear"
+        deviations = self.base_deviations / np.maximum(np.abs(self.base_values), 1e-12)
+        sure = int((deviations < 0.1).sum())
         return [
             f"Identification of {self.model.name!r}: {kind} least squares, {samples}",
             f"  {self.base.count} base parameters of {len(self.base.names)} sought, "
-            f"condition {self.condition:.3g}{note}",
+            f"condition {self.condition:.3g}; {sure} known to better than 10 %",
             "",
+            *self._doubts(sure),
+        ]
+
+    def _doubts(self, sure: int) -> list[str]:
+        """A warning where the log does not determine the parameters, however well they explain it."""
+        if self.condition <= _WORST_CONDITION and (sure or not len(self.base_values)):
+            return []
+        return [
+            "  WARNING: the log hardly determines these parameters (a condition below 100 is good). Torques of other",
+            "  motions may be far off: record more motion, leave out fewer rows, or seek fewer parameters.",
         ]
 
 
@@ -111,11 +123,8 @@ class Identification(FittedParameters):
     def report(self) -> str:
         """The residuals joint by joint, and how well the log determines the parameters, as text."""
         rows, nv = self.measured.shape
-        deviations = self.base_deviations / np.maximum(np.abs(self.base_values), 1e-12)
-        sure = int((deviations < 0.1).sum())
         lines = [
-            *self._heading(f"{rows} samples, {nv} joints", f"; {sure} known to better than 10 %"),
-            *self._doubts(sure),
+            *self._heading(f"{rows} samples, {nv} joints"),
             f"  {'joint':24s} {'rms before':>12s} {'rms after':>12s} {'max after':>12s} {'explained':>10s}",
         ]
         greatest = np.abs(self.residuals).max(axis=0)
@@ -129,15 +138,6 @@ class Identification(FittedParameters):
             lines += ["", f"  not moved in this log: {', '.join(self.unmoved)}"]
             lines.append("  (their friction and armature cannot be found from it)")
         return "\n".join(lines)
-
-    def _doubts(self, sure: int) -> list[str]:
-        """A warning where the log does not determine the parameters, however well they explain it."""
-        if self.condition <= _WORST_CONDITION and (sure or not len(self.base_values)):
-            return []
-        return [
-            "  WARNING: the log hardly determines these parameters (a condition below 100 is good). Torques of other",
-            "  motions may be far off: record more motion, leave out fewer rows, or seek fewer parameters.",
-        ]
 
     def _drives(self) -> list[str]:
         """A table of the drives, where any number of them was sought."""

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from ulna.idioms import unknown_attribute
+from ulna.system.deferred_names import deferred_names
 
 if TYPE_CHECKING:
     from ulna.scale.data_sets import data_set as data_set
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from ulna.scale.sweep_result import Sweep as Sweep
     from ulna.scale.sweeps import sweep as sweep
 
-_HOMES = {
+_FILES = {
     "Job": "job",
     "PlanSet": "plan_set",
     "Progress": "progress",
@@ -35,7 +34,7 @@ _HOMES = {
     "run": "engine",
     "sweep": "sweeps",
 }
-"""The modules of names that are imported when first used: the command line parses without them."""
+"""The files of names that are imported when first used: the command line parses without them."""
 
 __all__ = [
     "Job",
@@ -52,13 +51,7 @@ __all__ = [
     "sweep",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise unknown_attribute("module ulna", name, __all__)
-    found = getattr(importlib.import_module(f"ulna.scale.{_HOMES[name]}"), name)
-    globals()[name] = found  # before the module of that name, which importing puts there
-    return found
+__getattr__ = deferred_names(__name__, _FILES)
 
 
 def __dir__() -> list[str]:

@@ -1,8 +1,6 @@
 """Parts of a job on a cluster: some of them under way at any time, repeated when their worker is lost.
 
-A task takes the coordinator, the scheduler and the worker some milliseconds together, so short parts are sent several
-at a time: many at first, fewer at the end, so that all workers end together [Polychronopoulos & Kuck, Guided
-self-scheduling, 1987]. Which parts are sent together changes nothing in the results.
+Short parts are sent several at a time; which are sent together changes nothing in the results.
 """
 
 from __future__ import annotations
@@ -14,21 +12,18 @@ import time
 from asyncio import CancelledError
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from typing import Any, final
+from typing import Any, NamedTuple, final
 
 from ulna.errors import UlnaError
 from ulna.lazy import Portable
 from ulna.scale.job import State
+from ulna.scale.task_sizes import RETURNED, TaskSizes
 
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM}
 _ATTEMPTS = 3  # of a part whose work raises an error that is not Ulna's
 _COUNT = 3.0  # s between two questions how many workers there are
 _TICK = 0.25  # s between looks at the connection
-_SHORTEST, _LONGEST = 0.08, 2.0  # s that a task takes, where several parts are sent at a time
-_SHARES = 1.3  # of the parts that are left, for each thread: a task has one of them
-_SCHEDULER = 0.005  # s by which tasks grow for each thread, so that the scheduler keeps up with many workers
-_FIRST, _FIRST_SECONDS = 16, 0.1  # parts of a task, and s for it, where nothing is known of their time yet
-_SENT, _RETURNED = 2**23, 2**24  # bytes that parts of a task may need, and return, together
+_SENT = 2**23  # bytes that parts of a task may need together
 
 Inputs = Callable[[int], tuple[Any, ...]]
 """The further arguments of the work of a part."""
@@ -66,11 +61,20 @@ def work_parts(
         size += sum(array.nbytes for array in out[-1].values())
         now = time.perf_counter()
         first = now if k == 0 else first
-        if now - start > limit or size >= _RETURNED:
+        if now - start > limit or size >= RETURNED:
             break
     is_alone = len(out) == 1  # else the first, where functions may be compiled, says nothing of the others
     seconds = now - start if is_alone else (now - first) / (len(out) - 1)
     return pickle.dumps(out, protocol=5), seconds, size
+
+
+class _Task(NamedTuple):
+    """A task that was sent: its future, its parts, when, and for how long another of its parts may begin [s]."""
+
+    future: Any
+    parts: tuple[int, ...]
+    sent: float
+    limit: float
 
 
 @final
@@ -98,9 +102,8 @@ class Tasks:
         self._client, self._task, self._inputs = client, task, inputs
         self._waiting, self._returned = parts, list[int]()  # both in order; the returned ones go first
         self._retries, self._patience = retries, patience
-        self._futures: dict[int, tuple[Any, tuple[int, ...]]] = {}  # by the first of the parts of a task
-        self._seconds: float | None = None  # that a part takes
-        self._longest, self._most = _FIRST_SECONDS, _FIRST  # s and parts of a task
+        self._tasks: dict[int, _Task] = {}  # by the first of the parts of a task
+        self._sizes = TaskSizes()
         self._failures: dict[int, int] = {}
         self._losses: dict[int, int] = {}
         self._submissions = 0
@@ -120,40 +123,38 @@ class Tasks:
             UlnaError: What the work of a part raised.
         """
         try:
-            while self._returned or self._waiting or self._futures:
+            while self._returned or self._waiting or self._tasks:
                 self._submit_waiting()
                 for first in sorted(self._ended_tasks()):
-                    if first in self._futures and self._futures[first][0].done():
-                        yield from self._results(first)
+                    if first in self._tasks and self._tasks[first].future.done():
+                        found = self._results(first)
+                        self._submit_waiting()  # before the results are added, which may take long
+                        yield from found
         finally:
-            for future, _ in self._futures.values():
+            for task in self._tasks.values():
                 with suppress(Exception, CancelledError):
-                    future.cancel()
+                    task.future.cancel()
 
     def _submit_waiting(self) -> None:
         """Submits parts while there is room."""
         if not self._is_connected():
             return
         threads = self._threads()
-        room = 2 * threads + (self._seconds is not None)
-        while (self._returned or self._waiting) and len(self._futures) < room:
-            together = self._together(threads)
+        while left := len(self._returned) + len(self._waiting):
+            room = self._sizes.room(left, threads)
+            if len(self._tasks) >= room:
+                return
+            under_way = [(task.sent, len(task.parts), task.limit) for task in self._tasks.values()]
+            together, limit = self._sizes.next(left, threads, under_way, time.monotonic())
             again = self._returned[:together]
             parts = (*again, *self._waiting[: together - len(again)])
-            last = min(self._futures, default=parts[0]) + 2 * room * self._most
+            last = min(self._tasks, default=parts[0]) + 2 * room * self._sizes.most
             parts = tuple(part for part in parts if part <= last)
             if not parts:
                 return  # the first is late: what waits for it must not fill the memory
-            sent = self._submit(parts)
+            sent = self._submit(parts, limit)
             del self._returned[:sent]
             self._waiting = self._waiting[max(sent - len(again), 0) :]
-
-    def _together(self, threads: int) -> int:
-        """How many of the parts that are left the next task has: a share of them, within limits of time and memory."""
-        share = (len(self._returned) + len(self._waiting)) / (_SHARES * threads)
-        if self._seconds is None:
-            return max(1, int(min(share / 2, self._most)))
-        return max(1, int(min(max(share, _SHORTEST / self._seconds), self._most)))
 
     def _threads(self) -> int:
         """How many threads the workers have; asked now and then, since workers come and go.
@@ -171,7 +172,7 @@ class Tasks:
             raise Interrupted("All workers are lost.")
         return max(self._count, 1)
 
-    def _submit(self, parts: tuple[int, ...]) -> int:
+    def _submit(self, parts: tuple[int, ...], limit: float) -> int:
         """Submits parts as one task, as many as may be sent at a time; returns how many."""
         from dask.sizeof import sizeof  # pyright: ignore[reportMissingImports]
 
@@ -185,9 +186,8 @@ class Tasks:
                 break
         parts = parts[: len(inputs)]
         further = inputs if any(inputs) else None
-        limit = 2 * self._longest if self._seconds is not None else _FIRST_SECONDS
         future = self._client.submit(work_parts, self._task, parts, further, limit, key=key, pure=False)
-        self._futures[parts[0]] = future, parts
+        self._tasks[parts[0]] = _Task(future, parts, time.monotonic(), limit)
         future.add_done_callback(lambda _: self._ended.put(parts[0]))
         return len(parts)
 
@@ -199,7 +199,7 @@ class Tasks:
             while True:
                 ended.add(self._ended.get_nowait())
         if not ended and self._is_connected():
-            ended = {first for first, (future, _) in self._futures.items() if future.done()}
+            ended = {first for first, task in self._tasks.items() if task.future.done()}
         return ended
 
     def _is_connected(self) -> bool:
@@ -213,29 +213,24 @@ class Tasks:
             raise Interrupted("The scheduler does not answer any more.")
         return False
 
-    def _results(self, first: int) -> Iterator[tuple[int, State]]:
+    def _results(self, first: int) -> list[tuple[int, State]]:
         """What the parts of a task returned; nothing where they are to be done again."""
-        future, parts = self._futures.pop(first)
+        future, parts, *_ = self._tasks.pop(first)
         if future.status == "finished":
             try:
                 content, seconds, size = future.result(timeout=60.0)
             except (Exception, CancelledError) as error:  # its worker was lost with it
                 self._lose(parts, error)
-                return
+                return []
             results = pickle.loads(content)
-            self._adapt(seconds, size / len(results))
+            self._sizes.learn(seconds, size / len(results), self._count)
             self._returned = sorted([*self._returned, *parts[len(results) :]])
-            yield from zip(parts, results, strict=False)
-        elif future.status == "error":
+            return list(zip(parts, results, strict=False))
+        if future.status == "error":
             self._examine(parts, future.exception())
         else:
             self._lose(parts, None)
-
-    def _adapt(self, seconds: float, size: float) -> None:
-        """Learns how many parts the next tasks may have: up to two seconds of work, and not too many results."""
-        self._seconds = max(seconds, 1e-9)
-        self._longest = max(_LONGEST, _SCHEDULER * self._count)
-        self._most = max(1, int(min(self._longest / self._seconds, _RETURNED / max(size, 1.0))))
+        return []
 
     def _examine(self, parts: Sequence[int], error: BaseException) -> None:
         """Decides what an error of a task means: the end, or another attempt."""
@@ -272,4 +267,4 @@ class Tasks:
     def _submit_each(self, parts: Sequence[int]) -> None:
         """Submits parts in tasks of one, so that the one that fails is known."""
         for part in parts:
-            self._submit((part,))
+            self._submit((part,), 0.0)

@@ -19,9 +19,9 @@ Nothing here is imported by `import ulna`, and the names below are imported when
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from ulna.system.deferred_names import deferred_names
 from ulna.viewer import renamed
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from ulna.viewer.scene.scene import Scene as Scene
     from ulna.viewer.viewer import Viewer as Viewer
 
-_MODULES = {
+_FILES = {
     "Camera": "graph.camera",
     "Handle": "graph.handles",
     "Page": "page.page",
@@ -54,17 +54,14 @@ _MODULES = {
     "stick_figure": "robot.stick_figure",
     "write_png": "output.png",
 }
-"""The module of each public name."""
+"""The file of each public name."""
 
-__all__ = list(_MODULES)
+__all__ = list(_FILES)
 
 renamed.install()
 
 
-def __getattr__(name: str) -> Any:
-    if name in _MODULES:
-        return getattr(importlib.import_module(f"{__name__}.{_MODULES[name]}"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__ = deferred_names(__name__, _FILES)
 
 
 def __dir__() -> list[str]:

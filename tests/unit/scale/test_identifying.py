@@ -61,6 +61,14 @@ def test_blocks_find_what_is_found_in_memory(ur5: ulna.Robot, log: dict[str, Any
         )
     assert found.condition == pytest.approx(whole.condition, rel=1e-9)
     assert f"{ROWS} samples" in found.report() and "explained" in found.report()
+    assert found.report().split("\n")[1] == whole.report().split("\n")[1], "how well the log determines it"
+
+
+def test_a_log_that_does_not_determine_the_parameters_is_warned_of(ur5: ulna.Robot) -> None:
+    rng = np.random.default_rng(0)
+    q, v, a = rng.uniform(-0.01, 0.01, (3, 400, 6))
+    log = {"q": q, "v": v, "a": a, "tau": 1e6 * rng.normal(size=(400, 6))}
+    assert "WARNING: the log hardly determines" in scale.identify(ur5, log, **QUIET).report()
 
 
 def test_physical_bodies_are_found_too(ur5: ulna.Robot, log: dict[str, Any]) -> None:
