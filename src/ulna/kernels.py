@@ -9,6 +9,7 @@ from __future__ import annotations
 import weakref
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, final
 
@@ -29,6 +30,7 @@ from ulna.system import forks
 
 if TYPE_CHECKING:
     from ulna.compiler import Function
+    from ulna.compiler.language.function import SecondForm
     from ulna.recursions.looped_function import LoopedFunction
 
 _SEARCHES = ("ik", "ik_all", "ik_classic", "ik_free", "distance", "collides", "first_contact")
@@ -51,6 +53,9 @@ DEVICES = ("cpu", "cuda")
 
 _MIN_COLUMNS = 12
 """Velocities of a robot from which on a quantity is compiled in its form of columns, where it has one."""
+
+_MIN_STAGES = 24
+"""The same for its form of stages: below, straight-line code is faster (benchmarks/speed.py)."""
 
 _made: weakref.WeakValueDictionary[Any, Any] = weakref.WeakValueDictionary()
 _recent: deque[Any] = deque(
@@ -92,11 +97,20 @@ def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), *
 
     with sized(model, quantity, chosen):
         traced = compiler.trace(on_parameters(quantity.build), name=name, doc=doc, **shapes, **extra)
+    if not names and (form := _stages_of(model, quantity, chosen)) is not None:
+        return replace(traced, columns=form)
     if quantity.columns is None or model.nv < _MIN_COLUMNS:
         return traced
     from ulna.compiler.language.columns import with_columns
 
     return with_columns(traced, on_parameters(quantity.build_columns), **shapes, **extra)
+
+
+def _stages_of(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> SecondForm | None:
+    """The form of stages of a quantity; None where it has none, or where the robot is too small for it."""
+    if quantity.stages is None or model.nv < _MIN_STAGES:
+        return None
+    return quantity.stages(model, **chosen)
 
 
 def looped(model: Model, name: str, **options: Any) -> LoopedFunction | None:
@@ -185,7 +199,9 @@ def kernel(
 
 def _is_long(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> bool:
     """Whether straight-line code would take long to compile."""
-    is_matrix = quantity.columns is not None or quantity.nodes[1] > _MANY_FOR_A_PAIR
+    is_matrix = (
+        quantity.columns is not None or quantity.stages is not None or quantity.nodes[1] > _MANY_FOR_A_PAIR
+    )
     limit = LOOPED_ABOVE * (_MORE_FOR_MATRICES if is_matrix else 1)
     return estimated_nodes(model, quantity, chosen) > limit
 
@@ -206,20 +222,26 @@ def _traced_kernel(
 
         return CudaKernel(function(model, name, parameters=names, **chosen), dtype)
     quantity = QUANTITIES[name]
-    if quantity.columns is None or names or model.nv < _MIN_COLUMNS:
+    traced = None if names else _deferred(model, quantity, chosen)
+    if traced is None:
         traced = function(model, name, parameters=names, **chosen)
-    else:
-        traced = _deferred(model, quantity, chosen)
     return compiler.compile(traced, dtype, checked, unit_entries=unit, labels=labels(model, traced))
 
 
-def _deferred(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> Function:
-    """A quantity in its form of columns; the graph, which single calls do not need, is traced when it is used."""
+def _deferred(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> Function | None:
+    """A quantity in a second form, None without; single calls do not need the graph, which is traced when used."""
+    if model.nv < _MIN_COLUMNS or (quantity.columns is None and quantity.stages is None):
+        return None
     from ulna.compiler.language.columns import DeferredFunction, column_form
 
-    shapes, doc = _shapes(model, quantity, chosen), _doc(model, quantity, chosen)
     with sized(model, quantity, chosen):
-        form = column_form(quantity.build_columns(model, **chosen), quantity.name, **shapes)
+        form = _stages_of(model, quantity, chosen)
+        if form is None and quantity.columns is not None:
+            shapes = _shapes(model, quantity, chosen)
+            form = column_form(quantity.build_columns(model, **chosen), quantity.name, **shapes)
+    if form is None:
+        return None
+    doc = _doc(model, quantity, chosen)
     return DeferredFunction(quantity.name, doc, form, partial(function, model, quantity.name, **chosen))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from support.random_models import random_model
-from ulna import kernels
+from ulna import algorithms, kernels
 from ulna.model import FrameContact, Model, PointContact
 from ulna.robots.panda import panda
 from ulna.robots.ur5 import ur5
@@ -60,6 +60,23 @@ def test_operation_counts_of_algorithms_do_not_grow(robot: str) -> None:
     counts = {name: kernels.function(model(robot), name).operations for name in NAMES}
     for name, bound in zip(NAMES, BOUNDS[robot], strict=True):
         assert counts[name] <= 1.02 * bound, (name, counts[name], bound)
+
+
+STAGED = {
+    "inverse_dynamics_derivatives": 3655,
+    "forward_dynamics_derivatives": 5341,
+    "coriolis_matrix": 2521,
+    "centroidal_derivatives": 3933,
+}
+"""Operations that are written out in stages, for a floating tree of 24 joints."""
+
+
+def test_operation_counts_of_stages_do_not_grow() -> None:
+    kinds = ["revolute", "revolute", "prismatic"]
+    tree = random_model(np.random.default_rng(3), kinds, 24, root="free_flyer", mimics=0, branching=0.5)
+    forms = {name: getattr(algorithms, f"stages_of_{name}")(tree) for name in STAGED}
+    counts = {name: form.operations for name, form in forms.items()}
+    assert all(counts[name] <= 1.02 * bound for name, bound in STAGED.items()), counts
 
 
 @pytest.mark.parametrize("case", CONSTRAINED)

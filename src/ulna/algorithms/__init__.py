@@ -50,6 +50,16 @@ if TYPE_CHECKING:
     from ulna.algorithms.derivatives.inverse_dynamics import (
         inverse_dynamics_derivatives as inverse_dynamics_derivatives,
     )
+    from ulna.algorithms.derivatives.staged import (
+        stages_of_centroidal_derivatives as stages_of_centroidal_derivatives,
+    )
+    from ulna.algorithms.derivatives.staged import stages_of_coriolis_matrix as stages_of_coriolis_matrix
+    from ulna.algorithms.derivatives.staged import (
+        stages_of_forward_dynamics_derivatives as stages_of_forward_dynamics_derivatives,
+    )
+    from ulna.algorithms.derivatives.staged import (
+        stages_of_inverse_dynamics_derivatives as stages_of_inverse_dynamics_derivatives,
+    )
     from ulna.algorithms.derivatives.velocity import (
         frame_acceleration_derivatives as frame_acceleration_derivatives,
     )
@@ -175,6 +185,12 @@ _NAMES = {
     "derivatives.differentiated_rnea": ("aba_derivatives", "rnea_derivatives"),
     "derivatives.forward_dynamics": ("columns_of_derivatives", "forward_dynamics_derivatives"),
     "derivatives.inverse_dynamics": ("inverse_dynamics_derivatives",),
+    "derivatives.staged": (
+        "stages_of_centroidal_derivatives",
+        "stages_of_coriolis_matrix",
+        "stages_of_forward_dynamics_derivatives",
+        "stages_of_inverse_dynamics_derivatives",
+    ),
     "derivatives.velocity": (
         "frame_acceleration_derivatives",
         "frame_velocity_derivatives",

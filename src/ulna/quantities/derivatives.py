@@ -35,6 +35,7 @@ class Derivatives(Part):
         "(nv, nv), (nv, nv), (nv, nv)",
         returns="By q, v and a",
         nodes=(280, 129, 0),
+        stages=algorithms.stages_of_inverse_dynamics_derivatives,
         **_FIXED,
     )
     def inverse_dynamics(
@@ -59,6 +60,7 @@ class Derivatives(Part):
         nodes=(330, 138, 18),
         inverts_mass=True,
         columns=under_forces(algorithms.columns_of_derivatives),
+        stages=algorithms.stages_of_forward_dynamics_derivatives,
         **_FIXED,
     )
     def forward_dynamics(
@@ -79,6 +81,7 @@ class Derivatives(Part):
         "(6, nv), (6, nv), (6, nv), (6, nv)",
         returns="Momentum by q; its rate by q, v and a",
         nodes=850,
+        stages=algorithms.stages_of_centroidal_derivatives,
     )
     def centroidal_momentum(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike

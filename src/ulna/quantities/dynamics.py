@@ -176,7 +176,12 @@ class Dynamics(Part):
         """
         ...
 
-    @quantity(algorithms.coriolis_matrix, "(nv, nv) [N m s or N s]", nodes=(155, 77, 0))
+    @quantity(
+        algorithms.coriolis_matrix,
+        "(nv, nv) [N m s or N s]",
+        nodes=(155, 77, 0),
+        stages=algorithms.stages_of_coriolis_matrix,
+    )
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Floats:
         """The matrix C of the Christoffel symbols: `C @ v + gravity = bias`, and `dM/dt - 2 C` is skew
         [Echeandia & Wensing 2021].

@@ -29,6 +29,7 @@ from ulna.quantities.mass import with_mass
 
 if TYPE_CHECKING:
     from ulna.compiler.language.columns import Columns
+    from ulna.compiler.language.function import SecondForm
 
 F = TypeVar("F", bound=Callable[..., Any])
 Arguments = tuple[tuple[str, Size], ...]
@@ -57,6 +58,7 @@ class Quantity:
         nodes: Coefficients of the size of its graph; see `ulna.quantities.size`.
         inverts_mass: Whether it needs the inverse of the mass matrix, which some models do not have.
         columns: Returns the same as a function of columns, for single calls; None for quantities without.
+        stages: Makes its form of stages for a model and options, for single calls; returns None for models without.
     """
 
     name: str
@@ -69,6 +71,7 @@ class Quantity:
     nodes: tuple[float, float, float]
     inverts_mass: bool
     columns: Callable[..., Columns] | None = None
+    stages: Callable[..., SecondForm | None] | None = None
 
     def arguments(self, options: Mapping[str, Any]) -> Arguments:
         """Names and sizes of the kernel's arguments under these options."""
@@ -125,6 +128,7 @@ def quantity(
     nodes: float | tuple[float, float, float] = 120.0,
     inverts_mass: bool = False,
     columns: Callable[..., Columns] | None = None,
+    stages: Callable[..., SecondForm | None] | None = None,
     direct: bool = False,
     returns: str = "",
     **about: str,
@@ -143,6 +147,7 @@ def quantity(
         nodes: As for `Quantity`; one number is the first.
         inverts_mass: As for `Quantity`.
         columns: As for `Quantity`.
+        stages: As for `Quantity`.
         returns: What the result is, for the documentation, where the first sentence does not say it.
         **about: What to write of arguments, where it is not what `ulna.quantities.documentation` has for their names.
 
@@ -168,6 +173,7 @@ def quantity(
             nodes=nodes if isinstance(nodes, tuple) else (nodes, 0.0, 0.0),
             inverts_mass=inverts_mass,
             columns=columns,
+            stages=stages,
         )
         made, nones = method, tuple(value is None for value in defaults.values())
         if options is None:

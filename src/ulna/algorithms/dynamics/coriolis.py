@@ -85,6 +85,10 @@ class MovingBodies(NamedTuple):
             rotate_symmetric(T.rotation, self.D, axis) + steiner(T.translation, h.linear),
         )
 
+    def halves(self, s: Motion) -> tuple[Array, Array]:
+        """D w / 2 and w x n / 2 for a column s = (l; w), shape (..., 3) each."""
+        return 0.5 * apply(self.D, s.angular), 0.5 * cross(s.angular, self.h.angular)
+
     def rate(self, s: Motion) -> Force:
         """(dI/dt) s for a column s that stands still: B s + B^T s."""
         p, w = self.h.linear, s.angular
@@ -126,8 +130,7 @@ def _add_pairs(
 ) -> None:
     """Adds the entries of column s of step i with the columns of that step and of its ancestors."""
     h, body = subtree.h, subtree.body
-    half = 0.5 * apply(subtree.D, s.angular)
-    turn = 0.5 * cross(s.angular, h.angular)
+    half, turn = subtree.halves(s)
     column = Force(cross(s.angular, h.linear), half + turn) + body.apply(V[i].cross(s))
     row = body.apply(s)
     moment = cross(h.linear, s.linear) + half - turn

@@ -16,7 +16,7 @@ couple fill in.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -195,19 +195,45 @@ def columns_of_inverse(M: Array) -> Columns:
         if is_zero(M[k, k]):
             raise ZeroPivot(k)
     paths = elimination_paths(M)
+    return Columns(list(rows_of_factors(M, paths)), [1.0], solution_by_rows(paths), len(paths), paths)
+
+
+def rows_of_factors(M: Array, paths: Sequence[Sequence[int]]) -> Array:
+    """The rows of a matrix that is to be factored in compiled code, one after the other.
+
+    Args:
+        M: Symmetric positive definite matrix, shape (nv, nv).
+        paths: For each row the columns before the diagonal, as from `elimination_paths`.
+
+    Returns:
+        The vector, shape (size,); for size and places see `ulna.compiler.language.columns.row_places`.
+    """
     places, size = row_places(paths)
-    table: list[Any] = [0.0] * size
+    table = np.zeros(size, dtype=object)
     for k, path in enumerate(paths):
         for place, j in enumerate([*path, k], places[k]):
             table[place] = M[k, j]
+    return table
 
-    def body(table: Array, column: Array) -> Array:
+
+def solution_by_rows(paths: Sequence[Sequence[int]]) -> Callable[[Array, Array], Array]:
+    """The solution of M x = b from factors in rows.
+
+    Args:
+        paths: For each row the columns before the diagonal.
+
+    Returns:
+        The function of the rows of L, followed by 1/d, and of b, each a vector.
+    """
+    places, size = row_places(paths)
+
+    def solve(table: Array, b: Array) -> Array:
         lower = [
             dict(zip(path, table[place:], strict=False)) for place, path in zip(places, paths, strict=True)
         ]
-        return np.array(Factors.of(lower, list(table[size:])).solve(list(column)), dtype=object)
+        return np.array(Factors.of(lower, list(table[size:])).solve(list(b)), dtype=object)
 
-    return Columns(table, [1.0], body, len(paths), paths)
+    return solve
 
 
 def is_zero(x: Any) -> bool:

@@ -18,6 +18,7 @@ from ulna.compiler.codegen.row_factors import write_row_factors
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.language.function import ColumnForm, Function, trace
 from ulna.compiler.language.ops import Op
+from ulna.compiler.language.stages import StagedForm
 
 _MAX_SCRATCH = 400_000  # of the matrices, which lie on the stack [byte]
 _NARROWEST = 32  # registers that are worth it [byte]
@@ -84,7 +85,15 @@ def write_columns(module: Module, f: Function, form: ColumnForm, target: Target,
 
 def _zeros(form: ColumnForm, m: int) -> list[list[list[bool]]]:
     """For each matrix, column and row whether the entry is zero whatever the inputs."""
-    head, g = form.head, form.head.graph
+    if isinstance(form.head, StagedForm):
+        matrices = iter(form.head.zeros[1:])
+        units = [[[i != k for i in range(m)] for k in range(m)] for _ in form.units]
+        return [
+            units[k] if unit is not None else next(matrices).T.tolist() for k, unit in enumerate(form.units)
+        ]
+    head = form.head
+    assert isinstance(head, Function)
+    g = head.graph
     start = head.outputs[0].size
     n = form.body.inputs[1].size
     zeros = []

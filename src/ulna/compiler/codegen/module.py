@@ -7,18 +7,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 
 from ulna.compiler.codegen.batch_loop import batch_loop
 from ulna.compiler.codegen.columns import can_write_columns, write_columns
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes, local_array
 from ulna.compiler.codegen.node_writer import Module, Writer
-from ulna.compiler.codegen.row_table import at, write_rows
-from ulna.compiler.codegen.rows import load, store
+from ulna.compiler.codegen.row_table import write_rows
+from ulna.compiler.codegen.rows import load
+from ulna.compiler.codegen.stages import write_stages
+from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.target import Target
-from ulna.compiler.language.function import ColumnForm, Function
-from ulna.compiler.language.ops import TABLE, Op
-from ulna.compiler.language.scheduling import Sines, Step, Store, made, parts, scratch_places, used
+from ulna.compiler.language.function import ColumnForm, Function, SecondForm
+from ulna.compiler.language.ops import Op
+from ulna.compiler.language.scheduling import parts, scratch_places
+from ulna.compiler.language.stages import StagedForm
 
 
 def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: int, target: Target) -> None:
@@ -46,24 +49,17 @@ def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: in
         if writes_rows_last and number == len(pieces) - 1:
             _write_output_rows(body, f, slots)
         else:
-            _write_steps(body, steps, slots)
+            write_steps(body, steps, slots)
         bodies.append([*body.local_arrays, *body.lines])
     if len(pieces) == 1:
-        _define(module, name, arguments, attributes, bodies[0])
+        define(module, name, arguments, attributes, bodies[0])
         return
     arguments.append("ptr noalias %scratch")
     calls = local_array("scratch", layout.real, max(slots.values(), default=0) + 1, target.stack_space)
     for number, lines in enumerate(bodies):
-        _define(module, f"{name}.{number}", arguments, attributes, lines)
+        define(module, f"{name}.{number}", arguments, attributes, lines)
         calls.append(f"  call void @{name}.{number}({', '.join(arguments).replace('noalias ', '')})")
-    _define(module, name, arguments[:-1], attributes, calls)
-
-
-def _define(
-    module: Module, name: str, arguments: Sequence[str], attributes: str, lines: Sequence[str]
-) -> None:
-    head = f"define internal void @{name}({', '.join(arguments)}) {attributes} {{"
-    module.definitions[name] = "\n".join([head, "entry:", *lines, "  ret void", "}", ""])
+    define(module, name, arguments[:-1], attributes, calls)
 
 
 def _read_inputs(to: Writer, f: Function) -> None:
@@ -74,33 +70,6 @@ def _read_inputs(to: Writer, f: Function) -> None:
         for j, value in load(to, f"i{k}", port.size, [j for j, n in enumerate(nodes) if n in live]):
             to.names[nodes[j]] = value
         start += port.size
-
-
-def _write_steps(to: Writer, steps: Iterable[Step], slots: dict[int, int]) -> None:
-    """Writes the steps of one part; what they need is fetched from the scratch, what is needed later is put there."""
-    g, layout = to.graph, to.layout
-
-    def kind(index: int) -> str:
-        return layout.truth if TABLE[g.op[index]].is_condition else layout.real
-
-    for step in steps:
-        for index in used(g, step):
-            if index in to.names:
-                continue
-            if g.op[index] in (Op.CONST, Op.BOOL):
-                to.node(index)
-            else:
-                place = at(to, slots[index])
-                to.assign(index, f"load {kind(index)}, {place}")
-        if isinstance(step, Sines):
-            to.sincos(step.arguments)
-        elif isinstance(step, Store):
-            store(to, f"o{step.port}", step.start, [to.names[v] for v in step.values])
-        elif step not in to.names:
-            to.node(step)
-        for index in made(g, step):
-            if index in slots:
-                to.write(f"store {kind(index)} {to.names[index]}, {at(to, slots[index])}")
 
 
 def _write_output_rows(to: Writer, f: Function, slots: dict[int, int]) -> None:
@@ -128,15 +97,23 @@ def emit_single(f: Function, target: Target, element: DType = "double") -> str:
     """
     module = Module()
     if f.columns is not None and can_write_columns(f, target, element):
-        _write_column_form(module, f, f.columns, target, element)
+        _write_form(module, f, f.columns, target, element)
         return module.text() + _wide_registers(target.lanes(element), element)
     _write_block(module, f, "one", Lanes(1, element), target.packed_sines, target)
     return module.text() + (_wide_registers(f.lanes, element) if f.lanes > 1 else "")
 
 
-def _write_column_form(module: Module, f: Function, form: ColumnForm, target: Target, element: DType) -> None:
-    """`void one(ptr in0, ..., ptr out0, ...)` by a form of columns."""
-    _write_block(module, form.head, "head", Lanes(1, element), target.packed_sines, target)
+def _write_form(module: Module, f: Function, form: SecondForm, target: Target, element: DType) -> None:
+    """`void one(ptr in0, ..., ptr out0, ...)` by a second form."""
+    if isinstance(form, StagedForm):
+        write_stages(module, "one", form, target, element)
+        return
+    assert isinstance(form, ColumnForm)
+    if isinstance(form.head, StagedForm):
+        write_stages(module, "head", form.head, target, element)
+    else:
+        assert isinstance(form.head, Function)
+        _write_block(module, form.head, "head", Lanes(1, element), target.packed_sines, target)
     write_columns(module, f, form, target, element)
 
 
@@ -197,7 +174,7 @@ def emit_batch(f: Function, target: Target, element: DType = "double") -> str:
     wide = max(lanes, f.lanes)
     if f.columns is not None and f.columns.serves_batches and can_write_columns(f, target, element):
         lanes = 1
-        _write_column_form(module, f, f.columns, target, element)
+        _write_form(module, f, f.columns, target, element)
         _write_block_of_one(module, f)
     else:
         _write_block(module, f, "block", Lanes(lanes, element), 1, target)
@@ -210,7 +187,7 @@ def _write_block_of_one(module: Module, f: Function) -> None:
     """`block` for one sample at a time, whose strides are of no use, by `one`."""
     names = [f"i{k}" for k in range(len(f.inputs))] + [f"o{k}" for k in range(len(f.outputs))]
     call = f"  call void @one({', '.join(f'ptr %{name}' for name in names)})"
-    _define(module, "block", [f"ptr %{name}, i64 %{name}s" for name in names], "noinline nounwind #0", [call])
+    define(module, "block", [f"ptr %{name}, i64 %{name}s" for name in names], "noinline nounwind #0", [call])
 
 
 def _wide_registers(lanes: int, element: DType) -> str:

@@ -15,9 +15,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ulna.compiler.language.function import ColumnForm, Function, trace
+from ulna.compiler.language.function import ColumnForm, Function, SecondForm, trace
 from ulna.compiler.language.graph import Graph
-from ulna.compiler.language.ports import Port
 from ulna.errors import TraceError
 from ulna.system.cached import cached_property
 
@@ -136,18 +135,16 @@ class DeferredFunction(Function):
     Args:
         name: As for `Function`.
         doc: As for `Function`.
-        columns: Its form of columns.
+        columns: Its form of columns or of stages.
         make: Traces it.
     """
 
     has_loops = False  # type: ignore[assignment]
 
-    def __init__(self, name: str, doc: str, columns: ColumnForm, make: Callable[[], Function]) -> None:
-        single = len(columns.units) == 1
-        names = ["out"] if single else [f"out{k}" for k in range(len(columns.units))]
-        outputs = tuple(Port(name, columns.shape) for name in names)
-        self.__dict__.update(name=name, doc=doc, columns=columns, single=single, lanes=1)
-        self.__dict__.update(inputs=columns.head.inputs, outputs=outputs, _make=make)
+    def __init__(self, name: str, doc: str, columns: SecondForm, make: Callable[[], Function]) -> None:
+        outputs = columns.outputs
+        self.__dict__.update(name=name, doc=doc, columns=columns, single=len(outputs) == 1, lanes=1)
+        self.__dict__.update(inputs=columns.inputs, outputs=outputs, _make=make)
 
     def __reduce__(self) -> tuple[Any, ...]:
         f = self._traced

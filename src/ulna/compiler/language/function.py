@@ -7,7 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import field
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -24,6 +24,30 @@ from ulna.numeric import is_symbolic
 from ulna.system.cached import cached_property
 
 
+class SecondForm(Protocol):
+    """Another way to compute a function: of columns, or in stages (`ulna.compiler.language.stages`)."""
+
+    @property
+    def inputs(self) -> tuple[Port, ...]:
+        """The inputs of the function."""
+        ...
+
+    @property
+    def outputs(self) -> tuple[Port, ...]:
+        """The outputs of the function."""
+        ...
+
+    @property
+    def operations(self) -> int:
+        """How many operations are written out."""
+        ...
+
+    @property
+    def serves_batches(self) -> bool:
+        """Whether samples of a batch are computed in this form, too, one by one."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class ColumnForm:
     """A second form of a function whose outputs are matrices of one shape; see `ulna.compiler.language.columns`.
@@ -37,12 +61,28 @@ class ColumnForm:
         serves_batches: Whether samples of a batch are computed in this form, too, one by one.
     """
 
-    head: Function
+    head: Function | SecondForm
     body: Function
     units: tuple[float | None, ...]
     shape: tuple[int, ...]
     paths: tuple[tuple[int, ...], ...] = ()
     serves_batches: bool = False
+
+    @property
+    def operations(self) -> int:
+        """How many operations of the head are written out."""
+        return self.head.operations
+
+    @property
+    def inputs(self) -> tuple[Port, ...]:
+        """The inputs of the function."""
+        return self.head.inputs
+
+    @property
+    def outputs(self) -> tuple[Port, ...]:
+        """The outputs of the function."""
+        names = ["out"] if len(self.units) == 1 else [f"out{k}" for k in range(len(self.units))]
+        return tuple(Port(name, self.shape) for name in names)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +103,7 @@ class Function(Differentiable, Packable):
     lanes: int = (
         1  # above 1, one sample is evaluated in so many SIMD lanes; see `ulna.compiler.language.lanes`
     )
-    columns: ColumnForm | None = field(default=None, repr=False)
+    columns: SecondForm | None = field(default=None, repr=False)
 
     def __call__(self, *args: Any) -> Any:
         """Evaluates on floats by interpretation, or inlines into the trace under way."""

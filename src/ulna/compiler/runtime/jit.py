@@ -201,8 +201,10 @@ def _announced(f: Function, what: str, size: int) -> Any:
     """Announces a compilation of so many characters of IR."""
     seconds = size / _SPEED[what]
     form = f.columns
-    head = f if form is None or (what == "batch" and not form.serves_batches) else form.head
-    text = f"compiling {f.name} ({head.operations:,} operations), about {math.ceil(seconds)} s; {_storage()}"
+    written = f if form is None or (what == "batch" and not form.serves_batches) else form
+    text = (
+        f"compiling {f.name} ({written.operations:,} operations), about {math.ceil(seconds)} s; {_storage()}"
+    )
     return announced(text, f"Compiling {f.name}", seconds)
 
 

@@ -1,0 +1,345 @@
+"""The dynamics of a tree in one common frame, as stages that compute many columns at a time.
+
+| symbol | meaning | shape | unit |
+|---|---|---|---|
+| T | pose of the moving frame of a step in the common frame | SE3 | [m] |
+| s | a column of a motion subspace | Motion | |
+| U, V | twist of the parent and of the body of a step | Motion | [m/s, rad/s] |
+| C, A | acceleration of the same two, gravity taken off | Motion | |
+| dU, dC | V - U and A - C of a floating base, zero for all other columns | Motion | |
+| psi, chi, phi | motion that s causes outward, as in inverse_dynamics.py | Motion | |
+| c, I, h, D, F | first and second moment, momentum, rate of I, and force of a body, or of all from a step outward | | |
+| r, t, y, z | what a column does to forces, as in inverse_dynamics.py | Force, t: (3) | |
+
+Seen from one frame, columns do not travel from body to body: what all bodies from a step outward have is a plain sum,
+and an entry of a matrix is a scalar product of two columns. All else is the same for every column, so a SIMD register
+of columns is computed at once. Only poses, twists, accelerations and sums follow the tree.
+
+Where a step has one column, psi = V x s = U x s and chi = A x s + V x psi, since what the step itself adds cancels; so
+U and C are needed for a floating base only.
+
+The common frame is the moving frame of a floating base, as seen by somebody who moves on evenly with its origin, so
+that numbers stay small wherever the robot is; of a robot that stands fixed it is the world. The equations are those of
+inverse_dynamics.py for an observer at rest in that frame (u = 0).
+
+Source: Singh, Russell & Wensing, Efficient Analytical Derivatives of Rigid-Body Dynamics using Spatial Vector Algebra
+(2022), who write all of it in the world's frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ulna.algorithms.derivatives.inverse_dynamics import State, Subtree, states_of_moving_observers
+from ulna.algorithms.multibody.mass_moments import MassMoments
+from ulna.algorithms.multibody.prepared_model import prepare
+from ulna.algorithms.multibody.tree import shares_velocities
+from ulna.compiler.language.stages import PairFunction, Stages
+from ulna.model import Model
+from ulna.numeric import apply, dot
+from ulna.spatial import SE3, Force, Motion
+from ulna.typing import Array
+
+_UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+
+
+def suits_one_frame(model: Model) -> bool:
+    """Whether all joints but a floating base have one degree of freedom, and no two steps share a velocity."""
+    tree = prepare(model).tree
+    if shares_velocities(model) or not tree:
+        return False
+    return all(step.kind.nv == 1 or step.parent < 0 for step in tree)
+
+
+class OneFrame:
+    """The stages of a robot; the names of tables are those of the table above.
+
+    Args:
+        name: The name of the function.
+        model: A robot that suits (`suits_one_frame`).
+        **inputs: The shape of each input of the function.
+    """
+
+    def __init__(self, name: str, model: Model, **inputs: tuple[int, ...]) -> None:
+        self.model, self.prepared = model, prepare(model)
+        self.tree = self.prepared.tree
+        self.stages = Stages(name, model.nv, **inputs)
+        self._gravity = np.zeros(3)
+        roots = [step for step in self.tree if step.parent < 0]
+        self.is_floating = len(roots) == 1 and roots[0].kind.nv > 1
+        """Whether the common frame is that of the only root."""
+
+    @cached_property
+    def movers(self) -> list[list[int]]:
+        """For each column those columns of other joints that move it."""
+        of_steps: list[list[int]] = []
+        found: list[list[int]] = [[] for _ in range(self.model.nv)]
+        for step in self.tree:
+            before = of_steps[step.parent] if step.parent >= 0 else []
+            of_steps.append([*before, *step.indices])
+            for k in step.indices:
+                found[k] = before
+        return found
+
+    @cached_property
+    def joints(self) -> list[int]:
+        """For each column the number of its step."""
+        numbers = [0] * self.model.nv
+        for number, step in enumerate(self.tree):
+            for k in step.indices:
+                numbers[k] = number
+        return numbers
+
+    @cached_property
+    def unit_columns(self) -> dict[int, int]:
+        """The columns of a floating base that are unit vectors, and which ones: they move all other columns."""
+        found: dict[int, int] = {}
+        for k, s in self.tree[0].columns() if self.is_floating else ():
+            row = np.asarray(numbers(s), dtype=float)
+            if row.max() == 1.0 and np.count_nonzero(row) == 1:
+                found[k] = int(row.argmax())
+        return found
+
+    def kinematics(self) -> None:
+        """T, s, V and dU from q and v; the constants of bodies."""
+        bodies = np.zeros((10, self.model.nv))
+        for step, body in zip(self.tree, self.prepared.regrouped_moments, strict=True):
+            bodies[:, step.indices[-1]] = [body.mass, *body.first, *(body.second[i, j] for i, j in _UPPER)]
+        mass = np.zeros((1, self.model.nv))
+        for step, total in zip(self.tree, self._subtree_masses(), strict=True):
+            mass[0, list(step.indices)] = total
+        self.stages.constant("bodies", bodies)
+        self.stages.constant("mass", mass)
+        self.stages.straight(self._kinematics, ("q", "v"), ("T", "s", "V", "dU"))
+
+    def center_of_mass(self, share: float) -> None:
+        """c_G, and R from the axes of the common frame to those of the world.
+
+        Args:
+            share: The reciprocal of the robot's mass [1/kg].
+        """
+        heavy = np.zeros((4, self.model.nv))
+        for step, body in zip(self.tree, self.prepared.body_moments, strict=True):
+            heavy[:, step.indices[-1]] = [body.mass, *body.first]
+        self.stages.constant("heavy", heavy)
+
+        def first_moment(T: Array, heavy: Array) -> Array:
+            return apply(T[:9].reshape(3, 3), heavy[1:]) + T[9:] * heavy[0]
+
+        def rotation(q: Array) -> Array:
+            return self.tree[0].pose(None, q).rotation.reshape(-1) if self.is_floating else np.eye(3).ravel()
+
+        self.stages.lanes(first_moment, ("T", "heavy"), ("moments",))
+        self.stages.straight(lambda moments: moments.sum(axis=1) * share, ("moments",), ("c_G",))
+        self.stages.straight(rotation, ("q",), ("R",))
+
+    def accelerations(self, a: str = "", gravity: bool = True) -> None:
+        """psi, A and dC.
+
+        Args:
+            a: The name of the joint accelerations; empty for zero.
+            gravity: Whether that of free fall is subtracted.
+        """
+        self._gravity = np.asarray(self.model.gravity) if gravity else np.zeros(3)
+        self.stages.lanes(
+            lambda s, V, dU: numbers(motion(V - dU).cross(motion(s))), ("s", "V", "dU"), ("psi",)
+        )
+        if a:
+            self.stages.straight(self._accelerations, ("q", "v", a, "s", "psi"), ("A", "dC"))
+            return
+        zero = np.zeros(self.model.nv)
+        self.stages.straight(
+            lambda q, v, s, psi: self._accelerations(q, v, zero, s, psi), ("q", "v", "s", "psi"), ("A", "dC")
+        )
+
+    def subtrees(self, with_forces: bool = True) -> None:
+        """c, I, h, D and F of all bodies from a step outward, one below the other: `sums`; of each body c and I: `own`.
+
+        Args:
+            with_forces: Whether F is there.
+        """
+
+        def of_body(T: Array, bodies: Array, V: Array, A: Array | None = None) -> tuple[Array, ...]:
+            body = _moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
+            h = body.apply(motion(V))
+            F = [] if A is None else numbers(body.apply(motion(A)) + motion(V).cross(h))
+            own = [*body.first, *_upper(body.second)]
+            rows = [*own, *numbers(h), *_upper(body.rate(motion(V))), *F]
+            return np.array(rows, dtype=object), np.array(own, dtype=object)
+
+        reads = ("T", "bodies", "V", "A") if with_forces else ("T", "bodies", "V")
+        self.stages.lanes(of_body, reads, ("sums", "own"))
+        self.stages.straight(self.summed, ("sums",), ("sums",))
+
+    def summed(self, of_bodies: Array) -> Array:
+        """The sums over all bodies from a step outward.
+
+        Args:
+            of_bodies: Numbers of bodies, shape (rows, columns), in the last columns of their steps.
+
+        Returns:
+            The sums, in every column of a step, shape (rows, columns).
+        """
+        rows = len(of_bodies)
+        totals = np.zeros((rows, self.model.nv), dtype=object)
+        sums: list[list[Any]] = [[0.0] * rows for _ in self.tree]
+        for i, step in reversed(list(enumerate(self.tree))):
+            last = step.indices[-1]
+            for row in range(rows):
+                total = of_bodies[row, last] + sums[i][row]
+                totals[row, list(step.indices)] = total
+                if step.parent >= 0:
+                    sums[step.parent][row] = sums[step.parent][row] + total
+        return totals
+
+    def columns(self) -> None:
+        """r, t, y and z of every column, and psi, chi and phi beside it."""
+        carried = [[0.0 if self.tree[joint].parent < 0 else 1.0 for joint in self.joints]]
+        self.stages.constant("carried", carried)
+
+        def of_column(
+            s: Array,
+            psi: Array,
+            V: Array,
+            dU: Array,
+            A: Array,
+            dC: Array,
+            sums: Array,
+            mass: Array,
+            carried: Array,
+        ) -> tuple[Array, ...]:
+            column, caused = motion(s), motion(psi)
+            chi = motion(A - dC).cross(column) + motion(V - dU).cross(caused)
+            phi = motion(V).cross(column) + caused
+            outward = subtree(mass, sums)
+            r, t = outward.body.apply(column), outward.coriolis_transposed(column)
+            y = outward.coriolis(column) + outward.body.apply(phi)
+            z = outward.coriolis(caused) + outward.body.apply(chi)
+            z = z + column.cross(outward.F) * carried[0]
+            return numbers(chi), numbers(phi), numbers(r), t, numbers(y), numbers(z)
+
+        reads = ("s", "psi", "V", "dU", "A", "dC", "sums", "mass", "carried")
+        self.stages.lanes(of_column, reads, ("chi", "phi", "r", "t", "y", "z"))
+
+    def mass_matrix(self, M: str) -> None:
+        """M from s and r.
+
+        Args:
+            M: What it is called.
+        """
+
+        def entry(x: Array, y: Array) -> tuple[Any, ...]:
+            return (dot(x, y),)
+
+        below, above = (entry, ("s",), ("r",)), (entry, ("r",), ("s",))
+        self.matrices(below, above, {M: [float(x) for x in self.model.armature]})
+
+    def matrices(
+        self, below: PairFunction, above: PairFunction, writes: Mapping[str, Sequence[float] | None]
+    ) -> None:
+        """Matrices of pairs of columns; see `ulna.compiler.language.stages.Pairs`.
+
+        Args:
+            below: Has s as its own column, and scalar products with it as results, in the order of the other tables.
+            above: For columns that move the own one.
+            writes: Names of the matrices, and what is added to their diagonals.
+        """
+        self.stages.pairs(below, above, self.movers, self.joints, writes, self.unit_columns)
+
+    def _subtree_masses(self) -> list[float]:
+        masses = [float(body.mass) for body in self.prepared.regrouped_moments]
+        for i, step in reversed(list(enumerate(self.tree))):
+            if step.parent >= 0:
+                masses[step.parent] += masses[i]
+        return masses
+
+    def _root_state(self, q: Array, v: Array, a: Array) -> State:
+        """The state of a floating base, as somebody sees it who moves on evenly with its origin."""
+        return states_of_moving_observers(self.tree, q, v, a, self._gravity)(0)
+
+    def _kinematics(self, q: Array, v: Array) -> tuple[Array, ...]:
+        T, s, V, dU = (np.zeros((rows, self.model.nv), dtype=object) for rows in (12, 6, 6, 6))
+        poses: list[SE3] = []
+        twists: list[Motion] = []
+        for step in self.tree:
+            if step.parent < 0 and self.is_floating:
+                root = self._root_state(q, v, np.zeros(self.model.nv))
+                pose, twist = SE3.identity(), root.V
+                dU[:, list(step.indices)] = numbers(root.V - root.U)[:, None]
+            else:
+                pose = step.pose(poses[step.parent] if step.parent >= 0 else None, q)
+                twist = twists[step.parent] if step.parent >= 0 else Motion.zero()
+                for k, column in step.columns():
+                    twist = twist + pose.act(column) * v[k]
+            poses.append(pose)
+            twists.append(twist)
+            for k, column in step.columns():
+                T[:, k] = [*pose.rotation.reshape(-1), *pose.translation]
+                s[:, k], V[:, k] = numbers(pose.act(column)), numbers(twist)
+        return T, s, V, dU
+
+    def _accelerations(self, q: Array, v: Array, a: Array, s: Array, psi: Array) -> tuple[Array, Array]:
+        A, dC = (np.zeros((6, self.model.nv), dtype=object) for _ in range(2))
+        found: list[Array] = []
+        for step in self.tree:
+            if step.parent < 0 and self.is_floating:
+                root = self._root_state(q, v, a)
+                after = numbers(root.A)
+                dC[:, list(step.indices)] = (after - numbers(root.C))[:, None]
+            else:
+                at_rest = np.concatenate([-self._gravity, np.zeros(3)])
+                after = found[step.parent] if step.parent >= 0 else at_rest
+                for k in step.indices:
+                    after = after + (s[:, k] * a[k] + psi[:, k] * v[k])
+            found.append(after)
+            for k in step.indices:
+                A[:, k] = after
+        return A, dC
+
+
+def motion(numbers: Array) -> Motion:
+    """The twist of six numbers, linear part first."""
+    return Motion(numbers[:3], numbers[3:])
+
+
+def subtree(mass: Array, sums: Array) -> Subtree:
+    """The quantities of all bodies from a step outward.
+
+    Args:
+        mass: Shape (1,) [kg].
+        sums: Shape (27,), as `OneFrame.subtrees` has them.
+
+    Returns:
+        The same by name.
+    """
+    second, rate = ([sums[k + j] for j in range(6)] for k in (3, 15))
+    return Subtree(
+        MassMoments(mass[0], sums[:3], _symmetric(second)),
+        Force(sums[9:12], sums[12:15]),
+        _symmetric(rate),
+        Force(sums[21:24], sums[24:]),
+    )
+
+
+def _moments(mass: Any, numbers: Array) -> MassMoments:
+    return MassMoments(mass, numbers[:3], _symmetric(list(numbers[3:])))
+
+
+def numbers(x: Motion | Force) -> Array:
+    """Six numbers, linear part first."""
+    return np.concatenate([x.linear, x.angular])
+
+
+def _upper(matrix: Array) -> list[Any]:
+    return [matrix[i, j] for i, j in _UPPER]
+
+
+def _symmetric(upper: Sequence[Any]) -> Array:
+    out = np.empty((3, 3), dtype=object)
+    for (i, j), x in zip(_UPPER, upper, strict=True):
+        out[i, j] = out[j, i] = x
+    return out

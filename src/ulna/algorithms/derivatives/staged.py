@@ -1,0 +1,266 @@
+"""Matrices of dynamics and their derivatives as stages in one frame, for one sample.
+
+The symbols, the frame and the source are those of columns_in_one_frame.py. What is computed is that of
+inverse_dynamics.py, forward_dynamics.py, centroidal.py and dynamics/coriolis.py, which remain the definitions:
+`tests/laws/test_staged_laws.py` compares.
+
+| symbol | meaning | shape | unit |
+|---|---|---|---|
+| h_0 | torques without joint accelerations | (nv) | [N m, N] |
+| L, d | factors of the mass matrix, L^T diag(d) L | | |
+| dA, dF | what joint accelerations add to the accelerations, and to the forces of all bodies from a step outward | | |
+| c_G, m | centre of mass in the common frame; mass | (3), () | [m], [kg] |
+| R | rotation from the common frame to the world | (3, 3) | |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ulna.algorithms.derivatives.columns_in_one_frame import (
+    OneFrame,
+    motion,
+    numbers,
+    subtree,
+    suits_one_frame,
+)
+from ulna.algorithms.dynamics.center_of_mass import total_mass
+from ulna.algorithms.dynamics.coriolis import MovingBodies
+from ulna.algorithms.dynamics.mass_matrix_factors import rows_of_factors, solution_by_rows
+from ulna.compiler.language.columns import ColumnForm, row_places
+from ulna.compiler.language.function import trace
+from ulna.compiler.language.stages import StagedForm
+from ulna.model import Model
+from ulna.numeric import apply, cross, dot
+from ulna.spatial import Force
+from ulna.typing import Array
+
+
+def stages_of_inverse_dynamics_derivatives(model: Model, forces: Any = ()) -> StagedForm | None:
+    """The derivatives of the torques of inverse dynamics by q, v and a.
+
+    Args:
+        model: The robot.
+        forces: Frames with external forces; with some there is no such form.
+
+    Returns:
+        The form; None for robots that need another one.
+    """
+    if forces or not suits_one_frame(model):
+        return None
+    frame = OneFrame("inverse_dynamics_derivatives", model, q=(model.nq,), v=(model.nv,), a=(model.nv,))
+    frame.kinematics()
+    frame.accelerations("a")
+    frame.subtrees()
+    frame.columns()
+    _torque_derivatives(frame, with_mass=True)
+    return frame.stages.form("by_q", "by_v", "M")
+
+
+def stages_of_forward_dynamics_derivatives(model: Model, forces: Any = ()) -> ColumnForm | None:
+    """The derivatives of the joint accelerations by q, v and tau.
+
+    Args:
+        model: The robot; every motion must move some mass or have armature.
+        forces: Frames with external forces; with some there is no such form.
+
+    Returns:
+        The form; None for robots that need another one.
+    """
+    if forces or not suits_one_frame(model):
+        return None
+    n = model.nv
+    frame = OneFrame("forward_dynamics_derivatives", model, q=(model.nq,), v=(n,), tau=(n,))
+    stages = frame.stages
+    frame.kinematics()
+    frame.accelerations()
+    frame.subtrees()
+
+    def responses(s: Array, sums: Array, mass: Array) -> tuple[Array, Array]:
+        whole = subtree(mass, sums)
+        return numbers(whole.body.apply(motion(s))), np.array([dot(s, sums[21:])], dtype=object)
+
+    stages.lanes(responses, ("s", "sums", "mass"), ("r", "h_0"))
+    frame.mass_matrix("M")
+    paths = _sorted_paths(frame.movers, frame.joints)
+    stages.straight(lambda M: rows_of_factors(M, paths), ("M",), ("rows",))
+    stages.factors(paths, "rows", "factors")
+    solve = solution_by_rows(paths)
+
+    def accelerations(tau: Array, h_0: Array, factors: Array) -> Array:
+        return solve(factors, tau - h_0[0])
+
+    stages.straight(accelerations, ("tau", "h_0", "factors"), ("a",))
+    _add_accelerations(frame)
+    frame.columns()
+    _torque_derivatives(frame, with_mass=False)
+    size = row_places(paths)[1]
+
+    def column(table: Array, column: Array) -> Array:
+        return solve(np.concatenate([table[:size], -table[size:]]), column)
+
+    body = trace(column, name="forward_dynamics_derivatives_column", table=(size + n,), column=(n,))
+    return ColumnForm(stages.form("factors", "by_q", "by_v"), body, (None, None, -1.0), (n, n))
+
+
+def stages_of_coriolis_matrix(model: Model) -> StagedForm | None:
+    """The Coriolis matrix of the Christoffel symbols.
+
+    Args:
+        model: The robot.
+
+    Returns:
+        The form; None for robots that need another one.
+    """
+    if not suits_one_frame(model):
+        return None
+    frame = OneFrame("coriolis_matrix", model, q=(model.nq,), v=(model.nv,))
+    frame.kinematics()
+    frame.subtrees(with_forces=False)
+
+    def of_column(s: Array, V: Array, sums: Array, mass: Array) -> tuple[Array, ...]:
+        whole, column, rate = subtree(mass, sums), motion(s), motion(V).cross(motion(s))
+        moving = MovingBodies(whole.body, whole.h, whole.D)
+        half, turn = moving.halves(column)
+        y = Force(cross(column.angular, whole.h.linear), half + turn) + whole.body.apply(rate)
+        t = cross(whole.h.linear, column.linear) + half - turn
+        return numbers(whole.body.apply(column)), t, numbers(y), numbers(rate)
+
+    frame.stages.lanes(of_column, ("s", "V", "sums", "mass"), ("r", "t", "y", "rates"))
+
+    def below(s: Array, y: Array) -> tuple[Any, ...]:
+        return (dot(y, s),)
+
+    def above(r: Array, t: Array, s: Array, rates: Array) -> tuple[Any, ...]:
+        return (dot(r, rates) + dot(t, s[3:]),)
+
+    frame.matrices((below, ("s",), ("y",)), (above, ("r", "t"), ("s", "rates")), {"C": None})
+    return frame.stages.form("C")
+
+
+def stages_of_centroidal_derivatives(model: Model) -> StagedForm | None:
+    """The derivatives of the centroidal momentum by q, and of its rate by q, v and a.
+
+    Args:
+        model: The robot; without mass it has no such form.
+
+    Returns:
+        The form; None for robots that need another one.
+    """
+    if not suits_one_frame(model) or not total_mass(model):
+        return None
+    frame = OneFrame("centroidal_derivatives", model, q=(model.nq,), v=(model.nv,), a=(model.nv,))
+    share = 1.0 / total_mass(model)
+    frame.kinematics()
+    frame.center_of_mass(share)
+    frame.accelerations("a", gravity=False)
+    frame.subtrees()
+    roots = [step.indices[0] for step in frame.tree if step.parent < 0]
+
+    def momentum_and_rate(sums: Array) -> Array:
+        h, F = (np.sum([sums[row : row + 3, k] for k in roots], axis=0) for row in (9, 21))
+        return np.concatenate([h * share, F * share])
+
+    frame.stages.straight(momentum_and_rate, ("sums",), ("drift",))
+
+    def of_column(
+        s: Array,
+        psi: Array,
+        V: Array,
+        dU: Array,
+        A: Array,
+        dC: Array,
+        sums: Array,
+        mass: Array,
+        drift: Array,
+        c_G: Array,
+        R: Array,
+    ) -> tuple[Array, ...]:
+        column, caused, whole = motion(s), motion(psi), subtree(mass, sums)
+        chi = motion(A - dC).cross(column) + motion(V - dU).cross(caused)
+        r = whole.body.apply(column)
+        dh = whole.body.apply(caused) + column.cross(whole.h)
+        dF = whole.coriolis(caused) + whole.body.apply(chi) + column.cross(whole.F)
+        rest = whole.body.apply(motion(dU).cross(column))
+        rest = rest + Force(np.zeros(3), whole.coriolis_transposed(column))
+        dF_dv = dh + dh + rest
+        dh = Force(dh.linear, dh.angular - cross(r.linear, drift[:3]))
+        dF = Force(dF.linear, dF.angular - cross(r.linear, drift[3:]))
+        return tuple(_about(x, c_G, R.reshape(3, 3)) for x in (dh, dF, dF_dv, r))
+
+    reads = ("s", "psi", "V", "dU", "A", "dC", "sums", "mass", "drift", "c_G", "R")
+    names = ("dh_dq", "dF_dq", "dF_dv", "dF_da")
+    frame.stages.lanes(of_column, reads, names)
+    return frame.stages.form(*names)
+
+
+def _about(force: Force, c: Array, R: Array) -> Array:
+    """A force about a point, along the axes of the world."""
+    moment = force.angular - cross(c, force.linear)
+    return np.concatenate([apply(R, force.linear), apply(R, moment)])
+
+
+def _torque_derivatives(frame: OneFrame, with_mass: bool) -> None:
+    """The derivatives of the torques by q and v, and the mass matrix, which is that by a."""
+
+    def below(s: Array, z: Array, y: Array, r: Array | None = None) -> tuple[Any, ...]:
+        mass = () if r is None else (dot(r, s),)
+        return dot(z, s), dot(y, s), *mass
+
+    def above(r: Array, t: Array, s: Array, psi: Array, chi: Array, phi: Array) -> tuple[Any, ...]:
+        mass = (dot(r, s),) if with_mass else ()
+        return dot(r, chi) + dot(t, psi[3:]), dot(r, phi) + dot(t, s[3:]), *mass
+
+    others = ("z", "y", "r") if with_mass else ("z", "y")
+    writes: dict[str, Sequence[float] | None] = {"by_q": None, "by_v": None}
+    if with_mass:
+        writes["M"] = [float(x) for x in frame.model.armature]
+    frame.matrices(
+        (below, ("s",), others),
+        (above, ("r", "t"), ("s", "psi", "chi", "phi")),
+        writes,
+    )
+
+
+def _add_accelerations(frame: OneFrame) -> None:
+    """A, dC and the forces with joint accelerations."""
+
+    def added(A: Array, dC: Array, s: Array, a: Array) -> tuple[Array, ...]:
+        dA = np.zeros((6, frame.model.nv), dtype=object)
+        found: list[Array] = []
+        for step in frame.tree:
+            own = sum((s[:, k] * a[k] for k in step.indices), np.zeros(6))
+            found.append(found[step.parent] + own if step.parent >= 0 else own)
+            for k in step.indices:
+                dA[:, k] = found[-1]
+                A[:, k] = A[:, k] + found[-1]
+                if step.parent < 0 and frame.is_floating:
+                    dC[:, k] = dC[:, k] + own
+        return A, dC, dA
+
+    frame.stages.straight(added, ("A", "dC", "s", "a"), ("A", "dC", "dA"))
+
+    def force(own: Array, bodies: Array, dA: Array) -> Array:
+        moments = subtree(bodies[:1], np.concatenate([own, np.zeros(18)])).body
+        return numbers(moments.apply(motion(dA)))
+
+    frame.stages.lanes(force, ("own", "bodies", "dA"), ("dF",))
+
+    def summed(dF: Array, sums: Array) -> Array:
+        totals = frame.summed(dF)
+        sums[21:] = sums[21:] + totals
+        return sums
+
+    frame.stages.straight(summed, ("dF", "sums"), ("sums",))
+
+
+def _sorted_paths(movers: list[list[int]], joints: list[int]) -> list[list[int]]:
+    """For each column the columns before it that move it, or belong to its joint."""
+    n = len(joints)
+    return [
+        sorted({*movers[k], *(j for j in range(k) if joints[j] == joints[k])} & set(range(k)))
+        for k in range(n)
+    ]

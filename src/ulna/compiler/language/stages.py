@@ -1,0 +1,334 @@
+"""Functions computed in stages: straight-line code where a tree is walked, SIMD lanes of columns everywhere else.
+
+A graph of a robot's derivatives has a node for each operation of each joint, and for each pair of joints. One sample
+runs through it once, and fetching so much code takes longer than computing. Most of it is the same operations on the
+numbers of other joints. A `StagedForm` keeps these numbers in tables with one column for each velocity of the robot,
+and computes a table from others
+
+- by straight-line code, where numbers of different columns meet (`straight`),
+- for a SIMD register of columns at a time (`lanes`),
+- or, for matrices, for pairs of a row and a register of columns (`pairs`).
+
+The graph remains the definition of the function; batches, derivatives and other languages use it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import field, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from ulna.compiler.language.function import Function, trace
+from ulna.compiler.language.ports import Port
+from ulna.data_classes import dataclass
+from ulna.errors import TraceError
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """One step of a form.
+
+    Attributes:
+        kind: How `body` is evaluated: once ("straight"), or for each column ("lanes").
+        body: Arrays to arrays. In lanes, an array is one column of a table; otherwise, the whole table.
+        reads: Names of the tables or inputs that it takes.
+        writes: Names of the tables or outputs that it computes.
+    """
+
+    kind: Literal["straight", "lanes"]
+    body: Function
+    reads: tuple[str, ...]
+    writes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Square matrices, whose entries come from pairs of columns of the tables.
+
+    Attributes:
+        below: Entries (i, j) where column i moves column j, or belongs to its joint: from column i of some tables and
+            column j of others.
+        above: The same where column j moves column i.
+        own: Names of the tables of i, for `below` and `above`.
+        other: Names of the tables of j, for `below` and `above`.
+        movers: For each column those columns of other joints that move it.
+        joints: For each column the number of its joint.
+        diagonals: For each matrix what is added to its diagonal, or None.
+        copies: The rows that are rows of the last tables of `other` for `below`, one table for each matrix.
+        writes: Names of the matrices.
+    """
+
+    below: Function
+    above: Function
+    own: tuple[tuple[str, ...], tuple[str, ...]]
+    other: tuple[tuple[str, ...], tuple[str, ...]]
+    movers: tuple[frozenset[int], ...]
+    joints: tuple[int, ...]
+    diagonals: tuple[tuple[float, ...] | None, ...]
+    copies: Mapping[int, int]
+    writes: tuple[str, ...]
+
+    def masks(self, i: int) -> tuple[list[bool], list[bool]]:
+        """In which columns row i has entries of `below`, and of `above`."""
+        n = len(self.joints)
+        below = [i in self.movers[j] or self.joints[i] == self.joints[j] for j in range(n)]
+        return below, [j in self.movers[i] for j in range(n)]
+
+
+@dataclass(frozen=True, eq=False)
+class Factors:
+    """The factors L^T diag(d) L of a symmetric matrix; see `ulna.compiler.language.columns`.
+
+    Attributes:
+        paths: For each row the columns before the diagonal.
+        reads: The name of the rows; they are overwritten.
+        writes: The name of the rows of L, followed by 1/d.
+    """
+
+    paths: tuple[tuple[int, ...], ...]
+    reads: str
+    writes: str
+
+
+AnyStage = Stage | Pairs | Factors
+
+
+def names_of(stage: AnyStage) -> list[str]:
+    """The names of all arrays that a stage reads or writes."""
+    if isinstance(stage, Factors):
+        return [stage.reads, stage.writes]
+    if isinstance(stage, Stage):
+        return [*stage.reads, *stage.writes]
+    return [name for names in (*stage.own, *stage.other, stage.writes) for name in names]
+
+
+@dataclass(frozen=True, eq=False)
+class StagedForm:
+    """A function in stages; made by `Stages`.
+
+    Attributes:
+        inputs: Its inputs.
+        outputs: Its outputs.
+        columns: How many columns the tables have.
+        arrays: Names and shapes of the arrays that stages hand on.
+        tables: Names of those that are read and written by registers of columns.
+        constants: Tables that are known, (rows, columns).
+        stages: The steps in order; inputs are called i0, i1, ..., outputs o0, o1, ...
+        zeros: For each output which entries are zero whatever the inputs, or None.
+        serves_batches: Whether samples of a batch are computed in this form, too, one by one.
+    """
+
+    inputs: tuple[Port, ...]
+    outputs: tuple[Port, ...]
+    columns: int
+    arrays: Mapping[str, tuple[int, ...]]
+    tables: frozenset[str]
+    constants: Mapping[str, Any]
+    stages: tuple[AnyStage, ...]
+    zeros: tuple[Any, ...]
+    serves_batches: bool = field(default=False)
+
+    @property
+    def operations(self) -> int:
+        """How many operations are written out, each for one column or one register of columns."""
+        bodies: list[Function] = []
+        for stage in self.stages:
+            if isinstance(stage, Stage):
+                bodies.append(stage.body)
+            elif isinstance(stage, Pairs):
+                bodies += [stage.below, stage.above]
+        return sum(f.operations for f in bodies)
+
+
+PairFunction = tuple[Callable[..., Any], Sequence[str], Sequence[str]]
+"""A function, the names of the tables of which it takes a row's own column, and of those of which it takes others."""
+
+
+class Stages:
+    """Makes a form, stage by stage, by tracing functions.
+
+    Args:
+        name: The name of the function.
+        columns: How many columns the tables have.
+        **inputs: The shape of each input of the function.
+    """
+
+    def __init__(self, name: str, columns: int, **inputs: Sequence[int]) -> None:
+        self.name, self.columns = name, columns
+        self._inputs = {key: tuple(shape) for key, shape in inputs.items()}
+        self._arrays: dict[str, tuple[int, ...]] = {}
+        self._tables: set[str] = set()
+        self._constants: dict[str, Any] = {}
+        self._stages: list[AnyStage] = []
+
+    def constant(self, name: str, rows: Any) -> None:
+        """A table of numbers.
+
+        Args:
+            name: Its name.
+            rows: Shape (rows, columns).
+        """
+        self._constants[name] = np.asarray(rows, dtype=float)
+
+    def straight(self, f: Callable[..., Any], reads: Sequence[str], writes: Sequence[str]) -> None:
+        """A stage of straight-line code.
+
+        Args:
+            f: From whole arrays and inputs to as many arrays as are written; those of shape (rows, columns) are
+                tables.
+            reads: Names of arrays and inputs.
+            writes: Names of the results. A table may be one that is read, of which an entry is then read only for what
+                takes its place.
+        """
+        body = self._traced(f, {name: self._shape(name) for name in reads})
+        for name, port in zip(writes, body.outputs, strict=True):
+            self._arrays[name] = port.shape
+            if len(port.shape) == 2:
+                self._tables.add(name)
+        self._stages.append(Stage("straight", body, tuple(reads), tuple(writes)))
+
+    def lanes(self, f: Callable[..., Any], reads: Sequence[str], writes: Sequence[str]) -> None:
+        """A stage that computes all columns alike.
+
+        Args:
+            f: From one column of each table, (rows,), to one column of as many tables as are written.
+            reads: Names of tables, and of vectors, of which every column gets the whole.
+            writes: Names of tables.
+        """
+        body = self._traced(f, {name: self._shape(name)[:1] for name in reads})
+        for name, port in zip(writes, body.outputs, strict=True):
+            self._arrays[name] = (port.size, self.columns)
+            self._tables.add(name)
+        self._stages.append(Stage("lanes", body, tuple(reads), tuple(writes)))
+
+    def pairs(
+        self,
+        below: PairFunction,
+        above: PairFunction,
+        movers: Sequence[Sequence[int]],
+        joints: Sequence[int],
+        writes: Mapping[str, Sequence[float] | None],
+        copies: Mapping[int, int] | None = None,
+    ) -> None:
+        """The stage that computes square matrices; see `Pairs`.
+
+        Args:
+            below: As for `Pairs`, with the names of both kinds of tables.
+            above: The same.
+            movers: As for `Pairs`.
+            joints: As for `Pairs`.
+            writes: Names of the matrices, and what is added to their diagonals.
+            copies: As for `Pairs`.
+
+        Raises:
+            TraceError: The functions return other numbers of entries than there are matrices.
+        """
+        bodies = []
+        for f, own, other in (below, above):
+            shapes = {f"own_{name}": self._shape(name)[:1] for name in own}
+            shapes |= {name: self._shape(name)[:1] for name in other}
+            bodies.append(self._traced(f, shapes))
+        if any(len(body.results) != len(writes) for body in bodies):
+            raise TraceError(f"The pairs of {self.name!r} return other numbers than those of {list(writes)}.")
+        self._arrays |= dict.fromkeys(writes, (self.columns, self.columns))
+        diagonals = tuple(None if row is None else tuple(map(float, row)) for row in writes.values())
+        self._stages.append(
+            Pairs(
+                below=bodies[0],
+                above=bodies[1],
+                own=(tuple(below[1]), tuple(above[1])),
+                other=(tuple(below[2]), tuple(above[2])),
+                movers=tuple(map(frozenset, movers)),
+                joints=tuple(joints),
+                diagonals=diagonals,
+                copies=dict(copies or {}),
+                writes=tuple(writes),
+            )
+        )
+
+    def factors(self, paths: Sequence[Sequence[int]], reads: str, writes: str) -> None:
+        """The stage that factors a symmetric matrix; see `Factors`.
+
+        Args:
+            paths: As for `Factors`.
+            reads: The name of a vector, the rows of the matrix.
+            writes: The name of the vector of factors.
+        """
+        self._arrays[writes] = (self._arrays[reads][0] + len(paths),)
+        self._stages.append(Factors(tuple(map(tuple, paths)), reads, writes))
+
+    def form(self, *outputs: str, serves_batches: bool = False) -> StagedForm:
+        """The form of all stages.
+
+        Args:
+            *outputs: Names of the arrays that the function returns.
+            serves_batches: Whether samples of a batch are computed in this form, too.
+
+        Returns:
+            The form.
+
+        Raises:
+            TraceError: A stage reads an input after an output is written: arrays of results may be those of arguments.
+        """
+        self._check_order(outputs)
+        single = len(outputs) == 1
+        ports = [Port("out" if single else f"out{k}", self._arrays[x]) for k, x in enumerate(outputs)]
+        names = {name: f"i{k}" for k, name in enumerate(self._inputs)}
+        names |= {name: f"o{k}" for k, name in enumerate(outputs)}
+        inner = {name: shape for name, shape in self._arrays.items() if name not in outputs}
+        return StagedForm(
+            tuple(Port(name, shape) for name, shape in self._inputs.items()),
+            tuple(ports),
+            self.columns,
+            inner,
+            frozenset(self._tables & inner.keys()),
+            dict(self._constants),
+            tuple(_renamed(stage, names) for stage in self._stages),
+            tuple(self._zeros(name) for name in outputs),
+            serves_batches,
+        )
+
+    def _check_order(self, outputs: Sequence[str]) -> None:
+        is_written = False
+        for stage in self._stages:
+            reads = stage.reads if isinstance(stage, Stage) else ()
+            late = [name for name in reads if name in self._inputs and is_written]
+            if late:
+                raise TraceError(
+                    f"A stage of {self.name!r} reads {late[0]!r} after results are written; expected all such stages "
+                    "before the first one that writes results, since arrays of results may be those of arguments."
+                )
+            # Factors are handed on only by heads of forms of columns, whose results are local arrays.
+            writes = () if isinstance(stage, Factors) else stage.writes
+            is_written = is_written or bool(set(writes) & set(outputs))
+
+    def _zeros(self, output: str) -> Any:
+        for stage in self._stages:
+            if isinstance(stage, Pairs) and output in stage.writes:
+                both = (stage.masks(i) for i in range(self.columns))
+                return np.array([~np.logical_or(below, above) for below, above in both])
+        return None
+
+    def _shape(self, name: str) -> tuple[int, ...]:
+        if name in self._constants:
+            return self._constants[name].shape
+        return self._arrays[name] if name in self._arrays else self._inputs[name]
+
+    def _traced(self, f: Callable[..., Any], shapes: Mapping[str, tuple[int, ...]]) -> Function:
+        name: Any = f"{self.name}_{len(self._stages)}"
+        return trace(f, name=name, **dict[str, Any](shapes))
+
+
+def _renamed(stage: AnyStage, names: Mapping[str, str]) -> AnyStage:
+    """The stage with inputs and outputs called as in the code."""
+
+    def all_of(of: Sequence[str]) -> tuple[str, ...]:
+        return tuple(names.get(name, name) for name in of)
+
+    if isinstance(stage, Factors):
+        return replace(stage, reads=all_of([stage.reads])[0], writes=all_of([stage.writes])[0])
+    if isinstance(stage, Stage):
+        return replace(stage, reads=all_of(stage.reads), writes=all_of(stage.writes))
+    return replace(stage, writes=all_of(stage.writes))

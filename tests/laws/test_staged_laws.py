@@ -1,0 +1,158 @@
+"""What is computed in stages equals the graphs of the same quantities, on random trees, in all widths of registers."""
+
+from __future__ import annotations
+
+import ctypes
+import pickle
+import re
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.fenced import fenced
+from support.random_models import random_model
+from ulna import algorithms, kernels
+from ulna.algorithms.derivatives.columns_in_one_frame import suits_one_frame
+from ulna.compiler.codegen.module import emit_single
+from ulna.compiler.runtime import jit
+from ulna.model import Model
+from ulna.robot import Robot
+
+FORMS = {
+    "inverse_dynamics_derivatives": algorithms.stages_of_inverse_dynamics_derivatives,
+    "forward_dynamics_derivatives": algorithms.stages_of_forward_dynamics_derivatives,
+    "coriolis_matrix": algorithms.stages_of_coriolis_matrix,
+    "centroidal_derivatives": algorithms.stages_of_centroidal_derivatives,
+}
+ALGORITHMS = {
+    "inverse_dynamics_derivatives": algorithms.inverse_dynamics_derivatives,
+    "forward_dynamics_derivatives": algorithms.forward_dynamics_derivatives,
+    "coriolis_matrix": algorithms.coriolis_matrix,
+    "centroidal_derivatives": algorithms.centroidal_derivatives,
+}
+ONE = ["revolute", "continuous", "prismatic", "helical", "universal"]
+
+
+def tree(seed: int, root: str | None = "free_flyer", joints: int = 22) -> Model:
+    """A tree with branches and about 30 velocities."""
+    rng = np.random.default_rng(seed)
+    return random_model(rng, ONE, joints, root=root, mimics=0, branching=0.6)
+
+
+def state(model: Model, count: int, seed: int = 0) -> list[np.ndarray]:
+    """q, and as many vectors as are wanted."""
+    rng = np.random.default_rng(seed)
+    return [Robot(model).random_configuration(seed=seed), *rng.normal(size=(count - 1, model.nv))]
+
+
+def by_definition(model: Model, name: str, arrays: list[np.ndarray]) -> tuple[Any, ...]:
+    """The same on numbers, by the algorithm that is the definition."""
+    return outputs(ALGORITHMS[name](model, *arrays))
+
+
+def outputs(x: Any) -> tuple[Any, ...]:
+    return x if isinstance(x, tuple) else (x,)
+
+
+@pytest.mark.parametrize("name", FORMS)
+@pytest.mark.parametrize(
+    ("seed", "root"), [(1, "free_flyer"), (2, None), (3, "planar"), (4, "spherical"), (5, "free_flyer")]
+)
+def test_stages_equal_the_graph(name, seed, root):
+    model = tree(seed, root)
+    assert suits_one_frame(model)
+    kernel = kernels.kernel(model, name)
+    assert kernel.function.columns is not None
+    arrays = state(model, len(kernel.function.inputs), seed)
+    if jit.target().register_bytes >= 32:
+        assert "one.0.0" in kernel.ir() or "head.0.0" in kernel.ir()
+    for got, expected in zip(outputs(kernel(*arrays)), by_definition(model, name, arrays), strict=True):
+        np.testing.assert_allclose(got, expected, rtol=1e-8, atol=1e-11 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_float32_is_precise(name):
+    model = tree(6)
+    kernel = kernels.kernel(model, name, dtype=np.float32)
+    arrays = [x.astype(np.float32) for x in state(model, len(kernel.function.inputs), 6)]
+    expected = by_definition(model, name, [x.astype(float) for x in arrays])
+    for got, right in zip(outputs(kernel(*arrays)), expected, strict=True):
+        assert np.abs(got - right).max() < 1e-4 * np.abs(right).max()
+
+
+@pytest.mark.parametrize("register_bytes", [32, 64])
+@pytest.mark.parametrize("name", FORMS)
+def test_all_widths_of_registers(name, register_bytes):
+    """The code for other processors of the same kind runs here, where registers are as wide."""
+    if register_bytes > jit.target().register_bytes:
+        pytest.skip("this machine has narrower registers")
+    model = tree(7)
+    f = kernels.kernel(model, name).function
+    ir = emit_single(f, replace(jit.target(), register_bytes=register_bytes))
+    ir = ir.replace("define internal void @one(", "define void @one(")
+    code = jit.load_text(ir, ("one",), has_loops=False)
+    arrays = state(model, len(f.inputs), 7)
+    results = [np.full(port.shape, np.nan) for port in f.outputs]
+    pointers = [ctypes.c_void_p(x.ctypes.data) for x in (*arrays, *results)]
+    ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * len(pointers))(code.address("one"))(*pointers)
+    for got, expected in zip(results, by_definition(model, name, arrays), strict=True):
+        np.testing.assert_allclose(got, expected, rtol=1e-8, atol=1e-11 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("at_end", [False, True])
+@pytest.mark.parametrize("name", FORMS)
+def test_nothing_beside_the_arrays_is_touched(name, at_end):
+    """The arrays begin or end at a page without access."""
+    model = tree(8)
+    kernel = kernels.kernel(model, name)
+    arrays = state(model, len(kernel.function.inputs), 8)
+    expected: Any = outputs(kernel(*arrays))
+
+    def apart(shape: Any) -> np.ndarray:
+        return fenced(int(np.prod(shape)), float, at_end).reshape(shape)
+
+    inputs = [apart(x.shape) for x in arrays]
+    for target, x in zip(inputs, arrays, strict=True):
+        target[...] = x
+    out = tuple(apart(x.shape) for x in expected)
+    kernel(*inputs, out=out if len(out) > 1 else next(iter(out)))
+    for got, wanted in zip(out, expected, strict=True):
+        np.testing.assert_array_equal(got, wanted)
+
+
+def test_trees_that_do_not_suit_take_another_form():
+    rng = np.random.default_rng(0)
+    spherical = random_model(rng, ["spherical"], 12, root="free_flyer", mimics=0, branching=0.5)
+    mimics = random_model(rng, ["revolute"], 30, root="free_flyer", mimics=2, branching=0.5)
+    for model in (spherical, mimics):
+        assert not suits_one_frame(model)
+        for form in FORMS.values():
+            assert form(model) is None
+        kernel, arrays = kernels.kernel(model, "coriolis_matrix"), state(model, 2)
+        expected = algorithms.coriolis_matrix(model, *arrays)
+        np.testing.assert_allclose(kernel(*arrays), expected, rtol=1e-8, atol=1e-11 * np.abs(expected).max())
+
+
+def test_external_forces_take_another_form():
+    model = tree(9)
+    assert algorithms.stages_of_inverse_dynamics_derivatives(model, forces=("tool",)) is None
+    assert algorithms.stages_of_forward_dynamics_derivatives(model, forces=("tool",)) is None
+
+
+def test_kernels_in_stages_are_pickled():
+    kernel = kernels.kernel(tree(10), "coriolis_matrix")
+    copied = pickle.loads(pickle.dumps(kernel))
+    arrays = state(tree(10), 2)
+    np.testing.assert_array_equal(copied(*arrays), kernel(*arrays))
+
+
+def test_outputs_are_written_after_all_inputs_are_read():
+    """Arrays of results may be those of arguments."""
+    for form in (make(tree(11)) for make in FORMS.values()):
+        stages = getattr(form, "head", form).stages
+        written = [any(re.fullmatch(r"o\d", name) for name in stage.writes) for stage in stages]
+        read = [any(re.fullmatch(r"i\d", name) for name in getattr(stage, "reads", ())) for stage in stages]
+        if not hasattr(form, "head"):  # whose outputs are local arrays
+            assert not any(read[written.index(True) :])
