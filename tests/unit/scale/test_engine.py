@@ -268,7 +268,7 @@ def test_a_lost_scheduler_is_said_and_the_job_continues(tmp_path: Path) -> None:
         address = _address(file)
 
         def lose(progress: scale.Progress) -> None:
-            if progress.done == 5:
+            if progress.done == 1:
                 running[0].send_signal(signal.SIGKILL)
 
         with pytest.raises(JobStopped, match=r"scheduler does not answer any more. \d+ of 30 parts are in"):
