@@ -9,7 +9,7 @@ across the axes, with the volume of the hulls as measure.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import final
 
 import numpy as np
@@ -22,7 +22,7 @@ from ulna.typing import Floats
 _MOST = 16  # parts of a mesh
 _LEAST_GAIN = 0.002  # of a cut, in the volume of the whole hull
 _CUTS = (0.2, 0.4, 0.6, 0.8)  # places of cuts that are tried, in parts of an edge
-_GRID = 60  # cells along the longest edge in which one corner stands for all while cuts are compared
+_GRID = 40  # cells along the longest edge in which one corner stands for all while cuts are compared
 _THICKNESS = 5e-5  # that flat parts are given, to either side [m]
 
 
@@ -41,13 +41,17 @@ def convex_pieces(solids: Sequence[Solid]) -> list[Solid]:
 def _pieces(solid: Solid) -> list[Solid]:
     if not isinstance(solid.shape, Mesh | HeightField | PointCloud):
         return [solid]
-    parts = [_Part.of(solid.vertices[solid.triangles])]
-    least = _LEAST_GAIN * parts[0].volume
+    parts = [_Part(solid.vertices[solid.triangles])]
+    least = _LEAST_GAIN * parts[0].most_gain
     while len(parts) < _MOST:
-        best = max(range(len(parts)), key=lambda k: parts[k].gain)
-        if parts[best].gain <= least:
+        best = max(parts, key=lambda part: part.most_gain)
+        if best.most_gain <= least:
             break
-        parts += parts.pop(best).halves()
+        if best.cut is None:  # only now that it may be the best
+            best.find_cut()
+        else:
+            parts.remove(best)
+            parts += best.halves()
     hulls = [_hull(part.triangles.reshape(-1, 3)) for part in parts]
     return [replace(solid, vertices=vertices, triangles=triangles) for vertices, triangles in hulls]
 
@@ -68,53 +72,59 @@ def _volume(points: Floats) -> float:
 
 
 @final
-@dataclass(frozen=True, eq=False)
 class _Part:
     """A part of a surface.
 
-    Attributes:
+    Args:
         triangles: Corners, shape (m, 3, 3) [m].
-        volume: Of its hull [m^3].
-        gain: By how much smaller the volume of the hulls is after the best cut [m^3].
-        axis: The axis across which that cut is.
-        place: Where it is [m].
     """
 
-    triangles: Floats
-    volume: float
-    gain: float
-    axis: int
-    place: float
+    def __init__(self, triangles: Floats) -> None:
+        self.triangles = triangles
+        self.most_gain = _volume(
+            triangles.reshape(-1, 3)
+        )  # by which a cut makes the hulls smaller at most [m^3]
+        self.cut: tuple[int, float] | None = None  # the axis across which the best one is, and where [m]
 
-    @classmethod
-    def of(cls, triangles: Floats) -> _Part:
-        """A part with its best cut."""
-        points = triangles.reshape(-1, 3)
+    def find_cut(self) -> None:
+        """Finds the best of some cuts."""
+        points = self.triangles.reshape(-1, 3)
         low, high = points.min(axis=0), points.max(axis=0)
-        volume, best = _volume(points), (0.0, 0, 0.0)
-        few = _snapped(triangles, low, float((high - low).max()) / _GRID)
-        whole = _volume(few.reshape(-1, 3))
+        edge = max(float((high - low).max()) / _GRID, 1e-12)
+        few, best = _snapped(self.triangles, low, edge), (0.0, 0, 0.0)
+        whole = _volume(_distinct(few, low, edge))
         for axis in range(3):
             for part in _CUTS:
                 place = float(low[axis] + part * (high[axis] - low[axis]))
                 halves = _cut(few, axis, place)
-                gain = whole - sum(_volume(half.reshape(-1, 3)) for half in halves if len(half))
+                gain = whole - sum(_volume(_distinct(half, low, edge)) for half in halves if len(half))
                 best = max(best, (gain, axis, place))
-        return cls(triangles, volume, *best)
+        self.most_gain, self.cut = best[0], best[1:]
 
     def halves(self) -> list[_Part]:
         """What the best cut makes of it."""
-        return [_Part.of(half) for half in _cut(self.triangles, self.axis, self.place) if len(half)]
+        assert self.cut is not None
+        return [_Part(half) for half in _cut(self.triangles, *self.cut) if len(half)]
 
 
 def _snapped(triangles: Floats, low: Floats, edge: float) -> Floats:
     """Triangles with corners on a grid, without those that became points or lines."""
-    cells = np.round((triangles - low) / max(edge, 1e-12)).astype(int)
+    cells = np.round((triangles - low) / edge).astype(int)
     is_thin = np.zeros(len(cells), dtype=bool)
     for i, j in ((0, 1), (1, 2), (2, 0)):
         is_thin |= (cells[:, i] == cells[:, j]).all(axis=1)
     kept = cells[~is_thin] if not is_thin.all() else cells
     return low + edge * np.unique(kept, axis=0)
+
+
+def _distinct(triangles: Floats, low: Floats, edge: float) -> Floats:
+    """The corners of triangles, each once where it lies on the grid, or nearly so."""
+    points = triangles.reshape(-1, 3)
+    cells = np.round((points - low) * (4.0 / edge)).astype(
+        np.int64
+    )  # cuts end between the places of the grid
+    _, first = np.unique((cells[:, 0] << 40) + (cells[:, 1] << 20) + cells[:, 2], return_index=True)
+    return points[first]
 
 
 def _cut(triangles: Floats, axis: int, place: float) -> tuple[Floats, Floats]:

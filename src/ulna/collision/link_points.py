@@ -9,15 +9,17 @@ from typing import final
 import numpy as np
 
 from ulna.collision.solids import Solid, hull
+from ulna.compiler.procedures import Array1, Array2, broadcast, f64, least_of, procedure
 from ulna.errors import InputError
 from ulna.geometry import Capsule, Cylinder, Sphere
 from ulna.spatial import SE3, Motion
 from ulna.typing import Floats
 
 _SIDES = 24  # of the prism around a cylinder
-_GRID = 32  # cells along the longest edge of a mesh, in which one ball stands for many points
+_GRID = 64  # cells along the longest edge of a mesh, in which one ball stands for many points
 _COARSE = 8  # cells where only speeds are asked for
-_MOST = 100  # points of a mesh that are taken as they are
+_MOST = 2000  # points of a mesh that are taken as they are
+_FEW = 100  # where only speeds are asked for
 
 
 @final
@@ -33,20 +35,70 @@ class LinkPoints:
     centres: Floats
     radii: Floats
 
-    def speed(self, T: SE3, twist: Motion) -> Floats:
+
+@final
+class LinkSpeeds:
+    """The greatest speeds of points of a link.
+
+    Args:
+        points: Balls whose convex hull contains the link; speeds are convex, so those of the balls bound all.
+    """
+
+    def __init__(self, points: LinkPoints) -> None:
+        count = len(points.radii)
+        self._columns = np.zeros((4, -(-count // _LANES) * _LANES))
+        self._columns[:3, :count], self._columns[3, :count] = points.centres.T, points.radii
+        self._columns[:, count:] = self._columns[:, :1]
+
+    def of(self, X: SE3, twist: Motion, count: int) -> Floats:
         """The greatest speed of a point that a joint moves.
 
         Args:
-            T: Poses of the link in the joint's frame, shape (m,) [m].
+            X: Poses of the link in the joint's frame, shape (count,) or () [m].
             twist: The joint's twist for one unit of its position.
+            count: How many poses there are.
 
         Returns:
-            Speeds, shape (m,) or () [m/rad], [1].
+            Speeds, shape (count,) [m/rad], [1].
         """
-        w = np.asarray(twist.angular, dtype=float)
-        points = self.centres @ np.swapaxes(T.rotation, -1, -2) + T.translation[..., None, :]
-        speeds = np.linalg.norm(twist.linear + np.cross(w, points), axis=-1)
-        return (speeds + float(np.linalg.norm(w)) * self.radii).max(axis=-1)
+        w, v = (np.asarray(part, dtype=float) for part in (twist.angular, twist.linear))
+        poses = np.empty((count, 12))
+        poses[:, :9], poses[:, 9:] = X.rotation.reshape(-1, 9), X.translation
+        out = np.empty(count)
+        if count:
+            _speeds(self._columns, poses, np.concatenate([w, v, [np.linalg.norm(w)]]), out)
+        return out
+
+
+@procedure(constants={"W": 8})
+def _speeds_in_lanes(
+    columns: Array2[f64], poses: Array2[f64], twist: Array1[f64], out: Array1[f64], W: int
+) -> None:
+    """Writes the greatest of norm(v + w x (R c + t)) + norm(w) r over balls.
+
+    Args:
+        columns: Coordinates and radii of the balls, filled up to whole registers, (4, balls) [m].
+        poses: R by rows, and t, (n, 12) [m].
+        twist: w, v and norm(w), (7,).
+        out: Receives the speeds, (n,).
+        W: Lanes, a constant.
+    """
+    for row in range(len(out)):
+        most = broadcast(f64(0.0), W)
+        for i in range(0, columns.shape[1], W):
+            x, y, z = columns[0, i : i + W], columns[1, i : i + W], columns[2, i : i + W]
+            a = poses[row, 0] * x + poses[row, 1] * y + poses[row, 2] * z + poses[row, 9]
+            b = poses[row, 3] * x + poses[row, 4] * y + poses[row, 5] * z + poses[row, 10]
+            c = poses[row, 6] * x + poses[row, 7] * y + poses[row, 8] * z + poses[row, 11]
+            u = twist[3] + twist[1] * c - twist[2] * b
+            v = twist[4] + twist[2] * a - twist[0] * c
+            w = twist[5] + twist[0] * b - twist[1] * a
+            most = np.maximum(most, np.sqrt(u * u + v * v + w * w) + twist[6] * columns[3, i : i + W])
+        out[row] = -least_of(-most)
+
+
+_LANES = 8
+_speeds = _speeds_in_lanes.specialized(W=_LANES)
 
 
 def joined_points(parts: Sequence[LinkPoints]) -> LinkPoints:
@@ -58,7 +110,7 @@ def joined_points(parts: Sequence[LinkPoints]) -> LinkPoints:
 
 def fewer_points(points: LinkPoints) -> LinkPoints:
     """A few balls that contain others: speeds are convex, so those of a few bound those of all points."""
-    if len(points.radii) <= _MOST:
+    if len(points.radii) <= _FEW:
         return points
     return LinkPoints(*_thinned(points.centres, points.radii, _COARSE))
 

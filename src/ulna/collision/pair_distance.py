@@ -27,6 +27,7 @@ class PairDistance:
 
     def __init__(self, first: Sequence[Solid], second: Sequence[Solid]) -> None:
         self._first, self._second = tuple(first), tuple(second)
+        self.width = len(self._second)
         solids = (*first, *second)
         self._narrow = Narrow([narrow.geometry_of(solid, True) for solid in solids], np.zeros((1, 1)))
         self._centres = [solid.placement @ solid.bounds[0] for solid in solids]
@@ -56,7 +57,7 @@ class PairDistance:
             Signed distances, shape (n,) [m], and unit vectors from the first solid to the second, in the frame of the
             first link's joint, shape (n, 3).
         """
-        poses, n, width = self._poses(T), len(self._first), len(self._second)
+        poses, n, width = self._poses(T), len(self._first), self.width
         distances, normals = np.empty(len(pairs)), np.empty((len(pairs), 3))
         for row, pair in enumerate(pairs.tolist()):
             distances[row], normals[row] = self._narrow.separation(

@@ -4,11 +4,12 @@
 |---|---|---|
 | c, h | middle and half widths of a cell of configurations of the joints between the links | [rad, m] |
 | d(c) | distance of the real shapes at c | [m] |
-| b | bound of how much nearer the links come in the cell; see `cell_bounds` | [m] |
-| d(c) - b | what the table holds, or more where planes prove it: nothing in the cell brings the links nearer | [m] |
+| v, s | clearance at c and slopes to the ends of the cell; see `cell_bounds` | [m] |
+| u | where a configuration is in its cell, -1 to 1 along each axis | [1] |
+| v + s u | what the table proves: the links are at least as far apart at the configuration | [m] |
 
-Cells are divided until b is a small part of d, or they are as small as the table's: far from contact one distance
-serves thousands of them. Where d(c) - b is not positive, nothing is proved. A cell is as wide as float32 may place a
+Cells are divided until v is nearly d, or they are as small as the table's: far from contact one distance serves
+thousands of them. Where v + s u is not positive, nothing is proved. A cell is as wide as float32 may place a
 configuration beside it, so that looking it up in float32 is proof. Source: adaptive distance fields, Frisken, Perry,
 Rockwood and Jones (SIGGRAPH 2000), over configurations instead of space, with bounds instead of interpolation.
 """
@@ -21,7 +22,7 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.collision.cell_bounds import ENOUGH, CellBounds
+from ulna.collision.cell_bounds import ENOUGH, SLOPE_STEP, CellBounds, Proved
 from ulna.collision.joint_chains import JointChain
 from ulna.collision.pairs import LinkPair
 from ulna.collision.solids import Solid
@@ -34,16 +35,19 @@ UNPROVED = -1.0
 MOST_JOINTS = 3
 """Between links of which a table is made."""
 
-_CELLS = {1: 2**12, 2: 2**17, 3: 2**19}  # of a table, about, by the number of joints
+_CELLS = {1: 2**11, 2: 2**15, 3: 2**18}  # of a table, about, by the number of joints
 _LEVELS = {1: 5, 2: 5, 3: 4}  # so often the first cells are divided
 _NEAR = 0.02  # what is proved to be farther apart need not be known so well [m]
+_EXACT = 5e-4  # clearances that are so near the distance are not improved [m]
+_BLOCK = 2048  # cells that are looked at together
 _FINEST = 1e-3  # points move by at least this in a cell [m]
 _TURNS = 8.0 * np.pi  # up to here either way tables serve joints without limits [rad]
 _ROUNDING = 2.0**-21  # of float32, four times
 
 _STEP = 2.5e-4  # [m] of small values on disk
-_RATIO = 1.03  # of large ones
-_LINEAR = 128  # numbers up to here are multiples of the step
+_RATIO = 1.04  # of large ones
+_LEAST = -48  # steps that the first number stands for, but for that of what is not proved
+_LINEAR = 104  # steps up to which numbers are multiples of the step
 
 
 @final
@@ -60,7 +64,8 @@ class PairTable:
         is_periodic: Whether the range repeats, shape (n,).
         least: From which configurations on the table holds, shape (n,) [rad, m].
         greatest: Up to which, shape (n,) [rad, m].
-        codes: The clearances as `decoded` takes them, shape (cells, ...), one axis for each column.
+        codes: The clearances at the middles, as `decoded` takes them, shape (cells, ...), one axis for each column.
+        slopes: How much more is proved at the ends of a cell, in numbers of `SLOPE_STEP`, shape (cells, ..., n).
     """
 
     first: str
@@ -72,6 +77,7 @@ class PairTable:
     least: Floats
     greatest: Floats
     codes: Array
+    slopes: Array
     _values: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
@@ -79,10 +85,11 @@ class PairTable:
         return f"<clearance of {self.first!r} and {self.second!r}, {cells} cells>"
 
     @property
-    def values(self) -> Floats:
-        """The clearances, in float32 [m]."""
+    def values(self) -> Array:
+        """Of each cell the clearance at its middle and the slopes, in float32, shape (cells, ..., 1 + n) [m]."""
         if "values" not in self._values:
-            self._values["values"] = decoded(self.codes)
+            slopes = self.slopes.astype(np.float32) * np.float32(SLOPE_STEP)
+            self._values["values"] = np.concatenate([decoded(self.codes)[..., None], slopes], axis=-1)
         return self._values["values"]
 
     def clearance(self, q: Floats) -> Floats:
@@ -101,9 +108,19 @@ class PairTable:
         part = (np.where(is_known, x, low) - low) * inverse
         part = part - np.floor(part) * self.is_periodic.astype(np.float32)
         counts = np.array(self.codes.shape, np.float32)
-        cells = np.clip(part * counts, np.float32(0.0), counts - np.float32(1.0)).astype(np.int64)
-        found = self.values[tuple(np.moveaxis(cells, -1, 0))]
-        return np.where(is_known.all(axis=-1), found, np.float32(UNPROVED)).astype(float)
+        part = part * counts
+        cells = np.clip(part, np.float32(0.0), counts - np.float32(1.0)).astype(np.int64)
+        u = np.clip(
+            (part - cells.astype(np.float32)) * np.float32(2.0) - np.float32(1.0),
+            np.float32(-1.0),
+            np.float32(1.0),
+        )
+        known = self.values[tuple(np.moveaxis(cells, -1, 0))]
+        found = known[..., 0]
+        for j in range(len(self.columns)):
+            found = found + known[..., 1 + j] * u[..., j]
+        is_proved = is_known.all(axis=-1) & (found > 0.0)
+        return np.where(is_proved, found, np.float32(UNPROVED)).astype(float)
 
 
 def without_tables(pairs: Iterable[LinkPair], tables: Iterable[PairTable]) -> tuple[LinkPair, ...]:
@@ -121,7 +138,7 @@ def without_tables(pairs: Iterable[LinkPair], tables: Iterable[PairTable]) -> tu
 
 
 def encoded(clearance: Floats) -> Array:
-    """Clearances as bytes, rounded downwards; 0 where nothing is proved.
+    """Clearances as bytes, rounded downwards; 0 for what is less than any other number stands for.
 
     Args:
         clearance: Lengths [m].
@@ -129,11 +146,10 @@ def encoded(clearance: Floats) -> Array:
     Returns:
         Numbers from 0 to 255, of the same shape.
     """
-    levels = _levels()
-    return (np.searchsorted(levels, np.maximum(clearance, 0.0), side="right") - 1).astype(np.uint8)
+    return np.searchsorted(_levels(), clearance, side="right").astype(np.uint8)
 
 
-def decoded(codes: Array) -> Floats:
+def decoded(codes: Array) -> Any:
     """The lengths that bytes stand for.
 
     Args:
@@ -142,14 +158,13 @@ def decoded(codes: Array) -> Floats:
     Returns:
         Lengths in float32, rounded downwards [m]; `UNPROVED` for 0.
     """
-    levels: Any = np.nextafter(_levels().astype(np.float32), np.float32(0.0))
-    levels[0] = UNPROVED
-    return levels[codes]
+    levels = np.nextafter(_levels().astype(np.float32), np.float32(-np.inf))
+    return np.concatenate([np.full(1, UNPROVED, np.float32), levels])[codes]
 
 
 def _levels() -> Any:
-    linear = np.arange(_LINEAR) * _STEP
-    return np.concatenate([linear, linear[-1] * _RATIO ** np.arange(1, 257 - _LINEAR)])
+    linear = np.arange(_LEAST, _LINEAR + 1) * _STEP
+    return np.concatenate([linear, linear[-1] * _RATIO ** np.arange(1, 256 - len(linear))])
 
 
 def ranges(model: Model, chain: JointChain) -> tuple[Floats, Floats, Array, Floats, Floats] | None:
@@ -203,7 +218,10 @@ def pair_table(
     start, span, _, least, greatest = found
     size = 1.0 + np.maximum(np.abs(least), np.abs(greatest)) + span
     filling = _Filling(model, chain, solids, start, span, (2e-6 + _ROUNDING) * size, queries)
-    return PairTable(*pair, chain.columns, *found, encoded(filling.filled(progress)))
+    clearance, slopes = filling.filled(progress)
+    codes = encoded(clearance)
+    slopes[codes == 0] = 0
+    return PairTable(*pair, chain.columns, *found, codes, slopes)
 
 
 @final
@@ -246,46 +264,70 @@ class _Filling:
         q[:, self._columns] = self._start + part * self._span
         return q
 
-    def filled(self, progress: Callable[[], object]) -> Floats:
-        """The clearances of all cells [m]; not above 0 where nothing is proved."""
+    def filled(self, progress: Callable[[], object]) -> tuple[Floats, Array]:
+        """The clearances of all cells [m], and their slopes, in numbers of `SLOPE_STEP`."""
         counts, axes = self._first, len(self._first)
-        known = np.full(counts, -np.inf)
+        known, slopes = np.full(counts, -np.inf), np.zeros((*counts, axes), np.int8)
         cells = np.argwhere(np.ones(counts, dtype=bool))
-        for _ in range(self._levels):
-            distance, clearance = self._looked_at(cells, counts, progress)
-            known[tuple(cells.T)] = clearance
-            parents = cells[self._to_divide(distance, clearance)]
-            counts = 2 * counts
-            for axis in range(axes):
-                known = np.repeat(known, 2, axis=axis)
+        for level in range(self._levels + 1):
+            found = self._looked_at(cells, counts, progress)
+            at = tuple(cells.T)
+            is_better = found.clearance > known[at]
+            better = tuple(axis[is_better] for axis in at)
+            known[better] = found.clearance[is_better]
+            slopes[better] = np.rint(found.slopes[is_better] / SLOPE_STEP).astype(np.int8)
+            if level == self._levels:
+                break
+            parents = cells[self._to_divide(found)]
+            known, slopes, counts = *_halved(known, slopes), 2 * counts
             corners = np.argwhere(np.ones((2,) * axes, dtype=bool))
             cells = (2 * parents[:, None] + corners).reshape(-1, axes)
-        _, clearance = self._looked_at(cells, counts, progress)
-        known[tuple(cells.T)] = np.maximum(known[tuple(cells.T)], clearance)
-        return known
+        return known, slopes
 
-    def _to_divide(self, distance: Floats, clearance: Floats) -> Array:
-        """The numbers of cells to divide: first those in which contact begins, then those of little clearance."""
-        near = (clearance < (1.0 - ENOUGH) * distance) & (clearance < _NEAR)
-        near |= clearance < (1.0 - 2.0 * ENOUGH) * distance
-        bound = distance - clearance
-        begins = (distance <= 0.0) & (distance + bound > 0.0)  # else the links touch in all of the cell
-        numbers = np.flatnonzero(near | begins)
-        order = np.where(clearance > 0.0, 1.0 + clearance, np.abs(distance))[numbers]
+    def _to_divide(self, found: Proved) -> Array:
+        """The numbers of cells to divide, those nearest to contact first."""
+        distance, clearance = found.distance, found.clearance
+        lost = distance - clearance
+        near = (lost > ENOUGH * distance) & (clearance < _NEAR) | (lost > 2.0 * ENOUGH * distance)
+        near &= distance > 0.0
+        begins = (distance <= 0.0) & (clearance + np.abs(found.slopes).sum(axis=1) > -lost)
+        numbers = np.flatnonzero((near | begins) & (lost > _EXACT))
         room = max(self._left, 0) // 2 ** len(self._first)
-        return numbers[np.argsort(order, kind="stable")[:room]] if len(numbers) > room else numbers
+        if len(numbers) > room:
+            numbers = numbers[np.argsort(np.abs(distance[numbers]), kind="stable")[:room]]
+        return numbers
 
-    def _looked_at(
-        self, cells: Array, counts: Array, progress: Callable[[], object]
-    ) -> tuple[Floats, Floats]:
-        """Distances at the middles of cells, and what is proved for the cells."""
-        distances, clearances = [np.zeros(0)], [np.zeros(0)]
-        half = self._span / counts / 2.0 + self._beyond
-        for begin in range(0, len(cells), 256):
+    def _looked_at(self, cells: Array, counts: Array, progress: Callable[[], object]) -> Proved:
+        """What is proved of cells."""
+        parts = []
+        width = self._span / counts / 2.0
+        for begin in range(0, len(cells), _BLOCK):
             progress()
-            q = self._configurations((cells[begin : begin + 256] + 0.5) / counts)
-            d, clearance, asked = self._bounds.proved(q, half)
-            self._left -= asked
-            distances.append(d)
-            clearances.append(clearance)
-        return np.concatenate(distances), np.concatenate(clearances)
+            q = self._configurations((cells[begin : begin + _BLOCK] + 0.5) / counts)
+            found = self._bounds.proved(q, width + self._beyond)
+            slopes = (
+                found.slopes
+            )  # where float32 may look a configuration up, they may be off by their part of that
+            off = np.abs(slopes) @ (self._beyond / width)
+            parts.append(found._replace(clearance=found.clearance - off))
+            self._left -= found.queries
+        if not parts:
+            axes = len(counts)
+            return Proved(np.zeros(0), np.zeros(0), np.zeros((0, axes)), 0)
+        return Proved(
+            np.concatenate([part.distance for part in parts]),
+            np.concatenate([part.clearance for part in parts]),
+            np.concatenate([part.slopes for part in parts]),
+            sum(part.queries for part in parts),
+        )
+
+
+def _halved(known: Floats, slopes: Array) -> tuple[Floats, Array]:
+    """What cells prove of their halves: clearances at the middles [m], and slopes."""
+    steps = slopes.astype(float) * SLOPE_STEP
+    for axis in range(known.ndim):
+        known, slopes, steps = (np.repeat(x, 2, axis=axis) for x in (known, slopes, steps))
+        side = np.where(np.arange(known.shape[axis]) % 2, 0.5, -0.5)
+        known += steps[..., axis] * side.reshape([-1 if k == axis else 1 for k in range(known.ndim)])
+    rounded = np.rint(slopes / 2.0)
+    return known - np.abs(slopes / 2.0 - rounded).sum(axis=-1) * SLOPE_STEP, rounded.astype(np.int8)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache, partial
@@ -24,7 +25,7 @@ from ulna.model.content import fingerprint
 from ulna.system.progress import progress
 from ulna.typing import Array, Floats
 
-_VERSION = "pair tables 9"
+_VERSION = "pair tables 11"
 _TRIALS = 500
 _QUERIES, _ALL_QUERIES = 60_000, 500_000  # distances that are asked for: of a pair, and of a robot
 _OFTEN = 0.004  # share of configurations in which spheres touch and links do not, from which a table is made
@@ -195,10 +196,13 @@ def _kept(
     stored = disk_cache.read(name)
     if stored is not None:
         shape = json.loads(stored[: stored.index(b"\n")])
-        codes = np.frombuffer(zlib.decompress(stored[stored.index(b"\n") + 1 :]), np.uint8).reshape(shape)
-        return PairTable(*pair, chain.columns, *_ranges(model, chain), codes)
+        numbers = zlib.decompress(stored[stored.index(b"\n") + 1 :])
+        size = math.prod(shape)
+        codes = np.frombuffer(numbers, np.uint8, size).reshape(shape)
+        slopes = np.frombuffer(numbers, np.int8, offset=size).reshape(*shape, len(shape))
+        return PairTable(*pair, chain.columns, *_ranges(model, chain), codes, slopes)
     table = pair_table(model, pair, chain, pieces(), queries, tick)
     if table is not None:
         head = json.dumps(table.codes.shape).encode() + b"\n"
-        disk_cache.write(name, head + zlib.compress(table.codes.tobytes(), 3))
+        disk_cache.write(name, head + zlib.compress(table.codes.tobytes() + table.slopes.tobytes(), 3))
     return table

@@ -24,7 +24,7 @@ class PairGrids(NamedTuple):
             has, (n, 8).
         numbers: By joint where cells begin, 1 / range, 1 where the range repeats, else 0, and from where to where the
             table holds, (n, 15) [rad, m].
-        cells: Clearances of all tables, (cells,) [m].
+        cells: Of all cells of all tables the clearance and the slopes, one after the other [m].
         of_pair: Which table the pairs of `Tables.pairs` have, -1 for none, (P,).
         pair_reach: How near these may come, (P,) [m].
         fixed: Tables of links with links that never move, (m,).
@@ -56,14 +56,31 @@ def table_clearance(grids, g, q, W):
     cell = broadcast(0, W)
     is_outside = broadcast(f32(0.0), W) > 1
     for j in range(grids.axes[g, 0]):
-        column, count = grids.axes[g, 2 + 2 * j], grids.axes[g, 3 + 2 * j]
-        x = q[column, 0:W]
-        part = (x - grids.numbers[g, 5 * j]) * grids.numbers[g, 5 * j + 1]
-        part = part - np.floor(part) * grids.numbers[g, 5 * j + 2]
-        part = np.minimum(np.maximum(part * f32(count), 0), f32(count - 1))
-        cell = cell * count + int(part)
+        count = grids.axes[g, 3 + 2 * j]
+        x = q[grids.axes[g, 2 + 2 * j], 0:W]
+        cell = cell * count + _cell(_part(grids, g, j, x), count)
         is_outside = is_outside | (x < grids.numbers[g, 5 * j + 3]) | (x > grids.numbers[g, 5 * j + 4])
-    return np.where(is_outside, f32(-1.0), grids.cells[grids.axes[g, 1] + cell])
+    place = grids.axes[g, 1] + cell * (grids.axes[g, 0] + 1)
+    found = grids.cells[place]
+    for j in range(grids.axes[g, 0]):
+        part = _part(grids, g, j, q[grids.axes[g, 2 + 2 * j], 0:W])
+        u = (part - f32(_cell(part, grids.axes[g, 3 + 2 * j]))) * f32(2.0) - f32(1.0)
+        found = found + grids.cells[place + j + 1] * np.minimum(np.maximum(u, f32(-1.0)), f32(1.0))
+    return np.where(is_outside | (found <= 0), f32(-1.0), found)
+
+
+@procedure
+def _part(grids, g, j, x):
+    """How many cells a position is from the beginning of axis j of table g, in lanes."""
+    part = (x - grids.numbers[g, 5 * j]) * grids.numbers[g, 5 * j + 1]
+    part = part - np.floor(part) * grids.numbers[g, 5 * j + 2]
+    return part * f32(grids.axes[g, 3 + 2 * j])
+
+
+@procedure
+def _cell(part, count):
+    """The number of the cell along an axis, in lanes."""
+    return int(np.minimum(np.maximum(part, 0), f32(count - 1)))
 
 
 def packed(tables: Sequence[PairTable]) -> dict[str, Any]:
@@ -91,5 +108,5 @@ def packed(tables: Sequence[PairTable]) -> dict[str, Any]:
         )
         numbers[g, : by_joint.size] = by_joint.astype(np.float32).ravel()
         cells.append(table.values.ravel())
-        begin += table.codes.size
+        begin += table.values.size
     return {"axes": axes, "numbers": numbers, "cells": np.concatenate(cells)}
