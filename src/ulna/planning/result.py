@@ -82,16 +82,20 @@ class Plan:
         velocity: ArrayLike | None = None,
         acceleration: ArrayLike | None = None,
         torque: ArrayLike | None = None,
+        jerk: ArrayLike | None = None,
         blend: bool = False,
     ) -> Retimed:
         """The fastest motion along the path under limits; it follows the path exactly and rests at its corners.
 
-        With `blend` it cuts the corners without resting there, and uses the margin that the plan kept.
+        With `blend` it cuts the corners without resting there, and uses the margin that the plan kept. With `jerk` it
+        is an S-curve on each straight part, and torques are not looked at.
 
         Args:
             velocity: Limits of speed, (), (nq,) or (2, nq) [rad/s, m/s]; None for the model's.
             acceleration: Limits of acceleration, (), (nq,) or (2, nq) [rad/s^2, m/s^2].
             torque: Limits of torque, (), (nq,) or (2, nq) [N m, N]; None for the model's.
+            jerk: Limits of jerk, () or (nq,) [rad/s^3, m/s^3]; those of speed and acceleration are then of these
+                shapes, too. None for no limit.
             blend: Whether corners are cut, by as much as is certified.
 
         Returns:
@@ -99,8 +103,8 @@ class Plan:
             nothing and keeps the constraints, but not the margin.
 
         Raises:
-            InputError: If there is no path, it has one point only, no motion keeps the limits, or corners are to be cut
-                and the plan kept no margin.
+            InputError: If there is no path, it has one point only, no motion keeps the limits, corners are to be cut
+                and the plan kept no margin, or `jerk` comes without `acceleration`, or with `torque` or `blend`.
 
         Example:
             >>> robot = ulna.load("panda")
@@ -110,6 +114,7 @@ class Plan:
             >>> np.allclose(motion(motion.duration), plan.points[-1])
             True
         """
+        from ulna.planning.jerk_motion import jerk_limited_motion
         from ulna.planning.motion_path import motion_path
         from ulna.trajectory import time_optimal
 
@@ -117,6 +122,13 @@ class Plan:
             raise InputError(f"There is no path to move along: {self.reason}")
         if len(self.points) < 2:
             raise InputError("The start is the goal; there is nothing to move.")
+        if jerk is not None:
+            if acceleration is None or torque is not None or blend:
+                raise InputError(
+                    "`jerk` needs `acceleration`, and takes neither `torque` nor `blend`; ask ulna.trajectory.check "
+                    "whether the motion keeps limits of torque."
+                )
+            return jerk_limited_motion(self.model, self.points, velocity, acceleration, jerk)
         if blend and self.deviation_bounds is None:
             raise InputError(
                 "`blend` is True, but the plan kept no margin that corners can be cut by; plan with margin=0.005 [m]."

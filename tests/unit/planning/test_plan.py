@@ -113,6 +113,29 @@ def test_the_trajectory_follows_the_path_within_its_limits() -> None:
     assert d.max() < 1e-9
 
 
+def test_a_motion_under_limits_of_jerk_follows_the_path_and_rests_at_its_corners() -> None:
+    robot, world = panda(), shelf()
+    p = plan(robot, *left_and_right(), world)
+    t = p.trajectory(acceleration=5.0, jerk=60.0)
+    report = ulna.trajectory.check(
+        robot, t, acceleration=5.0 * (1 + 1e-6), jerk=60.0 * (1 + 1e-6), torque=False
+    )
+    assert report, report
+    q = t.sample(n=400).q
+    d = np.full(len(q), np.inf)
+    for x, y in pairwise(p.points):
+        s = np.clip(((q - x) @ (y - x)) / ((y - x) @ (y - x)), 0.0, 1.0)[:, None]
+        d = np.minimum(d, np.linalg.norm(q - (x + s * (y - x)), axis=1))
+    assert d.max() < 1e-9 and p.trajectory(acceleration=5.0, torque=np.inf).duration < t.duration
+    slow = p.trajectory(velocity=0.5, acceleration=5.0, jerk=60.0)
+    assert np.abs(slow.sample(n=400).v).max() <= 0.5 * (1 + 1e-9)
+    for wrong in ({}, {"acceleration": 5.0, "torque": 10.0}, {"acceleration": 5.0, "blend": True}):
+        with pytest.raises(InputError, match="`jerk` needs `acceleration`"):
+            p.trajectory(jerk=60.0, **wrong)
+    with pytest.raises(InputError, match="limit above zero"):
+        p.trajectory(acceleration=5.0, jerk=0.0)
+
+
 # why there is no path -------------------------------------------------------------------------------------
 
 
