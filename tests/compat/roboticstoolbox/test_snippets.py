@@ -12,6 +12,8 @@ pytest.importorskip("roboticstoolbox")
 
 FOLDER = Path(__file__).parent / "snippets"
 THEMES = sorted({file.stem for file in FOLDER.glob("*.py")} - {"run_snippets", "compare"})
+TOGETHER = {"imports": ["imports"], "the others": [theme for theme in THEMES if theme != "imports"]}
+"""Which themes share their two processes: to import the toolbox takes seconds. What one imports is there in those after it."""
 
 
 def _module(name: str) -> Any:
@@ -23,11 +25,14 @@ def _module(name: str) -> Any:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("theme", THEMES)
-def test_outcomes_are_those_of_the_toolbox(theme: str) -> None:
-    compare, snippets = _module("compare"), _module(theme).SNIPPETS
+@pytest.mark.parametrize("themes", TOGETHER)
+def test_outcomes_are_those_of_the_toolbox(themes: str) -> None:
+    compare, snippets = _module("compare"), {}
+    for theme in TOGETHER[themes]:
+        of_theme = _module(theme).SNIPPETS
+        assert len(of_theme) > 5
+        snippets |= {f"{theme}, {name}": code for name, code in of_theme.items()}
     ulna, toolbox = compare.run_both(snippets)
     different = {name: compare.difference(ulna[name], toolbox[name]) for name in snippets}
     wrong = [f"{name}: {snippets[name]}\n{text}" for name, text in different.items() if text]
-    assert len(snippets) > 5
     assert not wrong, f"{len(wrong)} of {len(snippets)} differ:\n" + "\n\n".join(wrong[:10])
