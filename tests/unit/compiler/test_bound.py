@@ -355,7 +355,7 @@ def test_without_the_fast_call_everything_is_the_same(tmp_path):
 @pytest.mark.parametrize("slow", [False, True])
 def test_last_inputs_are_read_as_they_are_at_the_call(kernel, targets, monkeypatch, slow):
     if slow:
-        monkeypatch.setattr("ulna.compiler.runtime.bound_call._type", lambda: None)
+        monkeypatch.setattr("ulna.compiler.runtime.bound_call.bound_type", lambda: None)
     v = V.copy()
     bound = kernel.into(*targets, returns=(1,), last_inputs=(v,))
     for factor in (1.0, 3.0):
@@ -403,7 +403,7 @@ class _Part(_Held):
 @pytest.mark.parametrize("slow", [False, True])
 def test_a_result_is_held_by_a_new_instance(kernel, targets, monkeypatch, slow, holder):
     if slow:
-        monkeypatch.setattr("ulna.compiler.runtime.bound_call._type", lambda: None)
+        monkeypatch.setattr("ulna.compiler.runtime.bound_call.bound_type", lambda: None)
     step = kernel.into(*targets, returns=(2,), holder=holder, otherwise=_refused)
     before = sys.getrefcount(holder)
     found = [step(Q, V) for _ in range(1000)]
@@ -433,4 +433,26 @@ class _Open:
 )
 def test_classes_that_hold_no_result(kernel, targets, holder, returns):
     with pytest.raises(InputError, match="holder"):
+        kernel.into(*targets, returns=returns, holder=holder)
+
+
+@pytest.mark.parametrize("slow", [False, True])
+def test_one_number_is_a_number_of_python(kernel, targets, monkeypatch, slow):
+    if slow:
+        monkeypatch.setattr("ulna.compiler.runtime.bound_call.bound_type", lambda: None)
+    found = kernel.into(*targets, returns=(1,), holder=float)(Q, V)
+    assert type(found) is float and found == Q @ V
+    truth = compile(lambda x: x - 1.0, x=()).into(np.zeros(()), returns=(0,), holder=bool)
+    assert truth(2.0) is True and truth(1.0) is False and truth(np.nan) is True
+    before = sys.getrefcount(float)
+    for _ in range(1000):
+        kernel.into(*targets, returns=(1,), holder=float)(Q, V)
+    gc.collect()
+    assert sys.getrefcount(float) <= before + 5
+
+
+@pytest.mark.parametrize("holder", [float, bool])
+@pytest.mark.parametrize("returns", [(0,), (2,), (1, 1), ()])
+def test_only_one_number_is_a_number_of_python(kernel, targets, holder, returns):
+    with pytest.raises(InputError, match="a single float64"):
         kernel.into(*targets, returns=returns, holder=holder)

@@ -98,6 +98,9 @@ class _CheckedCall:
         result = copies[0] if len(copies) == 1 else copies or None
         if self._holder is None:
             return result
+        if self._holder is float or self._holder is bool:
+            number: Any = result
+            return self._holder(number)
         held = object.__new__(self._holder)
         setattr(held, self._slot, result)
         return held
@@ -158,7 +161,8 @@ _lock = forks.lock(forks.KERNEL)
 _types: list[type | None] = []
 
 
-def _type() -> type | None:
+def bound_type() -> type | None:
+    """The type of bound kernels that are machine code; None where there is none."""
     with _lock:
         if not _types:
             _types.append(gufunc.make_type(Bound, "Bound"))
@@ -187,7 +191,8 @@ def bind(
         watch: Pairs (live array, reference copy); a call with any difference between them goes to `otherwise`.
         otherwise: Called instead of the kernel when `watch` finds a difference.
         last_inputs: Arrays for the last inputs, each of the shape of its input (...), which calls then leave out.
-        holder: A class with one slot; a call returns an instance that holds the one result.
+        holder: A class with one slot; a call returns an instance that holds the one result. Or float or bool: a call
+            returns that of the one number.
 
     Returns:
         The bound kernel.
@@ -209,10 +214,10 @@ def bind(
     for k in numbers:
         if not 0 <= k < len(chosen):
             raise InputError(f"`returns` names output {k}; expected 0 to {len(chosen) - 1}.")
-    slot = "" if holder is None else _holder_slot(holder, numbers)
+    slot = "" if holder is None else _holder_slot(holder, numbers, chosen)
     checked_call = _CheckedCall(array_call, chosen, numbers, inputs, holder, slot)
     slow = checked_call if otherwise is None else _Otherwise(checked_call, otherwise)
-    kind = _type() if work is not None else None
+    kind = bound_type() if work is not None else None
     if kind is None or work is None:
         return SlowBound(kernel, chosen, checked_call, pairs, None if otherwise is None else slow)
     plan = gufunc.Plan(array_call.function, array_call.element, work, chosen, pairs, numbers, inputs, holder)
@@ -222,7 +227,14 @@ def bind(
     return instance
 
 
-def _holder_slot(holder: type, returns: tuple[int, ...]) -> str:
+def _holder_slot(holder: type, returns: tuple[int, ...], targets: tuple[Array, ...]) -> str:
+    if holder in (float, bool):
+        returned = [targets[k] for k in returns]
+        if len(returned) != 1 or returned[0].shape != () or returned[0].dtype != np.float64:
+            raise InputError(
+                f"`holder` is {holder.__name__}; expected one returned output, a single float64."
+            )
+        return ""
     slot = holder_slot(holder)
     if not slot or len(returns) != 1:
         raise InputError(

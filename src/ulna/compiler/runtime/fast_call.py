@@ -35,6 +35,7 @@ FIELDS = (
     "array_type", "number", "float_type", "float64_type", "tuple_type", "out", "none",
     "array_new", "array_return", "tuple_new", "own", "call",
     "holder", "allocate",  # the class that holds the one result, or 0, and what makes an instance
+    "float_new", "bool_type", "true", "false",
 )  # fmt: skip
 """The words of a plan."""
 PORT, RETURN = 4, 4
@@ -47,8 +48,18 @@ def _word(name: str, kind: str = "ptr") -> str:
     return f"  %{name}.p = getelementptr i8, ptr %plan, i64 {at}\n  %{name} = load {kind}, ptr %{name}.p"
 
 
-def _at(name: str, base: str, offset: int, kind: str = "ptr") -> str:
-    """Lines that load what lies `offset` bytes after `%base` as `%name`."""
+def load_at(name: str, base: str, offset: int, kind: str = "ptr") -> str:
+    """Lines of IR that load a word.
+
+    Args:
+        name: What the word is called, `%name`.
+        base: The pointer that it lies behind, `%base`.
+        offset: How far behind [byte].
+        kind: Its type.
+
+    Returns:
+        The lines.
+    """
     return (
         f"  %{name}.p = getelementptr i8, ptr %{base}, i64 {offset}\n  %{name} = load {kind}, ptr %{name}.p"
     )
@@ -58,12 +69,12 @@ _TAKE = f"""
 ; The data of an object that is exactly an array of a port's shape, and of a number where one may stand; else null.
 define internal ptr @take(ptr %plan, ptr %port, ptr %object, i32 %wanted) alwaysinline nounwind {{
 entry:
-{_at("kind", "object", TYPE)}
+{load_at("kind", "object", TYPE)}
 {_word("array_type")}
   %is.array = icmp eq ptr %kind, %array_type
   br i1 %is.array, label %fields, label %number
 number:
-{_at("free", "port", 2 * WORD, "i64")}
+{load_at("free", "port", 2 * WORD, "i64")}
 {_word("float_type")}
 {_word("float64_type")}
   %may = icmp ne i64 %free, 0
@@ -75,11 +86,11 @@ number:
   %found = select i1 %is.taken, ptr %value, ptr null
   ret ptr %found
 fields:
-{_at("descr", "object", ARRAY_DESCRIPTOR)}
-{_at("ndim", "object", NDIM, "i32")}
-{_at("flags", "object", FLAGS, "i32")}
-{_at("axes", "port", 0, "i64")}
-{_at("descriptor", "port", 3 * WORD)}
+{load_at("descr", "object", ARRAY_DESCRIPTOR)}
+{load_at("ndim", "object", NDIM, "i32")}
+{load_at("flags", "object", FLAGS, "i32")}
+{load_at("axes", "port", 0, "i64")}
+{load_at("descriptor", "port", 3 * WORD)}
   %descr.ok = icmp eq ptr %descr, %descriptor
   %axes.32 = trunc i64 %axes to i32
   %ndim.ok = icmp eq i32 %ndim, %axes.32
@@ -89,9 +100,9 @@ fields:
   %all = and i1 %both, %flags.ok
   br i1 %all, label %shape, label %refused
 shape:
-{_at("given", "object", LENGTHS)}
-{_at("expected", "port", WORD)}
-{_at("data", "object", DATA)}
+{load_at("given", "object", LENGTHS)}
+{load_at("expected", "port", WORD)}
+{load_at("data", "object", DATA)}
   br label %axis
 axis:
   %k = phi i64 [ 0, %shape ], [ %next, %length ]
@@ -140,7 +151,7 @@ def _collect(
 
 _HEAD = f"""(ptr %self, ptr %args, i64 %flagged, ptr %keywords) nounwind {{
 entry:
-{_at("plan", "self", PLAN)}
+{load_at("plan", "self", PLAN)}
 {_word("inputs", "i64")}
 {_word("givens", "i64")}
 {_word("outputs", "i64")}
@@ -152,7 +163,7 @@ entry:
   %pointers = alloca ptr, i64 %total"""
 _SLOW = f"""slow:
 {_word("call")}
-{_at("callable", "self", SLOW)}
+{load_at("callable", "self", SLOW)}
   %found.slowly = call ptr %call(ptr %callable, ptr %args, i64 %flagged, ptr %keywords)
   ret ptr %found.slowly
 }}
@@ -164,8 +175,8 @@ define ptr @with_out{_HEAD}
   %plain = icmp eq ptr %keywords, null
   br i1 %plain, label %slow, label %named
 named:
-{_at("names", "keywords", TUPLE_SIZE, "i64")}
-{_at("name", "keywords", TUPLE_ITEMS)}
+{load_at("names", "keywords", TUPLE_SIZE, "i64")}
+{load_at("name", "keywords", TUPLE_ITEMS)}
 {_word("out")}
   %names.ok = icmp eq i64 %names, 1
   %name.ok = icmp eq ptr %name, %out
@@ -175,12 +186,12 @@ named:
 into:
   %target.p = getelementptr ptr, ptr %args, i64 %inputs
   %target = load ptr, ptr %target.p
-{_at("kind", "target", TYPE)}
+{load_at("kind", "target", TYPE)}
 {_word("tuple_type")}
   %is.tuple = icmp eq ptr %kind, %tuple_type
   br i1 %is.tuple, label %several, label %single
 several:
-{_at("size", "target", TUPLE_SIZE, "i64")}
+{load_at("size", "target", TUPLE_SIZE, "i64")}
   %items = getelementptr i8, ptr %target, i64 {TUPLE_ITEMS}
   %size.ok = icmp eq i64 %size, %outputs
   br i1 %size.ok, label %in.from, label %slow
@@ -229,9 +240,9 @@ watch:
 compare:
   %w.at = mul nuw i64 %w, {WATCH * WORD}
   %pair = getelementptr i8, ptr %watched, i64 %w.at
-{_at("live.array", "pair", 0)}
-{_at("kept.array", "pair", WORD)}
-{_at("words", "pair", 2 * WORD, "i64")}
+{load_at("live.array", "pair", 0)}
+{load_at("kept.array", "pair", WORD)}
+{load_at("words", "pair", 2 * WORD, "i64")}
   %live.port = getelementptr i8, ptr %pair, i64 {3 * WORD}
   %kept.port = getelementptr i8, ptr %pair, i64 {(3 + PORT) * WORD}
   %live = call ptr @take(ptr %plan, ptr %live.port, ptr %live.array, i32 {READABLE})
@@ -271,8 +282,33 @@ nothing:
   call void %own(ptr %none)
   ret ptr %none
 single:
-  %one = call ptr @copied(ptr %plan, ptr %returned, ptr %pointers)
 {_word("holder")}
+{_word("float_type")}
+  %is.float = icmp eq ptr %holder, %float_type
+{_word("bool_type")}
+  %is.bool = icmp eq ptr %holder, %bool_type
+  %is.number = or i1 %is.float, %is.bool
+  br i1 %is.number, label %one.number, label %array
+one.number:
+{_word("float_new")}
+{load_at("number.place", "returned", 2 * WORD, "i64")}
+  %number.p2 = getelementptr ptr, ptr %pointers, i64 %number.place
+  %number.at = load ptr, ptr %number.p2
+  %value = load double, ptr %number.at
+  br i1 %is.float, label %python.float, label %python.bool
+python.float:
+  %float = call ptr %float_new(double %value)
+  ret ptr %float
+python.bool:
+{_word("true")}
+{_word("false")}
+{_word("own").replace("%own", "%own.it")}
+  %is.true = fcmp une double %value, 0.0
+  %bool = select i1 %is.true, ptr %true, ptr %false
+  call void %own.it(ptr %bool)
+  ret ptr %bool
+array:
+  %one = call ptr @copied(ptr %plan, ptr %returned, ptr %pointers)
   %is.bare = icmp eq ptr %holder, null
   %no.one = icmp eq ptr %one, null
   %is.done = or i1 %is.bare, %no.one
@@ -361,12 +397,12 @@ _COPIED = f"""
 ; A new array with what lies in a bound one, a NumPy scalar where it has no axes; null without memory.
 define internal ptr @copied(ptr %plan, ptr %source, ptr %pointers) nounwind {{
 entry:
-{_at("axes", "source", 0, "i64")}
-{_at("lengths", "source", WORD)}
-{_at("place", "source", 2 * WORD, "i64")}
+{load_at("axes", "source", 0, "i64")}
+{load_at("lengths", "source", WORD)}
+{load_at("place", "source", 2 * WORD, "i64")}
   %from.p = getelementptr ptr, ptr %pointers, i64 %place
   %from = load ptr, ptr %from.p
-{_at("bytes", "source", 3 * WORD, "i64")}
+{load_at("bytes", "source", 3 * WORD, "i64")}
 {_word("array_type")}
 {_word("array_new")}
 {_word("number", "i64")}
@@ -377,7 +413,7 @@ entry:
   %bad = icmp eq ptr %array, null
   br i1 %bad, label %failed, label %made
 made:
-{_at("data", "array", DATA)}
+{load_at("data", "array", DATA)}
   call void @llvm.memcpy.p0.p0.i64(ptr %data, ptr %from, i64 %bytes, i1 false)
   %scalar = icmp eq i64 %axes, 0
   br i1 %scalar, label %number.from, label %end

@@ -107,7 +107,16 @@ def make_type(base: type, name: str) -> type | None:
     return factory(ctypes.byref(spec), (base,))
 
 
-def _make(kind: type, words: dict[int, int]) -> Any:
+def make_instance(kind: type, words: dict[int, int]) -> Any:
+    """An instance of a type from `make_type`.
+
+    Args:
+        kind: The type.
+        words: By their offset in the instance [byte], the words to fill it with; what they point to must outlive it.
+
+    Returns:
+        The instance.
+    """
     allocate = ctypes.pythonapi.PyType_GenericAlloc
     allocate.restype, allocate.argtypes = ctypes.py_object, [ctypes.py_object, ctypes.c_ssize_t]
     instance = allocate(kind, 0)
@@ -143,7 +152,7 @@ def make_kernel(kind: type, code: int, plan: Plan, slow: Callable[..., Any], ele
         entry_point.FLOAT: id(float),
         entry_point.FLOAT64: id(np.float64),
     }
-    return _make(kind, words)
+    return make_instance(kind, words)
 
 
 def make_bound(kind: type, plan: Plan, slow: Callable[..., Any]) -> Any:
@@ -163,7 +172,7 @@ def make_bound(kind: type, plan: Plan, slow: Callable[..., Any]) -> Any:
         entry_point.SLOW: id(slow),
         entry_point.PLAN: plan.address,
     }
-    return _make(kind, words)
+    return make_instance(kind, words)
 
 
 def keep(instance: Any, *needed: Any) -> None:
@@ -200,7 +209,7 @@ class Plan:
         watched: Arrays whose changes matter, each with a copy of what it held.
         returned: Which of `targets` are returned.
         last_inputs: Copies of the inputs of the last call.
-        holder: The class of which one instance holds the result; see `holder_slot`.
+        holder: The class of which one instance holds the result; see `holder_slot`. Or float, or bool.
     """
 
     def __init__(
@@ -277,6 +286,10 @@ def _common_words() -> dict[str, int]:
         "own": c_function("Py_IncRef"),
         "call": c_function("PyObject_Vectorcall"),
         "allocate": c_function("PyType_GenericAlloc"),
+        "float_new": c_function("PyFloat_FromDouble"),
+        "bool_type": id(bool),
+        "true": id(True),
+        "false": id(False),
     }
 
 

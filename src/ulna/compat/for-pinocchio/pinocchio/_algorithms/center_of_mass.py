@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.jacobians import JACOBIANS, columns
-from pinocchio._containers.arguments import OMITTED, checked, checks_itself, wrong_model
+from pinocchio._containers.arguments import OMITTED, checks_itself, wrong_model
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import KinematicLevel
 from pinocchio._containers.keywords import overloads
@@ -20,6 +20,7 @@ from pinocchio._data.deferred_fields import (
     CENTERS_AND_VELOCITIES,
     CENTERS_TO_ACCELERATIONS,
     JOINTS,
+    MASSES,
     SUBTREE_MOMENTA,
     SUBTREE_MOMENTA_AND_RATES,
     VELOCITIES_IN_WORLD,
@@ -32,6 +33,7 @@ from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Force
 from ulna import algorithms
+from ulna.compiler.runtime.repeated_calls import memory, repeated_calls
 from ulna.model import Model as CoreModel
 from ulna.numeric import cross
 from ulna.typing import Array, Floats
@@ -223,6 +225,10 @@ def _of_subtree(model: Model, data: Data, root: int, q: Floats) -> Floats:
     return kernels_for(model, data, "subtree Jacobian").kernel("center_of_mass_jacobian", subtree=subtree)(q)
 
 
+_total_mass_noted = memory(1, weakly=1)
+
+
+@repeated_calls(_total_mass_noted)
 @checks_itself
 def computeTotalMass(model: Model, data: Data = OMITTED) -> float:
     """The mass of all that moves [kg]; kept in `data.mass[0]`.
@@ -240,42 +246,33 @@ def computeTotalMass(model: Model, data: Data = OMITTED) -> float:
         computeSubtreeMasses(model, data)
         return data.mass[0]
     try:
-        masses = model._masses()
+        mass = model._total_mass()
     except AttributeError:
         raise wrong_model("computeTotalMass", model) from None
-    return float((_subtree_masses(model) if masses is NotImplemented else masses)[0])
+    if mass is NotImplemented:
+        return _first_total_mass(model)
+    _total_mass_noted(model._total_mass, 0, model)
+    return mass
 
 
-@checked
-def computeSubtreeMasses(model: Model, data: Data) -> None:
-    """Fills `data.mass` with the mass of what each joint moves; the universe, first, counts all that moves."""
-    list.__setitem__(data._lists["mass"], slice(None), _subtree_masses(model).tolist())
-    data.mark_filled("mass")
-
-
-def _subtree_masses(model: Model) -> Floats:
-    """The mass of what each joint moves, (njoints,); by a compiled kernel after the first calls."""
-    masses = model._masses()
-    if masses is not NotImplemented:
-        return masses
-    blocks, parents = model.parameter_blocks("inertias"), tuple(model.parents)
-    if len(blocks) > 1 or model.first_calls.includes("masses", NUMBER_CALLS):
-        return _sums_to_root(np.concatenate(blocks)[:, 0], parents)
+def _first_total_mass(model: Model) -> float:
+    """The mass of all that moves; after the first calls, a compiled kernel of it is bound to the model."""
+    blocks = model.parameter_blocks("inertias")
+    if len(blocks) > 1 or model.first_calls.includes("total mass", NUMBER_CALLS):
+        return float(np.concatenate(blocks)[1:, 0].sum())
     kernel = model.compiled_structure().compile(
-        ("masses", parents),
-        lambda _: lambda inertias: _sums_to_root(inertias[:, 0], parents),
+        ("total mass", model.njoints),
+        lambda _: lambda inertias: sum(inertias[1:, 0], 0.0) + 0.0,
         inertias=blocks[0].shape,
     )
-    model._masses = BoundKernel(kernel, last_inputs=blocks).call
-    return model._masses()
+    model._total_mass = BoundKernel(kernel, last_inputs=blocks, holder=float).call
+    return model._total_mass()
 
 
-def _sums_to_root(masses: Array, parents: tuple[int, ...]) -> Array:
-    """The sums of what each joint and those behind it have; the first leaves out the universe's own."""
-    sums = [0.0, *masses[1:]]
-    for i in range(len(parents) - 1, 0, -1):
-        sums[parents[i]] = sums[parents[i]] + sums[i]
-    return np.stack(sums)
+@algorithm(fills=(), kernel=lambda _: lambda: (), deferred=MASSES)
+def computeSubtreeMasses(model: Model, data: Data) -> None:
+    """Fills `data.mass` with the mass of what each joint moves; the universe, first, counts all that moves."""
+    ...
 
 
 # momentum -----------------------------------------------------------------------------------------------

@@ -7,16 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import OMITTED, ArgumentError, wrong_model
+from pinocchio._containers.arguments import OMITTED, ArgumentError, checked, checks_itself, wrong_model
 from pinocchio._containers.arrays import StdVec, exact, numbers, vector
 from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.live_parameters import FREE
 from pinocchio._model.model import Model
 from pinocchio._model.quaternion_signs import quaternion_starts, with_continuous_signs
-from pinocchio._spatial.random_numbers import generator
+from pinocchio._spatial.random_numbers import STATE, drawn, normal_deviates
 from ulna import algorithms
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.compiler.runtime.repeated_calls import memory, repeated_calls
 from ulna.errors import InputError
 from ulna.model import Model as CoreModel
 from ulna.model.joints.base import Coordinate
@@ -57,6 +58,11 @@ def neutral(model: Model) -> Floats:
     return q.copy()
 
 
+_random_noted = memory(1, weakly=1)
+
+
+@repeated_calls(_random_noted)
+@checks_itself
 def randomConfiguration(model: Model, lower_bound: Any = OMITTED, upper_bound: Any = OMITTED) -> Floats:
     """A configuration (nq,) drawn evenly within the limits; where there is none, from [-pi, pi] or [-1, 1] m.
 
@@ -73,79 +79,68 @@ def randomConfiguration(model: Model, lower_bound: Any = OMITTED, upper_bound: A
     """
     if not isinstance(model, Model):
         raise wrong_model("randomConfiguration", model)
-    draws = generator()
-    drawn = next(model._drawn, None) if model._drawn_by is draws else None
-    parts, normal = _draw(model, draws) if drawn is None else drawn
-    if lower_bound is OMITTED and upper_bound is OMITTED:
-        q = model._random_within_own_limits(parts, normal)
+    own_limits = lower_bound is OMITTED and upper_bound is OMITTED
+    if own_limits:
+        q = model._random_within_own_limits()
     else:
         if lower_bound is None or lower_bound is OMITTED or upper_bound is None or upper_bound is OMITTED:
             raise ArgumentError(
                 "randomConfiguration was given one of lower_bound and upper_bound; expected both, or neither."
             )
-        q = model._random(parts, normal, lower_bound, upper_bound)
+        q = model._random(lower_bound, upper_bound)
     if q is NotImplemented:
-        q = _random_bound_anew(model, parts, normal, lower_bound, upper_bound)
+        q = _random_bound_anew(model, lower_bound, upper_bound)
     if not model._narrowest[0] >= 0.0:
         raise InputError(
             "randomConfiguration: a lower limit is above the upper one; expected lower_bound <= upper_bound."
         )
+    if own_limits:
+        _random_noted(model._random_within_own_limits, 0, model)
     return q
 
 
-def _random_bound_anew(model: Model, parts: Floats, normal: Floats, low: Any, high: Any) -> Floats:
+def _random_bound_anew(model: Model, low: Any, high: Any) -> Floats:
     """A random configuration where the bound kernel did not apply: converts the limits, and binds it."""
-    sizes: dict[str, Any] = dict.fromkeys(("parts", "low", "high"), model.nq)
-    kernel = model.compiled_structure().compile(
-        "random", _within, parts=sizes["parts"], normal=(len(normal),), low=sizes["low"], high=sizes["high"]
-    )
+    sizes: dict[str, Any] = dict.fromkeys(("low", "high"), model.nq)
+    kernel = model.compiled_structure().compile("random", _within, **sizes, state=STATE.shape)
     narrowest = np.frombuffer(model._narrowest).reshape(())
-    limits_of_model = model.lowerPositionLimit, model.upperPositionLimit
     if low is OMITTED:
-        step = BoundKernel(kernel, others=[narrowest], last_inputs=limits_of_model).call
+        limits = model.lowerPositionLimit, model.upperPositionLimit
+        step = BoundKernel(
+            kernel,
+            [(limit, limit.copy()) for limit in limits],  # so that `narrowest` holds for all its calls
+            others=[narrowest, STATE],
+            last_inputs=[*limits, STATE],
+        ).call
         model._random_within_own_limits = step
-        return step(parts, normal)
+        return step()
     low, high = exact(low, model.nq, "lower_bound"), exact(high, model.nq, "upper_bound")
-    q = model._random(parts, normal, low, high)
+    q = model._random(low, high)
     if q is NotImplemented:
-        model._random = BoundKernel(kernel, others=[narrowest]).call
-        q = model._random(parts, normal, low, high)
+        model._random = BoundKernel(kernel, others=[narrowest, STATE], last_inputs=[STATE]).call
+        q = model._random(low, high)
     return q
-
-
-_DRAWN_AT_ONCE = 64
-
-
-def _draw(model: Model, draws: np.random.Generator) -> tuple[Floats, Floats]:
-    """Random numbers in [0, 1], (nq,), and normal deviates, one for each entry of unit vectors, for a configuration.
-
-    Those for the next ones are kept with the model until `seed` is called: NumPy takes as long for one as for many.
-    """
-    parts = draws.random((_DRAWN_AT_ONCE, model.nq))
-    normal = draws.standard_normal((_DRAWN_AT_ONCE, _unit_entries(model)))
-    model._drawn = iter(list(zip(parts, normal, strict=True)))
-    model._drawn_by = draws
-    return next(model._drawn)
-
-
-def _unit_entries(model: Model) -> int:
-    """How many entries of a configuration belong to unit vectors."""
-    joints = model.compiled_structure().model.joints
-    return sum(c.unit == "" for joint in joints if not joint.mimic for c in joint.kind.coordinates)
 
 
 def _within(model: CoreModel) -> Any:
-    """What evenly drawn parts in [0, 1] make within limits, and the narrowest of these.
+    """What evenly drawn numbers make within limits, the narrowest of these, and the generator's state afterwards.
 
     Normal deviates, scaled to unit length, are even over all rotations.
     """
+    coordinates = [
+        (k, c)
+        for joint in model.joints
+        for k, c in enumerate(() if joint.mimic else joint.kind.coordinates, start=joint.idx_q)
+    ]
+    units = [k for k, c in coordinates if c.unit == ""]
 
-    def run(parts: Array, normal: Array, low: Array, high: Array) -> tuple[Array, Array]:
-        q, deviates = batch_zeros((model.nq,), parts), iter(normal)
-        for joint in model.joints:
-            for k, c in enumerate(() if joint.mimic else joint.kind.coordinates, start=joint.idx_q):
-                q[k] = next(deviates) if c.unit == "" else _drawn(c, parts[k], low[k], high[k])
-        return normalized(q), functools.reduce(minimum, high - low, np.inf)
+    def run(low: Array, high: Array, state: Array) -> tuple[Array, Array, Array]:
+        draws, state = drawn(model.nq - len(units) + 2 * ((len(units) + 1) // 2), state)
+        deviates, parts = iter(normal_deviates(draws[model.nq - len(units) :])), iter(draws)
+        q = batch_zeros((model.nq,), low)
+        for k, c in coordinates:
+            q[k] = next(deviates) if c.unit == "" else _drawn(c, next(parts), low[k], high[k])
+        return normalized(q), functools.reduce(minimum, high - low, np.inf), state
 
     def normalized(q: Array) -> Array:
         unit = algorithms.normalize(model, q)
@@ -306,6 +301,11 @@ def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
     return bool(np.abs(normalize(model, entries) - entries).max(initial=0.0) <= prec)
 
 
+_same_noted = memory(1, weakly=1)
+
+
+@repeated_calls(_same_noted)
+@checked
 def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float) -> bool:
     """Whether two configurations are the same place.
 
@@ -315,7 +315,37 @@ def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float) -> bool:
     Returns:
         Whether they are.
     """
-    return bool((np.abs(difference(model, q1, q2)) <= prec).all())
+    try:
+        result = model._is_same(q1, q2, prec)
+    except AttributeError:
+        raise wrong_model("isSameConfiguration", model) from None
+    if result is NotImplemented:
+        result = _is_same_bound_anew(model, *_exact_pair(model, q1, q2), float(prec))
+    else:
+        _same_noted(model._is_same, 3, model)
+    return result
+
+
+def _is_same_bound_anew(model: Model, *arguments: Any) -> bool:
+    result = model._is_same(*arguments)
+    if result is NotImplemented:
+        shapes: dict[str, Any] = {"q1": (model.nq,), "q2": (model.nq,), "prec": ()}
+        kernel = model.compiled_structure().compile("is same", _agreement, **shapes)
+        model._is_same = BoundKernel(kernel, holder=bool).call
+        result = model._is_same(*arguments)
+    return result
+
+
+def _agreement(model: CoreModel) -> Any:
+    def run(q1: Array, q2: Array, prec: Array) -> Array:
+        gaps = algorithms.difference(model, q1, q2)
+        smallest = 5e-324  # what is less than it is at most 0; nan is not
+        excesses = [abs(gap) - prec for gap in gaps]
+        return functools.reduce(
+            lambda same, x: where(less(x, smallest), same, 0.0), excesses, 1.0 + 0.0 * prec
+        )
+
+    return run
 
 
 def dIntegrate(model: Model, q: Any, v: Any, argument_position: Any = None) -> Any:

@@ -14,6 +14,7 @@ from pinocchio._containers.keywords import general_case, overloads
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3
 from ulna import spatial
+from ulna.compiler.runtime.repeated_calls import memory, repeated_calls
 from ulna.model import Frame
 
 LOCAL = ReferenceFrame.LOCAL
@@ -92,16 +93,21 @@ def repeated_call(kind: str, has_default: bool = True) -> Callable[[Function], F
             if rest and has_default
             else reference,
             kind=kind,
+            reference_given=reference,
+            placed_reference=f"LOCAL if {rest[0]} is omitted else {rest[0]}" if rest else "None",
+            no_more=f"{rest[1]} is omitted" if rest else "False",
         )
+        noted = memory(4, weakly=2)
         scope: dict[str, Any] = {
             "general": general_case(function),
             "omitted": OMITTED,
             "LOCAL": LOCAL,
+            "noted": noted,
         }
         exec(compile(source, f"<repeated call of {name}>", "exec"), scope)
         made: Any = functools.update_wrapper(scope[name], function)
         made.arguments_checked = True
-        return made
+        return repeated_calls(noted)(made)
 
     return decorate
 
@@ -121,6 +127,15 @@ at_frame_or_joint_by_default_local = overloads(
 _TEMPLATE = """
 def {name}(model, data, {parameters}):
     if {others}:
+        try:
+            reference = {placed_reference}
+            step, bound_reference = data._bound_at[{place}, reference, "placed {kind}"]
+            if bound_reference is reference and data._model is model and {no_more}:
+                result = step({reference_given}._m)
+                if result is not NotImplemented:
+                    return result
+        except (KeyError, TypeError, AttributeError):  # not bound yet, or no placement on a joint
+            pass
         return general(model, data, {call})
     reference = {reference}
     try:
@@ -131,6 +146,10 @@ def {name}(model, data, {parameters}):
         if bound_reference is reference and data._model is model:  # 0 == WORLD, but a plain number raises
             result = step()
             if result is not NotImplemented:
+                if {reference_given} is omitted:
+                    noted(step, 0, model, data, {place})
+                else:
+                    noted(step, 0, model, data, {place}, reference)
                 return result
     return general(model, data, {call})
 """

@@ -7,7 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._algorithms.frame_arguments import LOCAL, at_frame, at_frame_or_joint, at_joint, repeated_call
+from pinocchio._algorithms.frame_arguments import (
+    LOCAL,
+    at_frame,
+    at_frame_or_joint,
+    at_joint,
+    at_placement,
+    repeated_call,
+)
 from pinocchio._algorithms.kinematics import updateFramePlacement, updateFramePlacements
 from pinocchio._containers.arguments import check_model_and_data
 from pinocchio._containers.arrays import exact, index, not_applicable
@@ -21,7 +28,10 @@ from pinocchio._data.evaluated_model import kernels_for
 from pinocchio._data.first_evaluation import loaded_evaluator, store
 from pinocchio._data.functions import algorithm
 from pinocchio._model.bound_kernels import BoundKernel, not_read
+from pinocchio._model.compiled_model import CompiledModel
 from pinocchio._model.model import Model
+from pinocchio._spatial.se3 import SE3
+from pinocchio._spatial.small_kernels import pose
 from pinocchio._tables.frame_jacobians import frame_jacobian, frame_jacobian_rate
 from ulna import algorithms, spatial
 from ulna.algorithms.multibody.references import Reference
@@ -142,11 +152,45 @@ def getFrameJacobian(
         Jacobian (6, nv), linear rows first.
     """
     rf = reference_frame
-    key, frame = at_frame(model, frame_id, joint_id, placement)
-    if frame is None:
-        return _bind_at(model, data, (frame_id, rf, "J"), key, None)
+    if placement is not None:
+        return _placed_jacobian(model, data, *at_placement(model, joint_id, placement), rf)
+    key, _ = at_frame(model, frame_id)
+    return _bind_at(model, data, (frame_id, rf, "J"), key, None)
+
+
+def _placed_jacobian(model: Model, data: Data, joint: int, placement: SE3, rf: Any) -> Floats:
+    """The Jacobian of a frame at a placement on a joint; bound to what the Data holds for the next time."""
+    reference = reference_of(rf)
     q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
-    return _jacobian(model, data, reference_of(rf), key, frame)(q)
+    if evaluator := loaded_evaluator(model, data, "J of frames"):
+        return frame_jacobian(evaluator, q, joint, placement._m, reference)[0]
+    watch = model.watched("structure")
+    compiled = data.attach(model)
+    if model.nvExtended != model.nv:  # columns of mimic joints are not separate in `data.J`
+        return _placed_kernel(compiled, joint, reference, q=(model.nq,))(placement._m, q)
+    live = compiled.live(_placed_kernel(compiled, joint, reference, J=(6, model.nv), T=(4, 4)))
+    read = data._arrays["J"], data._arrays["oMi"][joint]
+    step = BoundKernel(live, not_read(live, watch), last_inputs=read).call
+    data._bound_at[joint, rf, "placed J"] = step, rf
+    return step(placement._m)
+
+
+def _placed_kernel(compiled: CompiledModel, joint: int, reference: Reference, **shapes: Any) -> Any:
+    """The kernel of the Jacobian of a frame at a placement on a joint: of q, or of all columns and the joint's pose."""
+
+    def build(core: CoreModel) -> Any:
+        def frame_at(placed: Array) -> Frame:
+            return Frame("", joint - 1, pose(placed), "user", "", spatial.SE3.identity())
+
+        def at_q(placed: Array, q: Array) -> Array:
+            return algorithms.frame_jacobian(core, q, frame_at(placed), reference)
+
+        def of_columns(placed: Array, J: Array, T: Array) -> Array:
+            return algorithms.frame_jacobian_of(core, J, pose(T), frame_at(placed), reference)
+
+        return at_q if "q" in shapes else of_columns
+
+    return compiled.compile(("J placed", joint, reference), build, placed=(4, 4), **shapes)
 
 
 def _bind_at(

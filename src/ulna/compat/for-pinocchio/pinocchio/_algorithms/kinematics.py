@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from pinocchio._containers.arguments import ArgumentError, check_model_and_data
+import numpy as np
+
+from pinocchio._containers.arguments import ArgumentError, check_model_and_data, checked, checks_itself
 from pinocchio._containers.arrays import index, not_applicable
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run
@@ -20,6 +22,7 @@ from pinocchio._spatial.se3 import SE3, se3_kernel
 from pinocchio._spatial.small_kernels import pose
 from pinocchio._tables.fields import frames_at
 from ulna import algorithms, spatial
+from ulna.compiler.runtime.repeated_calls import memory, repeated_calls
 from ulna.model import Frame
 from ulna.model import Model as CoreModel
 from ulna.typing import Array
@@ -103,6 +106,11 @@ def _moved_frames(model: CoreModel, frames: Sequence[Frame]) -> Any:
     return run
 
 
+_frames_noted, _global_noted = memory(2, weakly=2), memory(2, weakly=2)
+
+
+@repeated_calls(_frames_noted)
+@checks_itself
 def updateFramePlacements(model: Model, data: Data) -> None:
     """Fills `data.oMf` from `data.oMi`."""
     try:
@@ -110,7 +118,9 @@ def updateFramePlacements(model: Model, data: Data) -> None:
         applies = data._model is model and step() is not NotImplemented
     except AttributeError:
         applies = False
-    if not applies:
+    if applies:
+        _frames_noted(step, 0, model, data)
+    else:
         check_model_and_data("updateFramePlacements", model, data)
         check_frames(model, data)
         data.require(data._q, "forwardKinematics(model, data, q)")
@@ -158,18 +168,21 @@ def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
     return step()
 
 
+@repeated_calls(_global_noted)
+@checked
 def updateGlobalPlacements(model: Model, data: Data) -> None:
     """Fills `data.oMi` from `data.liMi`."""
     data.read("liMi")
     step = data._bound_at.get("global placements", not_applicable) if data._model is model else not_applicable
     if step() is not NotImplemented:
+        _global_noted(step, 0, model, data)
         return
     parents, liMi = tuple(model.parents), data._arrays["liMi"]
     key = "global placements", parents
     kernel = model.compiled_structure().compile(key, _global_placements(parents), liMi=liMi.shape)
     step = kernel.into(
         data._arrays["oMi"][1:],
-        watch=model.watched("structure"),
+        watch=[*model.watched("structure"), (data.mark_of("liMi"), np.zeros(()))],
         otherwise=not_applicable,
         last_inputs=[liMi],
     )

@@ -20,6 +20,7 @@ from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.small_kernels import pose
 from ulna import algorithms, spatial
 from ulna.compiler import compile as compile_function
+from ulna.compiler.runtime.repeated_calls import Memory, memory, repeated_calls
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
 
@@ -144,6 +145,10 @@ def bodyRegressor(velocity: Motion, acceleration: Motion) -> Floats:
     return _REGRESSORS["body"](velocity._v, acceleration._v)
 
 
+_joint_noted, _frame_noted = memory(3, weakly=2), memory(3, weakly=2)
+
+
+@repeated_calls(_joint_noted)
 @checks_itself
 def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
     """The regressor of the body of a joint, in the frame of the joint.
@@ -154,7 +159,7 @@ def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
     Returns:
         Matrix (6, 10).
     """
-    regressor = _repeated(model, data, (joint_id, "joint body regressor"))
+    regressor = _repeated(model, data, (joint_id, "joint body regressor"), _joint_noted)
     if regressor is not NotImplemented:
         return regressor
     check_model_and_data("jointBodyRegressor", model, data)
@@ -162,6 +167,7 @@ def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
     return _bound(model, data, (joint_id, "joint body regressor"), joint, _AT_JOINT._m, ("structure",))
 
 
+@repeated_calls(_frame_noted)
 @checks_itself
 def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
     """The regressor of the body that a frame is on, in that frame.
@@ -172,7 +178,7 @@ def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
     Returns:
         Matrix (6, 10).
     """
-    regressor = _repeated(model, data, (frame_id, "frame body regressor"))
+    regressor = _repeated(model, data, (frame_id, "frame body regressor"), _frame_noted)
     if regressor is not NotImplemented:
         return regressor
     check_model_and_data("frameBodyRegressor", model, data)
@@ -183,12 +189,16 @@ def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
     )
 
 
-def _repeated(model: Model, data: Data, place: tuple[Any, str]) -> Any:
+def _repeated(model: Model, data: Data, place: tuple[Any, str], noted: Memory) -> Any:
     """The regressor by the kernel that is bound at `place`; NotImplemented where it does not apply."""
     try:
-        return data._bound_at[place]() if data._model is model else NotImplemented
+        step = data._bound_at[place]
+        regressor = step() if data._model is model else NotImplemented
     except (KeyError, TypeError, AttributeError):  # not bound yet, or of no model or data
         return NotImplemented
+    if regressor is not NotImplemented:
+        noted(step, 0, model, data, place[0])
+    return regressor
 
 
 def _bound(

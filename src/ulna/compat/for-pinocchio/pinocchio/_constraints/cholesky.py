@@ -27,7 +27,7 @@ __all__ = ["ConstraintCholeskyDecomposition", "ContactCholeskyDecomposition"]
 class ConstraintCholeskyDecomposition:
     """`ConstraintCholeskyDecomposition([model, data[, constraints, datas]])`, filled by `compute`."""
 
-    __slots__ = ("_J", "_M", "_constraint_set", "_factored", "_mu")
+    __slots__ = ("_J", "_M", "_U", "_constraint_set", "_factored", "_is_new", "_mu")
 
     @by_name("model data contact_models contact_datas", "model data constraint_models constraint_datas")
     def __init__(self, model: Any = None, data: Any = None, models: Any = (), datas: Any = ()) -> None:
@@ -38,6 +38,8 @@ class ConstraintCholeskyDecomposition:
     def _make_room(self, m: int, n: int) -> None:
         self._M, self._J, self._mu = np.zeros((n, n)), np.zeros((m, n)), np.zeros(m)
         self._factored: Factorization | None = None
+        self._is_new = True  # the factors, since U was read
+        self._U: Floats | None = None
         self._constraint_set: Any = None
 
     def _hold(self, kernels: FactorKernels, M: Floats, J: Floats, mu: Any) -> ConstraintCholeskyDecomposition:
@@ -138,16 +140,19 @@ class ConstraintCholeskyDecomposition:
 
     @property
     def U(self) -> Floats:
-        """The unit upper triangular factor."""
-        factored = self._factored
-        if factored is not None and factored.flag[0]:
-            return factored.upper()
-        return self._decomposed().upper()
+        """The unit upper triangular factor; the same array at every reading."""
+        U = self._U
+        if U is None:
+            U = self._U = self._decomposed().upper()
+        elif self._is_new:
+            U[...] = self._decomposed().upper()
+        self._is_new = False
+        return U
 
     @property
     def D(self) -> Floats:
-        """The diagonal; below zero for constraints."""
-        return self._decomposed().D.copy()
+        """The diagonal; below zero for constraints. A live reference."""
+        return self._decomposed().D
 
     @property
     def Dinv(self) -> Floats:
@@ -185,6 +190,7 @@ class ConstraintCholeskyDecomposition:
             self._mu[...] = diagonal(mu, len(self._mu), "mu")
         if self._factored is not None:
             self._factored.factor(self._M, self._J, self._mu)
+            self._is_new = True
 
     def getInverseMassMatrix(self) -> Floats:
         """M^-1."""

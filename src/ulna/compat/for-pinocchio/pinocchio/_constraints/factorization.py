@@ -275,27 +275,17 @@ class Factorization:
         Returns:
             Matrix (m + nv, m + nv).
         """
-        Z, ZM, joints = self._last if joints_first else self._first
-        M = self.inverse_mass()
-        np.matmul(J, M, out=ZM)
-        out = Z.T @ (self.minus_inverse_delassus(mu) @ Z)
-        block = out[joints, joints]
-        block += M
+        (m, n), M = self.kernels.rows.shape, self.inverse_mass()
+        out = np.empty((m + n, m + n))
+        joints, rows = (slice(0, n), slice(n, None)) if joints_first else (slice(m, None), slice(0, m))
+        JM = J.dot(M)
+        S = self.minus_inverse_delassus(mu)
+        SJM = S.dot(JM)
+        out[rows, rows] = S
+        np.negative(SJM, out[rows, joints])
+        np.negative(SJM.T, out[joints, rows])
+        np.add(JM.T.dot(SJM), M, out[joints, joints])
         return out
-
-    @cached_property
-    def _first(self) -> tuple[Floats, Floats, slice]:
-        """Room for [-1, J M^-1], that of its second part, and where joints stand."""
-        m, n = self.kernels.rows.shape
-        Z = np.hstack([-np.eye(m), np.zeros((m, n))])
-        return Z, Z[:, m:], slice(m, None)
-
-    @cached_property
-    def _last(self) -> tuple[Floats, Floats, slice]:
-        """The same where joints come first."""
-        m, n = self.kernels.rows.shape
-        Z = np.hstack([np.zeros((m, n)), -np.eye(m)])
-        return Z, Z[:, :n], slice(0, n)
 
 
 def no_factors_error(M: Floats, J: Floats) -> InputError:

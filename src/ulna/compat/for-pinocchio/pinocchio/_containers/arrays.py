@@ -172,6 +172,12 @@ class StdVec(list[Item], Generic[Item]):
         else:
             super().__init__(*parts)
 
+    def _of_values(self) -> StdVec[Item]:
+        """A copy with the same entries, for those that do not change: numbers, text."""
+        out: StdVec[Item] = StdVec.__new__(StdVec)
+        out += self
+        return out
+
     def copy(self) -> StdVec[Item]:
         """A copy, with copies of the entries."""
         return StdVec(copy.copy(entry) for entry in self)

@@ -42,5 +42,12 @@ class StdMap_String_VectorXd(dict[str, Floats]):
     def __iter__(self) -> Iterator[Any]:
         return iter([Entry(key, self[key]) for key in sorted(self.keys())])
 
+    def _copied(self) -> StdMap_String_VectorXd:
+        """A copy, with copies of the configurations."""
+        out = StdMap_String_VectorXd.__new__(StdMap_String_VectorXd)
+        for key, q in self.items():
+            dict.__setitem__(out, key, q.copy())
+        return out
+
     def __setitem__(self, key: str, value: Any) -> None:
         super().__setitem__(key, numbers(value, key).copy())

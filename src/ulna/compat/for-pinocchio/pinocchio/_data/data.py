@@ -65,6 +65,8 @@ class _Lists(dict[str, Any]):
         data = self._data
         if name == "mass":
             made = _PerJoint(data, name, [-1.0] * data._arrays["com"].shape[0])
+        elif name == "Ycrb":
+            made = views(Inertia, data._arrays["composite inertias"])
         elif name in CENTRES:
             made = _PerJoint(data, name, data._arrays[name])
         elif name in _SINGLE:

@@ -236,12 +236,13 @@ def _subtree_centers(
 def _subtree_masses(data: FieldStates, compiled: CompiledModel, fields: tuple[str, ...]) -> None:
     """The mass of the subtree of each joint; that of the universe, first, leaves out its own body."""
     if evaluator := _evaluator(data, compiled):
-        for i, mass in enumerate(by_table.subtree_masses(evaluator)):
-            list.__setitem__(data.mass, i, float(mass))
-        return
-    core = compiled.model
-    for i, name in enumerate((None, *core.joint_names)):
-        list.__setitem__(data.mass, i, float(algorithms.total_mass(core, name)))
+        masses = evaluator.of_joints(evaluator.inertias[:, :1])[:, 0].tolist()
+    else:
+        masses = [float(inertia.mass) for inertia in compiled.model.inertias]
+    sums, parents = [0.0, *masses], data._model.parents
+    for i in range(len(masses), 0, -1):
+        sums[parents[i]] += sums[i]
+    list.__setitem__(data.mass, slice(None), sums)
 
 
 JOINTS = {"liMi": _compiled("q", _joint_placements, by_table.joint_placements)}

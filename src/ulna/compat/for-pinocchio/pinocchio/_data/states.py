@@ -16,6 +16,7 @@ from pinocchio._data.storage import FILLED_BY, PER_JOINT, FieldArrays
 from pinocchio._model.building import KinematicTree
 from pinocchio._model.compiled_model import CompiledModel
 from pinocchio._model.kernel_parameters import PARAMETERS
+from ulna.compiler.runtime.repeated_calls import forget
 from ulna.errors import InputError
 from ulna.typing import Floats
 
@@ -98,6 +99,7 @@ class FieldStates:
             self._keep_deferred(self._parameters_of if same_kernels else ())
             if not same_kernels:
                 self._bound, self._bound_at, self._parameters_of = BoundAlgorithms(), {}, {}
+            forget(self)
             self._compiled, self._model, self._constraint_sets = compiled, model, []
         return compiled
 

@@ -62,6 +62,7 @@ _SHAPES = {
     "oMf": "f44",
     **dict.fromkeys((*MOTIONS, *FORCES), "n6"),
     **dict.fromkeys(CENTRES, "n3"),
+    "composite inertias": "ni",
     **{
         "hg": "6",
         "dhg": "6",

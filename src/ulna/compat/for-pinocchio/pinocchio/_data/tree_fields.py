@@ -10,13 +10,13 @@ from pinocchio._containers.arrays import StdVec, not_applicable, views
 from pinocchio._data.evaluated_model import evaluator_of
 from pinocchio._data.first_evaluation import TABLE_CALLS
 from pinocchio._data.states import FieldStates
-from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.building import KinematicTree
 from pinocchio._model.joint_model import JointModel
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
 from pinocchio._tables import recursions as r
 from pinocchio._tables.evaluation import about_center
+from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
@@ -107,27 +107,36 @@ class TreeFields(FieldStates):
 
     @property
     def Ycrb(self) -> StdVec[Inertia]:
-        """For each joint the inertia of all it moves, in its frame, at the configuration of the last algorithm."""
-        step = self._bound_at.get("Ycrb", not_applicable)
-        inertias = step()
-        if inertias is NotImplemented:
-            inertias = self._composite_inertias_bound()
-        return views(Inertia, inertias)
+        """For each joint the inertia of all it moves, in its frame, at the last algorithm's configuration; live."""
+        if self._bound_at.get("Ycrb as it is", not_applicable)() is NotImplemented:
+            self._fill_composite_inertias()
+        return self._lists["Ycrb"]
 
-    def _composite_inertias_bound(self) -> Floats:
-        """Parameters of the composite inertias (njoints, 13); after the first calls by a kernel that is bound here."""
-        model = self._model
+    def _fill_composite_inertias(self) -> None:
+        """Computes the composite inertias; after the first calls by a kernel that is bound here."""
+        if self._bound_at.get("Ycrb", not_applicable)() is not NotImplemented:
+            self._arrays["Ycrb q"][...] = self._q_of_joints
+            return
+        model, inertias = self._model, self._arrays["composite inertias"]
         q = self.require(self._q_of_joints, "crba(model, data, q)")
         if model.first_calls.includes("Ycrb", TABLE_CALLS):
-            return self._composite_inertias()[0]
+            inertias[...] = self._composite_inertias()[0]
+            return
         watch = model.watched("parameters")
         compiled = self.attach(model)
         if compiled.parameter_names:  # where masses are inputs, bodies without mass need the table's cases
-            return self._composite_inertias()[0]
+            inertias[...] = self._composite_inertias()[0]
+            return
         kernel = compiled.compile("composite inertias", _composite, q=(model.nq,))
-        step = BoundKernel(kernel, watch, last_inputs=[q]).call
+        step = kernel.into(inertias, watch=watch, otherwise=not_applicable, last_inputs=[q])
+        computed_at = self._arrays["Ycrb q"]
+        computed_at[...] = q
+        nothing, unchanged = np.zeros(()), compile_function(lambda x: x, x=())
         self._bound_at["Ycrb"] = step
-        return step()
+        self._bound_at["Ycrb as it is"] = unchanged.into(
+            np.zeros(()), watch=[(q, computed_at), *watch], otherwise=not_applicable, last_inputs=[nothing]
+        )
+        step()
 
     @property
     def oYcrb(self) -> StdVec[Inertia]:

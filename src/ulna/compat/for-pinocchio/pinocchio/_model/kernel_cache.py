@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterator
 from typing import Any, Literal
 
 import numpy as np
@@ -13,7 +12,8 @@ from pinocchio._model.compiled_model import COMPILING, CompiledModel
 from pinocchio._model.first_calls import FirstCalls
 from pinocchio._model.kernel_parameters import PARAMETERS
 from pinocchio._model.live_parameters import LiveParameters
-from ulna.typing import Array, Floats
+from ulna.compiler.runtime.repeated_calls import forget
+from ulna.typing import Array
 
 _MAX_VARIANTS = 3
 """How many states of a model have kernels compiled for them; what differs among more becomes an input of kernels."""
@@ -29,18 +29,20 @@ class KernelCache(LiveParameters):
     """The compiled kernels of a Model."""
 
     _variants: dict[tuple[bytes, ...], CompiledModel]
-    _with_inputs: CompiledModel | None
+    _version: Array
+    _with_inputs: CompiledModel | None = None
+    _compiled_for: Any = ()
+    _newest: CompiledModel | None = None
+    _structure: CompiledModel | None = None
+    _integrate = _difference = _distance = _normalize = _interpolate = staticmethod(not_applicable)
+    _squared_distance = _is_same = _random = _random_within_own_limits = staticmethod(not_applicable)
+    _total_mass: Any = staticmethod(not_applicable)
+    _narrowest: array[float]
+    """The least width of the limits of the last random configuration."""
     first_calls: FirstCalls
     """How often its functions were called before they were compiled."""
-    _drawn: Iterator[tuple[Floats, Floats]]
-    _drawn_by: Any
-    joint_table: Any
+    joint_table: Any = None
     """Its `JointTable`, made when first needed."""
-
-    def _create_counters(self) -> None:
-        super()._create_counters()
-        self._version = np.zeros(1, np.int64)
-        self.first_calls = FirstCalls()
 
     def _changed(self) -> None:
         """Joints were added: kernels compiled before no longer apply, and Data made before do not fit."""
@@ -59,16 +61,9 @@ class KernelCache(LiveParameters):
 
     def _forget_kernels(self) -> None:
         self._version[0] += 1
-        self._variants, self._with_inputs = {}, None
-        self.joint_table = None
-        self._compiled_for, self._newest, self._structure = (), None, None
-        self._integrate = self._difference = not_applicable
-        self._random = self._random_within_own_limits = not_applicable
-        self._distance = self._normalize = self._masses = not_applicable
-        self._interpolate = self._squared_distance = not_applicable
-        self._narrowest = array("d", [0.0])
-        self._drawn, self._drawn_by = iter(()), None  # see randomConfiguration
-        self.__dict__.pop("_neutral", None)
+        forget(self)
+        for name in _OF_KERNELS:
+            self.__dict__.pop(name, None)
 
     def compiled(self) -> CompiledModel:
         """Ulna's model of the present parameters, and its kernels.
@@ -136,3 +131,29 @@ class KernelCache(LiveParameters):
         if on == "frames":
             live += [self._frame_changes, *self.parameter_blocks("frames")]
         return [(block, block.copy()) for block in live]
+
+
+_BOUND = (
+    *(
+        "_integrate",
+        "_difference",
+        "_distance",
+        "_normalize",
+        "_interpolate",
+        "_squared_distance",
+        "_is_same",
+    ),
+    *("_random", "_random_within_own_limits", "_total_mass"),
+)
+"""Kernels that are bound to a model when they are first called."""
+_OF_KERNELS = (
+    *("_variants", "_with_inputs", "_compiled_for", "_newest", "_structure", "_neutral", "joint_table"),
+    *_BOUND,
+)
+"""What belongs to the kernels of a model."""
+KernelCache._made_when_needed = LiveParameters._made_when_needed | {
+    "_variants": lambda _: {},
+    "_version": lambda _: np.zeros(1, np.int64),
+    "_narrowest": lambda _: array("d", [0.0]),
+    "first_calls": lambda _: FirstCalls(),
+}

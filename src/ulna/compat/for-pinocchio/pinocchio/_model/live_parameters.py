@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from operator import is_
-from typing import TYPE_CHECKING, Any, Self, final
+from typing import TYPE_CHECKING, Any, ClassVar, Self, final
 
 import numpy as np
 
@@ -44,6 +44,8 @@ USUAL = {key: [value] for key, value in (PER_Q | PER_V).items()}
 @final
 class RowStorage:
     """Stores the arrays of objects as rows of blocks; `slot` is the attribute in which an object holds its array."""
+
+    __slots__ = ("_blocks", "_owners", "_slot", "count")
 
     def __init__(self, slot: str) -> None:
         self._slot = slot
@@ -93,8 +95,9 @@ class RowStorage:
 
     def copied(self) -> RowStorage:
         """A storage with copies of the rows, whose objects are not made yet; see `objects`."""
-        out = RowStorage(self._slot)
-        out._blocks, out.count = [block.copy() for block in self._blocks], self.count
+        out = object.__new__(RowStorage)
+        out._slot, out._owners, out.count = self._slot, [], self.count
+        out._blocks = [block.copy() for block in self._blocks]
         return out
 
     @classmethod
@@ -237,24 +240,28 @@ class LiveParameters:
     _gravity: Motion
     _frames: FrameList
     _stored_arrays: dict[str, Floats]
+    _array_blocks: list[Floats]
+    """The arrays of `_arrays` as rows: those with entries for each q, and for each v."""
     _new_entries: list[Any]
     """What the arrays of joints are still without, for each new joint; see `_arrays`."""
     _frames_of_copy: list[Any]
     """What a copy knows of its frames, until these are made."""
+    _joints_of_copy: list[tuple[type, dict[str, Any]]]
+    """The class and the attributes of each joint of a copy, until these are made."""
+    _counted_changes = _indexed_changes = _stored_changes = -1
+    _frame_owners: tuple[Any, ...] = ()
+    _frame_index: FrameIndex
+    _frame_changes: Array
+    _made_when_needed: ClassVar[dict[str, Callable[[Any], Any]]]
+    """How attributes are made that a model does not have yet; those of a copy mostly are made of its rows."""
 
     def _create_storage(self) -> None:
-        self._create_counters()
         self._frames = FrameList((), self._frame_changes)
         self._rows = {
             "placements": RowStorage("_m"),
             "inertias": RowStorage("_p"),
             "frames": RowStorage("_m"),
         }
-
-    def _create_counters(self) -> None:
-        self._counted_changes, self._frame_owners = -1, ()
-        self._indexed_changes, self._frame_index = -1, FrameIndex(())
-        self._frame_changes: Array = np.zeros(1, np.int64)
 
     def take_rows(self, rows: dict[str, Floats], facts: list[Any]) -> None:
         """Takes placements, inertias and frames, whose objects are made when needed.
@@ -283,24 +290,34 @@ class LiveParameters:
     def facts_of_frames(self) -> list[Any]:
         """What is known of each frame; see `Frame.facts`."""
         frames: Any = self.__dict__.get("_frames")
-        return list(self._frames_of_copy) if frames is None else [frame.facts() for frame in frames]
+        if frames is None:
+            return self._frames_of_copy[:]
+        return [frame._facts if frame._inertia is None else frame.facts() for frame in frames]
 
     def _copy_rows(self, other: LiveParameters) -> None:
-        """Copies placements, inertias and frames of another model; their objects are made when needed."""
+        """Copies joints, frames and their parameters of another model; their objects are made when needed."""
         with _MAKING:
             other._store_all()
             self._rows = {name: rows.copied() for name, rows in other._rows.items()}
             self._frames_of_copy = other.facts_of_frames()
+            joints = other.__dict__.get("joints")
+            self._joints_of_copy = (
+                other._joints_of_copy if joints is None else [(type(j), j.__dict__.copy()) for j in joints]
+            )
+            if other._new_entries:
+                _ = other._arrays
+            self._array_blocks, self._new_entries = [block.copy() for block in other._array_blocks], []
 
     if not TYPE_CHECKING:  # for type checkers the attributes are there
 
         def __getattr__(self, name: str) -> Any:
-            """Placements, inertias and frames of a copy, made when they are first asked for."""
-            if name not in _MADE_OF_ROWS or "_rows" not in self.__dict__:
+            """What is made when it is first asked for: joints and frames of a copy, counters."""
+            make = self._made_when_needed.get(name)
+            if make is None:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
             with _MAKING:
                 if name not in self.__dict__:  # another thread may have made it meanwhile
-                    setattr(self, name, _MADE_OF_ROWS[name](self))
+                    self.__dict__[name] = make(self)
             return self.__dict__[name]
 
     def _made_frames(self) -> FrameList:
@@ -322,13 +339,13 @@ class LiveParameters:
         if self._new_entries:
             with _MAKING:
                 if self._new_entries:  # another thread may have added them meanwhile
-                    self._stored_arrays = extended(self._stored_arrays, self._new_entries)
-                    self._new_entries = []
+                    self._arrays = extended(self._stored_arrays, self._new_entries)
         return self._stored_arrays
 
     @_arrays.setter
     def _arrays(self, arrays: dict[str, Floats]) -> None:
-        self._stored_arrays, self._new_entries = arrays, []
+        self._array_blocks = [np.stack([arrays[key] for key in keys]) for keys in (PER_Q, PER_V)]
+        self._stored_arrays, self._new_entries = _rows_by_name(self), []
 
     @property
     def njoints(self) -> int:
@@ -400,7 +417,10 @@ class LiveParameters:
                 self._rows[name].adopt(owners)
 
     def _store_frames(self) -> None:
-        self._rows["frames"].adopt([frame._placement for frame in self._frames])
+        changes = self._frame_changes.item()
+        if self._stored_changes != changes or self._rows["frames"].count != len(self._frames):
+            self._rows["frames"].adopt([frame._placement for frame in self._frames])
+            self._stored_changes = changes
 
     def _add_last_frame(self, frame: Frame) -> None:
         """Adds a frame at the end."""
@@ -466,10 +486,27 @@ def extended(
     return out
 
 
-_MADE_OF_ROWS: dict[str, Callable[[Any], Any]] = {
+def _rows_by_name(model: LiveParameters) -> dict[str, Floats]:
+    per_q, per_v = model._array_blocks
+    return dict(zip(PER_Q, per_q, strict=True)) | dict(zip(PER_V, per_v, strict=True))
+
+
+def _made_joints(model: LiveParameters) -> StdVec[JointModel]:
+    """The joints of a copy."""
+    joints = []
+    for kind, attributes in model._joints_of_copy:
+        joints.append(object.__new__(kind))
+        joints[-1].__dict__.update(attributes)
+    model._joints_of_copy = []
+    return StdVec(joints)
+
+
+LiveParameters._made_when_needed = {
+    "joints": _made_joints,
     "_placements": lambda model: StdVec(model._rows["placements"].objects(SE3._of)),
     "_inertias": lambda model: StdVec(model._rows["inertias"].objects(Inertia._of)),
     "_frames": LiveParameters._made_frames,
+    "_stored_arrays": _rows_by_name,
+    "_frame_changes": lambda _: np.zeros(1, np.int64),
 }
-"""How the objects of a copied model are made."""
 _MAKING = forks.lock(forks.KERNEL)

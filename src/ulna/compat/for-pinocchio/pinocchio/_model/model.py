@@ -180,7 +180,7 @@ class Model(Saved, Supports, KinematicTree):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         values = dict(state)
-        if "_version" not in self.__dict__:
+        if "_rows" not in self.__dict__:
             self._create_storage()
         self.nq, self.nv, self.nvExtended, self.nbodies = values.pop("sizes")
         for key, value in values.items():
@@ -194,25 +194,17 @@ class Model(Saved, Supports, KinematicTree):
         return out
 
     def _become_copy(self, other: Model) -> None:
-        self._create_counters()
         self._copy_rows(other)
-        self.name, self.names, self.parents = other.name, StdVec(other.names), StdVec(other.parents)
-        self.joints = StdVec([joint.copy() for joint in other.joints])
-        self._configurations = StdMap_String_VectorXd(
-            {key: q.copy() for key, q in other._configurations.items()}
-        )
-        self._gravity = other._gravity.copy()
-        self._arrays = {key: values.copy() for key, values in other._arrays.items()}
+        self.name, self.names, self.parents = other.name, other.names._of_values(), other.parents._of_values()
+        self._configurations = other._configurations._copied()
+        self._gravity = Motion._of(other._gravity._v.copy())
         self.nq, self.nv, self.nvExtended, self.nbodies = other.nq, other.nv, other.nvExtended, other.nbodies
         self._layout = other._layout
-        self._forget_kernels()
 
     def _adopt_rows(self, rows: dict[str, Floats], facts: list[Any]) -> None:
         """Completes a model whose joints are there: takes placements, inertias and frames; see `take_rows`."""
-        self._create_counters()
         self.take_rows(rows, facts)
         self._layout = tuple((j.shortname(), j.idx_q, j.idx_v) for j in self.joints)
-        self._forget_kernels()
 
     __copy__ = cast = copy
 

@@ -13,7 +13,6 @@ from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
 from pinocchio._spatial.motion_force import Force, Motion, skew
-from pinocchio._spatial.random_numbers import Draws
 from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.small_kernels import FORCES, INERTIAS, small_kernel
 from pinocchio._spatial.symmetric3 import Symmetric3
@@ -97,7 +96,7 @@ class Inertia:
     @staticmethod
     def Random() -> Inertia:
         """That of a body that can exist, drawn at random."""
-        return _MADE["random"](*_DRAWS())
+        return _MADE["random"]()
 
     @staticmethod
     def FromSphere(mass: float, radius: float) -> Inertia:
@@ -359,5 +358,4 @@ _FORCES = BoundFunctions(FORCES, holder=Force)
 _PARTS = BoundFunctions(
     {"parts": (lambda lever, I: np.concatenate([[0.0], lever, I.reshape(9)]), (3,), (3, 3))}, exact=True
 )
-_DRAWS = Draws(normal=4, even=7)
 register(Inertia)

@@ -11,7 +11,7 @@ from pinocchio._containers.arrays import matrix, numbers, text, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
-from pinocchio._spatial.random_numbers import Draws, generator
+from pinocchio._spatial.random_numbers import Random, generator
 from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.small_kernels import pose, small_kernel
 from ulna import numeric, spatial
@@ -64,7 +64,7 @@ class _Six:
     @classmethod
     def Random(cls) -> Self:
         """Entries drawn evenly from [-1, 1]."""
-        return cls._made["spread"](_DRAWS()[1])
+        return cls._made["random"]()
 
     @property
     def linear(self) -> Floats:
@@ -273,7 +273,6 @@ def _entries(value: Any, kind: type[Any], name: str) -> Floats:
     return value._v
 
 
-_DRAWS = Draws(normal=0, even=6)
 _M, _V = (4, 4), (6,)
 _SIX = BoundFunctions(
     {"parts": (lambda a, b: np.concatenate([a, b]), (3,), (3,)), "skew": (numeric.skew, (3,))}, exact=True
@@ -287,7 +286,7 @@ def _functions(kind: Any) -> dict[str, tuple[Any, ...]]:
         return spatial.Motion(v[:3], v[3:]).cross(kind(w[:3], w[3:])).vector()
 
     return {
-        "spread": (lambda x: 2.0 * x - 1.0, _V),
+        "random": Random(lambda _, even: 2.0 * even - 1.0, normal=0, even=6),
         "moved": (lambda m, v: pose(m).act(kind(v[:3], v[3:])).vector(), _M, _V),
         "moved back": (lambda m, v: pose(m).act_inverse(kind(v[:3], v[3:])).vector(), _M, _V),
         "sum": (lambda v, w: v + w, _V, _V),

@@ -12,7 +12,7 @@ from pinocchio._containers.arrays import matrix, numbers, text, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
-from pinocchio._spatial.random_numbers import Draws
+from pinocchio._spatial.random_numbers import Random
 from pinocchio._spatial.rotations import coefficients_of, quaternion_of
 from pinocchio._spatial.small_kernels import random_pose, small_kernel
 from ulna import spatial
@@ -112,7 +112,7 @@ class SE3:
     @staticmethod
     def Random() -> SE3:
         """A rotation drawn evenly over all, a translation from [-1, 1] m."""
-        return _MADE["random"](*_DRAWS())
+        return _MADE["random"]()
 
     @staticmethod
     def Interpolate(A: SE3, B: SE3, alpha: float) -> SE3:
@@ -299,7 +299,7 @@ class SE3:
 _MADE = BoundFunctions(
     _FUNCTIONS
     | {
-        "random": (random_pose, (4,), (3,)),
+        "random": Random(random_pose, normal=4, even=3),
         "interpolation": (lambda a, b, t: _pose(a).interpolate(_pose(b), t).matrix(), _M, _M, ()),
     },
     holder=SE3,
@@ -312,7 +312,6 @@ _PARTS = BoundFunctions(
     },
     exact=True,
 )
-_DRAWS = Draws(normal=4, even=3)
 
 
 @by_name("array", "xyzquat", "tuple", "list")

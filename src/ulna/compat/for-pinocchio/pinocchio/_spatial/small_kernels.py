@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from pinocchio._spatial.random_numbers import Random
 from ulna import spatial
 from ulna.compiler import compile as compile_function
 from ulna.numeric import less, matrix, maximum, minimum, skew, sqrt, vector, where
@@ -142,7 +143,7 @@ INERTIAS: dict[str, tuple[Any, ...]] = {
     "difference": (_difference, _P, _P),
     "moved": (lambda m, p: _numbers(pose(m).act(_body(p))), _M, _P),
     "moved back": (lambda m, p: _numbers(pose(m).act_inverse(_body(p))), _M, _P),
-    "random": (_random_inertia, _Q, (7,)),
+    "random": Random(_random_inertia, normal=4, even=7),
 }
 """What makes inertias."""
 FORCES: dict[str, tuple[Any, ...]] = {

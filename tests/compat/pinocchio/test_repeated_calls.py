@@ -1,0 +1,158 @@
+"""Calls that run without Python follow the model and the Data as all others do."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.compat_packages import using
+from ulna.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def pin() -> Iterator[Any]:
+    with using("pinocchio"):
+        import pinocchio
+
+        yield pinocchio
+
+
+@pytest.fixture
+def arm(pin: Any) -> tuple[Any, Any, Any]:
+    model = pin.buildSampleModelManipulator()
+    data, rng = model.createData(), np.random.default_rng(3)
+    states = rng.uniform(-1.0, 1.0, (4, 3, 6))
+    for q, v, a in np.tile(states, (10, 1, 1)):
+        pin.forwardKinematics(model, data, q, v, a)
+        pin.rnea(model, data, q, v, a)
+        pin.getVelocity(model, data, 3, pin.LOCAL)
+        pin.getFrameVelocity(model, data, 4, pin.WORLD)
+    return model, data, states
+
+
+def test_numbers_are_those_of_the_last_call(pin: Any, arm: Any) -> None:
+    model, data, states = arm
+    for q, v, a in states:
+        other = model.createData()
+        pin.forwardKinematics(model, data, q, v, a)
+        pin.forwardKinematics(model, other, q, v, a)
+        assert pin.getFrameVelocity(model, data, 4, pin.WORLD) == pin.getFrameVelocity(
+            model, other, 4, pin.WORLD
+        )
+        model.inertias[2].mass += 0.5
+        np.testing.assert_allclose(pin.rnea(model, data, q, v, a), pin.rnea(model, other, q, v, a))
+
+
+def test_a_data_may_change_its_model(pin: Any, arm: Any) -> None:
+    model, data, (state, *_) = arm
+    heavy = model.copy()
+    heavy.inertias[3].mass = 20.0
+    wanted = pin.rnea(model, model.createData(), *state), pin.rnea(heavy, heavy.createData(), *state)
+    for _ in range(15):
+        np.testing.assert_allclose(pin.rnea(model, data, *state), wanted[0])
+        np.testing.assert_allclose(pin.rnea(heavy, data, *state), wanted[1])
+        pin.computeSubtreeMasses(model, data)
+        light = data.mass[0]
+        pin.computeSubtreeMasses(heavy, data)
+        assert data.mass[0] > light + 10.0
+
+
+def test_arguments_are_checked_as_before(pin: Any, arm: Any) -> None:
+    model, data, (state, *_) = arm
+    q, v, a = state
+    for _ in range(3):
+        assert pin.rnea(model, data, list(q), v, a).shape == (6,)
+        with pytest.raises(ValueError, match="shape"):
+            pin.rnea(model, data, q[:5], v, a)
+        with pytest.raises(TypeError, match="`data` is None"):
+            pin.rnea(model, None, q, v, a)
+        with pytest.raises(TypeError):
+            pin.getVelocity(model, data, 3, 0)
+        with pytest.raises(IndexError):
+            pin.getVelocity(model, data, 300, pin.LOCAL)
+        assert pin.getVelocity(model, data, joint_id=3, reference_frame=pin.LOCAL) == pin.getVelocity(
+            model, data, 3
+        )
+    model.addJoint(6, pin.JointModelRX(), pin.SE3.Identity(), "another")
+    with pytest.raises(InputError):
+        pin.rnea(model, data, q, v, a)
+    with pytest.raises(InputError):
+        pin.getVelocity(model, data, 3, pin.LOCAL)
+
+
+def test_composite_inertias_are_those_of_the_last_configuration(pin: Any, arm: Any) -> None:
+    model, data, states = arm
+    for k, (q, _, _) in enumerate(np.tile(states, (8, 1, 1))):
+        if k % 5 == 4:
+            model.inertias[4].mass = 1.0 + k
+        other = model.createData()
+        pin.crba(model, data, q)
+        pin.crba(model, other, q)
+        for _ in range(2):
+            np.testing.assert_allclose(data.Ycrb[2].matrix(), other.Ycrb[2].matrix(), atol=1e-12)
+    assert data == data.copy()
+
+
+def test_jacobians_at_placements_compile_nothing_anew(pin: Any, arm: Any) -> None:
+    model, data, (state, *_) = arm
+    pin.computeJointJacobians(model, data, state[0])
+    rng = np.random.default_rng(1)
+    frame = model.addFrame(pin.Frame("tool", 5, 0, pin.SE3.Identity(), pin.OP_FRAME))
+    data = model.createData()
+    for _ in range(40):
+        M = pin.SE3.Random()
+        model.frames[frame].placement = M
+        q = rng.uniform(-1.0, 1.0, 6)
+        for reference in (pin.LOCAL, pin.WORLD, pin.LOCAL_WORLD_ALIGNED):
+            pin.computeJointJacobians(model, data, q)
+            np.testing.assert_allclose(
+                pin.getFrameJacobian(model, data, 5, M, reference),
+                pin.computeFrameJacobian(model, data, q, frame, reference),
+                atol=1e-12,
+            )
+
+
+def test_data_go_when_nothing_else_refers_to_them(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data = model.createData()
+    for _ in range(30):
+        pin.rnea(model, data, *np.zeros((3, 6)))
+        pin.getVelocity(model, data, 2, pin.LOCAL)
+        pin.randomConfiguration(model)
+        pin.computeTotalMass(model)
+    gone = weakref.ref(data)
+    del data
+    gc.collect()
+    assert gone() is None
+
+
+def test_functions_look_like_functions(pin: Any) -> None:
+    import inspect
+    import pickle
+
+    assert list(inspect.signature(pin.rnea).parameters)[:5] == ["model", "data", "q", "v", "a"]
+    assert "Returns:" in (pin.getVelocity.__doc__ or "") and pin.getVelocity.__name__ == "getVelocity"
+    assert pickle.loads(pickle.dumps(pin.rnea)) is pin.rnea
+
+
+def test_a_copy_is_independent(pin: Any) -> None:
+    model = pin.buildSampleModelHumanoid()
+    model.referenceConfigurations["here"] = pin.neutral(model)
+    twin = model.copy().copy()
+    assert twin == model and str(twin) == str(model)
+    twin.joints[2].setIndexes(7, 8, 9)
+    twin.armature[0], twin.lowerPositionLimit[3] = 3.0, -7.0
+    twin.names[1], twin.gravity.linear = "other", np.zeros(3)
+    twin.inertias[1].mass, twin.frames[3].name = 99.0, "renamed"
+    twin.referenceConfigurations["here"][0] = 4.0
+    assert model.joints[2].id == 2 and model.armature[0] == 0.0 and model.lowerPositionLimit[3] != -7.0
+    assert model.names[1] != "other" and model.gravity.linear[2] == -9.81
+    assert model.inertias[1].mass != 99.0 and not model.existFrame("renamed")
+    assert model.referenceConfigurations["here"][0] == 0.0
+    model.jointPlacements[1].translation = np.ones(3)
+    assert not np.allclose(twin.jointPlacements[1].translation, 1.0)

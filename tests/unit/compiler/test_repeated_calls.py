@@ -1,0 +1,152 @@
+"""Functions that hand calls with the same first arguments to bound kernels."""
+
+from __future__ import annotations
+
+import gc
+import inspect
+import pickle
+import sys
+import threading
+import weakref
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ulna.compiler import compile
+from ulna.compiler.runtime.repeated_calls import RepeatedCalls, forget, memory, repeated_calls
+
+_PRODUCT = compile(lambda x, factor: factor * x, x=(), factor=())
+
+
+class Thing:
+    """What is referred to weakly; it holds its kernel."""
+
+    def __init__(self, factor):
+        self.kernel = _PRODUCT.into(
+            np.zeros(()), returns=(0,), last_inputs=[np.array(factor)], otherwise=lambda *_: NotImplemented
+        )
+
+
+_noted = memory(3, weakly=1)
+asked: list[tuple] = []
+
+
+@repeated_calls(_noted)
+def scaled(thing: Any, place: int, name: str = "a", x: Any = 1.0) -> Any:
+    """A number times the factor of a thing."""
+    asked.append((thing, place, name, x))
+    if isinstance(x, float):
+        _noted(thing.kernel, 1, thing, place, name)
+        return thing.kernel(x)
+    return "another"
+
+
+@pytest.fixture(autouse=True)
+def empty():
+    asked.clear()
+    yield
+    asked.clear()
+
+
+def test_only_the_first_of_equal_calls_runs_python():
+    if not isinstance(scaled, RepeatedCalls):
+        pytest.skip("machine code cannot be called in this way here")
+    thing = Thing(3.0)
+    assert [scaled(thing, 5, "b", float(k)) for k in range(10)] == [3.0 * k for k in range(10)]
+    assert len(asked) == 1
+    assert scaled(thing, 6, "b", 2.0) == 6.0 and len(asked) == 2
+    assert scaled(thing, 5, "c", 2.0) == 6.0 and len(asked) == 3
+    assert scaled(Thing(4.0), 5, "b", 2.0) == 8.0 and len(asked) == 4
+
+
+def test_other_calls_reach_the_function():
+    thing = Thing(3.0)
+    for _ in range(3):
+        assert scaled(thing, 5, "b", 2.0) == 6.0
+        assert scaled(thing, 5, x=2.0) == 6.0
+        assert scaled(thing, 5, "b", x=2.0) == 6.0
+        assert scaled(thing, 5, "b", "no number") == "another"
+        assert scaled(thing, 5) == 3.0
+    anyhow: Any = scaled
+    with pytest.raises(TypeError, match="missing 1 required positional argument: 'place'"):
+        anyhow(thing)
+    with pytest.raises(TypeError, match="takes from 2 to 4 positional arguments but 5 were given"):
+        anyhow(thing, 5, "b", 1.0, 2.0)
+
+
+def test_what_is_forgotten_is_asked_again():
+    thing = Thing(3.0)
+    scaled(thing, 5, "b", 1.0)
+    thing.kernel = Thing(7.0).kernel
+    forget(thing)
+    assert scaled(thing, 5, "b", 1.0) == 7.0
+
+
+def test_weak_arguments_and_their_kernels_go():
+    thing = Thing(3.0)
+    scaled(thing, 5, "b", 1.0)
+    scaled(thing, 5, "b", 1.0)
+    asked.clear()
+    gone, kernel = weakref.ref(thing), weakref.ref(thing.kernel)
+    del thing
+    gc.collect()
+    assert gone() is None and kernel() is None
+    for k in range(200):  # at the same address, as a rule
+        one = Thing(float(k))
+        assert scaled(one, 5, "b", 1.0) == k
+        asked.clear()
+
+
+def test_large_numbers_are_different_objects():
+    thing = Thing(2.0)
+    for k in range(250, 2000):
+        assert scaled(thing, int(str(k)), "b", 1.0) == 2.0
+    before = len(asked)
+    assert scaled(thing, int("1000"), "b", 1.0) == 2.0 and len(asked) == before + 1
+
+
+def test_calls_leave_no_references():
+    thing, name = Thing(3.0), "a name that is used here only"
+    scaled(thing, 5, name, 1.0)
+    asked.clear()
+    before = [sys.getrefcount(x) for x in (thing, thing.kernel, name, NotImplemented)]
+    for _ in range(1000):
+        scaled(thing, 5, name, 1.0)
+        scaled(thing, 5, name, "no number")
+        asked.clear()
+    after = [sys.getrefcount(x) for x in (thing, thing.kernel, name, NotImplemented)]
+    assert all(abs(a - b) <= 2 for a, b in zip(before, after, strict=True))
+
+
+def test_errors_pass():
+    thing = Thing(3.0)
+    scaled(thing, 5, "b", 1.0)
+    with pytest.raises(AttributeError):
+        scaled(None, 5, "b", 1.0)
+
+
+def test_it_looks_like_the_function():
+    assert scaled.__name__ == "scaled" and scaled.__doc__ == "A number times the factor of a thing."
+    assert list(inspect.signature(scaled).parameters) == ["thing", "place", "name", "x"]
+    assert inspect.isroutine(scaled)
+    assert pickle.loads(pickle.dumps(scaled)) is scaled
+    assert "scaled" in repr(scaled)
+
+
+def test_threads_may_share_a_table():
+    wrong = []
+
+    def work(first):
+        for k in range(first, first + 60):
+            thing = Thing(float(k))
+            for place in range(20):
+                if [scaled(thing, place, "b", 1.0) for _ in range(3)] != [float(k)] * 3:
+                    wrong.append(k)
+
+    threads = [threading.Thread(target=work, args=(100 * k,)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
