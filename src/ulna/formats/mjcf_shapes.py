@@ -61,9 +61,12 @@ class Shapes:
             # MuJoCo moves a mesh into its principal axes; the file's own frame is that much further back.
             mesh = int(m.geom_dataid[g])
             place = place @ pose_of(m.mesh_pos[mesh], m.mesh_quat[mesh]).inverse() @ self._reference(mesh)
-        return Geometry(
-            m.geom(g).name or f"{m.body(m.geom_bodyid[g]).name}_{g}", shape, place, self._material(g)
-        )
+        return Geometry(m.geom(g).name or self._given_name(g), shape, place, self._material(g))
+
+    def _given_name(self, g: int) -> str:
+        """The name of a geom without one: its body, and its number there, as in Pinocchio."""
+        body = int(self._m.geom_bodyid[g])
+        return f"{self._m.body(body).name or f'body_{body}'}Geom_{g - int(self._m.body_geomadr[body])}"
 
     def _reference(self, mesh: int) -> SE3:
         """Where a mesh's own frame lies in the frame that `refpos` and `refquat` give it: s R^T (x - p)."""

@@ -187,8 +187,10 @@ class KinematicTree(KernelCache):
         if 0 in (followed, joint_id) or (source.nq, source.nv) != (1, 1) or (joint.nq, joint.nv) != (1, 1):
             names = f"{self.names[joint_id]!r} is to follow {self.names[followed]!r}"
             raise ModelError(f"{names}; only joints with one coordinate can follow and be followed.")
-        for key in self._arrays:
-            self._arrays[key] = np.delete(self._arrays[key], joint.idx_q if key in PER_Q else joint.idx_v)
+        self._arrays = {
+            key: np.delete(values, joint.idx_q if key in PER_Q else joint.idx_v)
+            for key, values in self._arrays.items()
+        }
         joint.mimic, joint.nq, joint.nv, joint._shortname = (
             (followed, scaling, offset),
             0,

@@ -83,11 +83,13 @@ def geometry_model_of(
     kind: GeometryType,
     into: GeometryModel | None = None,
     mesh_loader: Any = None,
+    own_names: bool = False,
 ) -> GeometryModel:
     """The geometries of links, placed by the frames of bodies, in their order.
 
     Args:
         links: The links by name.
+        own_names: Whether geometries keep their names; else they have those of the links, and a number.
         kind: GeometryType.VISUAL or COLLISION.
         into: A GeometryModel to add to; None for a new one.
         mesh_loader: A coal.MeshLoader for the files of meshes; None for coal's own.
@@ -118,7 +120,8 @@ def geometry_model_of(
                 named |= {"override_material": True, "mesh_texture_path": material.texture or ""}
                 if material.rgba is not None:
                     named["mesh_color"] = np.array(material.rgba)
-            made = GeometryObject(f"{frame.name}_{k}", frame.parentJoint, i, placement, shape, **named)
+            name = geometry.name if own_names else f"{frame.name}_{k}"
+            made = GeometryObject(name, frame.parentJoint, i, placement, shape, **named)
             made.read_mesh_with(mesh_loader)
             out.addGeometryObject(made)
     return out

@@ -147,7 +147,8 @@ def buildGeomFromMJCF(
 ) -> GeometryModel:
     """The geometries that an MJCF file gives the bodies of a model; see `buildGeomFromUrdf`.
 
-    VISUAL are the geoms of the groups 0 to 2, COLLISION those that may touch others.
+    VISUAL are the geoms of the groups 0 to 2, COLLISION those that may touch others. They have their names in the file;
+    without one, that of the body, "Geom_" and their number on it.
 
     Args:
         geom_type: GeometryType.VISUAL or COLLISION.
@@ -157,8 +158,14 @@ def buildGeomFromMJCF(
         The GeometryModel.
     """
     source = _read(os.fspath(mjcf_filename))
-    links = {("universe" if link is source.links[0] else link.name): link for link in source.links}
-    return geometry_model_of(model, links, geom_type, None, mesh_loader)
+    world = source.links[0]
+    links = {("universe" if link is world else link.name): link for link in source.links}
+    out = geometry_model_of(model, links, geom_type, None, mesh_loader, own_names=True)
+    for geometry in out.geometryObjects:
+        unnamed = f"{world.name}Geom_"
+        if geometry.parentFrame == 0 and geometry.name.startswith(unnamed):
+            geometry.name = f"universeGeom_{geometry.name.removeprefix(unnamed)}"
+    return out
 
 
 def model_of(source: CoreModel, root: JointModel | None = None, root_name: str = "root_joint") -> Model:
