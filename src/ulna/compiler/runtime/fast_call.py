@@ -300,6 +300,9 @@ python.float:
   %float = call ptr %float_new(double %value)
   ret ptr %float
 python.bool:
+  %is.nan = fcmp uno double %value, %value
+  br i1 %is.nan, label %slow, label %truth
+truth:
 {_word("true")}
 {_word("false")}
 {_word("own").replace("%own", "%own.it")}

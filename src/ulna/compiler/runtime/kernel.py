@@ -212,7 +212,8 @@ class KernelBase:
                 others.
             given: The former name of `last_inputs`, (...) each.
             holder: A class with one slot and nothing else. A call returns a new instance, made without `__init__`,
-                whose slot is the one array that `returns` names. Or float or bool, for a single number.
+                whose slot is the one array that `returns` names. Or float or bool, for a single number (nan is
+                no truth: that call goes to `otherwise`).
 
         Returns:
             A `Bound` kernel. It is called with positional arguments, holds the GIL while it works, and cannot be

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 from typing import Any
 
 import numpy as np
@@ -310,11 +311,17 @@ def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float) -> bool:
     """Whether two configurations are the same place.
 
     Args:
-        prec: Largest difference [-].
+        prec: Largest difference of the entries of a joint, as a part of their length [-]. Those of a quaternion may
+            have either sign; position and rotation of a free flyer, and of a planar joint, are compared apart.
 
     Returns:
         Whether they are.
+
+    Raises:
+        InputError: `prec` is below zero.
     """
+    if prec < 0.0:
+        raise InputError(f"isSameConfiguration: `prec` is {prec}; expected 0 or more.")
     try:
         result = model._is_same(q1, q2, prec)
     except AttributeError:
@@ -330,22 +337,46 @@ def _is_same_bound_anew(model: Model, *arguments: Any) -> bool:
     result = model._is_same(*arguments)
     if result is NotImplemented:
         shapes: dict[str, Any] = {"q1": (model.nq,), "q2": (model.nq,), "prec": ()}
-        kernel = model.compiled_structure().compile("is same", _agreement, **shapes)
+        parts = _compared_together(model)
+        kernel = model.compiled_structure().compile(("is same", parts), lambda _: _agreement(parts), **shapes)
         model._is_same = BoundKernel(kernel, holder=bool).call
         result = model._is_same(*arguments)
     return result
 
 
-def _agreement(model: CoreModel) -> Any:
+def _compared_together(model: Model) -> tuple[tuple[int, int, bool], ...]:
+    """Which entries of q are compared together: the first, the one behind the last, and whether it is a quaternion."""
+    found: list[tuple[int, int, bool]] = []
+    for joint in model.joints[1:]:
+        k = joint.idx_q
+        for part in () if joint.mimic else joint.parts or (joint,):
+            kind: Any = part.kind
+            for is_unit, row in itertools.groupby(kind.coordinates, lambda c: c.unit == ""):
+                count = len(list(row))
+                found.append((k, k + count, is_unit and count == 4))
+                k += count
+    return tuple(found)
+
+
+def _agreement(parts: tuple[tuple[int, int, bool], ...]) -> Any:
+    """1 where all parts agree, 0 where one does not; nan, which no truth is made of, for a tolerance below 0."""
+
     def run(q1: Array, q2: Array, prec: Array) -> Array:
-        gaps = algorithms.difference(model, q1, q2)
-        smallest = 5e-324  # what is less than it is at most 0; nan is not
-        excesses = [abs(gap) - prec for gap in gaps]
-        return functools.reduce(
-            lambda same, x: where(less(x, smallest), same, 0.0), excesses, 1.0 + 0.0 * prec
-        )
+        same = 1.0 + 0.0 * prec
+        for first, end, is_quaternion in parts:
+            a, b = q1[first:end], q2[first:end]
+            gap = (a - b) @ (a - b)
+            if is_quaternion:  # the other sign is the same rotation
+                gap = minimum(gap, (a + b) @ (a + b))
+            excess = gap - prec * prec * minimum(a @ a, b @ b)
+            same = where(less(excess, _SMALLEST), same, 0.0)
+        return where(less(prec, 0.0), np.nan, same)
 
     return run
+
+
+_SMALLEST = 5e-324
+"""What is less than it is at most 0."""
 
 
 def dIntegrate(model: Model, q: Any, v: Any, argument_position: Any = None) -> Any:
