@@ -199,9 +199,7 @@ def kernel(
 
 def _is_long(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> bool:
     """Whether straight-line code would take long to compile."""
-    is_matrix = (
-        quantity.columns is not None or quantity.stages is not None or quantity.nodes[1] > _MANY_FOR_A_PAIR
-    )
+    is_matrix = quantity.columns is not None or quantity.nodes[1] > _MANY_FOR_A_PAIR
     limit = LOOPED_ABOVE * (_MORE_FOR_MATRICES if is_matrix else 1)
     return estimated_nodes(model, quantity, chosen) > limit
 
