@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from ulna.errors import InputError
+from ulna.errors import InputError, UnknownOperation
 from ulna.numeric import is_symbolic
 from ulna.typing import Array
 
@@ -105,6 +105,22 @@ class Batched(ABC):
         texts = [numbers(getattr(self, name), indent + len(name) + 1) for name in self._ranks]
         join = ",\n" + " " * indent
         return join.join(label + text for label, text in zip(labels, texts, strict=True))
+
+
+class Composed(Batched):
+    """Rotations and poses, which are composed and applied with `@`."""
+
+    __slots__ = ()
+
+    def __mul__(self, other: Any) -> Any:
+        if isinstance(other, (type(self), np.ndarray, list, tuple)):
+            kind = type(self).__name__
+            raise UnknownOperation(
+                f"{kind} has no `*`; compose and apply with `@`: T_a_b @ T_b_c, T @ points."
+            )
+        return NotImplemented
+
+    __rmul__ = __mul__
 
 
 def numbers(values: Any, indent: int = 0) -> str:

@@ -11,14 +11,14 @@ from ulna.checks.rotations import ROTATION_TOLERANCE, checked_rotation
 from ulna.errors import InputError
 from ulna.numeric import vector
 from ulna.spatial import angles, quaternion
-from ulna.spatial.batched import Batched, as_array
+from ulna.spatial.batched import Composed, as_array
 from ulna.spatial.nearest import nearest_rotation
 from ulna.spatial.pointing import rotation_along, rotation_looking
 from ulna.spatial.so3 import SO3, checked_quat
 from ulna.typing import Array, ArrayLike
 
 
-class PoseConstructors(Batched):
+class PoseConstructors(Composed):
     """Constructors of poses.
 
     Args:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ulna.checks.arrays import batched_array
 from ulna.data_classes import dataclass
-from ulna.errors import InputError, ShapeError, UnknownOperation
+from ulna.errors import InputError, ShapeError
 from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, is_symbolic, skew, sqrt, vector
 from ulna.spatial import angles, exponential, quaternion
@@ -95,16 +95,6 @@ class SE3(PoseConstructors, metaclass=Explained):
             Poses with that batch shape.
         """
         return cls(SO3.random(rng, size).matrix, rng.uniform(-reach, reach, (*size, 3)))
-
-    def __mul__(self, other: Any) -> Any:
-        if isinstance(other, (type(self), np.ndarray, list, tuple)):
-            kind = type(self).__name__
-            raise UnknownOperation(
-                f"{kind} has no `*`; compose and apply with `@`: T_a_b @ T_b_c, T @ points."
-            )
-        return NotImplemented
-
-    __rmul__ = __mul__
 
     @overload
     def __matmul__(self, other: SE3) -> SE3: ...

@@ -9,11 +9,11 @@ import numpy as np
 from ulna.checks.arrays import batched_array
 from ulna.checks.rotations import checked_rotation
 from ulna.data_classes import dataclass
-from ulna.errors import InputError, ShapeError, UnknownOperation
+from ulna.errors import InputError, ShapeError
 from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, sqrt
 from ulna.spatial import angles, exponential, quaternion
-from ulna.spatial.batched import Batched, as_array, column, numbers
+from ulna.spatial.batched import Batched, Composed, as_array, column, numbers
 from ulna.spatial.nearest import nearest_rotation
 from ulna.typing import Array, ArrayLike
 
@@ -21,7 +21,7 @@ from ulna.typing import Array, ArrayLike
 @final
 @explained("SO3")
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class SO3(Batched, metaclass=Explained):
+class SO3(Composed, metaclass=Explained):
     """A rotation, or a batch of them: `R_a_b @ p_b` is p_a.
 
     Attributes:
@@ -141,16 +141,6 @@ class SO3(Batched, metaclass=Explained):
     def inverse(self) -> SO3:
         """The rotation back."""
         return SO3(np.swapaxes(self.matrix, -1, -2))
-
-    def __mul__(self, other: Any) -> Any:
-        if isinstance(other, (type(self), np.ndarray, list, tuple)):
-            kind = type(self).__name__
-            raise UnknownOperation(
-                f"{kind} has no `*`; compose and apply with `@`: T_a_b @ T_b_c, T @ points."
-            )
-        return NotImplemented
-
-    __rmul__ = __mul__
 
     def __matmul__(self, other: Any) -> Any:
         """The rotation `other` followed by this one; or vectors (..., 3), rotated."""
