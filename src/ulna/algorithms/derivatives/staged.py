@@ -166,35 +166,37 @@ def stages_of_centroidal_derivatives(model: Model) -> StagedForm | None:
 
     frame.stages.straight(momentum_and_rate, ("sums",), ("drift",))
 
-    def of_column(
-        s: Array,
-        psi: Array,
-        V: Array,
-        dU: Array,
-        A: Array,
-        dC: Array,
-        sums: Array,
-        mass: Array,
-        drift: Array,
-        c_G: Array,
-        R: Array,
-    ) -> tuple[Array, ...]:
-        column, caused, whole = motion(s), motion(psi), subtree(mass, sums)
-        chi = motion(A - dC).cross(column) + motion(V - dU).cross(caused)
-        r = whole.body.apply(column)
-        dh = whole.body.apply(caused) + column.cross(whole.h)
-        dF = whole.coriolis(caused) + whole.body.apply(chi) + column.cross(whole.F)
-        rest = whole.body.apply(motion(dU).cross(column))
-        rest = rest + Force(np.zeros(3), whole.coriolis_transposed(column))
-        dF_dv = dh + dh + rest
-        dh = Force(dh.linear, dh.angular - cross(r.linear, drift[:3]))
-        dF = Force(dF.linear, dF.angular - cross(r.linear, drift[3:]))
-        return tuple(_about(x, c_G, R.reshape(3, 3)) for x in (dh, dF, dF_dv, r))
-
     reads = ("s", "psi", "V", "dU", "A", "dC", "sums", "mass", "drift", "c_G", "R")
     names = ("dh_dq", "dF_dq", "dF_dv", "dF_da")
-    frame.stages.lanes(of_column, reads, names)
+    frame.stages.lanes(_centroidal_column, reads, names)
     return frame.stages.form(*names)
+
+
+def _centroidal_column(
+    s: Array,
+    psi: Array,
+    V: Array,
+    dU: Array,
+    A: Array,
+    dC: Array,
+    sums: Array,
+    mass: Array,
+    drift: Array,
+    c_G: Array,
+    R: Array,
+) -> tuple[Array, ...]:
+    """The derivatives of momentum and rate by the coordinate of one column, about the centre of mass in the world."""
+    column, caused, whole = motion(s), motion(psi), subtree(mass, sums)
+    chi = motion(A - dC).cross(column) + motion(V - dU).cross(caused)
+    r = whole.body.apply(column)
+    dh = whole.body.apply(caused) + column.cross(whole.h)
+    dF = whole.coriolis(caused) + whole.body.apply(chi) + column.cross(whole.F)
+    rest = whole.body.apply(motion(dU).cross(column))
+    rest = rest + Force(np.zeros(3), whole.coriolis_transposed(column))
+    dF_dv = dh + dh + rest
+    dh = Force(dh.linear, dh.angular - cross(r.linear, drift[:3]))
+    dF = Force(dF.linear, dF.angular - cross(r.linear, drift[3:]))
+    return tuple(_about(x, c_G, R.reshape(3, 3)) for x in (dh, dF, dF_dv, r))
 
 
 def _about(force: Force, c: Array, R: Array) -> Array:
