@@ -98,6 +98,7 @@ class Distance(Collection):
         if self.is_lazy:
             return f"<lazy distances {self.distance.shape}; .compute() finds them>"
         if self.distance.ndim:
-            return f"<distances {self.distance.shape}, least {self.distance.min(initial=np.inf):.6g} m>"
+            least = np.min(np.asarray(self.distance), initial=np.inf)  # an array of xarray has no `initial`
+            return f"<distances {self.distance.shape}, least {least:.6g} m>"
         a, b = self.names
         return f"<distance {float(self.distance):.6g} m between {a!r} and {b!r}>"

@@ -31,6 +31,35 @@ def zarr() -> Any:
     return zarr
 
 
+_OTHER_FILES = (
+    *(".csv", ".feather", ".h5", ".hdf5", ".html", ".json", ".mat", ".npy", ".npz", ".parquet", ".pickle"),
+    *(".pkl", ".png", ".txt"),
+)
+
+
+def named(to: str | os.PathLike[str] | None, *also: str) -> str | os.PathLike[str] | None:
+    """The place for a Zarr group, unless its name is that of another kind of file, which it would not be.
+
+    Args:
+        to: Where; None for nowhere.
+        *also: Endings of other kinds of files that this job can write.
+
+    Returns:
+        The same.
+
+    Raises:
+        InputError: If the name is that of another kind of file.
+    """
+    ending = "" if to is None else Path(to).suffix.lower()
+    if ending in _OTHER_FILES and ending not in also:
+        names = " or ".join(repr(f"result{end}") for end in (".zarr", *also))
+        raise InputError(
+            f"`to` is {os.fspath(to or '')!r}, but no {ending} file is written; expected the name of a folder such as "
+            f"{names}."
+        )
+    return to
+
+
 def write(to: Path, arrays: Mapping[str, Array], attributes: Mapping[str, Any]) -> None:
     """Writes arrays as a Zarr group, in place of an older one only when it is whole.
 

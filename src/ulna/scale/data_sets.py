@@ -89,7 +89,7 @@ def data_set(
         whole_number("samples", samples), whole_number("chunk", chunk), whole_number("seed", seed, 0)
     )
     job = DataSet(robot, plan, names, world, numbers, str(Path(to).absolute()))
-    return run(job, to, **options)
+    return run(job, archive.named(to, ".parquet"), **options)
 
 
 def _dtype(dtype: Any) -> str:

@@ -72,7 +72,7 @@ def identify(
     source = LogSource.of(log)
     rows = Samples(source.checked(robot.model), whole_number("chunk", chunk), 0)
     sought = Sought(armature, damping, friction, width)
-    sums = run(Identifying(robot, source, rows, sought), to, **options)
+    sums = run(Identifying(robot, source, rows, sought), archive.named(to), **options)
     return fit_sums(robot.model, sums, sought, physical=physical, prior=prior, ridge=ridge, noise=noise)
 
 

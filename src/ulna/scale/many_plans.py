@@ -13,6 +13,7 @@ from ulna.collision import World
 from ulna.errors import InputError, ShapeError
 from ulna.loading import load
 from ulna.robot import Robot
+from ulna.scale import archive
 from ulna.scale.engine import run
 from ulna.scale.job import Samples, whole_number
 from ulna.scale.plan_job import Plans
@@ -79,7 +80,7 @@ def plans(
     searching = {"shorten": shorten, "improve": whole_number("improve", improve, 0)}
     searching |= {"iterations": iterations, "timeout": timeout}
     job = Plans(robot, samples, q0, ends, worlds, len(worlds), frame, lengths, searching)
-    return run(job, to, **options)
+    return run(job, archive.named(to), **options)
 
 
 def _problems(

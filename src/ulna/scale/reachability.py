@@ -82,7 +82,7 @@ def reach(
     grid = _grid(robot, chosen, size, bounds)
     if branches > plan.count:
         raise InputError(f"`solutions` is {branches}, more than the {plan.count} samples.")
-    return run(Reach(robot, chosen, plan, grid, branches), to, **options)
+    return run(Reach(robot, chosen, plan, grid, branches), archive.named(to), **options)
 
 
 def _grid(robot: Robot, frame: str, voxel: float, bounds: ArrayLike | None) -> Grid:

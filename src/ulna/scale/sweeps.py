@@ -11,6 +11,7 @@ from ulna import kernels
 from ulna.errors import InputError, UnknownName
 from ulna.loading import load
 from ulna.robot import Robot
+from ulna.scale import archive
 from ulna.scale.engine import run
 from ulna.scale.factors import STATES, Factors
 from ulna.scale.job import Samples, whole_number
@@ -78,7 +79,7 @@ def sweep(
         whole_number("samples", count), whole_number("chunk", chunk), whole_number("seed", seed, 0)
     )
     job = Sweeping(robot, quantity, dict(settings or {}), factors, plan, levels or 0)
-    return run(job, to, **options)
+    return run(job, archive.named(to), **options)
 
 
 def _states(robot: Robot, quantity: str, vary: Mapping[str, Any], at: dict[str, Any]) -> dict[str, Any]:

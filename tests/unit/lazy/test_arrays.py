@@ -210,6 +210,7 @@ def test_xarray_keeps_dimensions_and_coordinates(robot: ulna.Robot, world: World
     np.testing.assert_array_equal(tau.sel(joint="panda_joint3").values, robot.gravity_forces(Q)[:, 2])
     np.testing.assert_array_equal(robot.fk(x.chunk(time=7)).compute().values, robot.fk(Q))
     assert robot.ik(T).success.dims == ("time",) and robot.collides(x, world).dims == ("time",)
+    assert repr(robot.distance(x, world)) == repr(robot.distance(Q, world))
     with pytest.raises(InputError, match=r"labels.*along 'joint'; expected \['panda_joint1'"):
         robot.fk(x.assign_coords(joint=[*names[:-1], "elbow"]))
     with pytest.raises(InputError, match=r"q.drop_vars\('joint'\)"):

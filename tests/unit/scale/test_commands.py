@@ -35,6 +35,16 @@ def _refused(capsys: pytest.CaptureFixture[str], words: str, message: str) -> No
         ("reach panda --picture a.txt --workers 0", "No kind of picture named '.txt'"),
         ("reach panda --page a.png --workers 0", "No kind of page named '.png'"),
         ("dataset panda q --to d.zarr --dtype blah --workers 0", "`dtype` has dtype blah; expected float64"),
+        (
+            "dataset ur5 q --to d.csv",
+            r"no \.csv file is written; expected .* 'result.zarr' or 'result.parquet'",
+        ),
+        (
+            "reach ur5 --to r.npz",
+            r"`to` is 'r.npz', but no \.npz file is written; .* such as 'result.zarr'\.",
+        ),
+        ("plans panda --problems 1 --to p.json", r"no \.json file is written"),
+        ("sweep ur5 gravity_forces --vary mass=0.1 --to s.h5", r"no \.h5 file is written"),
         ("sweep panda gravity_forces --vary mass=1 --vary mass=2", "`--vary mass=` is given more than once"),
         ("identify panda log.npy", "There is no log in .*log.npy'; expected a Zarr group, .* an NPZ file"),
         ("identify panda .", "holds neither q.npy, .* nor a Zarr group"),

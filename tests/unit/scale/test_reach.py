@@ -91,10 +91,10 @@ def test_wrong_arguments(ur5: ulna.Robot, tmp_path: Path) -> None:
         scale.reach(ur5, 10, bounds=[0, 1])
     with pytest.raises(UnknownName, match="tool0"):
         scale.reach(ur5, 10, frame="tool")
-    (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(InputError, match=r"notes.txt' is no Zarr group"):
-        scale.reach(ur5, 10, to=tmp_path / "notes.txt", workers=0, progress=False)
-    assert (tmp_path / "notes.txt").read_text() == "mine"
+    (tmp_path / "notes").write_text("mine")
+    with pytest.raises(InputError, match=r"notes' is no Zarr group"):
+        scale.reach(ur5, 10, to=tmp_path / "notes", workers=0, progress=False)
+    assert (tmp_path / "notes").read_text() == "mine"
 
 
 def test_grids_and_directions() -> None:
