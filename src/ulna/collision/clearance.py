@@ -22,6 +22,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ulna import disk_cache
 from ulna.collision.cover import cover
 from ulna.collision.objects import Obstacle
 from ulna.collision.pairs import LinkPair
@@ -32,12 +33,14 @@ from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.geometry import Box, Capsule, Cone, Cylinder, HeightField, Plane, PointCloud, Sphere
 from ulna.model import Model
+from ulna.model.content import fingerprint
 from ulna.numeric import maximum, minimum, sqrt
 from ulna.spatial import SE3
 from ulna.typing import Array, Floats
 
 Kind = Literal["box", "cylinder", "plane"]
 
+_VERSION = "balls of parts 1"
 _COVER_TOLERANCE = 0.01  # [m] tolerance of spheres that stand for meshes and ellipsoids of the world
 _STEP = 0.004  # [m] by which the cylinders that stand for a cone differ
 _MAX_COVER_SOLIDS = 24  # of such spheres or cylinders
@@ -110,11 +113,23 @@ def _parts(solid: Solid) -> list[Part]:
                 f"Obstacle {name!r} is a {solid.shape.describe()}, which has no formula that can be compiled; expected "
                 "a body. Ask robot.collides, robot.distance, or a SphereChecker."
             )
-    centres, radii, _ = cover([solid], [place], _COVER_TOLERANCE, _MAX_COVER_SOLIDS)
     return [
-        Part(name, "box", SE3.from_translation(c), np.array([0.0, 0.0, 0.0, r]))
-        for c, r in zip(centres, radii, strict=True)
+        Part(name, "box", SE3.from_translation(ball[:3]), np.append(np.zeros(3), ball[3]))
+        for ball in _balls(solid)
     ]
+
+
+def _balls(solid: Solid) -> Floats:
+    """Centres and radii of balls that contain a solid, shape (n, 4) [m]; from the disk where they were made before."""
+    content = fingerprint([solid.shape, solid.vertices[solid.triangles] if len(solid.triangles) else None])
+    name = disk_cache.key(_VERSION, content)
+    stored = disk_cache.read(name)
+    if stored is not None:
+        return np.frombuffer(stored).reshape(-1, 4)
+    centres, radii, _ = cover([solid], [SE3.identity()], _COVER_TOLERANCE, _MAX_COVER_SOLIDS)
+    balls = np.column_stack([centres, radii])
+    disk_cache.write(name, balls.tobytes())
+    return balls
 
 
 def _slices(name: str, radius: float, length: float) -> list[Part]:

@@ -334,6 +334,24 @@ def test_tables_are_kept_on_disk_and_made_again_after_an_interruption(
     pair_tables.cache_clear()
 
 
+def test_balls_of_fixed_links_are_kept_on_disk(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    from ulna.collision import clearance
+
+    monkeypatch.setenv("ULNA_CACHE", str(tmp_path))
+    builder = ModelBuilder("lamp")
+    builder.add_link("base", collisions=(Geometry("", Ellipsoid((0.1, 0.2, 0.05))),))
+    builder.add_link("arm", collisions=(Geometry("", Sphere(0.05)),))
+    builder.add_joint("turn", Revolute((0, 1, 0)), "base", "arm", SE3.from_translation([0, 0, 0.3]))
+    model = builder.build()
+    made_first = clearance.standing(model, [("base", "arm")])
+    monkeypatch.setattr(clearance, "cover", lambda *arguments: pytest.fail("made again"))
+    again = clearance.standing(model, [("base", "arm")])
+    assert len(again) == len(made_first) > 1
+    for (part, _), (other, _) in zip(made_first, again, strict=True):
+        np.testing.assert_array_equal(part.placement.translation, other.placement.translation)
+        np.testing.assert_array_equal(part.sizes, other.sizes)
+
+
 def test_plans_by_default_touch_nothing(ur5: SphereChecker) -> None:
     robot, exact = ulna.load("ur5"), Checker(ur5.model)
     q = algorithms.random(ur5.model, np.random.default_rng(5), (60,))
