@@ -85,7 +85,7 @@ def test_workers_with_other_processors_and_caches(client: Any, folders: tuple[Pa
     names = [{path.name for path in folder.iterdir() if len(path.name) == 64} for folder in folders]
     assert all(names) and not names[0] & names[1], "no code of one for the other"
 
-    client.restart()
+    client.restart(timeout=600)
     client.run(_cannot_compile)
     for again, before in zip(_on_each(client, Q), (old, new), strict=True):
         np.testing.assert_array_equal(again, before)
