@@ -26,7 +26,6 @@ LONGER = {
     "planning/goals.py: _of_array",
     "planning/planner.py: plan",
     "quantities/quantity.py: quantity",
-    "scale/cluster.py: connected",
     "scale/commands.py: add_commands",
     "viewer/page/page.py: __init__",
     "viewer/page/server.py: serve",

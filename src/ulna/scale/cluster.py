@@ -59,39 +59,45 @@ def connected(scheduler: Any, workers: int | None, patience: float) -> Iterator[
         from distributed import Client  # pyright: ignore[reportMissingImports]
     except ImportError:
         raise MissingExtra("distributed", "cluster", "Working on a cluster") from None
-    if isinstance(scheduler, Client):
-        _check_workers(scheduler, patience)
-        yield scheduler
-        return
-    if scheduler is not None:
-        if not isinstance(scheduler, str):
-            raise InputError(
-                f"`scheduler` is a {type(scheduler).__name__}; expected an address such as 'tcp://host:8786', a "
-                "distributed.Client, or None for a cluster of this machine."
-            )
-        try:
-            _check_address(scheduler)
-            client = Client(scheduler, timeout=min(_ANSWER, max(patience, 0.1)), set_as_default=False)
-        except (OSError, ValueError) as error:
-            raise InputError(
-                f"No scheduler answers at {scheduler!r} ({error}). `dask scheduler` starts one and prints its "
-                "address; without `scheduler` a cluster of this machine starts by itself."
-            ) from error
-        with client:
-            _check_workers(client, patience)
+    if scheduler is None:
+        with _local_client(os.cpu_count() or 1 if workers is None else workers) as client:
             yield client
         return
-    count = os.cpu_count() or 1 if workers is None else workers
-    from dask import config  # pyright: ignore[reportMissingImports]
+    with ExitStack() as stack:
+        is_client = isinstance(scheduler, Client)
+        client = scheduler if is_client else stack.enter_context(_answering(scheduler, patience))
+        _check_workers(client, patience)
+        yield client
 
+
+def _answering(address: Any, patience: float) -> Any:
+    """A client of the scheduler at an address."""
+    from distributed import Client  # pyright: ignore[reportMissingImports]
+
+    if not isinstance(address, str):
+        raise InputError(
+            f"`scheduler` is a {type(address).__name__}; expected an address such as 'tcp://host:8786', a "
+            "distributed.Client, or None for a cluster of this machine."
+        )
+    try:
+        _check_address(address)
+        return Client(address, timeout=min(_ANSWER, max(patience, 0.1)), set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"No scheduler answers at {address!r} ({error}). `dask scheduler` starts one and prints its "
+            "address; without `scheduler` a cluster of this machine starts by itself."
+        ) from error
+
+
+@contextmanager
+def _local_client(count: int) -> Iterator[Any]:
+    """A client of a cluster of this machine with so many processes, which ends with the block."""
+    from dask import config  # pyright: ignore[reportMissingImports]
+    from distributed import Client  # pyright: ignore[reportMissingImports]
+
+    preload = [*config.get(_PRELOAD, []), "ulna.scale.preload"]
     with (
-        config.set(
-            {
-                **_QUIET,
-                _SPAWN: worker_environment(),
-                _PRELOAD: [*config.get(_PRELOAD, []), "ulna.scale.preload"],
-            }
-        ),
+        config.set({**_QUIET, _SPAWN: worker_environment(), _PRELOAD: preload}),
         _local_cluster(count) as cluster,
         Client(cluster, set_as_default=False, direct_to_workers=True) as client,
     ):
