@@ -222,7 +222,7 @@ def kills(count: int) -> None:
 
         def kill() -> None:
             rng = np.random.default_rng(0)
-            while done[0] < count and not over.wait(0.8):
+            while done[0] < count and not over.wait(0.4):
                 pids = [nanny.pid for nanny in cluster.workers.values() if nanny.pid]
                 if pids:
                     os.kill(int(rng.choice(pids)), signal.SIGKILL)
