@@ -25,7 +25,7 @@ from ulna.quantities.documentation import ARRAYS, Size, with_batch
 from ulna.quantities.mass import MASS_PARAMETERS, check_mass
 from ulna.quantities.part import frozen
 from ulna.quantities.quantity import frame_of
-from ulna.quantities.size import estimated_nodes, sized
+from ulna.quantities.size import check_size, estimated_nodes, sized
 from ulna.system import forks
 
 if TYPE_CHECKING:
@@ -232,11 +232,13 @@ def _deferred(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> Fu
         return None
     from ulna.compiler.language.columns import DeferredFunction, column_form
 
-    with sized(model, quantity, chosen):
-        form = _stages_of(model, quantity, chosen)
-        if form is None and quantity.columns is not None:
-            shapes = _shapes(model, quantity, chosen)
-            form = column_form(quantity.build_columns(model, **chosen), quantity.name, **shapes)
+    check_size(
+        model, quantity, chosen
+    )  # a second form is traced in a fraction of the time: nothing is announced
+    form = _stages_of(model, quantity, chosen)
+    if form is None and quantity.columns is not None:
+        shapes = _shapes(model, quantity, chosen)
+        form = column_form(quantity.build_columns(model, **chosen), quantity.name, **shapes)
     if form is None:
         return None
     doc = _doc(model, quantity, chosen)

@@ -100,6 +100,18 @@ def test_long_tracing_is_announced(
     assert "ulna: tracing mass_matrix of 'before8' (about 1,200 operations), about 37 s" in said
 
 
+def test_a_second_form_is_not_announced_as_if_the_graph_were_traced(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delenv("ULNA_QUIET", raising=False)
+    monkeypatch.setattr(size, "SECONDS", 0.1)
+    kernels.kernel(chain(14), "inverse_mass_matrix")
+    assert "tracing" not in capsys.readouterr().err
+    monkeypatch.setenv("ULNA_MOST_OPERATIONS", "400")
+    with pytest.raises(TooLargeError, match="the limit is 400"):
+        kernels.kernel(chain(15), "inverse_mass_matrix")
+
+
 def test_a_wide_robot_takes_linear_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """The number of children whose placements are tried for a frame is bounded."""
     counts = []

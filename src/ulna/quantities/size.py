@@ -44,6 +44,29 @@ def estimated_nodes(model: Model, quantity: Quantity, options: Mapping[str, Any]
     return round(a * n + b * pairs + c * squares)
 
 
+def check_size(model: Model, quantity: Quantity, options: Mapping[str, Any]) -> int:
+    """Refuse a kernel that would be too large.
+
+    Args:
+        model: The robot.
+        quantity: The quantity that the kernel computes.
+        options: Those of the kernel.
+
+    Returns:
+        About how many nodes its graph has.
+
+    Raises:
+        TooLargeError: The estimate is above `most_operations()`.
+    """
+    from ulna.compiler.language.graph import most_operations, raise_too_large  # when the compiler is needed
+
+    nodes = estimated_nodes(model, quantity, options)
+    if nodes > most_operations():
+        what = f"{quantity.name} of {model.name!r} would take about {_rounded(nodes)} operations"
+        raise_too_large(what, nodes * SECONDS, nodes * BYTES)
+    return nodes
+
+
 @contextmanager
 def sized(model: Model, quantity: Quantity, options: Mapping[str, Any]) -> Iterator[None]:
     """Refuses a kernel that would be too large, and announces one that takes long to trace.
@@ -59,14 +82,7 @@ def sized(model: Model, quantity: Quantity, options: Mapping[str, Any]) -> Itera
     Raises:
         TooLargeError: The estimate is above `most_operations()`.
     """
-    from ulna.compiler.language.graph import most_operations, raise_too_large  # when the compiler is needed
-
-    nodes = estimated_nodes(model, quantity, options)
-    what = f"{quantity.name} of {model.name!r}"
-    if nodes > most_operations():
-        raise_too_large(
-            f"{what} would take about {_rounded(nodes)} operations", nodes * SECONDS, nodes * BYTES
-        )
+    nodes = check_size(model, quantity, options)
     seconds = nodes * SECONDS
     if _TRACING * seconds < _SILENT_SECONDS:
         yield
@@ -74,8 +90,9 @@ def sized(model: Model, quantity: Quantity, options: Mapping[str, Any]) -> Itera
     from ulna.compiler.runtime.jit import announced  # with what compiles, which is imported when first used
 
     text = (
-        f"tracing {what} (about {_rounded(nodes)} operations), about {ceil(_TRACING * seconds)} s; to compile it then "
-        f"takes about {ceil((1.0 - _TRACING) * seconds)} s and {nodes * BYTES / 1e9:.1f} GB"
+        f"tracing {quantity.name} of {model.name!r} (about {_rounded(nodes)} operations), about "
+        f"{ceil(_TRACING * seconds)} s; to compile it then takes about {ceil((1.0 - _TRACING) * seconds)} s and "
+        f"{nodes * BYTES / 1e9:.1f} GB"
     )
     with announced(text, f"Tracing {quantity.name}", _TRACING * seconds):
         yield
