@@ -150,3 +150,25 @@ def test_threads_may_share_a_table():
     for thread in threads:
         thread.join()
     assert not wrong
+
+
+_forms_noted = memory(1, weakly=1)
+
+
+@repeated_calls(_forms_noted)
+def scaled_or_doubled(thing: Any, x: float, y: Any = None) -> Any:
+    asked.append((thing, x, y))
+    kernel = thing.kernel if y is None else thing.sum
+    _forms_noted(kernel, 1 if y is None else 2, thing)
+    return kernel(x) if y is None else kernel(x, y)
+
+
+def test_calls_with_other_numbers_of_arguments_do_not_displace_each_other():
+    if not isinstance(scaled_or_doubled, RepeatedCalls):
+        pytest.skip("machine code cannot be called in this way here")
+    thing: Any = Thing(3.0)
+    thing.sum = compile(lambda x, y: x + y, x=(), y=()).into(np.zeros(()), returns=(0,))
+    for k in range(20):
+        assert scaled_or_doubled(thing, float(k)) == 3.0 * k
+        assert scaled_or_doubled(thing, float(k), 1.0) == k + 1.0
+    assert len(asked) == 2

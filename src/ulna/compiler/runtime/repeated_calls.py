@@ -54,7 +54,7 @@ entry:
   br i1 %plain, label %hash, label %slow
 hash:
   %k = phi i64 [ 0, %entry ], [ %k.next, %mix ]
-  %sum = phi i64 [ 0, %entry ], [ %sum.next, %mix ]
+  %sum = phi i64 [ %count, %entry ], [ %sum.next, %mix ]
   %more = icmp ult i64 %k, %n
   br i1 %more, label %mix, label %find
 mix:
@@ -147,7 +147,7 @@ class _Table:
             return
         if any(type(x) is int and not x <= _LARGEST_SHARED for x in arguments[weakly:]):
             return
-        total = 0
+        total = len(arguments) + others  # calls with other numbers of arguments have other rows
         for x in arguments:
             total = (total ^ id(x) >> 4) * _MULTIPLIER & _WORD_MASK
         row = total >> 64 - _BITS
