@@ -69,6 +69,8 @@ def test_other_calls_reach_the_function():
         assert scaled(thing, 5, "b", "no number") == "another"
         assert scaled(thing, 5) == 3.0
     anyhow: Any = scaled
+    with pytest.raises(TypeError, match="missing 2 required positional arguments"):
+        anyhow()
     with pytest.raises(TypeError, match="missing 1 required positional argument: 'place'"):
         anyhow(thing)
     with pytest.raises(TypeError, match="takes from 2 to 4 positional arguments but 5 were given"):

@@ -51,7 +51,9 @@ entry:
   %plain = icmp eq ptr %keywords, null
   %few = icmp ult i64 %count, %first_arguments
   %n = select i1 %few, i64 %count, i64 %first_arguments
-  br i1 %plain, label %hash, label %slow
+  %some = icmp ne i64 %count, 0  ; a row that is empty has 0 arguments
+  %begin = and i1 %plain, %some
+  br i1 %begin, label %hash, label %slow
 hash:
   %k = phi i64 [ 0, %entry ], [ %k.next, %mix ]
   %sum = phi i64 [ %count, %entry ], [ %sum.next, %mix ]
