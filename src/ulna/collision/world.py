@@ -17,6 +17,7 @@ from ulna.model import Model
 from ulna.model.content import fingerprint
 from ulna.spatial import SE3
 from ulna.system.cached import cached_property
+from ulna.system.discarded import returns_copy
 from ulna.typing import ArrayLike
 
 
@@ -59,6 +60,7 @@ class World:
                 )
             taken.add(item.name)
 
+    @returns_copy("world")
     def add(
         self,
         name: str,
@@ -107,6 +109,7 @@ class World:
         )
         return world
 
+    @returns_copy("world")
     def remove(self, name: str) -> World:
         """The world without that obstacle or attached object. Raises UnknownName with the nearest one."""
         if name not in self._taken:
@@ -116,6 +119,7 @@ class World:
         margins = {pair: distance for pair, distance in self.margins.items() if name not in pair}
         return World(obstacles, attachments, margins)
 
+    @returns_copy("world")
     def move(self, name: str, pose: SE3 | ArrayLike) -> World:
         """The world with an obstacle at another pose.
 
@@ -140,6 +144,7 @@ class World:
         new = replace(old, pose=checked_pose(f"obstacle {name!r}", pose))
         return replace(self, obstacles=tuple(new if o is old else o for o in self.obstacles))
 
+    @returns_copy("world")
     def attach(
         self,
         name: str,
@@ -191,6 +196,7 @@ class World:
         rest = tuple(o for o in self.obstacles if o is not taken)
         return replace(self, obstacles=rest, attachments=(*self.attachments, new))
 
+    @returns_copy("world")
     def detach(self, name: str, pose: SE3 | ArrayLike, *, touches: Iterable[str] = ()) -> World:
         """The world with an attached object put down: it is an obstacle from now on. `remove` takes it away.
 
@@ -217,6 +223,7 @@ class World:
                 return item
         raise UnknownName("attached object", name, [a.name for a in self.attachments])
 
+    @returns_copy("world")
     def set_margin(self, first: str, second: str, distance: float) -> World:
         """The world with a distance that two must keep: they count as nearer than they are by that much, everywhere.
 
@@ -251,6 +258,7 @@ class World:
         """
         return self.margins.get(frozenset((first, second)), 0.0) if self.margins else 0.0
 
+    @returns_copy("world")
     def add_robot(
         self,
         name: str,

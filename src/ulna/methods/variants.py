@@ -9,6 +9,7 @@ from ulna import model as models
 from ulna.errors import InputError
 from ulna.quantities.part import Part
 from ulna.spatial import SE3, Inertia
+from ulna.system.discarded import returns_copy
 from ulna.typing import ArrayLike
 
 
@@ -22,6 +23,7 @@ class Variants(Part):
         robot: Any = type(self)
         return robot(model)
 
+    @returns_copy("robot")
     def lock(self, joints: Mapping[str, Any] | Sequence[str], q: Any = None) -> Self:
         """The robot with some joints held still; see `ulna.model.lock_joints`.
 
@@ -42,6 +44,7 @@ class Variants(Part):
         """
         return self._of_model(models.lock_joints(self.model, joints, q))
 
+    @returns_copy("robot")
     def attach(
         self,
         other: Self,
@@ -76,6 +79,7 @@ class Variants(Part):
             raise InputError(f"`other` is {other!r}; expected a Robot, such as ulna.load(...) returns.")
         return self._of_model(models.attach(self.model, other.model, frame, placement, prefix, **options))
 
+    @returns_copy("robot")
     def with_tool(self, frame: str, placement: SE3 | None = None, name: str = "tool") -> Self:
         """The robot with another tool, its default frame.
 
@@ -97,6 +101,7 @@ class Variants(Part):
         """
         return self._of_model(models.with_tool(self.model, frame, placement, name))
 
+    @returns_copy("robot")
     def with_dynamic_parameters(self, parameters: ArrayLike, *, check: bool = True) -> Self:
         """The robot with other masses and inertias; see `ulna.model.with_dynamic_parameters`.
 
@@ -112,6 +117,7 @@ class Variants(Part):
         """
         return self._of_model(models.with_dynamic_parameters(self.model, parameters, check=check))
 
+    @returns_copy("robot")
     def with_link_inertias(self, inertias: Mapping[str, Inertia]) -> Self:
         """The robot with other inertias of some links; see `ulna.model.with_link_inertias`.
 
@@ -133,6 +139,7 @@ class Variants(Part):
         """
         return self._of_model(models.with_link_inertias(self.model, inertias))
 
+    @returns_copy("robot")
     def with_parameters(self, values: Mapping[str, Any], *, check: bool = True) -> Self:
         """The robot with other inertias, placements, offsets, gravity ...; see `ulna.model.with_parameters`.
 
@@ -149,6 +156,7 @@ class Variants(Part):
         """
         return self._of_model(models.with_parameters(self.model, values, check=check))
 
+    @returns_copy("robot")
     def with_payload(
         self,
         frame: str | None = None,
@@ -181,6 +189,7 @@ class Variants(Part):
         """
         return self._of_model(models.with_payload(self.model, frame, mass, com, inertia, name=name))
 
+    @returns_copy("robot")
     def perturbed(self, fraction: float = 0.1, seed: Any = None, com: float = 0.0) -> Self:
         """A robot like this one, with masses and inertias off at random; see `ulna.model.perturbed`.
 
@@ -200,6 +209,7 @@ class Variants(Part):
         """
         return self._of_model(models.perturbed(self.model, fraction, seed, com))
 
+    @returns_copy("robot")
     def with_configuration(self, name: str, q: Any) -> Self:
         """The robot with a named configuration.
 

@@ -13,6 +13,7 @@ from ulna.checks.arrays import finite_array
 from ulna.checks.values import duration as checked_duration
 from ulna.checks.values import number
 from ulna.errors import InputError
+from ulna.system.discarded import returns_copy
 from ulna.trajectory.inputs import positive
 from ulna.trajectory.peaks import greatest
 from ulna.trajectory.space import Poses, Space
@@ -187,6 +188,7 @@ class Trajectory(ABC):
             return NotImplemented
         return _operations["concatenate"](self, other)
 
+    @returns_copy("trajectory")
     def retimed(self, law: Trajectory) -> Trajectory:
         """The same path under another law of time: the point at `t` is this one's at `law(t)`.
 
@@ -195,14 +197,17 @@ class Trajectory(ABC):
         """
         return _operations["retimed"](self, law)
 
+    @returns_copy("trajectory")
     def with_duration(self, duration: float) -> Trajectory:
         """The same motion, evenly slowed down or sped up to last `duration` [s]."""
         return self._stretched(checked_duration("duration", duration) / self.duration)
 
+    @returns_copy("trajectory")
     def slowed(self, factor: float) -> Trajectory:
         """The same motion, `factor` times as slow."""
         return self._stretched(number("factor", factor, "a factor above zero", above=0.0))
 
+    @returns_copy("trajectory")
     def within(
         self,
         velocity: ArrayLike = np.inf,
@@ -257,6 +262,7 @@ class Trajectory(ABC):
         ).bound
         return list(peaks.reshape(2, order, -1).max(axis=0))
 
+    @returns_copy("trajectory")
     def reversed(self) -> Trajectory:
         """The same path backwards: at `t` it is where this one is at `duration - t`.
 
