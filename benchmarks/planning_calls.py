@@ -17,14 +17,19 @@ import time
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import vamp
 from planning_vamp import problems
 
 import ulna
+from ulna.collision.lanes.touching import Tables, Work
+from ulna.compiler.procedures import Array1, Array2, Kernel, f32, procedure
 from ulna.errors import ModelWarning
 from ulna.planning import Planner
+from ulna.planning.edges import blocks_of_edge, edge_touches
+from ulna.planning.workspace import COARSE
 
 FIRST = """
 import sys, time, warnings
@@ -50,6 +55,54 @@ def medians(calls: Mapping[str, Callable[[], object]], count: int, rounds: int =
                 call()
             times[name].append(1e6 * (time.perf_counter() - start) / count)
     return {name: float(np.median(values)) for name, values in times.items()}
+
+
+@procedure(constants={"W": 8})
+def _check_edges(
+    kernel: Kernel, tables: Tables, step: f32, a: Array2[f32], b: Array2[f32], touches: Array1[np.int64], work: Work,
+    W: int,
+) -> int:  # fmt: skip
+    """Writes 1 for edges on which anything touches, else 0; returns how many states free ones have."""
+    states = 0
+    for i in range(len(touches)):
+        touches[i] = int(edge_touches(kernel, tables, step, a[i], b[i], work, W))
+        if touches[i] == 0:
+            states += W * blocks_of_edge(tables, step, a[i], b[i], W)
+    return states
+
+
+def edges(robot: ulna.Robot, planner: Planner, problem: Any, count: int = 300) -> None:
+    """Prints the time of free edges, a state, both planners in turns on the same edges."""
+    q = robot.random_configuration(40 * count, seed=2).astype(np.float32)
+    a, b = q[: 20 * count], q[20 * count :]
+    workspace = planner._search._workspace(COARSE[0])
+    touches = np.zeros(len(a), np.int64)
+
+    def ours() -> int:
+        return workspace.call(_check_edges, np.float32(workspace.step), a, b, touches)
+
+    ours()
+    there = [vamp.panda.validate(p, problem.environment) for p in a]
+    both = [
+        k
+        for k in np.flatnonzero(touches == 0)
+        if there[k] and vamp.panda.validate_motion(a[k], b[k], problem.environment)
+    ][:count]
+    a, b, touches = a[both], b[both], np.zeros(len(both), np.int64)
+    length = np.linalg.norm(b - a, axis=1)
+    resolution, rake = vamp.panda.resolution(), 8
+    states_there = int((np.maximum(np.ceil(length / rake * resolution), 1) * rake).sum())
+    states = ours()
+
+    def theirs() -> None:
+        for p, r in zip(a, b, strict=True):
+            vamp.panda.validate_motion(p, r, problem.environment)
+
+    us = medians({"Ulna": ours, "VAMP": theirs}, 3, 15)
+    print(
+        f"{len(both)} free edges of {length.mean():.1f} rad, us a state: Ulna {us['Ulna'] / states:.3f} ({states} states), "
+        f"VAMP {us['VAMP'] / states_there:.3f} ({states_there} states, one call from Python an edge)"
+    )
 
 
 def main() -> None:
@@ -92,6 +145,7 @@ def main() -> None:
 
     planner = Planner(robot, problem.world)
     plan = planner.plan(q, problem.goal)
+    edges(robot, planner, problem)
     trajectories = {
         "plan": lambda: planner.plan(q, problem.goal),
         "plan and time": lambda: planner.plan(q, problem.goal).trajectory(acceleration=8.0),

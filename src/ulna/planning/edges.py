@@ -61,6 +61,12 @@ def _travel_of(reach, a, b, W):
 
 
 @procedure
+def blocks_of_edge(tables, step, a, b, W):
+    """How many blocks of W states are checked on the way from a to b."""
+    return 1 + int(_travel_of(tables.reach, a, b, W) / (step * f32(W)))
+
+
+@procedure
 def edge_touches(kernel, tables, step, a, b, work, W):
     """Whether anything touches on the way from a to b; a itself is not checked, b is.
 
@@ -76,7 +82,7 @@ def edge_touches(kernel, tables, step, a, b, work, W):
     Returns:
         The truth value.
     """
-    blocks = 1 + int(_travel_of(tables.reach, a, b, W) / (step * f32(W)))
+    blocks = blocks_of_edge(tables, step, a, b, W)
     count = f32(blocks * W)
     for block in range(blocks):
         t = (lane_numbers(W, f32) * f32(blocks) + f32(block + 1)) / count
@@ -121,7 +127,7 @@ def _interval_touches(kernel, tables, a, b, t, width, work, W):
 @procedure
 def _is_edge_proved(kernel, proof, a, b, work, W):
     """Whether nothing can touch between a and b, both included."""
-    blocks = 1 + int(_travel_of(proof.tables.reach, a, b, W) / (proof.step * f32(W)))
+    blocks = blocks_of_edge(proof.tables, proof.step, a, b, W)
     width = f32(1.0) / f32(blocks)
     for i in range(blocks):
         t = f32(i) * width
