@@ -343,6 +343,13 @@ class _Side:
         return out
 
 
+@procedure
+def _distance_out(columns, affine, row, i, W):
+    """n x - r of the points from number i on, in lanes [m]."""
+    x, y, z = columns[0, i : i + W], columns[1, i : i + W], columns[2, i : i + W]
+    return affine[row, 0, 0] * x + affine[row, 0, 1] * y + affine[row, 0, 2] * z - columns[3, i : i + W]
+
+
 @procedure(constants={"W": 8})
 def _least_out_in_lanes(
     columns: Array2[f64], starts: Array1[np.int64], affine: Array3[f64], out: Array2[f64], W: int
@@ -361,12 +368,7 @@ def _least_out_in_lanes(
             least = broadcast(f64(1e30), W)
             for i in range(starts[solid], starts[solid + 1], W):
                 x, y, z = columns[0, i : i + W], columns[1, i : i + W], columns[2, i : i + W]
-                value = (
-                    affine[row, 0, 0] * x
-                    + affine[row, 0, 1] * y
-                    + affine[row, 0, 2] * z
-                    - columns[3, i : i + W]
-                )
+                value = _distance_out(columns, affine, row, i, W)
                 for k in range(1, affine.shape[1]):
                     a, b, c = affine[row, k, 0], affine[row, k, 1], affine[row, k, 2]
                     value = value - abs(a * x + b * y + c * z + affine[row, k, 3])
@@ -394,23 +396,14 @@ def _middles_in_lanes(
         begin, end = starts[solids[row]], starts[solids[row] + 1]
         least = broadcast(f64(1e30), W)
         for i in range(begin, end, W):
-            x, y, z = columns[0, i : i + W], columns[1, i : i + W], columns[2, i : i + W]
-            value = (
-                affine[row, 0, 0] * x + affine[row, 0, 1] * y + affine[row, 0, 2] * z - columns[3, i : i + W]
-            )
-            least = np.minimum(least, value)
+            least = np.minimum(least, _distance_out(columns, affine, row, i, W))
         limit = least_of(least) + near[row]
         for k in range(1, affine.shape[1]):
             a, b, c, d = affine[row, k, 0], affine[row, k, 1], affine[row, k, 2], affine[row, k, 3]
             low, high = broadcast(f64(1e30), W), broadcast(f64(1e30), W)
             for i in range(begin, end, W):
                 x, y, z = columns[0, i : i + W], columns[1, i : i + W], columns[2, i : i + W]
-                value = (
-                    affine[row, 0, 0] * x
-                    + affine[row, 0, 1] * y
-                    + affine[row, 0, 2] * z
-                    - columns[3, i : i + W]
-                )
+                value = _distance_out(columns, affine, row, i, W)
                 moved = a * x + b * y + c * z + d
                 low = np.where(value <= limit, np.minimum(low, moved), low)
                 high = np.where(value <= limit, np.minimum(high, -moved), high)
