@@ -62,7 +62,18 @@ def _travel_of(reach, a, b, W):
 
 @procedure
 def blocks_of_edge(tables, step, a, b, W):
-    """How many blocks of W states are checked on the way from a to b."""
+    """How many blocks of W states are checked on the way from a to b.
+
+    Args:
+        tables: What is checked against what.
+        step: d, the longest way between two states [m].
+        a: Where the motion begins, shape (n,) [rad, m].
+        b: Where it ends, shape (n,) [rad, m].
+        W: Lanes, a constant.
+
+    Returns:
+        The number of blocks, at least 1.
+    """
     return 1 + int(_travel_of(tables.reach, a, b, W) / (step * f32(W)))
 
 
