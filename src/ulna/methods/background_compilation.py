@@ -165,11 +165,17 @@ class Preparation:
                 env={**os.environ, "PYTHONPATH": path, "ULNA_QUIET": "1"},
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
             )  # fmt: skip
-            self._processes.append(process)
-            assert process.stdin is not None
+        except (OSError, ValueError):
+            return None
+        self._processes.append(process)
+        assert process.stdin is not None
+        try:
             process.stdin.write(self._task)
             process.stdin.flush()
-        except (OSError, ValueError):
+        except OSError:  # it ended before it read its task
+            process.kill()
+            with suppress(OSError):
+                process.communicate()
             return None
         if self._cancelled:
             process.kill()
