@@ -55,6 +55,26 @@ def suits_one_frame(model: Model) -> bool:
     return all(step.kind.nv == 1 or step.parent < 0 for step in tree)
 
 
+def caused_motions(
+    s: Array, psi: Array, V: Array, dU: Array, A: Array, dC: Array
+) -> tuple[Motion, Motion, Motion]:
+    """The motion s of a column, and what it causes outward: psi, and chi = C x s + U x psi.
+
+    Args:
+        s: The column, (6,).
+        psi: What it causes of velocity, (6,).
+        V: The twist of its body, (6,).
+        dU: V - U, (6,).
+        A: The acceleration of its body, (6,).
+        dC: A - C, (6,).
+
+    Returns:
+        The three motions.
+    """
+    column, caused = motion(s), motion(psi)
+    return column, caused, motion(A - dC).cross(column) + motion(V - dU).cross(caused)
+
+
 class OneFrame:
     """The stages of a robot; the names of tables are those of the table above.
 
@@ -212,8 +232,7 @@ class OneFrame:
             mass: Array,
             carried: Array,
         ) -> tuple[Array, ...]:
-            column, caused = motion(s), motion(psi)
-            chi = motion(A - dC).cross(column) + motion(V - dU).cross(caused)
+            column, caused, chi = caused_motions(s, psi, V, dU, A, dC)
             phi = motion(V).cross(column) + caused
             outward = subtree(mass, sums)
             r, t = outward.body.apply(column), outward.coriolis_transposed(column)

@@ -22,6 +22,7 @@ import numpy as np
 
 from ulna.algorithms.derivatives.columns_in_one_frame import (
     OneFrame,
+    caused_motions,
     motion,
     numbers,
     subtree,
@@ -186,8 +187,7 @@ def _centroidal_column(
     R: Array,
 ) -> tuple[Array, ...]:
     """The derivatives of momentum and rate by the coordinate of one column, about the centre of mass in the world."""
-    column, caused, whole = motion(s), motion(psi), subtree(mass, sums)
-    chi = motion(A - dC).cross(column) + motion(V - dU).cross(caused)
+    whole, (column, caused, chi) = subtree(mass, sums), caused_motions(s, psi, V, dU, A, dC)
     r = whole.body.apply(column)
     dh = whole.body.apply(caused) + column.cross(whole.h)
     dF = whole.coriolis(caused) + whole.body.apply(chi) + column.cross(whole.F)
