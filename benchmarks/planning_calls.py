@@ -96,22 +96,23 @@ def edges(robot: ulna.Robot, planner: Planner, problem: Any, length: float, coun
     VAMP checks a path at the resolution of its search; its `validate_motion` in Python would take one state a radian.
     """
     workspace = Workspace(planner.scene, thread_storage(robot.nq), 0.0, 0.01, 1.0, COARSE[0])
-    touches = np.zeros(count - 1, np.int64)
+    touches, step = np.zeros(count - 1, np.int64), np.float32(workspace.step)
 
-    def states_of(a: Any, b: Any) -> int:
-        return workspace.call(_check_edges, np.float32(workspace.step), a, b, touches[: len(a)])
+    def is_free(a: Any, b: Any) -> bool:
+        return workspace.call(_check_edges, step, a, b, touches[:1]) > 0
 
-    points = _free_walk(robot, problem, lambda a, b: states_of(a, b) > 0, length, count)
+    points = _free_walk(robot, problem, is_free, length, count)
     a, b, path = points[:-1].copy(), points[1:].copy(), vamp.panda.Path()
+    ours = workspace.bound(_check_edges, step, a, b, touches)
     for q in points:
         path.append(q)
     assert path.validate(problem.environment)
-    states = states_of(a, b)
+    states = ours()
     assert not touches.any()
     lengths = np.linalg.norm(b - a, axis=1)
     rake = 8
     states_there = int((np.maximum(np.ceil(lengths / rake * vamp.panda.resolution()), 1) * rake).sum())
-    us = medians({"Ulna": lambda: states_of(a, b), "VAMP": lambda: path.validate(problem.environment)}, 3, 15)
+    us = medians({"Ulna": ours, "VAMP": lambda: path.validate(problem.environment)}, 3, 15)
     print(
         f"{count - 1} free edges of {lengths.mean():.1f} rad, us a state: "
         f"Ulna {us['Ulna'] / states:.4f} ({states} states), VAMP {us['VAMP'] / states_there:.4f} ({states_there} states); "

@@ -139,6 +139,18 @@ class Workspace:
         """
         return _specialized(procedure, self._lanes)(self._kernel, self._tables, *arguments, self._work)
 
+    def bound(self, procedure: Any, *arguments: Any) -> Any:
+        """A procedure bound to the scene and to arrays that only the caller has, for many calls.
+
+        Args:
+            procedure: One that takes the kernel and the tables first, and working storage last.
+            *arguments: What it takes in between.
+
+        Returns:
+            What is called without arguments, and runs it.
+        """
+        return self._bound(procedure, self._tables, *arguments)
+
     def examine(self, q0: Floats, goals: Floats) -> tuple[list[bool], int]:
         """Which of start and goals are free, and the first goal straight ahead.
 
