@@ -80,6 +80,12 @@ SEEN = """
 [x.constraint_acceleration_error for x in ds]; [c.jacobian(m, d, x) for c, x in zip(cs, ds)]
 [c.jacobianMatrixProduct(m, d, x, np.eye(m.nv)) for c, x in zip(cs, ds)]; [c.retrieveCompliance() for c in cs]
 [c.jacobianTransposeMatrixProduct(m, d, x, np.eye(c.residualSize())) for c, x in zip(cs, ds)]
+[x.A1_local for x in ds]; [x.A2_local for x in ds]; [x.A1_world for x in ds]; [x.A2_world for x in ds]; [x.A_local for x in ds]
+[(c.depth_joint1, c.depth_joint2) for c in cs]; [x.constraint_acceleration_biais_term for x in ds]
+! moved = motions(m)
+[mapped(m, d, c, x) for c, x in zip(cs, ds)]; [mapped(m, d, c, x, pin.WORLD) for c, x in zip(cs, ds)]
+[c.mapJointSpaceToConstraintMotion(m, d, x, moved, v) for c, x in zip(cs, ds)]
+[c.mapJointSpaceToConstraintMotion(m, d, x, moved, v, pin.WORLD) for c, x in zip(cs, ds)]
 """
 
 CONTACTS = (
@@ -102,11 +108,16 @@ OF_JOINTS = """
 ! lower, upper = np.full(m.nq, -1.0), np.full(m.nq, 1.0); near = np.full(m.nq, 0.3); last = [m.njoints - 2, m.njoints - 1]
 ! l = pin.JointLimitConstraintModel(m, last, lower, upper, near); f.calc(m, d, x)
 f.residualSize(); list(f.getActiveDofs()); list(f.getActiveJoints()); f.getTimeStep(); f.jacobian(m, d, x); f.shortname()
+f.jacobianMatrixProduct(m, d, x, np.eye(m.nv)); f.jacobianTransposeMatrixProduct(m, d, x, np.eye(f.residualSize()))
+f.mapJointSpaceToConstraintMotion(m, d, x, motions(m), v); mapped(m, d, f, x)
 l.residualSize(); list(l.getSelectedJoints()); l.getActivablePositionLimit(); list(l.active_idx_in_activable())
 ! z = pin.neutral(m); z[m.joints[last[0]].idx_q], z[m.joints[last[1]].idx_q] = 0.8, -1.2; l.makeSelectionFilteredByLimitProximity(z)
 ! pin.forwardKinematics(m, d, z); y = l.createData(); l.calc(m, d, y)
 l.residualSize(); l.residualSize(pin.ConstraintSelectionType.MAXIMAL); list(l.active_idx_in_activable()); l.lowerResidualSize()
 l.upperResidualSize(); l.jacobian(m, d, y); l.set(y).project(np.array([-1.0, 2.0])); l.shortname(); l.retrieveCompliance()
+! l.setCompliance(np.array([3.0, 4.0])); l.setCompliance(l.retrieveCompliance(pin.ConstraintSelectionType.MAXIMAL) + 1.0, pin.ConstraintSelectionType.MAXIMAL)
+l.retrieveCompliance(); l.retrieveCompliance(pin.ConstraintSelectionType.MAXIMAL); l.jacobianMatrixProduct(m, d, y, np.eye(m.nv))
+l.mapJointSpaceToConstraintMotion(m, d, y, motions(m), v); mapped(m, d, l, y)
 ! f.setFrictionLowerLimit(-np.ones(f.residualSize())); f.setFrictionUpperLimit(np.ones(f.residualSize())); f.setTimeStep(0.1)
 f.getFrictionLowerLimit(); f.getFrictionUpperLimit(); f.getTimeStep()
 ! s, t = pin.PGSSolverSettings(), pin.ADMMSolverSettings()
@@ -165,6 +176,23 @@ def listed(things, what=""):
     return out
 
 
+def mapped(m, d, c, x, *rf):
+    """What a constraint's forces are on the joints, added to forces that are there."""
+    forces = pin.StdVec_Force()
+    for k in range(m.njoints):
+        forces.append(pin.Force(np.arange(6.0) + k))
+    torques = c.mapConstraintForceToJointSpace(m, d, x, np.arange(1.0, c.residualSize() + 1.0), forces, *rf)
+    return torques, list(forces)
+
+
+def motions(m):
+    """Motions of the joints."""
+    found = pin.StdVec_Motion()
+    for k in range(m.njoints):
+        found.append(pin.Motion(np.arange(6.0) - k))
+    return found
+
+
 def seen(m, joints, M, N):
     """Constraints that tell where their second frame is, and the text that is asked of them."""
     ends = [(joints[0], M, 0, N), (joints[0], M, joints[1], N), (0, N, joints[1], M)]
@@ -192,7 +220,17 @@ if __name__ == "__main__":
     M = pin.XYZQUATToSE3(np.array([0.1, 0.2, 0.3, 0.0, 0.0, np.sin(0.3), np.cos(0.3)]))
     N = pin.XYZQUATToSE3(np.array([0.3, -0.2, 0.1, 0.0, np.sin(0.2), 0.0, np.cos(0.2)]))
     joints = [m.getJointId(name) for name in held.split(",")]
-    names = {"m": m, "q": q, "v": v, "tau": tau, "a": a, "rng": rng, "listed": listed}
+    names = {
+        "m": m,
+        "q": q,
+        "v": v,
+        "tau": tau,
+        "a": a,
+        "rng": rng,
+        "listed": listed,
+        "mapped": mapped,
+        "motions": motions,
+    }
     result = {}
     for name, cs, (mu, rounds), exact in cases(m, joints, M, N):
         for c in cs:

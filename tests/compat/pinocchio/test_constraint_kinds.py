@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -69,6 +71,71 @@ def test_constraints_are_compared_by_what_they_hold(pin: Any, model: Any) -> Non
         assert other != contact()
     limits = pin.JointLimitConstraintModel(model, [3])
     assert limits == limits.copy() and limits != pin.JointLimitConstraintModel(model, [4])
+
+
+def test_constraints_and_their_data_are_kept_in_files(pin: Any, model: Any, tmp_path: Path) -> None:
+    data = model.createData()
+    pin.forwardKinematics(model, data, pin.randomConfiguration(model), np.ones(model.nv))
+    for one in _all(pin, model):
+        known = one.createData()
+        one.calc(model, data, known)
+        for thing, fresh in ((one, one.copy()), (known, one.createData())):
+            fresh.loadFromString(thing.saveToString())
+            assert fresh == thing
+            thing.saveToBinary(tmp_path / "kept")
+            fresh.loadFromBinary(tmp_path / "kept")
+            assert fresh == thing and pickle.loads(pickle.dumps(thing)) == thing
+    anchor = pin.PointAnchorConstraintModel(model, 3)
+    read = pickle.loads(pickle.dumps(anchor))
+    read.joint1_placement.translation = np.ones(3)  # what algorithms read is what users write
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    known = read.createData()
+    read.calc(model, data, known)
+    np.testing.assert_allclose(known.oMc1.translation, data.oMi[3].act(np.ones(3)))
+    with pytest.raises(ValueError, match="holds a PointAnchorConstraintModel"):
+        pin.JointLimitConstraintModel(model).loadFromString(anchor.saveToString())
+
+
+def test_matrices_of_the_joints_make_the_jacobian(pin: Any, model: Any) -> None:
+    data = model.createData()
+    q, v = pin.randomConfiguration(model), np.linspace(-1.0, 1.0, model.nv)
+    pin.computeJointJacobians(model, data, q)
+    pin.forwardKinematics(model, data, q, v)
+    for one in _all(pin, model)[:3]:
+        known = one.createData()
+        assert not known.A1_local.any()
+        one.calc(model, data, known)
+        for frame in (pin.LOCAL, pin.WORLD, pin.LOCAL_WORLD_ALIGNED):
+            moved = [pin.getVelocity(model, data, k, frame) for k in range(model.njoints)]
+            given = one.mapJointSpaceToConstraintMotion(model, data, known, moved, v, frame)
+            np.testing.assert_allclose(given, one.jacobian(model, data, known) @ v, atol=1e-12)
+            forces = [pin.Force.Zero() for _ in range(model.njoints)]
+            pushed = np.arange(1.0, one.residualSize() + 1.0)
+            assert not one.mapConstraintForceToJointSpace(model, data, known, pushed, forces, frame).any()
+            power = sum(f.vector @ u.vector for f, u in zip(forces, moved, strict=True))
+            assert power == pytest.approx(pushed @ given)
+        with pytest.raises(ValueError, match="one for each joint"):
+            one.mapConstraintForceToJointSpace(model, data, known, pushed, forces[1:])
+        with pytest.raises(TypeError, match="createData"):
+            one.getA1(pin.JointLimitConstraintModel(model).createData(), pin.LOCAL)
+        with pytest.raises(ValueError, match="oYaba_augmented"):
+            one.appendCouplingConstraintInertias(model, data, known, pushed)
+    weights = np.array([1.0, 2.0, 3.0])
+    inertia = _all(pin, model)[0].computeConstraintSpatialInertia(pin.SE3.Random(), weights)
+    np.testing.assert_allclose(np.linalg.eigvalsh(inertia)[:3], 0.0, atol=1e-12)
+    assert inertia.shape == (6, 6) and np.trace(inertia[:3, :3]) == pytest.approx(6.0)
+
+
+def test_friction_has_no_gains_and_rigid_constraints_no_compliance(pin: Any, model: Any) -> None:
+    friction = pin.JointFrictionConstraintModel(model, [3])
+    with pytest.raises(RuntimeError, match="no drift"):
+        friction.setBaumgarteCorrectorParameters(pin.BaumgarteCorrectorParameters(1.0, 2.0))
+    rigid = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, 3)
+    assert not rigid.retrieveCompliance().any()
+    with pytest.raises(AttributeError, match="not kept"):
+        rigid.createData().contact_acceleration_deviation
+    with pytest.raises(AttributeError, match="contact_force"):
+        rigid.createData().contact_forse
 
 
 def test_rows_say_which_velocities_move_them(pin: Any, model: Any) -> None:
@@ -196,6 +263,9 @@ def test_alternating_directions_find_admissible_impulses(
     np.testing.assert_allclose(y[6:9], 0.0, atol=1e-8)
     assert x[9:11].min() >= 0.0 and (y[9:11] >= -1e-8).all() and np.abs(x[9:11] * y[9:11]).max() < 1e-8
     assert -0.1 <= x[11] <= 0.2 and (abs(y[11]) < 1e-7 or x[11] in (-0.1, 0.2))
+    stats = solver.stats
+    assert stats.delassus_decomposition_update_count == result.delassus_decomposition_update_count
+    assert max(stats.linear_system_residual) < 1e-9 and not any(stats.anderson_size)
     assert solver.stats.size() == result.iterations and solver.stats.rho[-1] == result.rho
     assert (solver.stats.rho[0] == result.rho) == (
         rule == "CONSTANT" or result.delassus_decomposition_update_count == 1

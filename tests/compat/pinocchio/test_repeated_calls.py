@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import gc
+import random
 import weakref
 from collections.abc import Iterator
 from typing import Any
@@ -115,6 +117,77 @@ def test_jacobians_at_placements_compile_nothing_anew(pin: Any, arm: Any) -> Non
                 pin.computeFrameJacobian(model, data, q, frame, reference),
                 atol=1e-12,
             )
+
+
+def test_derivatives_at_placements_compile_nothing_anew(pin: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ULNA_COMPILE", "first")
+    model = pin.buildSampleModelManipulator()
+    frame = model.addFrame(pin.Frame("tool", 5, 0, pin.SE3.Random(), pin.OP_FRAME))
+    data, rng, numbers_of_kernels = model.createData(), np.random.default_rng(1), []
+
+    def asked(M: Any, *at: Any) -> list[Any]:
+        found = []
+        for reference in (pin.LOCAL, pin.WORLD, pin.LOCAL_WORLD_ALIGNED):
+            found += pin.getFrameVelocityDerivatives(model, data, *at, reference)
+            found += pin.getFrameAccelerationDerivatives(model, data, *at, reference)
+            found.append(pin.getFrameKinematicHessian(model, data, *at, reference))
+        return found
+
+    for _ in range(6):
+        M = pin.SE3.Random()
+        model.frames[frame].placement = M
+        q, v, a = rng.uniform(-1.0, 1.0, (3, 6))
+        pin.computeForwardKinematicsDerivatives(model, data, q, v, a)
+        pin.computeJointKinematicHessians(model, data, q)
+        of_frame = asked(M, frame)
+        for own, other in zip(asked(M, 5, M), of_frame, strict=True):
+            np.testing.assert_allclose(own, other, atol=1e-12)
+        local = pin.LOCAL
+        for own, other in zip(
+            pin.getPointVelocityDerivatives(model, data, 5, M, local),
+            pin.getFrameVelocityDerivatives(model, data, 5, M, local),
+            strict=True,
+        ):
+            np.testing.assert_allclose(own, other[:3], atol=1e-12)
+        numbers_of_kernels.append(len(data._compiled.cache))
+    assert numbers_of_kernels[-1] == numbers_of_kernels[-2]
+
+
+def test_models_and_data_that_change_at_random_answer_as_fresh_ones(
+    pin: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ULNA_COMPILE", "first")
+    draws, rng = random.Random(4), np.random.default_rng(4)
+    models = [pin.buildSampleModelManipulator() for _ in range(2)]
+    pairs = [[model, model.createData()] for model in models]
+
+    def new_mass() -> None:
+        draws.choice(models).inertias[2].mass = draws.uniform(0.5, 2.0)
+
+    changes = [
+        new_mass,
+        lambda: pairs.append([models[0], models[0].createData()]),
+        lambda: pairs.pop(draws.randrange(1, len(pairs))) if len(pairs) > 2 else None,
+        lambda: models.__setitem__(draws.randrange(2), draws.choice(models).copy()),
+        lambda: draws.choice(pairs).__setitem__(0, draws.choice(models)),
+        lambda: pairs.append([pairs[0][0], copy.copy(pairs[0][1])]),
+        gc.collect,
+    ]
+    for step in range(400):
+        if step % 6 == 5:
+            draws.choice(changes)()
+        model, data = draws.choice(pairs)
+        q, v = rng.normal(size=(2, 6))
+        tau, bias = pin.rnea(model, data, q, v, v), pin.nonLinearEffects(model, data, q, v)
+        np.testing.assert_allclose(tau, pin.crba(model, data, q) @ v + bias, atol=1e-9)
+        pin.forwardKinematics(model, data, q, v)
+        pin.computeJointJacobians(model, data, q)
+        for at, velocity, jacobian in (
+            (6, pin.getVelocity, pin.getJointJacobian),
+            (model.nframes - 1, pin.getFrameVelocity, pin.getFrameJacobian),
+        ):
+            J = jacobian(model, data, at, pin.LOCAL)
+            np.testing.assert_allclose(velocity(model, data, at, pin.LOCAL).vector, J @ v, atol=1e-10)
 
 
 def test_data_go_when_nothing_else_refers_to_them(pin: Any) -> None:

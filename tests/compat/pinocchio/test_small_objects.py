@@ -275,7 +275,9 @@ def test_views_lists_and_exact_arrays_make_the_same_objects(pin: Any) -> None:
         np.testing.assert_array_equal(pin.rpy.matrixToRpy(rotation), pin.rpy.matrixToRpy(R.copy()))
         np.testing.assert_array_equal(pin.Quaternion(rotation).coeffs(), pin.Quaternion(R.copy()).coeffs())
         np.testing.assert_array_equal(pin.skew(translation), pin.skew(p.copy()))
-        assert pin.Inertia(2.0, translation, rotation) == pin.Inertia(2, p.copy(), R.copy())
+    S = np.eye(4)[:3, :3] + 0.1  # symmetric, a view with gaps
+    for moments, lever in ((S, p), (S.copy(), p.copy()), (S.tolist(), p.tolist()), (np.asfortranarray(S), p)):
+        assert pin.Inertia(2.0, lever, moments) == pin.Inertia(2, p.copy(), S.copy())
     made = pin.SE3(forms[1][0], forms[1][1])
     made.rotation[0, 0] = 7.0
     assert forms[1][0][0, 0] == M.rotation[0, 0]  # a copy
@@ -342,3 +344,17 @@ def test_enumerations_have_names_and_values(pin: Any) -> None:
     assert pin.ReferenceFrame.names["LOCAL"] is pin.LOCAL is pin.ReferenceFrame.values[1]
     assert sorted(pin.FrameType.values) == [1, 2, 4, 8, 16]
     assert pin.ContactType.names["CONTACT_6D"] is pin.ContactType.CONTACT_6D
+
+
+@pytest.mark.parametrize("mass", [1.0, 1])
+def test_what_is_no_inertia_is_refused(pin: Any, mass: float) -> None:
+    for wrong in (
+        np.diag([1.0, -1.0, 1.0]),
+        np.array([[1.0, 0.2, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
+        np.full((3, 3), np.nan),
+    ):
+        with pytest.raises(RuntimeError, match="symmetric matrix"):
+            pin.Inertia(mass, np.zeros(3), wrong)
+    tilted = np.array([[1.0, 0.2, 0.0], [0.2 + 1e-16, 1.0, 0.0], [0.0, 0.0, 0.0]])
+    for right in (np.zeros((3, 3)), tilted, 1e-9 * tilted, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]):
+        np.testing.assert_array_equal(pin.Inertia(mass, np.zeros(3), right).inertia, right)

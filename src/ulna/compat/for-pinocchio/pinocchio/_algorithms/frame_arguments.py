@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable
-from typing import Any, TypeVar
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, TypeVar
 
 from pinocchio._containers.arguments import OMITTED, ArgumentError
 from pinocchio._containers.arrays import index
@@ -13,40 +13,96 @@ from pinocchio._containers.enums import ReferenceFrame
 from pinocchio._containers.keywords import general_case, overloads
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3
+from pinocchio._spatial.small_kernels import pose
 from ulna import spatial
 from ulna.compiler.runtime.repeated_calls import memory, repeated_calls
 from ulna.model import Frame
+from ulna.typing import Array, Floats
 
 LOCAL = ReferenceFrame.LOCAL
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
+class Place(NamedTuple):
+    """Where a frame is: a frame of the model, the frame of a joint, or at a placement on one, an input of kernels."""
+
+    frame_id: int | None = None
+    joint: int = 0
+    placement: SE3 | None = None
+
+    @property
+    def key(self) -> Any:
+        """What kernels for it are kept under: not its placement."""
+        if self.frame_id is not None:
+            return self.frame_id
+        return ("joint" if self.placement is None else "placed", self.joint)
+
+    @property
+    def inputs(self) -> tuple[Floats, ...]:
+        """What kernels for it take before all else: the placement (4, 4), or nothing."""
+        return () if self.placement is None else (self.placement._m,)
+
+    @property
+    def shapes(self) -> dict[str, Any]:
+        """The shapes of these inputs."""
+        return {} if self.placement is None else {"placed": (4, 4)}
+
+    def split(self, frames: Sequence[Frame], inputs: Sequence[Array]) -> tuple[Frame, Sequence[Array]]:
+        """Ulna's frame, and the inputs of a kernel that are not its own.
+
+        Args:
+            frames: The frames of the model.
+            inputs: All inputs of the kernel, (4, 4) the first where there is a placement.
+
+        Returns:
+            The frame, and the inputs of the state (nq,) and (nv,).
+        """
+        if self.frame_id is not None:
+            return frames[self.frame_id], inputs
+        if self.placement is None:
+            return _on_joint(self.joint, spatial.SE3.identity()), inputs
+        return _on_joint(self.joint, pose(inputs[0])), inputs[1:]
+
+
+def _on_joint(joint: int, placement: spatial.SE3) -> Frame:
+    return Frame("", joint - 1, placement, "user", "", spatial.SE3.identity())
+
+
 def at_joint(joint: int) -> Frame:
     """The frame of a joint, for Ulna."""
-    return Frame("", joint - 1, spatial.SE3.identity(), "user", "", spatial.SE3.identity())
+    return _on_joint(joint, spatial.SE3.identity())
 
 
-def at_frame(
-    model: Model, frame_id: Any, joint_id: Any = None, placement: SE3 | None = None
-) -> tuple[Any, Any]:
-    """A key and Ulna's frame of an index of a frame, or of a placement on a joint.
+def at_frame(model: Model, frame_id: Any) -> int:
+    """The index of a frame, checked.
+
+    Args:
+        frame_id: Index of a frame.
+
+    Returns:
+        The index.
+    """
+    return index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")
+
+
+def place_of(model: Model, frame_id: Any, joint_id: Any, placement: SE3 | None) -> Place:
+    """The place that an index of a frame is, or a placement on a joint.
 
     Args:
         frame_id: Index of a frame, or None.
         joint_id: Index of a joint, or None.
-        placement: Pose of the frame in the frame of that joint, an SE3.
+        placement: Pose of the frame in the frame of that joint, an SE3; None for a frame of the model.
 
     Returns:
-        The key, and the frame; None where it is a frame of the model.
+        The place.
 
     Raises:
         ArgumentError: The placement is no SE3.
     """
     if placement is None:
-        return index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one."), None
-    joint, _ = at_placement(model, joint_id, placement)
-    fixed_frame = Frame("", joint - 1, placement._pose(), "user", "", spatial.SE3.identity())
-    return (joint, placement._m.tobytes()), fixed_frame
+        return Place(at_frame(model, frame_id))
+    joint, placement = at_placement(model, joint_id, placement)
+    return Place(None, joint, placement)
 
 
 def at_placement(model: Model, joint_id: Any, placement: Any) -> tuple[int, SE3]:

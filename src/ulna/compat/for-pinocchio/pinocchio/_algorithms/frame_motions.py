@@ -161,8 +161,7 @@ def _frame_motion(model: Model, data: Data, place: Any, rf: Any, kind: str) -> M
     if place[2] is not None:
         joint, placement = at_placement(model, *place[1:])
         return _placed_motion(model, data, kind, rf, joint, placement)
-    key, _ = at_frame(model, *place)
-    frame = model.frames[key]
+    frame = model.frames[at_frame(model, place[0])]
     binding_key = place[0], rf, kind
     return _motion(model, data, kind, reference_of(rf), frame.parentJoint, frame.placement._m, binding_key)
 

@@ -9,10 +9,12 @@ import numpy as np
 
 from pinocchio._algorithms.frame_arguments import (
     LOCAL,
+    Place,
     at_frame,
     at_frame_or_joint,
     at_joint,
     at_placement,
+    place_of,
     repeated_call,
 )
 from pinocchio._algorithms.kinematics import updateFramePlacement, updateFramePlacements
@@ -154,8 +156,7 @@ def getFrameJacobian(
     rf = reference_frame
     if placement is not None:
         return _placed_jacobian(model, data, *at_placement(model, joint_id, placement), rf)
-    key, _ = at_frame(model, frame_id)
-    return _bind_at(model, data, (frame_id, rf, "J"), key, None)
+    return _bind_at(model, data, (frame_id, rf, "J"), at_frame(model, frame_id), None)
 
 
 def _placed_jacobian(model: Model, data: Data, joint: int, placement: SE3, rf: Any) -> Floats:
@@ -252,7 +253,7 @@ def computeFrameJacobian(
         if result is not NotImplemented:
             return result
     check_model_and_data("computeFrameJacobian", model, data)
-    return _at(model, data, binding_key, at_frame(model, frame_id)[0], None, q)
+    return _at(model, data, binding_key, at_frame(model, frame_id), None, q)
 
 
 def _at(
@@ -346,7 +347,7 @@ def getFrameJacobianTimeVariation(model: Model, data: Data, frame_id: int, refer
 
 @repeated_call("dJ", has_default=False)
 def _frame_jacobian_rate(model: Model, data: Data, frame_id: int, reference_frame: Any) -> Floats:
-    return _bind_dot(model, data, (frame_id, reference_frame, "dJ"), at_frame(model, frame_id)[0], None)
+    return _bind_dot(model, data, (frame_id, reference_frame, "dJ"), at_frame(model, frame_id), None)
 
 
 def frameJacobianTimeVariation(
@@ -408,7 +409,7 @@ def getJointKinematicHessian(model: Model, data: Data, joint_id: int, reference_
         Array (6, nv, nv).
     """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
-    return _hessian(model, data, reference_of(reference_frame), ("joint", joint), at_joint(joint))
+    return _hessian(model, data, reference_of(reference_frame), Place(None, joint))
 
 
 @overloads(
@@ -429,16 +430,20 @@ def getFrameKinematicHessian(
     Returns:
         Array (6, nv, nv).
     """
-    key, fixed_frame = at_frame(model, frame_id, frame_id, frame_placement)
-    return _hessian(model, data, reference_of(reference_frame), key, fixed_frame)
+    place = place_of(model, frame_id, frame_id, frame_placement)
+    return _hessian(model, data, reference_of(reference_frame), place)
 
 
-def _hessian(model: Model, data: Data, reference: Reference, key: Any, fixed_frame: Frame | None) -> Floats:
+def _hessian(model: Model, data: Data, reference: Reference, place: Place) -> Floats:
     q = data.require(data._q_of_jacobians, "computeJointKinematicHessians(model, data, q)")
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
-        frame = frames[key] if fixed_frame is None else fixed_frame
-        return lambda q: algorithms.frame_hessian(core, q, frame, reference)
+        def run(*inputs: Array) -> Array:
+            frame, (q,) = place.split(frames, inputs)
+            return algorithms.frame_hessian(core, q, frame, reference)
 
-    result = kernels_for(model, data, "H").compile_at_frames(("H", key, reference), build, q=(model.nq,))(q)
+        return run
+
+    kernels, shapes = kernels_for(model, data, "H"), place.shapes | {"q": (model.nq,)}
+    result = kernels.compile_at_frames(("H", place.key, reference), build, **shapes)(*place.inputs, q)
     return np.ascontiguousarray(np.moveaxis(result, 0, 2))

@@ -7,7 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._algorithms.frame_arguments import at_frame, at_frame_or_joint, at_joint, repeated_call
+from pinocchio._algorithms.frame_arguments import (
+    Place,
+    at_frame_or_joint,
+    at_placement,
+    place_of,
+    repeated_call,
+)
 from pinocchio._algorithms.jacobians import computeJointJacobiansTimeVariation
 from pinocchio._algorithms.kinematics import forwardKinematics
 from pinocchio._containers.arrays import index, not_applicable
@@ -57,8 +63,8 @@ def getJointVelocityDerivatives(
         Two matrices (6, nv).
     """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
-    place = joint_id, reference_frame, "joint velocity derivatives"
-    return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, False, place)
+    binding_key = joint_id, reference_frame, "joint velocity derivatives"
+    return _motions(model, data, Place(None, joint), reference_frame, False, binding_key)
 
 
 @repeated_call("velocity derivatives", has_default=False)
@@ -80,9 +86,13 @@ def getFrameVelocityDerivatives(
     Returns:
         Two matrices (6, nv).
     """
-    key, fixed_frame = at_frame(model, frame_id, joint_id, placement)
-    place = frame_id, reference_frame, "velocity derivatives"
-    return _motions(model, data, key, fixed_frame, reference_frame, False, place)
+    place, kind = place_of(model, frame_id, joint_id, placement), "velocity derivatives"
+    binding_key = (
+        (frame_id, reference_frame, kind)
+        if placement is None
+        else (place.joint, reference_frame, f"placed {kind}")
+    )
+    return _motions(model, data, place, reference_frame, False, binding_key)
 
 
 @repeated_call("joint acceleration derivatives", has_default=False)
@@ -98,8 +108,8 @@ def getJointAccelerationDerivatives(
         Four matrices (6, nv).
     """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
-    place = joint_id, reference_frame, "joint acceleration derivatives"
-    return _motions(model, data, ("joint", joint), at_joint(joint), reference_frame, True, place)
+    binding_key = joint_id, reference_frame, "joint acceleration derivatives"
+    return _motions(model, data, Place(None, joint), reference_frame, True, binding_key)
 
 
 @repeated_call("acceleration derivatives", has_default=False)
@@ -121,30 +131,27 @@ def getFrameAccelerationDerivatives(
     Returns:
         Four matrices (6, nv).
     """
-    key, fixed_frame = at_frame(model, frame_id, joint_id, placement)
-    place = frame_id, reference_frame, "acceleration derivatives"
-    return _motions(model, data, key, fixed_frame, reference_frame, True, place)
+    place, kind = place_of(model, frame_id, joint_id, placement), "acceleration derivatives"
+    binding_key = (
+        (frame_id, reference_frame, kind)
+        if placement is None
+        else (place.joint, reference_frame, f"placed {kind}")
+    )
+    return _motions(model, data, place, reference_frame, True, binding_key)
 
 
 def _motions(
-    model: Model,
-    data: Data,
-    key: Any,
-    fixed_frame: Frame | None,
-    rf: Any,
-    with_a: bool,
-    place: tuple[Any, ...],
+    model: Model, data: Data, place: Place, rf: Any, with_a: bool, binding_key: tuple[Any, ...]
 ) -> Any:
-    """The derivatives of a frame's motion; bound at `place` for the next time."""
-    reference = reference_of(rf)
+    """The derivatives of a frame's motion; bound at `binding_key` for the next time."""
+    reference, of_model = reference_of(rf), place.frame_id is not None
     watch = model.watched("placements")  # first: see `run`
-    watch += [] if fixed_frame is not None else model.watched("frame", key)
+    watch += model.watched("frame", place.frame_id) if of_model else []
     state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
-        frame = frames[key] if fixed_frame is None else fixed_frame
-
-        def run(q: Array, v: Array, a: Array) -> tuple[Array, ...]:
+        def run(*inputs: Array) -> tuple[Array, ...]:
+            frame, (q, v, a) = place.split(frames, inputs)
             V_q, V_v, *of_a = algorithms.motion_derivatives(core, q, v, a, frame, reference)
             results = (V_q, *of_a) if with_a else (V_q, V_v)
             return *results, algorithms.frame_poses(core, q, (frame,))[0].matrix()
@@ -153,15 +160,14 @@ def _motions(
 
     kernels = kernels_for(model, data, "motion derivatives")
     name = "acceleration derivatives" if with_a else "velocity derivatives"
-    shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
-    kernel = kernels.compile_at_frames((name, key, reference), build, **shapes)
-    if isinstance(kernels, EvaluatedModel) or (fixed_frame is not None and place[0] is None):
-        *results, T = kernel(*state)
-        if fixed_frame is None:
-            data._arrays["oMf"][key] = T
+    kernel = kernels.compile_at_frames((name, place.key, reference), build, **place.shapes, **_sizes(model))
+    if isinstance(kernels, EvaluatedModel):
+        *results, T = kernel(*place.inputs, *state)
+        if of_model:
+            data._arrays["oMf"][place.frame_id] = T
         return tuple(results)
     live = kernels.live(kernel)
-    placed = data._arrays["oMf"][key] if fixed_frame is None else np.empty((4, 4))
+    placed = data._arrays["oMf"][place.frame_id] if of_model else np.empty((4, 4))
     outputs = [np.zeros(port.shape) for port in live.function.outputs[:-1]]
     step = live.into(
         *outputs,
@@ -171,8 +177,13 @@ def _motions(
         otherwise=not_applicable,
         last_inputs=state,
     )
-    data._bound_at[place] = step, place[1]
-    return step()
+    data._bound_at[binding_key] = step, binding_key[1]
+    return step(*place.inputs)
+
+
+def _sizes(model: Model) -> dict[str, Any]:
+    """The shapes of a state and its acceleration."""
+    return {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
 
 
 def getPointVelocityDerivatives(
@@ -209,17 +220,20 @@ def getPointClassicAccelerationDerivatives(
 
 
 def _point(model: Model, data: Data, joint_id: int, placement: Any, rf: Any) -> Any:
-    key, frame = at_frame(model, None, joint_id, placement)
+    place = Place(None, *at_placement(model, joint_id, placement))
     state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
     reference: Any = reference_of(rf)
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
-        return lambda q, v, a: algorithms.point_derivatives(core, q, v, a, frame, reference)
+        def run(*inputs: Array) -> Any:
+            frame, (q, v, a) = place.split(frames, inputs)
+            return algorithms.point_derivatives(core, q, v, a, frame, reference)
 
-    shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
-    return kernels_for(model, data, "point derivatives").compile_at_frames(
-        ("point", key, reference), build, **shapes
-    )(*state)
+        return run
+
+    kernels, shapes = kernels_for(model, data, "point derivatives"), place.shapes | _sizes(model)
+    kernel = kernels.compile_at_frames(("point", place.key, reference), build, **shapes)
+    return kernel(*place.inputs, *state)
 
 
 def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:

@@ -196,6 +196,7 @@ class _Search:
             self.shift = sets.shift(self._G @ self.y + self._g)
         right = self.z + self.rho * self.y + self.mu * self.x - self._g - self.shift
         self.x = self._inverse @ right
+        self._right, self._rho_of_step = right, self.rho
         self.y = sets.project(self.x - self.z / self.rho)
         change = self.rho * (self.x - self.y)
         self.z = self.z - change
@@ -204,6 +205,12 @@ class _Search:
             return True
         self._update(float(np.abs(self.rho * (self.y - before)).max(initial=0.0)))
         return False
+
+    @property
+    def linear_residual(self) -> float:
+        """How far the equations that the last iteration solved are from zero."""
+        left = self._G @ self.x + (self._rho_of_step + self.mu) * self.x
+        return float(np.abs(left - self._right).max(initial=0.0))
 
     def _is_good(self) -> bool:
         feasible = max(self.primal, self.dual) <= self._feasible

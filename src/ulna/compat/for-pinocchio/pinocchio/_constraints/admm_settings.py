@@ -7,7 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._constraints.iterative_solver import ConstraintSolverResult, ToleranceSettings
-from pinocchio._containers.arrays import vector
+from pinocchio._containers.arrays import StdVec, vector
 from pinocchio._containers.enums import _Named
 from ulna.errors import InputError
 from ulna.typing import Floats
@@ -122,10 +122,6 @@ class ADMMSolverResult(ConstraintSolverResult):
         delassus_decomposition_update_count: How many matrices were inverted.
     """
 
-    def __init__(self) -> None:
-        self._velocity_guess: Floats | None = None
-        super().__init__()
-
     def reset(self) -> None:
         """Forgets the solution."""
         super().reset()
@@ -133,10 +129,6 @@ class ADMMSolverResult(ConstraintSolverResult):
         self.primal_feasibility = self.dual_feasibility = self.complementarity = np.nan
         self.rho = self.mu_prox = self.spectral_rho_power = np.nan
         self.delassus_decomposition_update_count = 0
-
-    def resize(self, problem_size: int) -> None:
-        """Forgets the solution; the next search sizes it by itself."""
-        self.reset()
 
     def fill(self, impulses: Floats, velocities: Floats, shift: Floats, **values: Any) -> None:
         """Stores a solution.
@@ -154,14 +146,6 @@ class ADMMSolverResult(ConstraintSolverResult):
     def retrieveDesaxceTerm(self, desaxce_term: Floats) -> None:
         """Copies De Saxce's shift into an array."""
         desaxce_term[...] = self._solution(self._shift)
-
-    def setConstraintVelocityGuess(self, velocity_guess: Any) -> None:
-        """Velocities that the next search starts from."""
-        self._velocity_guess = vector(velocity_guess, np.size(velocity_guess), "velocity_guess").copy()
-
-    def clearConstraintVelocityGuess(self) -> None:
-        """Lets the next search start from the velocities that follow from the impulses."""
-        self._velocity_guess = None
 
     def guesses(self, size: int) -> tuple[Floats | None, Floats | None]:
         """The guesses of impulses and velocities.
@@ -184,7 +168,8 @@ _RECORDED = {
     "complementarity": "complementarity",
     "rho": "rho",
     "mu_prox": "mu",
-    "delassus_decomposition_update_count": "factorizations",
+    "linear_system_residual": "linear_residual",
+    "linear_system_consistency": "linear_residual",
 }
 
 
@@ -194,15 +179,19 @@ class ADMMSolverStats:
 
     Attributes:
         iterations: How many there were.
+        delassus_decomposition_update_count: How many matrices were inverted.
+        linear_system_residual, linear_system_consistency: How far the solved equations are from zero.
+        anderson_size: Zeros: iterates are not extrapolated.
     """
 
-    primal_feasibility: list[float]
-    dual_feasibility: list[float]
-    dual_feasibility_ncp: list[float]
-    complementarity: list[float]
-    rho: list[float]
-    mu_prox: list[float]
-    delassus_decomposition_update_count: list[int]
+    primal_feasibility: StdVec[float]
+    dual_feasibility: StdVec[float]
+    dual_feasibility_ncp: StdVec[float]
+    complementarity: StdVec[float]
+    rho: StdVec[float]
+    mu_prox: StdVec[float]
+    linear_system_residual: StdVec[float]
+    linear_system_consistency: StdVec[float]
 
     def __init__(self, max_iterations: int = 0) -> None:
         self.reset()
@@ -212,9 +201,10 @@ class ADMMSolverStats:
 
     def reset(self) -> None:
         """Forgets all."""
-        self.iterations = 0
+        self.iterations = self.delassus_decomposition_update_count = 0
+        self.anderson_size: StdVec[int] = StdVec()
         for name in _RECORDED:
-            setattr(self, name, [])
+            setattr(self, name, StdVec())
 
     def size(self) -> int:
         """How many iterations are recorded."""
@@ -222,6 +212,7 @@ class ADMMSolverStats:
 
     def add(self, search: Any) -> None:
         """Records an iteration of a search."""
-        self.iterations = search.iterations
+        self.iterations, self.delassus_decomposition_update_count = search.iterations, search.factorizations
+        self.anderson_size.append(0)
         for name, source in _RECORDED.items():
             getattr(self, name).append(getattr(search, source))

@@ -10,12 +10,14 @@ from pinocchio._constraints.cones import CoulombFrictionCone, FullSpaceCone
 from pinocchio._constraints.constraint_model import AnyConstraint, AnyConstraintData
 from pinocchio._constraints.frame_pair import ConstraintSelectionType, FramePair
 from pinocchio._constraints.kernels import core_constraints
-from pinocchio._containers.arguments import ArgumentError, WrongShape
-from pinocchio._containers.arrays import numbers, vector
+from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arrays import vector
+from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
+from pinocchio._spatial.motion_force import skew
 from pinocchio._spatial.se3 import SE3
 from ulna.algorithms.constraints.frame_errors import relative_motion
 from ulna.errors import InputError
@@ -45,7 +47,9 @@ class _ConstraintState(AnyConstraintData):
 
     __slots__ = (
         "_J",
+        "_oMi",
         "c1Mc2",
+        "constraint_acceleration_biais_term",
         "constraint_acceleration_error",
         "constraint_force",
         "constraint_position_error",
@@ -57,11 +61,61 @@ class _ConstraintState(AnyConstraintData):
     def __init__(self, constraint_model: Any) -> None:
         m = constraint_model.residualSize()
         self._J: Floats | None = None
+        self._oMi: Floats | None = None
+        self.constraint_acceleration_biais_term = np.zeros(m)
         self.oMc1, self.oMc2, self.c1Mc2 = SE3(), SE3(), SE3()
         self.constraint_position_error = np.zeros(m)
         self.constraint_velocity_error = np.zeros(m)
         self.constraint_acceleration_error = np.zeros(m)
         self.constraint_force = np.zeros(m)
+
+    def _of_world(self) -> Floats:
+        """The matrix (m, 6) that makes the constraint's velocity of the second joint's, both in the world."""
+        if len(self.constraint_position_error) == 6:
+            return self.oMc1.toActionMatrixInverse()
+        to_point = np.hstack([np.eye(3), -skew(self.oMc2.translation)])
+        return self.oMc1.rotation.T @ to_point
+
+    def _projection(self, end: int, rf: ReferenceFrame) -> Floats:
+        """The matrix (m, 6) that makes the constraint's velocity of that of its first or second joint (0, 1)."""
+        if self._oMi is None:
+            return np.zeros((len(self.constraint_position_error), 6))
+        placement = SE3(self._oMi[end])
+        if rf == ReferenceFrame.WORLD:
+            placement = SE3()
+        elif rf == ReferenceFrame.LOCAL_WORLD_ALIGNED:
+            placement.rotation = np.eye(3)
+        return (1.0 if end else -1.0) * self._of_world() @ placement.toActionMatrix()
+
+    @property
+    def A1_local(self) -> Floats:
+        """The matrix (m, 6) that makes the constraint's velocity of the first joint's in its own axes."""
+        return self._projection(0, ReferenceFrame.LOCAL)
+
+    @property
+    def A2_local(self) -> Floats:
+        """The same of the second joint's."""
+        return self._projection(1, ReferenceFrame.LOCAL)
+
+    @property
+    def A1_world(self) -> Floats:
+        """The matrix (m, 6) that makes the constraint's velocity of the first joint's in the world."""
+        return self._projection(0, ReferenceFrame.WORLD)
+
+    @property
+    def A2_world(self) -> Floats:
+        """The same of the second joint's."""
+        return self._projection(1, ReferenceFrame.WORLD)
+
+    @property
+    def A_local(self) -> Floats:
+        """The sum of `A1_local` and `A2_local`."""
+        return self.A1_local + self.A2_local
+
+    @property
+    def A_world(self) -> Floats:
+        """The sum of `A1_world` and `A2_world`: zero."""
+        return self.A1_world + self.A2_world
 
 
 @final
@@ -90,6 +144,8 @@ class _Anchor(FramePair, AnyConstraint):
 
     __slots__ = (
         "_compliance",
+        "depth_joint1",
+        "depth_joint2",
         "desired_constraint_acceleration",
         "desired_constraint_offset",
         "desired_constraint_velocity",
@@ -105,6 +161,9 @@ class _Anchor(FramePair, AnyConstraint):
             raise ArgumentError(f"The model is {model!r}; expected a pinocchio.Model.")
         self._attach(model, places, {})
         self.nv = model.nv
+        self.depth_joint1, self.depth_joint2 = (
+            len(model.supports[joint]) for joint in (self.joint1_id, self.joint2_id)
+        )
         self._compliance = np.zeros(self._rows)
         self.desired_constraint_offset = np.zeros(self._rows)
         self.desired_constraint_velocity = np.zeros(self._rows)
@@ -166,6 +225,34 @@ class _Anchor(FramePair, AnyConstraint):
         np.matmul(oMi[self.joint1_id], self._places[0], out=constraint_data.oMc1._m)
         np.matmul(oMi[self.joint2_id], self._places[1], out=constraint_data.oMc2._m)
         constraint_data.c1Mc2 = constraint_data.oMc1.actInv(constraint_data.oMc2)
+        constraint_data._oMi = oMi[[self.joint1_id, self.joint2_id]]
+
+    def _ends(self, data: Data, constraint_data: Any, rf: Any) -> list[tuple[int, Floats]]:
+        joints = ((self.joint1_id, self.getA1), (self.joint2_id, self.getA2))
+        return [(joint, of_joint(constraint_data, rf)) for joint, of_joint in joints if joint]
+
+    def getA1(self, constraint_data: Any, reference_frame: ReferenceFrame) -> Floats:
+        """The matrix (residualSize, 6) that makes its velocity of the first joint's spatial velocity, after `calc`.
+
+        Args:
+            reference_frame: The axes of the joint's velocity: LOCAL, WORLD or LOCAL_WORLD_ALIGNED.
+
+        Returns:
+            The matrix.
+        """
+        return self._of_joint(0, constraint_data, reference_frame)
+
+    def getA2(self, constraint_data: Any, reference_frame: ReferenceFrame) -> Floats:
+        """The same of the second joint. See `getA1`."""
+        return self._of_joint(1, constraint_data, reference_frame)
+
+    def _of_joint(self, end: int, constraint_data: Any, rf: ReferenceFrame) -> Floats:
+        reference_of(rf)
+        if type(constraint_data) is not self._data:
+            raise ArgumentError(
+                f"The data of the constraint is {constraint_data!r}; expected what its createData() returns."
+            )
+        return constraint_data._projection(end, rf)
 
     def _fits(self, model: Model, constraint_data: Any) -> None:
         if type(constraint_data) is not self._data:
@@ -186,15 +273,10 @@ class _Anchor(FramePair, AnyConstraint):
             )
         return constraint_data._J.copy()
 
-    def jacobianMatrixProduct(self, model: Model, data: Data, constraint_data: Any, matrix: Any) -> Floats:
-        """The Jacobian times a matrix (nv, k) or a vector (nv,)."""
-        return self.jacobian(model, data, constraint_data) @ _rows_of(matrix, model.nv)
-
-    def jacobianTransposeMatrixProduct(
-        self, model: Model, data: Data, constraint_data: Any, matrix: Any
-    ) -> Floats:
-        """Its transpose times a matrix (residualSize, k) or a vector (residualSize,)."""
-        return self.jacobian(model, data, constraint_data).T @ _rows_of(matrix, self._rows)
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        for k in (0, 1):
+            object.__setattr__(self, f"joint{k + 1}_placement", SE3._of(self._places[k]))
 
     def copy(self) -> Any:
         """A copy."""
@@ -217,8 +299,28 @@ class _Anchor(FramePair, AnyConstraint):
         return self.copy()
 
 
+class _Points(_Anchor):
+    """Of the kinds that hold points."""
+
+    __slots__ = ()
+
+    def computeConstraintSpatialInertia(self, placement: SE3, diagonal_constraint_inertia: Any) -> Floats:
+        """The spatial inertia that a diagonal one of its three rows is at a frame with this placement.
+
+        Args:
+            placement: Of the constraint's frame, seen from where the inertia is asked.
+            diagonal_constraint_inertia: Inertias of the rows (3,) [kg].
+
+        Returns:
+            Matrix (6, 6).
+        """
+        weights = vector(diagonal_constraint_inertia, 3, "diagonal_constraint_inertia")
+        rows = placement.toActionMatrixInverse()[:3]
+        return (rows.T * weights) @ rows
+
+
 @final
-class PointAnchorConstraintModel(_Anchor):
+class PointAnchorConstraintModel(_Points):
     """A point of one body goes with a point of another: `(model, joint1[, placement1[, joint2[, placement2]]])`."""
 
     __slots__ = ()
@@ -234,10 +336,14 @@ class FrameAnchorConstraintModel(_Anchor):
 
 
 @final
-class PointContactConstraintModel(_Anchor):
-    """Two bodies touch at a point, with friction; the third axis of the first frame is the normal of the contact."""
+class PointContactConstraintModel(_Points):
+    """Two bodies touch at a point, with friction; the third axis of the first frame is the normal of the contact.
 
-    __slots__ = ("_friction",)
+    Attributes:
+        geom1_id, geom2_id: Indices of the geometries that touch; for users, no algorithm reads them.
+    """
+
+    __slots__ = ("_friction", "geom1_id", "geom2_id")
     _data = PointContactConstraintData
     _sides = 1
 
@@ -245,6 +351,7 @@ class PointContactConstraintModel(_Anchor):
     def __init__(self, model: Model, *places: Any) -> None:
         super().__init__(model, *places)
         self._friction = 0.5
+        self.geom1_id = self.geom2_id = 0
 
     def getFriction(self) -> float:
         """The coefficient of friction."""
@@ -277,10 +384,3 @@ def _state(model: Model, data: Data) -> tuple[Floats, Floats, Floats]:
         if data._qva is not None and all(map(np.array_equal, data._qva, (q, v))):
             a = data._qva[2]
     return q, v, a
-
-
-def _rows_of(value: Any, rows: int) -> Floats:
-    array = numbers(value, "matrix")
-    if array.ndim not in (1, 2) or array.shape[0] != rows:
-        raise WrongShape("matrix", array.shape, f"({rows},) or ({rows}, k)")
-    return array

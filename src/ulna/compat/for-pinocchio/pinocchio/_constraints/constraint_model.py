@@ -7,20 +7,29 @@ from typing import Any, ClassVar, final
 import numpy as np
 
 from pinocchio._constraints.frame_pair import ConstraintSelectionType
-from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import StdVec, index
+from pinocchio._containers.arguments import ArgumentError, WrongShape
+from pinocchio._containers.arrays import StdVec, index, numbers, vector
+from pinocchio._containers.enums import ReferenceFrame
+from pinocchio._containers.files import Saved, register
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
-from ulna.errors import excerpt
+from pinocchio._spatial.motion_force import Force
+from ulna.errors import InputError, excerpt
+from ulna.typing import Floats
 
 __all__ = ["ConstraintData", "ConstraintModel"]
 
 
-class _NamedAndCompared:
-    """The name and the comparison of constraints and their data, by what they hold."""
+class _NamedAndCompared(Saved):
+    """The name and the comparison of constraints and their data, by what they hold; and their files."""
 
     __slots__ = ()
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if not cls.__name__.startswith(("_", "Any")):
+            register(cls)
 
     def shortname(self) -> str:
         """The name of its class."""
@@ -35,14 +44,19 @@ class _NamedAndCompared:
         """The object itself: it is of the class of its kind."""
         return self
 
-    def _slot_values(self) -> list[Any]:
+    def __getstate__(self) -> dict[str, Any]:
         names = [name for cls in type(self).__mro__ for name in getattr(cls, "__slots__", ())]
-        return [getattr(self, name) for name in names]
+        return {name: getattr(self, name) for name in names}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name, value in state.items():
+            setattr(self, name, value)
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        return all(_equal(a, b) for a, b in zip(self._slot_values(), other._slot_values(), strict=True))
+        own, its = self.__getstate__(), other.__getstate__()
+        return all(_equal(own[name], its[name]) for name in own)
 
     __hash__ = object.__hash__
 
@@ -104,6 +118,113 @@ class AnyConstraint(_NamedAndCompared):
         pattern = self.getRowSparsityPattern(model, data, constraint_data, row_id)
         return StdVec(np.flatnonzero(pattern).tolist())
 
+    def jacobian(self, model: Model, data: Data, constraint_data: Any) -> Floats:
+        """The Jacobian of its velocity, after `calc`.
+
+        Returns:
+            Jacobian (residualSize, nv).
+        """
+        raise NotImplementedError
+
+    def jacobianMatrixProduct(self, model: Model, data: Data, constraint_data: Any, matrix: Any) -> Floats:
+        """The Jacobian times a matrix or a vector.
+
+        Args:
+            matrix: Array (nv, k) or (nv,).
+
+        Returns:
+            Array (residualSize, k) or (residualSize,).
+        """
+        return self.jacobian(model, data, constraint_data) @ _rows_of(matrix, model.nv)
+
+    def jacobianTransposeMatrixProduct(
+        self, model: Model, data: Data, constraint_data: Any, matrix: Any
+    ) -> Floats:
+        """The Jacobian's transpose times a matrix or a vector.
+
+        Args:
+            matrix: Array (residualSize, k) or (residualSize,).
+
+        Returns:
+            Array (nv, k) or (nv,).
+        """
+        return self.jacobian(model, data, constraint_data).T @ _rows_of(matrix, self.residualSize())
+
+    def _ends(self, data: Data, constraint_data: Any, rf: Any) -> list[tuple[int, Floats]]:
+        """The joints whose spatial velocities make its velocity, each with the matrix (rows, 6) that does so."""
+        return []
+
+    def mapConstraintForceToJointSpace(
+        self,
+        model: Model,
+        data: Data,
+        constraint_data: Any,
+        constraint_forces: Any,
+        joint_forces: Any,
+        reference_frame: ReferenceFrame = ReferenceFrame.LOCAL,
+    ) -> Floats:
+        """Adds the forces on the joints that forces of its rows are, and returns the torques of single velocities.
+
+        Constraints between two frames act by forces on joints, and return zeros; limits and frictions of joints act by
+        the torques that are returned.
+
+        Args:
+            constraint_forces: Forces of its rows (residualSize,) [N or N m].
+            joint_forces: A Force for each joint, in the axes of `reference_frame`; those of the joints that it holds
+                are added to.
+            reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED.
+
+        Returns:
+            Torques (nv,) [N m or N].
+        """
+        force = vector(constraint_forces, self.residualSize(), "constraint_forces")
+        _check_count("joint_forces", joint_forces, model)
+        ends = self._ends(data, constraint_data, reference_frame)
+        for joint, projection in ends:
+            joint_forces[joint] = joint_forces[joint] + Force(projection.T @ force)
+        return np.zeros(model.nv) if ends else self.jacobian(model, data, constraint_data).T @ force
+
+    def mapJointSpaceToConstraintMotion(
+        self,
+        model: Model,
+        data: Data,
+        constraint_data: Any,
+        joint_motions: Any,
+        joint_generalized_velocity: Any,
+        reference_frame: ReferenceFrame = ReferenceFrame.LOCAL,
+    ) -> Floats:
+        """The velocity of its rows that velocities of the joints are: mapConstraintForceToJointSpace the other way.
+
+        Args:
+            joint_motions: A Motion for each joint, in the axes of `reference_frame`: of constraints between two frames.
+            joint_generalized_velocity: Velocities (nv,) [rad/s or m/s]: of limits and frictions of joints.
+            reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED.
+
+        Returns:
+            Velocities of its rows (residualSize,) [m/s or rad/s].
+        """
+        velocity = vector(joint_generalized_velocity, model.nv, "joint_generalized_velocity")
+        _check_count("joint_motions", joint_motions, model)
+        ends = self._ends(data, constraint_data, reference_frame)
+        if not ends:
+            return self.jacobian(model, data, constraint_data) @ velocity
+        out = np.zeros(self.residualSize())
+        for joint, projection in ends:
+            out += projection @ joint_motions[joint].vector
+        return out
+
+    def appendCouplingConstraintInertias(self, *args: Any) -> None:
+        """Not offered: the articulated inertias of the constrained recursion are not kept.
+
+        Raises:
+            InputError: Always.
+        """
+        raise InputError(
+            "appendCouplingConstraintInertias adds to `data.oYaba_augmented`, a workspace of Pinocchio's recursions "
+            "that is not kept here. constraintDynamics, lcaba and computeDampedDelassusMatrixInverse take constraints "
+            "as they are; computeConstraintSpatialInertia returns the inertia itself."
+        )
+
 
 class AnyConstraintData(_NamedAndCompared):
     """The data of a constraint."""
@@ -146,6 +267,19 @@ class ConstraintData(metaclass=_Variant):
     @by_name("constraint_data")
     def __init__(self, constraint_data: Any) -> None:
         """Not called: what is made is `constraint_data`."""
+
+
+def _check_count(name: str, entries: Any, model: Model) -> None:
+    """Raises WrongShape where there is not an entry for each joint."""
+    if len(entries) != model.njoints:
+        raise WrongShape(name, (len(entries),), f"({model.njoints},), one for each joint")
+
+
+def _rows_of(value: Any, rows: int) -> Floats:
+    array = numbers(value, "matrix")
+    if array.ndim not in (1, 2) or array.shape[0] != rows:
+        raise WrongShape("matrix", array.shape, f"({rows},) or ({rows}, k)")
+    return array
 
 
 def _equal(a: Any, b: Any) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import _Named
+from pinocchio._containers.files import register
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3
 from ulna.errors import InputError
@@ -63,11 +64,19 @@ class BaumgarteCorrectorParameters:
     def Kd(self, value: float) -> None:
         self._v[1] = value
 
+    @classmethod
+    def _of(cls, gains: Any) -> BaumgarteCorrectorParameters:
+        """Gains that an array holds."""
+        return cls(*gains)
+
     def __eq__(self, other: object) -> bool:
         same = isinstance(other, BaumgarteCorrectorParameters)
         return same and (self.Kp, self.Kd) == (other.Kp, other.Kd)
 
     __hash__ = None  # type: ignore[assignment]
+
+
+register(BaumgarteCorrectorParameters)
 
 
 class FramePair:

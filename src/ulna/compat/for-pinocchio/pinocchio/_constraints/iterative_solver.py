@@ -100,6 +100,7 @@ class ConstraintSolverResult:
         "_impulse_guess",
         "_impulses",
         "_velocities",
+        "_velocity_guess",
         "complementarity",
         "converged",
         "dual_feasibility",
@@ -109,6 +110,7 @@ class ConstraintSolverResult:
 
     def __init__(self) -> None:
         self._impulse_guess: Floats | None = None
+        self._velocity_guess: Floats | None = None
         self.reset()
 
     def reset(self) -> None:
@@ -117,6 +119,10 @@ class ConstraintSolverResult:
         self._velocities: Floats | None = None
         self.converged, self.iterations = False, 0
         self.primal_feasibility = self.dual_feasibility = self.complementarity = -1.0
+
+    def resize(self, problem_size: int) -> None:
+        """Forgets the solution; the next search sizes it by itself."""
+        self.reset()
 
     def isValid(self) -> bool:
         """Whether it holds a solution."""
@@ -160,6 +166,14 @@ class ConstraintSolverResult:
     def clearConstraintImpulseGuess(self) -> None:
         """Lets the next search start from no impulses."""
         self._impulse_guess = None
+
+    def setConstraintVelocityGuess(self, velocity_guess: Any) -> None:
+        """Velocities that the next search of ADMM starts from; PGS starts from impulses alone."""
+        self._velocity_guess = vector(velocity_guess, np.size(velocity_guess), "velocity_guess").copy()
+
+    def clearConstraintVelocityGuess(self) -> None:
+        """Lets the next search start from the velocities that follow from the impulses."""
+        self._velocity_guess = None
 
 
 class IterativeSolver:

@@ -27,6 +27,11 @@ __all__ = [
 ]
 
 
+@final
+class NoGains(InputError, RuntimeError):
+    """A constraint has no gains against drift; Pinocchio raises a RuntimeError."""
+
+
 class _OfJoints(AnyConstraint):
     """Rows that are single velocities of joints, or their opposites."""
 
@@ -57,13 +62,17 @@ class _OfJoints(AnyConstraint):
         """How many rows it has."""
         return len(self._rows())
 
+    def _selected(self, sel: Any) -> list[int]:
+        """The indices of the active rows among all, or of all (MAXIMAL)."""
+        return list(range(len(self._compliance)))
+
     def retrieveCompliance(self, sel: Any = ConstraintSelectionType.CURRENT) -> Floats:
-        """The compliance of its rows."""
-        return self._compliance[: self.residualSize()].copy()
+        """The compliance of its active rows, or of all (MAXIMAL)."""
+        return self._compliance[self._selected(sel)]
 
     def setCompliance(self, vec: Any, sel: Any = ConstraintSelectionType.CURRENT) -> None:
-        """Sets the compliance of its rows."""
-        self._compliance[: self.residualSize()] = vector(vec, self.residualSize(), "vec")
+        """Sets the compliance of its active rows, or of all (MAXIMAL)."""
+        self._compliance[self._selected(sel)] = vector(vec, self.residualSize(sel), "vec")
 
     def jacobian(self, model: Model, data: Any, constraint_data: Any) -> Floats:
         """The Jacobian (residualSize, nv): one entry of one, or minus one, in each row."""
@@ -120,6 +129,20 @@ class JointFrictionConstraintModel(_OfJoints):
 
     def _joints_of_row(self, row: int) -> tuple[int, ...]:
         return (self._joint_of_row[row],)
+
+    def setBaumgarteCorrectorParameters(
+        self, bp: BaumgarteCorrectorParameters, sel: Any = ConstraintSelectionType.CURRENT
+    ) -> None:
+        """Not offered, as in Pinocchio: friction has no drift.
+
+        Args:
+            bp: The gains.
+            sel: Accepted and ignored.
+
+        Raises:
+            NoGains: Always.
+        """
+        raise NoGains("Dry friction has no drift, and no gains against it; constraints between frames have.")
 
     def createData(self) -> JointFrictionConstraintData:
         """What is known of it at a state."""
@@ -227,6 +250,9 @@ class JointLimitConstraintModel(_OfJoints):
         self._margins = [float(near[q]) for q, *_ in rows]
         self._compliance = np.zeros(len(rows))
         self.makeSelectionMaximal()
+
+    def _selected(self, sel: Any) -> list[int]:
+        return super()._selected(sel) if sel == ConstraintSelectionType.MAXIMAL else self._active
 
     def makeSelectionMaximal(self) -> None:
         """Makes all rows active."""

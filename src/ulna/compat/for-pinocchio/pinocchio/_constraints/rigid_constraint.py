@@ -20,7 +20,8 @@ from pinocchio._data.data import Data
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Force, Motion
 from pinocchio._spatial.se3 import SE3
-from ulna.errors import InputError
+from ulna.errors import InputError, nearest
+from ulna.typing import Floats
 
 __all__ = ["RigidConstraintData"]
 
@@ -108,6 +109,10 @@ class RigidConstraint(FramePair):
 
     size = residualSize
 
+    def retrieveCompliance(self, sel: Any = ConstraintSelectionType.CURRENT) -> Floats:
+        """The compliance of its rows: none, zeros."""
+        return np.zeros(self.residualSize())
+
     def _shape(self) -> tuple[int, bool, int, int]:
         """What a kernel depends on: rows, whether they are written in local axes, the joints."""
         local = self.reference_frame == ReferenceFrame.LOCAL
@@ -158,9 +163,32 @@ class RigidConstraintData:
             np.matmul(oMi[joint], place, out=blocks[name])
         blocks["c1Mc2"][:] = self._views["oMc1"].actInv(self._views["oMc2"])._m
 
+    def __getattr__(self, name: str) -> Any:
+        if name in _NOT_KEPT:
+            raise AttributeError(
+                f"RigidConstraintData has no field {name!r}: intermediate results of recursions are not kept. Read "
+                "contact_acceleration_error, contact_velocity_error, contact1_velocity or contact2_velocity."
+            )
+        near = nearest(name, _FIELDS, 1, 0.6)
+        raise AttributeError(
+            f"RigidConstraintData has no field {name!r}." + (f" Did you mean {near[0]!r}?" if near else "")
+        )
+
     def __repr__(self) -> str:
         force = self._views["contact_force"].vector.round(6).tolist()
         return f"<RigidConstraintData of {self._size} rows, force {force}>"
+
+
+_FIELDS = (*_PLACES, *_MOTIONS, "contact_force", "contact_acceleration_desired")
+_NOT_KEPT = (
+    "contact1_acceleration_drift",
+    "contact2_acceleration_drift",
+    "contact_acceleration",
+    "contact_acceleration_deviation",
+    "extended_motion_propagators_joint1",
+    "extended_motion_propagators_joint2",
+    "lambdas_joint1",
+)
 
 
 def _field(name: str) -> property:
@@ -176,7 +204,7 @@ def _field(name: str) -> property:
 
 
 _DEFERRED = frozenset((*_PLACES, *_MOTIONS))
-for _name in (*_PLACES, *_MOTIONS, "contact_force", "contact_acceleration_desired"):
+for _name in _FIELDS:
     setattr(RigidConstraintData, _name, _field(_name))
 
 

@@ -49,6 +49,8 @@ def path_of(file: Any) -> str:
 class Saved:
     """An object that can be saved to files and loaded from them."""
 
+    __slots__ = ()
+
     def saveToString(self) -> str:
         """Its numbers as JSON."""
         return json.dumps(_plain(self))

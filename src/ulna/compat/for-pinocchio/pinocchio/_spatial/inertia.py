@@ -17,13 +17,29 @@ from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.small_kernels import FORCES, INERTIAS, small_kernel
 from pinocchio._spatial.symmetric3 import Symmetric3
 from ulna import spatial
-from ulna.typing import Floats
+from ulna.errors import InputError, excerpt
+from ulna.numeric import less, where
+from ulna.typing import Array, Floats
 
 if TYPE_CHECKING:
     from pinocchio._spatial.pseudo_inertia import LogCholeskyParameters, PseudoInertia
 
 
 _new = object.__new__
+
+
+@final
+class InvalidInertia(InputError, RuntimeError):
+    """A matrix is no inertia; Pinocchio raises a RuntimeError."""
+
+    @classmethod
+    def of(cls, inertia: Any) -> InvalidInertia:
+        """The error for a matrix."""
+        rows = excerpt(repr(np.asarray(inertia).tolist()))
+        return cls(
+            f"The inertia is {rows}; expected a symmetric matrix without negative moments on its diagonal, about the "
+            "centre of mass."
+        )
 
 
 @final
@@ -37,12 +53,16 @@ class Inertia:
         if len(parts) == 3 and type(parts[0]) is float:
             numbers = without_gaps(_PARTS["parts"], *parts[1:])
             if numbers is not NotImplemented:
+                if numbers.item(0) != 1.0:
+                    raise InvalidInertia.of(parts[2])
                 numbers[0], self._p = parts[0], numbers
                 return
         self._p = np.zeros(13)  # mass, lever, inertia row by row
         if len(parts) == 3:
             self._p[0] = real(parts[0], "mass")
             self.lever, self.inertia = parts[1], parts[2]
+            if _PARTS["parts"](self._p[1:4], self._p[4:].reshape(3, 3)).item(0) != 1.0:
+                raise InvalidInertia.of(parts[2])
         elif len(parts) == 1:
             self._assign(parts[0])
         elif parts:
@@ -353,9 +373,20 @@ class Inertia:
     __repr__ = __str__
 
 
+def _is_inertia(I: Array) -> Any:
+    """1 for a symmetric matrix (3, 3) without negative entries on its diagonal, as Pinocchio checks it; else 0."""
+    apart = sum((I[i, j] - I[j, i]) * (I[i, j] - I[j, i]) for i, j in ((0, 1), (0, 2), (1, 2)))
+    size = sum(x * x for x in I.reshape(9))
+    valid = where(less(2.0 * apart, 1e-24 * size + 1e-300), 1.0, 0.0)
+    for k in range(3):
+        valid = where(less(I[k, k], 0.0), 0.0, valid)
+    return valid
+
+
 _MADE = BoundFunctions(INERTIAS, holder=Inertia)
 _FORCES = BoundFunctions(FORCES, holder=Force)
 _PARTS = BoundFunctions(
-    {"parts": (lambda lever, I: np.concatenate([[0.0], lever, I.reshape(9)]), (3,), (3, 3))}, exact=True
+    {"parts": (lambda lever, I: np.concatenate([[_is_inertia(I)], lever, I.reshape(9)]), (3,), (3, 3))},
+    exact=True,
 )
 register(Inertia)

@@ -1,1 +1,0 @@
-"""Methods of traced functions beside calls: derivatives, packed matrices, pictures."""
