@@ -29,7 +29,7 @@ from ulna.compiler.procedures import Array1, Array2, Kernel, f32, procedure
 from ulna.errors import ModelWarning
 from ulna.planning import Planner
 from ulna.planning.edges import blocks_of_edge, edge_touches
-from ulna.planning.workspace import COARSE
+from ulna.planning.workspace import COARSE, Workspace, thread_storage
 
 FIRST = """
 import sys, time, warnings
@@ -71,37 +71,52 @@ def _check_edges(
     return states
 
 
-def edges(robot: ulna.Robot, planner: Planner, problem: Any, count: int = 300) -> None:
-    """Prints the time of free edges, a state, both planners in turns on the same edges."""
-    q = robot.random_configuration(40 * count, seed=2).astype(np.float32)
-    a, b = q[: 20 * count], q[20 * count :]
-    workspace = planner._search._workspace(COARSE[0])
-    touches = np.zeros(len(a), np.int64)
+def _free_walk(
+    robot: ulna.Robot, problem: Any, is_free: Callable[[Any, Any], bool], length: float, count: int
+) -> Any:
+    """Configurations, each joined to the next by a motion of at most a length that both planners find free."""
+    random = np.random.default_rng(2)
+    points, q = [], problem.start.astype(np.float32)
+    while len(points) < count:
+        target = random.uniform(robot.limits.lower, robot.limits.upper)
+        part = min(1.0, length / np.linalg.norm(target - q))
+        step = (q + part * (target - q)).astype(np.float32)
+        path = vamp.panda.Path()
+        path.append(q)
+        path.append(step)
+        if path.validate(problem.environment) and is_free(q[None], step[None]):
+            points.append(q)
+            q = step
+    return np.array(points)
 
-    def ours() -> int:
-        return workspace.call(_check_edges, np.float32(workspace.step), a, b, touches)
 
-    ours()
-    there = [vamp.panda.validate(p, problem.environment) for p in a]
-    both = [
-        k
-        for k in np.flatnonzero(touches == 0)
-        if there[k] and vamp.panda.validate_motion(a[k], b[k], problem.environment)
-    ][:count]
-    a, b, touches = a[both], b[both], np.zeros(len(both), np.int64)
-    length = np.linalg.norm(b - a, axis=1)
-    resolution, rake = vamp.panda.resolution(), 8
-    states_there = int((np.maximum(np.ceil(length / rake * resolution), 1) * rake).sum())
+def edges(robot: ulna.Robot, planner: Planner, problem: Any, length: float, count: int = 1_000) -> None:
+    """Prints the time of free edges, a state, both planners in turns along the same path.
+
+    VAMP checks a path at the resolution of its search; its `validate_motion` in Python would take one state a radian.
+    """
+    workspace = Workspace(planner.scene, thread_storage(robot.nq), 0.0, 0.01, 1.0, COARSE[0])
+    touches, step = np.zeros(count - 1, np.int64), np.float32(workspace.step)
+
+    def is_free(a: Any, b: Any) -> bool:
+        return workspace.call(_check_edges, step, a, b, touches[:1]) > 0
+
+    points = _free_walk(robot, problem, is_free, length, count)
+    a, b, path = points[:-1].copy(), points[1:].copy(), vamp.panda.Path()
+    ours = workspace.bound(_check_edges, step, a, b, touches)
+    for q in points:
+        path.append(q)
+    assert path.validate(problem.environment)
     states = ours()
-
-    def theirs() -> None:
-        for p, r in zip(a, b, strict=True):
-            vamp.panda.validate_motion(p, r, problem.environment)
-
-    us = medians({"Ulna": ours, "VAMP": theirs}, 3, 15)
+    assert not touches.any()
+    lengths = np.linalg.norm(b - a, axis=1)
+    rake = 8
+    states_there = int((np.maximum(np.ceil(lengths / rake * vamp.panda.resolution()), 1) * rake).sum())
+    us = medians({"Ulna": ours, "VAMP": lambda: path.validate(problem.environment)}, 3, 15)
     print(
-        f"{len(both)} free edges of {length.mean():.1f} rad, us a state: Ulna {us['Ulna'] / states:.3f} ({states} states), "
-        f"VAMP {us['VAMP'] / states_there:.3f} ({states_there} states, one call from Python an edge)"
+        f"{count - 1} free edges of {lengths.mean():.1f} rad, us a state: "
+        f"Ulna {us['Ulna'] / states:.4f} ({states} states), VAMP {us['VAMP'] / states_there:.4f} ({states_there} states); "
+        f"us an edge: Ulna {us['Ulna'] / len(a):.2f}, VAMP {us['VAMP'] / len(a):.2f}"
     )
 
 
@@ -145,7 +160,8 @@ def main() -> None:
 
     planner = Planner(robot, problem.world)
     plan = planner.plan(q, problem.goal)
-    edges(robot, planner, problem)
+    for length in (1.0, 3.0, 9.0):
+        edges(robot, planner, problem, length)
     trajectories = {
         "plan": lambda: planner.plan(q, problem.goal),
         "plan and time": lambda: planner.plan(q, problem.goal).trajectory(acceleration=8.0),

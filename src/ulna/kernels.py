@@ -101,7 +101,7 @@ def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), *
         return replace(traced, columns=form)
     if quantity.columns is None or model.nv < _MIN_COLUMNS:
         return traced
-    from ulna.compiler.language.columns import with_columns
+    from ulna.compiler.forms.columns import with_columns
 
     return with_columns(traced, on_parameters(quantity.build_columns), **shapes, **extra)
 
@@ -230,7 +230,7 @@ def _deferred(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> Fu
     """A quantity in a second form, None without; single calls do not need the graph, which is traced when used."""
     if model.nv < _MIN_COLUMNS or (quantity.columns is None and quantity.stages is None):
         return None
-    from ulna.compiler.language.columns import DeferredFunction, column_form
+    from ulna.compiler.forms.columns import DeferredFunction, column_form
 
     check_size(
         model, quantity, chosen

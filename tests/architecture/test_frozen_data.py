@@ -10,7 +10,7 @@ import ulna
 SOURCE = Path(ulna.__file__).parents[1]  # what is imported: also where a copy of the sources is tried
 CHANGING = {
     "compiler/codegen/node_writer.py: Module",
-    "compiler/language/drawing.py: _Box",
+    "compiler/language/methods/drawing.py: _Box",
     "compat/for-pinocchio/pinocchio/_geometry/materials.py: GeometryNoMaterial",  # as Pinocchio has it
     "compat/for-roboticstoolbox/roboticstoolbox/_ets/ik_solution.py: IKSolution",  # as the toolbox has it
     "model/records.py: BuilderState",

@@ -21,7 +21,6 @@ LONGER = {
     "compat/for-pinocchio/pinocchio/_geometry/geometry_object.py: __init__",
     "compiler/codegen/elementary.py: _atan2",
     "compiler/codegen/sincos.py: reduced_function",
-    "compiler/language/function.py: trace",
     "compiler/runtime/array_call.py: __call__",
     "planning/goals.py: _of_array",
     "planning/planner.py: plan",

@@ -128,7 +128,7 @@ def _default_budget(solids: Mapping[str, object]) -> int:
 
 def _key(model: Model, contents: Mapping[str, str], tolerance: float, budget: int) -> str:
     """Where the spheres of a robot are stored."""
-    parts = [_VERSION, model, contents, link_pairs(model), tolerance, budget]
+    parts = [_VERSION, model.fingerprint, contents, link_pairs(model), tolerance, budget]
     return cache.key("spheres", fingerprint(parts))
 
 

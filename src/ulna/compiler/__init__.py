@@ -12,7 +12,7 @@ from ulna.system.deferred_names import deferred_names
 if TYPE_CHECKING:
     from ulna.compiler.language.function import Function as Function
     from ulna.compiler.language.function import trace as trace
-    from ulna.compiler.language.packing import Pattern as Pattern
+    from ulna.compiler.language.methods.packing import Pattern as Pattern
     from ulna.compiler.language.ports import Port as Port
     from ulna.compiler.runtime.kernel import KernelBase as KernelBase
     from ulna.compiler.runtime.kernel import compile as compile
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _FILES = {
     "Function": "language.function",
     "KernelBase": "runtime.kernel",
-    "Pattern": "language.packing",
+    "Pattern": "language.methods.packing",
     "Port": "language.ports",
     "compile": "runtime.kernel",
     "element_of": "runtime.kernel",

@@ -24,7 +24,7 @@ import numpy as np
 
 from ulna import numeric
 from ulna.compiler import Function, trace
-from ulna.compiler.language.lanes import choose, in_any_lane, lane, least
+from ulna.compiler.forms.lanes import choose, in_any_lane, lane, least
 from ulna.errors import InputError
 from ulna.ik.acceptance import acceptance, are_rotations, unwound
 from ulna.ik.problem import Errors, Problem, errors, step

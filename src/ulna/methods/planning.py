@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from ulna.methods.traced import only_numbers
@@ -13,6 +14,16 @@ if TYPE_CHECKING:
     from ulna.planning import Plan
 
 _TRACED = "Call it outside, and pass what it finds as an argument."
+
+
+@cache
+def _planner_function() -> Any:
+    """What plans; imported with the first plan, at once, since a collection of garbage would find none."""
+    from ulna.system.collector import paused_collection
+
+    with paused_collection():
+        from ulna.planning.planner import plan
+    return plan
 
 
 class MotionPlanning(Part):
@@ -54,7 +65,6 @@ class MotionPlanning(Part):
             >>> bool(path), path.is_certified
             (True, True)
         """
-        from ulna import planning
-
         only_numbers("robot.plan", _TRACED, q0)
-        return planning.plan(self, q0, goal, world, frame=frame, **options)
+        plan = _planner_function()
+        return plan(self, q0, goal, world, frame=frame, **options)

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache, partial
-from typing import Any, Literal, final, get_args
+from typing import TYPE_CHECKING, Any, Literal, final, get_args
 
 import numpy as np
 
@@ -20,17 +20,18 @@ from ulna.collision.pairs import checked_pairs
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.lazy import is_deferred
 from ulna.planning import deferred
-from ulna.planning.constrained import ConstrainedSearch
-from ulna.planning.exact_search import ExactSearch
 from ulna.planning.goals import goal_configurations, moving_columns
-from ulna.planning.path_constraints import Constraints, PathConstraint
 from ulna.planning.result import Plan
-from ulna.planning.roadmap import RoadmapSearch
 from ulna.planning.run import Options
 from ulna.planning.scenes import PlanningScene
 from ulna.planning.search import Search
 from ulna.system.progress import progress
 from ulna.typing import ArrayLike
+
+if TYPE_CHECKING:  # what only some plans need is imported where it is used
+    from ulna.planning.constrained import ConstrainedSearch
+    from ulna.planning.exact_search import ExactSearch
+    from ulna.planning.path_constraints import PathConstraint
 
 Method = Literal["spheres", "exact"]
 """What a search checks: covering spheres, or the real shapes through coal."""
@@ -183,6 +184,8 @@ class Planner:
         self._arguments = (robot, world), {"spheres": spheres, "pairs": pairs, "method": method, **numbers}
         self._is_exact, self._batches = method == "exact", 0
         if self._is_exact:
+            from ulna.planning.exact_search import ExactSearch
+
             _check_exact(spheres=spheres is None, step=step == _STEP, roadmap=not roadmap)
             self._search = ExactSearch(
                 self.model, World() if world is None else world, pairs, margin, longest
@@ -194,7 +197,7 @@ class Planner:
         self.scene = PlanningScene(robot_alone, checker.spheres, checker.pairs, world, checker.missing)
         size, self._lengths = _count("roadmap", roadmap, 0), (margin, step)
         lengths = (self.scene, margin, step, longest)
-        self._search = RoadmapSearch(*lengths, size) if size else Search(*lengths)
+        self._search = _roadmap_search(*lengths, size) if size else Search(*lengths)
         self._constrained: dict[tuple[PathConstraint, ...], ConstrainedSearch] = {}
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -274,9 +277,12 @@ class Planner:
 
     def _search_along(self, constraints: Any) -> Search | ExactSearch:
         """The search that keeps constraints."""
-        items = (constraints,) if isinstance(constraints, PathConstraint) else constraints
-        if items is None or (isinstance(items, Sequence) and not len(items)):
+        if constraints is None or (isinstance(constraints, Sequence) and not len(constraints)):
             return self._search
+        from ulna.planning.constrained import ConstrainedSearch
+        from ulna.planning.path_constraints import Constraints, PathConstraint
+
+        items = (constraints,) if isinstance(constraints, PathConstraint) else constraints
         if self._is_exact:
             _check_exact(constraints=False)
         if isinstance(items, str) or not isinstance(items, Iterable):
@@ -384,6 +390,12 @@ def _count(name: str, value: Any, least: int) -> int:
 
 def _seconds(timeout: Any) -> float:
     return np.inf if timeout == np.inf else number("timeout", timeout, "seconds, not below 0", least=0.0)
+
+
+def _roadmap_search(*arguments: Any) -> Search:
+    from ulna.planning.roadmap import RoadmapSearch
+
+    return RoadmapSearch(*arguments)
 
 
 @lru_cache(maxsize=16)

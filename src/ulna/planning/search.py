@@ -11,7 +11,6 @@ import numpy as np
 
 from ulna.collision.touches import deepest_touch
 from ulna.planning.certificate import Certificate, certify
-from ulna.planning.improvement import improved
 from ulna.planning.joint_box import JointBox
 from ulna.planning.result import Outcome, Plan
 from ulna.planning.run import Failure, Options, Run
@@ -129,6 +128,8 @@ class Search:
 
     def _improved(self, run: Run, points: Floats, goal: int) -> tuple[Floats, int]:
         """The shortest path that more samples find, and the number of its goal."""
+        from ulna.planning.improvement import improved  # for few plans
+
         run.workspace = self._workspace(COARSE[1])  # steps with which nearly every path can be proved
         return improved(
             run,

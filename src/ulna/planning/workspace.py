@@ -14,6 +14,7 @@ from ulna.planning import bounded_rrt, edges, rrt_connect, shortcuts
 from ulna.planning.edges import Proof
 from ulna.planning.rrt_connect import EVERYWHERE, FREE_PLACE, Growth
 from ulna.planning.trees import Trees
+from ulna.system.collector import paused_collection
 from ulna.typing import Floats
 
 SLICE = 512
@@ -115,6 +116,11 @@ class Workspace:
         if self._trees is s.trees and self._path is s.path and self._points is s.points:
             return
         self._trees, self._path, self._points = s.trees, s.path, s.points
+        with paused_collection():
+            self._bind_all(s)
+
+    def _bind_all(self, s: Storage) -> None:
+        """Binds the procedures that every search needs."""
         self._direct = self._bound(edges.first_direct_goal, self._tables, self.step, s.points, s.touching, 0)
         self._grow = self._bound(
             rrt_connect.grow, self._tables, self._growth, s.samples, 0, 0, s.points, s.touching, 0, s.trees
@@ -138,6 +144,18 @@ class Workspace:
             What it returns.
         """
         return _specialized(procedure, self._lanes)(self._kernel, self._tables, *arguments, self._work)
+
+    def bound(self, procedure: Any, *arguments: Any) -> Any:
+        """A procedure bound to the scene and to arrays that only the caller has, for many calls.
+
+        Args:
+            procedure: One that takes the kernel and the tables first, and working storage last.
+            *arguments: What it takes in between.
+
+        Returns:
+            What is called without arguments, and runs it.
+        """
+        return self._bound(procedure, self._tables, *arguments)
 
     def examine(self, q0: Floats, goals: Floats) -> tuple[list[bool], int]:
         """Which of start and goals are free, and the first goal straight ahead.

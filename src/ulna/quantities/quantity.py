@@ -28,7 +28,7 @@ from ulna.quantities.documentation import ARRAYS, Size, documented
 from ulna.quantities.mass import with_mass
 
 if TYPE_CHECKING:
-    from ulna.compiler.language.columns import Columns
+    from ulna.compiler.forms.columns import Columns
     from ulna.compiler.language.function import SecondForm
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -93,7 +93,7 @@ class Quantity:
         return with_mass(self._on)(model, **options) if self.inverts_mass else self._on(model, **options)
 
     def build_columns(self, model: Model, **options: Any) -> Callable[..., Columns]:
-        """The form of columns of the same function; see `ulna.compiler.language.columns`.
+        """The form of columns of the same function; see `ulna.compiler.forms.columns`.
 
         Args:
             model: The robot.

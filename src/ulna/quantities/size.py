@@ -58,7 +58,7 @@ def check_size(model: Model, quantity: Quantity, options: Mapping[str, Any]) -> 
     Raises:
         TooLargeError: The estimate is above `most_operations()`.
     """
-    from ulna.compiler.language.graph import most_operations, raise_too_large  # when the compiler is needed
+    from ulna.compiler.size_limit import most_operations, raise_too_large  # when the compiler is needed
 
     nodes = estimated_nodes(model, quantity, options)
     if nodes > most_operations():

@@ -15,7 +15,7 @@ from ulna.algorithms.dynamics.mass_matrix_factors import Factors, elimination_pa
 from ulna.compiler import Function, compile, trace
 from ulna.compiler.codegen.arithmetic import Arithmetic
 from ulna.compiler.codegen.module import emit_single
-from ulna.compiler.language.columns import Columns, row_places, with_columns
+from ulna.compiler.forms.columns import Columns, row_places, with_columns
 from ulna.compiler.runtime import jit
 from ulna.errors import TraceError
 from ulna.robot import Robot

@@ -11,7 +11,7 @@ import pytest
 
 from ulna import numeric as nm
 from ulna.compiler import compile, trace
-from ulna.compiler.language.drawing import LIMIT
+from ulna.compiler.language.methods.drawing import LIMIT
 from ulna.errors import InputError
 
 SVG = "{http://www.w3.org/2000/svg}"

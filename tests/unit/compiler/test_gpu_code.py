@@ -15,7 +15,7 @@ import pytest
 
 import ulna
 from ulna.compiler import trace
-from ulna.compiler.language.pressure import few_alive, most_alive
+from ulna.compiler.codegen.register_pressure import few_alive, most_alive
 from ulna.compiler.language.scheduling import parts
 from ulna.compiler.runtime.cuda_kernel import cuda_core
 from ulna.compiler.runtime.ptx import ptx, run_on_cpu

@@ -9,7 +9,7 @@ import pytest
 from ulna import numeric
 from ulna.compiler import compile, trace
 from ulna.compiler.codegen.arithmetic import Arithmetic
-from ulna.compiler.language.lanes import choose, in_any_lane, lane, least
+from ulna.compiler.forms.lanes import choose, in_any_lane, lane, least
 from ulna.compiler.runtime import jit
 from ulna.errors import TraceError
 

@@ -94,7 +94,7 @@ def test_a_record_counts_only_while_folders_and_numbers_are_the_same(
     file = folder / "code.py"
     file.write_text("x = 1\n")
     numbers: Any = (("ulna.planning.rrt_connect", "FREE_PLACE", 1e15),)
-    compiled = Compiled((("n", INT),), (F64,), frozenset({"a"}), (str(file),), numbers, "ir")
+    compiled = Compiled((("n", INT),), (F64,), frozenset({"a"}), (str(file),), numbers, "digest")
     import ulna.planning.rrt_connect as module
 
     procedure_cache.write("one", compiled)

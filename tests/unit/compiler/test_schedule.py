@@ -9,8 +9,8 @@ import pytest
 
 from ulna import numeric as nm
 from ulna.compiler import compile, trace
+from ulna.compiler.codegen.register_pressure import few_alive, most_alive
 from ulna.compiler.language.ops import TABLE, Op
-from ulna.compiler.language.pressure import few_alive, most_alive
 from ulna.compiler.language.scheduling import Sines, Store, made, parts, used
 
 schedule = import_module("ulna.compiler.language.scheduling")

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from ulna.compiler import compile, trace
+from ulna.compiler.forms.stages import StagedForm, Stages
 from ulna.compiler.language.function import Function
-from ulna.compiler.language.stages import StagedForm, Stages
 from ulna.compiler.runtime import jit
 from ulna.errors import TraceError
 

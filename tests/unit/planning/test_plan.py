@@ -349,6 +349,15 @@ def test_interpreter_and_checked_code_agree_with_machine_code() -> None:
     np.testing.assert_array_equal(results[0], results[2])
 
 
+def test_no_table_holds_subnormal_numbers_which_make_edges_slow() -> None:
+    tables = scene(panda().collision_checker(shelf(), method="spheres")).tables(0.01)
+    least = np.finfo(np.float32).tiny
+    for name, values in tables._asdict().items():
+        if isinstance(values, np.ndarray) and values.dtype == np.float32:
+            assert not ((values != 0.0) & (np.abs(values) < least)).any(), name
+    assert (tables.reach == 0.0).any()  # the last joints do not move the first links
+
+
 def test_bounds_of_motion_hold() -> None:
     """No sphere moves farther than the bound, and no two approach faster."""
     robot = panda()

@@ -39,7 +39,7 @@ from ulna.algorithms.dynamics.mass_matrix_factors import Factors, is_zero
 from ulna.algorithms.dynamics.rnea_point_accelerations import bias_forces
 from ulna.algorithms.kinematics.forward_kinematics import frame_velocity
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
-from ulna.compiler.language.columns import Columns
+from ulna.compiler.forms.columns import Columns
 from ulna.errors import InputError
 from ulna.model import Model
 from ulna.model.constraint import End, FramePair

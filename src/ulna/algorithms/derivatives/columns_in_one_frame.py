@@ -38,7 +38,7 @@ from ulna.algorithms.derivatives.inverse_dynamics import State, Subtree, states_
 from ulna.algorithms.multibody.mass_moments import MassMoments
 from ulna.algorithms.multibody.prepared_model import prepare
 from ulna.algorithms.multibody.tree import shares_velocities
-from ulna.compiler.language.stages import PairFunction, Stages
+from ulna.compiler.forms.stages import PairFunction, Stages
 from ulna.model import Model
 from ulna.numeric import apply, dot
 from ulna.spatial import SE3, Force, Motion
@@ -260,7 +260,7 @@ class OneFrame:
     def matrices(
         self, below: PairFunction, above: PairFunction, writes: Mapping[str, Sequence[float] | None]
     ) -> None:
-        """Matrices of pairs of columns; see `ulna.compiler.language.stages.Pairs`.
+        """Matrices of pairs of columns; see `ulna.compiler.forms.stages.Pairs`.
 
         Args:
             below: Has s as its own column, and scalar products with it as results, in the order of the other tables.

@@ -22,7 +22,7 @@ from ulna.algorithms.dynamics.forward_dynamics import by_mass_matrix
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors, is_zero
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.external_forces import External
-from ulna.compiler.language.columns import Columns
+from ulna.compiler.forms.columns import Columns
 from ulna.model import Model
 from ulna.typing import Array
 

@@ -31,9 +31,9 @@ from ulna.algorithms.derivatives.columns_in_one_frame import (
 from ulna.algorithms.dynamics.center_of_mass import total_mass
 from ulna.algorithms.dynamics.coriolis import MovingBodies
 from ulna.algorithms.dynamics.mass_matrix_factors import rows_of_factors, solution_by_rows
-from ulna.compiler.language.columns import ColumnForm, row_places
+from ulna.compiler.forms.columns import ColumnForm, row_places
+from ulna.compiler.forms.stages import StagedForm
 from ulna.compiler.language.function import trace
-from ulna.compiler.language.stages import StagedForm
 from ulna.model import Model
 from ulna.numeric import apply, cross, dot
 from ulna.spatial import Force

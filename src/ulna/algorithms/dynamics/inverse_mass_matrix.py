@@ -16,7 +16,7 @@ from __future__ import annotations
 from ulna.algorithms.dynamics.crba import mass_matrix
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors, columns_of_inverse
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
-from ulna.compiler.language.columns import Columns
+from ulna.compiler.forms.columns import Columns
 from ulna.model import Model
 from ulna.typing import Array
 

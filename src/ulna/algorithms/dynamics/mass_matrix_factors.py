@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from ulna.algorithms.dynamics.pivots import ZeroPivot
-from ulna.compiler.language.columns import Columns, row_places
+from ulna.compiler.forms.columns import Columns, row_places
 from ulna.linalg import reciprocal_above
 from ulna.numeric import matrix
 from ulna.typing import Array
@@ -206,7 +206,7 @@ def rows_of_factors(M: Array, paths: Sequence[Sequence[int]]) -> Array:
         paths: For each row the columns before the diagonal, as from `elimination_paths`.
 
     Returns:
-        The vector, shape (size,); for size and places see `ulna.compiler.language.columns.row_places`.
+        The vector, shape (size,); for size and places see `ulna.compiler.forms.columns.row_places`.
     """
     places, size = row_places(paths)
     table = np.zeros(size, dtype=object)

@@ -21,7 +21,6 @@ from ulna import disk_cache
 from ulna.algorithms import joint_poses
 from ulna.collision.lanes.motion_bounds import Group
 from ulna.model import Model
-from ulna.model.content import fingerprint
 from ulna.spatial import SE3
 from ulna.typing import Array, Floats
 
@@ -34,7 +33,7 @@ _FIRST = 0.2  # two points approach by no more in a first cell [m]
 _MIN_APPROACH = 0.002  # cells in which they approach by no more than this are not divided [m]
 
 
-_VERSION = "meeting spheres 1"
+_VERSION = "meeting spheres 2"
 
 
 def meeting_spheres(
@@ -56,7 +55,7 @@ def meeting_spheres(
     sizes = [(len(groups[a].radii), len(groups[b].radii)) for a, b in pairs]
     ends = np.cumsum([0, *(m * n for m, n in sizes)]).tolist()
     content = [part for group in groups for part in (group.centres.tobytes(), group.radii.tobytes())]
-    name = disk_cache.key(_VERSION, fingerprint(model), repr((RESERVE, pairs)), approach.tobytes(), *content)
+    name = disk_cache.key(_VERSION, model.fingerprint, repr((RESERVE, pairs)), approach.tobytes(), *content)
     stored = disk_cache.read(name)
     if stored is not None and len(stored) == -(-ends[-1] // 8):
         bits = np.unpackbits(np.frombuffer(stored, np.uint8), count=ends[-1]).astype(bool)

@@ -91,7 +91,8 @@ class Moving:
         """The tables that do not depend on obstacles, by name; radii without a margin."""
         lanes, reach = self.kernel.lanes, self.bounds_of_motion[0].T.astype(np.float32)
         filled = np.zeros((self.model.nq, -(-len(self.groups) // lanes) * lanes), np.float32)
-        filled[:, : len(self.groups)] = np.nextafter(reach, np.float32(np.inf))
+        # what does not move stays 0: the number after 0 is subnormal, and a product with it takes 100 cycles
+        filled[:, : len(self.groups)] = np.where(reach > 0.0, np.nextafter(reach, np.float32(np.inf)), 0.0)
         centres, radii = (
             np.concatenate([getattr(g, name) for g in self.groups]) for name in ("centres", "radii")
         )

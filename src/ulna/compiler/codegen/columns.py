@@ -16,9 +16,10 @@ from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.row_factors import write_row_factors
 from ulna.compiler.codegen.target import Target
-from ulna.compiler.language.function import ColumnForm, Function, trace
+from ulna.compiler.forms.columns import ColumnForm
+from ulna.compiler.forms.stages import StagedForm
+from ulna.compiler.language.function import Function, trace
 from ulna.compiler.language.ops import Op
-from ulna.compiler.language.stages import StagedForm
 
 _MAX_SCRATCH = 400_000  # of the matrices, which lie on the stack [byte]
 _NARROWEST = 32  # registers that are worth it [byte]

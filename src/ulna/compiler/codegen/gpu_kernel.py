@@ -11,11 +11,11 @@ from collections.abc import Sequence
 
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
 from ulna.compiler.codegen.node_writer import Module, Writer
+from ulna.compiler.codegen.register_pressure import few_alive
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ops import Op
-from ulna.compiler.language.pressure import few_alive
 from ulna.compiler.language.scheduling import Sines, Store
 
 GLOBAL = "ptr addrspace(1)"

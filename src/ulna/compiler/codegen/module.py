@@ -18,10 +18,11 @@ from ulna.compiler.codegen.rows import load
 from ulna.compiler.codegen.stages import write_stages
 from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.target import Target
-from ulna.compiler.language.function import ColumnForm, Function, SecondForm
+from ulna.compiler.forms.columns import ColumnForm
+from ulna.compiler.forms.stages import StagedForm
+from ulna.compiler.language.function import Function, SecondForm
 from ulna.compiler.language.ops import Op
 from ulna.compiler.language.scheduling import parts, scratch_places
-from ulna.compiler.language.stages import StagedForm
 
 
 def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: int, target: Target) -> None:

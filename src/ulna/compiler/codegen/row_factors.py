@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from ulna.compiler.codegen.ir_text import BYTES, Lanes
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.target import Target
-from ulna.compiler.language.columns import PADDING, row_places
+from ulna.compiler.forms.columns import PADDING, row_places
 from ulna.compiler.language.graph import Graph
 
 

@@ -1,4 +1,4 @@
-"""Writes a function in its form of stages: see `ulna.compiler.language.stages`.
+"""Writes a function in its form of stages: see `ulna.compiler.forms.stages`.
 
 A table has a row for each number of a column, so that the same number of as many columns as there are lanes is one
 load. Rows are padded to a multiple of the lanes with zeros, so that no lane computes with what is left in memory.
@@ -15,10 +15,10 @@ from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.row_factors import write_row_factors
 from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.target import Target
+from ulna.compiler.forms.stages import Factors, Pairs, Stage, StagedForm, names_of
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ops import Op
 from ulna.compiler.language.scheduling import parts, scratch_places
-from ulna.compiler.language.stages import Factors, Pairs, Stage, StagedForm, names_of
 
 
 def write_stages(module: Module, name: str, form: StagedForm, target: Target, element: DType) -> None:

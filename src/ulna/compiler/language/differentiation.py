@@ -1,7 +1,7 @@
-"""Forward and reverse derivatives, from graph to graph, with the partials of the table of operations.
+"""Forward and reverse sweeps over a graph, with the partial derivatives of the table of operations.
 
-Both sweeps work on a copy of the function's graph, so shared subexpressions of value and derivative are computed
-once. A `where` passes the derivative of the branch that is taken, whatever the other one is.
+Sweeps add derivatives to a copy of the function's graph, so that equal parts of value and derivatives are one node. A
+`where` passes the derivative of the branch that is taken, whatever the other one is.
 Reference: Griewank and Walther 2008, chapters 3.1 and 3.2.
 """
 
@@ -16,138 +16,40 @@ from ulna.compiler.language.ops import TABLE, Op
 from ulna.compiler.language.scalar import Condition, Scalar, index_in
 from ulna.errors import TraceError
 
-Derivative = tuple[Graph, list[int]]
-"""A new graph and its output nodes."""
 
-
-def jvp(graph: Graph, results: Sequence[int]) -> Derivative:
-    """Tangents of `results`, from the inputs of `graph` and then their tangents.
+def copy_of(graph: Graph, results: Sequence[int]) -> tuple[Graph, list[int], list[int]]:
+    """A graph that sweeps may add derivatives to.
 
     Args:
-        graph: The graph of the function; it stays as it is.
+        graph: The graph of a function; it stays as it is.
         results: The nodes of its results.
 
     Returns:
-        A new graph with the inputs of `graph` and as many tangents, and the nodes of the tangents of `results`.
+        A copy with all inputs, the nodes of its inputs, and those of `results`.
     """
-    g, primals, outputs = _copy(graph, results)
-    tangents = [g.input() for _ in primals]
-    return g, _forward(g, dict(zip(primals, tangents, strict=True)), outputs)
-
-
-def vjp(graph: Graph, results: Sequence[int]) -> Derivative:
-    """Cotangents of the inputs of `graph`, from the inputs and then the cotangents of `results`.
-
-    Args:
-        graph: The graph of the function; it stays as it is.
-        results: The nodes of its results.
-
-    Returns:
-        A new graph with the inputs of `graph` and the cotangents of `results`, and the nodes of the cotangents of
-        the inputs.
-    """
-    g, primals, outputs = _copy(graph, results)
-    seeds = [g.input() for _ in outputs]
-    return g, _reverse(g, list(zip(outputs, seeds, strict=True)), primals)
-
-
-def jacobian(graph: Graph, results: Sequence[int], wrt: range) -> Derivative:
-    """Derivatives of every result by the inputs numbered `wrt`, row-major.
-
-    Takes as many forward sweeps as `wrt` has inputs, or as many reverse sweeps as there are results, whichever is
-    fewer; equal parts of the sweeps are shared by the graph.
-
-    Args:
-        graph: The graph of the function; it stays as it is.
-        results: The nodes of its results.
-        wrt: Numbers of the inputs to differentiate by.
-
-    Returns:
-        A new graph with the inputs of `graph`, and the nodes of the derivatives, `len(results) * len(wrt)` of
-        them.
-    """
-    g, primals, outputs = _copy(graph, results)
-    chosen = [primals[k] for k in wrt]
-    if len(chosen) > len(outputs):
-        return g, [bar for y in outputs for bar in _reverse(g, [(y, g.constant(1.0))], chosen)]
-    columns = [_forward(g, {x: g.constant(1.0)}, outputs) for x in chosen]
-    return g, [column[row] for row in range(len(outputs)) for column in columns]
-
-
-def value_and_gradient(graph: Graph, results: Sequence[int], wrt: range) -> Derivative:
-    """The only result and its derivatives by the inputs numbered `wrt`, by one reverse sweep.
-
-    Args:
-        graph: The graph of the function; it stays as it is.
-        results: The node of its result.
-        wrt: Numbers of the inputs to differentiate by.
-
-    Returns:
-        A new graph with the inputs of `graph`, and the nodes of the result and of `len(wrt)` derivatives.
-    """
-    g, primals, outputs = _copy(graph, results)
-    gradient = _reverse(g, [(outputs[0], g.constant(1.0))], [primals[k] for k in wrt])
-    return g, [outputs[0], *gradient]
-
-
-def hessian(graph: Graph, results: Sequence[int], wrt: range) -> Derivative:
-    """Second derivatives of every result by the inputs numbered `wrt`, row-major, forward over reverse.
-
-    Only the entries on and above the diagonal are computed; equal parts of the sweeps are shared by the graph.
-
-    Args:
-        graph: The graph of the function; it stays as it is.
-        results: The nodes of its results.
-        wrt: Numbers of the inputs to differentiate by.
-
-    Returns:
-        A new graph with the inputs of `graph`, and the nodes of the derivatives, `len(results) * len(wrt)**2` of
-        them.
-    """
-    g, primals, outputs = _copy(graph, results)
-    chosen = [primals[k] for k in wrt]
-    entries: list[int] = []
-    for y in outputs:
-        gradient = _reverse(g, [(y, g.constant(1.0))], chosen)
-        upper = [_forward(g, {x: g.constant(1.0)}, gradient[: k + 1]) for k, x in enumerate(chosen)]
-        entries += [upper[max(i, k)][min(i, k)] for i in range(len(chosen)) for k in range(len(chosen))]
-    return g, entries
-
-
-def hvp(graph: Graph, results: Sequence[int], wrt: range) -> Derivative:
-    """The product of the only result's Hessian with a vector, forward over reverse.
-
-    Args:
-        graph: The graph of the function; it stays as it is.
-        results: The node of its result.
-        wrt: Numbers of the inputs to differentiate by.
-
-    Returns:
-        A new graph with the inputs of `graph` and the `len(wrt)` numbers of the vector, and the nodes of the product.
-    """
-    g, primals, outputs = _copy(graph, results)
-    chosen = [primals[k] for k in wrt]
-    vector = [g.input() for _ in chosen]
-    gradient = _reverse(g, [(outputs[0], g.constant(1.0))], chosen)
-    return g, _forward(g, dict(zip(chosen, vector, strict=True)), gradient)
-
-
-def _copy(graph: Graph, results: Sequence[int]) -> tuple[Graph, list[int], list[int]]:
-    """A copy of the graph with all its inputs, its input nodes and the nodes of `results`."""
     g = Graph(relaxed=graph.relaxed, lanes=graph.lanes)
     primals = [g.input() for _ in graph.inputs]
     return g, primals, copied(g, graph, results, primals)
 
 
-def _forward(g: Graph, tangents: dict[int, int], outputs: Sequence[int]) -> list[int]:
-    """Tangents of `outputs` where node x has tangent `tangents[x]` and every other input has none."""
+def forward(g: Graph, tangents: dict[int, int], outputs: Sequence[int]) -> list[int]:
+    """One sweep that adds the tangents of `outputs` to a graph.
+
+    Args:
+        g: The graph, which takes the new nodes.
+        tangents: For nodes x their tangents; every other input has none.
+        outputs: Nodes.
+
+    Returns:
+        The nodes of the tangents of `outputs`.
+    """
     d: dict[int, Scalar] = {x: Scalar(g, t) for x, t in tangents.items()}
     loops: dict[int, dict[int, int]] = {}  # tangents of the states of loops
     for index in g.live(outputs):
         if index in d or g.op[index] in (Op.INPUT, Op.CONST, Op.BOOL, Op.LANE):
             continue
         if g.op[index] == Op.LOOP:
-            made = forward_loop(g, index, {x: t.index for x, t in d.items()}, loops, _forward)
+            made = forward_loop(g, index, {x: t.index for x, t in d.items()}, loops, forward)
             if made:
                 loops[index] = made
             continue
@@ -218,8 +120,17 @@ def _where(condition: Condition | None, value: Any) -> Any:
     return value if condition is None else condition._where_(value, 0.0)
 
 
-def _reverse(g: Graph, seeds: Sequence[tuple[int, int]], inputs: Sequence[int]) -> list[int]:
-    """Cotangents of `inputs` where output y has cotangent `seed`."""
+def reverse(g: Graph, seeds: Sequence[tuple[int, int]], inputs: Sequence[int]) -> list[int]:
+    """One sweep that adds the cotangents of `inputs` to a graph.
+
+    Args:
+        g: The graph, which takes the new nodes.
+        seeds: Pairs of an output and its cotangent.
+        inputs: Nodes.
+
+    Returns:
+        The nodes of the cotangents of `inputs`.
+    """
     order, bars = g.live([y for y, _ in seeds]), _Cotangents(g)
     for y, seed in seeds:
         bars.add(y, Scalar(g, seed), None)
@@ -230,7 +141,7 @@ def _reverse(g: Graph, seeds: Sequence[tuple[int, int]], inputs: Sequence[int]) 
     ends: dict[int, dict[int, int]] = {}  # cotangents of the final states of loops
     for index in reversed(order):
         if index in ends:
-            for a, item in reverse_loop(g, index, ends[index], reached, _reverse):
+            for a, item in reverse_loop(g, index, ends[index], reached, reverse):
                 bars.add(a, Scalar(g, item), None)
         if index not in bars or index not in reached or g.op[index] == Op.INPUT:
             continue

@@ -7,15 +7,16 @@ import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import field
+from math import prod
 from typing import Any, Protocol
 
 import numpy as np
 
-from ulna.compiler.language.derived import Differentiable
 from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.interpreter import copy_into, evaluate_symbols, interpret
+from ulna.compiler.language.methods.derivatives import Differentiable
+from ulna.compiler.language.methods.packing import Packable
 from ulna.compiler.language.ops import TABLE, Op
-from ulna.compiler.language.packing import Packable
 from ulna.compiler.language.ports import Port, Shape
 from ulna.compiler.language.scalar import Scalar, Value, index_in, innermost, number_in, tracing
 from ulna.data_classes import dataclass
@@ -25,7 +26,7 @@ from ulna.system.cached import cached_property
 
 
 class SecondForm(Protocol):
-    """Another way to compute a function: of columns, or in stages (`ulna.compiler.language.stages`)."""
+    """Another way to compute a function: of columns, or in stages (`ulna.compiler.forms.stages`)."""
 
     @property
     def inputs(self) -> tuple[Port, ...]:
@@ -49,43 +50,6 @@ class SecondForm(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class ColumnForm:
-    """A second form of a function whose outputs are matrices of one shape; see `ulna.compiler.language.columns`.
-
-    Attributes:
-        head: Function of the same inputs: the table, then the matrices whose columns the body takes.
-        body: A column of an output from the table and a column of its matrix.
-        units: For each output the multiple of the unit matrix that stands for its matrix; None for one of the head's.
-        shape: That of the outputs.
-        paths: The columns of the rows before the diagonal, where the table is to be factored before the body gets it.
-        serves_batches: Whether samples of a batch are computed in this form, too, one by one.
-    """
-
-    head: Function | SecondForm
-    body: Function
-    units: tuple[float | None, ...]
-    shape: tuple[int, ...]
-    paths: tuple[tuple[int, ...], ...] = ()
-    serves_batches: bool = False
-
-    @property
-    def operations(self) -> int:
-        """How many operations of the head are written out."""
-        return self.head.operations
-
-    @property
-    def inputs(self) -> tuple[Port, ...]:
-        """The inputs of the function."""
-        return self.head.inputs
-
-    @property
-    def outputs(self) -> tuple[Port, ...]:
-        """The outputs of the function."""
-        names = ["out"] if len(self.units) == 1 else [f"out{k}" for k in range(len(self.units))]
-        return tuple(Port(name, self.shape) for name in names)
-
-
-@dataclass(frozen=True, eq=False)
 class Function(Differentiable, Packable):
     """A traced function: arrays in, arrays out, every number a node of one graph.
 
@@ -100,9 +64,7 @@ class Function(Differentiable, Packable):
     results: tuple[int, ...]  # the nodes of all outputs, flat, one after the other
     single: bool = True  # whether calls return the only output instead of a tuple
     doc: str = field(default="", repr=False)
-    lanes: int = (
-        1  # above 1, one sample is evaluated in so many SIMD lanes; see `ulna.compiler.language.lanes`
-    )
+    lanes: int = 1  # above 1, one sample is evaluated in so many SIMD lanes; see `ulna.compiler.forms.lanes`
     columns: SecondForm | None = field(default=None, repr=False)
 
     def __call__(self, *args: Any) -> Any:
@@ -196,7 +158,7 @@ class Function(Differentiable, Packable):
 
     def draw(self, path: str | None = None) -> str:
         """The graph as an SVG picture, layered by depth; written to `path` when one is given."""
-        from ulna.compiler.language.drawing import draw  # with what it imports, for few
+        from ulna.compiler.language.methods.drawing import draw  # with what it imports, for few
 
         title = f"{self.name}{self.signature}: {self.operations} operations"
         return draw(title, self.graph, self.inputs, self.outputs, self.results, path)
@@ -221,7 +183,7 @@ def trace(
         rules: "relaxed" also uses simplifications that hold for finite numbers up to the sign of zero
             (x * 0 -> 0, x + 0 -> x, 0 - x -> -x, x - x -> 0); "exact" only those that hold bit for bit.
         lanes: A power of two; above 1 it evaluates each sample in so many SIMD lanes; see
-            `ulna.compiler.language.lanes`.
+            `ulna.compiler.forms.lanes`.
         **shapes: Shape of each argument in order, `q=(7,)`; `()` is a number.
 
     Returns:
@@ -234,35 +196,26 @@ def trace(
     if rules not in ("relaxed", "exact"):
         raise ValueError(f"rules={rules!r}; expected 'relaxed' or 'exact'.")
     graph = Graph(relaxed=rules == "relaxed", lanes=lanes)
-    ports, arguments = [], []
-    for key, shape in shapes.items():
-        port = Port(key, _shape(key, shape))
-        ports.append(port)
-        array = _object_array([Scalar(graph, graph.input()) for _ in range(port.size)]).reshape(port.shape)
-        arguments.append(array if port.shape else array[()])
+    inputs = tuple(Port(key, _shape(key, shape)) for key, shape in shapes.items())
+    arguments = [_traced_array(graph, port.shape) for port in inputs]
     with tracing(graph):
         returned = _returned(f, arguments)
     single = not isinstance(returned, tuple)
-    outputs, results = [], []
-    for number, value in enumerate((returned,) if single else returned):
-        array = np.asarray(value, dtype=object)
-        if any(isinstance(element, np.ndarray) for element in array.reshape(-1)):
-            raise TraceError(
-                "The function returned a list of arrays of different shapes; return a tuple of them."
-            )
-        outputs.append(Port("out" if single else f"out{number}", array.shape))
-        results.extend(number_in(graph, element) for element in array.reshape(-1))
+    arrays = [np.asarray(value, dtype=object) for value in ((returned,) if single else returned)]
+    if any(isinstance(element, np.ndarray) for array in arrays for element in array.flat):
+        raise TraceError(
+            "The function returned a list of arrays of different shapes; return a tuple of them."
+        )
+    outputs = tuple(Port("out" if single else f"out{k}", array.shape) for k, array in enumerate(arrays))
+    results = tuple(number_in(graph, element) for array in arrays for element in array.flat)
     title = name or getattr(f, "__name__", "function").strip("<>")
-    return Function(
-        title,
-        graph,
-        tuple(ports),
-        tuple(outputs),
-        tuple(results),
-        single,
-        doc or (getattr(f, "__doc__", "") or ""),
-        lanes,
-    )
+    doc = doc or getattr(f, "__doc__", "") or ""
+    return Function(title, graph, inputs, outputs, results, single, doc, lanes)
+
+
+def _traced_array(graph: Graph, shape: Shape) -> Any:
+    """An array of new inputs of the graph; without axes a single one."""
+    return _object_array([Scalar(graph, graph.input()) for _ in range(prod(shape))]).reshape(shape)[()]
 
 
 def _returned(f: Callable[..., Any], arguments: Sequence[Any]) -> Any:

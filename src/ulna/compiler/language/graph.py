@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import struct
 from collections.abc import Iterable, Sequence
-from typing import Any, NoReturn
+from typing import Any
 
 from ulna.compiler.language.ops import TABLE, Op
 from ulna.compiler.language.simplify import simplify
+from ulna.compiler.size_limit import most_operations, raise_too_large
 from ulna.data_classes import dataclass
-from ulna.errors import InputError, TooLargeError, TraceError
+from ulna.errors import TraceError
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,48 +33,11 @@ class Loop:
     reads: int = 0  # how many loops it reads the records of
 
 
-_MAX_NODES = 3_000_000
 _COMMUTING = frozenset(int(row.op) for row in TABLE if row.commutes)
 """Operations of two operands whose order does not matter."""
 _bits = struct.Struct("<d").pack
 _ZERO = _bits(0.0)
 _ADD, _SUB, _MUL = int(Op.ADD), int(Op.SUB), int(Op.MUL)
-
-
-def most_operations() -> float:
-    """How many operations a function may have: 3 million, or what the environment variable ULNA_MOST_OPERATIONS says.
-
-    Raises:
-        InputError: it is no whole number.
-    """
-    setting = os.environ.get("ULNA_MOST_OPERATIONS", "").strip()
-    if not setting:
-        return _MAX_NODES
-    if not setting.isdecimal():
-        raise InputError(
-            f"ULNA_MOST_OPERATIONS is {setting!r}; expected a whole number such as {_MAX_NODES}, or 0 for no limit."
-        )
-    return int(setting) or float("inf")
-
-
-def raise_too_large(what: str, seconds: float = 0.0, memory: float = 0.0) -> NoReturn:
-    """Says that a function is too large, and what can be done.
-
-    Args:
-        what: What is too large, and how large it is.
-        seconds: How long it would take to compile [s]; 0 where that is not known.
-        memory: How much memory that would need [byte].
-
-    Raises:
-        TooLargeError: Always.
-    """
-    cost = f", which take about {seconds:.0f} s and {memory / 1e9:.1f} GB to compile" if seconds else ""
-    raise TooLargeError(
-        f"{what}{cost}; the limit is {most_operations():,}. Set the environment variable ULNA_MOST_OPERATIONS to a "
-        "greater number (0 for no limit) to compile it anyway. Matrices and derivatives grow with the square or "
-        "the cube of the number of joints, inverse_dynamics and forward_dynamics with the number itself; "
-        "robot.lock(...) takes joints out."
-    )
 
 
 class Graph:
@@ -142,11 +105,7 @@ class Graph:
 
     def truth(self, value: bool) -> int:
         """The node of a constant condition."""
-        key = bool(value)
-        index = self._interned.get(key)
-        if index is None:
-            index = self._interned[key] = self._append(Op.BOOL, (), key)
-        return index
+        return self._leaf(bool(value), Op.BOOL, bool(value))
 
     def node(self, op: int, *args: int) -> int:
         """The node of `op` on `args`, simplified; an equal one is reused.
@@ -213,11 +172,7 @@ class Graph:
         """The node of the lane's number, 0 to `count` - 1; a single lane has the number 0."""
         if count == 1:
             return self.constant(0.0)
-        key = (Op.LANE, count)
-        index = self._interned.get(key)
-        if index is None:
-            index = self._interned[key] = self._append(Op.LANE, (), count)
-        return index
+        return self._leaf((Op.LANE, count), Op.LANE, count)
 
     def capture(self, other: Graph, index: int) -> int:
         """The node that stands here for node `index` of `other`, a graph around this one.
@@ -279,6 +234,13 @@ class Graph:
             h.update(repr((int(self.op[index]), [number[a] for a in self.args[index]], data)).encode())
         h.update(repr([number[o] for o in outputs]).encode())
         return h.hexdigest()
+
+    def _leaf(self, key: Any, op: int, data: Any) -> int:
+        """The node without arguments of that key, which is made where there is none."""
+        index = self._interned.get(key)
+        if index is None:
+            index = self._interned[key] = self._append(op, (), data)
+        return index
 
     def _append(self, op: int, args: tuple[int, ...], data: Any) -> int:
         self.op.append(op)

@@ -100,9 +100,7 @@ def copy_into(
         return target.node(op, *args)
 
     def loop(data: Loop, args: Sequence[Any]) -> list[int]:
-        plain = (
-            len(args) - data.reads
-        )  # what is known of the loops that it reads are the nodes of their states
+        plain = len(args) - data.reads  # the other values are the states of the loops that it reads
         return copy_loop(target, data, [*args[:plain], *(target.args[items[0]][0] for items in args[plain:])])
 
     return evaluate(source, inputs, nodes, operation=node, loop=loop, lane=target.lane, constant=constant)

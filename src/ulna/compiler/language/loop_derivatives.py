@@ -45,9 +45,8 @@ def _longest(numbers: int) -> int:
 
 def _in_rounds(target: Graph, loop: Loop, args: list[int]) -> list[int]:
     """Adds a loop; where it is too long for a record but not for three nested ones, as a loop of loops."""
-    longest = _longest(
-        len(args)
-    )  # as many numbers as its cotangents have, which are recorded for second derivatives
+    # As many numbers as its cotangents have, which are recorded for second derivatives.
+    longest = _longest(len(args))
     if loop.reads or loop.is_recorded or not longest < loop.limit <= longest**3:
         return target.loop(loop, args)
     rounds = min(longest, isqrt(loop.limit - 1) + 1)

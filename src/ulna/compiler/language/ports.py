@@ -29,24 +29,3 @@ def element_names(ports: Sequence[Port]) -> Iterator[str]:
     for port in ports:
         for index in product(*(range(n) for n in port.shape)):
             yield port.name + (f"[{','.join(map(str, index))}]" if index else "")
-
-
-def prefixed(prefix: str, ports: Sequence[Port], beside: Sequence[Port] = ()) -> tuple[Port, ...]:
-    """The ports with `prefix` before their names, repeated where a port of `beside` has that name.
-
-    Args:
-        prefix: Text before each name.
-        ports: The ports to rename.
-        beside: Ports whose names are taken.
-
-    Returns:
-        The renamed ports, of the same shapes.
-    """
-    taken, renamed = {p.name for p in beside}, []
-    for port in ports:
-        name = prefix + port.name
-        while name in taken:
-            name = prefix + name
-        taken.add(name)
-        renamed.append(Port(name, port.shape))
-    return tuple(renamed)

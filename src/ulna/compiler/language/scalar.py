@@ -241,9 +241,8 @@ class Scalar(Value):
 
     def tanh(self) -> Scalar:
         """Hyperbolic tangent."""
-        twice = (self * 2.0)._minimum_(
-            40.0
-        )  # where it is 1 already; more would overflow, and derivatives be nan
+        # At 20 it is 1 already; beyond, exp would overflow, and derivatives be nan.
+        twice = (self * 2.0)._minimum_(40.0)
         e = twice.expm1()
         return e / (e + 2.0)
 

@@ -19,9 +19,8 @@ from ulna.compiler.language.ops import Op
 _SIZES = {False: 400, True: 250}
 """About how many instructions a part has, without and with SIMD lanes."""
 _SINES = frozenset({int(Op.SIN), int(Op.COS)})
-_MAX_SINGLE_PART = (
-    1_500  # instructions in SIMD lanes, that stay in one part, since passing values between parts is costly
-)
+_MAX_SINGLE_PART = 1_500
+"""How many instructions in SIMD lanes stay in one part: passing values between parts is costly."""
 
 
 class Sines(NamedTuple):

@@ -197,22 +197,18 @@ def _idempotent(g: Graph, a: int, b: int) -> int | None:
     return a if a == b else None
 
 
-def _and(g: Graph, a: int, b: int) -> int | None:
-    for x, y in ((a, b), (b, a)):
-        if g.op[y] == Op.BOOL:
-            return x if g.data[y] else y
-        if g.op[y] == Op.NOT and g.args[y][0] == x:
-            return g.truth(False)
-    return _idempotent(g, a, b)
+def _junction(neutral: bool):
+    """Rule of "and", whose neutral value is True, and of "or", where it is False."""
 
+    def rule(g: Graph, a: int, b: int) -> int | None:
+        for x, y in ((a, b), (b, a)):
+            if g.op[y] == Op.BOOL:
+                return x if g.data[y] is neutral else y
+            if g.op[y] == Op.NOT and g.args[y][0] == x:
+                return g.truth(not neutral)
+        return _idempotent(g, a, b)
 
-def _or(g: Graph, a: int, b: int) -> int | None:
-    for x, y in ((a, b), (b, a)):
-        if g.op[y] == Op.BOOL:
-            return y if g.data[y] else x
-        if g.op[y] == Op.NOT and g.args[y][0] == x:
-            return g.truth(True)
-    return _idempotent(g, a, b)
+    return rule
 
 
 def _not(g: Graph, a: int) -> int | None:
@@ -250,8 +246,8 @@ _RULES: dict[int, Callable[..., int | None]] = {
     Op.MIN: _idempotent,
     Op.MAX: _idempotent,
     Op.LT: _less,
-    Op.AND: _and,
-    Op.OR: _or,
+    Op.AND: _junction(neutral=True),
+    Op.OR: _junction(neutral=False),
     Op.NOT: _not,
     Op.SELECT: _select,
     Op.ANY: _over_lanes,

@@ -9,7 +9,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from typing import Any
 
 from ulna import disk_cache
@@ -20,6 +20,7 @@ from ulna.compiler.runtime.object_file import is_sound
 from ulna.data_classes import dataclass
 from ulna.errors import CompileError
 from ulna.system import forks
+from ulna.system.collector import paused_collection
 
 # Part of the cache's key: change it with `optimised` and `_machine`.
 _RECIPE = "inlining or level 1, codegen 2 or 1"
@@ -45,7 +46,7 @@ at_end.append(lambda: _lock.acquire(timeout=60.0))
 @cache
 def llvm_library() -> Any:
     """LLVM's library, which takes longer to load than all of Ulna; who only looks at models never waits for it."""
-    with _lock:  # a fork while a module is imported leaves the child without it
+    with _lock, paused_collection():  # a fork while a module is imported leaves the child without it
         import llvmlite.binding
 
         inner = getattr(getattr(llvmlite.binding.ffi.lib, "_lock", None), "_lock", None)
@@ -113,32 +114,54 @@ def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
     Returns:
         The loaded code; it must live as long as it is called.
     """
-    return _load(ir, names, f.has_loops, lambda: _announced(f, names[0], len(ir)))
+    return _load(_key(ir), lambda: ir, names, f.has_loops, partial(_announced, f, names[0]))
 
 
-def load_text(ir: str, names: tuple[str, ...], has_loops: bool = True, title: str = "") -> Code:
-    """Machine code of `ir`, which belongs to no function.
+def load_text(ir: str, names: tuple[str, ...], has_loops: bool = True) -> Code:
+    """Machine code of `ir`, which belongs to no function and is compiled in a moment.
 
     Args:
         ir: The text of an LLVM module.
         names: Names of definitions in it.
         has_loops: Whether it has loops that LLVM is to optimise, which takes several times as long.
-        title: What it is, as a long compilation is announced; empty for code that is compiled in a moment.
 
     Returns:
         The loaded code; it must live as long as it is called.
     """
-    return _load(ir, names, has_loops, lambda: _announced_text(title, len(ir)))
+    return _load(_key(ir), lambda: ir, names, has_loops, lambda size: contextlib.nullcontext())
 
 
-def _load(ir: str, names: tuple[str, ...], has_loops: bool, announced: Callable[[], Any]) -> Code:
-    key = _key(ir)
+def load_known(digest: str, text: Callable[[], str], names: tuple[str, ...], title: str) -> Code:
+    """Machine code of a text with loops that is only made where the code is not in the cache.
+
+    Args:
+        digest: What decides the text, with nothing else, such as its own hash.
+        text: Makes the text of the LLVM module.
+        names: Names of definitions in it.
+        title: What it is, as a long compilation is announced.
+
+    Returns:
+        The loaded code; it must live as long as it is called.
+    """
+    return _load(_key(digest), text, names, True, partial(_announced_text, title))
+
+
+def _load(
+    key: str,
+    text: Callable[[], str],
+    names: tuple[str, ...],
+    has_loops: bool,
+    announced: Callable[[int], Any],
+) -> Code:
     start = time.perf_counter()
     content = _cached_object(key)
     is_new = content is None
     if content is None:
-        with announced():  # in this thread and without the lock: watchers may do anything, forks included
-            content = interruptible(lambda: _object(key, ir, has_loops))
+        ir = text()
+        with announced(
+            len(ir)
+        ):  # in this thread and without the lock: watchers may do anything, forks included
+            content = interruptible(partial(_object, key, ir, has_loops))
     seconds = time.perf_counter() - start if is_new else 0.0
     with _lock:
         code = _linked(content, names, seconds)
@@ -210,8 +233,6 @@ def _announced(f: Function, what: str, size: int) -> Any:
 
 def _announced_text(title: str, size: int) -> Any:
     """Announces a compilation of so many characters of IR that belong to no function."""
-    if not title:
-        return contextlib.nullcontext()
     seconds = size / _LOOPS_SPEED
     text = f"compiling {title}, about {math.ceil(seconds)} s; {_storage()}"
     return announced(text, f"Compiling {title}", seconds)

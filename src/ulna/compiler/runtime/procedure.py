@@ -20,10 +20,12 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, final, overload
 
 import numpy as np
 
+from ulna import disk_cache
 from ulna.compiler.codegen.procedure_types import DIVISION_BY_ZERO
 from ulna.compiler.codegen.procedures import procedure_ir, result_words
 from ulna.compiler.imperative import tree as t
@@ -33,7 +35,7 @@ from ulna.compiler.imperative.program import ProgramReader
 from ulna.compiler.imperative.source import Definition
 from ulna.compiler.imperative.types import INT, Number
 from ulna.compiler.runtime import procedure_cache
-from ulna.compiler.runtime.jit import load_text, target
+from ulna.compiler.runtime.jit import load_known, target
 from ulna.compiler.runtime.procedure_arguments import (
     check_count,
     interpreted,
@@ -199,10 +201,10 @@ class Procedure(Definition):
         )
         compiled = procedure_cache.read(key) if key is not None else None
         if compiled is None:
-            instance = self.instance
+            instance, text = self.instance, self.ir(is_checked)
             compiled = Compiled(
                 instance.parameters, instance.results, self._writes, tuple(i.file for i in self.instances),
-                procedure_cache.numbers_of(self._functions), self.ir(is_checked),
+                procedure_cache.numbers_of(self._functions), disk_cache.key("procedure", text),
             )  # fmt: skip
             if key is not None and all(map(procedure_cache.is_from_package, self._functions)):
                 procedure_cache.write(key, compiled)
@@ -211,7 +213,8 @@ class Procedure(Definition):
 
     def _entry(self, is_checked: bool) -> Any:
         if is_checked not in self._entries:
-            code = load_text(self._compiled(is_checked).ir, ("entry",), title=self.__name__)
+            digest = self._compiled(is_checked).digest
+            code = load_known(digest, partial(self.ir, is_checked), ("entry",), self.__name__)
             function = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(
                 code.address("entry")
             )

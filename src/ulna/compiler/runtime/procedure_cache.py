@@ -1,4 +1,4 @@
-"""What calls need to know of a procedure that was read before: its types and its IR, kept on disk.
+"""What calls need to know of a procedure that was read before: its types and the hash of its IR, kept on disk.
 
 Only procedures of modules that a package holds, with no variables of an enclosing function, are kept: what they do is
 decided by files. The key holds the procedure, its constants, and names, sizes and times of the files of the compiler.
@@ -33,7 +33,7 @@ class Compiled:
         writes: The parameters whose arrays it may write to.
         files: The file of each instance, for errors.
         numbers: Module, name and value of the numbers of modules that were read.
-        ir: Its LLVM IR.
+        digest: The hash of its LLVM IR, under which its machine code is kept.
     """
 
     parameters: tuple[tuple[str, Type], ...]
@@ -41,7 +41,7 @@ class Compiled:
     writes: frozenset[str]
     files: tuple[str, ...]
     numbers: tuple[tuple[str, str, float], ...]
-    ir: str
+    digest: str
 
 
 def key_of(function: Any, *options: Any) -> str | None:
@@ -58,7 +58,7 @@ def key_of(function: Any, *options: Any) -> str | None:
         return None
     code = function.__code__
     name = f"{function.__module__}.{function.__qualname__}:{code.co_firstlineno}"
-    return disk_cache.key("procedure", name, code.co_code, repr(options), sys.version, _compiler_state())
+    return disk_cache.key("procedure 2", name, code.co_code, repr(options), sys.version, _compiler_state())
 
 
 def is_from_package(function: Callable[..., Any]) -> bool:
@@ -82,7 +82,7 @@ def read(key: str) -> Compiled | None:
     if content is None:
         return None
     record = json.loads(content)
-    if any(_state(Path(folder)) != state for folder, state in record["folders"].items()):
+    if any(_state(folder) != state for folder, state in record["folders"].items()):
         return None
     numbers = tuple((module, name, value) for module, name, value in record["numbers"])
     if any(vars(sys.modules.get(module, sys)).get(name) != value for module, name, value in numbers):
@@ -90,7 +90,7 @@ def read(key: str) -> Compiled | None:
     return Compiled(
         tuple((name, _type(t)) for name, t in record["parameters"]),
         tuple(_type(t) for t in record["results"]),
-        frozenset(record["writes"]), tuple(record["files"]), numbers, record["ir"],
+        frozenset(record["writes"]), tuple(record["files"]), numbers, record["digest"],
     )  # fmt: skip
 
 
@@ -103,11 +103,11 @@ def write(key: str, compiled: Compiled) -> None:
     """
     folders = {os.path.dirname(file) for file in compiled.files}
     record = {
-        "folders": {folder: _state(Path(folder)) for folder in folders},
+        "folders": {folder: _state(folder) for folder in folders},
         "parameters": [[name, _text(t)] for name, t in compiled.parameters],
         "results": [_text(t) for t in compiled.results],
         "writes": sorted(compiled.writes), "files": compiled.files, "numbers": compiled.numbers,
-        "ir": compiled.ir,
+        "digest": compiled.digest,
     }  # fmt: skip
     disk_cache.write(key, json.dumps(record).encode())
 
@@ -131,11 +131,15 @@ def numbers_of(functions: Iterable[Callable[..., Any]]) -> tuple[tuple[str, str,
     )
 
 
-def _state(folder: Path, files: Iterable[Path] | None = None) -> str:
-    """Names, sizes and times of the Python files of a folder, as one text."""
+def _state(*folders: Path | str) -> str:
+    """Names, sizes and times of the Python files of folders, as one text."""
+    states = []
     try:
-        paths = sorted(folder.glob("*.py")) if files is None else sorted(files)
-        states = [(path.name, path.stat().st_size, path.stat().st_mtime_ns) for path in paths]
+        for folder in folders:
+            with os.scandir(folder) as entries:
+                files = [entry for entry in entries if entry.name.endswith(".py")]
+            for name, status in sorted((entry.name, entry.stat()) for entry in files):
+                states.append((name, status.st_size, status.st_mtime_ns))
     except OSError:
         return ""
     return disk_cache.key(repr(states))
@@ -143,7 +147,7 @@ def _state(folder: Path, files: Iterable[Path] | None = None) -> str:
 
 @functools.cache
 def _compiler_state() -> str:
-    return _state(_COMPILER, _COMPILER.rglob("*.py"))
+    return _state(*sorted(folder for folder, *_ in os.walk(_COMPILER)))
 
 
 def _text(type_: Type) -> Any:

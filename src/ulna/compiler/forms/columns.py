@@ -15,8 +15,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ulna.compiler.language.function import ColumnForm, Function, SecondForm, trace
+from ulna.compiler.language.function import Function, SecondForm, trace
 from ulna.compiler.language.graph import Graph
+from ulna.compiler.language.ports import Port
+from ulna.data_classes import dataclass
 from ulna.errors import TraceError
 from ulna.system.cached import cached_property
 
@@ -44,6 +46,43 @@ class Columns(NamedTuple):
     rows: int
     paths: Sequence[Sequence[int]] = ()
     serves_batches: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class ColumnForm:
+    """A second form of a function whose outputs are matrices of one shape.
+
+    Attributes:
+        head: Function of the same inputs: the table, then the matrices whose columns the body takes.
+        body: A column of an output from the table and a column of its matrix.
+        units: For each output the multiple of the unit matrix that stands for its matrix; None for one of the head's.
+        shape: That of the outputs.
+        paths: The columns of the rows before the diagonal, where the table is to be factored before the body gets it.
+        serves_batches: Whether samples of a batch are computed in this form, too, one by one.
+    """
+
+    head: Function | SecondForm
+    body: Function
+    units: tuple[float | None, ...]
+    shape: tuple[int, ...]
+    paths: tuple[tuple[int, ...], ...] = ()
+    serves_batches: bool = False
+
+    @property
+    def operations(self) -> int:
+        """How many operations of the head are written out."""
+        return self.head.operations
+
+    @property
+    def inputs(self) -> tuple[Port, ...]:
+        """The inputs of the function."""
+        return self.head.inputs
+
+    @property
+    def outputs(self) -> tuple[Port, ...]:
+        """The outputs of the function."""
+        names = ["out"] if len(self.units) == 1 else [f"out{k}" for k in range(len(self.units))]
+        return tuple(Port(name, self.shape) for name in names)
 
 
 PADDING = 8

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ulna.compiler.language import differentiation
-from ulna.compiler.language.ports import Port, prefixed
+from ulna.compiler.language.differentiation import copy_of, forward, reverse
+from ulna.compiler.language.ports import Port
 from ulna.errors import InputError, ShapeError, UnknownName
 
 if TYPE_CHECKING:
@@ -27,19 +27,24 @@ class Differentiable:
 
     def jvp(self) -> Any:
         """Forward derivative: inputs and their tangents `d_<name>` in, tangents of the outputs out."""
-        derivative = differentiation.jvp(self.graph, self.results)
-        ports = (*self.inputs, *prefixed("d_", self.inputs, self.inputs))
-        return self._derived("jvp", derivative, self.outputs, self.single, ports)
+        g, inputs, results = copy_of(self.graph, self.results)
+        nodes = forward(g, {x: g.input() for x in inputs}, results)
+        ports = (*self.inputs, *_prefixed("d_", self.inputs, self.inputs))
+        return self._derived("jvp", (g, nodes), self.outputs, self.single, ports)
 
     def vjp(self) -> Any:
         """Reverse derivative: inputs and cotangents `bar_<name>` of the outputs in, cotangents of the inputs out."""
-        derivative = differentiation.vjp(self.graph, self.results)
-        ports = (*self.inputs, *prefixed("bar_", self.outputs, self.inputs))
-        outputs = prefixed("bar_", self.inputs)
-        return self._derived("vjp", derivative, outputs, len(outputs) == 1, ports)
+        g, inputs, results = copy_of(self.graph, self.results)
+        nodes = reverse(g, [(y, g.input()) for y in results], inputs)
+        ports = (*self.inputs, *_prefixed("bar_", self.outputs, self.inputs))
+        outputs = _prefixed("bar_", self.inputs)
+        return self._derived("vjp", (g, nodes), outputs, len(outputs) == 1, ports)
 
     def jacobian(self, wrt: str | int = 0) -> Any:
         """Derivative of every output by one input: shape output + input.
+
+        Takes as many forward sweeps as the input has numbers, or as many reverse sweeps as there are results,
+        whichever is fewer; equal parts of the sweeps are shared by the graph.
 
         Args:
             wrt: The input's name or number.
@@ -48,9 +53,15 @@ class Differentiable:
             UnknownName: If there is no such input.
         """
         port, entries = self._input_and_entries(wrt)
-        derivative = differentiation.jacobian(self.graph, self.results, entries)
+        g, inputs, results = copy_of(self.graph, self.results)
+        chosen = [inputs[k] for k in entries]
+        if len(chosen) > len(results):
+            nodes = [bar for y in results for bar in reverse(g, [(y, g.constant(1.0))], chosen)]
+        else:
+            columns = [forward(g, {x: g.constant(1.0)}, results) for x in chosen]
+            nodes = [column[row] for row in range(len(results)) for column in columns]
         outputs = tuple(Port(f"d{p.name}_d{port.name}", p.shape + port.shape) for p in self.outputs)
-        return self._derived("jacobian", derivative, outputs, self.single)
+        return self._derived("jacobian", (g, nodes), outputs, self.single)
 
     def value_and_gradient(self, wrt: str | int = 0) -> Any:
         """The number that the function returns, and its gradient by one input, of that input's shape.
@@ -65,12 +76,15 @@ class Differentiable:
         """
         port, entries = self._input_and_entries(wrt)
         self._require_scalar_output("A gradient")
-        derivative = differentiation.value_and_gradient(self.graph, self.results, entries)
+        g, inputs, (value,) = copy_of(self.graph, self.results)
+        gradient = reverse(g, [(value, g.constant(1.0))], [inputs[k] for k in entries])
         outputs = (self.outputs[0], Port(f"d{self.outputs[0].name}_d{port.name}", port.shape))
-        return self._derived("value_and_gradient", derivative, outputs, False)
+        return self._derived("value_and_gradient", (g, [value, *gradient]), outputs, False)
 
     def hessian(self, wrt: str | int = 0) -> Any:
         """Second derivative of every output by one input: shape output + input + input; symmetric bit for bit.
+
+        Forward over reverse. Only entries on and above the diagonal are computed.
 
         Args:
             wrt: The input's name or number.
@@ -79,9 +93,15 @@ class Differentiable:
             UnknownName: If there is no such input.
         """
         port, entries = self._input_and_entries(wrt)
-        derivative = differentiation.hessian(self.graph, self.results, entries)
+        g, inputs, results = copy_of(self.graph, self.results)
+        chosen = [inputs[k] for k in entries]
+        nodes: list[int] = []
+        for y in results:
+            gradient = reverse(g, [(y, g.constant(1.0))], chosen)
+            upper = [forward(g, {x: g.constant(1.0)}, gradient[: k + 1]) for k, x in enumerate(chosen)]
+            nodes += [upper[max(i, k)][min(i, k)] for i in range(len(chosen)) for k in range(len(chosen))]
         outputs = tuple(Port(f"d2{p.name}_d{port.name}2", p.shape + 2 * port.shape) for p in self.outputs)
-        return self._derived("hessian", derivative, outputs, self.single)
+        return self._derived("hessian", (g, nodes), outputs, self.single)
 
     def hvp(self, wrt: str | int = 0) -> Any:
         """Product of the Hessian by one input with a vector: inputs and `d_<name>` in, the product out.
@@ -96,9 +116,11 @@ class Differentiable:
         """
         port, entries = self._input_and_entries(wrt)
         self._require_scalar_output("A product with the Hessian")
-        derivative = differentiation.hvp(self.graph, self.results, entries)
-        ports = (*self.inputs, *prefixed("d_", [port], self.inputs))
-        return self._derived("hvp", derivative, (Port("out", port.shape),), True, ports)
+        g, inputs, (value,) = copy_of(self.graph, self.results)
+        vector = {inputs[k]: g.input() for k in entries}
+        nodes = forward(g, vector, reverse(g, [(value, g.constant(1.0))], list(vector)))
+        ports = (*self.inputs, *_prefixed("d_", [port], self.inputs))
+        return self._derived("hvp", (g, nodes), (Port("out", port.shape),), True, ports)
 
     def sweeps(self, what: str, wrt: str | int = 0) -> int:
         """How many sweeps over the graph a derivative takes, each about as long as the others.
@@ -156,3 +178,15 @@ class Differentiable:
             raise InputError(f"{self.name} returns {len(self.outputs)} outputs; expected one. {advice}")
         if self.outputs[0].shape != ():
             raise ShapeError(f"output of {self.name}", self.outputs[0].shape, "()", advice)
+
+
+def _prefixed(prefix: str, ports: Sequence[Port], beside: Sequence[Port] = ()) -> tuple[Port, ...]:
+    """The ports with `prefix` before their names, repeated where a port of `beside` has that name."""
+    taken, renamed = {p.name for p in beside}, []
+    for port in ports:
+        name = prefix + port.name
+        while name in taken:
+            name = prefix + name
+        taken.add(name)
+        renamed.append(Port(name, port.shape))
+    return tuple(renamed)

@@ -79,7 +79,7 @@ class Pairs:
 
 @dataclass(frozen=True, eq=False)
 class Factors:
-    """The factors L^T diag(d) L of a symmetric matrix; see `ulna.compiler.language.columns`.
+    """The factors L^T diag(d) L of a symmetric matrix; see `ulna.compiler.forms.columns`.
 
     Attributes:
         paths: For each row the columns before the diagonal.

@@ -1,0 +1,1 @@
+"""Methods of traced functions beside calls: derivatives, packed matrices, pictures."""
