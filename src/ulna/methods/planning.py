@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ulna.methods.traced import only_numbers
 from ulna.quantities.part import Part
 from ulna.typing import ArrayLike
@@ -65,6 +67,7 @@ class MotionPlanning(Part):
             >>> bool(path), path.is_certified
             (True, True)
         """
-        only_numbers("robot.plan", _TRACED, q0)
+        if type(q0) is not np.ndarray or q0.dtype.char != "d":
+            only_numbers("robot.plan", _TRACED, q0)
         plan = _planner_function()
         return plan(self, q0, goal, world, frame=frame, **options)

@@ -8,6 +8,8 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache, partial
+from math import isfinite
+from operator import is_
 from typing import TYPE_CHECKING, Any, Literal, final, get_args
 
 import numpy as np
@@ -37,6 +39,7 @@ Method = Literal["spheres", "exact"]
 """What a search checks: covering spheres, or the real shapes through coal."""
 
 _STEP = 0.01  # [m]
+_FLOAT64 = np.dtype(np.float64)
 
 
 def plan(
@@ -113,11 +116,8 @@ def plan(
         >>> path.success, path.is_certified
         (True, True)
     """
-    _check_scene(robot, world)
-    _check_method(method)
-    chosen = pairs if pairs is None else checked_pairs(robot.model, pairs)
-    planner = _planner(robot, world, spheres, chosen, *_checked_lengths(margin, step, longest), method)
-    return planner.plan(
+    asked = robot, world, spheres, pairs, margin, step, longest, method
+    return _planner_for(*asked).plan(
         q0,
         goal,
         frame=frame,
@@ -183,6 +183,8 @@ class Planner:
         numbers = {"margin": margin, "step": step, "longest": longest, "roadmap": roadmap}
         self._arguments = (robot, world), {"spheres": spheres, "pairs": pairs, "method": method, **numbers}
         self._is_exact, self._batches = method == "exact", 0
+        self._shape = (self.model.nq,)
+        self._last_options: tuple[tuple[Any, ...], Any] = (object(),), None
         if self._is_exact:
             from ulna.planning.exact_search import ExactSearch
 
@@ -241,17 +243,17 @@ class Planner:
             ShapeError: If `q0` or `goal` has a wrong shape.
             InputError: If numbers make no sense.
         """
-        counts = _count("shorten", shorten, 0), _count("iterations", iterations, 1)
-        options = Options(
-            *counts,
-            _seconds(timeout),
-            _count("seed", seed, 0),
-            improve=_count("improve", improve, 0),
-            keep_tree=flag("keep_tree", keep_tree),
-            is_shown=not self._batches,
-        )
+        asked = shorten, iterations, timeout, seed, improve, keep_tree, not self._batches
+        known, options = self._last_options
+        if not all(map(is_, asked, known)):  # most calls ask for the same as the call before
+            options = _checked_options(*asked)
+            self._last_options = asked, options
         if self._is_exact:
             _check_exact(improve=not options.improve)
+        if frame is joints is constraints is None and self._are_configurations(q0, goal):
+            ends = np.empty((2, self.model.nq))
+            ends[0], ends[1] = q0, goal
+            return self._search.run(ends[0], ends[1:], options)
         if is_deferred(q0) or is_deferred(goal):
             chosen = {"frame": frame, "joints": joints, "timeout": timeout, "seed": seed}
             chosen |= {
@@ -274,6 +276,15 @@ class Planner:
             return replace(plan, reason=f"{plan.reason.rstrip('.')}: {goals.reason}.")
         is_renumbered = plan and goals.numbers[plan.goal] != plan.goal
         return replace(plan, goal=goals.numbers[plan.goal]) if is_renumbered else plan
+
+    def _are_configurations(self, q0: Any, goal: Any) -> bool:
+        """Whether start and goal are one configuration each, as arrays of float64, which need no more looks."""
+        return (
+            type(q0) is type(goal) is np.ndarray
+            and q0.shape == goal.shape == self._shape
+            and q0.dtype is goal.dtype is _FLOAT64
+            and isfinite(sum(q0.tolist()) + sum(goal.tolist()))  # nan and inf never become finite by sums
+        )
 
     def _search_along(self, constraints: Any) -> Search | ExactSearch:
         """The search that keeps constraints."""
@@ -380,6 +391,15 @@ def _checked_lengths(margin: Any, step: Any, longest: Any) -> tuple[float, float
     )
 
 
+def _checked_options(
+    shorten: Any, iterations: Any, timeout: Any, seed: Any, improve: Any, keep_tree: Any, is_shown: bool
+) -> Options:
+    return Options(
+        _count("shorten", shorten, 0), _count("iterations", iterations, 1), _seconds(timeout), _count("seed", seed, 0),
+        improve=_count("improve", improve, 0), keep_tree=flag("keep_tree", keep_tree), is_shown=is_shown,
+    )  # fmt: skip
+
+
 def _count(name: str, value: Any, least: int) -> int:
     if type(value) is not int:
         value = number(name, value, f"an integer of at least {least}", least=least)
@@ -396,6 +416,26 @@ def _roadmap_search(*arguments: Any) -> Search:
     from ulna.planning.roadmap import RoadmapSearch
 
     return RoadmapSearch(*arguments)
+
+
+_last: list[Any] = [((object(),), None)]
+"""What was asked for last, all of it frozen, and the planner for it: most programs plan for one robot in one world."""
+
+
+def _planner_for(*asked: Any) -> Planner:
+    """The planner for a robot, a world, spheres, pairs, margin, step, longest edge and method."""
+    robot, world, spheres, pairs, margin, step, longest, method = asked
+    asked = getattr(robot, "model", None), *asked
+    known, planner = _last[0]
+    if all(map(is_, asked, known)):
+        return planner
+    _check_scene(robot, world)
+    _check_method(method)
+    chosen = pairs if pairs is None else checked_pairs(robot.model, pairs)
+    planner = _planner(robot, world, spheres, chosen, *_checked_lengths(margin, step, longest), method)
+    if pairs is None:  # others may change
+        _last[0] = asked, planner
+    return planner
 
 
 @lru_cache(maxsize=16)

@@ -57,6 +57,11 @@ class Run:
         goals: Where it may go, shape (n, nq) [rad, m].
     """
 
+    __slots__ = (
+        "_progress", "_report", "direct", "goals", "improvements", "last_time", "nodes", "numbers", "options", "q0",
+        "roots", "seconds", "start_time", "tree", "used", "workspace",
+    )  # fmt: skip
+
     def __init__(self, options: Options, q0: Floats, goals: Floats) -> None:
         self.options, self.q0, self.goals = options, q0, goals
         self.start_time = self.last_time = time.perf_counter()
@@ -97,6 +102,9 @@ class Run:
         """
         if not box.holds(self.q0):
             return "start", f"`q0` is out of limits: {box.violations(self.q0)}."
+        if len(self.goals) == 1 and box.holds(self.goals[0]):
+            self.numbers = [0]
+            return None
         if not len(self.goals):
             return "unreachable", "no configuration within the limits was found for the pose."
         self.numbers = [k for k, goal in enumerate(self.goals) if box.holds(goal)]

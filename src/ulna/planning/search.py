@@ -38,6 +38,7 @@ class Search:
         self._storage = threading.local()
         self._box = JointBox(self._model)
         self._blocks: dict[tuple[int, int, int], Any] = {}
+        self._wholly_certified = Certificate((), margin, 0)
 
     def run(self, q0: Floats, goals: Floats, options: Options) -> Plan:
         """A path from a configuration to one of several.
@@ -50,8 +51,12 @@ class Search:
         Returns:
             The plan, or why there is none.
         """
-        self._compile(options)
+        workspace = self._workspace(options.coarse)
+        workspace.bind(options.improve > 0)  # compiles what a call needs before its clock starts
+        if options.improve:
+            self._workspace(COARSE[1]).bind(True)
         with Run(options, q0, goals) as run:
+            run.workspace = workspace
             return self._planned(run)
 
     def _planned(self, run: Run) -> Plan:
@@ -66,12 +71,6 @@ class Search:
         run.note("certify")
         reason = "" if certificate else f"edges {certificate.unproved} are not proved free"
         return self._result(run, "solved", reason, points, certificate, run.numbers[goal])
-
-    def _compile(self, options: Options) -> None:
-        """Compiles what a call needs before its clock starts."""
-        self._workspace(options.coarse).bind(False)
-        if options.improve:
-            self._workspace(COARSE[1]).bind(True)
 
     def _searched(self, run: Run) -> tuple[Floats, int, Failure | None]:
         """A path that is not proved yet and the number of its goal; or why there is none."""
@@ -99,8 +98,14 @@ class Search:
             return failure
         if len(run.numbers) < len(run.goals):
             run.goals = run.goals[run.numbers]
-        run.workspace = self._workspace(run.options.coarse)
-        free, run.direct = run.workspace.examine(run.q0, run.goals)
+        if run.workspace is None:
+            run.workspace = self._workspace(run.options.coarse)
+        run.direct = run.workspace.examine(run.q0, run.goals)
+        if run.direct == 0 and len(run.goals) == 1:  # so start and goal are free, too
+            run.roots = 2
+            run.note("prepare")
+            return None
+        free = run.workspace.free_points(1 + len(run.goals))
         if not (free[0] and any(free[1:])):
             return self._blocked(run, free)
         run.roots = len(free)
@@ -206,7 +211,7 @@ class Search:
         unproved = run.workspace.unproved(points)
         for coarse in COARSE[1:]:
             if not unproved:
-                return points, Certificate((), self._margin, 0)
+                return points, self._wholly_certified
             points = self._with_detours(run, points, unproved, coarse)
             unproved = run.workspace.unproved(points)
         certificate = self._certificate(points, unproved)
@@ -215,7 +220,7 @@ class Search:
         whole = self._detour(run, points[0], points[-1], COARSE[-1])
         if whole is None or run.workspace.unproved(whole):
             return points, certificate
-        return whole, Certificate((), self._margin, 0)
+        return whole, self._wholly_certified
 
     def _with_detours(self, run: Run, points: Floats, unproved: Sequence[int], coarse: float) -> Floats:
         """The path with other motions for edges that are not proved, where there are some."""
@@ -285,7 +290,9 @@ class Search:
 
 def _straight(run: Run) -> tuple[Floats, int]:
     """The straight motion to the goal to which one leads, or the start alone where it is a goal; the goal's number."""
-    same = next((k for k, goal in enumerate(run.goals) if goal.tolist() == run.q0.tolist()), -1)
-    if same >= 0:
-        return run.q0[None], same
-    return np.array([run.q0, run.goals[run.direct]]), run.direct
+    start = run.q0.tolist()
+    if start in (goals := run.goals.tolist()):
+        return np.array([start]), goals.index(start)
+    points = np.empty((2, len(start)))
+    points[0], points[1] = run.q0, run.goals[run.direct]
+    return points, run.direct

@@ -157,15 +157,15 @@ class Workspace:
         """
         return self._bound(procedure, self._tables, *arguments)
 
-    def examine(self, q0: Floats, goals: Floats) -> tuple[list[bool], int]:
-        """Which of start and goals are free, and the first goal straight ahead.
+    def examine(self, q0: Floats, goals: Floats) -> int:
+        """The first goal to which the straight motion is free.
 
         Args:
             q0: The start, shape (nq,) [rad, m].
             goals: Goals, shape (n, nq) [rad, m].
 
         Returns:
-            Truth values, 1 + n of them, and a number among the goals, or -1.
+            A number among the goals; -1 for none. What `free_points` says of start and goals follows.
         """
         count = 1 + len(goals)
         if count > len(self.storage.points):
@@ -174,8 +174,18 @@ class Workspace:
         points = self.storage.points
         points[0], points[1:count] = q0, goals
         self._direct.set("count", count)
-        direct = self._direct()
-        return [touching == 0.0 for touching in self.storage.touching[:count].tolist()], max(direct - 1, -1)
+        return max(self._direct.unguarded() - 1, -1)
+
+    def free_points(self, count: int) -> list[bool]:
+        """Which of the start and the goals that were examined last are free.
+
+        Args:
+            count: How many there are.
+
+        Returns:
+            Truth values, the start's first.
+        """
+        return [touching == 0.0 for touching in self.storage.touching[:count].tolist()]
 
     def grow(self, first: int, count: int, roots: int) -> int:
         """Grows the trees with samples; see `rrt_connect.grow`.
@@ -250,20 +260,20 @@ class Workspace:
         Returns:
             The numbers.
         """
-        if len(points) > len(self.storage.path):
-            self.storage.make_path(2 * len(points))
+        count = len(points)
+        if count > len(self.storage.path):
+            self.storage.make_path(2 * count)
         self._bind()
-        self.storage.path[: len(points)] = points
-        self._check.set("count", len(points))
+        self.storage.path[:count] = points
+        self._check.set("count", count)
+        self._check.set("first", 0)
         numbers: list[int] = []
-        first = 0
-        while True:
-            self._check.set("first", first)
-            edge = self._check()
-            if edge < 0 or len(points) == 1:
-                return numbers if edge < 0 else [0]
+        while (edge := self._check.unguarded()) >= 0:
             numbers.append(edge)
-            first = edge + 1
+            if count == 1:
+                break
+            self._check.set("first", edge + 1)
+        return numbers
 
 
 _STORAGE = threading.local()

@@ -571,3 +571,58 @@ def test_more_goals_than_there_is_room_for() -> None:
     p = plan(robot, a, goals, world)
     assert p and p.is_certified
     np.testing.assert_array_equal(p.points[-1], goals[p.goal])
+
+
+def test_calls_that_follow_each_other_take_what_each_asks_for() -> None:
+    robot, q = panda(), panda().configurations["ready"]
+    near = q + 0.01
+    free, full = World(), World().add("room", Box((3.0, 3.0, 3.0)))
+    for _ in range(2):
+        assert robot.plan(q, near, free) and robot.plan(q, near)
+        assert robot.plan(q, near, full).outcome == "start"
+        assert robot.plan(q, near, free, margin=10.0).outcome == "start"
+        other = ulna.load("ur5")
+        assert other.plan(np.zeros(6), np.zeros(6)).model == other.model
+    a, b = left_and_right()
+    paths = [robot.plan(a, b, shelf(), seed=seed) for seed in (0, 700, 0, 700)]
+    np.testing.assert_array_equal(paths[0].points, paths[2].points)
+    np.testing.assert_array_equal(paths[1].points, paths[3].points)
+    assert not np.array_equal(paths[0].points, paths[1].points)
+    assert robot.plan(a, b, shelf(), iterations=1, seed=0).iterations <= 1
+    assert robot.plan(a, b, shelf(), keep_tree=True).tree and not robot.plan(a, b, shelf()).tree
+    pairs = [("panda_link1", "panda_link4")]
+    assert robot.plan(q, near, pairs=pairs)
+    pairs[0] = ("panda_link1", "nothing")
+    with pytest.raises(ulna.errors.UnknownName):
+        robot.plan(q, near, pairs=pairs)
+    with pytest.raises(InputError, match="seed"):
+        robot.plan(q, near, seed=0.5)
+
+
+def test_what_a_plan_holds_is_its_own() -> None:
+    planner = Planner(panda())
+    q = panda().configurations["ready"].copy()
+    for goal in (q.copy(), q + 0.01):
+        before, after = q.copy(), goal.copy()
+        p = planner.plan(q, goal)
+        q[:], goal[:] = 0.0, 0.0
+        np.testing.assert_array_equal(p.points[[0, -1]], [before, after])
+        q[:] = before
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
+def test_arrays_with_one_wrong_number_are_refused_wherever_it_stands(wrong: float) -> None:
+    table = ModelBuilder("turntable")
+    table.add_link("base")
+    table.add_link("plate", collisions=[Geometry("", Box((0.2, 0.1, 0.1)), SE3.identity())])
+    table.add_joint("turn", Continuous((0.0, 0.0, 1.0)), "base", "plate")
+    for robot in (panda(), ulna.Robot(table.build())):
+        q = np.array(robot.configurations["ready"]) if robot.nq == 7 else np.zeros(1)
+        planner = Planner(robot)
+        assert planner.plan(q, q)
+        for k in range(robot.nq):
+            for pair in ((0, 1), (1, 0)):
+                ends = np.array([q, q])
+                ends[pair[0], k], ends[pair[1], k] = wrong, 0.0
+                with pytest.raises(NonFiniteError):
+                    planner.plan(*ends)
