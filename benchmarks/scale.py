@@ -1,11 +1,12 @@
-"""Jobs on two workers beside one process, two plain processes, and joblib over Pinocchio; twenty kills in one job.
+"""Jobs on two workers beside one process, two plain processes, and joblib over Pinocchio; their memory; twenty kills.
 
-    python benchmarks/scale.py [--samples 1e8] [--rounds 3] [--kills 20] [--part jobs]
+    python benchmarks/scale.py [--part fk ik "long ik" plans map memory kills] [--samples 1e8] [--rounds 3]
 
-Ratios are medians of rounds in which all take turns. The cluster is started before the clock. One process has the
-settings of the workers: one thread of BLAS, and memory that is kept. Two plain processes, which share the parts without
-Dask, show what the machine can do; what two workers take more than they is the engine's. Rounds in which other programs
-use more than 3 % of a processor are tried again, up to three times as many; the last column says what they used.
+Each part takes a minute or less, and can run alone. Ratios are medians of rounds in which all take turns. The cluster is
+started before the clock. One process has the settings of the workers: one thread of BLAS, and memory that is kept. Two
+plain processes, which share the parts without Dask, show what the machine can do; what two workers take more than they
+is the engine's. Rounds in which other programs use more than 3 % of a processor are tried again while there is time
+(--seconds); the last column says what they used.
 """
 
 from __future__ import annotations
@@ -15,11 +16,13 @@ import os
 import signal
 import statistics
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -32,10 +35,8 @@ from ulna.geometry import Box
 from ulna.scale.cluster import connected, worker_environment
 from ulna.scale.plan_job import Plans
 
-_QUIET, _TRIES = (
-    0.03,
-    5,
-)  # of a processor that other programs use in a quiet round; rounds for one that is wanted
+_QUIET = 0.03  # of a processor that other programs use in a quiet round
+JOBS, PARTS = ("fk", "ik", "long ik", "plans"), ("map", "memory", "kills")
 WORLD = World().add("post", Box((0.1, 0.1, 1.0)), (0.5, 0.0, 0.3))
 
 
@@ -109,22 +110,32 @@ def measured(call: Callable[[], Any], clock: Callable[[], float]) -> tuple[Any, 
     return result, seconds, used, max(all_used - used, 0.0) / seconds
 
 
-def jobs(client: Any, pair: TwoProcesses, samples: int, rounds: int) -> None:
-    """Jobs in turns in this process, in two plain processes, and on two workers: time and processor time."""
+def named_jobs(samples: int) -> dict[str, tuple[str, scale.Job]]:
+    """What each of the jobs is called in the table, and the job."""
     ur5 = ulna.load("ur5")
     n_ik, n_plans = samples // 100, max(samples // 10_000, 50)
-    calls = {
-        f"{samples:.0e} FK, histogram, chunks of 1e5": Counted(
-            ur5, scale.Samples(samples, 100_000, 0), False
+    return {
+        "fk": (
+            f"{samples:.0e} FK, histogram, chunks of 1e5",
+            Counted(ur5, scale.Samples(samples, 100_000, 0), False),
         ),
-        f"{n_ik:.0e} IK, chunks of 1e4": Counted(ur5, scale.Samples(n_ik, 10_000, 0), True),
-        f"{10 * n_ik:.0e} IK, chunks of 1e5": Counted(ur5, scale.Samples(10 * n_ik, 100_000, 0), True),
-        f"{n_plans:.0e} plans, chunks of 25": plans_job(n_plans),
+        "ik": (f"{n_ik:.0e} IK, chunks of 1e4", Counted(ur5, scale.Samples(n_ik, 10_000, 0), True)),
+        "long ik": (
+            f"{10 * n_ik:.0e} IK, chunks of 1e5",
+            Counted(ur5, scale.Samples(10 * n_ik, 100_000, 0), True),
+        ),
+        "plans": (f"{n_plans:.0e} plans, chunks of 25", plans_job(n_plans)),
     }
+
+
+def jobs(client: Any, pair: TwoProcesses, chosen: argparse.Namespace) -> None:
+    """Jobs in turns in this process, in two plain processes, and on two workers: time and processor time."""
     heads = ("one process", "two plain processes", "two workers")
     print(f"{'time and processor time [s]':40s}" + "".join(f"{head:>20s}" for head in heads), end="")
     print("   times as fast: plain, workers   processor time more: plain, workers   others")
-    for name, job in calls.items():
+    for part, (name, job) in named_jobs(int(chosen.samples)).items():
+        if part not in chosen.part:
+            continue
         run = partial(scale.run, job, progress=False)
         job_rows = undisturbed(
             lambda run=run, job=job: (
@@ -132,7 +143,8 @@ def jobs(client: Any, pair: TwoProcesses, samples: int, rounds: int) -> None:
                 measured(lambda: pair.run(job), pair.processor_time),
                 measured(lambda: run(scheduler=client), lambda: processor_time(client)),
             ),
-            rounds,
+            chosen.rounds,
+            chosen.seconds,
         )
         times, used = np.array([[(m[1], m[2]) for m in row] for row in job_rows]).transpose(2, 1, 0)
         row = "".join(f"{np.median(t):12.2f}{np.median(u):8.2f}" for t, u in zip(times, used, strict=True))
@@ -141,12 +153,16 @@ def jobs(client: Any, pair: TwoProcesses, samples: int, rounds: int) -> None:
         print(f"{name:40s}{row}{faster[0]:18.2f}{faster[1]:10.2f}{more[0]:26.1%}{more[1]:10.1%}{others:9.1%}")
 
 
-def undisturbed(turn: Callable[[], Any], rounds: int) -> list[Any]:
-    """Rounds in which other programs used little; those with least of it where the machine has no such times."""
+def undisturbed(turn: Callable[[], Any], rounds: int, seconds: float) -> list[Any]:
+    """Rounds in which other programs used little; those with least of it where no more of them fit into the time."""
+    end = time.monotonic() + seconds
     turn()
     found: list[Any] = []
-    for _ in range(_TRIES * rounds):
+    longest = 0.0
+    while len(found) < rounds or time.monotonic() + longest < end:
+        start = time.monotonic()
         found.append(turn())
+        longest = max(longest, time.monotonic() - start)
         first, *others = (result for result, *_ in found[-1])
         assert all(same(first, other) for other in others), "the same bits"
         found.sort(key=lambda row: max(m[3] for m in row))
@@ -251,8 +267,9 @@ def maps(client: Any, n: int, rounds: int) -> None:
     def mapped(chunk: int, **where: Any) -> Callable[[], Any]:
         return lambda: scale.reach("ur5", n, chunk=chunk, **where, **options)
 
-    scale.reach("ur5", 2e6, chunk=1_000_000, scheduler=client, **options)
-    first = memory(client)
+    for chunk in (1_000_000, 100_000):
+        scale.reach("ur5", 2e6, chunk=chunk, scheduler=client, **options)
+    joblib_heights(100, 2)
     times = in_turns(
         {
             "one process": mapped(1_000_000, workers=0),
@@ -262,7 +279,6 @@ def maps(client: Any, n: int, rounds: int) -> None:
         },
         rounds,
     )
-    last = memory(client)
     one = times["one process"]
     for name, seconds in times.items():
         print(f"{name:40s} {seconds:8.2f} s   {one / seconds:6.2f} x one process")
@@ -270,28 +286,60 @@ def maps(client: Any, n: int, rounds: int) -> None:
     print(
         f"joblib over Pinocchio (FK alone) would take {per_sample / times['two workers']:.0f} times as long as two workers"
     )
-    print(f"largest memory after 2e6 samples: {first}")
-    print(f"after {3 * rounds * n:.0e} more: {last}")
+
+
+def memories(n: int) -> None:
+    """The largest memory of workers and coordinator in jobs of some samples, and in ten times as large ones after them."""
+    options: Any = {"progress": False}
+
+    def rows(count: float, client: Any) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            to = Path(folder, "rows.zarr")
+            scale.data_set("ur5", count, ["q", "fk"], chunk=100_000, to=to, scheduler=client, **options)
+
+    jobs: dict[str, tuple[float, Callable[[float, Any], Any]]] = {
+        "map, chunks of 1e6": (
+            n,
+            lambda count, client: scale.reach(
+                "ur5", count, voxel=0.1, chunk=1_000_000, scheduler=client, **options
+            ),
+        ),
+        "data set in Zarr, chunks of 1e5": (n / 20, rows),
+        "plans, chunks of 25": (
+            n / 10_000,
+            lambda count, client: scale.plans("panda", count, WORLD, chunk=25, scheduler=client, **options),
+        ),
+    }
+    for name, (count, call) in jobs.items():
+        with connected(None, 2, 60.0) as client:  # memory that a process has had stays its largest
+            call(count / 10, client)
+            first = memory(client)
+            call(count, client)
+            print(f"{name:34s} {count / 10:.0e}: {first}   {count:.0e}: {memory(client)}")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--samples", type=float, default=1e8)
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--seconds", type=float, default=60.0, help="for the rounds of one job")
     parser.add_argument("--kills", type=int, default=20)
-    parser.add_argument("--part", choices=("jobs", "map", "kills", "all"), default="all")
+    parser.add_argument("--part", choices=(*JOBS, *PARTS), nargs="+", default=(*JOBS, *PARTS))
     chosen = parser.parse_args()
     if "MALLOC_TRIM_THRESHOLD_" not in os.environ:  # read when a process starts
         os.environ.update({name: str(value) for name, value in worker_environment().items()})
         os.execv(sys.executable, [sys.executable, *sys.argv])
-    with connected(None, 2, 60.0) as client:
-        if chosen.part in ("jobs", "all"):
-            pair = TwoProcesses()
-            jobs(client, pair, int(chosen.samples), chosen.rounds)
-            pair.close()
-        if chosen.part in ("map", "all"):
-            maps(client, int(chosen.samples), chosen.rounds)
-    if chosen.kills and chosen.part in ("kills", "all"):
+    if {*JOBS, "map"} & {*chosen.part}:
+        with connected(None, 2, 60.0) as client:
+            if {*JOBS} & {*chosen.part}:
+                pair = TwoProcesses()
+                jobs(client, pair, chosen)
+                pair.close()
+            if "map" in chosen.part:
+                maps(client, int(chosen.samples) // 5, chosen.rounds)
+    if "memory" in chosen.part:
+        memories(int(chosen.samples))
+    if "kills" in chosen.part:
         kills(chosen.kills)
 
 

@@ -28,6 +28,10 @@ _QUIET = {
 loop every 20 ms, for its dashboard, and at the memory of each worker every 100 ms; that takes processor time from the
 work."""
 
+_MESSAGES = 0.001
+"""s that the client of such a cluster waits between two messages. Dask's 10 ms are for clients that send thousands of
+tasks; here a worker would wait as long for its next one."""
+
 _UNGUARDED = (
     "The workers of a cluster of this machine did not start. In a script, put the call below "
     "`if __name__ == '__main__':`, because each worker imports the script again; `workers=0` needs none."
@@ -103,6 +107,9 @@ def _local_client(count: int) -> Iterator[Any]:
     ):
         pool: Any = cluster
         pool.adapt(minimum=count, maximum=count, interval="2s")  # starts others in place of lost ones
+        messages = getattr(client, "scheduler_comm", None)
+        if messages is not None:
+            messages.interval = _MESSAGES
         yield client
 
 

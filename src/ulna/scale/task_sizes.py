@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from heapq import heapreplace
-from typing import final
+from typing import NamedTuple, final
 
 RETURNED = 2**24
 """Bytes that the results of a task may have; one that has more ends early."""
@@ -25,12 +25,29 @@ _SHARES = 1.3  # of the parts that are left, for each thread: a task that waits 
 _FEW = 16  # threads that can get their last tasks one after the other, without waiting long
 
 
+class UnderWay(NamedTuple):
+    """A task that has been sent.
+
+    Attributes:
+        sent: When [s].
+        count: How many parts it has.
+        limit: For how long another of them may begin [s].
+        seconds: How long a part was expected to take when it was sent [s]; None where nothing was known.
+    """
+
+    sent: float
+    count: int
+    limit: float
+    seconds: float | None
+
+
 @final
 class TaskSizes:
     """Chooses how many parts a task has, from the time and the memory that parts took."""
 
     def __init__(self) -> None:
-        self._seconds: float | None = None  # that a part takes
+        self.seconds: float | None = None
+        """How long a part took on the thread whose task ended last [s]; None where nothing is known."""
         self._longest = _LONGEST
         self.most = _FIRST
         """The most parts of a task."""
@@ -43,9 +60,9 @@ class TaskSizes:
             size: How many bytes its result has [-].
             threads: How many threads the workers have.
         """
-        self._seconds = max(seconds, 1e-9)
+        self.seconds = max(seconds, 1e-9)
         self._longest = max(_LONGEST, _SCHEDULER * threads)
-        self.most = max(1, int(min(self._longest / self._seconds, RETURNED / max(size, 1.0))))
+        self.most = max(1, int(min(self._longest / self.seconds, RETURNED / max(size, 1.0))))
 
     def room(self, left: int, threads: int) -> int:
         """How many tasks there may be at a time: one more for each thread while there is much to do.
@@ -57,46 +74,44 @@ class TaskSizes:
         Returns:
             The number.
         """
-        is_long = self._seconds is not None and left * self._seconds > self._longest * threads
+        is_long = self.seconds is not None and left * self.seconds > self._longest * threads
         return 2 * threads if is_long or threads > _FEW else threads
 
-    def next(
-        self, left: int, threads: int, under_way: Sequence[tuple[float, int, float]], now: float
-    ) -> tuple[int, float]:
+    def next(self, left: int, threads: int, under_way: Sequence[UnderWay], now: float) -> tuple[int, float]:
         """The size of the next task.
 
         Args:
             left: How many parts have not been sent.
             threads: How many threads the workers have.
-            under_way: When each of the other tasks was sent, how many parts it has, and for how long another of them
-                may begin; in this order.
+            under_way: The other tasks, in the order in which they were sent.
             now: The time [s].
 
         Returns:
             How many parts, and for how long another of them may begin [s].
         """
-        if self._seconds is None:
+        if self.seconds is None:
             return max(1, min(left // (2 * threads), self.most)), _FIRST_SECONDS
-        share = left * self._seconds / threads
+        share = left * self.seconds / threads
         if len(under_way) >= threads:  # it waits for another to end: further ones will follow
             seconds = max(share / _SHARES, _SHORTEST)
         elif share > 2.0 * self._longest:
             seconds = self._longest
         else:
             seconds = self._until_the_end(left, threads, under_way, now)
-        count = int((min(seconds, self._longest) + _UNEVEN) / self._seconds)
+        count = int((min(seconds, self._longest) + _UNEVEN) / self.seconds)
         count = max(1, min(count, left, self.most))
-        return count, _LATE * count * self._seconds
+        return count, _LATE * count * self.seconds
 
-    def _until_the_end(
-        self, left: int, threads: int, under_way: Sequence[tuple[float, int, float]], now: float
-    ) -> float:
+    def _until_the_end(self, left: int, threads: int, under_way: Sequence[UnderWay], now: float) -> float:
         """For how long the thread that is free first works if all threads end together [s]; in equal tasks."""
-        assert self._seconds is not None
+        assert self.seconds is not None
         free = [-math.inf] * threads
-        for sent, count, limit in under_way:
-            heapreplace(free, max(free[0], sent) + min(count * self._seconds, limit))
-        end = _level([max(time, now) for time in free], left * self._seconds)
+        for task in under_way:
+            seconds = task.seconds or self.seconds  # other threads may be slower than the one that ended last
+            done = min(task.count, int(task.limit / seconds) + 1)  # it returns the others
+            heapreplace(free, max(free[0], task.sent) + done * seconds)
+            left += task.count - done
+        end = _level([max(time, now) for time in free], left * self.seconds)
         rest = end - now
         return max(rest / math.ceil(rest / self._longest), _SHORTEST)
 

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, final
 from ulna.errors import UlnaError
 from ulna.lazy import Portable
 from ulna.scale.job import State
-from ulna.scale.task_sizes import RETURNED, TaskSizes
+from ulna.scale.task_sizes import RETURNED, TaskSizes, UnderWay
 
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM}
 _ATTEMPTS = 3  # of a part whose work raises an error that is not Ulna's
@@ -69,12 +69,11 @@ def work_parts(
 
 
 class _Task(NamedTuple):
-    """A task that was sent: its future, its parts, when, and for how long another of its parts may begin [s]."""
+    """A task that was sent: its future, its parts, and what is expected of it."""
 
     future: Any
     parts: tuple[int, ...]
-    sent: float
-    limit: float
+    expected: UnderWay
 
 
 @final
@@ -144,7 +143,7 @@ class Tasks:
             room = self._sizes.room(left, threads)
             if len(self._tasks) >= room:
                 return
-            under_way = [(task.sent, len(task.parts), task.limit) for task in self._tasks.values()]
+            under_way = [task.expected for task in self._tasks.values()]
             together, limit = self._sizes.next(left, threads, under_way, time.monotonic())
             again = self._returned[:together]
             parts = (*again, *self._waiting[: together - len(again)])
@@ -187,7 +186,8 @@ class Tasks:
         parts = parts[: len(inputs)]
         further = inputs if any(inputs) else None
         future = self._client.submit(work_parts, self._task, parts, further, limit, key=key, pure=False)
-        self._tasks[parts[0]] = _Task(future, parts, time.monotonic(), limit)
+        expected = UnderWay(time.monotonic(), len(parts), limit, self._sizes.seconds)
+        self._tasks[parts[0]] = _Task(future, parts, expected)
         future.add_done_callback(lambda _: self._ended.put(parts[0]))
         return len(parts)
 
@@ -215,7 +215,7 @@ class Tasks:
 
     def _results(self, first: int) -> list[tuple[int, State]]:
         """What the parts of a task returned; nothing where they are to be done again."""
-        future, parts, *_ = self._tasks.pop(first)
+        future, parts, _ = self._tasks.pop(first)
         if future.status == "finished":
             try:
                 content, seconds, size = future.result(timeout=60.0)
