@@ -6,6 +6,7 @@ import ctypes
 import pickle
 import re
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,9 @@ from support.fenced import fenced
 from support.random_models import random_model
 from ulna import algorithms, kernels
 from ulna.algorithms.derivatives.columns_in_one_frame import suits_one_frame
-from ulna.compiler.codegen.module import emit_single
+from ulna.compiler import compile
+from ulna.compiler.codegen.module import emit_batch, emit_single
+from ulna.compiler.forms.columns import DeferredFunction
 from ulna.compiler.runtime import jit
 from ulna.model import Model
 from ulna.robot import Robot
@@ -120,6 +123,75 @@ def test_nothing_beside_the_arrays_is_touched(name, at_end):
     kernel(*inputs, out=out if len(out) > 1 else next(iter(out)))
     for got, wanted in zip(out, expected, strict=True):
         np.testing.assert_array_equal(got, wanted)
+
+
+def for_batches(model: Model, name: str) -> Any:
+    """The function, whose batches are computed in stages, too."""
+    f = kernels.kernel(model, name).function
+    form = replace(f.columns, serves_batches=True)
+    return DeferredFunction(name, "", form, partial(kernels.function, model, name))
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@pytest.mark.parametrize("name", FORMS)
+@pytest.mark.parametrize(("seed", "root"), [(1, "free_flyer"), (2, None)])
+def test_batches_in_stages_equal_single_calls(name, seed, root, dtype):
+    model = tree(seed, root)
+    kernel = compile(for_batches(model, name), dtype)
+    samples = [state(model, len(kernel.function.inputs), seed) for seed in range(11)]
+    arrays = [np.stack(column).astype(dtype) for column in zip(*samples, strict=True)]
+    if jit.target().register_bytes >= 32:
+        assert "@samples.read" in kernel.ir(batch=True)
+    results, tolerance = outputs(kernel(*arrays)), 1e-9 if dtype is np.float64 else 1e-3
+    for k in range(len(samples)):
+        expected = outputs(compile(for_batches(model, name))(*(array[k].astype(float) for array in arrays)))
+        for got, right in zip(results, expected, strict=True):
+            assert np.abs(got[k] - right).max() < tolerance * np.abs(right).max()
+
+
+@pytest.mark.parametrize("register_bytes", [32, 64])
+@pytest.mark.parametrize("name", FORMS)
+def test_batches_in_all_widths_of_registers(name, register_bytes):
+    """Arrays begin and end at pages without access."""
+    if register_bytes > jit.target().register_bytes:
+        pytest.skip("this machine has narrower registers")
+    model, count = tree(7), 13
+    f = for_batches(model, name)
+    ir = emit_batch(f, replace(jit.target(), register_bytes=register_bytes))
+    code = jit.load_text(ir, ("batch",), has_loops=False)
+    samples = [state(model, len(f.inputs), seed) for seed in range(count)]
+    arrays = [np.stack(column) for column in zip(*samples, strict=True)]
+    for at_end in (False, True):
+        ports = [port.shape for port in (*f.inputs, *f.outputs)]
+        held = [fenced(int(np.prod(shape)) * count, float, at_end).reshape(count, *shape) for shape in ports]
+        for place, array in zip(held, arrays, strict=False):
+            place[...] = array
+        called(code.address("batch"), held, count)
+        for k in (0, count - 1):
+            for got, right in zip(held[len(arrays) :], by_definition(model, name, samples[k]), strict=True):
+                np.testing.assert_allclose(got[k], right, rtol=1e-8, atol=1e-11 * np.abs(right).max())
+
+
+def called(address: int, arrays: list[np.ndarray], count: int) -> None:
+    """Calls NumPy's inner loop of a generalised ufunc."""
+    strides = [x.strides[0] for x in arrays] + [step for x in arrays for step in x.strides[1:]]
+    pointers = (ctypes.c_void_p * len(arrays))(*(x.ctypes.data for x in arrays))
+    loop = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4)(address)
+    loop(
+        ctypes.cast(pointers, ctypes.c_void_p),
+        ctypes.cast((ctypes.c_int64 * 1)(count), ctypes.c_void_p),
+        ctypes.cast((ctypes.c_int64 * len(strides))(*strides), ctypes.c_void_p),
+        None,
+    )
+
+
+def test_batches_of_derivatives_do_not_need_the_graph():
+    """It takes LLVM four times as long."""
+    model = tree(12)
+    kernel = kernels.kernel(model, "forward_dynamics_derivatives")
+    kernel(*(np.stack([x, x]) for x in state(model, 3)))
+    if jit.target().register_bytes >= 32:
+        assert "_traced" not in vars(kernel.function)
 
 
 def test_trees_that_do_not_suit_take_another_form():

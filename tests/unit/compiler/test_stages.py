@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 
 from ulna.compiler import compile, trace
+from ulna.compiler.codegen import sample_stages
+from ulna.compiler.codegen.module import emit_batch
+from ulna.compiler.codegen.sample_columns import column_groups
 from ulna.compiler.forms.stages import StagedForm, Stages
 from ulna.compiler.language.function import Function
 from ulna.compiler.runtime import jit
@@ -100,3 +103,74 @@ def test_pairs_with_other_results_are_refused():
 def test_zeros_of_matrices_follow_from_the_tree():
     A = by_numbers(np.full(N, 0.7), np.full(3, 0.9))[0]
     np.testing.assert_array_equal(form().zeros[0], A == 0.0)
+
+
+def rows_form() -> StagedForm:
+    """A matrix whose rows are computed alike, from a table and from itself."""
+    stages = Stages("rows", N, x=(N,))
+    stages.straight(lambda x: np.outer([1.0, 2.0, 3.0], x), ("x",), ("t",))
+    stages.rows(lambda t: np.concatenate([t[1:], t[:1] * 0.0]) + t, ("t",), "u")
+    stages.rows(lambda u, t: u * t[0], ("u", "t"), "u")
+    stages.lanes(lambda u: u * 2.0, ("u",), ("out",))
+    return stages.form("out", serves_batches=True)
+
+
+def rows_by_numbers(x):
+    t = np.outer([1.0, 2.0, 3.0], x)
+    following = np.concatenate([t[:, 1:], 0.0 * t[:, :1]], axis=1)
+    return 2.0 * (following + t) * t[:, :1]
+
+
+def test_rows_are_computed_alike():
+    f = replace(trace(lambda x: np.outer(x[:3], x), x=(N,)), columns=rows_form())
+    kernel, x = compile(f), np.random.default_rng(0).normal(size=(19, N))
+    np.testing.assert_allclose(kernel(x[0]), rows_by_numbers(x[0]), rtol=1e-14)
+    for got, row in zip(kernel(x), x, strict=True):
+        np.testing.assert_allclose(got, rows_by_numbers(row), rtol=1e-14)
+
+
+def batched() -> Function:
+    """As `function`, also for batches."""
+    f = function()
+    return replace(f, columns=replace(form(), serves_batches=True))
+
+
+@pytest.mark.parametrize(("dtype", "rtol"), [("float64", 1e-13), ("float32", 1e-5)])
+@pytest.mark.parametrize("count", [1, 2, 7, 8, 16, 37])
+def test_batches_have_one_sample_in_each_lane(dtype, rtol, count):
+    if jit.target().register_bytes < 32:
+        pytest.skip("registers are too narrow for stages")
+    rng = np.random.default_rng(count)
+    x, y = rng.normal(size=(count, N)).astype(dtype), rng.normal(size=(count, 3)).astype(dtype)
+    kernel = compile(batched(), dtype=dtype)
+    assert "@samples.3.above" in kernel.ir(batch=True)
+    results = kernel(x, y)
+    for k in range(count):
+        expected = by_numbers(x[k].astype(float), y[k].astype(float))
+        for got, right in zip(results, expected, strict=True):
+            np.testing.assert_allclose(got[k], right, rtol=rtol, atol=rtol)
+
+
+def test_batches_with_gaps_and_shared_arguments():
+    rng = np.random.default_rng(0)
+    wide, y = rng.normal(size=(23, 2 * N)), rng.normal(size=3)
+    kernel, out = compile(batched()), tuple(np.full((23, N, 2 * N), np.nan) for _ in range(2))
+    kernel(wide[:, ::2], y, out=tuple(array[:, :, ::2] for array in out))
+    for k in range(23):
+        for array, right in zip(out, by_numbers(wide[k, ::2], y), strict=True):
+            np.testing.assert_allclose(array[k, :, ::2], right, rtol=1e-13, atol=1e-13)
+            assert np.isnan(array[k, :, 1::2]).all()
+
+
+def test_neighbours_that_are_zero_in_the_same_rows_are_one_group():
+    zeros = [[False, False, True]] * 3 + [[False, True, False]] * 4 + [[True, True, True]]
+    assert column_groups(zeros) == [
+        (range(3), frozenset({2})),
+        (range(3, 8), frozenset({1})),
+    ]
+
+
+def test_arrays_that_do_not_fit_on_the_stack_are_computed_sample_by_sample(monkeypatch):
+    monkeypatch.setattr(sample_stages, "_MAX_MEMORY", 1000)
+    text = emit_batch(batched(), replace(jit.target(), register_bytes=32))
+    assert "@samples" not in text and "@one.3.above" in text

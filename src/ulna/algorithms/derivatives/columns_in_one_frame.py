@@ -193,31 +193,32 @@ class OneFrame:
 
         reads = ("T", "bodies", "V", "A") if with_forces else ("T", "bodies", "V")
         self.stages.lanes(of_body, reads, ("sums", "own"))
-        self.stages.straight(self.summed, ("sums",), ("sums",))
+        self.stages.rows(self.summed, ("sums",), "sums")
 
     def summed(self, of_bodies: Array) -> Array:
         """The sums over all bodies from a step outward.
 
         Args:
-            of_bodies: Numbers of bodies, shape (rows, columns), in the last columns of their steps.
+            of_bodies: A number of each body, shape (columns), in the last columns of their steps.
 
         Returns:
-            The sums, in every column of a step, shape (rows, columns).
+            The sums, in every column of a step, shape (columns).
         """
-        rows = len(of_bodies)
-        totals = np.zeros((rows, self.model.nv), dtype=object)
-        sums: list[list[Any]] = [[0.0] * rows for _ in self.tree]
+        totals = np.zeros(self.model.nv, dtype=object)
+        sums: list[Any] = [0.0] * len(self.tree)
         for i, step in reversed(list(enumerate(self.tree))):
-            last = step.indices[-1]
-            for row in range(rows):
-                total = of_bodies[row, last] + sums[i][row]
-                totals[row, list(step.indices)] = total
-                if step.parent >= 0:
-                    sums[step.parent][row] = sums[step.parent][row] + total
+            total = of_bodies[step.indices[-1]] + sums[i]
+            totals[list(step.indices)] = total
+            if step.parent >= 0:
+                sums[step.parent] = sums[step.parent] + total
         return totals
 
-    def columns(self) -> None:
-        """r, t, y and z of every column, and psi, chi and phi beside it."""
+    def columns(self, forces: str = "") -> None:
+        """r, t, y and z of every column, and psi, chi and phi beside it.
+
+        Args:
+            forces: The name of a table of further forces of all bodies from a step outward.
+        """
         carried = [[0.0 if self.tree[joint].parent < 0 else 1.0 for joint in self.joints]]
         self.stages.constant("carried", carried)
 
@@ -231,17 +232,18 @@ class OneFrame:
             sums: Array,
             mass: Array,
             carried: Array,
+            *more: Array,
         ) -> tuple[Array, ...]:
             column, caused, chi = caused_motions(s, psi, V, dU, A, dC)
             phi = motion(V).cross(column) + caused
-            outward = subtree(mass, sums)
+            outward = subtree(mass, np.concatenate([sums[:21], sum(more, sums[21:])]))
             r, t = outward.body.apply(column), outward.coriolis_transposed(column)
             y = outward.coriolis(column) + outward.body.apply(phi)
             z = outward.coriolis(caused) + outward.body.apply(chi)
             z = z + column.cross(outward.F) * carried[0]
             return numbers(chi), numbers(phi), numbers(r), t, numbers(y), numbers(z)
 
-        reads = ("s", "psi", "V", "dU", "A", "dC", "sums", "mass", "carried")
+        reads = ("s", "psi", "V", "dU", "A", "dC", "sums", "mass", "carried", *([forces] if forces else []))
         self.stages.lanes(of_column, reads, ("chi", "phi", "r", "t", "y", "z"))
 
     def mass_matrix(self, M: str) -> None:

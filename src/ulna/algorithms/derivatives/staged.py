@@ -96,7 +96,7 @@ def stages_of_forward_dynamics_derivatives(model: Model, forces: Any = ()) -> Co
 
     stages.straight(accelerations, ("tau", "h_0", "factors"), ("a",))
     _add_accelerations(frame)
-    frame.columns()
+    frame.columns(forces="dF")
     _torque_derivatives(frame, with_mass=False)
     size = row_places(paths)[1]
 
@@ -104,7 +104,8 @@ def stages_of_forward_dynamics_derivatives(model: Model, forces: Any = ()) -> Co
         return solve(np.concatenate([table[:size], -table[size:]]), column)
 
     body = trace(column, name="forward_dynamics_derivatives_column", table=(size + n,), column=(n,))
-    return ColumnForm(stages.form("factors", "by_q", "by_v"), body, (None, None, -1.0), (n, n))
+    head = stages.form("factors", "by_q", "by_v")
+    return ColumnForm(head, body, (None, None, -1.0), (n, n), serves_batches=True)
 
 
 def stages_of_coriolis_matrix(model: Model) -> StagedForm | None:
@@ -251,12 +252,7 @@ def _add_accelerations(frame: OneFrame) -> None:
 
     frame.stages.lanes(force, ("own", "bodies", "dA"), ("dF",))
 
-    def summed(dF: Array, sums: Array) -> Array:
-        totals = frame.summed(dF)
-        sums[21:] = sums[21:] + totals
-        return sums
-
-    frame.stages.straight(summed, ("dF", "sums"), ("sums",))
+    frame.stages.rows(frame.summed, ("dF",), "dF")
 
 
 def _sorted_paths(movers: list[list[int]], joints: list[int]) -> list[list[int]]:

@@ -67,14 +67,14 @@ def write_columns(module: Module, f: Function, form: ColumnForm, target: Target,
         lines.append(f"  %table = alloca [{form.body.inputs[0].size} x {element}], align 64")
         lines.append(f"  call void @factors({scratch[0]}, {table})")
     matrices = iter(scratch[1:])
-    for k, (unit, zeros) in enumerate(zip(form.units, _zeros(form, m), strict=True)):
+    for k, (unit, zeros) in enumerate(zip(form.units, zeros_of(form, m), strict=True)):
         source = next(matrices) if unit is None else f"ptr {_units(module, unit, n, m, element)}"
         for start in starts:
             rows = frozenset(i for i in range(n) if all(row[i] for row in zeros[start : start + lanes]))
             same = (name for (at, fewer), name in bodies.items() if at == start and fewer <= rows)
             if (name := next(same, "")) == "":
                 name = bodies[start, rows] = f"column{len(bodies)}"
-                _write_body(module, name, _without(form.body, rows), m, Lanes(lanes, element), target)
+                _write_body(module, name, without_rows(form.body, rows), m, Lanes(lanes, element), target)
             at = f"{k}.{start}"
             lines.append(f"  %x{at} = getelementptr {element}, {source}, i64 {start}")
             lines.append(f"  %y{at} = getelementptr {element}, ptr %o{k}, i64 {start}")
@@ -84,8 +84,16 @@ def write_columns(module: Module, f: Function, form: ColumnForm, target: Target,
     module.definitions["one"] = "\n".join([head, "entry:", *lines, "  ret void", "}", ""])
 
 
-def _zeros(form: ColumnForm, m: int) -> list[list[list[bool]]]:
-    """For each matrix, column and row whether the entry is zero whatever the inputs."""
+def zeros_of(form: ColumnForm, m: int) -> list[list[list[bool]]]:
+    """For each matrix, column and row whether the entry is zero whatever the inputs.
+
+    Args:
+        form: The form.
+        m: How many columns the matrices have.
+
+    Returns:
+        The answers.
+    """
     if isinstance(form.head, StagedForm):
         matrices = iter(form.head.zeros[1:])
         units = [[[i != k for i in range(m)] for k in range(m)] for _ in form.units]
@@ -109,8 +117,16 @@ def _zeros(form: ColumnForm, m: int) -> list[list[list[bool]]]:
     return zeros
 
 
-def _without(body: Function, rows: frozenset[int]) -> Function:
-    """The body on columns whose entries in some rows are zero."""
+def without_rows(body: Function, rows: frozenset[int]) -> Function:
+    """The body on columns whose entries in some rows are zero.
+
+    Args:
+        body: The body.
+        rows: The rows.
+
+    Returns:
+        A function of the same arguments.
+    """
     if not rows:
         return body
 

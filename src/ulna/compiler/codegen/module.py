@@ -15,6 +15,7 @@ from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes, local_array
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.row_table import write_rows
 from ulna.compiler.codegen.rows import load
+from ulna.compiler.codegen.sample_stages import write_sample_stages
 from ulna.compiler.codegen.stages import write_stages
 from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.target import Target
@@ -173,12 +174,13 @@ def emit_batch(f: Function, target: Target, element: DType = "double") -> str:
     module = Module()
     lanes = 1 if f.lanes > 1 else target.lanes(element)  # or all lanes work on one sample
     wide = max(lanes, f.lanes)
-    if f.columns is not None and f.columns.serves_batches and can_write_columns(f, target, element):
-        lanes = 1
-        _write_form(module, f, f.columns, target, element)
-        _write_block_of_one(module, f)
-    else:
+    form = f.columns
+    if form is None or not form.serves_batches or not can_write_columns(f, target, element):
         _write_block(module, f, "block", Lanes(lanes, element), 1, target)
+    elif not write_sample_stages(module, form, target, element):
+        lanes = 1
+        _write_form(module, f, form, target, element)
+        _write_block_of_one(module, f)
     module.declare("declare i32 @feclearexcept(i32)")
     module.definitions["batch"] = batch_loop(f, element, lanes)
     return module.text() + _wide_registers(wide, element)

@@ -6,19 +6,21 @@ load. Rows are padded to a multiple of the lanes with zeros, so that no lane com
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes, local_array
+from ulna.compiler.codegen.late_inputs import LateInputsWriter
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.row_factors import write_row_factors
+from ulna.compiler.codegen.rows import store
 from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.forms.stages import Factors, Pairs, Stage, StagedForm, names_of
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ops import Op
-from ulna.compiler.language.scheduling import parts, scratch_places
+from ulna.compiler.language.scheduling import Step, Store, parts, scratch_places
 
 
 def write_stages(module: Module, name: str, form: StagedForm, target: Target, element: DType) -> None:
@@ -32,6 +34,52 @@ def write_stages(module: Module, name: str, form: StagedForm, target: Target, el
         element: Type of the array elements, "double" or "float".
     """
     _StagesWriter(module, name, form, target, element).write()
+
+
+def array_places(form: StagedForm, sizes: Mapping[str, int]) -> tuple[dict[str, int], int]:
+    """Where the arrays of a form lie; what is not read any more gives its place to others.
+
+    Args:
+        form: The form.
+        sizes: The size of each array; the form's outputs, where they are among them, keep their places to the end.
+
+    Returns:
+        The place of each array, and the size of all.
+    """
+    first = {f"i{k}": -1 for k in range(len(form.inputs))}
+    last: dict[str, int] = {}
+    for number, stage in enumerate(form.stages):
+        for key in names_of(stage):
+            first.setdefault(key, number)
+            last[key] = number
+    last |= {f"o{k}": len(form.stages) for k in range(len(form.outputs))}
+    places: dict[str, int] = {}
+    for key, size in sorted(sizes.items(), key=lambda item: first.get(item[0], 0)):
+        taken = sorted((places[k], sizes[k]) for k in places if last.get(k, -1) >= first.get(key, 0))
+        place = 0
+        for start, length in taken:
+            if place + size <= start:
+                break
+            place = max(place, start + length)
+        places[key] = place
+    return places, max((places[k] + sizes[k] for k in places), default=0)
+
+
+def parts_without_inputs(f: Function, pack: int) -> list[list[Step]]:
+    """The steps of the parts of straight-line code that loads inputs where they are first used.
+
+    Args:
+        f: The function.
+        pack: How many sines are taken at once.
+
+    Returns:
+        The steps of each part.
+    """
+    g = f.graph
+    return [
+        [step for step in steps if not isinstance(step, int) or g.op[step] != Op.INPUT]
+        for steps in parts(f, 1, pack)
+    ]
 
 
 class _StagesWriter:
@@ -62,40 +110,25 @@ class _StagesWriter:
                 self.calls.append(f"  call void @factors(ptr %{stage.reads}, ptr %{stage.writes})")
             elif isinstance(stage, Pairs):
                 self._pairs(inner, stage)
-            elif stage.kind == "straight":
-                self._straight(inner, stage)
-            else:
+            elif stage.kind == "lanes":
                 self._lanes(inner, stage)
+            else:
+                self._straight(inner, stage)
         arguments = [f"ptr %{port}" for port in ports]
         define(self.module, self.name, arguments, "noinline nounwind #0", [*lines, *self.calls])
 
     def _memory(self) -> tuple[dict[str, int], int]:
-        """Where each array lies, and the size of all; what is not read any more gives its place to others."""
         form, lanes = self.form, self.layout.lanes
-        first: dict[str, int] = {}
-        last: dict[str, int] = {}
-        for number, stage in enumerate(form.stages):
-            for key in names_of(stage):
-                first.setdefault(key, number)
-                last[key] = number
-        places: dict[str, int] = {}
         sizes: dict[str, int] = {}
         for key, shape in form.arrays.items():
             row = self.stride if key in form.tables else shape[1] if shape[1:] else 1
             sizes[key] = -(-shape[0] * row // lanes) * lanes
-            taken = sorted((places[k], sizes[k]) for k in places if last.get(k, -1) >= first.get(key, 0))
-            place = 0
-            for start, size in taken:
-                if place + sizes[key] <= start:
-                    break
-                place = max(place, start + size)
-            places[key] = place
-        return places, max((places[k] + sizes[k] for k in places), default=0)
+        return array_places(form, sizes)
 
     def _write_constant(self, key: str, rows: Sequence[Sequence[float]]) -> None:
         one, element = Lanes(1, self.layout.dtype), self.layout.dtype
         padded = ([*map(float, row), *[0.0] * (self.stride - len(row))] for row in rows)
-        numbers = [f"{element} {one.constant(_rounded(x, element))}" for row in padded for x in row]
+        numbers = [f"{element} {one.constant(rounded(x, element))}" for row in padded for x in row]
         text = f"[{len(numbers)} x {element}] [{', '.join(numbers)}]"
         self.module.declare(f"@{self.name}.{key} = private constant {text}, align 64")
 
@@ -136,34 +169,46 @@ class _StagesWriter:
         for number, (key, port) in enumerate(zip(stage.reads, f.inputs, strict=True)):
             for k in range(port.size):
                 inputs[next(nodes)] = f"i{number}", self._place(key, port.shape, k)
-        zeros = _zero_entries(f)
-        for port, key in enumerate(stage.writes):
-            if key in self.form.tables and key not in stage.reads:
-                self._clear_table(key, zeros[port])
+        rows = range(self.form.arrays[stage.writes[0]][0] if stage.kind == "rows" else 1)
+        zeros = self._clear_written(stage, rows)
 
-        def place_of(port: int, start: int) -> int | None:
-            key = stage.writes[port]
-            if key in self.form.tables and start in zeros[port]:
-                return None
-            return self._place(key, f.outputs[port].shape, start)
+        def fetch(to: Writer, index: int) -> bool:
+            if index in inputs:
+                array, offset = inputs[index]
+                place = to.fresh("p")
+                to.write(f"{place} = getelementptr {element}, ptr %{array}, i64 {offset}")
+                to.assign(index, f"load {element}, ptr {place}")
+            return index in inputs
 
-        pieces = [
-            [step for step in steps if not isinstance(step, int) or f.graph.op[step] != Op.INPUT]
-            for steps in parts(f, 1, self.target.packed_sines)
-        ]
+        def put(to: Writer, step: Store) -> None:
+            key, port = stage.writes[step.port], step.port
+            if key not in self.form.tables or step.start not in zeros[port]:
+                place = self._place(key, f.outputs[port].shape, step.start)
+                store(to, f"o{port}", place, [to.names[v] for v in step.values])
+
+        pieces = parts_without_inputs(f, self.target.packed_sines)
         slots = scratch_places(f.graph, pieces)
         names = [*(f"i{k}" for k in range(len(stage.reads))), *(f"o{k}" for k in range(len(stage.writes)))]
         apart = "" if set(stage.reads) & set(stage.writes) else " noalias"
         arguments = [*(f"ptr{apart} %{x}" for x in names), "ptr noalias %scratch"]
-        given = [f"ptr {self._array(key)}" for key in (*stage.reads, *stage.writes)]
-        scratch = f"{name}.scratch"
+        keys, scratch = (*stage.reads, *stage.writes), f"{name}.scratch"
         size = max(slots.values(), default=0) + 1
         self.calls += local_array(scratch, element, size, self.target.stack_space)
         for number, steps in enumerate(pieces):
             w = Writer(self.module, f.graph, Lanes(1, element), "", self.target.arithmetic)
-            write_steps(w, steps, slots, inputs, place_of)
+            write_steps(w, steps, slots, fetch, put)
             define(self.module, f"{name}.{number}", arguments, "noinline nounwind", w.lines)
-            self.calls.append(f"  call void @{name}.{number}({', '.join([*given, f'ptr %{scratch}'])})")
+        for row in rows:
+            given = ", ".join([*(self._at(key, row * self.stride) for key in keys), f"ptr %{scratch}"])
+            self.calls += [f"  call void @{name}.{number}({given})" for number in range(len(pieces))]
+
+    def _clear_written(self, stage: Stage, rows: range) -> list[set[int]]:
+        """Clears the tables that a stage writes and does not read; for each output the entries that are always zero."""
+        zeros = _zero_entries(stage.body)
+        for port, key in enumerate(stage.writes):
+            if key in self.form.tables and key not in stage.reads:
+                self._clear_table(key, {row * self.form.columns + k for row in rows for k in zeros[port]})
+        return zeros
 
     def _clear_table(self, key: str, zeros: set[int]) -> None:
         """Zeros in the padding of a table, and where entries are zero whatever the inputs, a register at a time."""
@@ -263,7 +308,7 @@ class _StagesWriter:
         """Adds a number to an entry of an array."""
         place, element = self._at(key, offset), self.layout.dtype
         x, y = f"%x{self._count}", f"%y{self._count}"
-        literal = Lanes(1, element).constant(_rounded(number, element))
+        literal = Lanes(1, element).constant(rounded(number, element))
         self.calls += [
             f"  {x} = load {element}, {place}",
             f"  {y} = fadd {element} {x}, {literal}",
@@ -309,7 +354,7 @@ class _StagesWriter:
         define(self.module, name, arguments, "noinline nounwind #0", w.lines)
 
 
-class _ColumnWriter(Writer):
+class _ColumnWriter(LateInputsWriter):
     """Writes a function of columns in SIMD lanes; inputs are loaded where they are first used.
 
     Args:
@@ -334,22 +379,7 @@ class _ColumnWriter(Writer):
         """Loads what differs between lanes."""
         for node, (_, _, is_own) in self._places.items():
             if not is_own and node in self._live:
-                self._fetch(node)
-
-    def results(self, f: Function) -> Iterator[tuple[str, int]]:
-        """Writes all nodes, and hands out the name and the number of every result as soon as it is known."""
-        g = f.graph
-        waiting: dict[int, list[int]] = {}
-        for number, node in enumerate(f.results):
-            waiting.setdefault(node, []).append(number)
-        for node in g.live(f.results):
-            if g.op[node] != Op.INPUT:
-                for a in g.args[node]:
-                    self._fetch(a)
-                self.node(node)
-            elif node in waiting:
-                self._fetch(node)
-            yield from ((self.names[node], number) for number in waiting.get(node, ()))
+                self.fetch(node)
 
     def store(self, value: str, array: str, offset: int) -> None:
         """Stores lanes."""
@@ -357,7 +387,8 @@ class _ColumnWriter(Writer):
         self.write(f"{place} = getelementptr {element}, ptr %{array}, i64 {offset}")
         self.write(f"store {self.layout.real} {value}, ptr {place}, align {BYTES[element]}")
 
-    def _fetch(self, node: int) -> None:
+    def fetch(self, node: int) -> None:
+        """Loads lanes, or one number into all of them."""
         if node in self.names or node not in self._places:
             return
         array, offset, is_own = self._places[node]
@@ -384,6 +415,14 @@ def _zero_entries(f: Function) -> list[set[int]]:
     return found
 
 
-def _rounded(x: float, element: DType) -> float:
-    """A number as the type holds it."""
+def rounded(x: float, element: DType) -> float:
+    """A number as the type holds it.
+
+    Args:
+        x: The number.
+        element: "double" or "float".
+
+    Returns:
+        The nearest number of that type.
+    """
     return float(np.float32(x)) if element == "float" else float(x)

@@ -31,8 +31,10 @@ def write_steps(
     to: Writer,
     steps: Iterable[Step],
     slots: Mapping[int, int],
-    inputs: Mapping[int, tuple[str, int]] | None = None,
-    place_of: Callable[[int, int], int | None] = lambda port, start: start,
+    fetch: Callable[[Writer, int], bool] = lambda to, index: False,
+    put: Callable[[Writer, Store], None] = lambda to, step: store(
+        to, f"o{step.port}", step.start, [to.names[v] for v in step.values]
+    ),
 ) -> None:
     """Writes the steps of one part; what they need is fetched from the scratch, what is needed later is put there.
 
@@ -40,10 +42,9 @@ def write_steps(
         to: Where the instructions are written.
         steps: The steps.
         slots: The places of nodes in the scratch.
-        inputs: The inputs that are loaded where they are first used: the name and the offset of each.
-        place_of: Where in memory an entry of an output lies; None where it is not written.
+        fetch: Loads an input that is not loaded at the beginning where it is first used; returns whether it has.
+        put: Writes values of an output.
     """
-    late = inputs or {}
     g, layout = to.graph, to.layout
 
     def kind(index: int) -> str:
@@ -55,20 +56,12 @@ def write_steps(
                 continue
             if g.op[index] in (Op.CONST, Op.BOOL):
                 to.node(index)
-            elif index in late:
-                port, offset = late[index]
-                place = to.fresh("p")
-                to.write(f"{place} = getelementptr {layout.dtype}, ptr %{port}, i64 {offset}")
-                to.assign(index, f"load {kind(index)}, ptr {place}")
-            else:
-                place = at(to, slots[index])
-                to.assign(index, f"load {kind(index)}, {place}")
+            elif not fetch(to, index):
+                to.assign(index, f"load {kind(index)}, {at(to, slots[index])}")
         if isinstance(step, Sines):
             to.sincos(step.arguments)
         elif isinstance(step, Store):
-            place = place_of(step.port, step.start)
-            if place is not None:
-                store(to, f"o{step.port}", place, [to.names[v] for v in step.values])
+            put(to, step)
         elif step not in to.names:
             to.node(step)
         for index in made(g, step):

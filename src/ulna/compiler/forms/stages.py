@@ -5,7 +5,7 @@ runs through it once, and fetching so much code takes longer than computing. Mos
 numbers of other joints. A `StagedForm` keeps these numbers in tables with one column for each velocity of the robot,
 and computes a table from others
 
-- by straight-line code, where numbers of different columns meet (`straight`),
+- by straight-line code, where numbers of different columns meet (`straight`), or for one row after the other (`rows`),
 - for a SIMD register of columns at a time (`lanes`),
 - or, for matrices, for pairs of a row and a register of columns (`pairs`).
 
@@ -31,13 +31,13 @@ class Stage:
     """One step of a form.
 
     Attributes:
-        kind: How `body` is evaluated: once ("straight"), or for each column ("lanes").
-        body: Arrays to arrays. In lanes, an array is one column of a table; otherwise, the whole table.
+        kind: How `body` is evaluated: once ("straight"), for each row ("rows"), or for each column ("lanes").
+        body: Arrays to arrays. An array is one row of a table, one column in lanes, or the whole table.
         reads: Names of the tables or inputs that it takes.
         writes: Names of the tables or outputs that it computes.
     """
 
-    kind: Literal["straight", "lanes"]
+    kind: Literal["straight", "rows", "lanes"]
     body: Function
     reads: tuple[str, ...]
     writes: tuple[str, ...]
@@ -117,7 +117,7 @@ class StagedForm:
         constants: Tables that are known, (rows, columns).
         stages: The steps in order; inputs are called i0, i1, ..., outputs o0, o1, ...
         zeros: For each output which entries are zero whatever the inputs, or None.
-        serves_batches: Whether samples of a batch are computed in this form, too, one by one.
+        serves_batches: Whether samples of a batch are computed in this form, too, one in each SIMD lane.
     """
 
     inputs: tuple[Port, ...]
@@ -188,6 +188,20 @@ class Stages:
             if len(port.shape) == 2:
                 self._tables.add(name)
         self._stages.append(Stage("straight", body, tuple(reads), tuple(writes)))
+
+    def rows(self, f: Callable[..., Any], reads: Sequence[str], write: str) -> None:
+        """A stage of straight-line code that computes all rows alike.
+
+        Args:
+            f: From one row of each table, (columns,), to a row of the result, (columns,).
+            reads: Names of tables of equally many rows.
+            write: The name of the result, a table. It may be one that is read, of which an entry is then read only for
+                what takes its place.
+        """
+        body = self._traced(f, dict.fromkeys(reads, (self.columns,)))
+        self._arrays[write] = self._shape(reads[0])
+        self._tables.add(write)
+        self._stages.append(Stage("rows", body, tuple(reads), (write,)))
 
     def lanes(self, f: Callable[..., Any], reads: Sequence[str], writes: Sequence[str]) -> None:
         """A stage that computes all columns alike.
