@@ -245,6 +245,12 @@ def transformations() -> None:
             quat, turn.as_quat(scalar_first=True) * np.sign(quat @ turn.as_quat(scalar_first=True))
         )
         np.testing.assert_allclose(tf.quaternion_matrix(2 * quat)[:3, :3], turn.as_matrix(), atol=1e-14)
+        one = tf.quaternion_multiply(2 * quat, tf.quaternion_inverse(2 * quat))
+        np.testing.assert_allclose(one, [1.0, 0.0, 0.0, 0.0], atol=1e-14)
+        np.testing.assert_allclose(tf.euler_from_quaternion(quat), turn.as_euler("xyz"), atol=1e-12)
+        assert tf.quaternion_real(quat) == quat[0] and (tf.quaternion_imag(quat) == quat[1:]).all()
+        half = tf.quaternion_slerp([1.0, 0.0, 0.0, 0.0], quat, 0.5)
+        np.testing.assert_allclose(tf.quaternion_multiply(half, half), quat * np.sign(quat[0]), atol=1e-12)
         for axes, order in (("sxyz", "xyz"), ("rzyx", "ZYX"), ("szyz", "zyz"), ("rxyz", "XYZ")):
             wanted = Rotation.from_euler(order, angles).as_matrix()
             np.testing.assert_allclose(tf.euler_matrix(*angles, axes)[:3, :3], wanted, atol=1e-14)

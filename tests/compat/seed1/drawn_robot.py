@@ -84,6 +84,13 @@ def others(robot: RobotWrapper, folder: str) -> None:
         viz.setBackgroundColor("white")
         assert viz.viewer.viewer.camera.position == (1.0, 1.0, 1.0)
         refused(lambda viz=viz: viz.setCameraPreset("presett1"), "preset1")
+        target, position = viz.CAMERA_PRESETS["talos2"]
+        viz.setCameraPreset("talos2")
+        camera = viz.viewer.viewer.camera
+        assert (list(camera.target), list(camera.position)) == (target, position)
+        pin.forwardKinematics(viz.model, viz.data, robot.q0, robot.v0 + 1.0)
+        viz.drawFrameVelocities(3)
+        viz.drawFrameVelocities(4, color=0x0000FF)
         image = viz.captureImage(64, 48)
         assert image.shape == (48, 64, 3)
         ball = pin.GeometryObject(

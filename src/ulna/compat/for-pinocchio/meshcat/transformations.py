@@ -122,6 +122,73 @@ def quaternion_multiply(quaternion1: Any, quaternion0: Any) -> Floats:
     return np.asarray(quat_multiply(left, right))[[3, 0, 1, 2]]
 
 
+def quaternion_conjugate(quaternion: Any) -> Floats:
+    """The quaternion (4,), w first, with the opposite vector."""
+    w, x, y, z = _quaternion(quaternion)
+    return np.array([w, -x, -y, -z])
+
+
+def quaternion_inverse(quaternion: Any) -> Floats:
+    """The quaternion (4,), w first, whose product with this one is 1."""
+    q = _quaternion(quaternion)
+    return quaternion_conjugate(q) / (q @ q)
+
+
+def quaternion_real(quaternion: Any) -> float:
+    """The real part of a quaternion (4,), w first."""
+    return float(_quaternion(quaternion)[0])
+
+
+def quaternion_imag(quaternion: Any) -> Floats:
+    """The vector (3,) of a quaternion (4,), w first."""
+    return _quaternion(quaternion)[1:].copy()
+
+
+def quaternion_slerp(
+    quat0: Any, quat1: Any, fraction: float, spin: int = 0, shortestpath: bool = True
+) -> Floats:
+    """The rotation between two, at constant velocity [Shoemake 1985].
+
+    Args:
+        quat0: First quaternion (4,), w first.
+        quat1: Second quaternion (4,), w first.
+        fraction: From 0 to 1 [-].
+        spin: How many half turns to add.
+        shortestpath: Whether the shorter of both ways is taken.
+
+    Returns:
+        Quaternion (4,), w first.
+    """
+    first, second = (unit_vector(_quaternion(q)) for q in (quat0, quat1))
+    if fraction in (0.0, 1.0):
+        return second if fraction else first
+    cosine = float(first @ second)
+    if shortestpath and cosine < 0.0:
+        cosine, second = -cosine, -second
+    angle = np.arccos(min(cosine, 1.0)) + spin * np.pi
+    if abs(angle) < 1e-15:
+        return first
+    weights = np.sin((1.0 - fraction) * angle), np.sin(fraction * angle)
+    return (weights[0] * first + weights[1] * second) / np.sin(angle)
+
+
+def _quaternion(value: Any) -> Floats:
+    return shaped_array("quaternion", value, 4)
+
+
+def euler_from_quaternion(quaternion: Any, axes: str = "sxyz") -> tuple[float, float, float]:
+    """The Euler angles of a quaternion; see `euler_from_matrix`.
+
+    Args:
+        quaternion: Quaternion (4,), w first.
+        axes: Order of the axes, "s" for static ones before, or "r" for those that turn with it.
+
+    Returns:
+        Three angles [rad].
+    """
+    return euler_from_matrix(quaternion_matrix(quaternion), axes)
+
+
 def quaternion_from_euler(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Floats:
     """The quaternion of three angles; see `euler_matrix`.
 

@@ -6,6 +6,7 @@ import os
 import tempfile
 import time
 from dataclasses import dataclass
+from html import escape
 from typing import Any, NoReturn, final
 
 import numpy as np
@@ -33,15 +34,18 @@ class NotebookCell:
     """A page in the cell of a notebook.
 
     Attributes:
-        url: Address of the page.
+        url: Address of the page; empty where the page itself is given.
         height: Height [pixels].
+        page: The page as HTML, or nothing.
     """
 
     url: str
     height: int
+    page: str = ""
 
     def _repr_html_(self) -> str:
-        return f'<iframe src="{self.url}" width="100%" height="{self.height:d}" style="border:0"></iframe>'
+        source = f'srcdoc="{escape(self.page)}"' if self.page else f'src="{self.url}"'
+        return f'<iframe {source} width="100%" height="{self.height:d}" style="border:0"></iframe>'
 
 
 @final
@@ -247,6 +251,17 @@ class Visualizer:
             What a notebook shows; None without a page.
         """
         return NotebookCell(self.url(), height) if self.url() else None
+
+    def render_static(self, height: int = 400) -> NotebookCell:
+        """The scene as it is now, for the end of a notebook's cell; later changes do not reach it.
+
+        Args:
+            height: Height of the page [pixels].
+
+        Returns:
+            What a notebook shows.
+        """
+        return NotebookCell("", height, self.static_html())
 
     def static_html(self) -> str:
         """The scene as one HTML file that can be viewed offline."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import abc
 import dataclasses
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -13,22 +13,27 @@ from pinocchio.visualize.base_visualizer import BaseVisualizer
 from ulna.errors import UnknownName
 from ulna.viewer.colours import colour
 
-_PRESETS: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
-    "preset1": ((1.0, 1.0, 1.0), (0.0, 0.0, 0.0)),
-    "preset2": ((1.0, 0.0, 1.2), (0.0, 0.0, 0.6)),
-    "acrobot": ((0.0, 4.0, 0.0), (0.0, 0.0, 0.0)),
-    "cam_ur": ((0.6, 1.2, 1.0), (0.4, 0.0, 0.2)),
-    "cam_ur2": ((-0.5, 1.2, 1.0), (0.4, 0.0, 0.2)),
-    "cam_ur3": ((0.6, -1.2, 1.0), (0.4, 0.0, 0.2)),
-    "cam_ur4": ((-0.5, -1.2, 1.0), (0.4, 0.0, 0.2)),
-    "cam_ur5": ((1.2, 0.0, 0.6), (0.4, 0.0, 0.4)),
-    "talos": ((2.0, 0.0, 1.5), (0.0, 0.0, 0.9)),
-    "talos2": ((2.0, 2.0, 1.5), (0.0, 0.0, 0.9)),
-}
-
 
 class CameraVisualizer(BaseVisualizer, abc.ABC):
-    """A visualizer whose camera and background can be set."""
+    """A visualizer whose camera and background can be set.
+
+    Attributes:
+        CAMERA_PRESETS: For each name where the camera looks, and where it is [m].
+    """
+
+    CAMERA_PRESETS: ClassVar[dict[str, list[list[float]]]] = {
+        "preset0": [[0.0, 0.0, 0.0], [3.0, 0.0, 1.0]],
+        "preset1": [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]],
+        "preset2": [[0.0, 0.0, 0.6], [0.8, 1.0, 1.2]],
+        "acrobot": [[0.0, 0.1, 0.0], [0.5, 0.0, 0.2]],
+        "cam_ur": [[0.4, 0.6, -0.2], [1.0, 0.4, 1.2]],
+        "cam_ur2": [[0.4, 0.3, 0.0], [0.5, 0.1, 1.4]],
+        "cam_ur3": [[0.4, 0.3, 0.0], [0.6, 1.3, 0.3]],
+        "cam_ur4": [[-1.0, 0.3, 0.0], [1.3, 0.1, 1.2]],
+        "cam_ur5": [[-1.0, 0.3, 0.0], [-0.05, 1.5, 1.2]],
+        "talos": [[0.0, 1.2, 0.0], [1.5, 0.3, 1.5]],
+        "talos2": [[0.0, 1.1, 0.0], [1.2, 0.6, 1.5]],
+    }
 
     def _look(self, **news: Any) -> None:
         viewer = self._gui.viewer
@@ -58,10 +63,10 @@ class CameraVisualizer(BaseVisualizer, abc.ABC):
         )
 
     def setCameraPreset(self, preset_key: str) -> None:
-        """Places the camera as one of the known ways: "preset1", "cam_ur", "talos", ..."""
-        if preset_key not in _PRESETS:
-            raise UnknownName("camera preset", preset_key, _PRESETS)
-        position, target = _PRESETS[preset_key]
+        """Places the camera as one of `CAMERA_PRESETS` says: "preset1", "cam_ur", "talos", ..."""
+        if preset_key not in self.CAMERA_PRESETS:
+            raise UnknownName("camera preset", preset_key, self.CAMERA_PRESETS)
+        target, position = map(_triple, self.CAMERA_PRESETS[preset_key])
         self._look(position=position, target=target, up=(0.0, 0.0, 1.0))
 
     def enableCameraControl(self) -> None:

@@ -6,7 +6,7 @@ import abc
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from gepetto.corbaserver.reach import is_drawable
@@ -84,20 +84,24 @@ class MotionPictures(abc.ABC):
         record = self.model.frames[frame]
         return (self.data.oMi[record.parentJoint] * record.placement).homogeneous
 
-    def drawFrameVelocities(
-        self, frame_id: int, v_scale: float = 0.2, color: Sequence[float] | None = None
-    ) -> None:
+    FRAME_VEL_COLOR: ClassVar[int] = 0x00FF00
+    """The colour of arrows of velocities, as in `0xrrggbb`."""
+    FORCE_SCALE: ClassVar[float] = 0.06
+    """The length of arrows of forces for users [m/N]; the visualizers draw none themselves."""
+
+    def drawFrameVelocities(self, frame_id: int, v_scale: float = 0.2, color: Any = FRAME_VEL_COLOR) -> None:
         """Draws an arrow along the velocity of a frame's origin, after forwardKinematics with v.
 
         Args:
             frame_id: Index of the frame.
             v_scale: Length for each m/s [s].
-            color: Red, green, blue, opacity; that of the viewer by default.
+            color: `0xrrggbb`, or red, green, blue and opacity from 0 to 1; green by default.
         """
         v = getFrameVelocity(self.model, self.data, frame_id, LOCAL_WORLD_ALIGNED).linear
         start = self._frame_pose(frame_id)[:3, 3]
         name = f"{self._root}/velocities/{frame_id}"
-        self._gui.viewer.arrow(v_scale * v, start, name=name, color=color)
+        shade = f"#{color:06x}" if isinstance(color, int) else color
+        self._gui.viewer.arrow(v_scale * v, start, name=name, color=shade)
 
     def play(
         self,
