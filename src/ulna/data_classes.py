@@ -37,10 +37,10 @@ def _dataclass(
             )
         parameters = made.__dataclass_params__
         parameters.init, parameters.repr, parameters.eq, parameters.frozen = init, repr, eq, frozen
-        own, fields = vars(made), dataclasses.fields(made)
-        if init and "__init__" not in own:
+        attributes, fields = vars(made), dataclasses.fields(made)
+        if init and "__init__" not in attributes:
             made.__init__ = _LaterInit(made)
-        if repr and "__repr__" not in own:
+        if repr and "__repr__" not in attributes:
             made.__repr__ = _repr([field.name for field in fields if field.repr])
         if eq:
             _compare(made, [field.name for field in fields if field.compare], frozen)
@@ -146,7 +146,7 @@ def _repr(names: Sequence[str]) -> Callable[[Any], str]:
 
 def _compare(cls: Any, names: Sequence[str], frozen: bool) -> None:
     """Gives a class `__eq__` and `__hash__`, unless it has its own; data that changes has no hash."""
-    values, own = _tuple_of(names), vars(cls)
+    values, attributes = _tuple_of(names), vars(cls)
 
     def __eq__(self: Any, other: Any) -> bool:
         return values(self) == values(other) if other.__class__ is self.__class__ else NotImplemented
@@ -154,8 +154,10 @@ def _compare(cls: Any, names: Sequence[str], frozen: bool) -> None:
     def __hash__(self: Any) -> int:
         return hash(values(self))
 
-    has_hash = "__hash__" in own and not (own["__hash__"] is None and "__eq__" in own)  # None: set by Python
-    if "__eq__" not in own:
+    has_hash = "__hash__" in attributes and not (
+        attributes["__hash__"] is None and "__eq__" in attributes
+    )  # None: set by Python
+    if "__eq__" not in attributes:
         cls.__eq__ = __eq__
     if not has_hash:
         cls.__hash__ = __hash__ if frozen else None
@@ -163,7 +165,7 @@ def _compare(cls: Any, names: Sequence[str], frozen: bool) -> None:
 
 def _freeze(cls: Any, names: Sequence[str], slots: bool) -> None:
     """Has instances of a class refuse assignments: of any name, and of fields where a class derives from it."""
-    fixed, values, own = frozenset(names), _tuple_of(names), vars(cls)
+    fixed, values, attributes = frozenset(names), _tuple_of(names), vars(cls)
 
     def __setattr__(self: Any, name: str, value: Any) -> None:
         if type(self) is cls or name in fixed:
@@ -182,8 +184,8 @@ def _freeze(cls: Any, names: Sequence[str], slots: bool) -> None:
         for name, value in zip(names, state, strict=True):
             object.__setattr__(self, name, value)
 
-    if "__setattr__" in own or "__delattr__" in own:
+    if "__setattr__" in attributes or "__delattr__" in attributes:
         raise TypeError(f"{cls.__qualname__} defines __setattr__ or __delattr__; frozen data classes cannot.")
     cls.__setattr__, cls.__delattr__ = __setattr__, __delattr__
-    if slots and "__getstate__" not in own:  # else pickles of slots would be read by assignments
+    if slots and "__getstate__" not in attributes:  # else pickles of slots would be read by assignments
         cls.__getstate__, cls.__setstate__ = __getstate__, __setstate__

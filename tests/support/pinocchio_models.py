@@ -28,7 +28,9 @@ from ulna.spatial import SE3, Inertia
 from ulna.typing import Floats
 
 SINGLE_JOINT_KINDS = tuple(
-    name for name in KINDS if name not in ("universal", "composite", "composite_ball", "cylindrical")
+    name
+    for name, make in KINDS.items()
+    if len(make(np.random.default_rng(0)).elementary_joints(SE3.identity())) == 1
 )
 """Kinds of `KINDS` that are one joint of Pinocchio. The others are its composite joints, which must not be in one model with mimic joints:
 it crashes, or its results are wrong."""

@@ -111,8 +111,8 @@ def attached_pairs(
     """
     pairs: list[LinkPair] = []
     joints = {solid.owner: solid.joint for solid in solids}
-    held = [item for item in world.attachments if item.name in joints]
-    for k, item in enumerate(held):
+    carried_items = [item for item in world.attachments if item.name in joints]
+    for k, item in enumerate(carried_items):
         pairs += [
             (item.name, name)
             for name in links
@@ -120,7 +120,7 @@ def attached_pairs(
         ]
         pairs += [
             (item.name, other.name)
-            for other in held[k + 1 :]
+            for other in carried_items[k + 1 :]
             if joints[other.name] != joints[item.name] and not may_touch(item, other)
         ]
     return tuple(pairs)

@@ -47,10 +47,10 @@ class BroadPhase:
         self._world, self._obstacles, self._mask, self._count = world, obstacles, mask, len(mask)
         self._margins = margins if margins.any() else None
         self._kernel = broad.pose_kernel(model, links)
-        held = [(world.attached(solid.owner), solid) for solid in attached]
+        attached_solids = [(world.attached(solid.owner), solid) for solid in attached]
         self._attached = [
             (kernels.kernel(model, "fk", checked=True, frame=item.link), item.pose.matrix(), solid)
-            for item, solid in held
+            for item, solid in attached_solids
         ]
         self._fixed = (
             np.stack([s.placement.rotation for s in obstacles]) if obstacles else np.zeros((0, 3, 3))

@@ -95,7 +95,7 @@ class CellBounds:
         gaps = self._distance.gaps(cells.T)
         distance, slopes = gaps.min(axis=1), np.zeros((len(q), len(cells.widths)))
         clearance = distance - cells.b
-        found = Proved(distance, clearance, np.zeros((len(q), len(half))), 0)
+        result = Proved(distance, clearance, np.zeros((len(q), len(half))), 0)
         rows = np.flatnonzero(~((distance > 0.0) & (cells.b <= ENOUGH * distance)))
         if len(rows):
             known = _Known(gaps, self._distance, cells.T)
@@ -106,10 +106,10 @@ class CellBounds:
             rows, pairs = rows[is_near], pairs[is_near]
             slopes[rows] = self._slopes(known.normals[rows, pairs], pairs, cells, rows)
             clearance[rows] = self._least_of_pairs(known, pairs, cells, rows, slopes)
-            found = found._replace(queries=known.queries)
+            result = result._replace(queries=known.queries)
         for j, (joint, sign) in enumerate(zip(self._chain.joints, self._signs(cells.split), strict=True)):
-            found.slopes[:, self._chain.columns.index(joint.column)] += sign * slopes[:, j]
-        return found
+            result.slopes[:, self._chain.columns.index(joint.column)] += sign * slopes[:, j]
+        return result
 
     def _nearest(self, known: _Known, cells: _Cells, rows: Array) -> Array:
         """The numbers of the pairs of solids that are nearest at the middles, or touch in all of the cell, (rows,)."""
@@ -156,13 +156,15 @@ class CellBounds:
         self, known: _Known, pairs: Array, cells: _Cells, rows: Array, slopes: Floats
     ) -> Floats:
         """What is proved of all solids of the links, with slopes s, shape (rows,) [m]."""
-        room = cells.b + np.abs(slopes).sum(axis=1)
-        bounds = known.bounds - room[:, None]
+        displacement_bounds = cells.b + np.abs(slopes).sum(axis=1)
+        bounds = known.bounds - displacement_bounds[:, None]
         is_sharp, at = np.zeros(bounds.shape, dtype=bool), rows
         while True:
             known.ask(at, pairs)
             is_sharp[at, pairs] = True
-            bounds[at, pairs] = np.maximum(bounds[at, pairs], known.bounds[at, pairs] - room[at])
+            bounds[at, pairs] = np.maximum(
+                bounds[at, pairs], known.bounds[at, pairs] - displacement_bounds[at]
+            )
             n = known.normals[at, pairs]
             planes = self._planes(n, cells, at, slopes[at]) - cells.remainder[at, None] - _COAL
             bounds[at] = np.maximum(bounds[at], planes)
@@ -240,10 +242,10 @@ class _Known:
         is_new = ~self._is_asked[rows, pairs]
         rows, pairs = rows[is_new], pairs[is_new]
         if len(rows):
-            found, n = self._distance.ask(SE3(self._T.rotation[rows], self._T.translation[rows]), pairs)
+            asked, n = self._distance.ask(SE3(self._T.rotation[rows], self._T.translation[rows]), pairs)
             length = np.linalg.norm(n, axis=1, keepdims=True)
-            self.distances[rows, pairs] = found
-            self.bounds[rows, pairs] = np.maximum(self.bounds[rows, pairs], found - _COAL)
+            self.distances[rows, pairs] = asked
+            self.bounds[rows, pairs] = np.maximum(self.bounds[rows, pairs], asked - _COAL)
             self.normals[rows, pairs] = n / np.maximum(length, 1.0)  # a shorter direction proves less
             self._is_asked[rows, pairs] = True
             self.queries += len(rows)
@@ -282,8 +284,8 @@ class _Side:
 
     def speeds(self, poses: Sequence[SE3], count: int) -> Floats:
         """rho by joint, shape (count, joints); `poses` are those of the link in the joints' frames."""
-        found = [self._link.of(X, S, count) for X, S in zip(poses, self._chain.twists, strict=True)]
-        return np.stack(found, axis=1)
+        speeds_of_links = [self._link.of(X, S, count) for X, S in zip(poses, self._chain.twists, strict=True)]
+        return np.stack(speeds_of_links, axis=1)
 
     def _moved_by(self, widths: Floats, split: Array) -> Floats:
         """h of the joints that move this link, 0 of the others, shape (n, joints)."""

@@ -113,8 +113,12 @@ class SphereChecker:
         chosen = link_pairs(model) if pairs is None else checked_pairs(model, pairs)
         self.pairs = tuple(pair for pair in chosen if all(name in self.spheres.links for name in pair))
         check_touches(model, self.world)
-        held = carried(model, self.world, self.spheres, missing)
-        self.attached, self.attached_pairs, self.carriers = held.spheres, held.pairs, held.carriers
+        carried_bodies = carried(model, self.world, self.spheres, missing)
+        self.attached, self.attached_pairs, self.carriers = (
+            carried_bodies.spheres,
+            carried_bodies.pairs,
+            carried_bodies.carriers,
+        )
         self.covering = Spheres({**self.spheres.links, **self.attached}) if self.attached else self.spheres
         """The spheres of the links, then those of attached objects."""
         counts = [len(s.radii) for s in self.covering.links.values()]

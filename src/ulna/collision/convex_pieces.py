@@ -113,8 +113,8 @@ def _snapped(triangles: Floats, low: Floats, edge: float) -> Floats:
     is_thin = np.zeros(len(cells), dtype=bool)
     for i, j in ((0, 1), (1, 2), (2, 0)):
         is_thin |= (cells[:, i] == cells[:, j]).all(axis=1)
-    kept = cells[~is_thin] if not is_thin.all() else cells
-    return low + edge * np.unique(kept, axis=0)
+    thick_cells = cells[~is_thin] if not is_thin.all() else cells
+    return low + edge * np.unique(thick_cells, axis=0)
 
 
 def _distinct(triangles: Floats, low: Floats, edge: float) -> Floats:

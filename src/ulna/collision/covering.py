@@ -142,10 +142,10 @@ def solids_by_link(model: Model, missing: Missing = "error") -> dict[str, list[S
     Returns:
         Solids by link name.
     """
-    found: dict[str, list[Solid]] = {}
+    by_link: dict[str, list[Solid]] = {}
     for solid in link_solids(model, missing):
-        found.setdefault(solid.owner, []).append(solid)
-    return found
+        by_link.setdefault(solid.owner, []).append(solid)
+    return by_link
 
 
 def link_task(model: Model, name: str, solids: Sequence[Solid]) -> Task:
@@ -203,12 +203,12 @@ def _fit(
     weights = _weights(model, list(solids))
     exact_links = {name for name, cover in covers.items() if cover.is_done}
     for attempt in range(_ROUNDS):
-        found = {}
+        spheres = {}
         for k, (name, count) in enumerate(_counts(covers, weights, tolerance, budget).items()):
             if not attempt:
                 progress(len(solids) + k, steps)
-            found[name] = covers[name].solve(count)
-        fitted = Spheres(found)
+            spheres[name] = covers[name].solve(count)
+        fitted = Spheres(spheres)
         progress(2 * len(solids) + attempt, steps)
         close = close_pairs(model, fitted, exact_links)
         if not any(share > _OFTEN for share in close.values()):

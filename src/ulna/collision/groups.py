@@ -44,13 +44,13 @@ def grouped(
     groups: dict[tuple[gap.Kind, tuple[str, ...]], list[tuple[gap.Part, SE3, str]]] = {}
 
     def put(part: gap.Part, links: Sequence[str], pose: SE3, name: str) -> None:
-        held = [(link,) for link in links if link in attached]
+        attached_links = [(link,) for link in links if link in attached]
         margins = {link: world.margin(part.owner, link) for link in links}
         rest = [
             tuple(link for link in links if link not in attached and margins[link] == margin)
             for margin in sorted(set(margins.values()))
         ]
-        for chosen in (*rest, *held):
+        for chosen in (*rest, *attached_links):
             if chosen:
                 members = groups.setdefault((part.kind, chosen), [])
                 members.append((part.grown(margins[chosen[0]]), pose, name))

@@ -40,7 +40,7 @@ def pair_mask(
         UnknownName: An obstacle may touch a link that does not exist.
     """
     among, skip = ({frozenset(pair) for pair in chosen} for chosen in (pairs, without))
-    held = {item.name: item for item in world.attachments}
+    attachments = {item.name: item for item in world.attachments}
     mask = np.zeros((count, len(solids)), dtype=bool)
     for i, a in enumerate(solids[:count]):
         for j, b in enumerate(solids):
@@ -49,16 +49,16 @@ def pair_mask(
                 obstacle = world[b.owner]
                 still = a.joint < 0 and not obstacle.moving
                 allowed = a.owner in obstacle.touches or (
-                    a.owner in held and b.owner in held[a.owner].touches
+                    a.owner in attachments and b.owner in attachments[a.owner].touches
                 )
                 mask[i, j] = not (still or allowed or pair in skip)
-            elif b.owner not in held:
+            elif b.owner not in attachments:
                 mask[i, j] = i < j and pair in among
-            elif a.owner not in held:
-                allowed = a.owner in held[b.owner].touches or pair in skip
+            elif a.owner not in attachments:
+                allowed = a.owner in attachments[b.owner].touches or pair in skip
                 mask[i, j] = i < j and a.joint != b.joint and not allowed
             else:
-                allowed = may_touch(held[a.owner], held[b.owner]) or pair in skip
+                allowed = may_touch(attachments[a.owner], attachments[b.owner]) or pair in skip
                 mask[i, j] = i < j and a.joint != b.joint and not allowed
     check_touches(model, world)
     return mask

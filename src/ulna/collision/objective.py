@@ -53,13 +53,13 @@ def sphere_clearance(
     chosen = link_pairs(model) if pairs is None else pairs
     world = World() if world is None else world
     check_touches(model, world)
-    held = carried(model, world, balls)
-    all_pairs = (*chosen, *held.pairs)
-    balls = Spheres({**balls.links, **held.spheres})
+    carried_bodies = carried(model, world, balls)
+    all_pairs = (*chosen, *carried_bodies.pairs)
+    balls = Spheres({**balls.links, **carried_bodies.spheres})
     checks = _checks(model, world, balls, all_pairs)
 
     def gaps(q: Array) -> Iterator[list[Any]]:
-        c = sphere_centres(model, q, balls, held.carriers)
+        c = sphere_centres(model, q, balls, carried_bodies.carriers)
         for (link, i), (obstacles, others) in checks.items():
             radius = balls.links[link].radii[i]
             of_ball = [signed(kind, c[link][i], numbers) - radius for kind, numbers in obstacles]
@@ -114,7 +114,7 @@ def _least(gaps: Iterable[Sequence[Any]], smooth: float | None) -> Any:
     """The least of the distances of each sphere, rounded off by a length or not."""
     if smooth is None:
         return reduce(minimum, (reduce(minimum, of_ball) for of_ball in gaps))
-    held = [d for of_ball in gaps for d in of_ball]
-    least = reduce(minimum, held)
-    total = sum(exp((least - d) / smooth) for d in held)  # none above 1
+    distances = [d for of_ball in gaps for d in of_ball]
+    least = reduce(minimum, distances)
+    total = sum(exp((least - d) / smooth) for d in distances)  # none above 1
     return least - smooth * np.log(total)

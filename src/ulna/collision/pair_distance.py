@@ -78,9 +78,9 @@ class PairDistance:
         least, rows = np.full(len(bounds), np.inf), np.arange(len(bounds))
         while len(rows):
             pairs = bounds[rows].argmin(axis=1)
-            found, _ = self.ask(SE3(T.rotation[rows], T.translation[rows]), pairs)
+            asked, _ = self.ask(SE3(T.rotation[rows], T.translation[rows]), pairs)
             bounds[rows, pairs] = np.inf
-            least[rows] = np.minimum(least[rows], found)
+            least[rows] = np.minimum(least[rows], asked)
             rows = rows[(least[rows] > 0.0) & (bounds[rows].min(axis=1) < least[rows])]
         return least
 

@@ -116,11 +116,11 @@ class PairTable:
             np.float32(1.0),
         )
         known = self.values[tuple(np.moveaxis(cells, -1, 0))]
-        found = known[..., 0]
+        value = known[..., 0]
         for j in range(len(self.columns)):
-            found = found + known[..., 1 + j] * u[..., j]
-        is_proved = is_known.all(axis=-1) & (found > 0.0)
-        return np.where(is_proved, found, np.float32(UNPROVED)).astype(float)
+            value = value + known[..., 1 + j] * u[..., j]
+        is_proved = is_known.all(axis=-1) & (value > 0.0)
+        return np.where(is_proved, value, np.float32(UNPROVED)).astype(float)
 
 
 def without_tables(pairs: Iterable[LinkPair], tables: Iterable[PairTable]) -> tuple[LinkPair, ...]:
@@ -212,16 +212,16 @@ def pair_table(
     Returns:
         The table; None where a joint has no limits and does not repeat.
     """
-    found = ranges(model, chain)
-    if found is None:
+    position_ranges = ranges(model, chain)
+    if position_ranges is None:
         return None
-    start, span, _, least, greatest = found
+    start, span, _, least, greatest = position_ranges
     size = 1.0 + np.maximum(np.abs(least), np.abs(greatest)) + span
     filling = _Filling(model, chain, solids, start, span, (2e-6 + _ROUNDING) * size, queries)
     clearance, slopes = filling.filled(progress)
     codes = encoded(clearance)
     slopes[codes == 0] = 0
-    return PairTable(*pair, chain.columns, *found, codes, slopes)
+    return PairTable(*pair, chain.columns, *position_ranges, codes, slopes)
 
 
 @final
@@ -270,31 +270,31 @@ class _Filling:
         known, slopes = np.full(counts, -np.inf), np.zeros((*counts, axes), np.int8)
         cells = np.argwhere(np.ones(counts, dtype=bool))
         for level in range(self._levels + 1):
-            found = self._looked_at(cells, counts, progress)
+            proved = self._looked_at(cells, counts, progress)
             at = tuple(cells.T)
-            is_better = found.clearance > known[at]
+            is_better = proved.clearance > known[at]
             better = tuple(axis[is_better] for axis in at)
-            known[better] = found.clearance[is_better]
-            slopes[better] = np.rint(found.slopes[is_better] / SLOPE_STEP).astype(np.int8)
+            known[better] = proved.clearance[is_better]
+            slopes[better] = np.rint(proved.slopes[is_better] / SLOPE_STEP).astype(np.int8)
             if level == self._levels:
                 break
-            parents = cells[self._to_divide(found)]
+            parents = cells[self._to_divide(proved)]
             known, slopes, counts = *_halved(known, slopes), 2 * counts
             corners = np.argwhere(np.ones((2,) * axes, dtype=bool))
             cells = (2 * parents[:, None] + corners).reshape(-1, axes)
         return known, slopes
 
-    def _to_divide(self, found: Proved) -> Array:
+    def _to_divide(self, proved: Proved) -> Array:
         """The numbers of cells to divide, those nearest to contact first."""
-        distance, clearance = found.distance, found.clearance
+        distance, clearance = proved.distance, proved.clearance
         lost = distance - clearance
         near = (lost > ENOUGH * distance) & (clearance < _NEAR) | (lost > 2.0 * ENOUGH * distance)
         near &= distance > 0.0
-        begins = (distance <= 0.0) & (clearance + np.abs(found.slopes).sum(axis=1) > -lost)
+        begins = (distance <= 0.0) & (clearance + np.abs(proved.slopes).sum(axis=1) > -lost)
         numbers = np.flatnonzero((near | begins) & (lost > _EXACT))
-        room = max(self._left, 0) // 2 ** len(self._first)
-        if len(numbers) > room:
-            numbers = numbers[np.argsort(np.abs(distance[numbers]), kind="stable")[:room]]
+        most = max(self._left, 0) // 2 ** len(self._first)
+        if len(numbers) > most:
+            numbers = numbers[np.argsort(np.abs(distance[numbers]), kind="stable")[:most]]
         return numbers
 
     def _looked_at(self, cells: Array, counts: Array, progress: Callable[[], object]) -> Proved:
@@ -304,13 +304,13 @@ class _Filling:
         for begin in range(0, len(cells), _BLOCK):
             progress()
             q = self._configurations((cells[begin : begin + _BLOCK] + 0.5) / counts)
-            found = self._bounds.proved(q, width + self._beyond)
+            proved = self._bounds.proved(q, width + self._beyond)
             slopes = (
-                found.slopes
+                proved.slopes
             )  # where float32 may look a configuration up, they may be off by their part of that
             off = np.abs(slopes) @ (self._beyond / width)
-            parts.append(found._replace(clearance=found.clearance - off))
-            self._left -= found.queries
+            parts.append(proved._replace(clearance=proved.clearance - off))
+            self._left -= proved.queries
         if not parts:
             axes = len(counts)
             return Proved(np.zeros(0), np.zeros(0), np.zeros((0, axes)), 0)

@@ -82,8 +82,8 @@ class Problem:
         low = _level(1e-4)
         while high - low > 1:
             middle = (low + high) // 2
-            found = self._cover(middle)
-            low, high = (low, middle) if 0 < len(found) <= count else (middle, high)
+            spheres = self._cover(middle)
+            low, high = (low, middle) if 0 < len(spheres) <= count else (middle, high)
         return self._cover(high)
 
 
@@ -118,10 +118,10 @@ def problem(region: Region, existing: tuple[Floats, Floats] | None = None) -> Pr
 
 def _held(triangles: Floats, c: Floats, r: Floats) -> Array:
     """Which triangles (or points) are wholly within one of some spheres."""
-    held = np.zeros(len(triangles), dtype=bool)
+    is_inside = np.zeros(len(triangles), dtype=bool)
     for centre, radius in zip(c, r, strict=True):
-        held |= (sum((triangles[..., k] - centre[k]) ** 2 for k in range(3)) <= radius**2).all(axis=1)
-    return held
+        is_inside |= (sum((triangles[..., k] - centre[k]) ** 2 for k in range(3)) <= radius**2).all(axis=1)
+    return is_inside
 
 
 def _outermost(points: Floats) -> Array:

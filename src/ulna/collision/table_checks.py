@@ -96,19 +96,19 @@ class _TablePair:
 
     def clearance(self, q: Floats, placed: Mapping[str, Floats], limit: Floats) -> Floats:
         """Clearances, less the margin, exact only where they are below the limits; arguments as for `least`."""
-        found = self._table.clearance(q)
-        is_unproved = found <= 0.0
-        found = found - self._margin
-        again = np.flatnonzero(found < limit if self.is_moving else is_unproved)
+        result = self._table.clearance(q)
+        is_unproved = result <= 0.0
+        result = result - self._margin
+        again = np.flatnonzero(result < limit if self.is_moving else is_unproved)
         for begin in range(0, len(again), _ROWS):
             rows = again[begin : begin + _ROWS]
             by_spheres = self._by_spheres(placed, rows) - self._margin
             if self.is_moving:  # the spheres may prove more
-                by_spheres = np.maximum(np.where(is_unproved[rows], -np.inf, found[rows]), by_spheres)
+                by_spheres = np.maximum(np.where(is_unproved[rows], -np.inf, result[rows]), by_spheres)
             else:  # as in machine code, which has no spheres for these
                 by_spheres = np.minimum(by_spheres, -self._margin)
-            found[rows] = by_spheres
-        return found
+            result[rows] = by_spheres
+        return result
 
     def _by_spheres(self, placed: Mapping[str, Floats], rows: Any) -> Floats:
         """Signed distances by spheres, shape (rows,) [m]."""
@@ -117,8 +117,8 @@ class _TablePair:
             apart = np.linalg.norm(centres[:, :, None] - placed[self.names[1]][rows][:, None], axis=-1)
             return (apart - balls[0].radii[:, None] - balls[1].radii).min(axis=(1, 2))
         c, r = centres[:, :, None], balls[0].radii[:, None]
-        found = [
+        least_of_pairs = [
             sphere_kernel("signed", kind)(c, r, numbers[None], 0.0).min(axis=(1, 2))
             for kind, numbers in self._parts
         ]
-        return np.minimum.reduce(found)
+        return np.minimum.reduce(least_of_pairs)

@@ -48,13 +48,13 @@ def pair_tables(
     Returns:
         The tables; none where coal is not installed.
     """
-    found, contents, name = _prepared(model, spheres, pairs, missing)
+    candidates, contents, name = _prepared(model, spheres, pairs, missing)
     stored = disk_cache.read(name)
     try:
         if stored is None:
             with progress("Measuring how near links come to each other") as report:
-                return _made(model, spheres, found, contents, name, report)
-        chosen = [pair for pair, is_chosen in zip(found, json.loads(stored), strict=True) if is_chosen]
+                return _made(model, spheres, candidates, contents, name, report)
+        chosen = [pair for pair, is_chosen in zip(candidates, json.loads(stored), strict=True) if is_chosen]
         queries = _queries(len(chosen))
         return tuple(
             table
@@ -63,8 +63,8 @@ def pair_tables(
                 table := _kept(
                     model,
                     pair,
-                    found[pair][0],
-                    partial(_pieces, found[pair][1]),
+                    candidates[pair][0],
+                    partial(_pieces, candidates[pair][1]),
                     contents[pair],
                     queries,
                     _silent,
@@ -96,20 +96,22 @@ def _prepared(
 ) -> tuple[dict[LinkPair, tuple[JointChain, Solids]], dict[LinkPair, str], str]:
     """The pairs that can have tables, with joints and solids and what decides them, and where the choice is stored."""
     solids = solids_by_link(model, missing)
-    found = {}
+    candidates = {}
     for pair in pairs:
         chain = joint_chain(model, *pair) if all(name in solids for name in pair) else None
         if chain is not None and 0 < len(chain.columns) <= MOST_JOINTS and ranges(model, chain) is not None:
-            found[pair] = chain, (solids[pair[0]], solids[pair[1]])
-    shapes = {name: link_content(model, name, solids[name]) for name in {n for pair in found for n in pair}}
-    contents = {pair: _content(model, pair, chain, shapes) for pair, (chain, _) in found.items()}
+            candidates[pair] = chain, (solids[pair[0]], solids[pair[1]])
+    shapes = {
+        name: link_content(model, name, solids[name]) for name in {n for pair in candidates for n in pair}
+    }
+    contents = {pair: _content(model, pair, chain, shapes) for pair, (chain, _) in candidates.items()}
     choice = fingerprint([spheres.fingerprint, list(contents.values())])
-    return found, contents, disk_cache.key(_VERSION, "choice", choice)
+    return candidates, contents, disk_cache.key(_VERSION, "choice", choice)
 
 
 def _made(
-    model: Model, spheres: Spheres, found: dict[LinkPair, tuple[JointChain, Solids]], contents: dict[LinkPair, str],
-    name: str, report: Callable[[int, int], object],
+    model: Model, spheres: Spheres, candidates: dict[LinkPair, tuple[JointChain, Solids]],
+    contents: dict[LinkPair, str], name: str, report: Callable[[int, int], object],
 ) -> tuple[PairTable, ...]:  # fmt: skip
     """Chooses pairs and makes their tables, and writes both."""
     parts: dict[str, list[Solid]] = {}
@@ -117,21 +119,21 @@ def _made(
     def pieces(pair: LinkPair) -> Solids:
         first, second = (
             parts.get(name) or parts.setdefault(name, convex_pieces(solids))
-            for name, solids in zip(pair, found[pair][1], strict=True)
+            for name, solids in zip(pair, candidates[pair][1], strict=True)
         )
         return first, second
 
-    steps, shares = 5 * len(found), {}
-    for k, (pair, (chain, _)) in enumerate(found.items()):
+    steps, shares = 5 * len(candidates), {}
+    for k, (pair, (chain, _)) in enumerate(candidates.items()):
         report(k, steps)
         shares[pair] = _undue_share(model, spheres, pair, chain, partial(pieces, pair))
     chosen = [pair for pair, share in shares.items() if share >= _OFTEN]
     tables, queries = [], _queries(len(chosen))
     for k, pair in enumerate(chosen):
-        tick = partial(report, len(found) + 4 * k * len(found) // len(chosen), steps)
-        table = _kept(model, pair, found[pair][0], partial(pieces, pair), contents[pair], queries, tick)
+        tick = partial(report, len(candidates) + 4 * k * len(candidates) // len(chosen), steps)
+        table = _kept(model, pair, candidates[pair][0], partial(pieces, pair), contents[pair], queries, tick)
         tables += [] if table is None else [table]
-    disk_cache.write(name, json.dumps([pair in chosen for pair in found]).encode())
+    disk_cache.write(name, json.dumps([pair in chosen for pair in candidates]).encode())
     report(steps, steps)
     return tuple(tables)
 
@@ -171,9 +173,9 @@ def _silent() -> None:
 
 
 def _ranges(model: Model, chain: JointChain) -> tuple[Floats, Floats, Array, Floats, Floats]:
-    found = ranges(model, chain)
-    assert found is not None
-    return found
+    position_ranges = ranges(model, chain)
+    assert position_ranges is not None
+    return position_ranges
 
 
 def _content(model: Model, pair: LinkPair, chain: JointChain, shapes: Mapping[str, str]) -> str:

@@ -59,12 +59,12 @@ def deepest_touch(
         (distance - (2.0 if is_moving else 1.0) * margin, distance, *names)
         for distance, *names, is_moving in checker.table_checks.each(q, placed)
     ]
-    found = [
+    touches = [
         *by_tables,
         *((distance - margin, distance, *names) for distance, *names in _to_obstacles(checker, q, moving)),
         *((distance - 2.0 * margin, distance, *names) for distance, *names in _to_each_other(checker, q)),
     ]
-    _, distance, link, other = min(found, default=(np.inf, np.inf, "", ""))
+    _, distance, link, other = min(touches, default=(np.inf, np.inf, "", ""))
     return distance, link, other
 
 

@@ -310,9 +310,9 @@ class World:
         shapes = [item.shape for item in (*self.obstacles, *self.attachments)]
         paths = [shape.path for shape in shapes if isinstance(shape, Mesh)]
         parts = [[o.name, o.shape, o.pose, o.moving, list(o.touches)] for o in self.obstacles]
-        held = [[a.name, a.link, a.shape, a.pose, list(a.touches)] for a in self.attachments]
+        attachments = [[a.name, a.link, a.shape, a.pose, list(a.touches)] for a in self.attachments]
         margins = sorted([*sorted(pair), distance] for pair, distance in self.margins.items())
-        return fingerprint([parts, paths, held, margins])
+        return fingerprint([parts, paths, attachments, margins])
 
     def __getattr__(self, name: str) -> Any:
         raise unknown_attribute("world", name, dir(type(self)))
@@ -347,6 +347,6 @@ class World:
         return obstacle
 
     def __repr__(self) -> str:
-        held = "".join(f"; {a.name} on {a.link}" for a in self.attachments)
+        attachments = "".join(f"; {a.name} on {a.link}" for a in self.attachments)
         more = " ..." if len(self) > 8 else ""
-        return f"<world of {len(self)} obstacles: {', '.join(self.names[:8])}{more}{held}>"
+        return f"<world of {len(self)} obstacles: {', '.join(self.names[:8])}{more}{attachments}>"

@@ -75,8 +75,8 @@ def _keywords_of_class(kind: type) -> set[str] | None:
             (p.name for p in inspect.signature(init).parameters.values() if p.kind is p.VAR_KEYWORD), None
         )
         if more is None:
-            own = _keywords_of(init)
-            return None if own is None else names | own
+            keywords = _keywords_of(init)
+            return None if keywords is None else names | keywords
         if not _passes_on(init, more):
             return None
         names |= {p.name for p in inspect.signature(init).parameters.values() if p.name != more}

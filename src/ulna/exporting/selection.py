@@ -140,7 +140,7 @@ def records(
         InputError: If a quantity is named without a robot.
     """
     functions, searches = [], []
-    for name, item, own in chosen:
+    for name, item, own_options in chosen:
         traced = _traced(item)
         if traced is not None:
             functions.append(_of_user(name, traced, model))
@@ -148,10 +148,10 @@ def records(
         if model is None:
             raise InputError(f"{item!r} is a quantity of a robot; expected a robot as the first argument.")
         known = options_of(item)
-        for option in own:
+        for option in own_options:
             if option not in known:
                 raise UnknownName(f"option of kernel {item!r}", option, known)
-        mine = {**{key: value for key, value in options.items() if key in known}, **own}
+        mine = {**{key: value for key, value in options.items() if key in known}, **own_options}
         if item == "ik":
             searches.append(_search(name, model, mine))
         else:

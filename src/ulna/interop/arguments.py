@@ -12,12 +12,12 @@ from ulna.compiler import Function
 from ulna.errors import InputError, ShapeError
 
 
-def check_count(f: Function, given: Sequence[Any], named: Sequence[str] = ()) -> None:
+def check_count(f: Function, arguments: Sequence[Any], named: Sequence[str] = ()) -> None:
     """Refuses another number of arguments than a function has.
 
     Args:
         f: The function.
-        given: The arguments.
+        arguments: The arguments.
         named: Names of the arguments that were passed by name; none may be.
 
     Raises:
@@ -27,8 +27,8 @@ def check_count(f: Function, given: Sequence[Any], named: Sequence[str] = ()) ->
     names = ", ".join(p.name for p in f.inputs)
     if named:
         raise InputError(f"{f.name}({names}) got `{named[0]}` by name; expected arguments by position.")
-    if len(given) != len(f.inputs):
-        raise TypeError(f"{f.name}({names}) takes {len(f.inputs)} arguments; {len(given)} were given.")
+    if len(arguments) != len(f.inputs):
+        raise TypeError(f"{f.name}({names}) takes {len(f.inputs)} arguments; {len(arguments)} were given.")
 
 
 def batch_shape(f: Function, shapes: Sequence[tuple[int, ...]]) -> tuple[int, ...]:

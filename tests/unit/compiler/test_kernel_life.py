@@ -173,7 +173,16 @@ def test_a_hundred_thousand_calls_do_not_grow_the_process(kernel):
     assert least_growth(lambda: calls(100_000), 4 * 2**20) < 4 * 2**20
 
 
-def test_machine_code_of_deleted_kernels_is_freed(monkeypatch):
+def _straight(k: int):
+    return lambda x: np.sin(x) * (k + 2.5)
+
+
+def _looped(k: int):
+    return lambda x: nm.loop(lambda y, n: n < 5.0, lambda y, n: (0.5 * y + k, n + 1.0), (x[0], 0.0), 9)[0]
+
+
+@pytest.mark.parametrize("function", [_straight, _looped])
+def test_machine_code_of_deleted_kernels_is_freed(monkeypatch, function):
     monkeypatch.setenv("ULNA_CACHE", "0")
     from support.memory import least_growth
 
@@ -181,7 +190,7 @@ def test_machine_code_of_deleted_kernels_is_freed(monkeypatch):
 
     def compilations(count: int) -> None:
         for k in itertools.islice(numbers, count):
-            compile(lambda x, k=k: np.sin(x) * (k + 2.5), x=(6,))
+            compile(function(k), x=(6,))
 
     compilations(30)
     most = 100 * 6 * 2**10  # bytes; once it was 12 kB for each

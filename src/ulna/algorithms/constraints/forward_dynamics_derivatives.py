@@ -225,11 +225,11 @@ def _solver(
         return (of_forces.solve(b),)
 
     a, forces, _ = constrained_response(factors, J, tau - bias_forces(model, q, v), g, solve)
-    held = [
+    pairs_with_ends = [
         frame_pair if frame_pair.second else frame_pair._replace(second=End(-1, SE3.identity()))
         for frame_pair in frame_pairs
     ]
-    terms = bound_terms(model, q, v, a, forces, np.zeros((len(frame_pairs), 2)), np.zeros(m), held)
+    terms = bound_terms(model, q, v, a, forces, np.zeros((len(frame_pairs), 2)), np.zeros(m), pairs_with_ends)
     S = of_forces.inverse()
     unique = numeric.less(0.0, reduce(numeric.minimum, of_forces.reciprocals))
     S = matrix([[numeric.where(unique, S[i, j], np.nan) for j in range(m)] for i in range(m)])

@@ -61,12 +61,12 @@ def table_clearance(grids, g, q, W):
         cell = cell * count + _cell(_part(grids, g, j, x), count)
         is_outside = is_outside | (x < grids.numbers[g, 5 * j + 3]) | (x > grids.numbers[g, 5 * j + 4])
     place = grids.axes[g, 1] + cell * (grids.axes[g, 0] + 1)
-    found = grids.cells[place]
+    clearance = grids.cells[place]
     for j in range(grids.axes[g, 0]):
         part = _part(grids, g, j, q[grids.axes[g, 2 + 2 * j], 0:W])
         u = (part - f32(_cell(part, grids.axes[g, 3 + 2 * j]))) * f32(2.0) - f32(1.0)
-        found = found + grids.cells[place + j + 1] * np.minimum(np.maximum(u, f32(-1.0)), f32(1.0))
-    return np.where(is_outside | (found <= 0), f32(-1.0), found)
+        clearance = clearance + grids.cells[place + j + 1] * np.minimum(np.maximum(u, f32(-1.0)), f32(1.0))
+    return np.where(is_outside | (clearance <= 0), f32(-1.0), clearance)
 
 
 @procedure

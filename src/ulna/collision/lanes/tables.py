@@ -219,12 +219,12 @@ class Scene:
         if not (self.world.attachments or self.world.margins):
             return self.robot
         model = self.robot.model
-        held = carried(model, self.world, self.spheres, self.missing)
+        carried_bodies = carried(model, self.world, self.spheres, self.missing)
         groups = list(self.robot.groups)
-        for name, balls in held.spheres.items():
-            link = model.link(held.carriers[name])
+        for name, balls in carried_bodies.spheres.items():
+            link = model.link(carried_bodies.carriers[name])
             groups.append(Group(name, link.joint, link.placement @ balls.centres, balls.radii))
-        pairs, tables = (*self.link_pairs, *held.pairs), self.robot.clearances
+        pairs, tables = (*self.link_pairs, *carried_bodies.pairs), self.robot.clearances
         return Moving(
             model, tuple(groups), _numbered(groups, pairs, self.world),
             _standing(model, without_tables(pairs, tables), self.missing), self.robot.kernel, tables,

@@ -114,9 +114,9 @@ def _columns(to: Writer, parts: Sequence[str], width: int) -> list[str]:
     for k in range(width):  # rows k, k + w, k + 2 w ... in one register
         group = list(parts[k::width])
         while len(group) > 1:
-            held = lanes // len(group)
+            size = lanes // len(group)
             group = [
-                _shuffle(to, held, a, b, range(2 * held))
+                _shuffle(to, size, a, b, range(2 * size))
                 for a, b in zip(group[::2], group[1::2], strict=True)
             ]
         vectors += group
@@ -165,9 +165,9 @@ def _exchange(to: Writer, vectors: Sequence[str]) -> list[str]:
     return vectors
 
 
-def _shuffle(to: Writer, held: int, a: str, b: str, places: Sequence[int]) -> str:
-    """Picks `places` from a and b one after the other, vectors of `held` elements."""
-    name, kind = to.fresh(), f"<{held} x {to.layout.dtype}>"
+def _shuffle(to: Writer, size: int, a: str, b: str, places: Sequence[int]) -> str:
+    """Picks `places` from a and b one after the other, vectors of `size` elements."""
+    name, kind = to.fresh(), f"<{size} x {to.layout.dtype}>"
     mask = ", ".join(f"i32 {place}" for place in places)
     to.write(f"{name} = shufflevector {kind} {a}, {kind} {b}, <{len(places)} x i32> <{mask}>")
     return name

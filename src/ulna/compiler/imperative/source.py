@@ -140,15 +140,15 @@ def _definitions(text: str) -> dict[int, ast.FunctionDef]:
         tree = ast.parse(text)
     except SyntaxError:
         return {}
-    found, waiting = {}, list[Any](tree.body)
+    by_line, waiting = {}, list[Any](tree.body)
     while waiting:
         node = waiting.pop()
         waiting += (
             [*getattr(node, "body", ()), *getattr(node, "orelse", ())] if isinstance(node, ast.stmt) else ()
         )
         if isinstance(node, ast.FunctionDef):
-            found[min([node.lineno, *(d.lineno for d in node.decorator_list)])] = node
-    return found
+            by_line[min([node.lineno, *(d.lineno for d in node.decorator_list)])] = node
+    return by_line
 
 
 def _source(function: Callable[..., Any], node: ast.FunctionDef, file: str, lines: list[str]) -> Source:

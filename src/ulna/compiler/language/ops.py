@@ -1,7 +1,7 @@
 """The closed table of operations: arity, function of NumPy, LLVM instruction, derivatives, SymPy and C name, drawing.
 
-A new operation is one member of `Op` and one row here and, if LLVM has no instruction for it, one generator in
-`codegen.elementary`.
+A new operation is one member of `Op` and one row here, one method of `Scalar` and, if LLVM has no instruction for it,
+one generator in `codegen.elementary`.
 """
 
 from __future__ import annotations

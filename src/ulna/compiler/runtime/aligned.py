@@ -30,8 +30,8 @@ def aligned(values: Any) -> Any:
         0
     """
     values = np.asarray(values)
-    room = np.empty(values.nbytes + LINE, np.uint8)
-    first = -room.ctypes.data % LINE
-    copy = room[first : first + values.nbytes].view(values.dtype).reshape(values.shape)
+    memory = np.empty(values.nbytes + LINE, np.uint8)
+    first = -memory.ctypes.data % LINE
+    copy = memory[first : first + values.nbytes].view(values.dtype).reshape(values.shape)
     copy[...] = values
     return copy

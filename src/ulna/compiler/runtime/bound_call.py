@@ -101,9 +101,9 @@ class _CheckedCall:
         if self._holder is float or self._holder is bool:
             number: Any = result
             return self._holder(number)
-        held = object.__new__(self._holder)
-        setattr(held, self._slot, result)
-        return held
+        instance = object.__new__(self._holder)
+        setattr(instance, self._slot, result)
+        return instance
 
     def check(self) -> None:
         """Raises where bound arrays were changed in place: resized, made read-only, given another shape or type."""

@@ -73,8 +73,8 @@ def holder_slot(holder: type) -> str:
         return ""
     probe, value = object.__new__(holder), object()
     setattr(probe, slots[0], value)
-    found = ctypes.c_void_p.from_address(id(probe) + VALUE).value if fast_call_works() else id(value)
-    return slots[0] if found == id(value) else ""
+    address = ctypes.c_void_p.from_address(id(probe) + VALUE).value if fast_call_works() else id(value)
+    return slots[0] if address == id(value) else ""
 
 
 def c_function(name: str) -> int:

@@ -145,14 +145,14 @@ class Procedure(Definition):
         compiled = self._compiled(is_checked)
         check_count(self.__name__, compiled.parameters, arguments)
         words: list[int] = []
-        held: list[Any] = []
+        alive: list[Any] = []
         places: dict[str, int] = {}
         for (name, type_), value in zip(compiled.parameters, arguments, strict=True):
             part, buffers = words_of(name, type_, value, name in compiled.writes)
             places[name] = len(words)
             words += part
-            held += buffers
-        return BoundProcedure(compiled, self._entry(is_checked), words, held, places, are_arrays_private)
+            alive += buffers
+        return BoundProcedure(compiled, self._entry(is_checked), words, alive, places, are_arrays_private)
 
     @property
     def instance(self) -> t.Instance:
@@ -231,7 +231,7 @@ class BoundProcedure:
         compiled: The procedure.
         entry: The address of its machine code.
         words: The arguments as machine words.
-        held: What must stay alive: the arrays among the arguments.
+        alive: What must stay alive: the arrays among the arguments.
         places: Where the words of each parameter begin.
         are_arrays_private: Whether nothing can have happened to the arrays between calls.
     """
@@ -241,13 +241,13 @@ class BoundProcedure:
         compiled: Compiled,
         entry: Any,
         words: Sequence[int],
-        held: Sequence[Any],
+        alive: Sequence[Any],
         places: Mapping[str, int],
         are_arrays_private: bool = False,
     ) -> None:
-        self._compiled, self._entry, self._held = compiled, entry, held
+        self._compiled, self._entry, self._held = compiled, entry, alive
         self._numbers = {name: (places[name], t) for name, t in compiled.parameters if isinstance(t, Number)}
-        arrays = [] if are_arrays_private else [a for a in held if isinstance(a, np.ndarray)]
+        arrays = [] if are_arrays_private else [a for a in alive if isinstance(a, np.ndarray)]
         self._arrays = [(a, layout(a)) for a in arrays]
         self._first = len(words)
         self._is_integer = len(compiled.results) == 1 and compiled.results[0] == INT

@@ -70,14 +70,14 @@ def words_of(name: str, type_: Type, value: Any, is_written: bool) -> tuple[list
             )
         return [value.address, *value.sizes], [value]
     if isinstance(type_, RecordType):
-        words, held = [], []
+        words, alive = [], []
         for field, kind in type_.fields:
             if not hasattr(value, field):
                 raise InputError(f"`{name}` is a {type(value).__name__}; expected a {type_} with `{field}`.")
             part, buffers = words_of(f"{name}.{field}", kind, getattr(value, field), is_written)
             words += part
-            held += buffers
-        return words, held
+            alive += buffers
+        return words, alive
     return [_word_of(name, type_, value)], []
 
 

@@ -178,12 +178,12 @@ _lock = forks.lock(forks.KERNEL)
 _rows_of: dict[int, set[tuple[_Table, int]]] = {}  # for the address of an object that is referred to weakly
 
 
-def _watch(thing: Any) -> set[tuple[_Table, int]]:
-    address = id(thing)
+def _watch(owner: Any) -> set[tuple[_Table, int]]:
+    address = id(owner)
     rows = _rows_of.get(address)
     if rows is None:
         rows = _rows_of[address] = set()
-        weakref.finalize(thing, _gone, address).atexit = False
+        weakref.finalize(owner, _gone, address).atexit = False
     return rows
 
 
@@ -194,13 +194,13 @@ def _gone(address: int) -> None:
             table.clear(row, address)
 
 
-def forget(thing: Any) -> None:
+def forget(owner: Any) -> None:
     """Has no call with this first argument answered by the kernels that are known so far."""
-    rows = _rows_of.get(id(thing))
+    rows = _rows_of.get(id(owner))
     if rows:
         with _lock:
             for table, row in rows:
-                table.clear(row, id(thing))
+                table.clear(row, id(owner))
             rows.clear()
 
 

@@ -30,11 +30,12 @@ _DAMPING = 1e-12
 
 
 def closed_form(plan: Plan, arm: Arm, certified: Certificate, nq: int) -> Any:
-    """The kernel of a plan: (T, T_base, held, branch, base, centre) to a candidate (q, worth), as `certificate` has it.
+    """The kernel of a plan: (T, T_base, free_value, branch, base, centre) to a candidate (q, worth).
 
-    T is the goal, T_base the pose of the arm's base, both in the world; `held` (1,) the position of the joint that the
-    plan holds (anything where it holds none); `branch` a row of `branch_numbers(plan)`; `base` (nq,) the other joints,
-    and angles to take where any would do; `centre` (n,) where the arm's coordinates are wanted.
+    These are as `certificate` has them. T is the goal, T_base the pose of the arm's base, both in the world;
+    `free_value` (1,) the position of the joint that the plan leaves free (anything where there is none); `branch` a row
+    of `branch_numbers(plan)`; `base` (nq,) the other joints, and angles to take where any would do; `centre` (n,) where
+    the arm's coordinates are wanted.
 
     Args:
         plan: The closed form.
@@ -48,12 +49,12 @@ def closed_form(plan: Plan, arm: Arm, certified: Certificate, nq: int) -> Any:
     others = [axis for i, axis in enumerate(arm.axes) if i != plan.free]
 
     def candidate(
-        T: Array, T_base: Array, held: Array, branch: Array, base: Array, centre: Array
+        T: Array, T_base: Array, free_value: Array, branch: Array, base: Array, centre: Array
     ) -> tuple[Array, Array]:
         local = SE3(T_base[:3, :3], T_base[:3, 3]).inverse() @ SE3(T[:3, :3], T[:3, 3])
         near = vector(*(base[axis.index] * axis.scale + axis.offset for axis in others))
         q = [base[i] for i in range(nq)]
-        x = held[0]
+        x = free_value[0]
         if plan.free is not None:
             free = arm.axes[plan.free]
             q[free.index], x = x, x * free.scale + free.offset
@@ -65,7 +66,7 @@ def closed_form(plan: Plan, arm: Arm, certified: Certificate, nq: int) -> Any:
     shapes = {
         "T": (4, 4),
         "T_base": (4, 4),
-        "held": (1,),
+        "free_value": (1,),
         "branch": (3,),
         "base": (nq,),
         "centre": (len(arm.axes),),
@@ -73,24 +74,24 @@ def closed_form(plan: Plan, arm: Arm, certified: Certificate, nq: int) -> Any:
     return compile(candidate, **shapes)
 
 
-def branch_of(plan: Plan, arm: Arm, T: SE3, held: Any, branch: Array, near: Array) -> Array:
-    """Own positions (6,) of the joints that are not held, for one branch.
+def branch_of(plan: Plan, arm: Arm, T: SE3, free_value: Any, branch: Array, near: Array) -> Array:
+    """Own positions (6,) of the other joints, for one branch.
 
     Args:
         plan: The closed form.
         arm: The arm.
         T: The goal in the arm's base.
-        held: Own position of the joint that is held.
+        free_value: Own position of the joint whose value is chosen.
         branch: A row of `branch_numbers(plan)`, (3,).
         near: Own positions (6,) to take where any would do.
 
     Returns:
         Positions (6,) [rad].
     """
-    lines = remaining(arm, plan.free, held)
+    lines = remaining(arm, plan.free, free_value)
     G = T @ arm.end.inverse()
     if plan.free is not None:
-        G = G @ arm.axes[plan.free].move(-held)
+        G = G @ arm.axes[plan.free].move(-free_value)
     q = solve(plan, lines, G, branch, near)
     for _ in range(1 if plan.off <= EXACT else 3):
         q = _polished(lines, G, q)

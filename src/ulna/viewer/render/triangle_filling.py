@@ -30,20 +30,20 @@ def _side(y_from, y_to, area):
 
 
 @procedure
-def _fill_row(row, low, high, at_left, across, owner, depth, seen, width):
+def _fill_row(row, low, high, at_left, across, owner, depth, owners, width):
     """Enters the samples of a row whose middles lie between two places; `at_left` is the nearness at its left end."""
     first, last = int(max(np.ceil(low - 0.5), 0.0)), int(min(np.floor(high - 0.5), width - 1.0))
     at_first = at_left + (first + 0.5) * across
     for column in range(first, last + 1):
         near = f32(max(at_first + (column - first) * across, 1e-30))
         at = row * width + column
-        if near > depth[at] or (near == depth[at] and owner > seen[at]):
+        if near > depth[at] or (near == depth[at] and owner > owners[at]):
             depth[at] = near
-            seen[at] = owner
+            owners[at] = owner
 
 
 @procedure
-def _fill_triangle(corner, near, area, top, bottom, owner, depth, seen, width):
+def _fill_triangle(corner, near, area, top, bottom, owner, depth, owners, width):
     """Enters the rows of a triangle with corners (3, 2) from the row `top` to the row `bottom`."""
     xa, ya, xb, yb, xc, yc = (
         corner[0, 0],
@@ -71,7 +71,7 @@ def _fill_triangle(corner, near, area, top, bottom, owner, depth, seen, width):
         least, most = -0.5, width - 0.5
         low = max(least, a if side_a < 0 else least, b if side_b < 0 else least, c if side_c < 0 else least)
         high = min(most, a if side_a > 0 else most, b if side_b > 0 else most, c if side_c > 0 else most)
-        _fill_row(row, low, high, origin + y * down, across, owner, depth, seen, width)
+        _fill_row(row, low, high, origin + y * down, across, owner, depth, owners, width)
 
 
 @procedure
@@ -80,7 +80,7 @@ def fill_triangles(
     nearness: Array2[f64],
     owner: Array1[INT],
     depth: Array1[f32],
-    seen: Array1[INT],
+    owners: Array1[INT],
     width: int,
     height: int,
 ) -> int:
@@ -94,7 +94,7 @@ def fill_triangles(
         nearness: A positive number at each corner that is linear on the screen and larger nearer by, (m, 3).
         owner: A number for each triangle, (m,).
         depth: Nearness of what is seen, 0 for nothing, (height * width,); changed.
-        seen: Its owner, (height * width,); changed.
+        owners: Its owner, (height * width,); changed.
         width: Samples across.
         height: Samples down.
 
@@ -113,5 +113,7 @@ def fill_triangles(
         right = min(np.floor(max(xa, xb, xc) - 0.5), width - 1.0)
         if abs(area) > 1e-9 and top <= bottom and left <= right:
             count += 1
-            _fill_triangle(points[t], nearness[t], area, int(top), int(bottom), owner[t], depth, seen, width)
+            _fill_triangle(
+                points[t], nearness[t], area, int(top), int(bottom), owner[t], depth, owners, width
+            )
     return count

@@ -71,8 +71,8 @@ def rasterise(points: Array, nearness: Array, owner: Array, width: int, height: 
     Returns:
         The nearness of what is seen, 0 where there is nothing, and its owner; shape (height, width) each.
     """
-    depth, seen = np.zeros((height, width), np.float32), np.zeros((height, width), np.int64)
+    depth, owners = np.zeros((height, width), np.float32), np.zeros((height, width), np.int64)
     corners, near = (np.ascontiguousarray(a, dtype=float) for a in (points, nearness))
     numbers = np.ascontiguousarray(owner, dtype=np.int64)
-    fill_triangles(corners, near, numbers, depth.reshape(-1), seen.reshape(-1), width, height)
-    return depth, seen
+    fill_triangles(corners, near, numbers, depth.reshape(-1), owners.reshape(-1), width, height)
+    return depth, owners

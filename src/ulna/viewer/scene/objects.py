@@ -252,14 +252,14 @@ class SceneMethods(PlanMethods):
         return out
 
 
-def _surfaces(thing: Any) -> tuple[Surface, ...]:
-    if isinstance(thing, Surface):
-        return (thing,)
-    if isinstance(thing, Mesh):
-        return load_mesh(thing.path or "", thing.scale)
-    if isinstance(thing, Shape):
-        return (tessellate(thing, DEFAULT_SHAPE_COLOUR),)
-    return load_mesh(_file(thing))
+def _surfaces(source: Any) -> tuple[Surface, ...]:
+    if isinstance(source, Surface):
+        return (source,)
+    if isinstance(source, Mesh):
+        return load_mesh(source.path or "", source.scale)
+    if isinstance(source, Shape):
+        return (tessellate(source, DEFAULT_SHAPE_COLOUR),)
+    return load_mesh(_file(source))
 
 
 def _check_is_mesh(path: str) -> None:
@@ -272,13 +272,13 @@ def _check_is_mesh(path: str) -> None:
         )
 
 
-def _advice(thing: Any) -> str:
+def _advice(value: Any) -> str:
     """What to do with something that cannot be added."""
     from ulna.planning import Plan
 
-    if isinstance(thing, Trajectory | Plan | Recording):
+    if isinstance(value, Trajectory | Plan | Recording):
         return "add its robot, then viewer.play(motion) moves it; film and html take a motion, too."
-    if isinstance(thing, Model):
+    if isinstance(value, Model):
         return "expected a Robot, such as ulna.Robot(model)."
     return "expected a Robot, a shape, a World, a Surface, or the path of a mesh file."
 

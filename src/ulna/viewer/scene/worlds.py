@@ -52,10 +52,10 @@ class WorldMethods(ShapeMethods):
         if robot is None and len(robots) == 1:
             robot = robots[0]
         if world.attachments and not isinstance(robot, RobotHandle):
-            held = ", ".join(repr(item.name) for item in world.attachments)
+            carried = ", ".join(repr(item.name) for item in world.attachments)
             raise InputError(
-                f"`robot` is {short_repr(robot)}, and links carry {held}; expected the handle that viewer.add(robot) "
-                "returned."
+                f"`robot` is {short_repr(robot)}, and links carry {carried}; expected the handle that "
+                "viewer.add(robot) returned."
             )
         common: dict[str, Any] = {"color": color, "opacity": opacity}
         handles = {o.name: self.add(o.shape, name=f"{name}/{o.name}", pose=o.pose, **common) for o in world}
