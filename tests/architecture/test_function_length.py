@@ -10,25 +10,16 @@ import ulna
 SOURCE = Path(ulna.__file__).parent
 MOST = 40
 LONGER = {
-    "algorithms/constraints/dry_friction.py: velocity_after_friction",
     "algorithms/constraints/dynamics_derivatives.py: bound_terms",
-    "collision/compiled.py: __init__",
-    "collision/compiled.py: _evaluate",
     "compat/for-pinocchio/pinocchio/_algorithms/kinematics_derivatives.py: _motions",
     "compat/for-pinocchio/pinocchio/_containers/keywords.py: decorate",
     "compat/for-pinocchio/pinocchio/_containers/keywords.py: overloads",
     "compat/for-pinocchio/pinocchio/_data/functions.py: _source",
-    "compat/for-pinocchio/pinocchio/_geometry/geometry_object.py: __init__",
-    "compiler/codegen/elementary.py: _atan2",
-    "compiler/codegen/sincos.py: reduced_function",
-    "compiler/runtime/array_call.py: __call__",
     "planning/goals.py: _of_array",
     "planning/planner.py: plan",
     "quantities/quantity.py: quantity",
     "scale/commands.py: add_commands",
     "viewer/page/page.py: __init__",
-    "viewer/page/server.py: serve",
-    "viewer/render/renderer.py: _shaded_colours",
 }
 """Functions that are longer, mostly because of their signature; none may be added."""
 

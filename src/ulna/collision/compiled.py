@@ -9,7 +9,7 @@ objects are data: to move, add, remove or attach one compiles nothing.
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any, final
@@ -96,36 +96,16 @@ class SphereChecker:
         self._options = {"spheres": spheres, "pairs": pairs, "missing": missing, "tables": tables}
         self.missing: Missing = missing
         self.model, self.world = model, World() if world is None else world
-        if not (spheres is None or isinstance(spheres, Spheres)):
-            raise InputError(
-                f"`spheres` is {short_repr(spheres)}; expected Spheres, as `ulna.collision.fit(model)` makes."
-            )
-        self.spheres = fit(model, missing=missing) if spheres is None else spheres
-        for name in self.spheres.links:
-            model.link_index(name)
-        for link in model.links:
-            covered = link.name in self.spheres.links or missing == "skip"
-            if link.collisions and not covered:
-                raise InputError(
-                    f"`spheres` has none for link {link.name!r}, whose geometry no check would include. "
-                    "Start from `fit(model)` and replace what you know better."
-                )
+        self.spheres = _checked(fit(model, missing=missing) if spheres is None else spheres, model, missing)
         chosen = link_pairs(model) if pairs is None else checked_pairs(model, pairs)
         self.pairs = tuple(pair for pair in chosen if all(name in self.spheres.links for name in pair))
         check_touches(model, self.world)
         carried_bodies = carried(model, self.world, self.spheres, missing)
-        self.attached, self.attached_pairs, self.carriers = (
-            carried_bodies.spheres,
-            carried_bodies.pairs,
-            carried_bodies.carriers,
-        )
+        self.attached, self.carriers = carried_bodies.spheres, carried_bodies.carriers
+        self.attached_pairs = carried_bodies.pairs
         self.covering = Spheres({**self.spheres.links, **self.attached}) if self.attached else self.spheres
         """The spheres of the links, then those of attached objects."""
-        counts = [len(s.radii) for s in self.covering.links.values()]
-        starts = np.cumsum([0, *counts])
-        self._places = {
-            k: range(a, b) for k, a, b in zip(self.covering.links, starts, starts[1:], strict=False)
-        }
+        self._places = _places(self.covering)
         with_tables = spheres is None if tables is None else flag("tables", tables)
         self.tables = pair_tables(model, self.spheres, self.pairs, missing) if with_tables else ()
         """Tables of proved clearance, by which some of the pairs are checked."""
@@ -319,6 +299,14 @@ class SphereChecker:
 
     # evaluation --------------------------------------------------------------------------------------------
 
+    def _cloud_rows(self, poses: Mapping[str, SE3]) -> list[Any]:
+        """The checks of clouds of points, and the poses of these as rows (..., 1, 16)."""
+        rows: list[Any] = []
+        for check in self._clouds:
+            pose = poses.get(check.name, self.world[check.name].pose).matrix()
+            rows.append((None, check, pose.reshape(*pose.shape[:-2], 1, 16)))
+        return rows
+
     def _evaluate(
         self,
         what: What,
@@ -331,20 +319,14 @@ class SphereChecker:
         poses = self._poses(moving)
         q = batched_array("q", q, (self.model.nq,))
         batch = np.broadcast_shapes(q.shape[:-1], *(T.translation.shape[:-1] for T in poses.values()))
-        rows: list[Any] = self._group_rows(poses)
-        for check in self._clouds:
-            pose = poses.get(check.name, self.world[check.name].pose).matrix()
-            rows.append((None, check, pose.reshape(*pose.shape[:-2], 1, 16)))
+        rows = [*self._group_rows(poses), *self._cloud_rows(poses)]
         self_distance = self_collision_kernel(what, self.model, self.spheres, self.sphere_pairs)
         if not batch:
             placed = self._with_attached(q, self_distance(q, reach))
             return self._one(what, q, placed, rows, join, reach)[()]
         count = int(np.prod(batch))
         flat = np.broadcast_to(q, (*batch, self.model.nq)).reshape(count, self.model.nq)
-        spread = [
-            (kind, links, np.broadcast_to(x, (*batch, *x.shape[-2:])).reshape(count, *x.shape[-2:]))
-            for kind, links, x in rows
-        ]
+        spread = [(kind, links, _of_each(x, batch, count)) for kind, links, x in rows]
 
         def run(starts: Sequence[int]) -> list[Any]:
             """Chunk after chunk in the thread's own buffer: fresh memory would cost as much as the kernels."""
@@ -361,15 +343,7 @@ class SphereChecker:
                 results.append(self._one(what, flat[part], placed, here, join, reach))
             return results
 
-        starts = range(0, count, _CHUNK)
-        if threads is None or threads < 2 or len(starts) < 2:
-            results = run(starts)
-        else:
-            shares = [
-                starts[k * len(starts) // threads : (k + 1) * len(starts) // threads] for k in range(threads)
-            ]
-            with ThreadPoolExecutor(threads) as pool:  # kernels let go of the interpreter's lock
-                results = [piece for share in pool.map(run, shares) for piece in share]
+        results = _in_threads(run, range(0, count, _CHUNK), threads)
         return np.concatenate(results).reshape(batch) if results else np.empty(batch)
 
     def _one(self, what: What, q: Floats, placed: tuple[Any, Any], rows: Any, join: Any, reach: float) -> Any:
@@ -455,3 +429,44 @@ class SphereChecker:
 
 def _matrix(pose: Any) -> Any:
     return pose.matrix() if isinstance(pose, SE3) else pose
+
+
+def _checked(spheres: Spheres, model: Model, missing: Missing) -> Spheres:
+    """The spheres, if they are those of the model's links.
+
+    Raises:
+        InputError: They are no Spheres, or a link with geometry has none.
+    """
+    if not isinstance(spheres, Spheres):
+        raise InputError(
+            f"`spheres` is {short_repr(spheres)}; expected Spheres, as `ulna.collision.fit(model)` makes."
+        )
+    for name in spheres.links:
+        model.link_index(name)
+    for link in model.links:
+        if link.collisions and link.name not in spheres.links and missing != "skip":
+            raise InputError(
+                f"`spheres` has none for link {link.name!r}, whose geometry no check would include. "
+                "Start from `fit(model)` and replace what you know better."
+            )
+    return spheres
+
+
+def _places(spheres: Spheres) -> dict[str, range]:
+    """For each link or object the numbers of its spheres among all."""
+    starts = np.cumsum([0, *(len(s.radii) for s in spheres.links.values())])
+    return {name: range(a, b) for name, a, b in zip(spheres.links, starts, starts[1:], strict=False)}
+
+
+def _of_each(x: Array, batch: tuple[int, ...], count: int) -> Array:
+    """Rows (..., m, k) for each of the `count` samples of a batch, (count, m, k)."""
+    return np.broadcast_to(x, (*batch, *x.shape[-2:])).reshape(count, *x.shape[-2:])
+
+
+def _in_threads(run: Callable[[Sequence[int]], list[Any]], starts: range, threads: int | None) -> list[Any]:
+    """The results of all chunks, computed by so many threads."""
+    if threads is None or threads < 2 or len(starts) < 2:
+        return run(starts)
+    shares = [starts[k * len(starts) // threads : (k + 1) * len(starts) // threads] for k in range(threads)]
+    with ThreadPoolExecutor(threads) as pool:  # kernels let go of the interpreter's lock
+        return [piece for share in pool.map(run, shares) for piece in share]

@@ -79,9 +79,14 @@ def velocity_after_friction(G: Array, u: Array, start: Array, h: Any, friction: 
     for place, k in enumerate(rubbing):
         # what would hold it at rest: well within its bounds, or well beyond them when it slides
         need = end[nv + place] - v[k] / mobility[k]
-        reduced = numeric.where(numeric.less(need, largest_impulses[k][1]), 0.0, v[k])
-        v[k] = numeric.where(numeric.less(-largest_impulses[k][0], need), reduced, v[k])
+        v[k] = _zero_between(v[k], need, largest_impulses[k])
     return numeric.vector(*v)
+
+
+def _zero_between(v: Any, impulse: Any, largest: tuple[Any, Any]) -> Any:
+    """Zero where the impulse is between the largest backward and the largest forward, else v."""
+    reduced = numeric.where(numeric.less(impulse, largest[1]), 0.0, v)
+    return numeric.where(numeric.less(-largest[0], impulse), reduced, v)
 
 
 def _each(bound: Any, v: Array) -> Array:

@@ -132,14 +132,9 @@ def _atan2(body: Body, y: str, x: str) -> str:
     diagonal = body.compare("ogt", small, body.mul(large, 0.5))
     total = body.add(large, small)
     total_missing = body.add(body.sub(large, total), small)
-    top_value = body.select(diagonal, body.sub(small, large), small)
-    bottom_value = body.select(diagonal, total, large)
-    reciprocal = body.div(1.0, bottom_value)
-    t = body.mul(top_value, reciprocal)
-    minus_t = body.neg(t)
-    remainder = body.cancelling_fma(minus_t, bottom_value, top_value)
-    remainder = body.fma(minus_t, body.select(diagonal, total_missing, 0.0), remainder)
-    missing = body.mul(remainder, reciprocal)
+    numerator = body.select(diagonal, body.sub(small, large), small)
+    denominator = body.select(diagonal, total, large)
+    t, missing = _quotient(body, numerator, denominator, lambda: body.select(diagonal, total_missing, 0.0))
     z = body.mul(t, t)
     polynomial = body.polynomial(z, body.mul(z, z), coefficients.ATAN[body.lanes.dtype])
     p = body.fma(body.mul(t, z), polynomial, body.fma(body.neg(missing), z, missing))
@@ -155,6 +150,16 @@ def _atan2(body: Body, y: str, x: str) -> str:
     angle = add_small(body, body.mul(eighths, quarter[0]), body.mul(t, factor), rest)
     angle = body.call("copysign", angle, y)
     return body.select(body.compare("uno", x, y), body.add(x, y), angle)
+
+
+def _quotient(body: Body, numerator: str, denominator: str, lacks: Callable[[], str]) -> tuple[str, str]:
+    """The quotient, and what it lacks; `lacks` writes what the denominator does."""
+    reciprocal = body.div(1.0, denominator)
+    t = body.mul(numerator, reciprocal)
+    minus_t = body.neg(t)
+    remainder = body.cancelling_fma(minus_t, denominator, numerator)
+    remainder = body.fma(minus_t, lacks(), remainder)
+    return t, body.mul(remainder, reciprocal)
 
 
 _WRITERS: dict[str, tuple[Callable[..., str], tuple[str, ...]]] = {

@@ -209,7 +209,6 @@ def reduced_function(
     mask = slow.compare("ogt", slow.fabs("%x"), BOUND[kind.dtype])
     near = _reduce_near(slow, slow.select(mask, 0.0, "%x"))
     slow_results = finish(slow, *_reduce_far(slow, "%x", mask, near))
-
     text = [
         f"define internal {returned} @{name}.slow({real} %x) noinline cold nounwind {{",
         "start:",

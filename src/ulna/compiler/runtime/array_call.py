@@ -121,14 +121,7 @@ class ArrayCall:
         if is_foreign_call and any(is_deferred(a) for a in args):
             return self.deferred(args, out, threads)
         if is_foreign_call and not self.interpreted:
-            for a, port in zip(args, f.inputs, strict=True):
-                reject_tables(port, a)
-                check_not_masked(port.name, a)
-            if self.checked:
-                for a, port in zip(args, f.inputs, strict=True):
-                    if isinstance(a, (np.ndarray, list, tuple, int, float)):  # others may be lazy
-                        check_finite(port.name, np.asarray(a, self.dtype))
-            return self._apply(args, out)
+            return self._foreign_call(args, out)
         arrays = [self._array(a, port) for a, port in zip(args, f.inputs, strict=True)]
         if any(a.dtype == object for a in arrays):
             return f(*arrays)  # inside a trace: inline
@@ -136,10 +129,7 @@ class ArrayCall:
         if out is not None:
             self._check_out(out, batch)
         if self.checked:
-            for a, port in zip(arrays, f.inputs, strict=True):
-                check_finite(port.name, a)
-            for number, entries in self.unit:
-                _check_unit(f.inputs[number].name, arrays[number], entries)
+            self._check_values(arrays)
         fast_call = self.single() if batch == () and (out is None or self._is_exact(out)) else None
         if fast_call is not None:
             exact = [self._exact(a) for a in arrays]
@@ -154,6 +144,24 @@ class ArrayCall:
             assert threads is not None
             return self._threaded(arrays, batch, out, min(threads, rows // self._rows_per_thread))
         return self._apply(arrays, out)
+
+    def _foreign_call(self, args: Sequence[Any], out: Any) -> Any:
+        """The call where some arguments are arrays of other libraries."""
+        for a, port in zip(args, self.function.inputs, strict=True):
+            reject_tables(port, a)
+            check_not_masked(port.name, a)
+        if self.checked:
+            for a, port in zip(args, self.function.inputs, strict=True):
+                if isinstance(a, (np.ndarray, list, tuple, int, float)):  # others may be lazy
+                    check_finite(port.name, np.asarray(a, self.dtype))
+        return self._apply(args, out)
+
+    def _check_values(self, arrays: Sequence[Any]) -> None:
+        """Raises where a number is not finite, or a quaternion has not length one."""
+        for a, port in zip(arrays, self.function.inputs, strict=True):
+            check_finite(port.name, a)
+        for number, entries in self.unit:
+            _check_unit(self.function.inputs[number].name, arrays[number], entries)
 
     def _apply(self, args: Sequence[Any], out: Any) -> Any:
         result = self.ufunc(*args) if out is None else self.ufunc(*args, out=out)

@@ -112,14 +112,19 @@ def serve(host: str, port: int | None, title: str, token: str = "") -> Any:
     atexit.unregister(server.stop)  # it prints a message; `stop` here does not
     if not guarded:
         stop(server)
-        raise ViewerError(
-            f"viser {viser.__version__} opens its socket in a form that cannot be protected against other web "
-            f"pages. Install a version that can: {install_command('viewer', 'viser')}"
-        )
+        raise _not_protected(viser.__version__)
     _answered[server] = set()
     _restrict_messages(server, visits, _answered[server])
     _serving[server], _visits[server] = guarded, visits
     return server
+
+
+def _not_protected(version: str) -> ViewerError:
+    """The error where viser opens no socket that requests can be checked on."""
+    return ViewerError(
+        f"viser {version} opens its socket in a form that cannot be protected against other web pages. Install a "
+        f"version that can: {install_command('viewer', 'viser')}"
+    )
 
 
 def _restrict_messages(server: Any, visits: Visits, answered: set[int]) -> None:

@@ -234,12 +234,7 @@ def _shaded_colours(
     u = np.clip(np.einsum("ij,ij->i", from_corner, across) * inverse, 0, 1)[:, None]
     v = np.clip(np.einsum("ij,ij->i", ray, np.cross(from_corner, edge_1)) * inverse, 0, 1)[:, None]
     point = corner[:, 0] + u * edge_1 + v * edge_2
-    corner_normals = triangles.normals[triangle_of]
-    normal = normalized(
-        corner_normals[:, 0]
-        + u * (corner_normals[:, 1] - corner_normals[:, 0])
-        + v * (corner_normals[:, 2] - corner_normals[:, 0])
-    )
+    normal = _interpolated_normals(triangles, triangle_of, u, v)
     towards_eye = normalized(eye - point)
     face = np.cross(edge_1, edge_2)
     # an open surface seen from behind is lit as from its front
@@ -254,6 +249,13 @@ def _shaded_colours(
     shaded = light.tone_mapped(light.shade(albedo, normal, towards_eye.astype(np.float32), lit))
     opacity = triangles.rgba[triangle_of][:, 3:]
     return np.concatenate([shaded * opacity, opacity], axis=1)
+
+
+def _interpolated_normals(triangles: Triangles, triangle_of: Array, u: Array, v: Array) -> Array:
+    """The unit normals (n, 3) at barycentric coordinates u and v, (n, 1) each."""
+    at_corners = triangles.normals[triangle_of]
+    from_1 = u * (at_corners[:, 1] - at_corners[:, 0])
+    return normalized(at_corners[:, 0] + from_1 + v * (at_corners[:, 2] - at_corners[:, 0]))
 
 
 def _texture(

@@ -6,6 +6,7 @@ import contextlib
 import copy
 import dataclasses
 import os
+from collections.abc import Mapping
 from typing import Any, final
 
 import numpy as np
@@ -34,6 +35,31 @@ class ConvexMesh(Mesh):
     """A mesh in a file, taken as convex."""
 
 
+def _arguments(
+    parts: tuple[Any, ...], named: Mapping[str, Any]
+) -> tuple[str, list[Any], Any, Any, dict[str, Any]]:
+    """Name, indices of joint and frame, placement, geometry and other values of a GeometryObject.
+
+    Raises:
+        ArgumentError: They are not those of a GeometryObject.
+    """
+    values, others = dict(named), list(parts)
+    name = str(values.pop("name") if "name" in values else others.pop(0) if others else "")
+    ints = [values.pop(key) for key in ("parent_joint", "parent_frame") if key in values]
+    while others and hasattr(others[0], "__index__"):
+        ints.append(others.pop(0))
+    pair = [others.pop(0) for _ in range(min(2, len(others)))]
+    placement = values.pop("placement", next((x for x in pair if isinstance(x, SE3)), None))
+    geometry = values.pop("collision_geometry", next((x for x in pair if not isinstance(x, SE3)), None))
+    values |= dict(zip(_NAMES, others, strict=False))
+    if not 1 <= len(ints) <= 2 or placement is None or geometry is None or set(values) - set(_NAMES):
+        raise ArgumentError(
+            f"GeometryObject was given {parts}, {named}; expected a name, the index of a joint, that of a frame "
+            "(or none), a placement SE3, a geometry, and " + ", ".join(_NAMES) + "."
+        )
+    return name, ints, placement, geometry, values
+
+
 @final
 class GeometryObject(Placed, Saved):
     """One geometry on a joint.
@@ -52,21 +78,7 @@ class GeometryObject(Placed, Saved):
         if len(parts) == 1 and isinstance(parts[0], GeometryObject):
             self.__dict__.update(parts[0].copy().__dict__)
             return
-        values = dict(named)
-        rest = list(parts)
-        self.name = str(values.pop("name") if "name" in values else rest.pop(0) if rest else "")
-        ints = [values.pop(key) for key in ("parent_joint", "parent_frame") if key in values]
-        while rest and hasattr(rest[0], "__index__"):
-            ints.append(rest.pop(0))
-        pair = [rest.pop(0) for _ in range(min(2, len(rest)))]
-        placement = values.pop("placement", next((x for x in pair if isinstance(x, SE3)), None))
-        geometry = values.pop("collision_geometry", next((x for x in pair if not isinstance(x, SE3)), None))
-        values |= dict(zip(_NAMES, rest, strict=False))
-        if not 1 <= len(ints) <= 2 or placement is None or geometry is None or set(values) - set(_NAMES):
-            raise ArgumentError(
-                f"GeometryObject was given {parts}, {named}; expected a name, the index of a joint, that of a frame "
-                "(or none), a placement SE3, a geometry, and " + ", ".join(_NAMES) + "."
-            )
+        self.name, ints, placement, geometry, values = _arguments(parts, named)
         self.parentJoint = index(ints[0], NO_INDEX + 1, "joint", "model.getJointId(name) returns one.")
         """The index of the joint it moves with."""
         frame = ints[1] if len(ints) == 2 else NO_INDEX
