@@ -30,6 +30,16 @@ from ulna.typing import Array, ArrayLike, Floats
 
 T_ = TypeVar("T_")
 
+_COLUMNS = (
+    "q",
+    "success",
+    "position_error",
+    "rotation_error",
+    "distance",
+    "candidates",
+    "reason",
+)  # of a FreeSolution
+
 _FIRST, _MOST = 7, 64  # starting points of the first and of the largest round
 _FULL_RANGE_START = 64  # the starting point from which on they are drawn from the whole ranges
 _SAME_SOLUTION = 1e-3  # rad or m: solutions this near are one
@@ -60,6 +70,18 @@ class FreeSolution:
     distance: Any
     candidates: Any
     reason: Any
+
+    def reshaped(self, batch: tuple[int, ...]) -> FreeSolution:
+        """The same solutions, of a batch with one axis, along several.
+
+        Args:
+            batch: The lengths of the axes.
+
+        Returns:
+            The solutions.
+        """
+        columns = (getattr(self, name) for name in _COLUMNS)
+        return FreeSolution(*(column.reshape(*batch, *column.shape[1:]) for column in columns))
 
     def __bool__(self) -> bool:
         if np.ndim(self.success):
@@ -98,6 +120,11 @@ class FreeOptions:
     seed: int
     attempts: int
 
+    @property
+    def tolerances(self) -> tuple[float, float]:
+        """Those of position [m] and rotation [rad]."""
+        return self.position_tolerance, self.rotation_tolerance
+
     def __post_init__(self) -> None:
         check_count("attempts", self.attempts)
         if not (np.isfinite(self.margin) and self.margin >= 0.0):
@@ -106,10 +133,10 @@ class FreeOptions:
 
 @dataclass(frozen=True, eq=False)
 class _Reach:
-    """Wants configurations that reach goals (n, ...), from starts (n, nq) or the default, whatever they touch."""
+    """Wants configurations that reach goals (n, ...), from starts (n, nq), whatever they touch."""
 
     T: Floats
-    q0: Floats | None
+    q0: Floats
 
     def __len__(self) -> int:
         return len(self.T)
@@ -186,25 +213,47 @@ class FreeSolver:
             starts = np.broadcast_to(start, (*batch, self.model.nq)).reshape(-1, self.model.nq)
         goals = np.broadcast_to(T, (*batch, *core)).reshape(-1, *core)
         if q0 is None:
-            starts = starts * len(goals)
-        searches = [self._search(goal, start, options) for goal, start in zip(goals, starts, strict=True)]
-        answers = _together(searches, self._answers(options))
+            starts = starts * max(len(goals), 1)
         if not batch:
-            return answers[0]
-        return _stacked(answers, batch, self.model.nq, len(self.solver.problem.frames))
+            first = self.solver(goals[0], starts[0], *options.tolerances, options.seed)
+            if (
+                first
+                and q0 is None
+                and not self.contacts.touching(first.q[None], options.margin, options.moving)[0]
+            ):
+                return _answer(first, True, np.nan, 1, "")
+            return _together([self._search(goals[0], starts[0], first, options)], self._answers(options))[0]
+        return self._batch(goals, starts, options).reshaped(batch)
 
-    def _search(self, T: Floats, q0: Floats | None, options: FreeOptions) -> Search[FreeSolution]:
-        """One goal."""
-        first = (yield _Reach(T[None], None if q0 is None else q0[None]))[0]
+    def _batch(self, goals: Floats, starts: Any, options: FreeOptions) -> FreeSolution:
+        """Several goals: those whose first solution is free are answered at once, in arrays."""
+        is_anywhere = starts[0] is None if len(goals) else True
+        first = self.solver(goals, None if is_anywhere else starts, *options.tolerances, options.seed)
+        is_free = np.asarray(first.success).copy()
+        if is_anywhere:
+            is_free[is_free] = ~self.contacts.touching(first.q[is_free], options.margin, options.moving)
+        else:
+            is_free[:] = False
+        rest = np.flatnonzero(~is_free)
+        searches = [self._search(goals[k], starts[k], first[k], options) for k in rest.tolist()]
+        answers = _together(searches, self._answers(options))
+        return _filled(first, is_free, rest, answers)
+
+    def _search(
+        self, T: Floats, q0: Floats | None, first: IKSolution, options: FreeOptions
+    ) -> Search[FreeSolution]:
+        """One goal, of which a first solution is known; without `q0` it touches something."""
         if not first:
             return _answer(
                 first, False, np.nan, 0, f"no configuration was found that reaches the goal; {first.reason}"
             )
-        if q0 is None and (yield from self._first_free([first])):
-            return _answer(first, True, np.nan, 1, "")
         home = first.q if q0 is None else q0
         branches = self._branches(T, home, options) if self.is_finite else None
         reaching: list[IKSolution] = []
+        if branches is None:
+            reaching.append(first)
+            if q0 is not None and (yield from self._first_free(reaching)):
+                return _answer(first, True, np.nan, 1, "")
         for starts in self._starts(home, first.q, branches, options):
             solutions = yield from self._new_solutions(T, starts, home, reaching)
             reaching += solutions
@@ -220,12 +269,10 @@ class FreeSolver:
 
         def reach(requests: list[_Reach]) -> list[Any]:
             T = np.concatenate([request.T for request in requests])
-            known = [request.q0 for request in requests if request.q0 is not None]
-            starts = np.concatenate(known) if known else None
-            tolerances = options.position_tolerance, options.rotation_tolerance
+            starts = np.concatenate([request.q0 for request in requests])
             if len(T) == 1:  # as `robot.ik` solves for one
-                return [[self.solver(T[0], None if starts is None else starts[0], *tolerances, options.seed)]]
-            solutions = self.solver(T, starts, *tolerances, options.seed)
+                return [[self.solver(T[0], starts[0], *options.tolerances, options.seed)]]
+            solutions = self.solver(T, starts, *options.tolerances, options.seed)
             return [solutions[part] for part in _parts(requests)]
 
         def touch(requests: list[_Touch]) -> list[Any]:
@@ -253,10 +300,11 @@ class FreeSolver:
     def _starts(
         self, home: Floats, first: Floats, branches: Branches | None, options: FreeOptions
     ) -> Iterator[Floats]:
-        """Starting points (k, nq) in rounds: what is known, then points drawn around `home`, farther and farther."""
-        yield first[None] if branches is None else np.vstack([first, branches.q])
-        if branches is not None and branches.complete:
-            return
+        """Starting points (k, nq) in rounds: all branches, then points drawn around `home`, farther and farther."""
+        if branches is not None:
+            yield np.vstack([first, branches.q])
+            if branches.complete:
+                return
         rng = np.random.default_rng(options.seed)
         drawn, done = self.solver.problem.drawn, 1
         low, high = self.solver.problem.range
@@ -276,14 +324,31 @@ class FreeSolver:
         solutions = yield _Reach(np.broadcast_to(T, (len(starts), *T.shape)), starts)
         if isinstance(solutions, list):  # a single one
             return solutions if solutions[0] else []
-        q, good = solutions.q, np.asarray(solutions.success)
+        good = np.flatnonzero(solutions.success)
         known = np.array([solution.q for solution in reaching]).reshape(-1, self.model.nq)
-        same = self._apart(q[:, None], np.concatenate([q, known])) < _SAME_SOLUTION
-        new: list[int] = []
-        for i in np.argsort(self._apart(home, q), kind="stable").tolist():
-            if good[i] and not (same[i, new].any() or same[i, len(q) :].any()):
-                new.append(i)
-        return [solutions[i] for i in new]
+        return [solutions[k] for k in good[self._distinct(solutions.q[good], known, home)].tolist()]
+
+    def _distinct(self, q: Floats, known: Floats, home: Floats) -> list[int]:
+        """Which of some configurations are neither known nor found twice, the nearest to `home` first."""
+        both = np.concatenate([known, q])
+        far = self._apart(home, both)
+        order = np.argsort(far, kind="stable")
+        ranked = far[order]  # those that are alike are about as far from home: only such pairs are compared
+        first, rank = np.searchsorted(ranked, ranked - 2.0 * _SAME_SOLUTION), np.arange(len(both))
+        counts = rank - first
+        later = np.repeat(rank, counts)
+        earlier = np.arange(len(later)) - np.repeat(np.cumsum(counts) - counts - first, counts)
+        if not len(later):
+            return [k - len(known) for k in order.tolist() if k >= len(known)]
+        alike = self._apart(both[order[later]], both[order[earlier]]) < _SAME_SOLUTION
+        pairs = list(zip(later[alike].tolist(), earlier[alike].tolist(), strict=True))
+        is_known = (order < len(known)).tolist()
+        again = {one for pair in pairs for one, other in (pair, pair[::-1]) if is_known[other]}
+        for a, b in pairs:  # in the order of the later one, so that what is said of the earlier one is final
+            if b not in again:
+                again.add(a)
+        kept = (k for number, k in enumerate(order.tolist()) if number not in again)
+        return [k - len(known) for k in kept if k >= len(known)]
 
     def _first_free(self, solutions: Sequence[IKSolution]) -> Search[IKSolution | None]:
         """The first solution that touches nothing."""
@@ -356,20 +421,14 @@ def _answer(
     return FreeSolution(solution.q, success, *errors, distance, candidates, reason)
 
 
-def _stacked(answers: Sequence[FreeSolution], batch: tuple[int, ...], nq: int, frames: int) -> FreeSolution:
-    """The answers of a batch as one."""
-
-    def of(name: str, kind: Any, *core: int) -> Array:
-        return np.array([getattr(answer, name) for answer in answers], dtype=kind).reshape(*batch, *core)
-
-    each = (frames,) if frames > 1 else ()
-    reasons = of("reason", object)
-    return FreeSolution(
-        of("q", float, nq),
-        of("success", bool),
-        of("position_error", float, *each),
-        of("rotation_error", float, *each),
-        of("distance", float),
-        of("candidates", int),
-        reasons,
+def _filled(first: IKSolution, is_free: Array, rest: Array, answers: Sequence[FreeSolution]) -> FreeSolution:
+    """The answers of a batch as one: first solutions that are free, and what searches found of the rest."""
+    errors = np.array(first.position_error), np.array(first.rotation_error)
+    reasons = np.full(len(is_free), "", dtype=object)
+    batch = FreeSolution(
+        np.array(first.q), is_free, *errors, np.full(len(is_free), np.nan), is_free.astype(int), reasons
     )
+    for number, answer in zip(rest.tolist(), answers, strict=True):
+        for name in _COLUMNS:
+            getattr(batch, name)[number] = getattr(answer, name)
+    return batch

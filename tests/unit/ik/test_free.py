@@ -1,5 +1,7 @@
 """Collision-free inverse kinematics: what is returned is free by the exact check, and a refusal tells the truth."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from ulna.collision import World
 from ulna.collision.touches import deepest_touch
 from ulna.errors import InputError, ModelError, ShapeError, UnknownName
 from ulna.geometry import Box, Sphere
+from ulna.ik.free import FreeSolver
 from ulna.model import ModelBuilder, Prismatic
 
 HERE = np.array([0.3, -1.2, 1.4, -1.6, -1.5, 0.2])
@@ -235,3 +238,36 @@ def test_wrong_questions(ur5):
     builder.add_joint("slide", Prismatic((1.0, 0.0, 0.0)), "rail", "cart", lower=-1.0, upper=1.0)
     with pytest.raises(ModelError, match="collision geometry"):
         ulna.Robot(builder.build()).ik_free(np.eye(4), mask="position")
+
+
+def test_batches_of_several_axes_and_of_none_keep_their_shape(panda, shelf):
+    T = panda.fk(panda.random_configuration(6, seed=3)).reshape(2, 3, 4, 4)
+    answers = panda.ik_free(T, shelf, attempts=20)
+    assert answers.q.shape == (2, 3, 7) and answers.success.shape == answers.reason.shape == (2, 3)
+    flat = panda.ik_free(T.reshape(6, 4, 4), shelf, attempts=20)
+    np.testing.assert_array_equal(answers.q.reshape(6, 7), flat.q)
+    assert (answers.candidates[answers.success] > 0).all() and (answers.reason[answers.success] == "").all()
+    none = panda.ik_free(T[:, :0], shelf)
+    assert none.q.shape == (2, 0, 7) and none.success.dtype == bool
+
+
+def test_configurations_found_twice_count_once(panda):
+    _, solver = panda._solver(np.eye(4), None, None, None)
+    search = FreeSolver(solver, SimpleNamespace(model=panda.model), panda._kernel("distance"))
+    random = np.random.default_rng(0)
+    for _ in range(20):
+        home = panda.random_configuration(seed=random)
+        points = panda.random_configuration(6, seed=random)
+        q = points[random.integers(0, 6, 30)] + 4e-4 * random.uniform(-1.0, 1.0, (30, 7))
+        known = points[:2] + 1e-4
+        expected: list[int] = []
+        for k in np.argsort(np.linalg.norm(q - home, axis=1)).tolist():
+            others = np.concatenate([known, q[expected]])
+            if (np.linalg.norm(others - q[k], axis=1) >= 1e-3).all():
+                expected.append(k)
+        assert search._distinct(q, known, home) == expected
+        assert search._distinct(q[:0], known, home) == []
+    assert (
+        search._distinct(points, known[:0], home)
+        == np.argsort(np.linalg.norm(points - home, axis=1)).tolist()
+    )
