@@ -221,3 +221,24 @@ def test_single_calls_do_not_trace_the_graph():
     assert copied.function.fingerprint == plain.fingerprint
     np.testing.assert_array_equal(copied(q[0]), singles[0])
     assert copied.__doc__ == kernel.__doc__
+
+
+def test_batches_sample_by_sample_share_the_code_of_single_calls(samples, monkeypatch):
+    """It would be compiled twice, which takes as long again."""
+
+    def form(a):
+        return _form(a)._replace(serves_batches=True)
+
+    loaded, load = [], jit.load
+    monkeypatch.setattr(jit, "load", lambda f, ir, names: loaded.append(names) or load(f, ir, names))
+    kernel = compile(with_columns(trace(_plain, a=(N, M)), form, a=(N, M)))
+    wide = np.repeat(samples[..., None], 2, axis=-1)
+    for batch in (samples, wide[..., 0]):
+        results = kernel(batch)
+        for k, sample in enumerate(samples):
+            for got, expected in zip(results, kernel(sample), strict=True):
+                np.testing.assert_array_equal(got[k], expected)
+    if jit.target().register_bytes >= 32:
+        assert loaded == [("entry", "work", "batch")]
+    copied = pickle.loads(pickle.dumps(kernel))
+    np.testing.assert_array_equal(copied(samples)[0], kernel(samples)[0])

@@ -71,7 +71,11 @@ def write_columns(module: Module, f: Function, form: ColumnForm, target: Target,
         source = next(matrices) if unit is None else f"ptr {_units(module, unit, n, m, element)}"
         for start in starts:
             rows = frozenset(i for i in range(n) if all(row[i] for row in zeros[start : start + lanes]))
-            same = (name for (at, fewer), name in bodies.items() if at == start and fewer <= rows)
+            same = (
+                name
+                for (at, fewer), name in bodies.items()
+                if fewer == rows or (at == start and fewer <= rows)
+            )
             if (name := next(same, "")) == "":
                 name = bodies[start, rows] = f"column{len(bodies)}"
                 _write_body(module, name, without_rows(form.body, rows), m, Lanes(lanes, element), target)

@@ -186,6 +186,40 @@ def emit_batch(f: Function, target: Target, element: DType = "double") -> str:
     return module.text() + _wide_registers(wide, element)
 
 
+def serves_batches_one_by_one(f: Function, target: Target, element: DType) -> bool:
+    """Whether the code of one sample is also that of a batch, which is then nothing but a loop around it.
+
+    Args:
+        f: The function.
+        target: The processor to write for.
+        element: Type of the array elements, "double" or "float".
+
+    Returns:
+        Whether `one_by_one` is its loop over a batch.
+    """
+    form = f.columns
+    if form is None or not form.serves_batches or not can_write_columns(f, target, element):
+        return False
+    return not isinstance(form.head if isinstance(form, ColumnForm) else form, StagedForm)
+
+
+def one_by_one(f: Function, element: DType) -> str:
+    """The definition of `batch` around `one`, as for `emit_batch`.
+
+    Args:
+        f: The function.
+        element: Type of the array elements, "double" or "float".
+
+    Returns:
+        The text, which a module can have beside that of `emit_single`.
+    """
+    module = Module()
+    _write_block_of_one(module, f)
+    module.declare("declare i32 @feclearexcept(i32)")
+    module.definitions["batch"] = batch_loop(f, element, 1)
+    return module.text()
+
+
 def _write_block_of_one(module: Module, f: Function) -> None:
     """`block` for one sample at a time, whose strides are of no use, by `one`."""
     names = [f"i{k}" for k in range(len(f.inputs))] + [f"o{k}" for k in range(len(f.outputs))]

@@ -64,6 +64,7 @@ class ArrayCall:
             not function.inputs or not function.outputs or not all(p.size for p in ports) or len(ports) > 64
         )
         self._ufunc: Any = evaluate
+        self.batch_code: jit.Code | None = None  # that has `batch`, where it comes with a single call's
         self._rows_per_thread = rows_per_thread
         self._lock = forks.lock(forks.KERNEL)
 
@@ -87,7 +88,7 @@ class ArrayCall:
         if self._ufunc is None:
             with self._lock:
                 if self._ufunc is None:
-                    code = jit.load(self.function, self.batch_ir(), ("batch",))
+                    code = self.batch_code or jit.load(self.function, self.batch_ir(), ("batch",))
                     self._ufunc = gufunc.make_ufunc(self.function, code.address("batch"), code, self.element)
         return self._ufunc
 

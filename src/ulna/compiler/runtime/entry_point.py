@@ -12,7 +12,7 @@ import numpy as np
 
 from ulna.compiler.codegen.instructions import Instructions
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
-from ulna.compiler.codegen.module import emit_single
+from ulna.compiler.codegen.module import emit_single, one_by_one, serves_batches_one_by_one
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ports import Port
@@ -47,8 +47,7 @@ def entry_ir(
     """IR of a single call: the scalar block, `entry`, a CPython vectorcall function around it, and `work`.
     `i32 work(ptr pointers)` takes pointers to all inputs, then all outputs, which may be the inputs; 0 says that it is
     done. With `checked`, `entry` leaves inputs that are not finite or, at `unit_entries`, not unit to the general
-    path,
-    which raises an error; `work` returns 1.
+    path, which raises an error; `work` returns 1. Where batches are samples one by one, `batch` is their loop.
 
     Args:
         f: The function.
@@ -87,7 +86,8 @@ def entry_ir(
     _write_work(w, f, checked)
     if checked:
         _write_invalid(w, f, element, unit_entries)
-    return emit_single(f, target, element) + w.text()
+    batch = one_by_one(f, element) if serves_batches_one_by_one(f, target, element) else ""
+    return emit_single(f, target, element) + w.text() + batch
 
 
 def _begin(w: Instructions, f: Function, element: DType) -> None:

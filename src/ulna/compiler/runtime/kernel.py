@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ulna.compiler.codegen.module import serves_batches_one_by_one
 from ulna.compiler.language.function import Function, trace
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.runtime import bound_call, entry_point, gufunc, jit
@@ -372,7 +373,10 @@ def compile(
     ir = _entry_ir(array_call)
     if "ir" in os.environ.get("ULNA_DEBUG", "").split(","):
         print(ir)
-    code = jit.load(f, ir, ("entry", "work"))
+    has_batch = serves_batches_one_by_one(f, jit.target(), array_call.element)
+    code = jit.load(f, ir, ("entry", "work", "batch") if has_batch else ("entry", "work"))
+    if has_batch:
+        array_call.batch_code = code
     plan = gufunc.Plan(f, array_call.element, code.address("work"))
     instance = gufunc.make_kernel(native_type, code.address("entry"), plan, array_call, array_call.element)
     instance.__dict__.update(__doc__=_doc(f), _array_call=array_call, _work=code.address("work"))
