@@ -9,6 +9,7 @@ from typing import Any, final
 from ulna.checks.values import number
 from ulna.collision.objects import Attachment, Obstacle, checked_object, checked_pose
 from ulna.collision.robot_poses import robot_poses
+from ulna.collision.shared_list import SharedList
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.geometry import Mesh, Shape
@@ -42,7 +43,7 @@ class World:
         ('table', 'ball')
     """
 
-    obstacles: tuple[Obstacle, ...] = ()
+    obstacles: tuple[Obstacle, ...] = field(default_factory=tuple)  # no value of the class: see __getattr__
     attachments: tuple[Attachment, ...] = ()
     margins: Mapping[frozenset[str], float] = field(default_factory=dict)
 
@@ -97,23 +98,20 @@ class World:
         """
         allowed = checked_object(name, shape, touches, "Obstacle")
         new = Obstacle(name, shape, checked_pose(f"obstacle {name!r}", pose), moving, allowed)
-        if name in self._taken:
+        if self._has(name):
             return replace(self, obstacles=(*self.obstacles, new))  # which refuses the name
-        added, named = (new,), (name,)
         world = object.__new__(World)  # without looking at all names again: thousands are added one by one
         world.__dict__.update(
-            obstacles=self.obstacles + added,
-            attachments=self.attachments,
-            margins=self.margins,
-            _taken=self._taken + named,
-        )
+            attachments=self.attachments, margins=self.margins, _list=self._list.with_item(len(self), new),
+            _count=len(self) + 1,
+        )  # fmt: skip
         return world
 
     @returns_copy("world")
     def remove(self, name: str) -> World:
         """The world without that obstacle or attached object. Raises UnknownName with the nearest one."""
-        if name not in self._taken:
-            raise UnknownName("obstacle", name, sorted(self._taken))
+        if not self._has(name):
+            raise UnknownName("obstacle", name, sorted((*self.names, *(a.name for a in self.attachments))))
         obstacles = tuple(o for o in self.obstacles if o.name != name)
         attachments = tuple(a for a in self.attachments if a.name != name)
         margins = {pair: distance for pair, distance in self.margins.items() if name not in pair}
@@ -296,9 +294,17 @@ class World:
         return tuple(o.name for o in self.obstacles)
 
     @cached_property
-    def _taken(self) -> tuple[str, ...]:
-        """The names of all obstacles and attached objects."""
-        return (*(a.name for a in self.attachments), *self.names)
+    def _list(self) -> SharedList:
+        """A list that begins with the obstacles, shared with worlds that have more."""
+        return SharedList(self.obstacles)
+
+    @cached_property
+    def _count(self) -> int:
+        return len(self.obstacles)
+
+    def _has(self, name: str) -> bool:
+        """Whether an obstacle or an attached object has that name."""
+        return self._list.has(name, self._count) or any(name == a.name for a in self.attachments)
 
     @cached_property
     def _by_name(self) -> Mapping[str, Obstacle]:
@@ -314,11 +320,16 @@ class World:
         margins = sorted([*sorted(pair), distance] for pair, distance in self.margins.items())
         return fingerprint([parts, paths, attachments, margins])
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return World, (self.obstacles, self.attachments, self.margins)
+
     def __getattr__(self, name: str) -> Any:
+        if name == "obstacles" and "_list" in self.__dict__:  # `add` leaves this to who asks
+            return self.__dict__.setdefault("obstacles", self._list.first(self._count))
         raise unknown_attribute("world", name, dir(type(self)))
 
     def __len__(self) -> int:
-        return len(self.obstacles)
+        return self._count
 
     def __iter__(self) -> Iterator[Obstacle]:
         return iter(self.obstacles)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -126,3 +130,42 @@ def test_survey_finds_what_always_and_never_touches() -> None:
     assert set(found.never) == {("base", "arm"), ("turret", "arm")} and not found.sometimes
     with pytest.raises(InputError, match="count"):
         survey(builder.build(), 0)
+
+
+def test_worlds_made_of_one_keep_what_each_of_them_has() -> None:
+    first = World().add("a", Sphere(0.1)).add("b", Sphere(0.1))
+    left, right = first.add("c", Sphere(0.2)), first.add("c", Sphere(0.3), touches=["x"])
+    further = left.add("d", Sphere(0.4))
+    assert first.names == ("a", "b") and len(first) == 2 and "c" not in first
+    assert left["c"].shape == Sphere(0.2) and right["c"].shape == Sphere(0.3)
+    assert further.names == ("a", "b", "c", "d") and len(further.obstacles) == 4
+    assert len({world.fingerprint for world in (first, left, right, further)}) == 4
+    for world in (left, right, further):
+        with pytest.raises(InputError, match="already"):
+            world.add("c", Sphere(0.1))
+    assert first.remove("a").add("c", Sphere(0.1)).add("a", Sphere(0.1)).names == ("b", "c", "a")
+    assert further.move("a", (1.0, 0.0, 0.0)).add("e", Sphere(0.1)).names == ("a", "b", "c", "d", "e")
+    for copied in (pickle.loads(pickle.dumps(first)), copy.copy(first), copy.deepcopy(first)):
+        assert copied.names == first.names and copied.fingerprint == first.fingerprint
+        assert copied.add("c", Sphere(0.1)).names == left.names
+    assert World(left.obstacles).fingerprint == left.fingerprint
+    held = left.attach("c", "hand", np.eye(4))
+    assert held.names == ("a", "b") and [a.name for a in held.attachments] == ["c"]
+    with pytest.raises(InputError, match="already"):
+        held.add("c", Sphere(0.1))
+
+
+def test_threads_that_add_to_one_world_get_their_own() -> None:
+    start = World().add("a", Sphere(0.1))
+
+    def grown(number: int) -> World:
+        world = start
+        for k in range(50):
+            world = world.add(f"{number}.{k}", Sphere(0.1))
+        return world
+
+    with ThreadPoolExecutor(8) as pool:
+        worlds = list(pool.map(grown, range(16)))
+    for number, world in enumerate(worlds):
+        assert world.names == ("a", *(f"{number}.{k}" for k in range(50)))
+    assert start.names == ("a",)
