@@ -454,3 +454,39 @@ def test_damped_inverses_of_delassus_matrices_are_inverses(pin: Any, count: int)
         np.testing.assert_allclose(inverse @ (G + mu * np.eye(len(G))), np.eye(len(G)), atol=1e-8)
         scaled = pin.computeDampedDelassusMatrixInverse(model, data, q, models, datas, mu, True)
         np.testing.assert_allclose(scaled, mu * inverse, rtol=1e-12, atol=1e-9)
+
+
+def test_calls_with_a_jacobian_are_the_same_when_repeated() -> None:
+    with using("pinocchio"):
+        import pinocchio as pin
+
+        model = pin.buildSampleModelManipulator()
+        data, rng = model.createData(), np.random.default_rng(2)
+        for k in range(6):
+            if k == 3:
+                model.inertias[3].mass = 4.0
+            q, v, tau = rng.uniform(-1.0, 1.0, (3, model.nv))
+            J, drift = rng.normal(size=(2 + (k == 5), model.nv)), rng.normal(size=2 + (k == 5))
+            fresh = model.createData()
+            M, h = pin.crba(model, fresh, q).copy(), pin.nonLinearEffects(model, fresh, q, v)
+            zeros = np.zeros((len(J), len(J)))
+            K = np.block([[M, J.T], [J, zeros]])
+            for _ in range(2):
+                x = np.linalg.solve(K, np.concatenate([tau - h, -drift]))
+                a = pin.forwardDynamics(model, data, q, v, tau, J, drift)
+                np.testing.assert_allclose(a, x[: model.nv], atol=1e-7)
+                np.testing.assert_allclose(data.lambda_c, -x[model.nv :], atol=1e-7)
+                np.testing.assert_allclose(pin.forwardDynamics(model, data, tau, J, drift), a, atol=1e-7)
+                inverse = pin.getKKTContactDynamicMatrixInverse(model, data, J)
+                np.testing.assert_allclose(inverse @ K, np.eye(len(K)), atol=1e-7)
+                damped = pin.computeKKTContactDynamicMatrixInverse(model, data, q, J, 0.1)
+                with_damping = K - np.diag([0.0] * model.nv + [0.1] * len(J))
+                np.testing.assert_allclose(damped @ with_damping, np.eye(len(K)), atol=1e-8)
+                after = pin.impulseDynamics(model, data, q, v, J)
+                x = np.linalg.solve(K, np.concatenate([M @ v, np.zeros(len(J))]))
+                np.testing.assert_allclose(after, x[: model.nv], atol=1e-7)
+                np.testing.assert_allclose(pin.impulseDynamics(model, data, v, J), after, atol=1e-7)
+            with pytest.raises(ValueError, match="constraint_jacobian"):
+                pin.forwardDynamics(model, data, q, v, tau, J[:, 1:], drift)
+            with pytest.raises(ValueError, match="v"):
+                pin.impulseDynamics(model, data, v[1:], J)

@@ -213,8 +213,19 @@ class AnyConstraint(_NamedAndCompared):
             out += projection @ joint_motions[joint].vector
         return out
 
-    def appendCouplingConstraintInertias(self, *args: Any) -> None:
+    def appendCouplingConstraintInertias(
+        self,
+        model: Model,
+        data: Data,
+        constraint_data: Any,
+        diagonal_constraint_inertia: Any,
+        reference_frame: ReferenceFrame = ReferenceFrame.LOCAL,
+    ) -> None:
         """Not offered: the articulated inertias of the constrained recursion are not kept.
+
+        Args:
+            diagonal_constraint_inertia: Inertias of its rows (residualSize,) [kg].
+            reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED.
 
         Raises:
             InputError: Always.

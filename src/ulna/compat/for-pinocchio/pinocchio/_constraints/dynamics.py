@@ -8,12 +8,12 @@ import numpy as np
 
 from pinocchio._algorithms.dynamics import aba, crba, nonLinearEffects
 from pinocchio._constraints.bound_dynamics import defer_after_elimination, solve
-from pinocchio._constraints.jacobian_dynamics import impact_with_jacobian
+from pinocchio._constraints.jacobian_dynamics import impact_directly, impact_with_jacobian
 from pinocchio._constraints.proximal_settings import ProximalSettings, settings_of
 from pinocchio._constraints.rigid_constraint import checked_constraints
 from pinocchio._containers.arrays import vector
 from pinocchio._containers.enums import Convention
-from pinocchio._containers.keywords import overloads
+from pinocchio._containers.keywords import overloads, without_overloads
 from pinocchio._data.data import Data
 from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
@@ -118,6 +118,7 @@ def lcaba(
     return ddq
 
 
+@without_overloads(impact_directly)
 @overloads(
     "model data q v contact_models:list contact_datas:list r_coeff? prox_settings:ProximalSettings?",
     "model data v_before constraint_jacobian:matrix restitution_coefficient? damping?",

@@ -25,6 +25,8 @@ _OPERATIONS = 30_000
 """Factors that take more are not compiled as a whole; 12 dense rows on a humanoid take 20,000, and a second."""
 _ROWS = 24
 """The dense inverse of more rows is left to LAPACK."""
+_INVERTED_AS_A_WHOLE = 32
+"""The inverse of a larger K is made of products by BLAS; compiling 32 rows takes half a second."""
 
 
 def kernels_for(compiled: CompiledModel, rows: Array) -> FactorKernels:
@@ -144,6 +146,22 @@ class FactorKernels:
     def inverse_mass(self) -> Any:
         """Entries and 1/D of M: its inverse."""
         return compile_function(lambda entries, r: self._factors(entries, r).inverse(), **self._input_sizes)
+
+    @cached_property
+    def inverse(self) -> Any:
+        """Entries and 1/D: the inverse of K."""
+        return compile_function(lambda entries, r: self._factors(entries, r).inverse(), **self._input_sizes)
+
+    @cached_property
+    def inverse_joints_first(self) -> Any:
+        """Entries and 1/D: the inverse of [[M, J^T], [J, -mu]]."""
+        m, n = self.rows.shape
+        order = [*range(m, m + n), *range(m)]
+
+        def run(entries: Array, r: Array) -> Array:
+            return self._factors(entries, r).inverse()[order][:, order]
+
+        return compile_function(run, **self._input_sizes)
 
     @cached_property
     def minus_inverse_delassus(self) -> Any:
@@ -275,6 +293,10 @@ class Factorization:
         Returns:
             Matrix (m + nv, m + nv).
         """
+        if len(self.r) <= _INVERTED_AS_A_WHOLE:
+            kernels = self.kernels
+            inverse = kernels.inverse_joints_first if joints_first else kernels.inverse
+            return inverse(self.entries, self.r)
         (m, n), M = self.kernels.rows.shape, self.inverse_mass()
         out = np.empty((m + n, m + n))
         joints, rows = (slice(0, n), slice(n, None)) if joints_first else (slice(m, None), slice(0, m))

@@ -13,7 +13,7 @@ from pinocchio._constraints.proximal_settings import damping_of
 from pinocchio._containers.arguments import WrongShape
 from pinocchio._containers.arrays import exact, not_applicable, numbers
 from pinocchio._containers.enums import Convention
-from pinocchio._containers.keywords import overloads
+from pinocchio._containers.keywords import overloads, without_overloads
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
 from ulna.errors import InputError
@@ -123,15 +123,36 @@ def _run(
         if result is NotImplemented:
             raise no_factors_error(bound.M, J)
     data._damped = J.shape, mu
-    if "cholesky" in bound_by_rows:
-        bound_by_rows["cholesky"].outdated = True
+    _outdate(data)
     return bound, result
+
+
+def _outdate(data: Data) -> None:
+    """Has `pinocchio.cholesky` factor the mass matrix anew."""
+    if "cholesky" in data._bound_at:
+        data._bound_at["cholesky"].outdated = True
 
 
 _STATE = {"motion": ("tau", "constraint_drift"), "impact": ("v_before", None), "inverse": ()}
 """What methods of `BoundJacobianDynamics` take after J and its damping: names of vectors, None for a number."""
 
 
+def _motion_directly(model: Any, data: Any, *state: Any) -> Any:
+    """forwardDynamics of arrays under a Jacobian that is known, without damping; else NotImplemented."""
+    *configuration, tau, J, drift = state
+    bound = data._bound_at[len(J)] if len(configuration) in (0, 2) else None
+    if bound is None or data._model is not model:
+        return NotImplemented
+    if configuration:
+        computeAllTerms(model, data, *configuration)
+    a = bound.motion(J, 0.0, tau, drift)
+    if a is not NotImplemented:
+        data._arrays["lambda_c"], data._damped = bound.forces, (J.shape, 0.0)
+        _outdate(data)
+    return a
+
+
+@without_overloads(_motion_directly)
 @overloads(
     "model data q v tau constraint_jacobian constraint_drift damping?",
     "model data tau constraint_jacobian constraint_drift damping?",
@@ -165,6 +186,28 @@ def forwardDynamics(
     bound, a = _run(model, data, "motion", constraint_jacobian, damping, *state)
     data._arrays["lambda_c"] = bound.forces
     return a
+
+
+def impact_directly(model: Any, data: Any, *state: Any) -> Any:
+    """impulseDynamics of arrays under a Jacobian that is known, without damping; else NotImplemented.
+
+    Args:
+        *state: Configuration (nq,), or nothing, velocity (nv,), Jacobian (m, nv).
+
+    Returns:
+        Velocity (nv,).
+    """
+    *configuration, v, J = state
+    bound = data._bound_at[len(J)] if len(configuration) < 2 else None
+    if bound is None or data._model is not model or type(J) is not np.ndarray or J.ndim != 2:
+        return NotImplemented
+    if configuration:
+        crba(model, data, configuration[0], Convention.WORLD)
+    after = bound.impact(J, 0.0, v, 0.0)
+    if after is not NotImplemented:
+        data._arrays["impulse_c"], data._damped = bound.impulses, (J.shape, 0.0)
+        _outdate(data)
+    return after
 
 
 def impact_with_jacobian(
@@ -214,10 +257,11 @@ def getKKTContactDynamicMatrixInverse(model: Model, data: Data, constraint_jacob
     Raises:
         InputError: The Jacobian has another shape than in that call.
     """
-    constraint_jacobian = numbers(constraint_jacobian, "constraint_jacobian")
+    if type(constraint_jacobian) is not np.ndarray:
+        constraint_jacobian = numbers(constraint_jacobian, "constraint_jacobian")
     shape, damping = data.require(data._damped, "forwardDynamics or impulseDynamics with a Jacobian")
-    if np.shape(constraint_jacobian) != shape:
+    if constraint_jacobian.shape != shape:
         raise InputError(
-            f"The Jacobian is {np.shape(constraint_jacobian)}; that of forwardDynamics or impulseDynamics was {shape}."
+            f"The Jacobian is {constraint_jacobian.shape}; that of forwardDynamics or impulseDynamics was {shape}."
         )
     return _run(model, data, "inverse", constraint_jacobian, damping)[1]

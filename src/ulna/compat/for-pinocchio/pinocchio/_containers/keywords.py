@@ -6,6 +6,7 @@ import functools
 import inspect
 import operator
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -199,6 +200,35 @@ def overloads(*signatures: str) -> Callable[[Callable[..., Result]], Callable[..
         called.orders = [[parameter.name for parameter in way] for way in ways]  # pyright: ignore
         called.arguments_checked = True  # pyright: ignore
         called.of_all_parameters = of_all_parameters  # pyright: ignore
+        return called
+
+    return decorate
+
+
+def without_overloads(
+    direct: Callable[..., Any],
+) -> Callable[[Callable[..., Result]], Callable[..., Result]]:
+    """Tries a function that takes the usual arguments by position first, and the decorated one where it does not apply.
+
+    Args:
+        direct: It answers NotImplemented, or raises LookupError, TypeError, ValueError or AttributeError, where its
+            arguments are not exactly what it takes.
+
+    Returns:
+        The decorator.
+    """
+
+    def decorate(function: Callable[..., Result]) -> Callable[..., Result]:
+        @functools.wraps(function)
+        def called(*args: Any, **named: Any) -> Result:
+            if not named:
+                result: Any = NotImplemented
+                with suppress(LookupError, TypeError, ValueError, AttributeError):
+                    result = direct(*args)
+                if result is not NotImplemented:
+                    return result
+            return function(*args, **named)
+
         return called
 
     return decorate
