@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import re
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import field
 from math import prod
 from typing import Any, Protocol
@@ -125,7 +125,10 @@ class Function(Differentiable, Packable):
     @cached_property
     def operation_counts(self) -> dict[str, int]:
         """How often each operation occurs; a loop's body counts once."""
-        return dict(sorted(_count(self.graph, self.results).items()))
+        counts = _own_counts(self.graph, self.results)
+        for loop in _loops(self.graph, self.results):
+            counts += _own_counts(loop.graph, [loop.condition, *loop.following])
+        return dict(sorted(counts.items()))
 
     @property
     def operations(self) -> int:
@@ -140,7 +143,7 @@ class Function(Differentiable, Packable):
     @cached_property
     def recorded_numbers(self) -> int:
         """How many numbers the records of its loops hold, on the stack while it runs."""
-        return _recorded(self.graph, self.results)
+        return sum(x.limit * x.size for x in _loops(self.graph, self.results) if x.is_recorded)
 
     @property
     def signature(self) -> str:
@@ -261,23 +264,17 @@ def _batch_of(array: Any, port: Port) -> Shape:
     return array.shape[: array.ndim - core]
 
 
-def _count(graph: Graph, nodes: Sequence[int]) -> Counter[str]:
-    live = graph.live(nodes)
-    counts: Counter[str] = Counter()
-    for op, number in Counter(map(graph.op.__getitem__, live)).items():
-        row = TABLE[op]
-        if op == Op.LOOP:
-            for loop in (graph.data[index] for index in live if graph.op[index] == op):
-                counts += _count(loop.graph, [loop.condition, *loop.following])
-        elif row.cost:
-            counts[row.op.name.lower()] += number * row.cost
-    return counts
+def _own_counts(graph: Graph, nodes: Sequence[int]) -> Counter[str]:
+    """How often each operation occurs in a graph, without the bodies of its loops."""
+    counts = Counter(map(graph.op.__getitem__, graph.live(nodes)))
+    return Counter(
+        {TABLE[op].op.name.lower(): n * TABLE[op].cost for op, n in counts.items() if TABLE[op].cost}
+    )
 
 
-def _recorded(graph: Graph, nodes: Sequence[int]) -> int:
-    total = 0
-    for loop in (graph.data[index] for index in graph.live(nodes)):
-        if isinstance(loop, Loop):
-            total += loop.limit * loop.size if loop.is_recorded else 0
-            total += _recorded(loop.graph, [loop.condition, *loop.following])
-    return total
+def _loops(graph: Graph, nodes: Sequence[int]) -> Iterator[Loop]:
+    """The loops that nodes depend on, and those within them."""
+    for data in (graph.data[index] for index in graph.live(nodes)):
+        if isinstance(data, Loop):
+            yield data
+            yield from _loops(data.graph, [data.condition, *data.following])

@@ -252,14 +252,7 @@ class Graph:
         return index
 
 
-def _rebuild(
-    op: list[int],
-    args: list[tuple[int, ...]],
-    data: list[Any],
-    inputs: list[int],
-    relaxed: bool,
-    lanes: int = 1,
-) -> Graph:
+def _rebuild(op: Any, args: Any, data: Any, inputs: Any, relaxed: bool, lanes: int = 1) -> Graph:
     graph = Graph(relaxed=relaxed, lanes=lanes)
     graph.op, graph.args, graph.data, graph.inputs = list(op), list(args), list(data), list(inputs)
     for index, (o, a, d) in enumerate(zip(op, args, data, strict=True)):

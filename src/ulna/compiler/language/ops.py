@@ -150,7 +150,7 @@ TABLE: tuple[Row, ...] = (
     _condition(Op.OR, np.logical_or, "or", "or", operator.or_, commutes=True),
     Row(Op.NOT, 1, np.logical_not, "", (None,), "choice", symbols=operator.invert, is_condition=True),
     Row(Op.SELECT, 3, np.where, "select", kind="choice", symbols=numeric.where),
-    Row(Op.LOOP, -1, kind="loop"),
+    Row(Op.LOOP, -1, kind="loop", cost=0),
     Row(Op.ITEM, 1, cost=0),
     Row(Op.LANE, 0, cost=0),
     Row(Op.ANY, 1, _any_lane, is_condition=True),

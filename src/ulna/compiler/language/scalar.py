@@ -58,8 +58,10 @@ class Value:
             following = body(*variables)
             holds = condition(*variables)
         if not isinstance(following, (tuple, list)) or len(following) != len(state):
+            is_sequence = isinstance(following, (tuple, list))
+            returned = f"{len(following)} values" if is_sequence else type(following).__name__
             raise TraceError(
-                f"The body of a loop returned {_described(following)}; expected a tuple of {len(state)} numbers, "
+                f"The body of a loop returned {returned}; expected a tuple of {len(state)} numbers, "
                 "the state that follows."
             )
         if not isinstance(holds, (Condition, bool, np.bool_)):
@@ -286,10 +288,6 @@ def tracing(graph: Graph) -> Iterator[None]:
         yield
     finally:
         _under_trace.graphs.pop()
-
-
-def _described(value: Any) -> str:
-    return f"{len(value)} values" if isinstance(value, (tuple, list)) else type(value).__name__
 
 
 def _power(base: Scalar, exponent: Scalar) -> Any:

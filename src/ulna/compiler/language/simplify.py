@@ -7,9 +7,9 @@ most one node deep and returns an existing node or a strictly simpler one, so re
 
 from __future__ import annotations
 
-import math
 import operator
 from collections.abc import Callable
+from math import copysign, frexp
 from typing import Any, Protocol
 
 import numpy as np
@@ -81,19 +81,6 @@ def _folded(g: Graph, op: int, args: tuple[int, ...]) -> int:
     return g.truth(bool(value)) if TABLE[op].is_condition else g.constant(float(value))
 
 
-def _is(g: Graph, a: int, value: float) -> bool:
-    """Whether `a` is the constant `value`; zeros of either sign are distinguished by the caller's rule."""
-    return g.op[a] == Op.CONST and g.data[a] == value
-
-
-def _is_plus_zero(g: Graph, a: int) -> bool:
-    return _is(g, a, 0.0) and math.copysign(1.0, g.data[a]) > 0
-
-
-def _is_minus_zero(g: Graph, a: int) -> bool:
-    return _is(g, a, 0.0) and math.copysign(1.0, g.data[a]) < 0
-
-
 def _neg(g: Graph, a: int) -> int | None:
     if g.op[a] == Op.NEG:
         return g.args[a][0]
@@ -107,7 +94,7 @@ def _add(g: Graph, a: int, b: int) -> int | None:
     for x, y in ((a, b), (b, a)):
         kind = kinds[y]
         if kind == _CONST:
-            if g.data[y] == 0.0 and (g.relaxed or _is_minus_zero(g, y)):
+            if g.data[y] == 0.0 and (g.relaxed or copysign(1.0, g.data[y]) < 0):
                 return x
         elif kind == _NEG:
             return g.node(_SUB, x, g.args[y][0])
@@ -117,12 +104,13 @@ def _add(g: Graph, a: int, b: int) -> int | None:
 def _sub(g: Graph, a: int, b: int) -> int | None:
     kind_a, kind_b = g.op[a], g.op[b]
     if kind_b == _CONST:
-        if g.data[b] == 0.0 and (g.relaxed or _is_plus_zero(g, b)):
+        if g.data[b] == 0.0 and (g.relaxed or copysign(1.0, g.data[b]) > 0):
             return a
     elif kind_b == _NEG:
         return g.node(_ADD, a, g.args[b][0])
     if kind_a == _CONST:
-        return g.node(_NEG, b) if g.data[a] == 0.0 and (g.relaxed or _is_minus_zero(g, a)) else None
+        is_neutral = g.data[a] == 0.0 and (g.relaxed or copysign(1.0, g.data[a]) < 0)
+        return g.node(_NEG, b) if is_neutral else None
     if g.relaxed:
         if a == b:
             return g.constant(0.0)
@@ -138,7 +126,7 @@ def _mul(g: Graph, a: int, b: int) -> int | None:
         if kind == _CONST:
             c = g.data[y]
             if c == 0.0 and g.relaxed:
-                return y if math.copysign(1.0, c) > 0 else g.constant(0.0)
+                return y if copysign(1.0, c) > 0 else g.constant(0.0)
             if c == 1.0:
                 return x
             if c == -1.0:
@@ -157,14 +145,14 @@ def _div(g: Graph, a: int, b: int) -> int | None:
             return a
         if c == -1.0:
             return g.node(Op.NEG, a)
-        mantissa, exponent = math.frexp(c)
+        mantissa, exponent = frexp(c)
         if abs(mantissa) == 0.5 and -1000 < exponent < 1000:  # 1/c is exact
             return g.node(Op.MUL, a, g.constant(1.0 / c))
     if g.op[b] == Op.NEG:
         return g.node(Op.NEG, g.node(Op.DIV, a, g.args[b][0]))
     if g.op[a] == Op.NEG:
         return g.node(Op.NEG, g.node(Op.DIV, g.args[a][0], b))
-    if g.relaxed and _is(g, a, 0.0):
+    if g.relaxed and g.op[a] == Op.CONST and g.data[a] == 0.0:
         return g.constant(0.0)
     return None
 
@@ -211,14 +199,6 @@ def _junction(neutral: bool):
     return rule
 
 
-def _not(g: Graph, a: int) -> int | None:
-    return g.args[a][0] if g.op[a] == Op.NOT else None
-
-
-def _less(g: Graph, a: int, b: int) -> int | None:
-    return g.truth(False) if a == b else None  # also for nan
-
-
 def _select(g: Graph, c: int, a: int, b: int) -> int | None:
     if g.op[c] == Op.BOOL:
         return a if g.data[c] else b
@@ -245,10 +225,10 @@ _RULES: dict[int, Callable[..., int | None]] = {
     Op.DIV: _div,
     Op.MIN: _idempotent,
     Op.MAX: _idempotent,
-    Op.LT: _less,
+    Op.LT: lambda g, a, b: g.truth(False) if a == b else None,  # also for nan
     Op.AND: _junction(neutral=True),
     Op.OR: _junction(neutral=False),
-    Op.NOT: _not,
+    Op.NOT: lambda g, a: g.args[a][0] if g.op[a] == Op.NOT else None,
     Op.SELECT: _select,
     Op.ANY: _over_lanes,
     Op.LEAST: _over_lanes,
