@@ -36,6 +36,7 @@ from ulna.formats.mjcf_parse import (
     HINGE,
     SLIDE,
     CompiledMjcf,
+    UnnamedParts,
     names_of,
     pose_of,
     read_mjcf,
@@ -74,7 +75,23 @@ def model_from_mjcf(
         MissingExtra: the package mujoco is not installed.
         FormatError: the file is missing or broken, or contradicts itself.
     """
-    builder = _mjcf_builder(source, root=root, mimic=mimic, trusted=trusted)
+    return _built(_mjcf_builder(source, root=root, mimic=mimic, trusted=trusted))
+
+
+def model_with_names(source: str | os.PathLike[str], unnamed: UnnamedParts) -> Model:
+    """The model that an MJCF file or text describes, without joints that follow others; see `model_from_mjcf`.
+
+    Args:
+        source: A path, or text (from "<").
+        unnamed: How joints and sites without a name are called.
+
+    Returns:
+        The model.
+    """
+    return _built(_mjcf_builder(source, mimic=False, unnamed=unnamed))
+
+
+def _built(builder: ModelBuilder) -> Model:
     try:
         return builder.build()
     except (ModelError, InputError) as error:
@@ -84,26 +101,33 @@ def model_from_mjcf(
 
 
 def _mjcf_builder(
-    source: str | os.PathLike[str], *, root: Root = None, mimic: bool = True, trusted: bool = False
+    source: str | os.PathLike[str],
+    *,
+    root: Root = None,
+    mimic: bool = True,
+    trusted: bool = False,
+    unnamed: UnnamedParts = UnnamedParts(),  # noqa: B008
 ) -> ModelBuilder:
     """A builder filled with what an MJCF file or text describes, for adding to it before building.
 
     Warns (ModelWarning) once about all that has no place in a model.
     """
-    return _Reading(read_mjcf(source, trusted), text_or_file(source)[1]).builder(root_kind(root), mimic)
+    reading = _Reading(read_mjcf(source, trusted), text_or_file(source)[1], unnamed)
+    return reading.builder(root_kind(root), mimic)
 
 
 class _Reading:
     """One compiled file on its way into a builder."""
 
-    def __init__(self, compiled: CompiledMjcf, file: str | None) -> None:
+    def __init__(self, compiled: CompiledMjcf, file: str | None, unnamed: UnnamedParts) -> None:
         self._m, self._compiled, self._file = compiled.model, compiled, file
+        self._unnamed = unnamed
         self._switches = Switches.of(compiled.model)
         self._drives = Drives(compiled.model, self._switches)
         self._joined = couplings(compiled.model, self._switches.equalities)
         self._touching = contacts(compiled.model, self._switches)
         self._shapes = Shapes(compiled, file, self._touching.geoms)
-        self._links, self._joints = names_of(compiled.model)
+        self._links, self._joints = names_of(compiled.model, unnamed)
 
     def builder(self, root: JointKind | None, mimic: bool) -> ModelBuilder:
         m = self._m
@@ -203,11 +227,13 @@ class _Reading:
         m = self._m
         taken = {*builder.link_names, *builder.joint_names}
         for s in range(m.nsite):
-            name = m.site(s).name
+            body = int(m.site_bodyid[s])
+            number = int(np.count_nonzero(m.site_bodyid[:s] == body))
+            name = m.site(s).name or self._unnamed.site.format(body=self._links[body], number=number)
             if name:
                 place = pose_of(m.site_pos[s], m.site_quat[s])
                 called = unused_name(name if name not in taken else f"{name}_site", taken)
-                builder.add_frame(called, self._links[m.site_bodyid[s]], place)
+                builder.add_frame(called, self._links[body], place)
 
     def _add_configurations(self, builder: ModelBuilder) -> None:
         m = self._m

@@ -87,8 +87,31 @@ def _refusal(error: Exception, file: str | None) -> FormatError:
     return FormatError(f"MuJoCo refuses it: {words}.", file=file, line=number, fix=fix)
 
 
-def names_of(model: Any) -> tuple[list[str], list[str]]:
-    """The names of links, of which the world is the first, and of joints; those without get one after their body."""
+@dataclass(frozen=True)
+class UnnamedParts:
+    """How joints and sites without a name are called, by the name of their `body` and their `number` on it.
+
+    Attributes:
+        joint: The names of joints.
+        free_joint: The names of free joints.
+        site: The names of sites; where it is empty, they are left out.
+    """
+
+    joint: str = "{body}_joint"
+    free_joint: str = "{body}_free"
+    site: str = ""
+
+
+def names_of(model: Any, unnamed: UnnamedParts = UnnamedParts()) -> tuple[list[str], list[str]]:
+    """The names of links and of joints.
+
+    Args:
+        model: MuJoCo's model.
+        unnamed: How joints without a name are called.
+
+    Returns:
+        The names of links, of which the world is the first, and of joints.
+    """
     taken = {"world"}
     bodies = (model.body(b).name or f"body_{b}" for b in range(1, model.nbody))
     links = ["world", *(unused_name(name, taken) for name in bodies)]
@@ -96,8 +119,10 @@ def names_of(model: Any) -> tuple[list[str], list[str]]:
     taken = set(joints)
     for j, name in enumerate(joints):
         if not name:
-            ending = "free" if model.jnt_type[j] == FREE else "joint"
-            joints[j] = unused_name(f"{links[model.jnt_bodyid[j]]}_{ending}", taken)
+            body = int(model.jnt_bodyid[j])
+            pattern = unnamed.free_joint if model.jnt_type[j] == FREE else unnamed.joint
+            called = pattern.format(body=links[body], number=j - int(model.body_jntadr[body]))
+            joints[j] = unused_name(called, taken)
     return links, joints
 
 

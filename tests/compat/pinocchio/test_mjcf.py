@@ -39,6 +39,10 @@ CLOSED = """
     <body name="e" pos="0 0 1"><geom size="0.1"/></body></body></body></worldbody>
   <equality><connect body1="c" body2="e" anchor="0.1 0.2 0.3"/><weld body1="c" body2="d"/>
   <weld body1="d" relpose="0.1 0.2 0.3 1 0 0 0"/></equality></mujoco>"""
+UNNAMED = """
+<mujoco><worldbody><body name="n"><joint/><joint type="slide"/><geom size="0.1"/><site pos="0 0 1"/><site name="s"/><site/>
+  <body name="p"><joint name="q"/><joint type="slide"/><geom size="0.1"/></body>
+  <body name="r"><joint/><geom size="0.1"/></body></body></worldbody></mujoco>"""
 FLOATING = BODIES.format(free="<freejoint/>", keys="")
 
 
@@ -49,6 +53,7 @@ def test_models_of_mjcf_files(tmp_path: Path) -> None:
     (folder / "arm.xml").write_text(ARM)
     (folder / "floating.xml").write_text(FLOATING)
     (folder / "closed.xml").write_text(CLOSED)
+    (folder / "unnamed.xml").write_text(UNNAMED)
     own, wanted = both(Path(__file__).parent / "mjcf_asked.py", tmp_path, str(folder))
     for file, questions in wanted.items():
         for question, value in questions.items():

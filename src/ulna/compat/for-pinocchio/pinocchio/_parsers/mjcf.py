@@ -26,8 +26,9 @@ from pinocchio._parsers.geometry_urdf import geometry_model_of
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
 from ulna.errors import ModelWarning
-from ulna.formats.mjcf import model_from_mjcf
+from ulna.formats.mjcf import model_with_names
 from ulna.formats.mjcf_loops import loops_from_mjcf
+from ulna.formats.mjcf_parse import UnnamedParts
 from ulna.model import FreeFlyer, JointKind, Prismatic, Revolute, Spherical
 from ulna.model import Joint as TowerJoint
 from ulna.model import Link as TowerLink
@@ -121,7 +122,11 @@ def buildModelAndConstraintsFromMJCF(
 def _read(file: str) -> CoreModel:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ModelWarning)  # what is left out here, Pinocchio leaves out, too
-        return model_from_mjcf(file, mimic=False)
+        return model_with_names(file, _UNNAMED)
+
+
+_UNNAMED = UnnamedParts("{body}Joint_{number}", "{body}_free", "{body}Site_{number}")
+"""How Pinocchio calls joints and sites without a name; see `UnnamedParts`."""
 
 
 def _loops(model: Model, file: Any) -> Iterator[tuple[int, list[Any]]]:
