@@ -5,8 +5,8 @@
 Each part takes a minute or less, and can run alone. Ratios are medians of rounds in which all take turns. The cluster is
 started before the clock. One process has the settings of the workers: one thread of BLAS, and memory that is kept. Two
 plain processes, which share the parts without Dask, show what the machine can do; what two workers take more than they
-is the engine's. Rounds in which other programs use more than 3 % of a processor are tried again while there is time
-(--seconds); the last column says what they used.
+is the engine's. Rounds in which other programs use more than 3 % of the processors that a job has are tried again while
+there is time (--seconds), and those with least of it count; the last column says what they used.
 """
 
 from __future__ import annotations
@@ -101,13 +101,16 @@ def plans_job(problems: int) -> scale.Job:
     return Plans(ulna.load("panda"), samples, None, None, (WORLD,), 1, None, lengths, searching)
 
 
-def measured(call: Callable[[], Any], clock: Callable[[], float]) -> tuple[Any, float, float, float]:
-    """A result, its time, its processor time, and that that of other programs [s, s, processors]."""
+def measured(
+    call: Callable[[], Any], clock: Callable[[], float], processes: int
+) -> tuple[Any, float, float, float]:
+    """A result, its time, its processor time, and what other programs used of its processors [s, s, processors]."""
     used, all_used, start = clock(), busy(), time.perf_counter()
     result = call()
     seconds = time.perf_counter() - start
     all_used, used = busy() - all_used, clock() - used
-    return result, seconds, used, max(all_used - used, 0.0) / seconds
+    idle = max((os.cpu_count() or 1) - processes, 0)  # others may have these
+    return result, seconds, used, max((all_used - used) / seconds - idle, 0.0)
 
 
 def named_jobs(samples: int) -> dict[str, tuple[str, scale.Job]]:
@@ -139,9 +142,9 @@ def jobs(client: Any, pair: TwoProcesses, chosen: argparse.Namespace) -> None:
         run = partial(scale.run, job, progress=False)
         job_rows = undisturbed(
             lambda run=run, job=job: (
-                measured(lambda: run(workers=0), time.process_time),
-                measured(lambda: pair.run(job), pair.processor_time),
-                measured(lambda: run(scheduler=client), lambda: processor_time(client)),
+                measured(lambda: run(workers=0), time.process_time, 1),
+                measured(lambda: pair.run(job), pair.processor_time, 2),
+                measured(lambda: run(scheduler=client), lambda: processor_time(client), 2),
             ),
             chosen.rounds,
             chosen.seconds,

@@ -153,14 +153,16 @@ def worker_environment() -> dict[str, Any]:
 
 
 def _check_workers(client: Any, patience: float) -> None:
-    try:
-        client.wait_for_workers(1, timeout=patience)
-    except TimeoutError:
-        address = client.scheduler.address
-        raise Interrupted(
-            f"The scheduler has no workers, after {patience:g} s: `dask worker {address}` starts one."
-        ) from None
-    answers = client.run(check_versions, versions(), on_error="return")  # a worker may be lost meanwhile
+    answers = _versions_of_workers(client)
+    if not answers:
+        try:
+            client.wait_for_workers(1, timeout=patience)
+        except TimeoutError:
+            address = client.scheduler.address
+            raise Interrupted(
+                f"The scheduler has no workers, after {patience:g} s: `dask worker {address}` starts one."
+            ) from None
+        answers = _versions_of_workers(client)
     for answer in answers.values():
         if isinstance(answer, VersionMismatch):
             raise answer
@@ -168,3 +170,8 @@ def _check_workers(client: Any, patience: float) -> None:
             raise VersionMismatch(
                 f"A worker cannot import what this job needs: {answer}. Install Ulna {versions()['Ulna']} there."
             ) from answer
+
+
+def _versions_of_workers(client: Any) -> dict[str, Any]:
+    """For each worker None, or what is wrong with its version."""
+    return client.run(check_versions, versions(), on_error="return")  # a worker may be lost meanwhile
