@@ -276,3 +276,17 @@ def test_a_motion_that_cuts_corners_keeps_constraints_and_touches_nothing() -> N
 @cache
 def planner_with_margin() -> Planner:
     return Planner(panda(), planner().scene.world, margin=0.005)
+
+
+def test_constraints_that_contradict_each_other_end_at_once_with_a_reason() -> None:
+    q = panda().configurations["ready"]
+    tool = panda().model.tool
+    up, down = (PathConstraint.pointing(tool, (0.0, 0.0, z)) for z in (1.0, -1.0))
+    for goal in (q + 0.1, pose(0.2)):
+        p = planner().plan(q, goal, constraints=[up, down])
+        assert not p and p.outcome == "start" and "violates the constraints" in p.reason and not len(p.points)
+    walls = [
+        PathConstraint(tool, Region((x, 0.0, 0.3), size=(0.0, np.inf, np.inf), turns="any"))
+        for x in (0.2, 0.8)
+    ]
+    assert planner().plan(q, q, constraints=walls).outcome == "start"

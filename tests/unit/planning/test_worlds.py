@@ -208,3 +208,16 @@ def test_ten_thousand_obstacles() -> None:
     world = World((*wall(), *balls))
     p = plan(robot, a, b, world)
     assert p and p.is_certified and is_free(p, world, "spheres")
+
+
+def test_empty_and_huge_clouds() -> None:
+    robot, (a, b) = panda(), ends()
+    empty = plan(robot, a, b, wall().add("scan", PointCloud(np.zeros((0, 3)), 0.01)))
+    np.testing.assert_array_equal(empty.points, plan(robot, a, b, wall()).points)
+    far = np.random.default_rng(2).uniform([-1.5, -1.5, 1.3], [1.5, 1.5, 2.0], (400_000, 3))
+    points = np.concatenate([far, surface_of_wall(100_000) + [0.55, 0.0, 0.2]])
+    world = World().add("scan", PointCloud(points, 0.005))
+    p = plan(robot, a, b, world)
+    assert p and p.is_certified and len(p.points) > 2 and is_free(p, world, "spheres")
+    with pytest.raises(InputError, match="100 m"):
+        plan(robot, a, b, World().add("scan", PointCloud(points * 1e3, 0.005)))
