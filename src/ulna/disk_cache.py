@@ -94,7 +94,7 @@ def write(name: str, content: bytes) -> None:
             prune(place)
     except OSError as error:
         _warn(f"The kernel cache {place} cannot be written ({error.strerror or error}); kernels are compiled anew in "
-              "each process. Mend the folder, or set ULNA_CACHE to another one, or to 0 for none.")  # fmt: skip
+              "each process. Make it writable, or set ULNA_CACHE to another one, or to 0 for none.")  # fmt: skip
 
 
 def _seal(secret: bytes, name: str, content: bytes) -> bytes:

@@ -347,8 +347,8 @@ class FreeSolver:
         for a, b in pairs:  # in the order of the later one, so that what is said of the earlier one is final
             if b not in again:
                 again.add(a)
-        kept = (k for number, k in enumerate(order.tolist()) if number not in again)
-        return [k - len(known) for k in kept if k >= len(known)]
+        first_ones = (k for number, k in enumerate(order.tolist()) if number not in again)
+        return [k - len(known) for k in first_ones if k >= len(known)]
 
     def _first_free(self, solutions: Sequence[IKSolution]) -> Search[IKSolution | None]:
         """The first solution that touches nothing."""

@@ -35,7 +35,7 @@ def velocity_after_friction(G: Array, u: Array, start: Array, h: Any, friction: 
     Args:
         G: Inverse mass matrix, shape (..., nv, nv) [1/kg, 1/(kg m), 1/(kg m^2)].
         u: Velocity after the step without friction, shape (..., nv) [rad/s, m/s].
-        start: Velocity before the step, shape (..., nv) [rad/s, m/s], at which static friction is judged.
+        start: Velocity before the step, shape (..., nv) [rad/s, m/s], at which static friction is determined.
         h: Duration of the step, shape (...) [s].
         friction: The friction of the joints; its width plays no part.
 

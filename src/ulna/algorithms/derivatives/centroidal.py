@@ -118,8 +118,8 @@ def com_velocity_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, A
 def _subtrees(model: Model, q: Array, state: Callable[[int], State]) -> list[Subtree]:
     """The quantities of all bodies from each step outward, in the order of the steps."""
     prepared = prepare(model)
-    found = subtree_quantities(model, prepared, prepared.regrouped_moments, state, q)
-    return [subtree for _, subtree in found][::-1]
+    quantities = subtree_quantities(model, prepared, prepared.regrouped_moments, state, q)
+    return [subtree for _, subtree in quantities][::-1]
 
 
 def _reciprocal_mass(model: Model) -> Any:
@@ -142,8 +142,8 @@ def _momentum_and_rate(
 
 def _observers(tree: Sequence[Step], T: Sequence[SE3], state: Callable[[int], State]) -> list[Array]:
     """u of every step."""
-    found: list[Array] = []
+    observers: list[Array] = []
     for i, step in enumerate(tree):
         u = state(i).u
-        found.append(u if step.parent < 0 else found[step.parent] + apply(T[step.parent].rotation, u))
-    return found
+        observers.append(u if step.parent < 0 else observers[step.parent] + apply(T[step.parent].rotation, u))
+    return observers

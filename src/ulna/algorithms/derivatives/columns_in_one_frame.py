@@ -97,13 +97,13 @@ class OneFrame:
     def movers(self) -> list[list[int]]:
         """For each column those columns of other joints that move it."""
         of_steps: list[list[int]] = []
-        found: list[list[int]] = [[] for _ in range(self.model.nv)]
+        movers_of_columns: list[list[int]] = [[] for _ in range(self.model.nv)]
         for step in self.tree:
             before = of_steps[step.parent] if step.parent >= 0 else []
             of_steps.append([*before, *step.indices])
             for k in step.indices:
-                found[k] = before
-        return found
+                movers_of_columns[k] = before
+        return movers_of_columns
 
     @cached_property
     def joints(self) -> list[int]:
@@ -117,12 +117,12 @@ class OneFrame:
     @cached_property
     def unit_columns(self) -> dict[int, int]:
         """The columns of a floating base that are unit vectors, and which ones: they move all other columns."""
-        found: dict[int, int] = {}
+        unit_rows: dict[int, int] = {}
         for k, s in self.tree[0].columns() if self.is_floating else ():
             row = np.asarray(numbers(s), dtype=float)
             if row.max() == 1.0 and np.count_nonzero(row) == 1:
-                found[k] = int(row.argmax())
-        return found
+                unit_rows[k] = int(row.argmax())
+        return unit_rows
 
     def kinematics(self) -> None:
         """T, s, V and dU from q and v; the constants of bodies."""
@@ -305,7 +305,7 @@ class OneFrame:
 
     def _accelerations(self, q: Array, v: Array, a: Array, s: Array, psi: Array) -> tuple[Array, Array]:
         A, dC = (np.zeros((6, self.model.nv), dtype=object) for _ in range(2))
-        found: list[Array] = []
+        accelerations: list[Array] = []
         for step in self.tree:
             if step.parent < 0 and self.is_floating:
                 root = self._root_state(q, v, a)
@@ -313,10 +313,10 @@ class OneFrame:
                 dC[:, list(step.indices)] = (after - numbers(root.C))[:, None]
             else:
                 at_rest = np.concatenate([-self._gravity, np.zeros(3)])
-                after = found[step.parent] if step.parent >= 0 else at_rest
+                after = accelerations[step.parent] if step.parent >= 0 else at_rest
                 for k in step.indices:
                     after = after + (s[:, k] * a[k] + psi[:, k] * v[k])
-            found.append(after)
+            accelerations.append(after)
             for k in step.indices:
                 A[:, k] = after
         return A, dC

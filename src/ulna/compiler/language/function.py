@@ -194,10 +194,10 @@ def trace(
 
     Raises:
         TraceError: If `f` branches on a traced value or returns something that is not numbers.
-        ValueError: If `rules` is neither "relaxed" nor "exact".
+        InputError: If `rules` is neither "relaxed" nor "exact".
     """
     if rules not in ("relaxed", "exact"):
-        raise ValueError(f"rules={rules!r}; expected 'relaxed' or 'exact'.")
+        raise InputError(f"rules={rules!r}; expected 'relaxed' or 'exact'.")
     graph = Graph(relaxed=rules == "relaxed", lanes=lanes)
     inputs = tuple(Port(key, _shape(key, shape)) for key, shape in shapes.items())
     arguments = [_traced_array(graph, port.shape) for port in inputs]

@@ -29,7 +29,7 @@ class RobotVisual:
         show: "visual" for what it looks like, "collision" for what it collides with, "both", or "skeleton" for lines
             from joint to joint.
         pose: T_world_base, where its base stands, shape (4, 4).
-        report: Told how many of the links are loaded.
+        report: Called with how many of the links are loaded.
         detail: "full" for all triangles of mesh files, "seen" simplified within an error bound.
 
     Raises:

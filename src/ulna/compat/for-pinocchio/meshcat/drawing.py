@@ -49,11 +49,11 @@ class Drawn:
         )
 
 
-def drawn(thing: Any, material: Any = None) -> Drawn:
+def drawn(source: Any, material: Any = None) -> Drawn:
     """What is seen of an object, or of a geometry with a material.
 
     Args:
-        thing: A geometry or an object of `meshcat.geometry`.
+        source: A geometry or an object of `meshcat.geometry`.
         material: The material of a geometry; white when not given.
 
     Returns:
@@ -64,27 +64,27 @@ def drawn(thing: Any, material: Any = None) -> Drawn:
     """
     from meshcat.geometry import MeshPhongMaterial
 
-    as_object = hasattr(thing, "geometry") and hasattr(thing, "material")
+    as_object = hasattr(source, "geometry") and hasattr(source, "material")
     if as_object and material is not None:
         raise InputError(
             "set_object takes an object, or a geometry and a material; an object has a material."
         )
     geometry, look = (
-        (thing.geometry, thing.material) if as_object else (thing, material or MeshPhongMaterial())
+        (source.geometry, source.material) if as_object else (source, material or MeshPhongMaterial())
     )
-    kind = type(thing).__name__ if as_object else ("Points" if _is(look, "PointsMaterial") else "Mesh")
+    kind = type(source).__name__ if as_object else ("Points" if _is(look, "PointsMaterial") else "Mesh")
     maker = next((m for name, m in _MAKERS.items() if _is(geometry, name)), None)
     if maker is None:
         raise InputError(
-            f"set_object was given {thing!r}; expected a geometry of meshcat.geometry: {', '.join(_MAKERS)}."
+            f"set_object was given {source!r}; expected a geometry of meshcat.geometry: {', '.join(_MAKERS)}."
         )
     return maker(geometry, look, kind).stretched(
         np.asarray(geometry.intrinsic_transform(), dtype=float)[:3, :3]
     )
 
 
-def _is(thing: Any, name: str) -> bool:
-    return any(cls.__name__ == name for cls in type(thing).__mro__)
+def _is(value: Any, name: str) -> bool:
+    return any(cls.__name__ == name for cls in type(value).__mro__)
 
 
 def rgba_of(material: Any) -> RGBA:

@@ -90,19 +90,19 @@ class ViewerWindow:
         start = f"{node}/"
         return [n for n in self.gui.scene.names if n.startswith(start) and PARTS not in n[len(start) :]]
 
-    def show(self, node: str, thing: Drawn) -> None:
+    def show(self, node: str, drawn: Drawn) -> None:
         """Replaces the object of a node; its place and the nodes below it remain.
 
         Args:
             node: Name of the node; it is made where there is none.
-            thing: What is seen.
+            drawn: What is seen.
         """
         gui, scene = self.gui, self.gui.scene
         with scene.atomic():
             gui.createGroup(node)
             if scene.node(node).surfaces:
                 scene.set_surfaces(node, ())
-            self.objects[node] = thing
+            self.objects[node] = drawn
             self._draw(node)
 
     def _draw(self, node: str) -> None:
@@ -110,12 +110,12 @@ class ViewerWindow:
         start = f"{node}/{_OBJECT}"
         for name in [n for n in scene.names if n.startswith(start)]:
             viewer.remove(name)
-        thing = self.objects[node]
+        drawn = self.objects[node]
         if node in self.stretched:
-            thing = thing.stretched(self.stretched[node])
-        if thing.surfaces:
-            scene.add(start, thing.surfaces)
-        for i, content in enumerate(thing.contents):
+            drawn = drawn.stretched(self.stretched[node])
+        if drawn.surfaces:
+            scene.add(start, drawn.surfaces)
+        for i, content in enumerate(drawn.contents):
             scene.add(f"{start}{i}", content=content, shadow=False)
 
     def remove(self, node: str) -> None:

@@ -99,10 +99,10 @@ def loadFromBinary(object: Any, buffer: StreamBuffer) -> None:
     _checked(object).loadFromBinary(buffer)
 
 
-def _checked(thing: Any) -> Saved:
-    if not isinstance(thing, Saved):
+def _checked(value: Any) -> Saved:
+    if not isinstance(value, Saved):
         raise ArgumentError(
-            f"A {type(thing).__name__} is not written to buffers; expected a Model, Data, GeometryModel, GeometryData "
+            f"A {type(value).__name__} is not written to buffers; expected a Model, Data, GeometryModel, GeometryData "
             "or GeometryObject. pickle takes all that is there."
         )
-    return thing
+    return value

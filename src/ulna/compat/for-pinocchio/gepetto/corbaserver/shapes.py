@@ -33,11 +33,11 @@ class Shapes(Tree, abc.ABC):
             poses.pop(place, None)
         return place
 
-    def _add(self, name: str, thing: Any, rgba: Rgba) -> bool:
+    def _add(self, name: str, content: Any, rgba: Rgba) -> bool:
         red, green, blue, opacity = colour(rgba)
-        self.viewer.add(thing, name=self._new(name), color=(red, green, blue), opacity=opacity)
-        if isinstance(thing, Shape):
-            self._made[self.at(name)] = (thing, rgba)
+        self.viewer.add(content, name=self._new(name), color=(red, green, blue), opacity=opacity)
+        if isinstance(content, Shape):
+            self._made[self.at(name)] = (content, rgba)
         return True
 
     def addSphere(self, sphereName: str, radius: float, RGBAcolor: Rgba) -> bool:

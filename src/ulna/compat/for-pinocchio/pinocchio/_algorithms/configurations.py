@@ -196,8 +196,8 @@ def _bound(model: Model, name: str, *state: Any) -> Floats:
     """What the bound function of a model says, such as `integrate`, which is bound where it does not apply."""
     result = getattr(model, f"_{name}")(*state)
     if result is NotImplemented:
-        own = _OWN_KERNELS.get(name)
-        kernel = model.compiled_structure().core_kernel(name) if own is None else own(model)
+        maker = _OWN_KERNELS.get(name)
+        kernel = model.compiled_structure().core_kernel(name) if maker is None else maker(model)
         setattr(model, f"_{name}", BoundKernel(kernel).call)
         result = getattr(model, f"_{name}")(*state)
     return result
@@ -346,16 +346,16 @@ def _is_same_bound_anew(model: Model, *arguments: Any) -> bool:
 
 def _compared_together(model: Model) -> tuple[tuple[int, int, bool], ...]:
     """Which entries of q are compared together: the first, the one behind the last, and whether it is a quaternion."""
-    found: list[tuple[int, int, bool]] = []
+    groups: list[tuple[int, int, bool]] = []
     for joint in model.joints[1:]:
         k = joint.idx_q
         for part in () if joint.mimic else joint.parts or (joint,):
             kind: Any = part.kind
             for is_unit, row in itertools.groupby(kind.coordinates, lambda c: c.unit == ""):
                 count = len(list(row))
-                found.append((k, k + count, is_unit and count == 4))
+                groups.append((k, k + count, is_unit and count == 4))
                 k += count
-    return tuple(found)
+    return tuple(groups)
 
 
 def _agreement(parts: tuple[tuple[int, int, bool], ...]) -> Any:

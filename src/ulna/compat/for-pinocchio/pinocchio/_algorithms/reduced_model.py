@@ -38,7 +38,7 @@ def reduced_model(model: Model, locked: list[int], reference: Any) -> tuple[Mode
     q, fixed = vector(reference, model.nq, "reference_configuration"), set(locked)
     _check(model, fixed)
     placements, inertias = model.rows_of("placements"), model.rows_of("inertias")
-    kept: list[int] = [0]
+    remaining: list[int] = [0]
     moved: Moved = [(0, None)]
     joints, parents = StdVec([model.joints[0].copy()]), StdVec([0])
     nq = nv = extended = 0
@@ -49,7 +49,7 @@ def reduced_model(model: Model, locked: list[int], reference: Any) -> tuple[Mode
         if i in fixed:
             placed = SE3._of(placements[i] @ _pose_at(joint, q))
             carried = Inertia._of(inertias[i]).se3Action(placed)
-            inertias[kept[carrier]] = (Inertia._of(inertias[kept[carrier]]) + carried)._p
+            inertias[remaining[carrier]] = (Inertia._of(inertias[remaining[carrier]]) + carried)._p
             moved.append((carrier, placed))
             continue
         copied = joint.copy()
@@ -57,18 +57,18 @@ def reduced_model(model: Model, locked: list[int], reference: Any) -> tuple[Mode
         if joint.mimic is not None:
             leader = moved[joint.mimic[0]][0]
             copied.mimic, at = (leader, *joint.mimic[1:]), (joints[leader].idx_q, joints[leader].idx_v)
-        copied.setIndexes(len(kept), *at, extended)
+        copied.setIndexes(len(remaining), *at, extended)
         nq, nv, extended = nq + joint.nq, nv + joint.nv, extended + joint.nvExtended
-        moved.append((len(kept), None))
-        kept.append(i)
+        moved.append((len(remaining), None))
+        remaining.append(i)
         joints.append(copied)
         parents.append(carrier)
     out = object.__new__(Model)
-    out.name, out.names = model.name, StdVec([model.names[i] for i in kept])
+    out.name, out.names = model.name, StdVec([model.names[i] for i in remaining])
     out.joints, out.parents = joints, parents
-    out.nq, out.nv, out.nvExtended, out.nbodies = nq, nv, extended, len(kept)
-    _take_entries(out, model, kept)
-    blocks = {"placements": placements[kept], "inertias": inertias[kept]}
+    out.nq, out.nv, out.nvExtended, out.nbodies = nq, nv, extended, len(remaining)
+    _take_entries(out, model, remaining)
+    blocks = {"placements": placements[remaining], "inertias": inertias[remaining]}
     facts, blocks["frames"] = _frames(model, fixed, moved)
     out._gravity = model.gravity.copy()
     out._adopt_rows(blocks, facts)
@@ -95,11 +95,11 @@ def _pose_at(joint: Any, q: Floats) -> Floats:
     return np.asarray(joint.kind.transform(at).matrix(), dtype=float)
 
 
-def _take_entries(out: Model, model: Model, kept: Iterable[int]) -> None:
+def _take_entries(out: Model, model: Model, remaining: Iterable[int]) -> None:
     """The entries of q and v, and the named configurations, of the joints that are kept."""
-    own = [model.joints[i] for i in kept if i and model.joints[i].mimic is None]
-    of_q = [k for joint in own for k in range(joint.idx_q, joint.idx_q + joint.nq)]
-    of_v = [k for joint in own for k in range(joint.idx_v, joint.idx_v + joint.nv)]
+    joints = [model.joints[i] for i in remaining if i and model.joints[i].mimic is None]
+    of_q = [k for joint in joints for k in range(joint.idx_q, joint.idx_q + joint.nq)]
+    of_v = [k for joint in joints for k in range(joint.idx_v, joint.idx_v + joint.nv)]
     out._arrays = {key: values[of_q if key in PER_Q else of_v] for key, values in model._arrays.items()}
     references = {name: q[of_q] for name, q in model.referenceConfigurations.items()}
     out._configurations = StdMap_String_VectorXd(references)

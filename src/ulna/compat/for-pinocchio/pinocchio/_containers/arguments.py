@@ -277,9 +277,9 @@ def _checked_tuple(function: Any, checks: list[_Check]) -> Any:
                 check(title, args[check.place])
             elif check.name in named:
                 check(title, named[check.name])
-        given = {check.name: args[check.place] for check in checks if check.place < count} | named
-        if {"model", "data"} <= given.keys():
-            check_layout(given["model"], given["data"])
+        arguments = {check.name: args[check.place] for check in checks if check.place < count} | named
+        if {"model", "data"} <= arguments.keys():
+            check_layout(arguments["model"], arguments["data"])
         elif (
             not named
             and len(accepted) < _MOST_TYPES

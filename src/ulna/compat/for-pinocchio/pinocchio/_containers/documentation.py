@@ -38,10 +38,10 @@ ARGUMENTS = {
 describe_arguments = documented(ARGUMENTS)
 
 
-def describe_all(things: Collection[Any]) -> None:
+def describe_all(objects: Collection[Any]) -> None:
     """Completes the docstrings of functions, and of the methods of classes of the package."""
-    classes = {base for thing in things if inspect.isclass(thing) for base in thing.__mro__}
-    functions = {thing for thing in things if inspect.isfunction(thing)}
+    classes = {base for item in objects if inspect.isclass(item) for base in item.__mro__}
+    functions = {item for item in objects if inspect.isfunction(item)}
     for described in classes | functions:
         if described.__module__.startswith("pinocchio._"):
             describe_arguments(described)

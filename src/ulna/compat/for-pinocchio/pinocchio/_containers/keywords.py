@@ -194,8 +194,8 @@ def overloads(*signatures: str) -> Callable[[Callable[..., Result]], Callable[..
             return choose(args[:method], parts, named)
 
         def of_all_parameters(*args: Any) -> Result:
-            given, named = _non_default(parameters, args[method:])
-            return called(*args[:method], *given, **named)
+            positional, named = _non_default(parameters, args[method:])
+            return called(*args[:method], *positional, **named)
 
         called.orders = [[parameter.name for parameter in way] for way in ways]  # pyright: ignore
         called.arguments_checked = True  # pyright: ignore

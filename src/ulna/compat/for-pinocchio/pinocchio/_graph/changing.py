@@ -106,18 +106,18 @@ def lockJoints(
     for name in joints_to_lock:
         if name not in g.edges:
             raise UnknownName("joint of the graph", name, list(g.edges))
-    held = dict(zip(joints_to_lock, reference_configurations, strict=True))
+    locked = dict(zip(joints_to_lock, reference_configurations, strict=True))
     out = ModelGraph()
     for name, frame in g.frames.items():
         out.addFrame(name, frame)
     for edge in g.edges.values():
         follows = edge.joint.primary_name if isinstance(edge.joint, JointMimic) else ""
-        if (edge.name in held and follows) or follows in held:
+        if (edge.name in locked and follows) or follows in locked:
             raise ModelError(
                 f"Joint {edge.name!r} follows {follows!r}, and one of them is to be locked; lock none, or join the "
                 "bodies by JointFixed."
             )
-        out.addJoint(_locked(edge, held[edge.name]) if edge.name in held else edge)
+        out.addJoint(_locked(edge, locked[edge.name]) if edge.name in locked else edge)
     for body, geometries in g.geometries.items():
         out.addGeometries(body, list(geometries))
     return out

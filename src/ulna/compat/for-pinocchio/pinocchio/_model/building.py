@@ -102,8 +102,8 @@ class KinematicTree(KernelCache):
 
     def _frames_named(self, name: str, types: int) -> list[int]:
         """Indices of the frames of that name, and of one of these types."""
-        found, frames = self.frame_index().by_name.get(name, ()), self._frames
-        return [i for i in found if frames[i]._facts[1] & types]
+        indices, frames = self.frame_index().by_name.get(name, ()), self._frames
+        return [i for i in indices if frames[i]._facts[1] & types]
 
     def existBodyName(self, name: str) -> bool:
         """Whether there is a body of that name."""

@@ -303,9 +303,9 @@ Force._made = BoundFunctions(_functions(spatial.Force), holder=Force)
 
 def skew(u: Any) -> Floats:
     """The matrix of the cross product with a 3-vector."""
-    found = without_gaps(_SIX["skew"], u)
-    if found is not NotImplemented:
-        return found
+    result = without_gaps(_SIX["skew"], u)
+    if result is not NotImplemented:
+        return result
     x, y, z = vector(u, 3, "u")
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 

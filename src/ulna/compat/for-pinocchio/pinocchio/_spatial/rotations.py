@@ -223,9 +223,9 @@ for _place, _letter in enumerate("xyzw"):
 def _coefficients(one: Any) -> Floats:
     if isinstance(one, Quaternion):
         return one._c.copy()
-    found = without_gaps(_OF_MATRIX["quaternion"], one)
-    if found is not NotImplemented:
-        return found
+    result = without_gaps(_OF_MATRIX["quaternion"], one)
+    if result is not NotImplemented:
+        return result
     if isinstance(one, AngleAxis):
         one = one.matrix()
     array = numbers(one, "coefficients")
