@@ -19,7 +19,8 @@ from roboticstoolbox._common.errors import UnknownOption
 from roboticstoolbox._ik import branch_templates as templates
 from ulna.compiler import compile
 from ulna.compiler.language.function import Function
-from ulna.compiler.language.ops import Op
+from ulna.compiler.language.interpreter import evaluate
+from ulna.compiler.language.ops import TABLE, Op
 from ulna.errors import InputError
 from ulna.ik.analytic.candidates import ClosedForm
 from ulna.ik.analytic.geometry import EXACT
@@ -184,25 +185,35 @@ def _branch(source: ClosedForm, n: int) -> Function:
     return compile(branch, T=(4, 4), numbers=(source.numbers.shape[1],)).function
 
 
-def _lines(function: Function, written: _Language) -> Iterator[str]:
-    """A line for each operation, and then the results."""
-    graph, text = function.graph, {}
-    results = function.results[:-1]  # the last one is about limits, which are not used
-    for index in graph.live(results):
-        op, data = Op(graph.op[index]), graph.data[index]
-        if op == Op.INPUT:
-            text[index] = written.pose(data) if data < 16 else f"branch[{data - 16}]"
-        elif op == Op.CONST:
-            text[index] = written.special.get(repr(float(data)), f"{float(data)!r}")
-        elif op == Op.BOOL:
-            text[index] = written.truth[bool(data)]
-        else:
-            arguments = [text[a] for a in graph.args[index]]
-            value = _expression(op, arguments, written)
-            is_condition = op in (Op.LT, Op.LE, Op.EQ, Op.AND, Op.OR, Op.NOT)
-            text[index] = f"x{index}"
-            yield written.line.format(type="int" if is_condition else "double", name=text[index], value=value)
-    yield from _results([text[node] for node in results], written)
+def _lines(function: Function, written: _Language) -> list[str]:
+    """A line for each operation, and then the results; the last one is about limits, which are not used."""
+    lines: list[str] = []
+
+    def constant(value: Any) -> str:
+        if isinstance(value, bool):
+            return written.truth[value]
+        return written.special.get(repr(float(value)), f"{float(value)!r}")
+
+    def operation(op: int, arguments: Sequence[str]) -> str:
+        name, kind = f"x{len(lines)}", "int" if TABLE[op].is_condition else "double"
+        value = _expression(Op(op), arguments, written)
+        lines.append(written.line.format(type=kind, name=name, value=value))
+        return name
+
+    def reject(*_: Any) -> Any:
+        raise InputError("The closed form has a loop, which source code is not written for.")
+
+    inputs = [*map(written.pose, range(16)), *(f"branch[{k}]" for k in range(function.inputs[1].size))]
+    values = evaluate(
+        function.graph,
+        inputs,
+        function.results[:-1],
+        operation=operation,
+        loop=reject,
+        lane=reject,
+        constant=constant,
+    )
+    return [*lines, *_results(values, written)]
 
 
 def _expression(op: Op, arguments: Sequence[str], written: _Language) -> str:
