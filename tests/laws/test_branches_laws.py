@@ -44,12 +44,12 @@ def test_elimination_recovers_the_configuration(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*CLOSED, *GENERAL])
 def test_many_arms_of_each_kind_recover_the_configuration(name: str) -> None:
-    """Three arms at many configurations, since making the solver of an arm costs more than its calls."""
+    """Two more arms at many configurations, since making the solver of an arm costs more than its calls."""
     make = {**CLOSED, **GENERAL}[name]
-    for seed in range(3):
+    for seed in range(2):
         rng = np.random.default_rng(seed)
         model = model_of(make(rng), rng)
-        assert _missing(model, rng.uniform(-np.pi, np.pi, (140, 6))).max() < 1e-5
+        assert _missing(model, rng.uniform(-np.pi, np.pi, (210, 6))).max() < 1e-5
 
 
 def test_ten_thousand_poses_of_a_ur5() -> None:
