@@ -33,6 +33,7 @@ from ulna.model import Model, Planar
 from ulna.model.joints.base import VectorKind
 from ulna.spatial import SE3
 from ulna.system.cached import cached_property
+from ulna.system.collector import paused_collection
 from ulna.typing import Array, Floats
 
 ROUNDING = 1e-4
@@ -455,7 +456,8 @@ def _pose_kernel(model: Model, points: tuple[tuple[float, ...], ...]) -> Any:
         ]
         return np.concatenate([numbers, *placed])
 
-    return lanes_kernel(trace(poses, name="joint_poses", q=(model.nq,)))
+    with paused_collection():
+        return lanes_kernel(trace(poses, name="joint_poses", q=(model.nq,)))
 
 
 def _bounding_sphere(group: Group) -> list[float]:
