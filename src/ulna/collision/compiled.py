@@ -52,6 +52,8 @@ TOUCH = 1e-6
 _ONE_BY_ONE = 40
 """So many configurations take less time one by one than together, which binds many arrays first."""
 
+_ARRAY = np.ndarray  # a name of the module is found faster than one of another
+
 _COMPILED_FROM = 32
 """Configurations in doubt, of one checker, from which on a kernel is compiled for them."""
 
@@ -154,26 +156,27 @@ class SphereChecker:
             UnknownName: If `moving` names no obstacle.
             InputError: If `margin` is negative.
         """
-        if type(margin) is not float or not 0.0 <= margin < np.inf:
-            margin = number("margin", margin, "a finite length, not below 0 [m]", least=0.0)
+        check = self._batches.get(margin) if type(margin) is float else None
         if (
-            type(q) is np.ndarray
+            check is not None  # margins that were asked before are lengths
+            and type(q) is _ARRAY
             and q.shape == self._shape
             and q.dtype.char == "d"
             and threads is moving is None
         ):
-            check = self._batches.get(margin + TOUCH)
-            if check is not None:
-                answer = check.state(q)  # nan is in doubt
-                if answer != DOUBTFUL:
-                    return answer == TOUCHING
+            answer = check.state(q)  # nan is in doubt
+            if answer != DOUBTFUL:
+                return answer == TOUCHING
+        if type(margin) is not float or not 0.0 <= margin < np.inf:
+            margin = number("margin", margin, "a finite length, not below 0 [m]", least=0.0)
         if threads is not None:
             check_count("threads", threads)
         if deferred.is_lazy_question(q, moving):
             options = {"margin": float(margin), "threads": threads}
             return deferred.ask(self, "collides", np.bool_, q, moving, options)
-        reach = float(margin) + TOUCH
-        check = None if moving else self._batch_check(reach)
+        margin = float(margin)
+        reach = margin + TOUCH
+        check = None if moving else self._batch_check(margin)
         if check is not None:
             q = batched_array("q", q, (self.model.nq,))
             return self._collides_in_lanes(check, q, reach, threads)
@@ -250,13 +253,13 @@ class SphereChecker:
             if link in check.margins
         ]
 
-    def _batch_check(self, reach: float) -> BatchCheck | None:
+    def _batch_check(self, margin: float) -> BatchCheck | None:
         """The check in float32, with proof; None where that does not do."""
-        check = self._batches.get(reach)
+        check = self._batches.get(margin)
         if check is None and self._scene is not None:
             if len(self._batches) >= 8:
                 self._batches.clear()
-            check = self._batches[reach] = BatchCheck(self._scene, reach)
+            check = self._batches[margin] = BatchCheck(self._scene, margin + TOUCH)
         return check
 
     @cached_property

@@ -75,7 +75,7 @@ class ConstrainedWorkspace(Workspace):
         if self._trees is s.trees and self._path is s.path and self._points is s.points:
             return
         super()._bind()
-        self._grow = self._bound(
+        self._grow_along = self._bound(
             projected_rrt.grow_along, self._tables, self._growth, s.samples, 0, 0, s.points, s.touching, 0, s.trees,
             self._step, self.projection,
         )  # fmt: skip
@@ -83,6 +83,11 @@ class ConstrainedWorkspace(Workspace):
             projected_rrt.walk_between, self._tables, self._growth, s.points, np.zeros(2, np.float32), s.trees,
             self._step, self.projection,
         )  # fmt: skip
+
+    def _grow(self, first: int, count: int, roots: int) -> int:
+        for name, value in (("first", first), ("count", count), ("roots", roots)):
+            self._grow_along.set(name, value)
+        return self._grow_along()
 
     def bind(self, with_bound: bool) -> None:
         """Binds the procedures to the thread's arrays; compiles them the first time.
@@ -151,6 +156,8 @@ class ConstrainedSearch(Search):
         step: How far any point moves at most between the states by which paths are proved free [m].
         constraints: The constraints.
     """
+
+    _starts_at_once = False
 
     def __init__(self, scene: PlanningScene, margin: float, step: float, constraints: Constraints) -> None:
         super().__init__(scene, margin, step, STRIDE)

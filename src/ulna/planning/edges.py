@@ -78,6 +78,24 @@ def blocks_of_edge(tables, step, a, b, W):
 
 
 @procedure
+def _first_touching_block(
+    kernel, tables, a, b, lane_stride, block_stride, offset, count, begin, end, work, W
+):
+    """The first of some blocks of states on the way from a to b in which anything touches; -1 where nothing does.
+
+    State l of block i is at a part (l lane_stride + i block_stride + offset) / count of the way.
+    """
+    for block in range(begin, end):
+        t = (lane_numbers(W, f32) * lane_stride + (f32(block) * block_stride + offset)) / count
+        for k in range(len(a)):
+            work.q[k, 0:W] = a[k] + t * (b[k] - a[k])
+        kernel(work.q, work.c)
+        if block_touches(tables, work, W):
+            return block
+    return -1
+
+
+@procedure
 def edge_touches(kernel, tables, step, a, b, work, W):
     """Whether anything touches on the way from a to b; a itself is not checked, b is.
 
@@ -94,15 +112,12 @@ def edge_touches(kernel, tables, step, a, b, work, W):
         The truth value.
     """
     blocks = blocks_of_edge(tables, step, a, b, W)
-    count = f32(blocks * W)
-    for block in range(blocks):
-        t = (lane_numbers(W, f32) * f32(blocks) + f32(block + 1)) / count
-        for k in range(len(a)):
-            work.q[k, 0:W] = a[k] + t * (b[k] - a[k])
-        kernel(work.q, work.c)
-        if block_touches(tables, work, W):
-            return True
-    return False
+    return (
+        _first_touching_block(
+            kernel, tables, a, b, f32(blocks), f32(1.0), f32(1.0), f32(blocks * W), 0, blocks, work, W
+        )
+        >= 0
+    )
 
 
 @procedure
@@ -119,37 +134,45 @@ def state_touches(kernel, tables, a, work, W):
     Returns:
         The truth value.
     """
-    for k in range(len(a)):
-        work.q[k, 0:W] = broadcast(a[k], W)
-    kernel(work.q, work.c)
-    return block_touches(tables, work, W)
+    one = f32(1.0)
+    return _first_touching_block(kernel, tables, a, a, one, one, one, one, 0, 1, work, W) >= 0
 
 
 @procedure
-def _interval_touches(kernel, tables, a, b, t, width, work, W):
-    """Whether any of W states spread evenly over t to t + width, in the middles of its parts, touches anything."""
-    times = t + (lane_numbers(W, f32) + f32(0.5)) * (width / f32(W))
-    for k in range(len(a)):
-        work.q[k, 0:W] = a[k] + times * (b[k] - a[k])
-    kernel(work.q, work.c)
-    return block_touches(tables, work, W)
+def _first_touching_interval(kernel, tables, a, b, begin, end, count, work, W):
+    """The first of the intervals begin to end, of count, that touches in a middle of one of its W parts; or -1."""
+    width = f32(W)
+    return _first_touching_block(
+        kernel, tables, a, b, f32(1.0), width, f32(0.5), f32(count) * width, begin, end, work, W
+    )
+
+
+@procedure
+def _is_interval_proved(kernel, proof, a, b, number, count, work, W):
+    """Whether nothing can touch in an interval, of count, by spheres that are larger by less."""
+    i = 4 * number
+    while True:
+        i = _first_touching_interval(kernel, proof.finer, a, b, i, 4 * number + 4, 4 * count, work, W)
+        if i < 0:
+            return True
+        if _first_touching_interval(kernel, proof.finest, a, b, 4 * i, 4 * i + 4, 16 * count, work, W) >= 0:
+            return False
+        i += 1
+    return True
 
 
 @procedure
 def _is_edge_proved(kernel, proof, a, b, work, W):
     """Whether nothing can touch between a and b, both included."""
-    blocks = blocks_of_edge(proof.tables, proof.step, a, b, W)
-    width = f32(1.0) / f32(blocks)
-    for i in range(blocks):
-        t = f32(i) * width
-        if _interval_touches(kernel, proof.tables, a, b, t, width, work, W):
-            for j in range(4):
-                u = t + f32(j) * (width * f32(0.25))
-                if _interval_touches(kernel, proof.finer, a, b, u, width * f32(0.25), work, W):
-                    for k in range(4):
-                        v = u + f32(k) * (width * f32(0.0625))
-                        if _interval_touches(kernel, proof.finest, a, b, v, width * f32(0.0625), work, W):
-                            return False
+    count = blocks_of_edge(proof.tables, proof.step, a, b, W)
+    i = 0
+    while True:
+        i = _first_touching_interval(kernel, proof.tables, a, b, i, count, count, work, W)
+        if i < 0:
+            return True
+        if not _is_interval_proved(kernel, proof, a, b, i, count, work, W):
+            return False
+        i += 1
     return True
 
 

@@ -54,7 +54,8 @@ def improved(
         if first >= count:
             first, count = 0, min(SLICE, left)
             storage = run.workspace.storage
-            storage.samples[:count] = informed_samples(random, count, run.q0, run.goals, bound, *box)
+            drawn = informed_samples(random, count, run.q0, run.goals, bound, *box)
+            storage.hold_samples(None, 0, count, lambda drawn=drawn: drawn)
             storage.parts[:count] = random.random(count)
         result = run.workspace.grow_below(bound, first, count, roots)
         used = -result if result < 0 else result

@@ -27,6 +27,8 @@ class JointBox:
         self.has_limit = np.isfinite(self.low) & np.isfinite(self.high)
         self.is_bounded = bool(self.has_limit.all())
         """Whether all joints have limits."""
+        self.key = self.low.tobytes(), self.high.tobytes()
+        """What decides the box."""
         self._lists: tuple[list[float], list[float]] = self.low.tolist(), self.high.tolist()
 
     def holds(self, q: Floats) -> bool:

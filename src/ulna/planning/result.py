@@ -34,7 +34,8 @@ class Plan:
         iterations: Samples that the search took.
         nodes: Configurations in its two trees.
         step: The longest way that any point of the robot moves between states that the search checked [m].
-        seconds: How long each part took: "prepare", "search", "shorten", "improve", "certify" [s].
+        seconds: How long each part took: "prepare", "search" (with the look at start, goals and straight motions, where
+            trees grow right after it), "shorten", "improve", "certify" [s].
         model: The robot's model.
         improvements: Where `improve` asks for shorter paths: for the first path and each better one the time since the
             call [s], and its length [rad, m], before it is certified.

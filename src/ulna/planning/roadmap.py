@@ -93,6 +93,8 @@ class RoadmapSearch(Search):
         MissingExtra: If scipy is not installed.
     """
 
+    _starts_at_once = False
+
     def __init__(self, scene: PlanningScene, margin: float, step: float, longest: float, size: int) -> None:
         super().__init__(scene, margin, step, longest)
         if not self._box.is_bounded:

@@ -59,7 +59,7 @@ class Run:
 
     __slots__ = (
         "_progress", "_report", "direct", "goals", "improvements", "last_time", "nodes", "numbers", "options", "q0",
-        "roots", "seconds", "start_time", "tree", "used", "workspace",
+        "roots", "seconds", "start_time", "started", "tree", "used", "workspace",
     )  # fmt: skip
 
     def __init__(self, options: Options, q0: Floats, goals: Floats) -> None:
@@ -69,6 +69,7 @@ class Run:
         self.workspace: Any = None
         self.tree: SearchTree | None = None
         self.direct, self.roots, self.used, self.nodes = -1, 0, 0, 0
+        self.started: tuple[int, int, int] | None = None
         self.improvements: list[tuple[float, float]] = []
         self.seconds = dict(_NO_SECONDS)
         self._progress: Any = None

@@ -17,9 +17,12 @@ from ulna.planning.run import Failure, Options, Run
 from ulna.planning.samples import samples
 from ulna.planning.scenes import PlanningScene
 from ulna.planning.search_tree import search_tree
+from ulna.planning.stages import NOT_ALL_FREE
 from ulna.planning.workspace import COARSE, SLICE, Workspace, thread_storage
 from ulna.system.cached import cached_property
 from ulna.typing import Floats
+
+_SLICE_SECONDS = 0.01  # that the first samples may take, whatever the time limit
 
 
 class Search:
@@ -32,12 +35,13 @@ class Search:
         longest: The longest edge of the trees [rad, m].
     """
 
+    _starts_at_once = True  # trees grow as soon as start and goals were examined
+
     def __init__(self, scene: PlanningScene, margin: float, step: float, longest: float) -> None:
         self._scene, self._margin, self._step, self._longest = scene, margin, step, longest
         self._model = scene.robot.model
         self._storage = threading.local()
         self._box = JointBox(self._model)
-        self._blocks: dict[tuple[int, int, int], Any] = {}
         self._wholly_certified = Certificate((), margin, 0)
 
     def run(self, q0: Floats, goals: Floats, options: Options) -> Plan:
@@ -93,27 +97,48 @@ class Search:
 
     def _prepare(self, run: Run) -> Failure | None:
         """Storage, and the goals that are free; why the search cannot begin, where it cannot."""
+        if run.workspace is None:
+            run.workspace = self._workspace(run.options.coarse)
+        run.direct = self._examined(run)
+        if run.direct == NOT_ALL_FREE:
+            failure = self._keep_free_goals(run)
+            if failure is not None:
+                return failure
+        else:
+            run.numbers = list(range(len(run.goals)))
+        run.roots = 1 + len(run.goals)
+        run.note("prepare")
+        return None
+
+    def _examined(self, run: Run) -> int:
+        """What `Workspace.examine` returns; the first samples are taken at once where that takes no time."""
+        if not len(run.goals):
+            return NOT_ALL_FREE
+        if not self._starts_at_once or run.options.timeout < _SLICE_SECONDS:
+            return run.workspace.examine(run.q0, run.goals)
+        first, end = self._samples(run, min(SLICE, run.options.iterations))
+        run.note("prepare")
+        direct, result = run.workspace.start(run.q0, run.goals, first, end)
+        if direct == -1:
+            run.started = first, end, result
+        run.note("search")
+        return direct
+
+    def _keep_free_goals(self, run: Run) -> Failure | None:
+        """Drops goals that are out of limits or touch; why the search cannot begin, where none is left."""
         failure = run.check_limits(self._box)
         if failure is not None:
             return failure
-        if len(run.numbers) < len(run.goals):
-            run.goals = run.goals[run.numbers]
-        if run.workspace is None:
-            run.workspace = self._workspace(run.options.coarse)
+        run.goals = run.goals[run.numbers]
         run.direct = run.workspace.examine(run.q0, run.goals)
-        if run.direct == 0 and len(run.goals) == 1:  # so start and goal are free, too
-            run.roots = 2
-            run.note("prepare")
+        if run.direct != NOT_ALL_FREE:
             return None
         free = run.workspace.free_points(1 + len(run.goals))
         if not (free[0] and any(free[1:])):
             return self._blocked(run, free)
-        run.roots = len(free)
-        if not all(free):
-            run.direct = sum(free[1 : 1 + run.direct]) if run.direct >= 0 else -1
-            run.goals = run.goals[free[1:]]
-            run.numbers = [number for number, is_free in zip(run.numbers, free[1:], strict=True) if is_free]
-        run.note("prepare")
+        run.goals = run.goals[free[1:]]
+        run.numbers = [number for number, is_free in zip(run.numbers, free[1:], strict=True) if is_free]
+        run.direct = run.workspace.examine(run.q0, run.goals)
         return None
 
     def _workspace(self, coarse: float) -> Workspace:
@@ -177,32 +202,32 @@ class Search:
 
     def _grow(self, run: Run) -> bool:
         """Grows both trees until they meet; whether they did."""
-        workspace, roots = run.workspace, run.roots
-        low, high = self._box.sampled(run.q0, run.goals, run.options.still)
-        first = count = result = 0
-        while run.used < run.options.iterations and not run.is_late():
-            if first >= count:
-                first, count = 0, min(SLICE, run.options.iterations - run.used)
-                workspace.storage.samples[:count] = self._samples(run, count, low, high)
-            result = workspace.grow(first, count, roots)
+        workspace, roots, first, end, result = run.workspace, run.roots, 0, 0, 0
+        if run.started is not None:
+            (first, end, result), roots = run.started, 0
+            run.used += abs(result) - first
+            first = result
+        while result >= 0 and run.used < run.options.iterations and not run.is_late():
+            if first >= end:
+                first, end = self._samples(run, min(SLICE, run.options.iterations - run.used))
+            result = workspace.grow(first, end, roots)
             roots = 0
             run.used += abs(result) - first
-            if result < 0:
-                break
             first = result
         run.nodes = sum(workspace.storage.trees.counts.tolist())
         return result < 0
 
-    def _samples(self, run: Run, count: int, low: Floats, high: Floats) -> Any:
-        """The next samples, shape (count, nq); the first ones are kept."""
-        key = run.used, count, run.options.seed
-        if not self._box.is_bounded or run.options.still is not None or run.used >= 16 * SLICE:
-            return samples(*key, low, high)
-        if key not in self._blocks:
-            if len(self._blocks) >= 64:
-                self._blocks.clear()
-            self._blocks[key] = samples(*key, low, high)
-        return self._blocks[key]
+    def _samples(self, run: Run, count: int) -> tuple[int, int]:
+        """The first row of the storage with the next samples, and the row after them."""
+        seed, still = run.options.seed, run.options.still
+        is_kept = self._box.is_bounded and still is None
+        sequence = (self._box.key, seed) if is_kept else None
+
+        def draw() -> Any:
+            return samples(run.used, count, seed, *self._box.sampled(run.q0, run.goals, still))
+
+        first = run.workspace.storage.hold_samples(sequence, run.used, count, draw)
+        return first, first + count
 
     # results ----------------------------------------------------------------------------------------------
 

@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable, Hashable
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from ulna.collision.lanes.tables import Scene
+from ulna.collision.lanes.tables import Moving, Scene
+from ulna.collision.lanes.touching import Work
 from ulna.compiler.procedures import aligned
-from ulna.planning import bounded_rrt, edges, rrt_connect, shortcuts
+from ulna.planning import bounded_rrt
 from ulna.planning.edges import Proof
+from ulna.planning.joint_box import JointBox
 from ulna.planning.rrt_connect import EVERYWHERE, FREE_PLACE, Growth
+from ulna.planning.stages import EXAMINE, GROW, PROVE, SHORTEN, START, run_stage
 from ulna.planning.trees import Trees
 from ulna.system.collector import paused_collection
 from ulna.typing import Floats
 
 SLICE = 512
 """The most samples between two looks at the clock; Ctrl-C is raised there, too."""
+
+ROOM = 4 * SLICE
+"""How many samples are held."""
 
 PARTS = (1.0, 0.25, 0.0625)
 """The three steps of a proof, in parts of the longest."""
@@ -41,10 +48,47 @@ class Storage:
 
     def __init__(self, nq: int) -> None:
         self.nq = nq
-        self.samples, self.parts = np.zeros((SLICE, nq), np.float32), np.zeros(SLICE, np.float32)
+        self.samples, self.parts = np.zeros((ROOM, nq), np.float32), np.zeros(ROOM, np.float32)
+        self._sequence: Hashable = None
+        self._begin = self._end = 0
+        self._works: dict[tuple[int, int, int], Work] = {}
         self.make_trees(_CAPACITY)
         self.make_path(_INITIAL_CAPACITY)
         self.make_points(_POINTS)
+
+    def work(self, moving: Moving) -> Work:
+        """Working storage of checks, which all that have it in one size share: it stays in the processor's caches.
+
+        Args:
+            moving: What moves.
+
+        Returns:
+            The arrays.
+        """
+        work = moving.work()
+        return self._works.setdefault((work.q.shape[1], len(work.c), len(work.placed)), work)
+
+    def hold_samples(self, sequence: Hashable, number: int, count: int, draw: Callable[[], Any]) -> int:
+        """Holds samples of a sequence, those that are held already included.
+
+        Args:
+            sequence: What decides the sequence; None for samples that are of none.
+            number: The number of the first sample in its sequence.
+            count: How many samples, at most `SLICE`.
+            draw: Returns them, shape (count, nq) [rad, m].
+
+        Returns:
+            The row of the first one.
+        """
+        if sequence is None or sequence != self._sequence or not self._begin <= number <= self._end:
+            self._sequence, self._begin, self._end = sequence, number, number
+        if number + count > self._begin + ROOM:
+            self._begin = self._end = number
+        row = number - self._begin
+        if number + count > self._end:
+            self.samples[row : row + count] = draw()
+            self._end = number + count
+        return row
 
     def make_trees(self, capacity: int) -> None:
         """Makes empty trees with places for so many nodes."""
@@ -71,6 +115,7 @@ class Storage:
     def make_points(self, room: int) -> None:
         """Makes room for start and goals."""
         self.points, self.touching = np.zeros((room, self.nq), np.float32), np.zeros(room, np.float32)
+        self.ends = np.zeros((room, self.nq))
 
 
 class Workspace:
@@ -90,11 +135,13 @@ class Workspace:
     ) -> None:  # fmt: skip
         self.step, self.storage = coarse * step, storage
         tables = [scene.tables(margin + size * step / 2.0) for size in PARTS]
-        self._tables, self._work = tables[-1], scene.moving.work()
+        self._tables, self._work = tables[-1], storage.work(scene.moving)
         self._kernel, self._lanes = scene.robot.kernel, scene.lanes
         self._proof = Proof(tables[0], tables[1], tables[2], np.float32(step))
         numbers = (self.step, longest, _DOMAIN * longest, _LEAST_DOMAIN * longest, _CHANGE)
+        box = JointBox(scene.robot.model)
         self._growth = Growth._make(map(np.float32, numbers))
+        self._box = np.stack([box.low, box.high])
         self._trees = self._path = self._points = None
 
     def bind(self, with_bound: bool) -> None:
@@ -117,17 +164,24 @@ class Workspace:
             return
         self._trees, self._path, self._points = s.trees, s.path, s.points
         with paused_collection():
-            self._bind_all(s)
+            self._bind_stages(s)
 
-    def _bind_all(self, s: Storage) -> None:
-        """Binds the procedures that every search needs."""
-        self._direct = self._bound(edges.first_direct_goal, self._tables, self.step, s.points, s.touching, 0)
-        self._grow = self._bound(
-            rrt_connect.grow, self._tables, self._growth, s.samples, 0, 0, s.points, s.touching, 0, s.trees
-        )
+    def _bind_stages(self, s: Storage) -> None:
+        """Binds the procedure that every search needs."""
+        numbers = np.zeros(5, np.int64)
+        special = _specialized(run_stage, self._lanes)
+        self._numbers = numbers.data  # a memoryview, whose numbers are read and set in a fraction of the time
+        self._run = special.bind(
+            numbers, self._kernel, self._proof, self._growth, self._box, s.ends, s.samples, s.points, s.touching,
+            s.trees, s.path, self._work, are_arrays_private=True,
+        ).unguarded  # fmt: skip
         self._grow_below: Any = None  # only some searches need it
-        self._shorten = self._bound(shortcuts.shortened_path, self._tables, self.step, s.trees, s.path, 0)
-        self._check = self._bound(edges.first_unproved_edge, self._proof, s.path, 0, 0)
+
+    def _run_stage(self, stage: int, count: int, first: int = 0, roots: int = 0) -> int:
+        """Runs a stage of `stages.run_stage`."""
+        numbers = self._numbers
+        numbers[0], numbers[1], numbers[2], numbers[3] = stage, first, count, roots
+        return self._run()
 
     def _bound(self, procedure: Any, *arguments: Any) -> Any:
         special = _specialized(procedure, self._lanes)
@@ -158,32 +212,69 @@ class Workspace:
         return self._bound(procedure, self._tables, *arguments)
 
     def examine(self, q0: Floats, goals: Floats) -> int:
-        """The first goal to which the straight motion is free.
+        """Looks whether start and goals are within the limits and free, and for the first goal straight ahead.
 
         Args:
             q0: The start, shape (nq,) [rad, m].
             goals: Goals, shape (n, nq) [rad, m].
 
         Returns:
-            A number among the goals; -1 for none. What `free_points` says of start and goals follows.
+            The number of the goal; -1 for none; `NOT_ALL_FREE` where the start or a goal is not.
         """
+        self._run_stage(EXAMINE, 0, 0, self._hold_ends(q0, goals))
+        return self._goal_straight_ahead()
+
+    def start(self, q0: Floats, goals: Floats, first: int, count: int) -> tuple[int, int]:
+        """Examines start and goals, and grows new trees where all are free and none is straight ahead.
+
+        Args:
+            q0: The start, shape (nq,) [rad, m].
+            goals: Goals, shape (n, nq) [rad, m].
+            first: The sample to begin with.
+            count: How many samples there are.
+
+        Returns:
+            What `examine` returns, and where that is -1 what `grow` returns.
+        """
+        roots = self._hold_ends(q0, goals)
+        result = self._run_stage(START, count, first, roots)
+        direct = self._goal_straight_ahead()
+        if direct == -1:
+            self._make_places(result, count)
+        return direct, result
+
+    def _hold_ends(self, q0: Floats, goals: Floats) -> int:
+        """Holds start and goals, and makes room for trees from them; returns how many they are."""
         count = 1 + len(goals)
         if count > len(self.storage.points):
             self.storage.make_points(2 * count)
+        self._make_places_for_roots(count)
         self._bind()
-        points = self.storage.points
-        points[0], points[1:count] = q0, goals
-        self._direct.set("count", count)
-        return max(self._direct.unguarded() - 1, -1)
+        ends = self.storage.ends
+        ends[0], ends[1:count] = q0, goals
+        return count
+
+    def _make_places_for_roots(self, roots: int) -> None:
+        if 2 * roots + 64 > self.storage.trees.nodes.shape[2]:
+            self.storage.make_trees(2 * roots + _CAPACITY)
+
+    def _make_places(self, result: int, count: int) -> None:
+        """Enlarges the trees where samples are left because no places were."""
+        if 0 <= result < count:
+            self.storage.enlarge_trees()
+
+    def _goal_straight_ahead(self) -> int:
+        found = self._numbers[4]
+        return found - 1 if found > 0 else found
 
     def free_points(self, count: int) -> list[bool]:
-        """Which of the start and the goals that were examined last are free.
+        """Which of start and goals, all within the limits, were found free when they were examined.
 
         Args:
-            count: How many there are.
+            count: How many they are.
 
         Returns:
-            Truth values, the start's first.
+            Truth values.
         """
         return [touching == 0.0 for touching in self.storage.touching[:count].tolist()]
 
@@ -198,16 +289,15 @@ class Workspace:
         Returns:
             The number of the first sample that was not used; where the trees met, minus that, minus 1.
         """
-        if 2 * roots + 64 > self.storage.trees.nodes.shape[2]:
-            self.storage.make_trees(2 * roots + _CAPACITY)
+        self._make_places_for_roots(roots)
         self._bind()
-        self._grow.set("first", first)
-        self._grow.set("count", count)
-        self._grow.set("roots", roots)
-        result = self._grow()
-        if 0 <= result < count:  # no places are left
-            self.storage.enlarge_trees()
+        result = self._grow(first, count, roots)
+        self._make_places(result, count)
         return result
+
+    def _grow(self, first: int, count: int, roots: int) -> int:
+        """Grows the trees with samples as long as they have places; see `rrt_connect.grow`."""
+        return self._run_stage(GROW, count, first, roots)
 
     def grow_below(self, bound: float, first: int, count: int, roots: int) -> int:
         """Grows the trees with samples until they meet by a path shorter than a bound; see `bounded_rrt.grow_below`.
@@ -225,8 +315,7 @@ class Workspace:
         for name, value in (("first", first), ("count", count), ("roots", roots), ("bound", bound)):
             self._grow_below.set(name, value)
         result = self._grow_below()
-        if 0 <= result < count:  # no places are left
-            self.storage.enlarge_trees()
+        self._make_places(result, count)
         return result
 
     def shortened(self, rounds: int) -> tuple[Floats, int]:
@@ -241,15 +330,10 @@ class Workspace:
         count = -1
         while count < 0:
             self._bind()
-            self._shorten.set("rounds", rounds)
-            count = self._shorten()
+            count = self._run_stage(SHORTEN, rounds)
             if count < 0:
                 self.storage.make_path(2 * len(self.storage.path))
-        trees = self.storage.trees
-        node, parents = int(trees.meeting[1]), trees.parents[1]
-        while parents[node] >= 0:
-            node = int(parents[node])
-        return self.storage.path[:count].astype(float), node
+        return self.storage.path[:count].astype(float), self._numbers[4]
 
     def unproved(self, points: Floats) -> list[int]:
         """The edges of a path, by number, of which machine code does not prove that nothing touches on them.
@@ -265,14 +349,11 @@ class Workspace:
             self.storage.make_path(2 * count)
         self._bind()
         self.storage.path[:count] = points
-        self._check.set("count", count)
-        self._check.set("first", 0)
         numbers: list[int] = []
-        while (edge := self._check.unguarded()) >= 0:
+        edge = self._run_stage(PROVE, count)
+        while edge >= 0:
             numbers.append(edge)
-            if count == 1:
-                break
-            self._check.set("first", edge + 1)
+            edge = self._run_stage(PROVE, count, edge + 1) if count > 1 else -1
         return numbers
 
 

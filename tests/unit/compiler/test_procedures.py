@@ -463,6 +463,26 @@ def test_aligned_arrays_begin_at_a_line_of_the_cache(shape: tuple[int, ...]) -> 
                 np.testing.assert_array_equal(copy, given)
 
 
+@procedure(constants={"W": 4})
+def _filled(values: Array1[f64], W: int) -> int:
+    for i in range(0, len(values), W):
+        values[i : i + W] = lane_numbers(W, f64)
+    return W
+
+
+@procedure(constants={"W": 8})
+def _filled_by_another(values: Array1[f64], W: int) -> int:
+    return _filled(values, W)
+
+
+def test_a_procedure_with_constants_takes_those_of_its_caller() -> None:
+    values = np.zeros(16)
+    for run in (_filled_by_another, _filled_by_another.checked, _filled_by_another.interpret):
+        assert run(values) == 8
+        np.testing.assert_array_equal(values, np.tile(np.arange(8.0), 2))
+    assert _filled(values) == 4
+
+
 def test_constants_must_be_parameters() -> None:
     with pytest.raises(InputError, match="`constants` names V; hits has the parameters"):
         hits.specialized(V=3)

@@ -19,6 +19,7 @@ from ulna.geometry import Box, Cylinder, Geometry, Plane, Sphere
 from ulna.model import Continuous, ModelBuilder, Prismatic, Spherical
 from ulna.planning import Planner, certify, edges, plan, scene
 from ulna.planning.search import Search
+from ulna.planning.workspace import Storage
 from ulna.spatial import SE3
 
 DOWN = np.array([[1.0, 0, 0, 0.5], [0, -1.0, 0, 0.25], [0, 0, -1.0, 0.35], [0, 0, 0, 1.0]])
@@ -597,6 +598,55 @@ def test_calls_that_follow_each_other_take_what_each_asks_for() -> None:
         robot.plan(q, near, pairs=pairs)
     with pytest.raises(InputError, match="seed"):
         robot.plan(q, near, seed=0.5)
+
+
+def test_samples_that_are_held_are_those_that_are_drawn() -> None:
+    """Whatever was held before: other sequences, samples of none, and more than there is room for."""
+    storage = Storage(2)
+    drawn: list[int] = []
+
+    def rows(sequence: Any, number: int, count: int) -> Any:
+        def draw() -> Any:
+            drawn.append(number)
+            return np.arange(number, number + count)[:, None] + np.array(
+                [0.0, {"a": 0.25, "b": 0.5}.get(sequence, 0)]
+            )
+
+        first = storage.hold_samples(sequence, number, count, draw)
+        return storage.samples[first : first + count]
+
+    for sequence, extra in (("a", 0.25), ("b", 0.5), ("a", 0.25), (None, 0.0)):
+        for number in (0, 512, 0, 1024, 1536, 512, 2048, 2560, 0):
+            held = rows(sequence, number, 512)
+            np.testing.assert_array_equal(
+                held, np.arange(number, number + 512)[:, None] + np.array([0.0, extra])
+            )
+    drawn.clear()
+    for number in (0, 512, 0, 512):
+        rows("a", number, 512)
+    assert drawn == [0, 512]
+    rows("a", 0, 60)
+    rows("a", 512, 60)
+    assert drawn == [0, 512]
+
+
+def test_worlds_share_what_only_the_robot_decides() -> None:
+    one, two = (
+        scene(panda().collision_checker(world, method="spheres")).tables(0.01) for world in (shelf(), World())
+    )
+    assert one.spheres is two.spheres and one.boxes is not two.boxes
+    assert scene(panda().collision_checker(World(), method="spheres")).tables(0.02).spheres is not two.spheres
+
+
+@pytest.mark.parametrize("at_once", [True, False])
+def test_trees_that_grow_at_once_find_the_same_path(at_once: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    a, b = left_and_right()
+    expected = plan(panda(), a, [b + 9.0, b], shelf())
+    monkeypatch.setattr(Search, "_starts_at_once", at_once)
+    for goals in (b, [b], [b + 9.0, b]):  # a goal out of limits is looked at apart
+        p = plan(panda(), a, goals, shelf())
+        np.testing.assert_array_equal(p.points, expected.points)
+        assert (p.iterations, p.nodes) == (expected.iterations, expected.nodes)
 
 
 def test_what_a_plan_holds_is_its_own() -> None:

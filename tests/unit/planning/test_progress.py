@@ -11,7 +11,7 @@ import pytest
 import ulna
 from ulna.collision import World
 from ulna.geometry import Box
-from ulna.planning import Planner, planner, run
+from ulna.planning import Planner, planner, run, search
 
 Shown = list[tuple[str, int, int]]
 
@@ -27,6 +27,9 @@ def shown(monkeypatch: pytest.MonkeyPatch) -> Shown:
         seen.append((what, -1, -1))
 
     monkeypatch.setattr(run, "_SHORT", -1.0)
+    monkeypatch.setattr(
+        search, "_SLICE_SECONDS", np.inf
+    )  # else the first samples are taken before a look at the clock
     for module in (run, planner):
         monkeypatch.setattr(module, "progress", progress)
     return seen

@@ -70,22 +70,20 @@ class StateCheck:
         Returns:
             `FREE`, `TOUCHING` or `DOUBTFUL`.
         """
-        storage = self._storage
         try:
-            storage.q[:] = q
+            storage, run = self._storage.bound
         except AttributeError:  # this thread's first configuration
-            self._bind()
-            storage.q[:] = q
-        return storage.run()
+            storage, run = self._storage.bound = self._bound()
+        storage[:] = q
+        return run()
 
-    def _bind(self) -> None:
-        """Binds the procedure to this thread's arrays."""
-        scene, store = self._scene, self._storage
+    def _bound(self) -> tuple[Floats, Any]:
+        """This thread's configuration, and the procedure that looks at it."""
+        scene = self._scene
         q = np.zeros(scene.robot.model.nq)
         arguments: tuple[Any, ...] = (*self._tables, *scene.robot.range, q, scene.moving.work())
         special = _specialized(scene.lanes)
-        store.run = special.bind(scene.robot.kernel, *arguments, are_arrays_private=True).unguarded
-        store.q = q  # last: what says that all is there
+        return q, special.bind(scene.robot.kernel, *arguments, are_arrays_private=True).unguarded
 
 
 @lru_cache(maxsize=8)

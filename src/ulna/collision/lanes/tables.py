@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -40,6 +41,8 @@ ROUNDING = 1e-4
 """By how much all spheres are larger at least, because positions are computed in float32 [m]."""
 
 _UNIT = 2.0**-20  # some sixteen roundings of float32
+
+_ANGLE_NOISE = 1e-9  # moves nothing within `FARTHEST` by more than a thousandth of `ROUNDING`
 
 _WIDEST = 1e30  # within which everything is [m]
 
@@ -108,6 +111,32 @@ class Moving:
             "spheres": np.column_stack([centres, radii]),
             "reach": aligned(filled),
         }
+
+    @cached_property
+    def _larger_spheres(self) -> dict[float, dict[str, Any]]:
+        return {}
+
+    def larger_spheres(self, by: float) -> dict[str, Any]:
+        """The tables of spheres that are larger by a length, by name: the same ones for every world.
+
+        Args:
+            by: By how much [m].
+
+        Returns:
+            `bounds`, `spheres` and `columns`.
+        """
+        kept = self._larger_spheres
+        if by not in kept:
+            larger = np.array([0.0, 0.0, 0.0, by])
+            bounds, spheres = (
+                (self.tables[name] + larger).astype(np.float32) for name in ("bounds", "spheres")
+            )
+            columns = np.zeros((4, len(spheres) + self.kernel.lanes), np.float32)
+            columns[:, : len(spheres)] = spheres.T
+            if len(kept) >= 16:
+                kept.clear()
+            kept[by] = {"bounds": bounds, "spheres": spheres, "columns": columns}
+        return kept[by]
 
     @cached_property
     def _packed_clearances(self) -> dict[str, Any]:
@@ -261,14 +290,9 @@ class Scene:
 
     def _tables_of(self, by: float, pairs: dict[str, Any]) -> Tables:
         """The tables, with all spheres larger by a length [m]."""
-        larger = np.array([0.0, 0.0, 0.0, by])
-        tables = self.moving.tables
-        bounds, spheres = ((tables[name] + larger).astype(np.float32) for name in ("bounds", "spheres"))
-        columns = np.zeros((4, len(spheres) + self.lanes), np.float32)
-        columns[:, : len(spheres)] = spheres.T
-        larger_ones = {"bounds": bounds, "spheres": spheres, "columns": columns}
         grids = self.moving.grids(pairs, by)
-        return Tables(**{**tables, **pairs, **self._obstacles, **larger_ones, "grids": grids})
+        larger_ones = self.moving.larger_spheres(by)
+        return Tables(**{**self.moving.tables, **pairs, **self._obstacles, **larger_ones, "grids": grids})
 
     @cached_property
     def _obstacles(self) -> dict[str, Any]:
@@ -446,9 +470,10 @@ def _pose_kernel(model: Model, points: tuple[tuple[float, ...], ...]) -> Any:
         model: The robot.
         points: The first row of the body's pose, and where the point is on the body [m].
     """
+    rounded = replace(model, joints=tuple(replace(j, placement=_rounded(j.placement)) for j in model.joints))
 
     def poses(q: Array) -> Array:
-        rows = [np.append(T.rotation.reshape(9), T.translation) for T in joint_poses(model, q)]
+        rows = [np.append(T.rotation.reshape(9), T.translation) for T in joint_poses(rounded, q)]
         numbers = np.concatenate([np.asarray(row, dtype=object) for row in rows])
         placed = [
             numbers[row : row + 9].reshape(3, 3) @ np.array(place) + numbers[row + 9 : row + 12]
@@ -458,6 +483,18 @@ def _pose_kernel(model: Model, points: tuple[tuple[float, ...], ...]) -> Any:
 
     with paused_collection():
         return lanes_kernel(trace(poses, name="joint_poses", q=(model.nq,)))
+
+
+def _rounded(T: SE3) -> SE3:
+    """A pose whose rotation has 0, 1 and -1 where it differs from them by less than float32 can tell.
+
+    Files have pi / 2 to ten digits or so, and products with what is left of its cosine would be computed in all lanes.
+    """
+    R = T.rotation.copy()
+    nearest = np.round(R)
+    is_near = np.abs(R - nearest) < _ANGLE_NOISE
+    R[is_near] = nearest[is_near]
+    return SE3(R, T.translation)
 
 
 def _bounding_sphere(group: Group) -> list[float]:

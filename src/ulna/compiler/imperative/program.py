@@ -60,11 +60,11 @@ class ProgramReader:
         types = self._annotations(definition)
         constants: dict[str, t.Constant] = {}
         for name, value in zip(definition.parameters, arguments, strict=True):
-            if name in types:
-                continue
-            if isinstance(value, t.Constant) and value.is_literal:
+            may_be_compiled_in = name not in types or name in definition.constants
+            if may_be_compiled_in and isinstance(value, t.Constant) and value.is_literal:
+                types.pop(name, None)
                 constants[name] = value
-            else:
+            elif name not in types:
                 types[name] = value.type
         return self._instance(definition, types, constants)
 

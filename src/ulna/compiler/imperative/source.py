@@ -7,7 +7,7 @@ import builtins
 import inspect
 import linecache
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any, NoReturn
 
@@ -21,15 +21,22 @@ class Definition:
     Args:
         function: The function.
         contract: Whether its products and sums may be fused, wherever it is called.
+        constants: Values of parameters that are compiled in.
 
     Attributes:
         function: The function.
         contract: The same.
+        constants: The same; a procedure that calls this one gives its own values, compiled in where they are constants.
         parameters: The names of its parameters.
     """
 
-    def __init__(self, function: Callable[..., Any], contract: bool = False) -> None:
-        self.function, self.contract = function, contract
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        contract: bool = False,
+        constants: Mapping[str, bool | int | float] | None = None,
+    ) -> None:
+        self.function, self.contract, self.constants = function, contract, dict(constants or {})
         self.parameters = tuple(inspect.signature(function).parameters)
         self.__name__ = getattr(function, "__name__", "procedure")
 
