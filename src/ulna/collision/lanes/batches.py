@@ -11,6 +11,14 @@ from typing import final
 
 import numpy as np
 
+from ulna.collision.lanes.primitives import (
+    centre,
+    near_each_other,
+    near_plane,
+    near_point,
+    within_box,
+    within_cylinder,
+)
 from ulna.collision.lanes.single import DOUBTFUL, FREE, StateCheck
 from ulna.collision.lanes.table_lookup import table_clearance
 from ulna.collision.lanes.tables import Scene, links_of
@@ -18,18 +26,12 @@ from ulna.collision.lanes.touching import (
     Tables,
     Work,
     bound_row,
-    centre,
     extent_of,
-    near_each_other,
-    near_plane,
-    near_point,
     on_body,
     overlapping,
     pair_in_doubt,
     place_bounds,
     placed_row,
-    within_box,
-    within_cylinder,
 )
 from ulna.collision.pair_tables import PairTable
 from ulna.collision.pairs import LinkPair
