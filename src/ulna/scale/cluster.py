@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import socket
 from collections.abc import Iterator
@@ -37,6 +38,7 @@ _UNGUARDED = (
     "`if __name__ == '__main__':`, because each worker imports the script again; `workers=0` needs none."
 )
 
+_LOGS = ("distributed.client", "distributed.batched")
 _SPAWN, _PRELOAD = "distributed.nanny.pre-spawn-environ", "distributed.worker.preload"
 
 
@@ -69,9 +71,24 @@ def connected(scheduler: Any, workers: int | None, patience: float) -> Iterator[
         return
     with ExitStack() as stack:
         is_client = isinstance(scheduler, Client)
+        if not is_client:
+            stack.enter_context(_without_messages())
         client = scheduler if is_client else stack.enter_context(_answering(scheduler, patience))
         _check_workers(client, patience)
         yield client
+
+
+@contextmanager
+def _without_messages() -> Iterator[None]:
+    """Dask's client logs no errors within the block: tracebacks where a scheduler is lost, which the job says."""
+    levels = [(logger, logger.level) for logger in map(logging.getLogger, _LOGS)]
+    for logger, _ in levels:
+        logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for logger, level in levels:
+            logger.setLevel(level)
 
 
 def _answering(address: Any, patience: float) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import pickle
 import signal
@@ -240,8 +241,13 @@ def test_workers_of_another_version_are_refused_before_anything_starts(client: A
         client.run(_pretend, __version__)
 
 
-def test_a_lost_scheduler_is_said_and_the_job_continues(tmp_path: Path) -> None:
-    to = tmp_path / "sums.npy"
+def test_a_lost_scheduler_is_said_and_the_job_continues(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    to, said = tmp_path / "sums.npy", list[str]()
+    for name in ("client", "batched"):
+        logger = logging.getLogger(f"distributed.{name}")
+        monkeypatch.setattr(logger, "handle", lambda record: said.append(record.getMessage()))
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])}
 
     def start(*words: str) -> Any:
@@ -277,6 +283,7 @@ def test_a_lost_scheduler_is_said_and_the_job_continues(tmp_path: Path) -> None:
         for process in reversed(running):
             process.kill()
             process.wait()
+    assert not said, "the job says it"
     got = scale.run(Sums(30), to, workers=0, progress=False)
     np.testing.assert_array_equal(got, _expected(30))
 
