@@ -86,6 +86,40 @@ def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
     """
     if missing not in ("error", "skip"):
         raise InputError(f"missing={missing!r}; expected 'error' or 'skip'.")
+    stamps = _stamps(model)
+    # of a file that is missing each call says so
+    solids = (_link_solids.__wrapped__ if None in stamps else _link_solids)(model, missing, stamps)
+    if not solids:
+        raise ModelError(
+            f"Robot {model.name!r} has no collision geometry, so nothing can be said about its collisions. "
+            "Give its links <collision> elements, or `collisions=` of ModelBuilder.add_link."
+        )
+    unseen = [repr(link.name) for link in model.links if link.visuals and not link.collisions]
+    if unseen:
+        warnings.warn(
+            f"Robot {model.name!r} has links that can be seen and have no collision geometry: {', '.join(unseen)}. "
+            "No check includes them; give them <collision> elements.",
+            ModelWarning,
+            stacklevel=3,
+        )
+    return solids
+
+
+def _stamps(model: Model) -> tuple[Any, ...]:
+    """The mesh files of a model's links and when they were changed; None for one that is missing."""
+    shapes = (geometry.shape for link in model.links for geometry in link.collisions)
+    return tuple(_stamp(shape) for shape in shapes if isinstance(shape, Mesh))
+
+
+def _stamp(mesh: Mesh) -> tuple[str, int] | None:
+    if mesh.path is None or mesh.missing or not os.path.isfile(mesh.path):
+        return None
+    return mesh.path, os.stat(mesh.path).st_mtime_ns
+
+
+@functools.lru_cache(maxsize=8)
+def _link_solids(model: Model, missing: Missing, stamps: tuple[Any, ...]) -> tuple[Solid, ...]:
+    """The solids of a model's links, whose mesh files have `stamps`; they are asked for several times for a plan."""
     solids = []
     for link in model.links:
         for geometry in link.collisions:
@@ -109,19 +143,6 @@ def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
             )
             if solid is not None:
                 solids.append(solid)
-    if not solids:
-        raise ModelError(
-            f"Robot {model.name!r} has no collision geometry, so nothing can be said about its collisions. "
-            "Give its links <collision> elements, or `collisions=` of ModelBuilder.add_link."
-        )
-    unseen = [repr(link.name) for link in model.links if link.visuals and not link.collisions]
-    if unseen:
-        warnings.warn(
-            f"Robot {model.name!r} has links that can be seen and have no collision geometry: {', '.join(unseen)}. "
-            "No check includes them; give them <collision> elements.",
-            ModelWarning,
-            stacklevel=3,
-        )
     return tuple(solids)
 
 

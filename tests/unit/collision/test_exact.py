@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import itertools
+import os
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import pytest
 import ulna
 from support.scenes import table
 from ulna.collision import Checker, World, first_contact
+from ulna.collision.solids import link_solids
 from ulna.errors import (
     InputError,
     MissingExtra,
@@ -23,7 +25,7 @@ from ulna.errors import (
     UnknownName,
 )
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Geometry, Mesh, Plane, Shape, Sphere
-from ulna.model import Model, ModelBuilder, Prismatic
+from ulna.model import Model, ModelBuilder, Prismatic, Revolute
 from ulna.spatial import SE3
 
 
@@ -295,3 +297,28 @@ def test_functions_of_a_model_take_its_robot(robot: ulna.Robot) -> None:
     assert survey(robot, 10) == survey(robot.model, 10)
     with pytest.raises(InputError, match=r"`model` is 'panda'; expected a Robot.*or a Model"):
         Checker("panda")
+
+
+def test_a_mesh_file_that_changes_or_goes_is_read_again(tmp_path: Path) -> None:
+    file = tmp_path / "plate.obj"
+    corners = "v 0 0 0\nv {0} 0 0\nv 0 {0} 0\nv 0 0 {0}\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"
+    file.write_text(corners.format(1.0))
+    builder = ModelBuilder("plate")
+    builder.add_link("base")
+    builder.add_link("plate", collisions=(Geometry("", Mesh(str(file))),))
+    builder.add_joint("turn", Revolute((0.0, 0.0, 1.0)), "base", "plate")
+    model = builder.build()
+    first = link_solids(model)
+    assert link_solids(model)[0] is first[0] and first[0].vertices.max() == 1.0
+    file.write_text(corners.format(2.0))
+    os.utime(file, ns=(1, 1))
+    assert link_solids(model)[0].vertices.max() == 2.0
+    file.unlink()
+    for _ in range(2):
+        with pytest.raises(ModelError, match="not found"):
+            link_solids(model)
+    skipped = ModelBuilder("two")
+    skipped.add_link("base", collisions=(Geometry("", Sphere(0.1)), Geometry("", Mesh(str(file)))))
+    for _ in range(2):
+        with pytest.warns(ModelWarning, match="not found"):
+            assert len(link_solids(skipped.build(), "skip")) == 1
