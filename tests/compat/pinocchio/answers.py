@@ -30,6 +30,13 @@ def filled(vector: Any, values: list[Any]) -> Any:
     return vector
 
 
+def calculated(model: Any, data: Any, constraint: Any) -> Any:
+    """Data of a constraint, after `calc`."""
+    made = constraint.createData()
+    constraint.calc(model, data, made)
+    return made
+
+
 def data_of(model: Any) -> Any:
     """Data of a model, after kinematics and dynamics."""
     data = model.createData()
@@ -95,6 +102,7 @@ NAMES = names_with_numbers(int(sys.argv[1]) if len(sys.argv) > 1 else 0)
 def answer(expression: str, prepared: list[Any]) -> dict[str, Any]:
     """What an expression comes to: type, value, printed text; or the classes of its error."""
     names: dict[str, Any] = {"pin": pin, "np": np, "prepared": prepared, "data_of": data_of, "filled": filled}
+    names["calculated"] = calculated
     try:
         for name in needed(expression):
             names[name] = eval(NAMES[name], names)

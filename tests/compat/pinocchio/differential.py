@@ -141,6 +141,32 @@ DOCUMENTED = (
         r"pin\.(Inertia|Symmetric3|Quaternion|AngleAxis|Frame)\(\)|.*JointModelPlanar\(\).createData\(\)\).M",
         "it is not initialised there",
     ),
+    (
+        r"refused",
+        r".*\.appendCouplingConstraintInertias\(.*",
+        "it adds to a workspace that is not kept",
+    ),
+    (r"refused|error class", r".*\.getRow(Indexes|SparsityPattern)\(.*, -1\)", "rows are counted from 0"),
+    (
+        r"refused",
+        r".*\.(mapJointSpaceToConstraintMotion|setPositionLimitAndMargin|makeSelectionFilteredByLimitProximity)\(.*",
+        "sizes of vectors are checked",
+    ),
+    (
+        r"value",
+        r"\(calculated\(m, d, limits\)\)\.constraint_residual",
+        "it is of q = 0 there after forwardKinematics(q, v, a)",
+    ),
+    (r"error class", r".*\.rowise_tangent_map", "it cannot be converted there"),
+    (r"refused|error class", r"pin\.(ADMM|PGS)\w+\((.*, )?10\*\*6\)", "sizes are bounded"),
+    (r"refused", r"pin\.\w*ConstraintData\(\)", "data are made for a constraint"),
+    (r"accepted", r"\(touch\)\.set\((None|3)\)", "the set of a contact is the same whatever its data"),
+    (
+        r"missing",
+        r"\(rigid\.createData\(\)\)\.(contact(1_|2_|_)acceleration(_drift|_deviation)?|\w+_joint[12])",
+        "workspace of recursions that are compiled as a whole",
+    ),
+    (r"value", r".*\.getA[12]\(.*LOCAL_WORLD_ALIGNED\)", "it is not initialised there"),
     (r"text", r"\(M\)\.actInv\((M=)?M\)|\(mo\)\.cross\((m=)?mo\)", "rounding, printed"),
 )
 """What differs on purpose: the kind of difference, the expressions, and why."""

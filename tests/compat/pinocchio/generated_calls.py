@@ -38,6 +38,9 @@ NAMES: dict[str, str] = {
     "gd": "g.createData()",
     "go": "g.geometryObjects[0]",
     "rigid": "pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, m, 3, pin.LOCAL)",
+    "motions": "filled(pin.StdVec_Motion(), [pin.Motion(np.arange(6.0) - i) for i in range(7)])",
+    "friction": "pin.JointFrictionConstraintModel(m, [2, 3])",
+    "limits": "pin.JointLimitConstraintModel(m, [2, 3], np.full(6, -1.0), np.full(6, 1.0), np.full(6, 0.5))",
     "point": "pin.PointAnchorConstraintModel(m, 3)",
     "frame_anchor": "pin.FrameAnchorConstraintModel(m, 3)",
     "touch": "pin.PointContactConstraintModel(m, 3)",
@@ -105,12 +108,17 @@ CLASSES = {
     "RigidConstraintModel": "rigid",
     "RigidConstraintData": "rigid.createData()",
     "PointAnchorConstraintModel": "point",
-    "PointAnchorConstraintData": "point.createData()",
+    "PointAnchorConstraintData": "calculated(m, d, point)",
     "FrameAnchorConstraintModel": "frame_anchor",
-    "FrameAnchorConstraintData": "frame_anchor.createData()",
+    "FrameAnchorConstraintData": "calculated(m, d, frame_anchor)",
     "PointContactConstraintModel": "touch",
-    "PointContactConstraintData": "touch.createData()",
+    "PointContactConstraintData": "calculated(m, d, touch)",
     "BaumgarteCorrectorParameters": "pin.BaumgarteCorrectorParameters(2.0, 3.0)",
+    "JointFrictionConstraintModel": "friction",
+    "JointFrictionConstraintData": "calculated(m, d, friction)",
+    "JointLimitConstraintModel": "limits",
+    "JointLimitConstraintData": "calculated(m, d, limits)",
+    "StdVec_Motion": "motions",
     "CoulombFrictionCone": "pin.CoulombFrictionCone(0.4)",
     "DualCoulombFrictionCone": "pin.DualCoulombFrictionCone(0.4)",
     "BoxSet": "pin.BoxSet(-np.ones(3), np.ones(3))",
@@ -160,11 +168,10 @@ WRONG = {
 }
 LEFT_OUT = re.compile(
     r".*(Viewer|Visualizer|loadFrom|saveTo|Mesh|boost_|std_|map_index|StdVec|StdMap|serialization|id$|Collision(Object|"
-    r"Result|Request|Geometry|Set)|Distance(Result|Request)|BroadPhase|Contact(Patch)?(Request|Result)?$|ADMM|Lanczos|"
-    r"Tridiag|graph|Ellipsoid|PGS|CallBack|Exception|Deprec|__(reduce|setstate|getstate|getinit|copy|deepcopy|hash|dir|"
+    r"Result|Request|Geometry|Set)|Distance(Result|Request)|BroadPhase|Contact(Patch)?(Request|Result)?$|graph|"
+    r"Ellipsoid|CallBack|Exception|Deprec|__(reduce|setstate|getstate|getinit|copy|deepcopy|hash|dir|"
     r"sizeof|init_sub|reduce_ex|instance|format|new|getattr|setattr|delattr|class)|.*Urdf|.*XML|.*MJCF|.*Sdf|.*Srdf|"
-    r"loadReference|loadRotor|Symmetric3.*[rR]hs|sharedMemory|map_|eigen|.*InParallel|seed|.*IndexedBy|cast|ConstraintM"
-    r"odel\.|ConstraintData\.|hppfcl|coal|__address__|GeometryPool).*"
+    r"loadReference|loadRotor|Symmetric3.*[rR]hs|sharedMemory|map_|eigen|.*InParallel|seed|.*IndexedBy|cast|hppfcl|coal|__address__|GeometryPool).*"
 )
 """What reads files, draws, is coal's, ends Pinocchio's process, or is not offered as a whole."""
 OPERATORS = {"__add__": "+", "__sub__": "-", "__mul__": "*", "__xor__": "^", "__eq__": "==", "__ne__": "!="}

@@ -126,6 +126,25 @@ def test_matrices_of_the_joints_make_the_jacobian(pin: Any, model: Any) -> None:
     assert inertia.shape == (6, 6) and np.trace(inertia[:3, :3]) == pytest.approx(6.0)
 
 
+def test_data_of_other_constraints_and_incomplete_places_are_refused(pin: Any, model: Any) -> None:
+    data, here = model.createData(), pin.SE3.Identity()
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    everything = _all(pin, model)
+    for one, other in zip(everything, everything[1:] + everything[:1], strict=True):
+        for call in (one.jacobian, one.calc, lambda *known, one=one: one.getRowIndexes(*known, 0)):
+            with pytest.raises(TypeError, match="createData"):
+                call(model, data, other.createData())
+        with pytest.raises(TypeError, match=type(one).__name__):
+            type(one.createData())(other)
+    for kind in everything[:3]:
+        assert type(kind)(model).joint1_id == 0
+        with pytest.raises(TypeError, match="two joints"):
+            type(kind)(model, 2, here, 3)
+    for solver in (pin.PGSConstraintSolver, pin.ADMMConstraintSolver):
+        with pytest.raises(OverflowError, match="problem_size"):
+            solver(-1)
+
+
 def test_friction_has_no_gains_and_rigid_constraints_no_compliance(pin: Any, model: Any) -> None:
     friction = pin.JointFrictionConstraintModel(model, [3])
     with pytest.raises(RuntimeError, match="no drift"):

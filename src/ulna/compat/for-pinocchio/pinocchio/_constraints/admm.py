@@ -30,6 +30,7 @@ from pinocchio._constraints.admm_settings import (
 )
 from pinocchio._constraints.iterative_solver import IterativeSolver, check_settings_and_result
 from pinocchio._constraints.solver_problem import constraint_kind, delassus_matrix
+from pinocchio._containers.arguments import check_size
 from pinocchio._containers.arrays import vector
 from ulna.algorithms.constraints.cone_complementarity import Bounded, Frictional, Kind, Unilateral
 from ulna.typing import Floats
@@ -46,6 +47,7 @@ class ADMMConstraintSolver(IterativeSolver):
     """
 
     def __init__(self, problem_size: int = 0) -> None:
+        check_size(problem_size, "problem_size", 100_000)
         self.stats = ADMMSolverStats()
         self.reset()
 

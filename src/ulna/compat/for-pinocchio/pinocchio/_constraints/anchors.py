@@ -7,7 +7,7 @@ from typing import Any, ClassVar, final
 import numpy as np
 
 from pinocchio._constraints.cones import CoulombFrictionCone, FullSpaceCone
-from pinocchio._constraints.constraint_model import AnyConstraint, AnyConstraintData
+from pinocchio._constraints.constraint_model import AnyConstraint, AnyConstraintData, wrong_model
 from pinocchio._constraints.frame_pair import ConstraintSelectionType, FramePair
 from pinocchio._constraints.kernels import core_constraints
 from pinocchio._containers.arguments import ArgumentError
@@ -35,6 +35,7 @@ __all__ = [
 
 
 ANCHOR_ORDERS = (
+    "model",
     "model joint1_id",
     "model joint1_id joint1_placement",
     "model joint1_id joint2_id",
@@ -59,6 +60,8 @@ class _ConstraintState(AnyConstraintData):
     )
 
     def __init__(self, constraint_model: Any) -> None:
+        if getattr(constraint_model, "_data", None) is not type(self):
+            raise wrong_model(self, constraint_model)
         m = constraint_model.residualSize()
         self._J: Floats | None = None
         self._oMi: Floats | None = None
@@ -153,13 +156,19 @@ class _Anchor(FramePair, AnyConstraint):
     )
     _binds_always = False
     _rows: ClassVar[int] = 3
-    _data: ClassVar[Any] = PointAnchorConstraintData
+    _data = PointAnchorConstraintData
 
     @by_name(*ANCHOR_ORDERS)
     def __init__(self, model: Model, *places: Any) -> None:
         if not isinstance(model, Model):
             raise ArgumentError(f"The model is {model!r}; expected a pinocchio.Model.")
-        self._attach(model, places, {})
+        kinds = "".join("M" if isinstance(place, SE3) else "j" for place in places)
+        if kinds not in ("", "j", "jM", "jj", "jMjM"):
+            raise ArgumentError(
+                f"{type(self).__name__} was given {len(places)} places; expected a joint, a joint and its placement, "
+                "two joints, or both with their placements."
+            )
+        self._attach(model, places or (0,), {})
         self.nv = model.nv
         self.depth_joint1, self.depth_joint2 = (
             len(model.supports[joint]) for joint in (self.joint1_id, self.joint2_id)
@@ -190,6 +199,7 @@ class _Anchor(FramePair, AnyConstraint):
 
     def set(self, constraint_data: Any) -> Any:
         """The set that its forces belong to: any."""
+        self._check_data(constraint_data)
         return FullSpaceCone()
 
     def calc(self, model: Model, data: Data, constraint_data: Any) -> None:
@@ -248,17 +258,11 @@ class _Anchor(FramePair, AnyConstraint):
 
     def _of_joint(self, end: int, constraint_data: Any, rf: ReferenceFrame) -> Floats:
         reference_of(rf)
-        if type(constraint_data) is not self._data:
-            raise ArgumentError(
-                f"The data of the constraint is {constraint_data!r}; expected what its createData() returns."
-            )
+        self._check_data(constraint_data)
         return constraint_data._projection(end, rf)
 
     def _fits(self, model: Model, constraint_data: Any) -> None:
-        if type(constraint_data) is not self._data:
-            raise ArgumentError(
-                f"The data of the constraint is {constraint_data!r}; expected what its createData() returns."
-            )
+        self._check_data(constraint_data)
         if not max(self.joint1_id, self.joint2_id) < model.njoints or self.nv != model.nv:
             raise InputError(
                 f"{self.shortname()} was made for a model of {self.nv} velocities, not {model.nv}."

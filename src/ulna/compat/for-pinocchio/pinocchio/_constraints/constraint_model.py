@@ -9,7 +9,7 @@ import numpy as np
 from pinocchio._constraints.frame_pair import ConstraintSelectionType
 from pinocchio._containers.arguments import ArgumentError, WrongShape
 from pinocchio._containers.arrays import StdVec, index, numbers, vector
-from pinocchio._containers.enums import ReferenceFrame
+from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.files import Saved, register
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
@@ -72,6 +72,15 @@ class AnyConstraint(_NamedAndCompared):
     __slots__ = ()
     _sides: ClassVar[int] = 0
     """For each row, how many half-lines its force belongs to a product of; 0 where it may be anything."""
+    _data: ClassVar[Any] = None
+    """The class of its data."""
+
+    def _check_data(self, constraint_data: Any) -> None:
+        """Raises ArgumentError where some data are not of a constraint of this kind."""
+        if type(constraint_data) is not self._data:
+            raise ArgumentError(
+                f"The data of the constraint is {constraint_data!r}; expected what its createData() returns."
+            )
 
     def residualSize(self, sel: Any = ConstraintSelectionType.CURRENT) -> int:
         """How many rows it has."""
@@ -94,6 +103,7 @@ class AnyConstraint(_NamedAndCompared):
         Returns:
             True for those that may (nv,).
         """
+        self._check_data(constraint_data)
         row = index(
             row_id, self.residualSize(), "row of the constraint", "residualSize() says how many there are."
         )
@@ -177,6 +187,7 @@ class AnyConstraint(_NamedAndCompared):
         Returns:
             Torques (nv,) [N m or N].
         """
+        self._check_data(constraint_data)
         force = vector(constraint_forces, self.residualSize(), "constraint_forces")
         _check_count("joint_forces", joint_forces, model)
         ends = self._ends(data, constraint_data, reference_frame)
@@ -203,6 +214,7 @@ class AnyConstraint(_NamedAndCompared):
         Returns:
             Velocities of its rows (residualSize,) [m/s or rad/s].
         """
+        self._check_data(constraint_data)
         velocity = vector(joint_generalized_velocity, model.nv, "joint_generalized_velocity")
         _check_count("joint_motions", joint_motions, model)
         ends = self._ends(data, constraint_data, reference_frame)
@@ -228,8 +240,11 @@ class AnyConstraint(_NamedAndCompared):
             reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED.
 
         Raises:
-            InputError: Always.
+            InputError: Always, where the arguments are right.
         """
+        self._check_data(constraint_data)
+        vector(diagonal_constraint_inertia, self.residualSize(), "diagonal_constraint_inertia")
+        reference_of(reference_frame)
         raise InputError(
             "appendCouplingConstraintInertias adds to `data.oYaba_augmented`, a workspace of Pinocchio's recursions "
             "that is not kept here. constraintDynamics, lcaba and computeDampedDelassusMatrixInverse take constraints "
@@ -278,6 +293,20 @@ class ConstraintData(metaclass=_Variant):
     @by_name("constraint_data")
     def __init__(self, constraint_data: Any) -> None:
         """Not called: what is made is `constraint_data`."""
+
+
+def wrong_model(data: AnyConstraintData, given: Any) -> ArgumentError:
+    """The error for data that are made for something else than a constraint of their kind.
+
+    Args:
+        data: The data.
+        given: What was passed.
+
+    Returns:
+        The error.
+    """
+    kind = data.shortname().replace("Data", "Model")
+    return ArgumentError(f"The constraint is {excerpt(repr(given))}; expected a {kind}.")
 
 
 def _check_count(name: str, entries: Any, model: Model) -> None:

@@ -16,6 +16,7 @@ from pinocchio._constraints.iterative_solver import (
     check_settings_and_result,
 )
 from pinocchio._constraints.solver_problem import constraint_kind, delassus_matrix
+from pinocchio._containers.arguments import check_size
 from pinocchio._containers.arrays import vector
 from ulna.algorithms.constraints.cone_complementarity import Kind, gauss_seidel
 from ulna.compiler import compile as compile_function
@@ -65,6 +66,7 @@ class PGSConstraintSolver(IterativeSolver):
     __slots__ = ("stats",)
 
     def __init__(self, problem_size: int = 0) -> None:
+        check_size(problem_size, "problem_size", 100_000)
         self.stats = PGSSolverStats()
         self.reset()
 

@@ -8,10 +8,10 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._constraints.cones import BoxSet, NonNegativeOrthantCone
-from pinocchio._constraints.constraint_model import AnyConstraint, AnyConstraintData
+from pinocchio._constraints.constraint_model import AnyConstraint, AnyConstraintData, wrong_model
 from pinocchio._constraints.frame_pair import BaumgarteCorrectorParameters, ConstraintSelectionType
-from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import index, vector
+from pinocchio._containers.arguments import ArgumentError, check_model_and_data
+from pinocchio._containers.arrays import StdVec, index, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._model.live_parameters import FREE
@@ -76,6 +76,8 @@ class _OfJoints(AnyConstraint):
 
     def jacobian(self, model: Model, data: Any, constraint_data: Any) -> Floats:
         """The Jacobian (residualSize, nv): one entry of one, or minus one, in each row."""
+        check_model_and_data("jacobian", model, data)
+        self._check_data(constraint_data)
         if model.nv != self.nv:
             raise InputError(
                 f"{self.shortname()} was made for a model of {self.nv} velocities, not {model.nv}."
@@ -94,6 +96,8 @@ class JointFrictionConstraintData(AnyConstraintData):
     __slots__ = ("friction_impulse_lower_limit", "friction_impulse_upper_limit")
 
     def __init__(self, constraint_model: JointFrictionConstraintModel) -> None:
+        if not isinstance(constraint_model, JointFrictionConstraintModel):
+            raise wrong_model(self, constraint_model)
         self.friction_impulse_lower_limit = constraint_model.getFrictionLowerLimit()
         self.friction_impulse_upper_limit = constraint_model.getFrictionUpperLimit()
 
@@ -106,6 +110,7 @@ class JointFrictionConstraintModel(_OfJoints):
     """
 
     __slots__ = ("_dofs", "_joint_of_row", "_lb", "_step", "_ub")
+    _data = JointFrictionConstraintData
     _sides = 2
 
     @by_name("model m_active_joints lb ub", "model joints lb ub")
@@ -150,22 +155,24 @@ class JointFrictionConstraintModel(_OfJoints):
 
     def calc(self, model: Model, data: Data, constraint_data: JointFrictionConstraintData) -> None:
         """Fills the bounds of the impulses of a time step."""
+        self._check_data(constraint_data)
         constraint_data.friction_impulse_lower_limit = self._step * self._lb
         constraint_data.friction_impulse_upper_limit = self._step * self._ub
 
     def set(self, constraint_data: JointFrictionConstraintData) -> BoxSet:
         """The box that its impulses belong to, after `calc`."""
+        self._check_data(constraint_data)
         return BoxSet(
             constraint_data.friction_impulse_lower_limit, constraint_data.friction_impulse_upper_limit
         )
 
-    def getActiveDofs(self) -> list[int]:
+    def getActiveDofs(self) -> StdVec[int]:
         """The velocities it holds."""
-        return list(self._dofs)
+        return StdVec(self._dofs)
 
-    def getActiveJoints(self) -> list[int]:
+    def getActiveJoints(self) -> StdVec[int]:
         """The joints it holds."""
-        return list(self._joints)
+        return StdVec(self._joints)
 
     def getFrictionLowerLimit(self) -> Floats:
         """The lower bounds of the friction [N m or N]."""
@@ -201,6 +208,8 @@ class JointLimitConstraintData(AnyConstraintData):
     __slots__ = ("_J", "constraint_residual")
 
     def __init__(self, constraint_model: JointLimitConstraintModel) -> None:
+        if not isinstance(constraint_model, JointLimitConstraintModel):
+            raise wrong_model(self, constraint_model)
         self.constraint_residual = np.zeros(constraint_model.residualSize())
         self._J: Floats | None = None
 
@@ -214,6 +223,7 @@ class JointLimitConstraintModel(_OfJoints):
     """
 
     __slots__ = ("_active", "_limits", "_margins", "_nq", "_places", "_sizes")
+    _data = JointLimitConstraintData
     _sides = 1
 
     @by_name("model activable_joints lb ub margin", "model joints lb ub margin")
@@ -279,6 +289,8 @@ class JointLimitConstraintModel(_OfJoints):
         Raises:
             InputError: The model is another one, or `calc` was not called for a floating joint.
         """
+        check_model_and_data("jacobian", model, data)
+        self._check_data(constraint_data)
         if model.nv != self.nv:
             raise InputError(
                 f"{self.shortname()} was made for a model of {self.nv} velocities, not {model.nv}."
@@ -317,17 +329,17 @@ class JointLimitConstraintModel(_OfJoints):
         """How many of them are upper limits."""
         return self.residualSize(sel) - self.lowerResidualSize(sel)
 
-    def active_idx_in_activable(self) -> list[int]:
+    def active_idx_in_activable(self) -> StdVec[int]:
         """Which of all rows are active."""
-        return list(self._active)
+        return StdVec(self._active)
 
     def getActivablePositionLimit(self) -> Floats:
         """The limits of all rows [rad or m]."""
         return np.array([limit for *_, limit in self._limits])
 
-    def getSelectedJoints(self) -> list[int]:
+    def getSelectedJoints(self) -> StdVec[int]:
         """The joints that have limits."""
-        return sorted({joint for _, joint, *_ in self._limits})
+        return StdVec(sorted({joint for _, joint, *_ in self._limits}))
 
     def getNqReduce(self) -> int:
         """How many entries of q these joints have."""
@@ -363,10 +375,12 @@ class JointLimitConstraintModel(_OfJoints):
         Args:
             data: Its data, after forwardKinematics.
         """
+        self._check_data(constraint_data)
         q = data.require(data._q, "forwardKinematics(model, data, q)")
         left, constraint_data._J = self._left(q), self._rates(model, q)
         constraint_data.constraint_residual = np.array([left[i] for i in self._active])
 
     def set(self, constraint_data: Any) -> NonNegativeOrthantCone:
         """The set that its forces belong to: they push, and do not pull."""
+        self._check_data(constraint_data)
         return NonNegativeOrthantCone()
