@@ -54,8 +54,8 @@ DEVICES = ("cpu", "cuda")
 _MIN_COLUMNS = 12
 """Velocities of a robot from which on a quantity is compiled in its form of columns, where it has one."""
 
-_MIN_STAGES = 24
-"""The same for its form of stages: below, straight-line code is faster (benchmarks/speed.py)."""
+_MAX_STAGES = 200
+"""Velocities of a robot up to which stages are used: some take straight-line code, compiled in 6 ms for each joint."""
 
 _made: weakref.WeakValueDictionary[Any, Any] = weakref.WeakValueDictionary()
 _recent: deque[Any] = deque(
@@ -106,9 +106,28 @@ def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), *
     return with_columns(traced, on_parameters(quantity.build_columns), **shapes, **extra)
 
 
+def _stages_of_large(
+    model: Model, quantity: Quantity, dtype: np.dtype[Any], chosen: Mapping[str, Any]
+) -> SecondForm | None:
+    """The form of stages of a robot that would be looped over otherwise: it is faster, and its code stays short.
+
+    None where there is none, or where the processor or the size of the results does not suit it.
+    """
+    if quantity.columns is not None or model.nv > _MAX_STAGES:
+        return None
+    form = _stages_of(model, quantity, chosen)
+    if form is None:
+        return None
+    from ulna.compiler.codegen.columns import can_write_columns
+    from ulna.compiler.runtime import jit
+
+    suits = can_write_columns(form, jit.target(), "double" if dtype == np.float64 else "float")
+    return replace(form, serves_batches=True) if suits else None  # type: ignore[type-var]
+
+
 def _stages_of(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> SecondForm | None:
     """The form of stages of a quantity; None where it has none, or where the robot is too small for it."""
-    if quantity.stages is None or model.nv < _MIN_STAGES:
+    if quantity.stages is None or model.nv < quantity.stages_from:
         return None
     return quantity.stages(model, **chosen)
 
@@ -188,10 +207,13 @@ def kernel(
             unit = _quaternions(model, quantity) if checked else ()
             if quantity.inverts_mass and not MASS_PARAMETERS & set(names):
                 check_mass(model, compiler.element_of(dtype).name)
-            if device == "cpu" and not names and _is_long(model, quantity, chosen):
-                compiled = _looped_kernel(model, name, compiler.element_of(dtype), checked, unit, chosen)
+            is_long = device == "cpu" and not names and _is_long(model, quantity, chosen)
+            element = compiler.element_of(dtype)
+            form = _stages_of_large(model, quantity, element, chosen) if is_long else None
+            if is_long and form is None:
+                compiled = _looped_kernel(model, name, element, checked, unit, chosen)
             if compiled is None:
-                compiled = _traced_kernel(model, name, dtype, checked, unit, names, device, chosen)
+                compiled = _traced_kernel(model, name, dtype, checked, unit, names, device, chosen, form)
             _made[key] = compiled
             _recent.append(compiled)
     return compiled
@@ -213,21 +235,27 @@ def _traced_kernel(
     names: tuple[str, ...],
     device: str,
     chosen: Mapping[str, Any],
+    form: SecondForm | None,
 ) -> Any:
-    """The kernel of straight-line code, or for a GPU."""
+    """The kernel of straight-line code or a second form, or for a GPU."""
     if device == "cuda":
         from ulna.compiler.runtime.cuda_kernel import CudaKernel  # with what it imports, for few
 
         return CudaKernel(function(model, name, parameters=names, **chosen), dtype)
     quantity = QUANTITIES[name]
-    traced = None if names else _deferred(model, quantity, chosen)
+    traced = None if names else _deferred(model, quantity, chosen, form)
     if traced is None:
         traced = function(model, name, parameters=names, **chosen)
     return compiler.compile(traced, dtype, checked, unit_entries=unit, labels=labels(model, traced))
 
 
-def _deferred(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> Function | None:
-    """A quantity in a second form, None without; single calls do not need the graph, which is traced when used."""
+def _deferred(
+    model: Model, quantity: Quantity, chosen: Mapping[str, Any], form: SecondForm | None
+) -> Function | None:
+    """A quantity in a second form, that which is given or its own; None without one.
+
+    Single calls do not need the graph, which is traced when it is used.
+    """
     if model.nv < _MIN_COLUMNS or (quantity.columns is None and quantity.stages is None):
         return None
     from ulna.compiler.forms.columns import DeferredFunction, column_form
@@ -235,7 +263,7 @@ def _deferred(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> Fu
     check_size(
         model, quantity, chosen
     )  # a second form is traced in a fraction of the time: nothing is announced
-    form = _stages_of(model, quantity, chosen)
+    form = form or _stages_of(model, quantity, chosen)
     if form is None and quantity.columns is not None:
         shapes = _shapes(model, quantity, chosen)
         form = column_form(quantity.build_columns(model, **chosen), quantity.name, **shapes)

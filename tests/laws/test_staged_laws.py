@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import pickle
 import re
+import weakref
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -27,12 +28,16 @@ FORMS = {
     "inverse_dynamics_derivatives": algorithms.stages_of_inverse_dynamics_derivatives,
     "forward_dynamics_derivatives": algorithms.stages_of_forward_dynamics_derivatives,
     "coriolis_matrix": algorithms.stages_of_coriolis_matrix,
+    "mass_matrix": algorithms.stages_of_mass_matrix,
+    "centroidal_matrix": algorithms.stages_of_centroidal_matrix,
     "centroidal_derivatives": algorithms.stages_of_centroidal_derivatives,
 }
 ALGORITHMS = {
     "inverse_dynamics_derivatives": algorithms.inverse_dynamics_derivatives,
     "forward_dynamics_derivatives": algorithms.forward_dynamics_derivatives,
     "coriolis_matrix": algorithms.coriolis_matrix,
+    "mass_matrix": algorithms.mass_matrix,
+    "centroidal_matrix": algorithms.centroidal_matrix,
     "centroidal_derivatives": algorithms.centroidal_derivatives,
 }
 ONE = ["revolute", "continuous", "prismatic", "helical", "universal"]
@@ -57,6 +62,14 @@ def by_definition(model: Model, name: str, arrays: list[np.ndarray]) -> tuple[An
 
 def outputs(x: Any) -> tuple[Any, ...]:
     return x if isinstance(x, tuple) else (x,)
+
+
+@pytest.fixture(autouse=True)
+def _for_all_sizes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Some quantities take the form of stages only for larger robots than these."""
+    for name in FORMS:
+        monkeypatch.setitem(kernels.QUANTITIES, name, replace(kernels.QUANTITIES[name], stages_from=24))
+    monkeypatch.setattr(kernels, "_made", weakref.WeakValueDictionary())
 
 
 @pytest.mark.parametrize("name", FORMS)
@@ -228,3 +241,24 @@ def test_outputs_are_written_after_all_inputs_are_read():
         read = [any(re.fullmatch(r"i\d", name) for name in getattr(stage, "reads", ())) for stage in stages]
         if not hasattr(form, "head"):  # whose outputs are local arrays
             assert not any(read[written.index(True) :])
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@pytest.mark.parametrize("name", FORMS)
+def test_large_robots_take_stages_where_they_would_be_looped_over(name, dtype, monkeypatch):
+    """Batches, too, and neither calls nor texts nor pickles need the graph."""
+    monkeypatch.setattr(kernels, "LOOPED_ABOVE", 1000)
+    model = random_model(np.random.default_rng(0), ["revolute"], 70, root=None, mimics=0, branching=0.1)
+    kernel, loops = kernels.kernel(model, name, dtype), kernels.looped(model, name)
+    is_in_stages = jit.target().register_bytes >= 32 and name != "forward_dynamics_derivatives"
+    assert is_in_stages == ("written out" in repr(kernel)) and loops is not None
+    samples = [state(model, len(kernel.function.inputs), seed) for seed in range(5)]
+    arrays = [np.stack(column).astype(dtype) for column in zip(*samples, strict=True)]
+    copied = pickle.loads(pickle.dumps(kernel))
+    tolerance = 1e-9 if dtype is np.float64 else 1e-3
+    for k, results in enumerate((outputs(copied(*arrays)), outputs(kernel(*(x[1] for x in arrays))))):
+        expected = outputs(loops(*(x.astype(float) for x in arrays)))
+        for got, right in zip(results, expected, strict=True):
+            wanted = right[1] if k else right
+            assert np.abs(got - wanted).max() < tolerance * np.abs(wanted).max()
+    assert "_traced" not in vars(kernel.function)

@@ -25,6 +25,7 @@ def looped_case(
 ) -> tuple[ulna.Robot, Twin, Any, np.random.Generator, tuple[Any, Any, Any]]:
     """A long robot whose kernels are loops, Pinocchio's twin of it with data, and q, v and a."""
     monkeypatch.setattr(ulna.kernels, "LOOPED_ABOVE", 0)
+    monkeypatch.setattr(ulna.kernels, "_MAX_STAGES", 0)
     robot = ulna.Robot(long_robot(joints, branching))
     twin = to_pinocchio(robot.model)
     rng = np.random.default_rng(joints)

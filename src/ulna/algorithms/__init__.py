@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from ulna.algorithms.derivatives.staged import (
         stages_of_centroidal_derivatives as stages_of_centroidal_derivatives,
     )
+    from ulna.algorithms.derivatives.staged import stages_of_centroidal_matrix as stages_of_centroidal_matrix
     from ulna.algorithms.derivatives.staged import stages_of_coriolis_matrix as stages_of_coriolis_matrix
     from ulna.algorithms.derivatives.staged import (
         stages_of_forward_dynamics_derivatives as stages_of_forward_dynamics_derivatives,
@@ -60,6 +61,7 @@ if TYPE_CHECKING:
     from ulna.algorithms.derivatives.staged import (
         stages_of_inverse_dynamics_derivatives as stages_of_inverse_dynamics_derivatives,
     )
+    from ulna.algorithms.derivatives.staged import stages_of_mass_matrix as stages_of_mass_matrix
     from ulna.algorithms.derivatives.velocity import (
         frame_acceleration_derivatives as frame_acceleration_derivatives,
     )
@@ -187,9 +189,11 @@ _NAMES = {
     "derivatives.inverse_dynamics": ("inverse_dynamics_derivatives",),
     "derivatives.staged": (
         "stages_of_centroidal_derivatives",
+        "stages_of_centroidal_matrix",
         "stages_of_coriolis_matrix",
         "stages_of_forward_dynamics_derivatives",
         "stages_of_inverse_dynamics_derivatives",
+        "stages_of_mass_matrix",
     ),
     "derivatives.velocity": (
         "frame_acceleration_derivatives",

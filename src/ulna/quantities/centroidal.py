@@ -49,7 +49,13 @@ class Centroidal(Part):
         """The rotational inertia about the centre of mass, all joints held [Orin, Goswami & Lee 2013]."""
         ...
 
-    @quantity(algorithms.centroidal_matrix, "(6, nv) [kg m or kg, kg m^2 or kg m]", nodes=165)
+    @quantity(
+        algorithms.centroidal_matrix,
+        "(6, nv) [kg m or kg, kg m^2 or kg m]",
+        nodes=165,
+        stages=algorithms.stages_of_centroidal_matrix,
+        stages_from=60,
+    )
     def momentum_matrix(self, q: ArrayLike) -> Floats:
         """The matrix that maps `v` to the momentum about the centre of mass [Orin, Goswami & Lee 2013]."""
         ...

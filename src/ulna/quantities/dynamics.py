@@ -146,7 +146,13 @@ class Dynamics(Part):
         """
         return _under(self, "static_torque", (q,), forces, reference)
 
-    @quantity(algorithms.mass_matrix, "(nv, nv) [kg, kg m, kg m^2]", nodes=(28, 28, 0))
+    @quantity(
+        algorithms.mass_matrix,
+        "(nv, nv) [kg, kg m, kg m^2]",
+        nodes=(28, 28, 0),
+        stages=algorithms.stages_of_mass_matrix,
+        stages_from=60,
+    )
     def mass_matrix(self, q: ArrayLike) -> Floats:
         """The joint-space mass matrix; armature counts [Featherstone 2008, section 6.2].
 

@@ -59,6 +59,7 @@ class Quantity:
         inverts_mass: Whether it needs the inverse of the mass matrix, which some models do not have.
         columns: Returns the same as a function of columns, for single calls; None for quantities without.
         stages: Makes its form of stages for a model and options, for single calls; returns None for models without.
+        stages_from: From how many velocities of a robot on that form is used; below, straight-line code is faster.
     """
 
     name: str
@@ -72,6 +73,7 @@ class Quantity:
     inverts_mass: bool
     columns: Callable[..., Columns] | None = None
     stages: Callable[..., SecondForm | None] | None = None
+    stages_from: int = 24
 
     def arguments(self, options: Mapping[str, Any]) -> Arguments:
         """Names and sizes of the kernel's arguments under these options."""
@@ -129,6 +131,7 @@ def quantity(
     inverts_mass: bool = False,
     columns: Callable[..., Columns] | None = None,
     stages: Callable[..., SecondForm | None] | None = None,
+    stages_from: int = 24,
     direct: bool = False,
     returns: str = "",
     **about: str,
@@ -148,6 +151,7 @@ def quantity(
         inverts_mass: As for `Quantity`.
         columns: As for `Quantity`.
         stages: As for `Quantity`.
+        stages_from: As for `Quantity`.
         returns: What the result is, for the documentation, where the first sentence does not say it.
         **about: What to write of arguments, where it is not what `ulna.quantities.documentation` has for their names.
 
@@ -174,6 +178,7 @@ def quantity(
             inverts_mass=inverts_mass,
             columns=columns,
             stages=stages,
+            stages_from=stages_from,
         )
         made, nones = method, tuple(value is None for value in defaults.values())
         if options is None:

@@ -126,6 +126,16 @@ class OneFrame:
 
     def kinematics(self) -> None:
         """T, s, V and dU from q and v; the constants of bodies."""
+        self._bodies()
+        self.stages.straight(self._kinematics, ("q", "v"), ("T", "s", "V", "dU"))
+
+    def poses(self) -> None:
+        """T and s from q; the constants of bodies."""
+        self._bodies()
+        still = np.zeros(self.model.nv)
+        self.stages.straight(lambda q: self._kinematics(q, still)[:2], ("q",), ("T", "s"))
+
+    def _bodies(self) -> None:
         bodies = np.zeros((10, self.model.nv))
         for step, body in zip(self.tree, self.prepared.regrouped_moments, strict=True):
             bodies[:, step.indices[-1]] = [body.mass, *body.first, *(body.second[i, j] for i, j in _UPPER)]
@@ -134,7 +144,6 @@ class OneFrame:
             mass[0, list(step.indices)] = total
         self.stages.constant("bodies", bodies)
         self.stages.constant("mass", mass)
-        self.stages.straight(self._kinematics, ("q", "v"), ("T", "s", "V", "dU"))
 
     def center_of_mass(self, share: float) -> None:
         """c_G, and R from the axes of the common frame to those of the world.
@@ -193,6 +202,16 @@ class OneFrame:
 
         reads = ("T", "bodies", "V", "A") if with_forces else ("T", "bodies", "V")
         self.stages.lanes(of_body, reads, ("sums", "own"))
+        self.stages.rows(self.summed, ("sums",), "sums")
+
+    def composite_moments(self) -> None:
+        """c and I of all bodies from a step outward, one below the other: `sums`."""
+
+        def of_body(T: Array, bodies: Array) -> Array:
+            body = _moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
+            return np.array([*body.first, *_upper(body.second)], dtype=object)
+
+        self.stages.lanes(of_body, ("T", "bodies"), ("sums",))
         self.stages.rows(self.summed, ("sums",), "sums")
 
     def summed(self, of_bodies: Array) -> Array:

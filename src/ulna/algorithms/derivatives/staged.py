@@ -143,6 +143,54 @@ def stages_of_coriolis_matrix(model: Model) -> StagedForm | None:
     return frame.stages.form("C")
 
 
+def stages_of_centroidal_matrix(model: Model) -> StagedForm | None:
+    """The centroidal momentum matrix.
+
+    Args:
+        model: The robot; without mass it has no such form.
+
+    Returns:
+        The form; None for robots that need another one.
+    """
+    if not suits_one_frame(model) or not total_mass(model):
+        return None
+    frame = OneFrame("centroidal_matrix", model, q=(model.nq,))
+    frame.poses()
+    frame.composite_moments()
+    frame.center_of_mass(1.0 / total_mass(model))
+
+    def of_column(s: Array, sums: Array, mass: Array, c_G: Array, R: Array) -> Array:
+        body = subtree(mass, np.concatenate([sums, np.zeros(18)])).body
+        return _about(body.apply(motion(s)), c_G, R.reshape(3, 3))
+
+    frame.stages.lanes(of_column, ("s", "sums", "mass", "c_G", "R"), ("A",))
+    return frame.stages.form("A")
+
+
+def stages_of_mass_matrix(model: Model) -> StagedForm | None:
+    """The mass matrix.
+
+    Args:
+        model: The robot.
+
+    Returns:
+        The form; None for robots that need another one.
+    """
+    if not suits_one_frame(model):
+        return None
+    frame = OneFrame("mass_matrix", model, q=(model.nq,))
+    frame.poses()
+    frame.composite_moments()
+
+    def of_column(s: Array, sums: Array, mass: Array) -> Array:
+        body = subtree(mass, np.concatenate([sums, np.zeros(18)])).body
+        return numbers(body.apply(motion(s)))
+
+    frame.stages.lanes(of_column, ("s", "sums", "mass"), ("r",))
+    frame.mass_matrix("M")
+    return frame.stages.form("M")
+
+
 def stages_of_centroidal_derivatives(model: Model) -> StagedForm | None:
     """The derivatives of the centroidal momentum by q, and of its rate by q, v and a.
 

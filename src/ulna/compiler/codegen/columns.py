@@ -18,18 +18,18 @@ from ulna.compiler.codegen.row_factors import write_row_factors
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.forms.columns import ColumnForm
 from ulna.compiler.forms.stages import StagedForm
-from ulna.compiler.language.function import Function, trace
+from ulna.compiler.language.function import Function, SecondForm, trace
 from ulna.compiler.language.ops import Op
 
 _MAX_SCRATCH = 400_000  # of the matrices, which lie on the stack [byte]
 _NARROWEST = 32  # registers that are worth it [byte]
 
 
-def can_write_columns(f: Function, target: Target, element: DType) -> bool:
+def can_write_columns(f: Function | SecondForm, target: Target, element: DType) -> bool:
     """Whether the form of columns suits a processor.
 
     Args:
-        f: A function with such a form.
+        f: A function with such a form, or the form.
         target: The processor.
         element: Type of the array elements, "double" or "float".
 

@@ -15,7 +15,7 @@ from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes, local_array
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.row_table import write_rows
 from ulna.compiler.codegen.rows import load
-from ulna.compiler.codegen.sample_stages import write_sample_stages
+from ulna.compiler.codegen.sample_stages import suits_sample_stages, write_sample_stages
 from ulna.compiler.codegen.stages import write_stages
 from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.target import Target
@@ -177,7 +177,9 @@ def emit_batch(f: Function, target: Target, element: DType = "double") -> str:
     form = f.columns
     if form is None or not form.serves_batches or not can_write_columns(f, target, element):
         _write_block(module, f, "block", Lanes(lanes, element), 1, target)
-    elif not write_sample_stages(module, form, target, element):
+    elif suits_sample_stages(form, target, element):
+        write_sample_stages(module, form, target, element)
+    else:
         lanes = 1
         _write_form(module, f, form, target, element)
         _write_block_of_one(module, f)
@@ -200,7 +202,7 @@ def serves_batches_one_by_one(f: Function, target: Target, element: DType) -> bo
     form = f.columns
     if form is None or not form.serves_batches or not can_write_columns(f, target, element):
         return False
-    return not isinstance(form.head if isinstance(form, ColumnForm) else form, StagedForm)
+    return not suits_sample_stages(form, target, element)
 
 
 def one_by_one(f: Function, element: DType) -> str:

@@ -25,29 +25,41 @@ from ulna.compiler.language.function import SecondForm
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.scheduling import Store, scratch_places
 
-_MAX_MEMORY = 1_000_000  # of all arrays, which lie on the stack [byte]
+_MAX_MEMORY = (
+    500_000  # of all arrays, which lie on the stack; with more, one sample after the other is faster [byte]
+)
 
 
-def write_sample_stages(module: Module, form: SecondForm, target: Target, element: DType) -> bool:
-    """`void block(ptr in, i64 stride, ..., ptr out, i64 stride, ...)`: lane j has the rows j * stride [byte].
+def suits_sample_stages(form: SecondForm, target: Target, element: DType) -> bool:
+    """Whether a form is to be computed with a sample in each lane.
 
     Args:
-        module: Where the definitions go.
         form: The form.
         target: The processor.
         element: Type of the array elements, "double" or "float".
 
     Returns:
-        Whether it is written: not for forms without stages, nor where the arrays are too large for the stack.
+        Whether it has stages, whose arrays are not too large for the stack and the second cache.
     """
     head = form.head if isinstance(form, ColumnForm) else form
     if not isinstance(head, StagedForm):
         return False
-    writer = _SampleStagesWriter(module, form, head, target, element)
-    if writer.size * BYTES[element] * writer.layout.lanes > _MAX_MEMORY:
-        return False
-    writer.write()
-    return True
+    writer = _SampleStagesWriter(Module(), form, head, target, element)
+    return writer.size * BYTES[element] * writer.layout.lanes <= _MAX_MEMORY
+
+
+def write_sample_stages(module: Module, form: SecondForm, target: Target, element: DType) -> None:
+    """`void block(ptr in, i64 stride, ..., ptr out, i64 stride, ...)`: lane j has the rows j * stride [byte].
+
+    Args:
+        module: Where the definitions go.
+        form: A form that suits.
+        target: The processor.
+        element: Type of the array elements, "double" or "float".
+    """
+    head = form.head if isinstance(form, ColumnForm) else form
+    assert isinstance(head, StagedForm)
+    _SampleStagesWriter(module, form, head, target, element).write()
 
 
 class _SampleStagesWriter:

@@ -186,12 +186,15 @@ class DeferredFunction(Function):
         self.__dict__.update(inputs=columns.inputs, outputs=outputs, _make=make)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        f = self._traced
-        fields = (f.name, f.graph, f.inputs, f.outputs, f.results, f.single, f.doc, f.lanes, self.columns)
-        return Function, fields
+        return type(self), (self.name, self.doc, self.columns, self.__dict__["_make"])
 
     def _derived(self, *arguments: Any) -> Any:
         return self._traced._derived(*arguments)
+
+    @property
+    def untraced_operations(self) -> int | None:
+        """How many operations its second form has, until the graph is traced."""
+        return None if "_traced" in self.__dict__ or self.columns is None else self.columns.operations
 
     @property
     def graph(self) -> Graph:  # type: ignore[override]

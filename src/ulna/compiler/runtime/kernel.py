@@ -260,9 +260,10 @@ class KernelBase:
         raise unknown_attribute("kernel", name, dir(type(self)))
 
     def __repr__(self) -> str:
-        return (
-            f"<kernel {self.function.name}{self.signature} {self.dtype.name}, {self.operations} operations>"
-        )
+        f = self.function
+        written = getattr(f, "untraced_operations", None)  # the graph of a large robot takes seconds
+        size = f"{self.operations} operations" if written is None else f"{written} operations written out"
+        return f"<kernel {f.name}{f.signature} {self.dtype.name}, {size}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         call = self._array_call
