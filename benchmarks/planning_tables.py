@@ -4,7 +4,7 @@ python benchmarks/planning_tables.py [ROBOT ...] [--count 1000] [--problems 20]
 
 Of random configurations it counts those that touch by coal, by spheres with tables, and by spheres alone. Random
 problems without obstacles begin and end where coal says that links are 2 mm apart; humanoids begin at rest (all joints
-at 0) and move their right arm. Tables are made anew, in a folder of their own; spheres are those that are stored.
+at 0; a Talos half sitting) and move their right arm. Tables are made anew, in a folder of their own; spheres are those that are stored.
 """
 
 from __future__ import annotations
@@ -76,15 +76,18 @@ def plans(robot: Any, count: int) -> tuple[int, float]:
         range(model.nq) if joints is None else [model.joint(name).idx_q for name in joints]
     )
 
+    # at rest a Talos has its arms within its legs
+    home = np.asarray(robot.configurations.get("half_sitting", algorithms.neutral(model)), float)
+
     def free() -> Any:
         while True:
-            q = algorithms.neutral(model).copy()
+            q = home.copy()
             q[list(columns)] = algorithms.random(model, rng)[list(columns)]
             if exact.distance(q).distance > APART:
                 return q
 
     for _ in range(count):
-        start, goal = (free() if joints is None else algorithms.neutral(model)), free()
+        start, goal = (free() if joints is None else home), free()
         planner.plan(start, goal, joints=joints, timeout=2.0)
         begin = time.perf_counter()
         path = planner.plan(start, goal, joints=joints, timeout=2.0)
