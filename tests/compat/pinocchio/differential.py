@@ -157,6 +157,8 @@ DOCUMENTED = (
         r"\(calculated\(m, d, limits\)\)\.constraint_residual",
         "it is of q = 0 there after forwardKinematics(q, v, a)",
     ),
+    (r"error class", r"pin\.(LanczosDecomposition|TridiagonalSymmetricMatrix)\(.*", "sizes are checked"),
+    (r"refused", r"pin\.\w+ConstraintModel\(m, (2, )?(M, )?10\*\*6.*\)", "indices of joints are checked"),
     (r"error class", r".*\.rowise_tangent_map", "it cannot be converted there"),
     (r"refused|error class", r"pin\.(ADMM|PGS)\w+\((.*, )?10\*\*6\)", "sizes are bounded"),
     (r"refused", r"pin\.\w*ConstraintData\(\)", "data are made for a constraint"),

@@ -143,6 +143,10 @@ def test_data_of_other_constraints_and_incomplete_places_are_refused(pin: Any, m
     for solver in (pin.PGSConstraintSolver, pin.ADMMConstraintSolver):
         with pytest.raises(OverflowError, match="problem_size"):
             solver(-1)
+    with pytest.raises(OverflowError, match="max_iterations"):
+        pin.ADMMSolverStats(-1)
+    with pytest.raises(TypeError, match="complex128"):
+        pin.getKKTContactDynamicMatrixInverse(model, data, np.ones((2, model.nv)) + 1j)
 
 
 def test_friction_has_no_gains_and_rigid_constraints_no_compliance(pin: Any, model: Any) -> None:

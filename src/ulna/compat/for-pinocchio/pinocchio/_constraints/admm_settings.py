@@ -7,6 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._constraints.iterative_solver import ConstraintSolverResult, ToleranceSettings
+from pinocchio._containers.arguments import check_size
 from pinocchio._containers.arrays import StdVec, vector
 from pinocchio._containers.enums import _Named
 from ulna.errors import InputError
@@ -194,6 +195,7 @@ class ADMMSolverStats:
     linear_system_consistency: StdVec[float]
 
     def __init__(self, max_iterations: int = 0) -> None:
+        check_size(max_iterations, "max_iterations", 2**63 - 1)
         self.reset()
 
     def reserve(self, max_iterations: int) -> None:

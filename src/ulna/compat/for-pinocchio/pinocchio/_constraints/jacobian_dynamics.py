@@ -257,7 +257,7 @@ def getKKTContactDynamicMatrixInverse(model: Model, data: Data, constraint_jacob
     Raises:
         InputError: The Jacobian has another shape than in that call.
     """
-    if type(constraint_jacobian) is not np.ndarray:
+    if type(constraint_jacobian) is not np.ndarray or constraint_jacobian.dtype != float:
         constraint_jacobian = numbers(constraint_jacobian, "constraint_jacobian")
     shape, damping = data.require(data._damped, "forwardDynamics or impulseDynamics with a Jacobian")
     if constraint_jacobian.shape != shape:
