@@ -12,6 +12,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -310,8 +311,8 @@ def main() -> None:
     parser.add_argument("--only", default="")
     parser.add_argument("--out", default="")
     args = parser.parse_args()
-    folder = Path(args.out or "differences.json").absolute().parent
-    pairs = [pair for pair in generated(folder) if args.only in pair[0]][args.offset :: args.every]
+    with tempfile.TemporaryDirectory() as folder:
+        pairs = [pair for pair in generated(Path(folder)) if args.only in pair[0]][args.offset :: args.every]
     found = compare(pairs, args.seed)
     known = sum(bool(what) and documented(what, text) for _, text, what, *_ in found)
     counts: dict[str, Counter[bool]] = defaultdict(Counter)
