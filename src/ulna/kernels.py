@@ -54,6 +54,10 @@ DEVICES = ("cpu", "cuda")
 _MIN_COLUMNS = 12
 """Velocities of a robot from which on a quantity is compiled in its form of columns, where it has one."""
 
+_STAGED_BATCHES_ABOVE = 120_000
+"""Operations, as they are estimated, above which batches are computed in stages, too: to compile the graph would take
+three seconds and more."""
+
 _MAX_STAGES = 200
 """Velocities of a robot up to which stages are used: some take straight-line code, compiled in 6 ms for each joint."""
 
@@ -129,7 +133,14 @@ def _stages_of(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> S
     """The form of stages of a quantity; None where it has none, or where the robot is too small for it."""
     if quantity.stages is None or model.nv < quantity.stages_from:
         return None
-    return quantity.stages(model, **chosen)
+    form = quantity.stages(model, **chosen)
+    if (
+        form is None
+        or form.serves_batches
+        or estimated_nodes(model, quantity, chosen) < _STAGED_BATCHES_ABOVE
+    ):
+        return form
+    return replace(form, serves_batches=True)  # type: ignore[type-var]
 
 
 def looped(model: Model, name: str, **options: Any) -> LoopedFunction | None:

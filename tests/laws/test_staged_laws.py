@@ -207,6 +207,14 @@ def test_batches_of_derivatives_do_not_need_the_graph():
         assert "_traced" not in vars(kernel.function)
 
 
+def test_batches_of_long_kernels_are_in_stages(monkeypatch):
+    model = tree(13)
+    assert not kernels.kernel(model, "coriolis_matrix").function.columns.serves_batches
+    monkeypatch.setattr(kernels, "_STAGED_BATCHES_ABOVE", 1000)
+    monkeypatch.setattr(kernels, "_made", weakref.WeakValueDictionary())
+    assert kernels.kernel(model, "coriolis_matrix").function.columns.serves_batches
+
+
 def test_trees_that_do_not_suit_take_another_form():
     rng = np.random.default_rng(0)
     spherical = random_model(rng, ["spherical"], 12, root="free_flyer", mimics=0, branching=0.5)
