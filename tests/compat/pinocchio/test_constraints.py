@@ -395,7 +395,7 @@ def test_forces_of_contacts_whose_motion_is_given(pin: Any) -> None:
 
 def test_data_and_places_of_the_newer_constraints(pin: Any) -> None:
     model, data, q, v, _ = _arm(pin)
-    anchor = pin.PointAnchorConstraintModel(model, 6, pin.SE3.Random(), 2)
+    anchor = pin.PointAnchorConstraintModel(model, 6, pin.SE3.Random(), 2, pin.SE3.Identity())
     known = anchor.createData()
     with pytest.raises(InputError, match="forwardKinematics"):
         anchor.calc(model, data, known)
