@@ -33,16 +33,19 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+_THRESHOLDS: pytest.StashKey[tuple[int, int, int]] = pytest.StashKey()
 _LONGEST = 100_000
 """How long an operation of the browser may take [ms]."""
 
 
 def pytest_collection(session: pytest.Session) -> None:
-    gc.disable()
+    # not `gc.disable`: `dask.array` remembers whether it was off when imported, and would leave it off later
+    session.stash[_THRESHOLDS] = gc.get_threshold()
+    gc.set_threshold(0)
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    gc.enable()
+    gc.set_threshold(*session.stash[_THRESHOLDS])
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

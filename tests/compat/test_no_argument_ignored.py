@@ -43,13 +43,14 @@ UNUSED = {
     "the function warns that it is not offered": {
         "Looks.setTexture filename", "Looks.removeObjectFromCache nodeName", "Looks.addLight wid",
         "Looks.addLight radius", "Looks.addLight RGBAcolor", "RobotWrapper.initFromSDF _", "RobotWrapper.initFromSDF __",
-        "MotionPictures.displayFrames axis_width",
+        "MotionPictures.displayFrames axis_width", "AnyConstraint.appendCouplingConstraintInertias model",
+        "AnyConstraint.appendCouplingConstraintInertias data",
     },
     "results are the same with and without": {
-        "centerOfMass compute_subtree_coms", "computeCollisionsInParallel num_thread", "StreamBuffer.prepare n",
+        "centerOfMass compute_subtree_coms", "StreamBuffer.prepare n",
         "ConstraintCholeskyDecomposition.getInverseOperationalSpaceInertiaMatrix enforce_symmetry",
         "DelassusOperator.matrix enforce_symmetry", "log3 theta", "PGSConstraintSolver.__init__ problem_size",
-        "ADMMConstraintSolver.__init__ problem_size", "ADMMSolverResult.resize problem_size",
+        "ADMMConstraintSolver.__init__ problem_size", "ConstraintSolverResult.resize problem_size",
         "ADMMSolverStats.__init__ max_iterations",
         "computeLargestEigenvector max_it", "computeLargestEigenvector rel_tol", "_BodyParameters.__init__ parts",
     },
@@ -63,7 +64,7 @@ UNUSED = {
         "_OfJoints.setCompliance sel", "_OfJoints.jacobian data", "_OfJoints.jacobian constraint_data",
         "JointFrictionConstraintModel.calc model", "JointFrictionConstraintModel.calc data",
         "JointLimitConstraintModel.setBaumgarteCorrectorParameters sel", "JointLimitConstraintModel.calc model",
-        "JointLimitConstraintModel.set constraint_data", "RigidConstraint.residualSize sel", "JointLimitConstraintModel.jacobian data",
+        "JointLimitConstraintModel.set constraint_data", "RigidConstraint.residualSize sel", "RigidConstraint.retrieveCompliance sel", "JointLimitConstraintModel.jacobian data",
         "AnyConstraint.getRowSparsityPattern data", "AnyConstraint.getRowSparsityPattern constraint_data",
     },
     "quantities evaluated on numbers are not kept": {

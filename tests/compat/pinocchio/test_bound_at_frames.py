@@ -165,7 +165,7 @@ def test_what_was_bound_once_is_not_bound_again(
     data, q = model.createData(), np.linspace(0.1, 0.6, 6)
     _asked(pin, model, data, q)
     expected = _asked(pin, model, data, q + 0.1)
-    monkeypatch.setattr(type(data), "attach", None)  # which binding needs
+    monkeypatch.setattr(type(data), "_attach", None)  # which binding needs
     for found, wanted in zip(_asked(pin, model, data, q + 0.1), expected, strict=True):
         np.testing.assert_array_equal(found, wanted)
 

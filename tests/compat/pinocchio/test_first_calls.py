@@ -53,7 +53,7 @@ def _tree(pin: Any) -> Any:
         joint = model.addJoint([0, 1, 2, 2, 1, 4, 5, 0, 8, 9, 8, 2][k], kind, pin.SE3.Random(), f"joint {k}")
         model.appendBodyToJoint(joint, pin.Inertia.Random(), pin.SE3.Random())
         model.addFrame(pin.Frame(f"frame {k}", joint, 0, pin.SE3.Random(), pin.OP_FRAME))
-    model.make_mimic(2, 12, -0.7, 0.2)
+    model._make_mimic(2, 12, -0.7, 0.2)
     model.armature[:] = np.linspace(0.1, 0.5, model.nv)
     model.gravity.linear[:] = 1.0, -2.0, 3.0
     model.inertias[0] = pin.Inertia.Random()
@@ -200,9 +200,9 @@ def test_accelerations_without_inertia_are_refused_as_when_compiled(pin: Any, fr
 
 def test_models_of_the_same_joints_share_what_depends_on_them_alone(pin: Any) -> None:
     one, other = pin.buildSampleModelHumanoidRandom(), pin.buildSampleModelHumanoidRandom()
-    assert one.compiled_structure() is other.compiled_structure()
-    assert one.copy().compiled_structure() is one.compiled_structure()
-    assert pin.buildSampleModelManipulator().compiled_structure() is not one.compiled_structure()
+    assert one._compiled_structure() is other._compiled_structure()
+    assert one.copy()._compiled_structure() is one._compiled_structure()
+    assert pin.buildSampleModelManipulator()._compiled_structure() is not one._compiled_structure()
 
 
 def test_functions_of_configurations_take_lists_and_columns(pin: Any) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import json
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -157,3 +159,22 @@ def test_the_page_of_names_is_up_to_date() -> None:
         [sys.executable, str(script), "--check"], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_classes_show_no_names_but_pinocchios_and_older_spellings(pin: Any) -> None:
+    more = {
+        "Model": {"jointPosition", "ulna"},
+        "Data": {"bodyRegressor"},
+        "Frame": set(),
+        "GeometryModel": set(),
+    }
+    script = (
+        f"import json, pinocchio; print(json.dumps({{n: dir(getattr(pinocchio, n)) for n in {list(more)}}}))"
+    )
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment
+    )
+    for name, offered in json.loads(done.stdout).items():
+        shown = {n for n in dir(getattr(pin, name)) if not n.startswith("_")}
+        assert shown - set(offered) == more[name]

@@ -81,7 +81,7 @@ def computeMinv(model: Model, data: Data) -> Floats:
     return factors.fill_inverse()
 
 
-_MINV = Data.slots["Minv"]
+_MINV = Data._slots["Minv"]
 
 
 @final
@@ -89,7 +89,9 @@ class _BoundFactors(Factorization):
     """The factors of `data.M`, with functions that are bound to the arrays of a Data."""
 
     def __init__(self, model: Model, data: Data) -> None:
-        super().__init__(kernels_for(data.attach(model), np.zeros((0, model.nv))), model.watched("structure"))
+        super().__init__(
+            kernels_for(data._attach(model), np.zeros((0, model.nv))), model._watched("structure")
+        )
         self._M, self._Minv = data._arrays["M"], data._arrays["Minv"]
 
     @cached_property

@@ -141,10 +141,10 @@ def centerOfMass(
 
 def _stored_motion(data: Data, level: Any) -> list[Floats]:
     """The state of the last forwardKinematics: all that it was given, at least up to a KinematicLevel."""
-    q = data.require(data._q, "forwardKinematics(model, data, q)")
+    q = data._require(data._q, "forwardKinematics(model, data, q)")
     states = [(q,), *(s for s in (data._qv, data._qva) if s is not None and np.array_equal(s[0], q))]
     if isinstance(level, KinematicLevel) and len(states[-1]) <= level:
-        data.require(None, "forwardKinematics(model, data, q, v, a)")
+        data._require(None, "forwardKinematics(model, data, q, v, a)")
     return [x.copy() for x in states[-1]]
 
 
@@ -200,7 +200,7 @@ def jacobianSubtreeCenterOfMass(
         Jacobian (3, nv).
     """
     if q is None:
-        q = data.require(data._q, "forwardKinematics(model, data, q)")
+        q = data._require(data._q, "forwardKinematics(model, data, q)")
     _center_and_jacobians(model, data, q)
     assert subtree_root_joint_id is not None  # every overload has it
     return _of_subtree(model, data, subtree_root_joint_id, data._arrays["placements q"])
@@ -215,7 +215,7 @@ def getJacobianSubtreeCenterOfMass(model: Model, data: Data, subtree_root_joint_
     Returns:
         Jacobian (3, nv).
     """
-    q = data.require(data._q_of_jacobians, "jacobianCenterOfMass(model, data, q)")
+    q = data._require(data._q_of_jacobians, "jacobianCenterOfMass(model, data, q)")
     return _of_subtree(model, data, subtree_root_joint_id, q)
 
 
@@ -257,10 +257,10 @@ def computeTotalMass(model: Model, data: Data = OMITTED) -> float:
 
 def _first_total_mass(model: Model) -> float:
     """The mass of all that moves; after the first calls, a compiled kernel of it is bound to the model."""
-    blocks = model.parameter_blocks("inertias")
+    blocks = model._parameter_blocks("inertias")
     if len(blocks) > 1 or model.first_calls.includes("total mass", NUMBER_CALLS):
         return float(np.concatenate(blocks)[1:, 0].sum())
-    kernel = model.compiled_structure().compile(
+    kernel = model._compiled_structure().compile(
         ("total mass", model.njoints),
         lambda _: lambda inertias: sum(inertias[1:, 0], 0.0) + 0.0,
         inertias=blocks[0].shape,

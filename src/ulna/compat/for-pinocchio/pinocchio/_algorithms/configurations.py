@@ -54,7 +54,7 @@ def neutral(model: Model) -> Floats:
     except AttributeError:  # asked for the first time, or of no model
         if not isinstance(model, Model):
             raise wrong_model("neutral", model) from None
-    q = np.array(algorithms.neutral(model.compiled_structure().model))
+    q = np.array(algorithms.neutral(model._compiled_structure().model))
     model._neutral = q  # pyright: ignore[reportAttributeAccessIssue]
     return q.copy()
 
@@ -103,7 +103,7 @@ def randomConfiguration(model: Model, lower_bound: Any = OMITTED, upper_bound: A
 def _random_bound_anew(model: Model, low: Any, high: Any) -> Floats:
     """A random configuration where the bound kernel did not apply: converts the limits, and binds it."""
     sizes: dict[str, Any] = dict.fromkeys(("low", "high"), model.nq)
-    kernel = model.compiled_structure().compile("random", _within, **sizes, state=STATE.shape)
+    kernel = model._compiled_structure().compile("random", _within, **sizes, state=STATE.shape)
     narrowest = np.frombuffer(model._narrowest).reshape(())
     if low is OMITTED:
         limits = model.lowerPositionLimit, model.upperPositionLimit
@@ -197,7 +197,7 @@ def _bound(model: Model, name: str, *state: Any) -> Floats:
     result = getattr(model, f"_{name}")(*state)
     if result is NotImplemented:
         maker = _OWN_KERNELS.get(name)
-        kernel = model.compiled_structure().core_kernel(name) if maker is None else maker(model)
+        kernel = model._compiled_structure().core_kernel(name) if maker is None else maker(model)
         setattr(model, f"_{name}", BoundKernel(kernel).call)
         result = getattr(model, f"_{name}")(*state)
     return result
@@ -205,7 +205,7 @@ def _bound(model: Model, name: str, *state: Any) -> Floats:
 
 def _integration(model: Model) -> Any:
     """The kernel of `integrate`; free flyers keep the signs of their quaternions, as in Pinocchio."""
-    compiled = model.compiled_structure()
+    compiled = model._compiled_structure()
     starts = quaternion_starts((j.idx_q, j.kind) for j in compiled.model.joints if not j.mimic)
     if not starts:
         return compiled.core_kernel("integrate")
@@ -218,7 +218,7 @@ def _integration(model: Model) -> Any:
 
 def _squared_distances(model: Model) -> Any:
     shapes: dict[str, Any] = {"q1": (model.nq,), "q2": (model.nq,)}
-    return model.compiled_structure().compile("squared", _squared_parts, **shapes)
+    return model._compiled_structure().compile("squared", _squared_parts, **shapes)
 
 
 _OWN_KERNELS = {"integrate": _integration, "squared_distance": _squared_distances}
@@ -338,7 +338,9 @@ def _is_same_bound_anew(model: Model, *arguments: Any) -> bool:
     if result is NotImplemented:
         shapes: dict[str, Any] = {"q1": (model.nq,), "q2": (model.nq,), "prec": ()}
         parts = _compared_together(model)
-        kernel = model.compiled_structure().compile(("is same", parts), lambda _: _agreement(parts), **shapes)
+        kernel = model._compiled_structure().compile(
+            ("is same", parts), lambda _: _agreement(parts), **shapes
+        )
         model._is_same = BoundKernel(kernel, holder=bool).call
         result = model._is_same(*arguments)
     return result
@@ -389,7 +391,7 @@ def dIntegrate(model: Model, q: Any, v: Any, argument_position: Any = None) -> A
     Returns:
         A pair of matrices (nv, nv), or one.
     """
-    both = model.compiled_structure().core_kernel("integrate_derivatives")(
+    both = model._compiled_structure().core_kernel("integrate_derivatives")(
         vector(q, model.nq, "q"), vector(v, model.nv, "v")
     )
     return _chosen(both, argument_position)
@@ -404,7 +406,7 @@ def dDifference(model: Model, q1: Any, q2: Any, argument_position: Any = None) -
     Returns:
         A pair of matrices (nv, nv), or one.
     """
-    both = model.compiled_structure().core_kernel("difference_derivatives")(*_pair(model, q1, q2))
+    both = model._compiled_structure().core_kernel("difference_derivatives")(*_pair(model, q1, q2))
     return _chosen(both, argument_position)
 
 
@@ -433,7 +435,7 @@ def tangentMap(model: Model, q: Any) -> Floats:
     Returns:
         Matrix (nq, nv).
     """
-    kernel = model.compiled_structure().compile("tangent map", _tangent_map, q=(model.nq,))
+    kernel = model._compiled_structure().compile("tangent map", _tangent_map, q=(model.nq,))
     return kernel(vector(q, model.nq, "q"))
 
 

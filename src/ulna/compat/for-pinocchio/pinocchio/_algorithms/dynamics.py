@@ -309,5 +309,5 @@ def getCoriolisMatrix(model: Model, data: Data) -> Floats:
     Returns:
         Matrix (nv, nv).
     """
-    state = data.require(data._state_of_derivatives, "computeRNEADerivatives(model, data, q, v, a)")
+    state = data._require(data._state_of_derivatives, "computeRNEADerivatives(model, data, q, v, a)")
     return computeCoriolisMatrix(model, data, *state[:2])

@@ -166,7 +166,7 @@ def computeABADerivatives(
         Three matrices (nv, nv).
     """
     if q is None:
-        stored = data.require(data._state_of_forward_dynamics, "aba(model, data, q, v, tau)")
+        stored = data._require(data._state_of_forward_dynamics, "aba(model, data, q, v, tau)")
         q, v, ddq = (x.copy() for x in stored)
         tau = rnea(model, data, q, v, ddq) if fext is None else rnea(model, data, q, v, ddq, fext)
     if fext is None:
@@ -211,8 +211,8 @@ def computeStaticTorqueDerivatives(model: Model, data: Data, q: Any, fext: Any) 
     compiled = kernels_for(model, data, "static torque derivatives")
     data.tau = under_forces(compiled, algorithms.static_torque, q, F)
     data._arrays["oa_gf"][0] = -model.gravity.vector
-    data.defer(BODIES["of"], ("of",), compiled, q.copy(), rest, rest, F)
-    data.invalidate(_STATIC)
+    data._defer(BODIES["of"], ("of",), compiled, q.copy(), rest, rest, F)
+    data._invalidate(_STATIC)
     return under_forces(compiled, algorithms.inverse_dynamics_derivatives, q, rest, rest, F)[0]
 
 
@@ -254,7 +254,7 @@ def getCentroidalDynamicsDerivatives(model: Model, data: Data) -> tuple[Floats, 
         Four matrices (6, nv).
     """
     call = "computeRNEADerivatives(model, data, q, v, a)"
-    state = data.require(data._state_of_derivatives, call)
+    state = data._require(data._state_of_derivatives, call)
     derivatives = computeCentroidalDynamicsDerivatives(model, data, *state)
-    data.invalidate(_CENTROIDAL_AFTER_RNEA)
+    data._invalidate(_CENTROIDAL_AFTER_RNEA)
     return derivatives

@@ -176,8 +176,8 @@ def _placed_motion(model: Model, data: Data, kind: str, rf: Any, joint: int, pla
             return motion
     motion = _motion(model, data, kind, reference_of(rf), joint, placement._m)  # deferred fields are filled
     fields = ("v",) if kind == "velocity" else ("v", "a")
-    watch = model.watched("structure")
-    watch += [(data.mark_of(field), np.zeros(())) for field in fields]
+    watch = model._watched("structure")
+    watch += [(data._mark_of(field), np.zeros(())) for field in fields]
     if data._model is model:
         arrays = [data._arrays[x][joint] for x in ("oMi", *fields)]
         kernel = _frame_motion_at(kind, reference_of(rf))
@@ -195,13 +195,13 @@ def _motion(
     place: Any = None,
 ) -> Motion:
     """The motion of a frame out of what the Data holds of its joint; bound at `place` for the next time."""
-    watch = model.watched_frames()
+    watch = model._watched_frames()
     if data._layout is not model._layout:
         compiled_for(model, data)
     if kind == "velocity":
-        data.require(data._qv, "forwardKinematics(model, data, q, v)")
+        data._require(data._qv, "forwardKinematics(model, data, q, v)")
     else:
-        data.require(data._qva, "forwardKinematics(model, data, q, v, a)")
+        data._require(data._qva, "forwardKinematics(model, data, q, v, a)")
     step = data._bound_at.get(place, (not_applicable,))[0] if data._model is model else not_applicable
     motion = step()  # deferred fields may be filled now
     if motion is not NotImplemented:
@@ -210,7 +210,7 @@ def _motion(
     arrays = [np.ascontiguousarray(placement), *(data._arrays[x][joint] for x in ("oMi", *fields))]
     kernel = _frame_motion_at(kind, reference)
     if place is not None and data._model is model:
-        watch += [(data.mark_of(field), np.zeros(())) for field in fields]
+        watch += [(data._mark_of(field), np.zeros(())) for field in fields]
         step = BoundKernel(kernel, watch, last_inputs=arrays, holder=Motion).call
         data._bound_at[place] = step, place[1]
     return Motion._of(kernel(*arrays))

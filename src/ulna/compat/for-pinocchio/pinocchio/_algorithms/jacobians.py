@@ -162,11 +162,11 @@ def getFrameJacobian(
 def _placed_jacobian(model: Model, data: Data, joint: int, placement: SE3, rf: Any) -> Floats:
     """The Jacobian of a frame at a placement on a joint; bound to what the Data holds for the next time."""
     reference = reference_of(rf)
-    q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
+    q = data._require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
     if evaluator := loaded_evaluator(model, data, "J of frames"):
         return frame_jacobian(evaluator, q, joint, placement._m, reference)[0]
-    watch = model.watched("structure")
-    compiled = data.attach(model)
+    watch = model._watched("structure")
+    compiled = data._attach(model)
     if model.nvExtended != model.nv:  # columns of mimic joints are not separate in `data.J`
         return _placed_kernel(compiled, joint, reference, q=(model.nq,))(placement._m, q)
     live = compiled.live(_placed_kernel(compiled, joint, reference, J=(6, model.nv), T=(4, 4)))
@@ -199,15 +199,15 @@ def _bind_at(
 ) -> Floats:
     """The Jacobian of a frame in a reference, the second of `place`, computed and bound for the next time."""
     reference = reference_of(binding_key[1])
-    q = data.require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
+    q = data._require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
     if evaluator := loaded_evaluator(model, data, "J of frames"):
         joint, placement = _carrier(model, key, fixed_frame)
         J, _, T = frame_jacobian(evaluator, q, joint, placement, reference)
         if fixed_frame is None:
             data._arrays["oMf"][key] = T
         return J
-    watch = model.watched("structure" if fixed_frame is not None else "frame", key)  # first: see `run`
-    compiled = data.attach(model)
+    watch = model._watched("structure" if fixed_frame is not None else "frame", key)  # first: see `run`
+    compiled = data._attach(model)
     if model.nvExtended != model.nv:  # columns of mimic joints are not separate in `data.J`
         if fixed_frame is None:
             updateFramePlacement(model, data, key)
@@ -368,13 +368,13 @@ def _bind_dot(
 ) -> Floats:
     """The time derivative of the Jacobian of a frame, computed and bound for the next time; see `_bind_at`."""
     reference = reference_of(binding_key[1])
-    read = data.require(data._qv_of_jacobians, "computeJointJacobiansTimeVariation(model, data, q, v)")
+    read = data._require(data._qv_of_jacobians, "computeJointJacobiansTimeVariation(model, data, q, v)")
     if evaluator := loaded_evaluator(model, data, "dJ of frames"):
         q, v = read
         joint, placement = _carrier(model, key, fixed_frame)
         return frame_jacobian_rate(evaluator, q, v, joint, placement, reference)
-    watch = model.watched("placements") + ([] if fixed_frame is not None else model.watched("frame", key))
-    compiled = data.attach(model)
+    watch = model._watched("placements") + ([] if fixed_frame is not None else model._watched("frame", key))
+    compiled = data._attach(model)
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         frame = fixed_frame or frames[key]
@@ -435,7 +435,7 @@ def getFrameKinematicHessian(
 
 
 def _hessian(model: Model, data: Data, reference: Reference, place: Place) -> Floats:
-    q = data.require(data._q_of_jacobians, "computeJointKinematicHessians(model, data, q)")
+    q = data._require(data._q_of_jacobians, "computeJointKinematicHessians(model, data, q)")
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         def run(*inputs: Array) -> Array:

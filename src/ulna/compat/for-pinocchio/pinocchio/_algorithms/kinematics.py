@@ -123,12 +123,12 @@ def updateFramePlacements(model: Model, data: Data) -> None:
     else:
         check_model_and_data("updateFramePlacements", model, data)
         check_frames(model, data)
-        data.require(data._q, "forwardKinematics(model, data, q)")
+        data._require(data._q, "forwardKinematics(model, data, q)")
         if model.first_calls.includes("oMf", TABLE_CALLS):
             data._arrays["oMf"][...] = frames_at(model, data._arrays["oMi"])
             return
-        watch = model.watched("frames")  # first: see `run`
-        compiled = data.attach(model)
+        watch = model._watched("frames")  # first: see `run`
+        compiled = data._attach(model)
         kernel = compiled.live(compiled.compile_at_frames("frames", _moved_frames, oMi=(model.njoints, 4, 4)))
         oMi, oMf = data._arrays["oMi"], data._arrays["oMf"]
         step = kernel.into(oMf, watch=not_read(kernel, watch), otherwise=not_applicable, last_inputs=[oMi])
@@ -152,9 +152,9 @@ def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
     check_model_and_data("updateFramePlacement", model, data)
     check_frames(model, data)
     place = index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")
-    data.require(data._q, "forwardKinematics(model, data, q)")
-    data.attach(model)
-    watch, frame = model.watched_frames(), model.frames[place]
+    data._require(data._q, "forwardKinematics(model, data, q)")
+    data._attach(model)
+    watch, frame = model._watched_frames(), model.frames[place]
     factors = data._arrays["oMi"][frame.parentJoint], frame.placement._m
     step = se3_kernel("product").into(
         data._arrays["oMf"][place],
@@ -172,17 +172,17 @@ def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
 @checked
 def updateGlobalPlacements(model: Model, data: Data) -> None:
     """Fills `data.oMi` from `data.liMi`."""
-    data.read("liMi")
+    data._read("liMi")
     step = data._bound_at.get("global placements", not_applicable) if data._model is model else not_applicable
     if step() is not NotImplemented:
         _global_noted(step, 0, model, data)
         return
     parents, liMi = tuple(model.parents), data._arrays["liMi"]
     key = "global placements", parents
-    kernel = model.compiled_structure().compile(key, _global_placements(parents), liMi=liMi.shape)
+    kernel = model._compiled_structure().compile(key, _global_placements(parents), liMi=liMi.shape)
     step = kernel.into(
         data._arrays["oMi"][1:],
-        watch=[*model.watched("structure"), (data.mark_of("liMi"), np.zeros(()))],
+        watch=[*model._watched("structure"), (data._mark_of("liMi"), np.zeros(()))],
         otherwise=not_applicable,
         last_inputs=[liMi],
     )

@@ -145,9 +145,9 @@ def _motions(
 ) -> Any:
     """The derivatives of a frame's motion; bound at `binding_key` for the next time."""
     reference, of_model = reference_of(rf), place.frame_id is not None
-    watch = model.watched("placements")  # first: see `run`
-    watch += model.watched("frame", place.frame_id) if of_model else []
-    state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
+    watch = model._watched("placements")  # first: see `run`
+    watch += model._watched("frame", place.frame_id) if of_model else []
+    state = data._require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         def run(*inputs: Array) -> tuple[Array, ...]:
@@ -173,7 +173,7 @@ def _motions(
         *outputs,
         placed,
         returns=tuple(range(len(outputs))),
-        watch=[*not_read(live, watch), (data.mark_of("a"), np.zeros(()))],
+        watch=[*not_read(live, watch), (data._mark_of("a"), np.zeros(()))],
         otherwise=not_applicable,
         last_inputs=state,
     )
@@ -221,7 +221,7 @@ def getPointClassicAccelerationDerivatives(
 
 def _point(model: Model, data: Data, joint_id: int, placement: Any, rf: Any) -> Any:
     place = Place(None, *at_placement(model, joint_id, placement))
-    state = data.require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
+    state = data._require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
     reference: Any = reference_of(rf)
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
@@ -245,5 +245,5 @@ def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:
     Returns:
         Matrix (3, nv).
     """
-    q, v = data.require(data._qv, "computeForwardKinematicsDerivatives(model, data, q, v)")
+    q, v = data._require(data._qv, "computeForwardKinematicsDerivatives(model, data, q, v)")
     return kernels_for(model, data, "com derivatives").kernel("com_velocity_derivatives")(q, v)[0]

@@ -193,7 +193,7 @@ class Part:
         out = self.out
         for name, posture in self.model.referenceConfigurations.items():
             if name not in out.referenceConfigurations:
-                out.referenceConfigurations[name] = algorithms.neutral(out.compiled_structure().model)
+                out.referenceConfigurations[name] = algorithms.neutral(out._compiled_structure().model)
             q = out.referenceConfigurations[name]
             for old, new in self.joints.items():
                 if old:
@@ -256,7 +256,7 @@ def transformJointIntoMimic(
             f"transformJointIntoMimic: joint {index_mimicking} cannot follow joint {index_mimicked}; expected the one "
             "that is followed to come first."
         )
-    out.make_mimic(int(index_mimicked), int(index_mimicking), float(scaling), float(offset))
+    out._make_mimic(int(index_mimicked), int(index_mimicking), float(scaling), float(offset))
     return out
 
 

@@ -9,6 +9,7 @@ from pinocchio._containers.arrays import StdVec, index, matrix
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
+from ulna.errors import InputError
 
 MOST_DATA = 100_000
 """No pool has more data: what asks for more is a mistake."""
@@ -76,7 +77,7 @@ def rneaInParallel(num_thread: int, pool: ModelPool, q: Any, v: Any, a: Any, tau
     """The torques of n motions, one in each column.
 
     Args:
-        num_thread: Number of threads.
+        num_thread: Number of threads, at most the pool's size; 0 is one.
         pool: A ModelPool, which holds the model.
         q: Configurations (nq, n) [rad or m].
         v: Velocities (nv, n) [rad/s or m/s].
@@ -85,6 +86,11 @@ def rneaInParallel(num_thread: int, pool: ModelPool, q: Any, v: Any, a: Any, tau
 
     Returns:
         Torques (nv, n) [N m or N]; None where `tau` is filled.
+
+    Raises:
+        ArgumentError: If `pool` is none.
+        InputError: If the pool has less data than threads are asked for.
+        SizeError: If `num_thread` is below zero, or so large that it must be a mistake.
     """
     return _many("inverse_dynamics", num_thread, pool, (q, v, a), tau)
 
@@ -93,7 +99,7 @@ def abaInParallel(num_thread: int, pool: ModelPool, q: Any, v: Any, tau: Any, a:
     """The accelerations under n vectors of torques, one in each column.
 
     Args:
-        num_thread: Number of threads.
+        num_thread: Number of threads, at most the pool's size; 0 is one.
         pool: A ModelPool, which holds the model.
         q: Configurations (nq, n) [rad or m].
         v: Velocities (nv, n) [rad/s or m/s].
@@ -102,6 +108,11 @@ def abaInParallel(num_thread: int, pool: ModelPool, q: Any, v: Any, tau: Any, a:
 
     Returns:
         Accelerations (nv, n) [rad/s^2 or m/s^2]; None where `a` is filled.
+
+    Raises:
+        ArgumentError: If `pool` is none.
+        InputError: If the pool has less data than threads are asked for.
+        SizeError: If `num_thread` is below zero, or so large that it must be a mistake.
     """
     return _many("forward_dynamics", num_thread, pool, (q, v, tau), a)
 
@@ -109,11 +120,17 @@ def abaInParallel(num_thread: int, pool: ModelPool, q: Any, v: Any, tau: Any, a:
 def _many(name: str, threads: int, pool: ModelPool, columns: tuple[Any, ...], into: Any) -> Any:
     if not isinstance(pool, ModelPool):
         raise ArgumentError(f"The pool is {pool!r}; expected pinocchio.ModelPool(model).")
+    threads = check_size(threads, "num_thread", MOST_DATA)
+    if threads > pool.size():
+        raise InputError(
+            f"`num_thread` is {threads}, and the pool has {pool.size()} data; expected at most as many threads. "
+            "ModelPool(model, n) has more."
+        )
     model = pool.getModel(0)
     count = getattr(columns[0], "shape", (0, 0))[-1]
     sizes = (model.nq, model.nv, model.nv)
     rows = [matrix(c, (n, count), "columns").T for c, n in zip(columns, sizes, strict=True)]
-    results = model.compiled().core_kernel(name)(*rows, threads=int(threads)).T
+    results = model._compiled().core_kernel(name)(*rows, threads=max(threads, 1)).T
     if into is None:
         return results
     matrix(into, results.shape, "result")

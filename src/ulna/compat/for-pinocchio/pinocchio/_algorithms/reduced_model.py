@@ -37,7 +37,7 @@ def reduced_model(model: Model, locked: list[int], reference: Any) -> tuple[Mode
     """
     q, fixed = vector(reference, model.nq, "reference_configuration"), set(locked)
     _check(model, fixed)
-    placements, inertias = model.rows_of("placements"), model.rows_of("inertias")
+    placements, inertias = model._rows_of("placements"), model._rows_of("inertias")
     remaining: list[int] = [0]
     moved: Moved = [(0, None)]
     joints, parents = StdVec([model.joints[0].copy()]), StdVec([0])
@@ -107,8 +107,8 @@ def _take_entries(out: Model, model: Model, remaining: Iterable[int]) -> None:
 
 def _frames(model: Model, locked: set[int], moved: Moved) -> tuple[list[Any], Floats]:
     """The facts and the placements (n, 4, 4) of all frames on the joints that carry them now."""
-    out, all_facts = [], model.facts_of_frames()
-    places = model.rows_of("frames")
+    out, all_facts = [], model._facts_of_frames()
+    places = model._rows_of("frames")
     for k, (name, kind, joint, *rest) in enumerate(all_facts):
         carrier, M = moved[joint]
         if M is not None:

@@ -205,11 +205,11 @@ def _bound(
     model: Model, data: Data, place: tuple[Any, str], joint: int, placement: Floats, on: Any
 ) -> Floats:
     """The regressor in a frame on a joint, whose motion and weight rnea left; bound at `place` for the next time."""
-    watch = model.watched(*on)
+    watch = model._watched(*on)
     compiled_for(model, data)
-    data.require(data._qv, "rnea(model, data, q, v, a)")
-    data.read("a_gf")
-    watch += [(data.mark_of(field), np.zeros(())) for field in ("v", "a_gf")]
+    data._require(data._qv, "rnea(model, data, q, v, a)")
+    data._read("a_gf")
+    watch += [(data._mark_of(field), np.zeros(())) for field in ("v", "a_gf")]
     step = _regressor_kernel().into(
         data._arrays["bodyRegressor"],
         returns=(0,),

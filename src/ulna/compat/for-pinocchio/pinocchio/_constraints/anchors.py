@@ -381,7 +381,7 @@ class PointContactConstraintModel(_Points):
 
 def _state(model: Model, data: Data) -> tuple[Floats, Floats, Floats]:
     """The state of the last kinematics; what was not given is zero."""
-    q = data.require(data._q, "forwardKinematics(model, data, q)")
+    q = data._require(data._q, "forwardKinematics(model, data, q)")
     v = a = np.zeros(model.nv)
     if data._qv is not None and np.array_equal(data._qv[0], q):
         v = data._qv[1]

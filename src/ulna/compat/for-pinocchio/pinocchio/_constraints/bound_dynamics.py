@@ -77,8 +77,8 @@ class BoundConstraintDynamics:
         self.datas, self.live, self.report = datas, constraint_set.live, np.zeros(3)
         self.solved = solved = ConstraintSolution(model, constraint_set, impact)
         self.forces = np.zeros(len(solved.forces))
-        watch = model.watched("parameters")  # first: see `run`
-        compiled = data.attach(model)
+        watch = model._watched("parameters")  # first: see `run`
+        compiled = data._attach(model)
         self.deferred_state = DeferredConstraintState(compiled, datas, shapes, *solved.state[:4])
         inputs = (solved.state[0], solved.a, *(() if impact else (solved.a,)), solved.settings)
         inputs += (*((np.zeros(1),) if impact else ()), *constraint_set.live)
@@ -90,7 +90,7 @@ class BoundConstraintDynamics:
         results = [self.forces, self.report, *solved.state, solved.a, solved.forces, solved.settings]
         contact_forces = [known._views["contact_force"]._v for known in datas]
         targets = [
-            *(data.target(name) for name in self.algorithm.fills),
+            *(data._target(name) for name in self.algorithm.fills),
             *results,
             *contact_forces,
             *side_targets,
@@ -127,11 +127,11 @@ def solve(
         state = [exact(x, *size) for x, size in zip(args[:count], sizes, strict=False)]
         result = NotImplemented if session is None else session.run(*state, *args[count:])
         if result is NotImplemented:
-            data.attach(model)
+            data._attach(model)
             constraint_set = constraint_set_of(model, data, models, datas)
             session = constraint_set.runs[limit] = BoundConstraintDynamics(model, data, constraint_set, limit)
             result = session.run(*state, *args[count:])
-            data.store_states(session.algorithm)
+            data._store_states(session.algorithm)
     assert session is not None
     data._constraint_solution = session.solved
     return session, result
@@ -185,11 +185,11 @@ _LCABA = Algorithm("lcaba", "", (), not_applicable, invalidates=("g", "of"), tit
 def defer_after_elimination(model: Model, data: Data) -> None:
     """Defers the fields that lcaba fills besides its results."""
     assert data._constraint_solution is not None
-    compiled, solution = data.attach(model), data._constraint_solution
+    compiled, solution = data._attach(model), data._constraint_solution
     state = [x.copy() for x in (*solution.state[:2], solution.a)]
-    data.defer(ACCELERATIONS_IN_WORLD["oa"], ("oa",), compiled, *state)
-    data.defer(BODIES["f"], ("oa_gf",), compiled, *state)
-    data.invalidate(_LCABA)
+    data._defer(ACCELERATIONS_IN_WORLD["oa"], ("oa",), compiled, *state)
+    data._defer(BODIES["f"], ("oa_gf",), compiled, *state)
+    data._invalidate(_LCABA)
 
 
 def with_side_outputs(build: Any, stored: list[int], marks: list[float]) -> Any:

@@ -248,7 +248,7 @@ ContactCholeskyDecomposition = ConstraintCholeskyDecomposition
 
 def cholesky_of(data: Data) -> ConstraintCholeskyDecomposition:
     """That of the last constraintDynamics or impulseDynamics with constraints; empty when there was none."""
-    solved, compiled = data._constraint_solution, data.attach(data._model)
+    solved, compiled = data._constraint_solution, data._attach(data._model)
     decomposition = data._bound_at.setdefault("constraints", ConstraintCholeskyDecomposition())
     if solved is None:
         return decomposition

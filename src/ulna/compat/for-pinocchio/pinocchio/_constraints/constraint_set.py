@@ -61,7 +61,7 @@ def constraint_set_of(model: Model, data: Data, models: Any, datas: Any) -> Cons
     """
     constraint_set = cached_constraint_set(model, data, models, datas)
     if constraint_set is None:
-        data.attach(model)
+        data._attach(model)
         models, datas = list(models), list(datas)
         constraint_set = cached_constraint_set(model, data, models, datas)
     if constraint_set is None:

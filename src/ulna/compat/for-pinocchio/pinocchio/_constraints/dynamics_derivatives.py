@@ -92,8 +92,8 @@ class BoundDerivatives:
         self.model, self.impact, n, m = model, solved.impact, model.nv, len(solved.forces)
         self.factor = np.zeros(1)
         self.inputs = (*solved.state, solved.a, solved.forces, solved.settings, self.factor)
-        watch = model.watched("parameters")  # first: see `run`
-        compiled, shapes = data.attach(model), solved.shapes
+        watch = model._watched("parameters")  # first: see `run`
+        compiled, shapes = data._attach(model), solved.shapes
         algorithm = IMPACT_DERIVED if solved.impact else DERIVED
         side_targets, stored, marks = side_outputs(data, algorithm)
         at_inputs = [_INPUTS[algorithm.inputs[k]] for k in stored]
@@ -116,7 +116,7 @@ class BoundDerivatives:
         self.step = kernel.into(
             *targets, *side_targets, watch=watch, otherwise=not_applicable, last_inputs=self.inputs
         )
-        data.store_states(algorithm)
+        data._store_states(algorithm)
         self.by_q, self.by_v = ((x[:n], x[n:]) for x in (self.solution[:, :n], self.solution[:, n:]))
 
     def fill(self, data: Data, factor: float) -> Any:
@@ -148,7 +148,7 @@ def _derived(model: Model, data: Data, solved: ConstraintSolution, factor: float
     derived = solved.derived = BoundDerivatives(model, data, solved)
     if derived.fill(data, factor) is NotImplemented:
         q, _, placements, _, _ = solved.state
-        J = jacobian_kernel(data.attach(model), solved.shapes, model.nq)(q, *placements)
+        J = jacobian_kernel(data._attach(model), solved.shapes, model.nq)(q, *placements)
         if not np.isfinite(J).all():
             raise ArgumentError(
                 f"{'impulseDynamics' if solved.impact else 'constraintDynamics'} was given q = {q}."
@@ -164,7 +164,7 @@ def _solved(model: Model, data: Data, models: Any, datas: Any, impact: bool, cal
     solved = data._constraint_solution
     if solved is not None and solved.impact == impact and solved.constraint_set.matches(model, models, datas):
         return solved
-    data.attach(model)
+    data._attach(model)
     checked = checked_constraints(model, models, datas)
     if solved is None or solved.impact != impact or structures_of(checked) != solved.shapes:
         raise InputError(

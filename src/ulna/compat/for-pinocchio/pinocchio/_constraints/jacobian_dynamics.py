@@ -35,8 +35,8 @@ class BoundJacobianDynamics:
     """
 
     def __init__(self, model: Model, data: Data, rows: int) -> None:
-        self.kernels = kernels_for(data.attach(model), np.ones((rows, model.nv)))
-        self.factored = known = Factorization(self.kernels, model.watched("structure"))
+        self.kernels = kernels_for(data._attach(model), np.ones((rows, model.nv)))
+        self.factored = known = Factorization(self.kernels, model._watched("structure"))
         self.factor, self.entries, self.r, self.flag = known.factor, known.entries, known.r, known.flag
         self.blocks, self.M, self.nle = data._arrays, data._arrays["M"], data._arrays["nle"]
         self.mu, self.forces, self.impulses = np.zeros(rows), np.zeros(rows), np.zeros(rows)
@@ -107,7 +107,7 @@ def _run(
         if bound is not None:
             result = getattr(bound, name)(J, mu, *state)
     if bound is None or result is NotImplemented:
-        data.attach(model)
+        data._attach(model)
         J = np.require(numbers(J, "constraint_jacobian"), float, ["C", "A"])
         if J.ndim != 2 or J.shape[1] != model.nv:
             raise WrongShape("constraint_jacobian", J.shape, f"(m, {model.nv})")
@@ -259,7 +259,7 @@ def getKKTContactDynamicMatrixInverse(model: Model, data: Data, constraint_jacob
     """
     if type(constraint_jacobian) is not np.ndarray or constraint_jacobian.dtype != float:
         constraint_jacobian = numbers(constraint_jacobian, "constraint_jacobian")
-    shape, damping = data.require(data._damped, "forwardDynamics or impulseDynamics with a Jacobian")
+    shape, damping = data._require(data._damped, "forwardDynamics or impulseDynamics with a Jacobian")
     if constraint_jacobian.shape != shape:
         raise InputError(
             f"The Jacobian is {constraint_jacobian.shape}; that of forwardDynamics or impulseDynamics was {shape}."

@@ -47,7 +47,7 @@ def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, con
         J = constraint_set.runs["jacobian here"]()
         if J is not NotImplemented:
             return J
-    data.require(data._q, "forwardKinematics(model, data, q), or constraintDynamics,")
+    data._require(data._q, "forwardKinematics(model, data, q), or constraintDynamics,")
     if constraint_set is None:
         compiled_for(model, data)
         if not all(isinstance(one, RigidConstraint) for one in constraint_models):
@@ -154,7 +154,7 @@ def evaluate(model: Model, data: Data, constraint_set: ConstraintSet, name: str,
     result = NotImplemented if step is None else step(q, *constraint_set.places)
     if result is NotImplemented:
         q = exact(q, model.nq, "q")
-        data.attach(model)
+        data._attach(model)
         constraint_set = constraint_set_of(model, data, constraint_set.models, constraint_set.datas)
         rows = sum(shape[0] for shape in constraint_set.shapes)
         if not rows:
@@ -168,14 +168,14 @@ def _bind(
     model: Model, data: Data, constraint_set: ConstraintSet, name: str, rows: int, last_inputs: Any = ()
 ) -> Any:
     """Binds a kernel of constraints; where `last_inputs` is the array of q, to it and to the placements, too."""
-    watch = model.watched("placements" if name == "jacobian" else "parameters")  # first: see `run`
-    compiled, shapes = data.attach(model), constraint_set.shapes
+    watch = model._watched("placements" if name == "jacobian" else "parameters")  # first: see `run`
+    compiled, shapes = data._attach(model), constraint_set.shapes
     if name == "jacobian":
         kernel, targets = jacobian_kernel(compiled, shapes, model.nq), [np.zeros((rows, model.nv))]
     else:
         build, sizes = with_mass(_delassus(shapes)), sizes_of(shapes)
         kernel = compiled.compile(("constraint delassus", shapes), build, q=(model.nq,), **sizes)
-        targets = [np.zeros((rows, rows)), data.target("M"), data.target("joints q")]
+        targets = [np.zeros((rows, rows)), data._target("M"), data._target("joints q")]
     if last_inputs:
         last_inputs = *last_inputs, *constraint_set.places
     return kernel.into(*targets, returns=(0,), watch=watch, otherwise=not_applicable, last_inputs=last_inputs)

@@ -376,7 +376,7 @@ class JointLimitConstraintModel(_OfJoints):
             data: Its data, after forwardKinematics.
         """
         self._check_data(constraint_data)
-        q = data.require(data._q, "forwardKinematics(model, data, q)")
+        q = data._require(data._q, "forwardKinematics(model, data, q)")
         left, constraint_data._J = self._left(q), self._rates(model, q)
         constraint_data.constraint_residual = np.array([left[i] for i in self._active])
 

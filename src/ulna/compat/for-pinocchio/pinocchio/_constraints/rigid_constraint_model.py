@@ -25,7 +25,7 @@ class RigidConstraintModel(RigidConstraint):
         Args:
             data: Its data, after forwardKinematics.
         """
-        data.require(data._known_states or None, "forwardKinematics(model, data, q)")
+        data._require(data._known_states or None, "forwardKinematics(model, data, q)")
         checked_constraints(model, [self], [constraint_data])
         constraint_data._place(self, data)
 

@@ -60,10 +60,10 @@ class Algorithm:
     Attributes:
         name: Its name, an attribute of `BoundAlgorithms`.
         inputs: A letter for each input: q, v, a, t (torques), and at the end f (a force for every joint).
-        fills: The arrays of a Data that its outputs are written into; see `FieldStates.target`.
+        fills: The arrays of a Data that its outputs are written into; see `FieldStates._target`.
         kernel: Makes of Ulna's model (and its frames, where `depends_on` says so) a function of the inputs.
         returns: The indices of the outputs that a call returns, as copies.
-        depends_on: What its results depend on; see `KernelCache.watched`.
+        depends_on: What its results depend on; see `KernelCache._watched`.
         deferred: Fields that are computed when read, of its inputs (or of what it writes to `<name> a`).
         invalidates: Fields that hold an intermediate result after it in Pinocchio, and nothing here.
         states: Names of states that its inputs are stored as, besides those of the fields it fills.

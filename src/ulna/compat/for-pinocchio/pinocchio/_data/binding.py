@@ -37,12 +37,12 @@ def run(model: KinematicTree, data: FieldStates, algorithm: Algorithm, *args: An
     result = evaluated(model, data, algorithm, arrays)
     if result is not NotImplemented:
         return result
-    watch = model.watched(algorithm.depends_on)  # first: another thread may change a parameter meanwhile
-    compiled = data.attach(model)
+    watch = model._watched(algorithm.depends_on)  # first: another thread may change a parameter meanwhile
+    compiled = data._attach(model)
     bound = _bind(model, data, compiled, algorithm, watch, algorithm.kernel)
     result = bound(*arrays)
     setattr(data._bound, algorithm.name, bound)
-    data.store_states(algorithm)
+    data._store_states(algorithm)
     return result
 
 
@@ -75,12 +75,12 @@ def run_at_frame(
         result = data._bound_at.get(key, (not_applicable,))[0](*arrays)
     if result is not NotImplemented:
         return result
-    watch = model.watched(algorithm.depends_on) + ([] if frame is None else model.watched("frame", frame))
-    compiled = data.attach(model)
+    watch = model._watched(algorithm.depends_on) + ([] if frame is None else model._watched("frame", frame))
+    compiled = data._attach(model)
     bound = _bind(model, data, compiled, algorithm, watch, build, key)
     result = bound(*arrays)
     data._bound_at[key] = bound, key[1]
-    data.store_states(algorithm)
+    data._store_states(algorithm)
     return result
 
 
@@ -108,9 +108,9 @@ def side_outputs(data: FieldStates, algorithm: Algorithm) -> tuple[list[Floats],
         Arrays (...) to write to, numbers of inputs, and values for marks of fields.
     """
     stored = algorithm.stored_inputs()
-    marks = {name: 0.0 for name in algorithm.fills if name in data.slots}
+    marks = {name: 0.0 for name in algorithm.fills if name in data._slots}
     marks |= {name: float(algorithm.number) for name in (*algorithm.deferred, *algorithm.invalidates)}
-    targets = [*(data.target(name) for name in stored), *(data.mark_of(name) for name in marks)]
+    targets = [*(data._target(name) for name in stored), *(data._mark_of(name) for name in marks)]
     return targets, [algorithm.inputs.index(letter) for letter in stored.values()], list(marks.values())
 
 
@@ -142,10 +142,10 @@ def _bind(
 
     with_side_outputs.__name__ = algorithm.title or algorithm.name
     compile_ = compiled.compile_at_frames if key or algorithm.depends_on == "frames" else compiled.compile
-    names, parameters = data.parameters_stored_by(compiled, algorithm)
+    names, parameters = data._parameters_stored_by(compiled, algorithm)
     kernel = compiled.live(compile_(("run", algorithm.name, *key), with_side_outputs, names, **shapes))
     result = [np.zeros(kernel.function.outputs[0].shape)] if key else []
-    targets = [*result, *(data.target(name) for name in algorithm.fills), *side_targets, *parameters]
+    targets = [*result, *(data._target(name) for name in algorithm.fills), *side_targets, *parameters]
     return kernel.into(
         *targets, returns=algorithm.returns, watch=not_read(kernel, watch), otherwise=not_applicable
     )

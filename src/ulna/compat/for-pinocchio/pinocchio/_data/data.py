@@ -34,7 +34,7 @@ class _PerJoint(StdVec[Any]):
 
     def __getitem__(self, key: Any) -> Any:
         if key != 0 or self._name == "mass":
-            self._data.read(self._name)
+            self._data._read(self._name)
         return super().__getitem__(key)
 
     def __iter__(self) -> Any:
@@ -186,7 +186,7 @@ class Data(Saved, TreeFields):
 
         For joints not on the universe it is that of the other side, which the joint's own motion does not feel.
         """
-        self.require(self._q_of_joints, "aba(model, data, q, v, tau)")
+        self._require(self._q_of_joints, "aba(model, data, q, v, tau)")
         bodies = articulated_bodies(self._model, self.joints)
         return StdVec([np.zeros((6, 6)), *(body.inertia for body in bodies)])
 
@@ -205,7 +205,7 @@ class Data(Saved, TreeFields):
         raise AttributeError(missing_field_message(name, dir(type(self))), name=name, obj=None)
 
     def __deepcopy__(self, memo: Any) -> Data:
-        self.compute_deferred()
+        self._compute_deferred()
         out = object.__new__(Data)
         out.__dict__.update({k: x for k, x in self.__dict__.items() if k not in ("oMi", "oMf")})
         out._arrays = self._arrays.copied()
@@ -220,10 +220,12 @@ class Data(Saved, TreeFields):
     __copy__ = copy
 
     def __getstate__(self) -> dict[str, Any]:
-        self.compute_deferred()
+        self._compute_deferred()
         energies = {name: getattr(self, name) for name in _ENERGIES}
         invalid = {
-            name: ALGORITHMS[int(self._marks[k]) - 1].name for name, k in self.slots.items() if self._marks[k]
+            name: ALGORITHMS[int(self._marks[k]) - 1].name
+            for name, k in self._slots.items()
+            if self._marks[k]
         }
         mass = list(list.__iter__(self._lists["mass"]))
         arrays = self._arrays.whole()
@@ -237,7 +239,7 @@ class Data(Saved, TreeFields):
         list.__setitem__(self._lists["mass"], slice(None), values.pop("mass"))
         numbers = {algorithm.name: algorithm.number for algorithm in ALGORITHMS}
         for name, algorithm in values.pop("spoilt").items():
-            self._marks[self.slots[name]] = float(numbers.get(algorithm, 0))
+            self._marks[self._slots[name]] = float(numbers.get(algorithm, 0))
         for name, value in values.items():
             setattr(self, name, value)
 
@@ -255,11 +257,11 @@ class Data(Saved, TreeFields):
 
 
 def _block(name: str) -> property:
-    slot = Data.slots[name]
+    slot = Data._slots[name]
 
     def get(self: Data) -> Floats:
         if self._marks[slot]:
-            self.read(name)
+            self._read(name)
         return self._arrays[name]
 
     def put(self: Data, value: Any) -> None:
@@ -270,13 +272,13 @@ def _block(name: str) -> property:
 
 
 def _entries(name: str) -> property:
-    slot = Data.slots[name]
+    slot = Data._slots[name]
     if name in (*CENTRES, "mass"):  # which know of themselves what is to be computed
         return property(lambda self: self._lists[name], doc=f"`{name}` of what every joint moves, live.")
 
     def get(self: Data) -> Any:
         if self._marks[slot]:
-            self.read(name)
+            self._read(name)
         return self._lists[name]
 
     return property(get, doc=f"`{name}` as the last algorithm left it, live references.")
@@ -304,7 +306,7 @@ def _number(name: str) -> property:
     return property(get, put, doc=f"{name} as the last algorithm left it [J].")
 
 
-Data.slots = {name: k for k, name in enumerate(_FIELDS)}
+Data._slots = {name: k for k, name in enumerate(_FIELDS)}
 for _name in MATRICES:
     setattr(Data, _name, _block(_name))
 for _name, _shape in UNUSED.items():

@@ -73,7 +73,7 @@ def _compiled(
             shapes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(state)}
             results = compiled.compile((functions, fields, len(state)), build, **shapes)(*state)
         for field, values in zip(fields, results, strict=True):
-            data.target(field)[...] = values
+            data._target(field)[...] = values
             if field in BODIES and not universe_is_filled:
                 data._arrays[field][0] = 0.0
             if field in ("a_gf", "oa_gf"):
@@ -98,7 +98,7 @@ def defer_joint_placements(
     Args:
         v: Velocity (nv,) [rad/s or m/s]; None for none.
     """
-    data.defer(JOINTS["liMi"], ("liMi",), compiled, q.copy())
+    data._defer(JOINTS["liMi"], ("liMi",), compiled, q.copy())
     data._q_of_joints = q
     if v is not None:
         data._qv_of_joints = q, v

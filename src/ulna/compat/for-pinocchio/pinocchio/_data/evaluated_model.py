@@ -36,7 +36,7 @@ class EvaluatedModel:
 
     def __init__(self, source: KinematicTree) -> None:
         self._source, self._layout = source, source._layout
-        self._parameters = [[x.copy() for x in source.parameter_blocks(name)] for name in PARAMETERS]
+        self._parameters = [[x.copy() for x in source._parameter_blocks(name)] for name in PARAMETERS]
 
     @cached_property
     def model(self) -> CoreModel:
@@ -71,7 +71,7 @@ class EvaluatedModel:
         return all(
             np.array_equal(before, now)
             for name, blocks in zip(PARAMETERS, self._parameters, strict=True)
-            for before, now in zip(blocks, self._source.parameter_blocks(name), strict=True)
+            for before, now in zip(blocks, self._source._parameter_blocks(name), strict=True)
         )
 
     @property
@@ -149,7 +149,7 @@ def kernels_for(model: KinematicTree, data: FieldStates, function: object) -> Co
     check_layout(model, data)
     if data._model is model and model.first_calls.includes(function, NUMBER_CALLS):
         return EvaluatedModel(model)
-    return data.attach(model)
+    return data._attach(model)
 
 
 def _quiet(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -176,7 +176,7 @@ def evaluator_of(model: KinematicTree, data: FieldStates) -> TableEvaluator:
         UnknownKind: A joint is of a kind that tables do not have.
     """
     if data._evaluator is None:
-        if model.joint_table is None:
-            model.joint_table = JointTable(model)
-        data._evaluator = TableEvaluator(model.joint_table, model.nq, model.nv)
+        if model._joint_table is None:
+            model._joint_table = JointTable(model)
+        data._evaluator = TableEvaluator(model._joint_table, model.nq, model.nv)
     return data._evaluator

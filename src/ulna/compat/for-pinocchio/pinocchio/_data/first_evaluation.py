@@ -45,7 +45,7 @@ def evaluated(model: KinematicTree, data: FieldStates, algorithm: Algorithm, arr
     except (NotByTable, UnknownKind):
         return NotImplemented
     if data._model is not model:
-        data.attach(model)
+        data._attach(model)
     _store(model, data, algorithm, inputs, outputs)
     results = [np.array(outputs[k]) for k in algorithm.returns]
     return None if not results else results[0] if len(results) == 1 else tuple(results)
@@ -69,7 +69,7 @@ def loaded_evaluator(model: KinematicTree, data: FieldStates, function: object) 
         return None
     check_layout(model, data)
     if data._model is not model:
-        data.attach(model)
+        data._attach(model)
     try:
         evaluator = evaluator_of(model, data)
     except UnknownKind:
@@ -129,15 +129,15 @@ def _store(
 ) -> None:
     """Writes results and states into the Data, and defers the fields that are computed when they are read."""
     for name, values in zip(algorithm.fills, outputs, strict=True):
-        data.target(name)[...] = values
+        data._target(name)[...] = values
     for name, letter in algorithm.stored_inputs().items():
-        data.target(name)[...] = inputs[letter]
-    data.mark_filled(*(name for name in algorithm.fills if name in data.slots))
-    data.invalidate(algorithm)
+        data._target(name)[...] = inputs[letter]
+    data._mark_filled(*(name for name in algorithm.fills if name in data._slots))
+    data._invalidate(algorithm)
     moment, copies = EvaluatedModel(model), {}
     for deferred in set(algorithm.deferred.values()):
         fields = tuple(name for name, other in algorithm.deferred.items() if other is deferred)
         for letter in deferred.inputs:
-            copies.setdefault(letter, data.target(f"{algorithm.name} {letter}").copy())
-        data.defer(deferred, fields, moment, *(copies[letter] for letter in deferred.inputs))
-    data.store_states(algorithm)
+            copies.setdefault(letter, data._target(f"{algorithm.name} {letter}").copy())
+        data._defer(deferred, fields, moment, *(copies[letter] for letter in deferred.inputs))
+    data._store_states(algorithm)

@@ -61,7 +61,7 @@ def algorithm(
         def general(model: Any, data: Any, *args: Any) -> Any:
             state, rest = args[: len(inputs)], args[len(inputs) :]
             if default_state is not None and state[0] is None:
-                stored = data.require(getattr(data, default_state[0]), default_state[1])
+                stored = data._require(getattr(data, default_state[0]), default_state[1])
                 state = (stored,) if len(inputs) == 1 else tuple(x.copy() for x in stored)
             if forces is not None and rest[0] is not None:
                 result = run(model, data, forces, *state, *checked_forces(rest[0], model.njoints))

@@ -45,7 +45,7 @@ class FieldStates:
     _called_by_users: ClassVar[bool] = False
     """Whether arguments of its methods are checked; see `check_methods`."""
 
-    slots: ClassVar[dict[str, int]]
+    _slots: ClassVar[dict[str, int]]
     """Where the mark of a field is."""
 
     nframes: int
@@ -76,18 +76,18 @@ class FieldStates:
     _state_of_derivatives: Any
     _state_of_forward_dynamics: Any
 
-    def target(self, name: str) -> Floats:
+    def _target(self, name: str) -> Floats:
         """Where an algorithm writes: the array of that name, of the joints but the universe, of the whole robot."""
         if name in PER_JOINT:
             return self._arrays[name][1:]
         return self._arrays[name[:-3]][0] if name.endswith("[0]") else self._arrays[name]
 
-    def mark_of(self, field: str) -> Floats:
+    def _mark_of(self, field: str) -> Floats:
         """Where the mark of a field is written."""
-        k = self.slots[field]
+        k = self._slots[field]
         return self._mark_array[k : k + 1].reshape(())
 
-    def attach(self, model: KinematicTree) -> CompiledModel:
+    def _attach(self, model: KinematicTree) -> CompiledModel:
         """The kernels of the model's present parameters; algorithms bound to others are released.
 
         Raises:
@@ -105,15 +105,15 @@ class FieldStates:
 
     def _keep_deferred(self, but: Container[int]) -> None:
         """Stores, for each deferred field, its kernels and its state; not for those of algorithms in `but`."""
-        for field, slot in self.slots.items():
+        for field, slot in self._slots.items():
             number = int(self._marks[slot])
             if number > 0 and number not in but and (deferred := ALGORITHMS[number - 1].deferred.get(field)):
                 compiled = self._compiled_of(number)
                 state = (x.copy() for x in self._state_of(number, deferred))
                 fields = self._deferred_with(number, deferred)
-                self.defer(deferred, fields, compiled and compiled.snapshot(), *state)
+                self._defer(deferred, fields, compiled and compiled.snapshot(), *state)
 
-    def parameters_stored_by(
+    def _parameters_stored_by(
         self, compiled: CompiledModel, algorithm: Algorithm
     ) -> tuple[tuple[str, ...], list[Floats]]:
         """The names of the parameters that an algorithm stores at every call, and the arrays for them.
@@ -139,12 +139,12 @@ class FieldStates:
     def _deferred_with(self, number: float, deferred: Deferred) -> tuple[str, ...]:
         """The fields that an algorithm deferred and that are computed together."""
         fields = (name for name, other in ALGORITHMS[int(number) - 1].deferred.items() if other is deferred)
-        return tuple(name for name in fields if self._marks[self.slots[name]] == number)
+        return tuple(name for name in fields if self._marks[self._slots[name]] == number)
 
     def _state_of(self, number: float, deferred: Deferred) -> tuple[Floats, ...]:
-        return tuple(self.target(f"{ALGORITHMS[int(number) - 1].name} {x}") for x in deferred.inputs)
+        return tuple(self._target(f"{ALGORITHMS[int(number) - 1].name} {x}") for x in deferred.inputs)
 
-    def defer(self, deferred: Deferred, fields: tuple[str, ...], compiled: Any, *state: Floats) -> None:
+    def _defer(self, deferred: Deferred, fields: tuple[str, ...], compiled: Any, *state: Floats) -> None:
         """Has fields computed when they are read.
 
         Args:
@@ -155,36 +155,36 @@ class FieldStates:
         waiting = Waiting(deferred, compiled, state)
         for field in fields:
             self._waiting[field] = waiting
-            self._marks[self.slots[field]] = _WAITING
+            self._marks[self._slots[field]] = _WAITING
 
-    def store_states(self, algorithm: Algorithm) -> None:
+    def _store_states(self, algorithm: Algorithm) -> None:
         """Notes which states an algorithm stores."""
         self._known_states |= algorithm.known_states()
 
-    def mark_filled(self, *fields: str) -> None:
+    def _mark_filled(self, *fields: str) -> None:
         """Marks fields that were filled just now."""
         for field in fields:
-            self._marks[self.slots[field]] = 0.0
+            self._marks[self._slots[field]] = 0.0
 
-    def invalidate(self, algorithm: Algorithm) -> None:
+    def _invalidate(self, algorithm: Algorithm) -> None:
         """Marks the fields that an algorithm invalidates, where it is not a bound one, which marks them itself."""
         for field in algorithm.invalidates:
-            self._marks[self.slots[field]] = float(algorithm.number)
+            self._marks[self._slots[field]] = float(algorithm.number)
 
-    def read(self, field: str) -> None:
+    def _read(self, field: str) -> None:
         """Computes a field that was deferred until it is read.
 
         Raises:
             InputError: The last algorithm leaves an intermediate result there in Pinocchio, and nothing here.
         """
-        number = self._marks[self.slots[field]]
+        number = self._marks[self._slots[field]]
         if number == 0.0:
             return
         if number == _WAITING:
             waiting = self._waiting[field]
             deferred, compiled, state = waiting
             fields = tuple(f for f, other in self._waiting.items() if other is waiting)
-            fields = tuple(f for f in fields if self._marks[self.slots[f]] == _WAITING)
+            fields = tuple(f for f in fields if self._marks[self._slots[f]] == _WAITING)
         else:
             algorithm = ALGORITHMS[int(number) - 1]
             deferred = algorithm.deferred.get(field)
@@ -197,21 +197,21 @@ class FieldStates:
             state = self._state_of(number, deferred)
         deferred.fill(self, compiled, fields, *state)
         for name in fields:
-            self._marks[self.slots[name]] = 0.0
+            self._marks[self._slots[name]] = 0.0
             self._waiting.pop(name, None)
         if "v" in fields:
             self._qv = state[:2]
         if "a" in fields:
             self._qva = state[:3]
 
-    def compute_deferred(self) -> None:
+    def _compute_deferred(self) -> None:
         """Computes all deferred fields; those that are invalidated stay so."""
-        for field, slot in self.slots.items():
+        for field, slot in self._slots.items():
             number = self._marks[slot]
             if number and (number == _WAITING or field in ALGORITHMS[int(number) - 1].deferred):
-                self.read(field)
+                self._read(field)
 
-    def require(self, state: Any, call: str) -> Any:
+    def _require(self, state: Any, call: str) -> Any:
         """Checks that an earlier algorithm stored a state.
 
         Args:
@@ -238,7 +238,7 @@ def _stored_state(name: str) -> property:
 
     def get(self: FieldStates) -> Any:
         if name in _DEFERRED_FIELD:
-            self.read(_DEFERRED_FIELD[name])
+            self._read(_DEFERRED_FIELD[name])
         if name not in self._known_states:
             return None
         return self._arrays[keys[0]] if len(keys) == 1 else tuple(self._arrays[key] for key in keys)
@@ -275,7 +275,7 @@ def compiled_for(model: KinematicTree, data: FieldStates) -> CompiledModel:
         InputError: Joints were added since the Data was made, or it was made for another robot.
     """
     check_layout(model, data)
-    return model.compiled()
+    return model._compiled()
 
 
 def check_frames(model: KinematicTree, data: FieldStates) -> None:

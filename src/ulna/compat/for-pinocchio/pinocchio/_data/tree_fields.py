@@ -118,12 +118,12 @@ class TreeFields(FieldStates):
             self._arrays["Ycrb q"][...] = self._q_of_joints
             return
         model, inertias = self._model, self._arrays["composite inertias"]
-        q = self.require(self._q_of_joints, "crba(model, data, q)")
+        q = self._require(self._q_of_joints, "crba(model, data, q)")
         if model.first_calls.includes("Ycrb", TABLE_CALLS):
             inertias[...] = self._composite_inertias()[0]
             return
-        watch = model.watched("parameters")
-        compiled = self.attach(model)
+        watch = model._watched("parameters")
+        compiled = self._attach(model)
         if compiled.parameter_names:  # where masses are inputs, bodies without mass need the table's cases
             inertias[...] = self._composite_inertias()[0]
             return
@@ -170,7 +170,7 @@ class TreeFields(FieldStates):
     def _composite_inertias(self) -> tuple[Floats, Floats]:
         """Parameters of the inertias (njoints, 13), and placements of the joints (njoints, 4, 4)."""
         model = self._model
-        q = self.require(self._q_of_joints, "crba(model, data, q)")
+        q = self._require(self._q_of_joints, "crba(model, data, q)")
         evaluator = evaluator_of(model, self)
         evaluator.load(model)
         out = evaluator.run(r.MASS, q)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, is_flag
+from pinocchio._containers.arguments import ArgumentError, check_size, is_flag
 from pinocchio._containers.arrays import StdVec, index, numbers
 from pinocchio._containers.keywords import by_name
 from pinocchio._geometry.geometry_collection import CollisionPair
@@ -72,7 +72,7 @@ def _answer(
 ) -> Any:
     """What coal answers about a pair."""
     objects, pair = geometry_model.geometryObjects, _pair(geometry_model, geometry_data, pair_id)
-    at = geometry_data.placed(pair)
+    at = geometry_data._placed(pair)
     functions, requests, results = (
         getattr(geometry_data, name) for name in (f"{what}_functors", f"{what}Requests", f"{what}Results")
     )
@@ -88,7 +88,7 @@ def _answers(
     geometry_model: GeometryModel, geometry_data: GeometryData, what: str, stop: bool = False
 ) -> tuple[list[int], list[Any]]:
     """The active pairs, and what coal answers about them; `stop` ends after the first answer above zero."""
-    chosen, at = _checked(geometry_model, geometry_data), geometry_data.placed()
+    chosen, at = _checked(geometry_model, geometry_data), geometry_data._placed()
     known = calls_of(geometry_model, f"Compute{what.capitalize()}")
     calls, first, second = known.of(chosen), known.first, known.second
     requests, results = (getattr(geometry_data, f"{what}{name}") for name in ("Requests", "Results"))
@@ -158,7 +158,7 @@ def computeContactPatch(geometry_model: GeometryModel, geometry_data: GeometryDa
         pair_index: Number of the pair.
     """
     i, j = _pair(geometry_model, geometry_data, pair_index)
-    at, objects = geometry_data.placed((i, j)), geometry_model.geometryObjects
+    at, objects = geometry_data._placed((i, j)), geometry_model.geometryObjects
     collision, result = (
         geometry_data.collisionResults[pair_index],
         geometry_data.contactPatchResults[pair_index],
@@ -223,8 +223,9 @@ def computeCollisionsInParallel(num_thread: int, *parts: Any) -> Any:
         Whether there is a collision, or an array (n,), or a list of arrays.
 
     Raises:
-        InputError: A pool without configurations.
+        InputError: A pool without configurations; or `num_thread` is below zero.
     """
+    check_size(num_thread, "num_thread")
     pool = parts[0]
     if not isinstance(pool, GeometryPool):
         return computeCollisions(*parts)

@@ -96,7 +96,7 @@ class GeometryData(Saved):
         """For each pair a function that asks coal for its distance."""
         return self._made("distance_functors", lambda c, k: ComputeDistance(*self._two(k)))
 
-    def placed(self, geometries: Iterable[int] | None = None) -> StdVec[Any]:
+    def _placed(self, geometries: Iterable[int] | None = None) -> StdVec[Any]:
         """coal's transforms, those of all or of some geometries moved to where `oMg` has them now."""
         if "transforms" not in self._of_coal:
             from ulna.collision.narrow import coal

@@ -132,7 +132,7 @@ class GeometryObject(Placed, Saved):
                     self._shape = None  # coal's object can be changed
         return self._shape if self._coal is None else self._coal
 
-    def read_mesh_with(self, mesh_loader: Any) -> None:
+    def _read_mesh_with(self, mesh_loader: Any) -> None:
         """Has the file of its mesh read by a loader of coal, when the geometry is first read.
 
         Args:

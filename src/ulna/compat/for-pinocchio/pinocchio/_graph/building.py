@@ -259,7 +259,7 @@ def buildGeometryModel(
             looks = (path, geometry.scale, True, geometry.color)
             parts = (geometry.name, frame.parentJoint, index, place, shape, *looks)
             made = GeometryObject(*parts)
-            made.read_mesh_with(mesh_loader)
+            made._read_mesh_with(mesh_loader)
             out.addGeometryObject(made)
     return out
 

@@ -102,7 +102,7 @@ class KinematicTree(KernelCache):
 
     def _frames_named(self, name: str, types: int) -> list[int]:
         """Indices of the frames of that name, and of one of these types."""
-        indices, frames = self.frame_index().by_name.get(name, ()), self._frames
+        indices, frames = self._index_of_frames().by_name.get(name, ()), self._frames
         return [i for i in indices if frames[i]._facts[1] & types]
 
     def existBodyName(self, name: str) -> bool:
@@ -167,7 +167,7 @@ class KinematicTree(KernelCache):
         self._joint_added()
         return joint.id
 
-    def make_mimic(self, followed: int, joint_id: int, scaling: float, offset: float) -> None:
+    def _make_mimic(self, followed: int, joint_id: int, scaling: float, offset: float) -> None:
         """Makes a joint follow another; it keeps its kind and loses its entries of q and v.
 
         Args:
@@ -219,7 +219,7 @@ class KinematicTree(KernelCache):
         """
         index(joint_id, self.njoints, "joint", "Add the joint with addJoint first.")
         if frame_id < 0:
-            frame_id = self.frame_index().of_joint.get(self.parents[joint_id], 0)
+            frame_id = self._index_of_frames().of_joint.get(self.parents[joint_id], 0)
         return self._add_new_frame(self.names[joint_id], joint_id, frame_id, _HERE, FrameType.JOINT)
 
     def addBodyFrame(

@@ -51,7 +51,7 @@ class CompiledModel:
         self.source, self.parameter_names = source, parameter_names
         self._core = core_model(source)
         self.live_parameters = tuple(
-            block for name in parameter_names for block in source.parameter_blocks(name)
+            block for name in parameter_names for block in source._parameter_blocks(name)
         )
         self.parameters = tuple(block.copy() for block in self.live_parameters)
         self.cache: dict[Any, Any] = {}
@@ -134,13 +134,13 @@ class CompiledModel:
             return (*(results if isinstance(results, tuple) else (results,)), *copies) if copies else results
 
         with_inputs.__name__ = build.__name__
-        inputs = (*self.parameters, *(self.source.parameter_blocks("frames") if frames else ()))
+        inputs = (*self.parameters, *(self.source._parameter_blocks("frames") if frames else ()))
         sizes: dict[str, Any] = {f"number{k}": x.shape for k, x in enumerate(inputs)}
         return compile_function(with_inputs, **shapes, **sizes)
 
     def _block_names(self) -> list[str]:
         """The name of each block of parameters."""
-        return [name for name in self.parameter_names for _ in self.source.parameter_blocks(name)]
+        return [name for name in self.parameter_names for _ in self.source._parameter_blocks(name)]
 
     def _by_name(self, blocks: tuple[Array, ...]) -> dict[str, Array]:
         parts: dict[str, list[Array]] = {}
@@ -152,7 +152,7 @@ class CompiledModel:
         """A kernel compiled here that, once bound, reads the parameters of the Model itself, at every call."""
         if not isinstance(kernel, ParameterKernel):
             return kernel
-        blocks = (*self.live_parameters, *self.source.parameter_blocks("frames"))
+        blocks = (*self.live_parameters, *self.source._parameter_blocks("frames"))
         return ParameterKernel(kernel.kernel, blocks[: len(kernel.parameters)])
 
     def snapshot(self) -> CompiledModel:
@@ -185,7 +185,7 @@ class CompiledModel:
         frames, cache = current.frames, current.cache
         if current.as_inputs:
             kernel = _cached(cache, key, lambda: self._compiled(build, echoed, shapes, frames))
-            placements = (x.copy() for x in self.source.parameter_blocks("frames"))
+            placements = (x.copy() for x in self.source._parameter_blocks("frames"))
             return ParameterKernel(kernel, (*self.parameters, *placements))
 
         def fixed(core: CoreModel) -> Any:
@@ -207,7 +207,7 @@ class _FrameKernels:
 
     def update(self, source: LiveParameters) -> None:
         """Takes the frames as they are now; kernels that were compiled for other frames are dropped."""
-        state = source.frame_state()
+        state = source._frame_state()
         if state != self._state:
             moved = self._state is not None and state[0] == self._state[0]
             self._state, self._changes = state, self._changes + 1 if moved else 0

@@ -60,7 +60,7 @@ class Frame(Placed):
         self._inertia: Inertia | None = None
         self._counters: tuple[Array, ...] = ()
 
-    def add_counter(self, counter: Array) -> None:
+    def _add_counter(self, counter: Array) -> None:
         """Counts changes of its name, type and joint in an array (1,), as each model with this frame does."""
         if not any(known is counter for known in self._counters):
             self._counters = (*self._counters, counter)
@@ -135,9 +135,9 @@ class Frame(Placed):
 
     def copy(self) -> Frame:
         """A copy."""
-        return Frame._from_facts(self.facts(), self._placement.copy())
+        return Frame._from_facts(self._facts_now(), self._placement.copy())
 
-    def facts(self) -> Facts:
+    def _facts_now(self) -> Facts:
         """All of it but its placement, which copies share."""
         return self._facts if self._inertia is None else (*self._facts[:4], self._inertia.copy())
 

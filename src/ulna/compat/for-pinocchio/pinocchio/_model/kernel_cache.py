@@ -41,7 +41,7 @@ class KernelCache(LiveParameters):
     """The least width of the limits of the last random configuration."""
     first_calls: FirstCalls
     """How often its functions were called before they were compiled."""
-    joint_table: Any = None
+    _joint_table: Any = None
     """Its `JointTable`, made when first needed."""
 
     def _changed(self) -> None:
@@ -65,13 +65,13 @@ class KernelCache(LiveParameters):
         for name in _OF_KERNELS:
             self.__dict__.pop(name, None)
 
-    def compiled(self) -> CompiledModel:
+    def _compiled(self) -> CompiledModel:
         """Ulna's model of the present parameters, and its kernels.
 
         Kernels are compiled anew when a parameter has changed, but not again and again: then they take it as an input.
         """
         state = tuple(
-            b"".join(block.tobytes() for block in self.parameter_blocks(name)) for name in PARAMETERS
+            b"".join(block.tobytes() for block in self._parameter_blocks(name)) for name in PARAMETERS
         )
         if state == self._compiled_for and self._newest is not None:
             return self._newest
@@ -98,7 +98,7 @@ class KernelCache(LiveParameters):
             general = self._with_inputs = CompiledModel(self, chosen, self._newest)
         return general.with_values(tuple(block.copy() for block in general.live_parameters))
 
-    def compiled_structure(self) -> CompiledModel:
+    def _compiled_structure(self) -> CompiledModel:
         """Kernels that depend on the kinds of joints alone; models with the same joints share them."""
         if self._structure is None:
             key = tuple((j.kind, j.idx_q, j.idx_v, j.mimic) for j in self.joints[1:])
@@ -108,7 +108,7 @@ class KernelCache(LiveParameters):
                 _STRUCTURES.pop(next(iter(_STRUCTURES)), None)
         return self._structure
 
-    def watched(self, on: Dependence, frame: Any = None) -> Any:
+    def _watched(self, on: Dependence, frame: Any = None) -> Any:
         """Pairs of an array that kernels depend on and a copy of it.
 
         Args:
@@ -120,16 +120,16 @@ class KernelCache(LiveParameters):
             Pairs of arrays (...).
         """
         if on in ("frame", "frames"):
-            self.frame_state()
+            self._frame_state()
         if on == "structure":
             live: list[Array] = [self._version]
         elif on == "frame":
             live = [self._frame_changes, self.frames[frame].placement._m]
         else:
             names = PARAMETERS if on == "parameters" else ("placements",)
-            live = [self._version, *(x for name in names for x in self.parameter_blocks(name))]
+            live = [self._version, *(x for name in names for x in self._parameter_blocks(name))]
         if on == "frames":
-            live += [self._frame_changes, *self.parameter_blocks("frames")]
+            live += [self._frame_changes, *self._parameter_blocks("frames")]
         return [(block, block.copy()) for block in live]
 
 
@@ -147,7 +147,7 @@ _BOUND = (
 )
 """Kernels that are bound to a model when they are first called."""
 _OF_KERNELS = (
-    *("_variants", "_with_inputs", "_compiled_for", "_newest", "_structure", "_neutral", "joint_table"),
+    *("_variants", "_with_inputs", "_compiled_for", "_newest", "_structure", "_neutral", "_joint_table"),
     *_BOUND,
 )
 """What belongs to the kernels of a model."""

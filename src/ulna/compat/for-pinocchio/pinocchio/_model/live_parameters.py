@@ -141,7 +141,7 @@ class FrameList(StdVec[Frame]):
     def _count_added(self, frames: Iterable[Frame]) -> None:
         self.changes[0] += 1
         for frame in frames:
-            frame.add_counter(self.changes)
+            frame._add_counter(self.changes)
 
     def fill(self, frames: list[Frame]) -> None:
         """Adds frames that count their changes in `changes` already."""
@@ -263,12 +263,12 @@ class LiveParameters:
             "frames": RowStorage("_m"),
         }
 
-    def take_rows(self, rows: dict[str, Floats], facts: list[Any]) -> None:
+    def _take_rows(self, rows: dict[str, Floats], facts: list[Any]) -> None:
         """Takes placements, inertias and frames, whose objects are made when needed.
 
         Args:
             rows: The arrays (n, ...) of each, one after the other, by their names.
-            facts: What is known of each frame; see `Frame.facts`.
+            facts: What is known of each frame; see `Frame._facts_now`.
         """
         slots = {"placements": "_m", "inertias": "_p", "frames": "_m"}
         self._rows = {name: RowStorage.of_rows(slots[name], rows[name]) for name in slots}
@@ -281,25 +281,25 @@ class LiveParameters:
         if "_frames" in self.__dict__:
             self._store_frames()
 
-    def rows_of(self, name: str) -> Floats:
+    def _rows_of(self, name: str) -> Floats:
         """A copy of all placements, inertias or frames, one after the other."""
         with _MAKING:
             self._store_all()
             return np.concatenate(self._rows[name].blocks())
 
-    def facts_of_frames(self) -> list[Any]:
-        """What is known of each frame; see `Frame.facts`."""
+    def _facts_of_frames(self) -> list[Any]:
+        """What is known of each frame; see `Frame._facts_now`."""
         frames: Any = self.__dict__.get("_frames")
         if frames is None:
             return self._frames_of_copy[:]
-        return [frame._facts if frame._inertia is None else frame.facts() for frame in frames]
+        return [frame._facts if frame._inertia is None else frame._facts_now() for frame in frames]
 
     def _copy_rows(self, other: LiveParameters) -> None:
         """Copies joints, frames and their parameters of another model; their objects are made when needed."""
         with _MAKING:
             other._store_all()
             self._rows = {name: rows.copied() for name, rows in other._rows.items()}
-            self._frames_of_copy = other.facts_of_frames()
+            self._frames_of_copy = other._facts_of_frames()
             joints = other.__dict__.get("joints")
             self._joints_of_copy = (
                 other._joints_of_copy if joints is None else [(type(j), j.__dict__.copy()) for j in joints]
@@ -398,7 +398,7 @@ class LiveParameters:
         array = numbers(value.vector if isinstance(value, Motion) else value, "value")
         self._gravity._assign(array if array.size == 6 else np.concatenate([array.reshape(3), np.zeros(3)]))
 
-    def parameter_blocks(self, name: str) -> list[Floats]:
+    def _parameter_blocks(self, name: str) -> list[Floats]:
         """The blocks in which the parameters of that name, one of `PARAMETERS` or "frames", are stored."""
         if name == "gravity":
             return [self._gravity._v]
@@ -424,7 +424,7 @@ class LiveParameters:
 
     def _add_last_frame(self, frame: Frame) -> None:
         """Adds a frame at the end."""
-        index = self.frame_index()
+        index = self._index_of_frames()
         self._frames.append(frame)
         index.add(frame, len(self._frames) - 1)
         self._indexed_changes = int(self._frame_changes[0])
@@ -441,18 +441,18 @@ class LiveParameters:
         self._frame_changes[0] += 1
         self._store_frames()
 
-    def watched_frames(self) -> list[tuple[Array, Array]]:
+    def _watched_frames(self) -> list[tuple[Array, Array]]:
         """The count of changes of joints and frames, and a copy of it, (1,) each."""
         return [(self._frame_changes, self._frame_changes.copy())]
 
-    def frame_index(self) -> FrameIndex:
+    def _index_of_frames(self) -> FrameIndex:
         """Where the frames are by their names; made anew when one was changed."""
         changes = int(self._frame_changes[0])
         if changes != self._indexed_changes:
             self._indexed_changes, self._frame_index = changes, FrameIndex(self._frames)
         return self._frame_index
 
-    def frame_state(self) -> tuple[Any, bytes]:
+    def _frame_state(self) -> tuple[Any, bytes]:
         """A key that changes when a frame of this model does."""
         count = int(self._frame_changes[0])
         if count != self._counted_changes:

@@ -202,8 +202,8 @@ class Model(Saved, Supports, KinematicTree):
         self._layout = other._layout
 
     def _adopt_rows(self, rows: dict[str, Floats], facts: list[Any]) -> None:
-        """Completes a model whose joints are there: takes placements, inertias and frames; see `take_rows`."""
-        self.take_rows(rows, facts)
+        """Completes a model whose joints are there: takes placements, inertias and frames; see `_take_rows`."""
+        self._take_rows(rows, facts)
         self._layout = tuple((j.shortname(), j.idx_q, j.idx_v) for j in self.joints)
 
     __copy__ = cast = copy

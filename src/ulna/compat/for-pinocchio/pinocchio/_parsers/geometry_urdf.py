@@ -122,7 +122,7 @@ def geometry_model_of(
                     named["mesh_color"] = np.array(material.rgba)
             name = geometry.name if own_names else f"{frame.name}_{k}"
             made = GeometryObject(name, frame.parentJoint, i, placement, shape, **named)
-            made.read_mesh_with(mesh_loader)
+            made._read_mesh_with(mesh_loader)
             out.addGeometryObject(made)
     return out
 

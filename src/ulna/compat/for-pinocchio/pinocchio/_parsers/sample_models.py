@@ -73,7 +73,7 @@ def buildSampleModelHumanoidRandom(using_free_flyer: bool = True, mimic: bool = 
         The model.
     """
     model = _humanoid_of_chains(using_free_flyer, mimic).copy()
-    (placements,), (inertias,) = model.parameter_blocks("placements"), model.parameter_blocks("inertias")
+    (placements,), (inertias,) = model._parameter_blocks("placements"), model._parameter_blocks("inertias")
     for i in range(1, model.njoints):
         if i > 1:
             placements[i] = SE3.Random()._m
@@ -104,7 +104,7 @@ def _humanoid_of_chains(using_free_flyer: bool, mimic: bool) -> Model:
     for side in ("rarm", "larm"):
         last = _chain(model, chest, [f"{side}{k}" for k in range(1, 7)], kinds)
     if mimic:
-        model.make_mimic(last - 1, last, 1.0, 0.0)
+        model._make_mimic(last - 1, last, 1.0, 0.0)
     return model
 
 
@@ -130,7 +130,7 @@ def _limb(model: Model, parent: int, placement: SE3, prefix: str, mimic: bool = 
         if extra:
             model.addBodyFrame(f"{prefix}{extra}_body", parent, SE3())
     if mimic:
-        model.make_mimic(parent - 1, parent, 1.0, 0.0)
+        model._make_mimic(parent - 1, parent, 1.0, 0.0)
     return parent
 
 

@@ -150,7 +150,7 @@ def build_model(
     joints = _add_joints(out, top, below, inertias, placed)
     for joint, carrier in joints if mimic else ():
         if joint.mimic is not None:
-            out.make_mimic(
+            out._make_mimic(
                 known(out.getJointId(joint.mimic.joint)), carrier, joint.mimic.multiplier, joint.mimic.offset
             )
     return out

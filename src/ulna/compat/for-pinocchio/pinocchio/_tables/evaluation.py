@@ -39,7 +39,7 @@ class TableEvaluator:
 
     def load(self, model: KinematicTree) -> None:
         """Reads the parameters of a model."""
-        self.load_parameters(*(np.concatenate(model.parameter_blocks(name)) for name in PARAMETERS))
+        self.load_parameters(*(np.concatenate(model._parameter_blocks(name)) for name in PARAMETERS))
 
     def load_parameters(
         self, placements: Floats, inertias: Floats, gravity: Floats, armature: Floats

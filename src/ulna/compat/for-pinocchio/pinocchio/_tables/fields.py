@@ -127,9 +127,9 @@ def frames_at(model: KinematicTree, placements: Floats) -> Floats:
     Returns:
         Matrices (nframes, 4, 4).
     """
-    model.frame_state()  # stores frames that were added
+    model._frame_state()  # stores frames that were added
     parents = [frame.parentJoint for frame in model.frames]
-    return placements[parents] @ np.concatenate(model.parameter_blocks("frames"))
+    return placements[parents] @ np.concatenate(model._parameter_blocks("frames"))
 
 
 FIELDS: dict[str, Callable[[TableFields], Any]] = {
