@@ -28,7 +28,7 @@ from ulna.planning.run import Options
 from ulna.planning.scenes import PlanningScene
 from ulna.planning.search import Search
 from ulna.system.progress import progress
-from ulna.typing import ArrayLike
+from ulna.typing import ArrayLike, Floats
 
 if TYPE_CHECKING:  # what only some plans need is imported where it is used
     from ulna.planning.constrained import ConstrainedSearch
@@ -271,7 +271,11 @@ class Planner:
         if joints is not None:
             moving = moving_columns(self.model, joints)
             options = options._replace(still=None if moving.all() else ~moving)
-        plan = self._search_along(constraints).run(q0, goals.configurations, options)
+        search = self._search_along(constraints)
+        run = search.run
+        if options.still is not None and not self._is_exact:
+            run = partial(self._run_with_still_joints, search, constraints)
+        plan = run(q0, goals.configurations, options)
         if plan.outcome == "unreachable" and goals.reason:
             return replace(plan, reason=f"{plan.reason.rstrip('.')}: {goals.reason}.")
         is_renumbered = plan and goals.numbers[plan.goal] != plan.goal
@@ -285,6 +289,32 @@ class Planner:
             and q0.dtype is goal.dtype is _FLOAT64
             and isfinite(sum(q0.tolist()) + sum(goal.tolist()))  # nan and inf never become finite by sums
         )
+
+    def _run_with_still_joints(
+        self, search: Any, constraints: Any, q0: Floats, goals: Floats, options: Options
+    ) -> Plan:
+        """A plan for some joints; where it is refused, pairs that stay as they are count by their real shapes."""
+        plan = search.run(q0, goals, options._replace(with_reason=False))
+        if plan.outcome not in ("start", "goal"):
+            return plan
+        others = self._without_still_pairs(q0, options.still)
+        if others is not None:
+            search = others._search_along(constraints)
+        return search.run(q0, goals, options)
+
+    def _without_still_pairs(self, q0: Floats, still: Any) -> Planner | None:
+        """The planner without the pairs of links that stay as they are, if their real shapes are apart; else None."""
+        from ulna.planning.still_links import are_apart, divided_pairs  # for few plans
+
+        (robot, world), options = self._arguments
+        if world is not None and (world.attachments or world.margins):  # these belong to pairs of links, too
+            return None
+        together, others = divided_pairs(self.model, tuple(self.scene.link_pairs), tuple(still.tolist()))
+        margin = self._lengths[0]
+        if not together or not are_apart(self.model, together, q0, margin, self.scene.missing):
+            return None
+        lengths = margin, options["step"], options["longest"]
+        return _planner(robot, world, options["spheres"], others, *lengths, "spheres")
 
     def _search_along(self, constraints: Any) -> Search | ExactSearch:
         """The search that keeps constraints."""
