@@ -158,7 +158,6 @@ def _is_interval_proved(kernel, proof, a, b, number, count, work, W):
         if _first_touching_interval(kernel, proof.finest, a, b, 4 * i, 4 * i + 4, 16 * count, work, W) >= 0:
             return False
         i += 1
-    return True
 
 
 @procedure
@@ -173,7 +172,6 @@ def _is_edge_proved(kernel, proof, a, b, work, W):
         if not _is_interval_proved(kernel, proof, a, b, i, count, work, W):
             return False
         i += 1
-    return True
 
 
 @procedure(constants={"W": 8})

@@ -272,10 +272,10 @@ class Planner:
             moving = moving_columns(self.model, joints)
             options = options._replace(still=None if moving.all() else ~moving)
         search = self._search_along(constraints)
-        run = search.run
-        if options.still is not None and not self._is_exact:
-            run = partial(self._run_with_still_joints, search, constraints)
-        plan = run(q0, goals.configurations, options)
+        if options.still is None or self._is_exact:
+            plan = search.run(q0, goals.configurations, options)
+        else:
+            plan = self._run_with_still_joints(search, constraints, q0, goals.configurations, options)
         if plan.outcome == "unreachable" and goals.reason:
             return replace(plan, reason=f"{plan.reason.rstrip('.')}: {goals.reason}.")
         is_renumbered = plan and goals.numbers[plan.goal] != plan.goal
@@ -309,7 +309,7 @@ class Planner:
         (robot, world), options = self._arguments
         if world is not None and (world.attachments or world.margins):  # these belong to pairs of links, too
             return None
-        together, others = divided_pairs(self.model, tuple(self.scene.link_pairs), tuple(still.tolist()))
+        together, others = divided_pairs(self.model, self.scene.link_pairs, tuple(still.tolist()))
         margin = self._lengths[0]
         if not together or not are_apart(self.model, together, q0, margin, self.scene.missing):
             return None

@@ -5,6 +5,8 @@ from __future__ import annotations
 import gc
 import os
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
 
@@ -36,7 +38,9 @@ def test_a_collector_that_was_off_stays_off() -> None:
         gc.enable()
 
 
-def test_pauses_of_threads_overlap() -> None:
+@contextmanager
+def paused_in_another_thread() -> Iterator[None]:
+    """Within, another thread is in a pause."""
     inside, leave = threading.Event(), threading.Event()
 
     def pause() -> None:
@@ -47,29 +51,25 @@ def test_pauses_of_threads_overlap() -> None:
     thread = threading.Thread(target=pause)
     thread.start()
     inside.wait()
-    with paused_collection():
-        pass
-    assert not gc.isenabled()
-    leave.set()
-    thread.join()
+    try:
+        yield
+    finally:
+        leave.set()
+        thread.join()
+
+
+def test_pauses_of_threads_overlap() -> None:
+    with paused_in_another_thread():
+        with paused_collection():
+            pass
+        assert not gc.isenabled()
     assert gc.isenabled()
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
 def test_a_child_forked_during_a_pause_collects() -> None:
-    inside, leave = threading.Event(), threading.Event()
-
-    def pause() -> None:
-        with paused_collection():
-            inside.set()
-            leave.wait()
-
-    thread = threading.Thread(target=pause)
-    thread.start()
-    inside.wait()
-    child = os.fork()
-    if not child:
-        os._exit(0 if gc.isenabled() else 1)
-    leave.set()
-    thread.join()
+    with paused_in_another_thread():
+        child = os.fork()
+        if not child:
+            os._exit(0 if gc.isenabled() else 1)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0

@@ -86,12 +86,8 @@ def getFrameVelocityDerivatives(
     Returns:
         Two matrices (6, nv).
     """
-    place, kind = place_of(model, frame_id, joint_id, placement), "velocity derivatives"
-    binding_key = (
-        (frame_id, reference_frame, kind)
-        if placement is None
-        else (place.joint, reference_frame, f"placed {kind}")
-    )
+    place = place_of(model, frame_id, joint_id, placement)
+    binding_key = _binding_key(place, frame_id, reference_frame, "velocity derivatives")
     return _motions(model, data, place, reference_frame, False, binding_key)
 
 
@@ -131,13 +127,16 @@ def getFrameAccelerationDerivatives(
     Returns:
         Four matrices (6, nv).
     """
-    place, kind = place_of(model, frame_id, joint_id, placement), "acceleration derivatives"
-    binding_key = (
-        (frame_id, reference_frame, kind)
-        if placement is None
-        else (place.joint, reference_frame, f"placed {kind}")
-    )
+    place = place_of(model, frame_id, joint_id, placement)
+    binding_key = _binding_key(place, frame_id, reference_frame, "acceleration derivatives")
     return _motions(model, data, place, reference_frame, True, binding_key)
+
+
+def _binding_key(place: Place, frame_id: Any, reference_frame: Any, kind: str) -> tuple[Any, ...]:
+    """What decides the bound call for a frame, or for a placement, which is an input, on a joint."""
+    if place.placement is None:
+        return frame_id, reference_frame, kind
+    return place.joint, reference_frame, f"placed {kind}"
 
 
 def _motions(
