@@ -28,6 +28,8 @@ CHAINS = {"chain 100": 100, "chain 1000": 1000, "chain 5000": 5000}
 LABELS = (*derivatives.ROBOTS, *CHAINS)
 LARGEST_FOR_PINOCCHIO = 200
 """Joints; the size of Pinocchio's Data grows with their cube."""
+LARGEST_FOR_MUJOCO = 1000
+"""Joints; MuJoCo refuses trees that are five times as deep, after a minute."""
 FRAME = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
@@ -109,7 +111,8 @@ def models(label: str, folder: str) -> tuple[Model, Any, Any]:
         n = CHAINS[label]
         path = chain_file(n, folder)
         peer = pin.buildModelFromUrdf(str(path)) if n <= LARGEST_FOR_PINOCCHIO else None
-        return load_model(path), peer, mujoco_model(path, False)
+        other = mujoco_model(path, False) if n <= LARGEST_FOR_MUJOCO else None
+        return load_model(path), peer, other
     name = derivatives.ROBOTS[label]
     path, _ = data.files(name)
     model, peer = derivatives.load(name)

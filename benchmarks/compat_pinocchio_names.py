@@ -196,15 +196,15 @@ TOTALS = (
 HEAD = """# Names of Pinocchio 4.1 that Ulna offers
 
 Written by `python benchmarks/compat_pinocchio_names.py --write`, which compares `dir(pinocchio)` of both packages; a test
-checks that it is up to date. "Asked of both" counts the names that stand in the lines which the tests put to the package and
-to real Pinocchio (`*asked*.py` in `tests/compat/pinocchio` and `seed1`), whose answers must be equal. What is not offered raises
-AttributeError (ImportError in `from pinocchio import ...`) with the word below.
+checks that it is up to date. "Asked of both" counts the names that stand in the lines that tests run with the package
+and with real Pinocchio (`*asked*.py` in `tests/compat/pinocchio` and `seed1`), whose answers must be equal. What is not offered raises
+AttributeError (ImportError in `from pinocchio import ...`) with the text in the table below.
 """
 OVERLOADS = """What the documentation strings of Pinocchio's functions and methods list. `test_signatures.py` compares number, order, names and defaults
 of the arguments of every overload. `differential.py` puts the generated calls to both packages and compares types, shapes, values, printed text
 and classes of errors ([how](pinocchio.md#checked)). Calls are not generated for what reads files, draws, belongs to coal, or seeds random numbers.
 """
-MEMBERS = """Of the chief classes and modules; asked ones are counted by name, whatever object they were asked of.
+MEMBERS = """Of the main classes and modules; asked ones are counted by name, whatever object they were asked of.
 """
 
 

@@ -4,8 +4,8 @@
 
 Each part takes a minute or less, and can run alone. Ratios are medians of rounds in which all take turns. The cluster is
 started before the clock. One process has the settings of the workers: one thread of BLAS, and memory that is kept. Two
-plain processes, which share the parts without Dask, show what the machine can do; what two workers take more than they
-is the engine's. Rounds in which other programs use more than 3 % of the processors that a job has are tried again while
+plain processes, which share the parts without Dask, show what the machine can do; the extra time with workers is spent
+in the engine. Rounds in which other programs use more than 3 % of the processors that a job has are tried again while
 there is time (--seconds), and those with least of it count; the last column says what they used.
 """
 

@@ -63,9 +63,35 @@ def expm1_weight(r: Any) -> Any:
     return abs(r) ** 3 / abs(mpmath.expm1(r)) if r else mpf(0)
 
 
+ERF_BOUND = mpf(13) / 16
+"""Where the form of the error function changes: it is fitted itself below, its complement above."""
+
+
+def erf_tail(z: Any) -> Any:
+    """(erf(x) / x - 2 / sqrt(pi)) / x^2 at z = x^2."""
+    x = mpmath.sqrt(z)
+    return (mpmath.erf(x) / x - 2 / mpmath.sqrt(mp.pi)) / z
+
+
+def erf_weight(z: Any) -> Any:
+    """What turns an error of the tail into a relative error of the error function."""
+    x = mpmath.sqrt(z)
+    return z * x / mpmath.erf(x)
+
+
+def erfc_tail(u: Any) -> Any:
+    """(log(erfc(b)) - log(erfc(b + u))) / u, where b is the bound."""
+    return mpmath.log(mpmath.erfc(ERF_BOUND) / mpmath.erfc(ERF_BOUND + u)) / u
+
+
+def erfc_weight(u: Any) -> Any:
+    """What turns an error of the tail into a relative error of the error function."""
+    return u * mpmath.erfc(ERF_BOUND + u) / mpmath.erf(ERF_BOUND + u)
+
+
 DEGREES = {
-    "F64": {"ASIN": 12, "ATAN": 11, "LOG": 6, "EXP": 8, "EXPM1": 9},
-    "F32": {"ASIN": 4, "ATAN": 4, "LOG": 2, "EXP": 3, "EXPM1": 4},
+    "F64": {"ASIN": 12, "ATAN": 11, "LOG": 6, "EXP": 8, "EXPM1": 9, "ERF": 9, "ERFC": 17},
+    "F32": {"ASIN": 4, "ATAN": 4, "LOG": 2, "EXP": 3, "EXPM1": 4, "ERF": 4, "ERFC": 6},
 }
 
 
@@ -77,6 +103,7 @@ def constants() -> dict[str, list[Any]]:
         "ASIN": (asin_tail, asin_weight, mpf(1) / 4),
         "ATAN": (atan_tail, atan_weight, mpf(1) / 4),
         "LOG": (log_tail, log_weight, log_upper),
+        "ERF": (erf_tail, erf_weight, ERF_BOUND**2),
     }
     for suffix, bits in (("F64", 53), ("F32", 24)):
         for name, (tail, weight, end) in functions.items():
@@ -86,14 +113,22 @@ def constants() -> dict[str, list[Any]]:
             fitted[f"{name}_{suffix}"] = coefficients
             report(f"{name}_{suffix}", worst)
         half = mpmath.log(2) / 2 * (1 + mpf(2) ** -10)
-        for name, weight in (("EXP", exp_weight), ("EXPM1", expm1_weight)):
-            exact, worst = remez(exp_tail, weight, -half, half, range(DEGREES[suffix][name] + 1))
+        for name, tail, weight, lower, upper in (
+            ("EXP", exp_tail, exp_weight, -half, half),
+            ("EXPM1", exp_tail, expm1_weight, -half, half),
+            ("ERFC", erfc_tail, erfc_weight, mpf(10) ** -6, 6 - ERF_BOUND),
+        ):
+            exact, worst = remez(tail, weight, lower, upper, range(DEGREES[suffix][name] + 1))
             fitted[f"{name}_{suffix}"] = [float(round_to(c, bits)) for c in exact]
             report(f"{name}_{suffix}", worst)
         # The first part leaves room for the exponent, so that its product with it is exact.
         high = round_to(mpmath.log(2), bits - 12)
         fitted[f"LN2_{suffix}"] = [float(high), float(round_to(mpmath.log(2) - high, bits))]
         fitted[f"LOG2E_{suffix}"] = [float(round_to(1 / mpmath.log(2), bits))]
+        fitted[f"ERF_{suffix}"].insert(0, float(round_to(2 / mpmath.sqrt(mp.pi) - 1, bits)))
+        exponent = -mpmath.log(mpmath.erfc(ERF_BOUND))
+        high = round_to(exponent, bits)
+        fitted[f"ERFC_EXPONENT_{suffix}"] = [float(high), float(round_to(exponent - high, bits))]
         # Short enough to be multiplied by 1, 2, 3 or 4 without rounding.
         fitted[f"QUARTER_PI_{suffix}"] = [p / 2 for p in half_pi_parts((bits - 2, bits))]
     return fitted

@@ -1,6 +1,6 @@
 """A real Chromium for the tests of the page; tests that lack a program or package are skipped and say why. Ctrl-C reaches every test.
 
-While tests are collected, no garbage is: two million objects of modules and tests that all stay would be looked at again and again.
+While tests are collected, no garbage is, and what is there then is never looked at: two million objects of modules and tests all stay.
 """
 
 from __future__ import annotations
@@ -36,6 +36,22 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 _THRESHOLDS: pytest.StashKey[tuple[int, int, int]] = pytest.StashKey()
 _LONGEST = 100_000
 """How long an operation of the browser may take [ms]."""
+_FEWER_FRAMES = """(() => {
+  const draw = window.requestAnimationFrame.bind(window), waiting = new Map();
+  let last = 0, number = 0, asked = false;
+  const frame = time => {
+    asked = false; last = performance.now();
+    const now = [...waiting.keys()];
+    for (const k of now) { const call = waiting.get(k); if (waiting.delete(k)) call(time); }
+  };
+  window.requestAnimationFrame = call => {
+    waiting.set(++number, call);
+    if (!asked) { asked = true; setTimeout(() => draw(frame), Math.max(0, 66 - (performance.now() - last))); }
+    return number;
+  };
+  window.cancelAnimationFrame = k => { waiting.delete(k); };
+})()"""
+"""Pages draw 15 times a second and not 60: the processor draws, and each frame takes it some milliseconds."""
 
 
 def pytest_collection(session: pytest.Session) -> None:
@@ -45,6 +61,7 @@ def pytest_collection(session: pytest.Session) -> None:
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
+    gc.freeze()
     gc.set_threshold(*session.stash[_THRESHOLDS])
 
 
@@ -52,8 +69,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Tests in a browser are tried twice more: Chromium, which draws with the processor here, fails now and then by itself.
 
     Raises:
-        pytest.UsageError: A slow test is in a file that `.ci/run` would not find.
+        pytest.UsageError: A slow test is in a file that `.ci/run` would not find, or a test has an address in its name.
     """
+    changing = [item.nodeid for item in items if " at 0x" in item.nodeid]
+    if changing:
+        raise pytest.UsageError(
+            f"Several processes can share tests only if their names are the same in each; change `ids`: {changing}"
+        )
     hidden = {item.path for item in items if item.get_closest_marker("slow") and not _says_slow(item.path)}
     if hidden:
         raise pytest.UsageError(
@@ -124,8 +146,8 @@ class Chromium:
         self._driver, self._program, self._browser = driver, program, None
         self.contexts: list[Any] = []
 
-    def new_context(self, **options: Any) -> Any:
-        """A context whose operations may take minutes; `options` are Playwright's."""
+    def new_context(self, *, every_frame: bool = False, **options: Any) -> Any:
+        """A context whose operations may take minutes, with all frames or fewer; `options` are Playwright's."""
         if self._browser is None or not self._browser.is_connected():
             self._browser = self._driver.chromium.launch(
                 executable_path=self._program, timeout=_LONGEST,
@@ -133,6 +155,8 @@ class Chromium:
             )  # fmt: skip
         context = self._browser.new_context(**options)
         context.set_default_timeout(_LONGEST)
+        if not every_frame:
+            context.add_init_script(_FEWER_FRAMES)
         self.contexts.append(context)
         return context
 

@@ -35,6 +35,8 @@ def _dataclass(
             made: Any = dataclasses.dataclass(
                 cls, init=False, repr=False, eq=False, kw_only=kw_only, slots=slots
             )
+        if slots and getattr(vars(made).get("__weakref__"), "__objclass__", made) is not made:
+            del made.__weakref__  # before 3.11.3 that of the class without slots stays, and raises
         parameters = made.__dataclass_params__
         parameters.init, parameters.repr, parameters.eq, parameters.frozen = init, repr, eq, frozen
         attributes, fields = vars(made), dataclasses.fields(made)

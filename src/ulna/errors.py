@@ -4,7 +4,8 @@ UlnaError
 ├── InputError (ValueError)          what was passed in cannot be used
 │   ├── ShapeError                   an array has the wrong shape
 │   ├── DtypeError                   an array has a type that does not convert to real numbers
-│   └── NonFiniteError               an array holds nan or inf
+│   ├── NonFiniteError               an array holds nan or inf
+│   └── MissingFolder (FileNotFoundError) a file cannot be written, since its folder does not exist
 ├── UnknownName (LookupError)        a frame, joint, robot, kernel ... of that name does not exist
 ├── UnknownAttribute (AttributeError) an object has no attribute of that name
 ├── UnknownArgument (TypeError)      a function has no argument of that name
@@ -31,7 +32,8 @@ UlnaWarning (UserWarning)
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from ulna.extras import install_command
@@ -103,7 +105,8 @@ class UlnaError(Exception):
 
 def _restored(kind: type[UlnaError], args: tuple[Any, ...], data: dict[str, Any]) -> UlnaError:
     """An error as it was before it was pickled: its classes take other arguments than the message."""
-    error = kind.__new__(kind, *args)
+    error = (OSError if issubclass(kind, OSError) else kind).__new__(kind, *args)
+    error.args = args  # not set for an OSError whose class has an `__init__`
     error.__dict__.update(data)
     return error
 
@@ -168,6 +171,22 @@ class NonFiniteError(InputError):
         self.name, self.index, self.value = name, index, value
         where = f"[{', '.join(map(str, index))}]" if index else ""
         super().__init__(f"`{name}{where}` is {value}; expected finite numbers. {fix}")
+
+
+class MissingFolder(InputError, FileNotFoundError):
+    """A file cannot be written, since there is no folder in its place; says which one is missing.
+
+    Args:
+        folder: The folder.
+        path: The path of the file, as it was given.
+    """
+
+    def __init__(self, folder: str, path: str) -> None:
+        self.folder, self.path = folder, path
+        super().__init__(
+            f"{excerpt(repr(path))} cannot be written: there is no folder {excerpt(repr(folder))}. Make it first, or "
+            "give another path."
+        )
 
 
 class UnknownName(UlnaError, LookupError):
@@ -307,6 +326,27 @@ class MissingExtra(UlnaError, ImportError):
         self.package, self.extra, self.purpose = package, extra, purpose
         command = install_command(extra, package)
         super().__init__(f"{purpose} needs the package {package!r}. Install it with: {command}")
+
+
+@contextmanager
+def needed(package: str, extra: str, purpose: str) -> Iterator[None]:
+    """Around imports of an optional dependency.
+
+    Args:
+        package: The package.
+        extra: The extra of ulna that installs it.
+        purpose: What needs it.
+
+    Returns:
+        A context.
+
+    Raises:
+        MissingExtra: It is not installed.
+    """
+    try:
+        yield
+    except ImportError as error:
+        raise MissingExtra(package, extra, purpose) from error
 
 
 class TraceError(UlnaError, TypeError):

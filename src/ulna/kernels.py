@@ -1,4 +1,4 @@
-"""Where algorithms and the compiler meet: algorithm x model -> kernel, by name, each made once.
+"""Compiles algorithms for models: algorithm x model -> kernel, by name, each made once.
 
 A quantity names its arrays and its algorithm; for one model and one choice of options that is a plain function of
 arrays, which is traced and compiled. Kernels are shared between equal models.
@@ -17,23 +17,29 @@ import numpy as np
 
 from ulna import compiler
 from ulna import model as models
-from ulna.algorithms.multibody.references import check_reference
-from ulna.errors import InputError, UnknownName
+from ulna.kernel_options import (
+    DEVICES,
+    check_device,
+    choose,
+    doc_of,
+    labels,
+    named_options,
+    parameter_names,
+    quaternion_entries,
+    shapes_for,
+    shapes_of,
+)
 from ulna.model import Model
 from ulna.quantities import QUANTITIES, Quantity
-from ulna.quantities.documentation import ARRAYS, Size, with_batch
 from ulna.quantities.mass import MASS_PARAMETERS, check_mass
-from ulna.quantities.part import frozen
 from ulna.quantities.quantity import frame_of
 from ulna.quantities.size import check_size, estimated_nodes, sized
 from ulna.system import forks
 
 if TYPE_CHECKING:
     from ulna.compiler import Function
-    from ulna.compiler.language.function import SecondForm
+    from ulna.compiler.language.ports import SecondForm
     from ulna.recursions.looped_function import LoopedFunction
-
-_SEARCHES = ("ik", "ik_all", "ik_classic", "ik_free", "distance", "collides", "first_contact")
 
 LOOPED_ABOVE = 60_000
 """Operations, as they are estimated, above which a quantity is computed by loops over joints where it can be.
@@ -47,9 +53,6 @@ that take many operations for each pair of joints, whose loops are slowest besid
 
 _MANY_FOR_A_PAIR = 39
 """Operations."""
-
-DEVICES = ("cpu", "cuda")
-"""What kernels are compiled for."""
 
 _MIN_COLUMNS = 12
 """Velocities of a robot from which on a quantity is compiled in its form of columns, where it has one."""
@@ -83,9 +86,9 @@ def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), *
     Raises:
         UnknownName: As from `kernel`.
     """
-    quantity, chosen = _choose(name, options)
-    names = _parameter_names(model, parameters)
-    shapes, doc = _shapes(model, quantity, chosen), _doc(model, quantity, chosen)
+    quantity, chosen = choose(name, options)
+    names = parameter_names(model, parameters)
+    shapes, doc = shapes_of(model, quantity, chosen), doc_of(model, quantity, chosen)
     extra: dict[str, Any] = {key: models.parameters(model, key).shape for key in names}
     doc += f" Parameters: {', '.join(names)}." if names else ""
 
@@ -117,7 +120,13 @@ def _stages_of_large(
 
     None where there is none, or where the processor or the size of the results does not suit it.
     """
-    if quantity.columns is not None or model.nv > _MAX_STAGES:
+    from ulna.algorithms import is_serial
+
+    if model.nv > _MAX_STAGES or (quantity.columns is not None and not is_serial(model)):
+        return None
+    if (
+        quantity.inverts_mass and dtype != np.float64
+    ):  # loops compute in float64, and masses of long chains need it
         return None
     form = _stages_of(model, quantity, chosen)
     if form is None:
@@ -160,11 +169,11 @@ def looped(model: Model, name: str, **options: Any) -> LoopedFunction | None:
     from ulna.recursions.looped_function import LoopedFunction  # with the language of procedures, for few
     from ulna.recursions.quantities import recursion_of
 
-    quantity, chosen = _choose(name, options)
+    quantity, chosen = choose(name, options)
     recursion = recursion_of(model, quantity, chosen)
     if recursion is None:
         return None
-    shapes, doc = _shapes(model, quantity, chosen), _doc(model, quantity, chosen)
+    shapes, doc = shapes_of(model, quantity, chosen), doc_of(model, quantity, chosen)
     again = partial(looped, model, name, **chosen)
     return LoopedFunction(
         name, doc, model, shapes, recursion, partial(function, model, name, **chosen), (again, ())
@@ -201,8 +210,8 @@ def kernel(
         InputError: If `checked` is asked for on a GPU.
     """
     check_device(device, checked)
-    quantity, chosen = _choose(name, options)
-    names = _parameter_names(model, parameters)
+    quantity, chosen = choose(name, options)
+    names = parameter_names(model, parameters)
     key = (
         model.fingerprint,
         name,
@@ -215,7 +224,7 @@ def kernel(
     with _lock:
         compiled = _made.get(key)
         if compiled is None:
-            unit = _quaternions(model, quantity) if checked else ()
+            unit = quaternion_entries(model, quantity) if checked else ()
             if quantity.inverts_mass and not MASS_PARAMETERS & set(names):
                 check_mass(model, compiler.element_of(dtype).name)
             is_long = device == "cpu" and not names and _is_long(model, quantity, chosen)
@@ -250,7 +259,9 @@ def _traced_kernel(
 ) -> Any:
     """The kernel of straight-line code or a second form, or for a GPU."""
     if device == "cuda":
-        from ulna.compiler.runtime.cuda_kernel import CudaKernel  # with what it imports, for few
+        from ulna.compiler.runtime.cuda_kernel import (
+            CudaKernel,
+        )  # imported here: slow to import, rarely needed
 
         return CudaKernel(function(model, name, parameters=names, **chosen), dtype)
     quantity = QUANTITIES[name]
@@ -271,16 +282,15 @@ def _deferred(
         return None
     from ulna.compiler.forms.columns import DeferredFunction, column_form
 
-    check_size(
-        model, quantity, chosen
-    )  # a second form is traced in a fraction of the time: nothing is announced
+    if form is None:  # forms are traced in a fraction of the time: nothing is announced
+        check_size(model, quantity, chosen)
     form = form or _stages_of(model, quantity, chosen)
     if form is None and quantity.columns is not None:
-        shapes = _shapes(model, quantity, chosen)
+        shapes = shapes_of(model, quantity, chosen)
         form = column_form(quantity.build_columns(model, **chosen), quantity.name, **shapes)
     if form is None:
         return None
-    doc = _doc(model, quantity, chosen)
+    doc = doc_of(model, quantity, chosen)
     return DeferredFunction(quantity.name, doc, form, partial(function, model, quantity.name, **chosen))
 
 
@@ -295,142 +305,6 @@ def _looped_kernel(
         return None
     again = partial(kernel, model, name, dtype, checked, **chosen)
     return LoopedKernel(made, dtype, checked, unit, labels(model, made), (again, ()))
-
-
-def labels(model: Model, traced: Function | LoopedFunction) -> dict[str, Sequence[str]]:
-    """What the entries of configurations and velocities among the inputs of a function are called.
-
-    Args:
-        model: The robot.
-        traced: The function.
-
-    Returns:
-        The names of the coordinates, by input.
-    """
-    names = {"nq": model.position_names, "nv": model.velocity_names}
-    sizes = {name: argument.size for name, argument in ARRAYS.items()} | {"qd": "nv", "qdd": "nv"}
-    known = {port.name: names.get(sizes.get(port.name)) for port in traced.inputs}  # type: ignore[arg-type]
-    shapes = {port.name: port.shape for port in traced.inputs}
-    return {name: row for name, row in known.items() if row is not None and shapes[name] == (len(row),)}
-
-
-def named_options(model: Model, quantity: Quantity, options: Mapping[str, Any]) -> dict[str, str]:
-    """Which frame, reference and other names a kernel has been made for.
-
-    Args:
-        model: The robot.
-        quantity: The quantity.
-        options: Its options; those that are missing have their default values.
-
-    Returns:
-        The names by option; the tool's where a frame is None.
-    """
-    chosen = {**quantity.options, **options}
-    names = {key: value for key, value in chosen.items() if isinstance(value, str)}
-    frame = chosen.get("frame", "")
-    if frame is None:
-        return {"frame": model.tool, **names}
-    return names if isinstance(frame, str) else {"frame": ", ".join(map(str, frame)), **names}
-
-
-def check_device(device: str, checked: bool) -> None:
-    """Refuses an unknown device, and checks on one that has none.
-
-    Args:
-        device: "cpu" or "cuda".
-        checked: Whether nan and inf in the inputs are to be refused.
-
-    Raises:
-        UnknownName: For another device.
-        InputError: If `checked` is asked for on a GPU.
-    """
-    if device not in DEVICES:
-        raise UnknownName("device", device, DEVICES)
-    if device == "cuda" and checked:
-        raise InputError(
-            "`checked` is True; expected False with device='cuda', since a GPU does not report what is wrong. "
-            "Check the arrays before the call."
-        )
-
-
-def _parameter_names(model: Model, parameters: str | Sequence[str]) -> tuple[str, ...]:
-    """The names of the parameters, each once."""
-    names = (parameters,) if isinstance(parameters, str) else tuple(parameters)
-    for name in names:
-        models.parameters(model, name)  # raises for an unknown one
-        if names.count(name) > 1:
-            raise InputError(f"`parameters` names {name!r} {names.count(name)} times; expected once.")
-    return names
-
-
-def _quaternions(model: Model, quantity: Quantity) -> tuple[tuple[int, tuple[int, ...]], ...]:
-    """Where configurations among the arguments hold quaternions; nowhere for `normalize`, which normalises them."""
-    if quantity.name == "normalize":
-        return ()
-    inputs = [number for number, array in enumerate(quantity.arrays) if ARRAYS[array].size == "nq"]
-    return tuple((number, entries) for number in inputs for entries in model.quaternions)
-
-
-def shapes_for(model: Model, names: Sequence[str], known: Mapping[str, Any]) -> dict[str, Any]:
-    """Shapes of the arguments of a user's function: those of q, q0, q1, v, a, tau, qd and qdd are the model's.
-
-    Args:
-        model: The robot.
-        names: The names of the arguments.
-        known: Shapes by name; they count also where they are known.
-
-    Returns:
-        The shape of each argument.
-
-    Raises:
-        UnknownName: If a shape is not known, or one is given for another name.
-    """
-    sizes = {name: ARRAYS[name].size for name in ("q", "q0", "q1", "v", "a", "tau")} | {
-        "qd": "nv",
-        "qdd": "nv",
-    }
-    for name in known:
-        if name not in names:
-            raise UnknownName("argument of the function", name, names)
-    shapes = {}
-    for name in names:
-        if name not in known and name not in sizes:
-            fix = f"Give the shape of other arguments: compile(f, robot, {name}=(3,))."
-            raise UnknownName("argument of known shape", name, sizes, fix)
-        shapes[name] = known[name] if name in known else _shape(model, sizes[name])
-    return shapes
-
-
-def _choose(name: str, options: Mapping[str, Any]) -> tuple[Quantity, dict[str, Any]]:
-    """The quantity of that name, and all its options: those that are given, and the default values of the others."""
-    quantity = QUANTITIES.get(name)
-    if quantity is None:
-        search = (
-            f"robot.{name} is a method that searches; no kernel stands for it." if name in _SEARCHES else ""
-        )
-        raise UnknownName("kernel", name, QUANTITIES, search)
-    for key in options:
-        if key not in quantity.options:
-            raise UnknownName(f"option of kernel {name!r}", key, quantity.options)
-    chosen = {key: frozen(options.get(key, default)) for key, default in quantity.options.items()}
-    if "reference" in chosen:
-        check_reference(chosen["reference"])
-    return quantity, chosen
-
-
-def _shapes(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: _shape(model, size) for key, size in quantity.arguments(chosen)}
-
-
-def _doc(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> str:
-    names = named_options(model, quantity, chosen)
-    about = "".join(f" {key.capitalize()}: {value}." for key, value in names.items())
-    return f"{quantity.summary} Returns {with_batch(quantity.result)}. Robot: {model.name}.{about}"
-
-
-def _shape(model: Model, size: Size) -> tuple[int, ...]:
-    sizes = (size,) if isinstance(size, str) else size
-    return tuple(getattr(model, n) if isinstance(n, str) else n for n in sizes)
 
 
 @final

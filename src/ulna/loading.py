@@ -50,8 +50,8 @@ def load(
         xacro_args: values for the arguments of a .xacro file.
         trusted: for MJCF, whether MuJoCo compiles it in this process; otherwise another process does, which is ended
             after a minute, or when it needs more than 4 GiB. Other formats are read alike either way.
-        tool: name of the frame that is the tool; None for the file's, which in a URDF is the leaf link behind the
-            most joints.
+        tool: name of the frame that is the tool; None for that of a robot of Ulna's own, and else for the leaf link
+            behind the most joints, the first of several, which may be a finger of a gripper.
 
     Returns:
         The robot.

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import importlib
-import inspect
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from ulna import compiler, kernels
-from ulna.checks.values import short_repr
+from ulna.checks.arrays import check_core_shape, real_array
+from ulna.checks.values import number, short_repr
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import Explained, explained
@@ -27,7 +27,7 @@ from ulna.methods.variants import Variants
 from ulna.model import Model
 from ulna.quantities.centroidal import Centroidal
 from ulna.quantities.configurations import Configurations, ConfigurationSpace
-from ulna.quantities.constraints import Constraints
+from ulna.quantities.constrained_dynamics import Constraints
 from ulna.quantities.derivatives import Derivatives
 from ulna.quantities.dynamics import Dynamics
 from ulna.quantities.kinematics import Kinematics
@@ -69,14 +69,22 @@ class Limits:
 
         Returns:
             Truth values, (...).
+
+        Raises:
+            ShapeError, DtypeError, InputError: An argument is invalid.
         """
-        x: Any = q if is_deferred(q) else np.asarray(q, dtype=float)
-        return ((x >= self.lower - tolerance) & (x <= self.upper + tolerance)).all(axis=-1)
+        x, slack = self._configurations(q), number("tolerance", tolerance)
+        return ((x >= self.lower - slack) & (x <= self.upper + slack)).all(axis=-1)
 
     def clip(self, q: ArrayLike) -> Floats:
         """Configurations `q`, (..., nq), moved into the position limits."""
-        x: Any = q if is_deferred(q) else np.asarray(q, dtype=float)
-        return np.clip(x, self.lower, self.upper)
+        return np.clip(self._configurations(q), self.lower, self.upper)
+
+    def _configurations(self, q: Any) -> Any:
+        """Configurations (..., nq) as an array of numbers; lazy ones as they are."""
+        x = q if is_deferred(q) else real_array("q", q)
+        check_core_shape("q", x, self.lower.shape)
+        return x
 
 
 @final
@@ -258,7 +266,7 @@ class Robot(
             >>> fk(robot.configurations["ready"])[:3, 3].round(3)
             array([0.307, 0.   , 0.59 ])
         """
-        if name == "ik" and device == "cuda":
+        if isinstance(name, str) and isinstance(device, str) and (name, device) == ("ik", "cuda"):
             from ulna.ik.thread_search import search_kernel
 
             kernels.check_device(device, checked)
@@ -286,6 +294,9 @@ class Robot(
         return kernels.function(self.model, name, **options)
 
 
+_OWN_ARGUMENTS = frozenset({"f", "robot", "dtype", "checked", "device"})
+
+
 def compile(
     f: Callable[..., Any],
     robot: Robot | None = None,
@@ -307,18 +318,21 @@ def compile(
             it unless their shape is given.
 
     Returns:
-        A kernel, called as `f` is, with any leading batch axes; `.jacobian()` is its derivative, compiled too.
+        A kernel of the arguments that have a shape, in their order in `f`, with any leading batch axes; `.jacobian()`
+        is its derivative, compiled too.
 
     Raises:
         UnknownName: If the shape of an argument or the device is not known.
         TraceError: If `f` branches on a traced value.
-        InputError: If `f` is no function, or `robot` no Robot.
+        InputError: If `f` is no function, `robot` no Robot, or an argument of `f` has the name of one of these.
 
     Example:
         >>> f = ulna.compile(lambda x: x @ x, x=(3,))
         >>> f([1.0, 2.0, 3.0]), f.jacobian()([1.0, 2.0, 3.0])
         (np.float64(14.0), array([2., 4., 6.]))
     """
+    from ulna.checks.parameters import function_of
+
     if robot is not None and not isinstance(robot, Robot):
         raise InputError(f"`robot` is {robot!r}; expected a Robot, such as ulna.load(...) returns.")
     if not callable(f):
@@ -327,7 +341,7 @@ def compile(
             'robot.kernel("fk").'
         )
     kernels.check_device(device, checked)
-    names = [n for n, p in inspect.signature(f).parameters.items() if n in shapes or p.default is p.empty]
+    names = _argument_names(f, shapes)
     if robot is not None:
         shapes = kernels.shapes_for(robot.model, names, shapes)
     missing = [name for name in names if name not in shapes]
@@ -338,10 +352,25 @@ def compile(
             shapes,
             f"Give it: compile(f, {missing[0]}=(3,)), or pass the robot.",
         )
-    traced = compiler.trace(f, **{name: shapes[name] for name in names})
+    traced = compiler.trace(function_of(f, names), **{name: shapes[name] for name in names})
     if device == "cuda":
         from ulna.compiler.runtime.cuda_kernel import CudaKernel
 
         return CudaKernel(traced, dtype)
     labels = {} if robot is None else kernels.labels(robot.model, traced)
     return compiler.compile(traced, dtype, checked, labels=labels)
+
+
+def _argument_names(f: Callable[..., Any], shapes: Mapping[str, Any]) -> list[str]:
+    """The arguments of a function that are those of its kernel: with a shape, or without a default value."""
+    from ulna.checks.parameters import names_to_pass, parameters_of
+
+    parameters = parameters_of(f)
+    for name in shapes.keys() - parameters.keys():
+        raise UnknownName("argument of the function", name, parameters, "Shapes are given by its names.")
+    names = names_to_pass(f, shapes)
+    if own := _OWN_ARGUMENTS.intersection(names):
+        raise InputError(
+            f"`f` has an argument {min(own)!r}, as compile itself has; rename it, so that its shape can be given."
+        )
+    return names

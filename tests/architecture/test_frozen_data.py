@@ -23,7 +23,8 @@ def data_classes() -> dict[str, bool]:
     """Whether each data class is frozen, by file and name."""
     found = {}
     for path in sorted(SOURCE.rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        text = path.read_text(encoding="utf-8")
+        for node in ast.walk(ast.parse(text)) if "dataclass" in text else ():
             for decorator in node.decorator_list if isinstance(node, ast.ClassDef) else ():
                 if ast.unparse(decorator).split("(")[0] in ("dataclass", "dataclasses.dataclass"):
                     keywords = decorator.keywords if isinstance(decorator, ast.Call) else []

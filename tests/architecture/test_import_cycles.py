@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -20,11 +21,21 @@ def module_files() -> dict[str, Path]:
     return modules
 
 
+def statements(node: ast.AST) -> Iterator[ast.stmt]:
+    """All statements in a node, at any depth; expressions, most of a tree, hold none."""
+    for name in ("body", "orelse", "finalbody", "handlers", "cases"):
+        inside = getattr(node, name, ())
+        for child in inside if isinstance(inside, list) else ():
+            if isinstance(child, ast.stmt):
+                yield child
+            yield from statements(child)
+
+
 def imported(module: str, file: Path, modules: dict[str, Path]) -> set[str]:
     """The modules of this project that a module imports, anywhere in its file."""
     package = module if file.name == "__init__.py" else module.rpartition(".")[0]
     names: set[str] = set()
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    for node in statements(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -66,6 +77,35 @@ def present_cycles() -> list[set[str]]:
 
 def test_modules_do_not_import_each_other() -> None:
     assert not present_cycles()
+
+
+def test_imports_are_found_wherever_they_stand() -> None:
+    text = """
+import a
+def f():
+    if x:
+        pass
+    else:
+        import b
+    try:
+        import c
+    except E:
+        import d
+    finally:
+        import e
+    with y:
+        for z in w:
+            import g
+    match x:
+        case 1:
+            import h
+class C:
+    def f(self):
+        while x:
+            import i
+"""
+    found = [n.names[0].name for n in statements(ast.parse(text)) if isinstance(n, ast.Import)]
+    assert sorted(found) == list("abcdeghi")
 
 
 def test_cycles_are_found() -> None:

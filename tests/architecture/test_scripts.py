@@ -50,13 +50,14 @@ def calls(project: Path, extras: str, groups: str = "", complete: str = "") -> l
 
 def test_without_groups_no_group_is_asked_for(project: Path) -> None:
     """`scripts/demo` needs no dependency group."""
-    made, *_, last = calls(project, "viewer,mesh")
+    made, *_, installed, compiled = calls(project, "viewer,mesh")
     assert made.endswith("venv --clear .venv")
-    assert last.endswith("-e .[viewer,mesh]")
+    assert installed.endswith("-e .[viewer,mesh]")
+    assert "-m compileall" in compiled
 
 
 def test_every_group_is_asked_for(project: Path) -> None:
-    assert calls(project, "all", "test lint")[-1].endswith("-e .[all] --group test --group lint")
+    assert calls(project, "all", "test lint")[-2].endswith("-e .[all] --group test --group lint")
 
 
 def test_nothing_is_asked_for_where_everything_is_installed(project: Path) -> None:

@@ -33,7 +33,7 @@ class Visit:
 
     def __init__(self, chromium: Any, show: Any) -> None:
         self.show, self.requests, self.errors = show, [], []
-        self.context = chromium.new_context(viewport=SIZE)
+        self.context = chromium.new_context(viewport=SIZE, every_frame=True)  # handles are dragged
         self.tab = self.context.new_page()
         self.tab.on("request", lambda r: self.requests.append(r.url))
         self.tab.on("websocket", lambda s: self.requests.append(s.url))

@@ -14,9 +14,6 @@ UNUSED = {
     # Parameters that cannot change a result, by the reason.
     "what is discarded does not depend on it": {"Dynamics.dynchanged what"},
     "the Toolbox's method ignores it, too": {"DHRobot.fkine_path old", "DHRobot.fkine_all old"},
-    "a square Jacobian has one inverse; others have the pseudoinverse only, in the Toolbox, too": {
-        f"{kind}Solvers.ik_{method} pinv" for kind in ("Chain", "Robot") for method in ("NR", "GN")
-    },
     "links are always where the robot's q puts them": {"LinkNode.closest_point skip", "LinkNode.iscollided skip"},
     "joints are numbered by branches in any case": {"BaseRobot.__init__ check_jindex"},
     "nothing is printed while a file is read": {"* verbose"},

@@ -9,7 +9,7 @@ import ulna
 from support.random_arms import CLOSED, GENERAL, model_of
 from ulna.ik.analytic.chain import arm_of, movable
 from ulna.ik.analytic.closed import branch_numbers, branch_of
-from ulna.ik.analytic.geometry import plans
+from ulna.ik.analytic.geometry import arm_geometries
 from ulna.model import Model
 from ulna.spatial import SE3
 from ulna.typing import Floats
@@ -96,7 +96,7 @@ def test_compiled_equals_plain() -> None:
     model = ur5.model
     end = model.frame(model.tool)
     arm = arm_of(model, end, movable(model, end), model.neutral)
-    plan = plans(arm)[0]
+    plan = arm_geometries(arm)[0]
     q = ur5.random_configuration(seed=15)
     T = SE3.from_matrix(ur5.fk(q))
     local = arm.base(q).inverse() @ T

@@ -57,15 +57,38 @@ def compare_with_differences(robot: ulna.Robot, constraints: list[Any], seed: in
             assert np.abs(found - difference).max() < 1e-6 * max(np.abs(found).max(), 1.0), exact
 
 
-def test_they_are_the_derivatives_of_the_motion_of_an_arm() -> None:
+def arm(builder: ModelBuilder, name: str) -> ModelBuilder:
+    """Adds an arm of four joints to the link l0."""
     axes = [Revolute(axis) for axis in ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))]
-    builder = ModelBuilder("arm").add_link("l0")
     for k, kind in enumerate(axes, start=1):
         body = Inertia.from_com(1.0, (0.05, -0.02, 0.08), np.diag([0.1, 0.2, 0.15]))
-        builder.add_link(f"l{k}", body).add_joint(
-            f"j{k}", kind, f"l{k - 1}", f"l{k}", SE3.trans(0.1, 0.2, 0.3)
+        builder.add_link(f"{name}{k}", body).add_joint(
+            f"{name}j{k}", kind, f"{name}{k - 1}" if k > 1 else "l0", f"{name}{k}", SE3.trans(0.1, 0.2, 0.3)
         )
-    compare_with_differences(ulna.Robot(builder.build()), [PointContact("l4", point=(0.1, 0.2, -0.1))])
+    return builder
+
+
+def test_they_are_the_derivatives_of_the_motion_of_an_arm() -> None:
+    model = arm(ModelBuilder("arm").add_link("l0"), "l").build()
+    compare_with_differences(ulna.Robot(model), [PointContact("l4", point=(0.1, 0.2, -0.1))])
+
+
+def test_an_arm_without_constraints_keeps_its_derivatives_where_forces_on_another_are_not_unique() -> None:
+    model = arm(arm(ModelBuilder("two arms").add_link("l0"), "l"), "r").build()
+    robot, rng = ulna.Robot(model), np.random.default_rng(3)
+    q, v, tau = rng.standard_normal((3, robot.nv))
+    held = [PointContact("l4", point=(0.1, 0.2, -0.1))]
+    once = robot.constraints.forward_dynamics_derivatives(q, v, tau, held)
+    twice = robot.constraints.forward_dynamics_derivatives(q, v, tau, [*held, *held])
+    free = [k for k, name in enumerate(model.joint_names) if name.startswith("r")]
+    bound = [k for k in range(robot.nv) if k not in free]
+    for name in ("a_q", "a_v", "a_tau"):
+        expected, result = getattr(once, name), getattr(twice, name)
+        known = np.isfinite(result)
+        assert known[np.ix_(free, free)].all()
+        assert not known[np.ix_(bound, bound[1:])].any()  # turning all about the vertical changes nothing
+        np.testing.assert_allclose(result[known], expected[known], rtol=1e-12, atol=1e-12)
+    assert np.isnan(twice.forces_tau[:, bound]).all()
 
 
 @pytest.mark.slow

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 from ulna.compiler import trace
+from ulna.errors import InputError
 from ulna.model import (
     Circle,
     Composite,
+    ConstantVelocity,
     Continuous,
     Cylindrical,
     Ellipsoid,
@@ -24,11 +26,12 @@ from ulna.model import (
     PlanarCircle,
     Prismatic,
     Revolute,
+    Rolling,
     Spherical,
     Translation,
     Universal,
 )
-from ulna.spatial import SE3, so3_exp
+from ulna.spatial import SE3, SO3, so3_exp
 
 SKEW = (0.3, -0.5, 0.8)
 TILT = SE3(so3_exp(np.array([0.4, -0.2, 0.9])), np.array([0.1, -0.3, 0.2]))
@@ -50,6 +53,10 @@ KINDS: dict[str, JointKind] = {
     "cylindrical": Cylindrical(SKEW),
     "universal": Universal(),
     "universal askew": Universal(SKEW, (1, 0.2, 0)),
+    "constant velocity": ConstantVelocity(),
+    "constant velocity with a distance": ConstantVelocity(0.07),
+    "rolling": Rolling(0.02, 0.02),
+    "rolling inside": Rolling(-0.3, 0.1),
     "translation": Translation(),
     "planar z": Planar(),
     "planar x": Planar((1, 0, 0)),
@@ -103,6 +110,8 @@ def test_neutral_is_the_identity(name: str) -> None:
             expected = expected @ place.matrix()
     if isinstance(kind, Ellipsoid):
         expected[2, 3] = kind.radius_z  # it begins at the top
+    if isinstance(kind, (ConstantVelocity, Rolling)):
+        expected[2, 3] = kind.distance  # the moving frame is at the second centre
     np.testing.assert_allclose(poses(kind, neutral), expected, atol=1e-15)
 
 
@@ -403,3 +412,39 @@ def test_differences_next_to_a_half_turn(kind: JointKind, short_of: float) -> No
     flipped = kind.integrate(q, v)
     flipped[:, -4:] *= -1.0
     np.testing.assert_allclose(kind.difference(q, flipped), v, atol=1e-12)
+
+
+def test_a_constant_velocity_joint_bends_without_twist() -> None:
+    """The rotation vector has no z entry, so a shaft that is turned on one side turns as far on the other."""
+    q = np.random.default_rng(5).uniform(-2.0, 2.0, (50, 2))
+    pose = ConstantVelocity(0.1).transform(q)
+    quaternion = SO3.from_matrix(pose.rotation).quat_xyzw()
+    x, y = 0.5 * q.T
+    expected = np.stack([np.sin(x) * np.cos(y), np.sin(y), 0.0 * x, np.cos(x) * np.cos(y)], axis=-1)
+    sign = np.sign((quaternion * expected).sum(axis=-1, keepdims=True))
+    np.testing.assert_allclose(sign * quaternion, expected, atol=1e-12)
+
+
+def test_a_distance_must_be_finite() -> None:
+    with pytest.raises(InputError, match="`distance` is nan; expected a finite number"):
+        ConstantVelocity(math.nan)
+
+
+@pytest.mark.parametrize("radii", [(0.03, 0.05), (-0.3, 0.1), (0.1, -0.3)])
+def test_a_rolling_joint_does_not_slip(radii: tuple[float, float]) -> None:
+    """The point of the moving cylinder that touches the fixed one stands still."""
+    kind = Rolling(*radii)
+    for q in np.random.default_rng(6).uniform(-2.0, 2.0, (20, 1)):
+        T = kind.transform(q)
+        contact = T.rotation.T @ (T.translation * (kind.radius_fixed / kind.distance - 1.0))
+        (s,) = kind.motion_subspace(q)
+        assert np.linalg.norm(contact) == pytest.approx(abs(kind.radius_moving))
+        np.testing.assert_allclose(s.linear + np.cross(s.angular, contact), 0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("radii", "message"), [((math.inf, 1.0), "`radius_fixed` is inf"), ((0.1, -0.1), "add up to zero")]
+)
+def test_centres_of_a_rolling_joint_are_apart(radii: tuple[float, float], message: str) -> None:
+    with pytest.raises(InputError, match=f"Rolling: .*{message}"):
+        Rolling(*radii)

@@ -20,10 +20,9 @@ from support.fenced import fenced
 from support.odd_layouts import Laid, laid
 from support.random_functions import functions
 from ulna.compiler import Function, compile, trace
-from ulna.compiler.codegen import batch_loop
+from ulna.compiler.codegen import batch_loop, scheduling
 from ulna.compiler.codegen.ir_text import BYTES
 from ulna.compiler.codegen.module import emit_batch
-from ulna.compiler.language import scheduling
 from ulna.compiler.runtime import jit
 from ulna.compiler.runtime.entry_point import entry_ir
 
@@ -192,7 +191,10 @@ class Fenced:
         same(kernel(*inputs, out=outputs), expected)
         copies, bound = [x.copy() for x in inputs], kernel.into(*outputs, returns=range(len(outputs)))
         same(results(bound(*inputs)), expected)
-        same(results(kernel.into(*outputs, returns=[0], last_inputs=inputs[-1:])(*inputs[:-1])), expected[:1])
+        same(
+            results(kernel.into(*outputs, returns=[0], trailing_inputs=inputs[-1:])(*inputs[:-1])),
+            expected[:1],
+        )
         watched = [(self.array((n,)).astype(np.float64), np.zeros(n)) for n in (1, 7, 8, 19)]
         pairs = []
         for kept, _ in watched:

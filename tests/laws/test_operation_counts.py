@@ -12,7 +12,9 @@ import pytest
 
 from support.random_models import random_model
 from ulna import algorithms, kernels
+from ulna.algorithms import Proximal
 from ulna.model import FrameContact, Model, PointContact
+from ulna.model.constraint import frame_pairs
 from ulna.robots.panda import panda
 from ulna.robots.ur5 import ur5
 
@@ -71,12 +73,34 @@ STAGED = {
 """Operations that are written out in stages, for a floating tree of 24 joints."""
 
 
-def test_operation_counts_of_stages_do_not_grow() -> None:
+STAGED_ON_CONTACTS = {"constrained_dynamics": 4631, "impulse_dynamics": 3244, "constrained_derivatives": 6610}
+"""The same, on a frame and a point."""
+
+
+def staged_tree() -> Model:
+    """A floating tree of 24 joints."""
     kinds = ["revolute", "revolute", "prismatic"]
-    tree = random_model(np.random.default_rng(3), kinds, 24, root="free_flyer", mimics=0, branching=0.5)
+    return random_model(np.random.default_rng(3), kinds, 24, root="free_flyer", mimics=0, branching=0.5)
+
+
+def test_operation_counts_of_stages_do_not_grow() -> None:
+    tree = staged_tree()
     forms = {name: getattr(algorithms, f"stages_of_{name}")(tree) for name in STAGED}
     counts = {name: form.operations for name, form in forms.items()}
     assert all(counts[name] <= 1.02 * bound for name, bound in STAGED.items()), counts
+
+
+def test_operation_counts_of_stages_on_contacts_do_not_grow() -> None:
+    tree = staged_tree()
+    first, second = tree.link_names[-2:]
+    pairs = frame_pairs(tree, (FrameContact(first), PointContact(second)))
+    settings = {name: (Proximal(mu=0.0),) for name in STAGED_ON_CONTACTS if "dynamics" in name}
+    forms = {
+        name: getattr(algorithms, f"stages_of_{name}")(tree, pairs, *settings.get(name, ()))
+        for name in STAGED_ON_CONTACTS
+    }
+    counts = {name: form.operations for name, form in forms.items()}
+    assert all(counts[name] <= 1.02 * bound for name, bound in STAGED_ON_CONTACTS.items()), counts
 
 
 @pytest.mark.parametrize("case", CONSTRAINED)

@@ -18,7 +18,7 @@ import ulna
 from support.random_models import random_model
 from ulna.errors import InputError
 from ulna.identification import Progress, identify
-from ulna.identification.base import extended_regressor
+from ulna.identification.identifiable_parameters import extended_regressor
 from ulna.identification.physical import pseudo_inertia
 from ulna.model import dynamic_parameters, perturbed, with_joint_dynamics
 from ulna.robot import Robot

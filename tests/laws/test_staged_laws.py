@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from support.fenced import fenced
-from support.random_models import random_model
+from support.random_models import random_model, several_roots
 from ulna import algorithms, kernels
 from ulna.algorithms.derivatives.columns_in_one_frame import suits_one_frame
 from ulna.compiler import compile
@@ -74,10 +74,11 @@ def _for_all_sizes(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("name", FORMS)
 @pytest.mark.parametrize(
-    ("seed", "root"), [(1, "free_flyer"), (2, None), (3, "planar"), (4, "spherical"), (5, "free_flyer")]
+    ("seed", "root"),
+    [(1, "free_flyer"), (2, None), (3, "planar"), (4, "spherical"), (5, "free_flyer"), (6, "several")],
 )
 def test_stages_equal_the_graph(name, seed, root):
-    model = tree(seed, root)
+    model = several_roots(np.random.default_rng(seed)) if root == "several" else tree(seed, root)
     assert suits_one_frame(model)
     kernel = kernels.kernel(model, name)
     assert kernel.function.columns is not None
@@ -101,9 +102,7 @@ def test_float32_is_precise(name):
 @pytest.mark.parametrize("register_bytes", [32, 64])
 @pytest.mark.parametrize("name", FORMS)
 def test_all_widths_of_registers(name, register_bytes):
-    """The code for other processors of the same kind runs here, where registers are as wide."""
-    if register_bytes > jit.target().register_bytes:
-        pytest.skip("this machine has narrower registers")
+    """LLVM divides what is wider than the registers of this machine."""
     model = tree(7)
     f = kernels.kernel(model, name).function
     ir = emit_single(f, replace(jit.target(), register_bytes=register_bytes))
@@ -166,8 +165,6 @@ def test_batches_in_stages_equal_single_calls(name, seed, root, dtype):
 @pytest.mark.parametrize("name", FORMS)
 def test_batches_in_all_widths_of_registers(name, register_bytes):
     """Arrays begin and end at pages without access."""
-    if register_bytes > jit.target().register_bytes:
-        pytest.skip("this machine has narrower registers")
     model, count = tree(7), 13
     f = for_batches(model, name)
     ir = emit_batch(f, replace(jit.target(), register_bytes=register_bytes))
@@ -270,3 +267,11 @@ def test_large_robots_take_stages_where_they_would_be_looped_over(name, dtype, m
             wanted = right[1] if k else right
             assert np.abs(got - wanted).max() < tolerance * np.abs(wanted).max()
     assert "_traced" not in vars(kernel.function)
+
+
+@pytest.mark.parametrize("joints", [12, 13, 20])
+def test_inverses_of_the_mass_matrix_of_trees_too_small_or_branched_for_walks(joints):
+    model = tree(9, "free_flyer", joints)
+    q = state(model, 1)[0]
+    identity = kernels.kernel(model, "inverse_mass_matrix")(q) @ kernels.kernel(model, "mass_matrix")(q)
+    np.testing.assert_allclose(identity, np.eye(model.nv), atol=1e-8)

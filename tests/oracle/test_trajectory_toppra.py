@@ -8,7 +8,7 @@ import pytest
 import ulna
 from support.limited_paths import dense_times
 from ulna import trajectory
-from ulna.trajectory import constraints, reach
+from ulna.trajectory import constraint_rows, reach
 
 toppra = pytest.importorskip("toppra", reason="toppra, the judge here, is not installed")
 
@@ -74,8 +74,8 @@ def test_under_limits_of_speed_and_acceleration(scheme: str, seed: int) -> None:
         constraint.JointAccelerationConstraint(np.stack([-hard, hard], 1), SCHEMES[scheme]),
     ]
     duration, rates = solve(theirs, limits, grid)
-    bounds = constraints.bounds_of("acceleration", hard, n)
-    x = passes(ours, lambda q, a, b: constraints.acceleration_rows(a, b, bounds), speed, grid, scheme)
+    bounds = constraint_rows.bounds_of("acceleration", hard, n)
+    x = passes(ours, lambda q, a, b: constraint_rows.acceleration_rows(a, b, bounds), speed, grid, scheme)
     np.testing.assert_allclose(x, rates**2, atol=2e-3 * rates.max() ** 2)
     # where collocation lets a path almost stop, toppra's slack of 1e-7 in the squared rate shows in the duration
     assert duration_of(x) == pytest.approx(duration, rel=2e-5 if rates[1:-1].min() > 1e-3 else 1e-3)
@@ -98,8 +98,8 @@ def test_under_limits_of_torque(name: str, scheme: str) -> None:
             ),
         ]
         duration, _ = solve(theirs, limits, 100)
-        bounds = constraints.bounds_of("torque", effort, n)
-        make = partial(constraints.torque_rows, robot.model, limits=bounds)
+        bounds = constraint_rows.bounds_of("torque", effort, n)
+        make = partial(constraint_rows.torque_rows, robot.model, limits=bounds)
         assert duration_of(passes(ours, make, speed, 100, scheme)) == pytest.approx(duration, rel=1e-4)
 
 

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from support.patience import patient
 from ulna.scale import Job, Samples
 
 
@@ -74,6 +75,47 @@ class Sums(Job):
             with to.open("wb") as file:
                 np.save(file, state["sum"])
         return state["sum"]
+
+
+@dataclass(frozen=True)
+class Patient(Job):
+    """The numbers of the parts; the first part ends once others are done.
+
+    Attributes:
+        count: How many parts.
+        folder: Where each part leaves a sign.
+        others: How many signs of others the first waits for.
+    """
+
+    kind: ClassVar[str] = "patient"
+    count: int
+    folder: str
+    others: int
+
+    @property
+    def parts(self) -> int:
+        return self.count
+
+    def description(self) -> dict[str, Any]:
+        return {"kind": self.kind, "count": self.count}
+
+    def start(self) -> dict[str, Any]:
+        return {"numbers": np.zeros(self.count, dtype=np.int64)}
+
+    def work(self, part: int) -> dict[str, Any]:
+        if part == 0:
+            patient()(lambda: len([*Path(self.folder).iterdir()]) >= self.others)
+        Path(self.folder, f"{part}-{os.getpid()}").touch()
+        return {"number": np.array(part)}
+
+    def fold(self, state: Any, part: int, result: Any) -> None:
+        state["numbers"][part] = result["number"]
+
+    def existing(self, to: Path) -> Any:
+        return np.load(to)
+
+    def finish(self, state: Any, to: Path | None) -> Any:
+        return state["numbers"]
 
 
 @dataclass(frozen=True, eq=False)

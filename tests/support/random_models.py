@@ -152,3 +152,26 @@ def random_model(
     builder.add_frame("side", links[len(links) // 2], random_pose(rng))
     builder.set_tool("tip")
     return builder.build()
+
+
+def several_roots(
+    rng: Rng, roots: Sequence[str] = ("revolute", "free_flyer", "spherical", "planar"), joints: int = 6
+) -> Model:
+    """Several trees on one base, as in a scene with a robot and objects that float.
+
+    Args:
+        rng: Where randomness comes from.
+        roots: The kind of the first joint of each tree.
+        joints: How many further joints, with one velocity each, every tree has.
+    """
+    builder = ModelBuilder("scene")
+    builder.add_link("base", random_inertia(rng))
+    kinds = [name for name in SCALAR_KINDS if name in KINDS]
+    for i, root in enumerate(roots):
+        parent = "base"
+        for k, name in enumerate([root, *(kinds[rng.integers(len(kinds))] for _ in range(joints))]):
+            child = f"link{i}_{k}"
+            builder.add_link(child, random_inertia(rng))
+            builder.add_joint(f"joint{i}_{k}", KINDS[name](rng), parent, child, random_pose(rng))
+            parent = child if rng.random() < 0.7 else f"link{i}_0"
+    return builder.build()

@@ -9,7 +9,21 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import ulna
 from ulna.compat.packages import FOLDERS, environment
+
+
+def variables(package: str | None, **others: str) -> dict[str, str]:
+    """The variables of a process that imports a compatibility package, or the library it stands for.
+
+    It imports the very Ulna that is under test, whichever one is installed, and nothing else by PYTHONPATH.
+
+    Args:
+        package: The compatibility package; None for the library.
+        others: Further variables.
+    """
+    plain = {**os.environ, "PYTHONPATH": str(Path(ulna.__file__).parents[1]), **others}
+    return environment([package] if package else [], plain)
 
 
 def both(script: Path, folder: Path, *arguments: str, package: str = "pinocchio") -> tuple[Any, Any]:
@@ -25,12 +39,12 @@ def both(script: Path, folder: Path, *arguments: str, package: str = "pinocchio"
     Returns:
         The answers of both.
     """
-    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     answers = []
-    for is_ours, variables in ((True, environment([package], plain)), (False, plain)):
+    for is_ours in (True, False):
         target = folder / f"{'ulna' if is_ours else 'original'}.json"
         command = [sys.executable, str(script), str(target), *arguments]
-        done = subprocess.run(command, env=variables, capture_output=True, text=True, check=False)
+        chosen = variables(package if is_ours else None)
+        done = subprocess.run(command, env=chosen, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
         written = json.loads(target.read_text(encoding="utf-8"))
         assert (str(FOLDERS[package]) in written["file"]) == is_ours

@@ -34,6 +34,19 @@ def test_a_section_is_made_where_there_is_none() -> None:
     assert with_arguments(doc, ["other"], TEXTS) == doc
 
 
+def test_a_common_result_is_described_where_nothing_is_said_of_it() -> None:
+    texts = TEXTS | {"return": "True."}
+    assert with_arguments("A sum.", ["n"], texts) == (
+        "A sum.\n\nArgs:\n    n: How many.\n\nReturns:\n    True."
+    )
+    doc = "A sum.\n\nRaises:\n    InputError: Always."
+    assert with_arguments(doc, [], texts) == (
+        "A sum.\n\nReturns:\n    True.\n\nRaises:\n    InputError: Always."
+    )
+    doc = "A sum.\n\nReturns:\n    The sum."
+    assert with_arguments(doc, ["other"], texts) == doc
+
+
 def test_methods_of_all_kinds_are_completed_and_functions_of_one_argument_left_alone() -> None:
     @documented(TEXTS)
     class Robot:

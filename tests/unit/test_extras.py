@@ -60,9 +60,9 @@ def test_every_missing_package_is_in_the_extra_that_is_named() -> None:
     for path in sorted((ROOT / "src").rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             name = getattr(getattr(node, "func", None), "id", "")
-            if isinstance(node, ast.Call) and name in ("MissingExtra", "install_command"):
+            if isinstance(node, ast.Call) and name in ("MissingExtra", "needed", "install_command"):
                 words = [a.value if isinstance(a, ast.Constant) else None for a in node.args[:2]]
-                calls.append((path.name, *(words if name == "MissingExtra" else words[::-1])))
+                calls.append((path.name, *(words[::-1] if name == "install_command" else words)))
     assert len(calls) > 25
     for file, package, extra in calls:
         if extra is not None:

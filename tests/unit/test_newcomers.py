@@ -47,6 +47,10 @@ T = ulna.SE3.from_matrix(R.fk(Q))
         (lambda: np.eye(4) * T, "compose and apply with `@`"),
         (lambda: T.so3() * T.so3(), r"SO3 has no `\*`"),
         (lambda: R.model.joint_index(0), "Joints go by name: joint_names.0. is 'panda_joint1'"),  # type: ignore[arg-type]
+        (lambda: R.total_mass("panda_link3"), "'panda_link3' is a link; joint 'panda_joint3' moves it"),
+        (lambda: R.total_mass("panda_link0"), "'panda_link0' is a link; no joint moves it"),
+        (lambda: R.total_mass("panda_hand_tcp"), "'panda_hand_tcp' is a .*; joint 'panda_joint7' moves it"),
+        (lambda: R.total_mass("panda_joint8"), "That joint is fixed"),
         (lambda: R.ik(T, joints=[0, 1, 2]), "Joints go by name"),  # type: ignore[list-item]
     ],
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import pickle
 from concurrent.futures import ThreadPoolExecutor
 
@@ -11,7 +12,7 @@ import pytest
 
 import ulna
 from ulna import algorithms, kernels
-from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError, UnknownName
+from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError, TraceError, UnknownName
 from ulna.model import PointContact
 
 
@@ -186,6 +187,25 @@ def test_random_configurations_are_within_limits_and_repeat(panda: ulna.Robot) -
     assert panda.limits.contains(panda.limits.clip(Q + 10.0)).all()
 
 
+def test_limits_take_configurations_only(panda: ulna.Robot, qr: np.ndarray) -> None:
+    assert panda.limits.contains(list(qr)) and panda.limits.contains(qr.astype(np.float32))
+    assert not panda.limits.contains(qr + np.nan)
+    for wrong in (0.5, [0.5], np.zeros((7, 1)), np.zeros(3)):
+        for call in (panda.limits.contains, panda.limits.clip):
+            with pytest.raises(ShapeError, match=r"`q` has shape \(.*\); expected \(\.\.\., 7\)"):
+                call(wrong)
+    for what in (qr + 1j, [None] * 7, ["1"] * 7):
+        with pytest.raises(DtypeError, match="`q`"):
+            panda.limits.clip(what)
+    with pytest.raises(InputError, match="masked"):
+        panda.limits.contains(np.ma.array(qr, mask=qr == qr[0]))
+    for slack in (np.nan, np.ones(7), "a"):
+        with pytest.raises(InputError, match="`tolerance`"):
+            panda.limits.contains(qr, slack)  # type: ignore[arg-type]
+    with pytest.raises(TraceError, match="^A traced value has no number yet"):
+        ulna.compile(lambda q: panda.limits.clip(q), q=(7,))
+
+
 def test_compile_a_function_of_the_robot(panda: ulna.Robot, qr: np.ndarray) -> None:
     def distance_to(q: np.ndarray, target: np.ndarray) -> np.ndarray:
         d = panda.fk(q)[:3, 3] - target
@@ -272,6 +292,37 @@ def test_what_is_no_robot_frame_size_or_dtype_is_refused(panda: ulna.Robot, qr: 
 def test_arguments_with_defaults_keep_them() -> None:
     assert ulna.compile(lambda x, k=2.0: x * k, x=(3,))(np.ones(3)).tolist() == [2.0, 2.0, 2.0]
     assert ulna.compile(lambda x, k=2.0: x * k, x=(3,), k=())(np.ones(3), 5.0).tolist() == [5.0, 5.0, 5.0]
+
+
+def test_arguments_behind_one_that_keeps_its_default_have_their_own_values(panda: ulna.Robot) -> None:
+    x, y, q = np.array([1.0, 2.0, 3.0]), np.array([10.0, 20.0, 30.0]), panda.configurations["qr"]
+
+    def between(x, k=2.0, y=0.0):
+        return k * x + y
+
+    def only_here(x, k=2.0, /, y=0.0):
+        return k * x + y
+
+    def by_name(x, *, k=2.0, y):
+        return k * x + y
+
+    def with_more(x, k=2.0, *rest, y=0.0, **more):
+        return k * x + y + len(rest) + len(more)
+
+    for f in (between, only_here, by_name, with_more):
+        assert ulna.compile(f, x=(3,), y=(3,))(x, y).tolist() == f(x, y=y).tolist(), f.__name__
+        assert ulna.compile(f, y=(3,), x=(3,)).jacobian("y")(x, y).tolist() == np.eye(3).tolist(), f.__name__
+    target = ulna.compile(lambda q, weight=2.0, target=None: weight * (q - target), panda, target=(7,))
+    np.testing.assert_allclose(target(q, np.ones(7)), 2.0 * (q - 1.0))
+    unnamed = functools.partial(lambda w, x, k=2.0, y=0.0: k * x + y - w, 0.0)
+    for shapes in ({"x": (3,)}, {"x": (3,), "y": (3,)}):
+        assert ulna.compile(unnamed, **shapes).function.name == "function"
+    with pytest.raises(UnknownName, match="argument of the function named 'more'"):
+        ulna.compile(with_more, x=(3,), more=(3,))
+    with pytest.raises(InputError, match="an argument 'dtype', as compile itself has"):
+        ulna.compile(lambda dtype: dtype)
+    with pytest.raises(InputError, match="does not know the arguments of"):
+        ulna.compile(dict, x=(3,))
 
 
 def test_asada_is_the_roundness_of_the_inertia_at_the_tool(panda: ulna.Robot) -> None:

@@ -37,6 +37,13 @@ if TYPE_CHECKING:
     from ulna.algorithms.constraints.kinematics import constraint_jacobian as constraint_jacobian
     from ulna.algorithms.constraints.kinematics import constraint_velocity as constraint_velocity
     from ulna.algorithms.constraints.proximal_settings import Proximal as Proximal
+    from ulna.algorithms.constraints.staged import (
+        stages_of_constrained_derivatives as stages_of_constrained_derivatives,
+    )
+    from ulna.algorithms.constraints.staged import (
+        stages_of_constrained_dynamics as stages_of_constrained_dynamics,
+    )
+    from ulna.algorithms.constraints.staged import stages_of_impulse_dynamics as stages_of_impulse_dynamics
     from ulna.algorithms.derivatives.centroidal import centroidal_derivatives as centroidal_derivatives
     from ulna.algorithms.derivatives.centroidal import com_velocity_derivatives as com_velocity_derivatives
     from ulna.algorithms.derivatives.differentiated_rnea import aba_derivatives as aba_derivatives
@@ -49,6 +56,10 @@ if TYPE_CHECKING:
     )
     from ulna.algorithms.derivatives.inverse_dynamics import (
         inverse_dynamics_derivatives as inverse_dynamics_derivatives,
+    )
+    from ulna.algorithms.derivatives.serial_chains import is_serial as is_serial
+    from ulna.algorithms.derivatives.serial_chains import (
+        stages_of_inverse_mass_matrix as stages_of_inverse_mass_matrix,
     )
     from ulna.algorithms.derivatives.staged import (
         stages_of_centroidal_derivatives as stages_of_centroidal_derivatives,
@@ -183,10 +194,16 @@ _NAMES = {
         "constraint_velocity",
     ),
     "constraints.proximal_settings": ("Proximal",),
+    "constraints.staged": (
+        "stages_of_constrained_derivatives",
+        "stages_of_constrained_dynamics",
+        "stages_of_impulse_dynamics",
+    ),
     "derivatives.centroidal": ("centroidal_derivatives", "com_velocity_derivatives"),
     "derivatives.differentiated_rnea": ("aba_derivatives", "rnea_derivatives"),
     "derivatives.forward_dynamics": ("columns_of_derivatives", "forward_dynamics_derivatives"),
     "derivatives.inverse_dynamics": ("inverse_dynamics_derivatives",),
+    "derivatives.serial_chains": ("is_serial", "stages_of_inverse_mass_matrix"),
     "derivatives.staged": (
         "stages_of_centroidal_derivatives",
         "stages_of_centroidal_matrix",

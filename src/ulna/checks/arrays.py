@@ -10,7 +10,7 @@ import numpy as np
 
 from ulna.checks.masked import check_not_masked
 from ulna.checks.values import MAX_LENGTH, short_repr
-from ulna.errors import FIND_NAN, DtypeError, InputError, NonFiniteError, ShapeError
+from ulna.errors import FIND_NAN, DtypeError, InputError, NonFiniteError, ShapeError, TraceError
 from ulna.numeric import is_symbolic
 from ulna.typing import Array, Floats
 
@@ -54,6 +54,7 @@ def real_array(
     Raises:
         DtypeError: It holds something else than real numbers.
         InputError: Rows differ in length, or entries are masked.
+        TraceError: It holds traced values that are no symbols here.
     """
     if type(value) is not np.ndarray:
         check_not_masked(name, value)
@@ -89,6 +90,8 @@ def _from_objects(
         return array
     try:
         return array.astype(dtype)
+    except TraceError:  # it says what to use instead
+        raise
     except (TypeError, ValueError, OverflowError) as error:
         raise DtypeError(name, "object", expected, f"NumPy says: {error}.") from None
 

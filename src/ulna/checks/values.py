@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -215,6 +215,53 @@ def one_of(kind: str, value: Any, choices: Iterable[str]) -> Any:
     if not (isinstance(value, str) and value in names):
         raise UnknownName(kind, value if isinstance(value, str) else short_repr(value), names)
     return value
+
+
+def names(name: str, value: Any) -> tuple[str, ...]:
+    """Several names.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+
+    Returns:
+        The names.
+
+    Raises:
+        InputError: it is a single name, or something among it is none.
+    """
+    try:
+        out = () if isinstance(value, str | bytes) else tuple(value)
+        is_list = not isinstance(value, str | bytes | Mapping) and all(
+            isinstance(one, str | int) for one in out
+        )  # numbers are refused with advice
+    except TypeError:
+        out, is_list = (), False
+    if not is_list:
+        single = f", such as [{value!r}]" if isinstance(value, str) else ""
+        raise InputError(f"`{name}` is {short_repr(value)}; expected names in a list{single}.")
+    return out
+
+
+def generator(name: str, value: Any) -> np.random.Generator:
+    """A generator of random numbers.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: A seed, a generator, or None for other numbers each time.
+
+    Returns:
+        The generator.
+
+    Raises:
+        InputError: it is none of these.
+    """
+    try:
+        return np.random.default_rng(value)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"`{name}` is {short_repr(value)}; expected a whole number of zero or more, a generator of NumPy, or None."
+        ) from None
 
 
 def checked_robot(robot: Any) -> Any:

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import lru_cache
 
+import numpy as np
+
+from ulna import disk_cache
 from ulna.collision.cover import cover
 from ulna.collision.objects import Attachment
 from ulna.collision.pairs import LinkPair
@@ -15,9 +18,12 @@ from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.geometry import HeightField, Plane, PointCloud, Shape
 from ulna.model import Model
+from ulna.model.content import fingerprint
 from ulna.spatial import SE3
 
 _TOLERANCE, _MOST = 0.004, 64  # of spheres around an object [m], and their number
+_FINEST = 0.0025  # [m] edge of a cell, at least: smaller ones take seconds for thin objects and gain nothing
+_VERSION = "spheres of attached objects 1"
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +165,15 @@ def attached_spheres(world: World, solids: Iterable[Solid]) -> dict[str, LinkSph
 
 @lru_cache(maxsize=256)
 def _covering(shape: Shape, vertices: bytes) -> LinkSpheres:
-    """Spheres around a shape in its own frame; the vertices tell a mesh file that was changed from what it was."""
+    """Spheres around a shape in its own frame; the vertices distinguish versions of a mesh file. Kept on disk."""
     solid = solid_of("an attached object", "", shape, -1, SE3.identity(), "error")
     assert solid is not None
-    return LinkSpheres(*cover([solid], [SE3.identity()], _TOLERANCE, _MOST))
+    name = disk_cache.key(_VERSION, fingerprint([shape, solid.triangles if vertices else None]), vertices)
+    stored = disk_cache.read(name)
+    if stored is None:
+        centres, radii, excess = cover([solid], [SE3.identity()], _TOLERANCE, _MOST, _FINEST)
+        disk_cache.write(name, np.append(np.column_stack([centres, radii]).ravel(), excess).tobytes())
+        return LinkSpheres(centres, radii, excess)
+    numbers = np.frombuffer(stored)
+    rows = numbers[:-1].reshape(-1, 4)
+    return LinkSpheres(rows[:, :3], rows[:, 3], float(numbers[-1]))

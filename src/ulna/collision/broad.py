@@ -47,7 +47,8 @@ def pose_kernel(model: Model, solids: Sequence[Solid]) -> Any:
             np.stack([h for _, h in around]),
         )
 
-    return compile(trace(boxes, name="solids", q=(model.nq,)), checked=True)
+    unit = tuple((0, entries) for entries in model.quaternions)
+    return compile(trace(boxes, name="solids", q=(model.nq,)), checked=True, unit_entries=unit)
 
 
 def boxes_at(solids: Sequence[Solid], rotation: Floats, translation: Floats) -> tuple[Floats, Floats]:

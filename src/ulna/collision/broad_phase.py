@@ -74,14 +74,14 @@ class BroadPhase:
             The shape of the batch, (...), and the number of the first row of each part with the solids of its rows.
         """
         R, p, c, h = self._with_attached(q, *self._kernel(q))
-        stray = self._moved(moving or {})
-        batch = np.broadcast_shapes(p.shape[:-2], *(T.shape[:-2] for T in stray.values()))
+        moving_poses = self._moved(moving or {})
+        batch = np.broadcast_shapes(p.shape[:-2], *(T.shape[:-2] for T in moving_poses.values()))
         total = int(np.prod(batch))
         flat = [
             np.broadcast_to(x, batch + x.shape[p.ndim - 2 :]).reshape(total, *x.shape[p.ndim - 2 :])
             for x in (R, p, c, h)
         ]
-        poses = {k: np.broadcast_to(T, (*batch, 4, 4)).reshape(total, 4, 4) for k, T in stray.items()}
+        poses = {k: np.broadcast_to(T, (*batch, 4, 4)).reshape(total, 4, 4) for k, T in moving_poses.items()}
         return batch, self._pieces(flat, poses, total)
 
     def _with_attached(self, q: ArrayLike, *placed: Floats) -> tuple[Floats, ...]:

@@ -38,7 +38,7 @@ from ulna.compiler.procedures import Array1, Array2, Array3, broadcast, f64, lea
 from ulna.spatial import SE3
 from ulna.typing import Array, Floats
 
-_COAL = 2e-6  # by how much coal's distances may be wrong, with room to spare [m]
+_COAL = 2e-6  # upper bound of the error of coal's distances [m]
 SLOPE_STEP = 2.5e-4
 """Slopes are multiples of this [m]."""
 
@@ -116,7 +116,7 @@ class CellBounds:
         open_bounds, at = known.bounds[rows], np.arange(len(rows))
         while len(at):
             pairs, where = open_bounds[at].argmin(axis=1), rows[at]
-            known.ask(where, pairs)
+            known.compute(where, pairs)
             planes = self._planes(known.normals[where, pairs], cells, where, None) - _COAL
             known.bounds[where] = np.maximum(known.bounds[where], planes)
             open_bounds[at, pairs] = np.inf
@@ -160,7 +160,7 @@ class CellBounds:
         bounds = known.bounds - displacement_bounds[:, None]
         is_sharp, at = np.zeros(bounds.shape, dtype=bool), rows
         while True:
-            known.ask(at, pairs)
+            known.compute(at, pairs)
             is_sharp[at, pairs] = True
             bounds[at, pairs] = np.maximum(
                 bounds[at, pairs], known.bounds[at, pairs] - displacement_bounds[at]
@@ -227,27 +227,29 @@ class _Known:
 
     Args:
         gaps: Lower bounds of them, shape (n, pairs) [m].
-        distance: What asks coal.
+        distance: Computes them with coal.
         T: T_a_b, shape (n,) [m].
     """
 
     def __init__(self, gaps: Floats, distance: PairDistance, T: SE3) -> None:
         self.bounds, self._distance, self._T = gaps.copy(), distance, T
-        self._is_asked = np.zeros(gaps.shape, dtype=bool)
+        self._is_computed = np.zeros(gaps.shape, dtype=bool)
         self.distances, self.normals = np.full(gaps.shape, np.inf), np.zeros((*gaps.shape, 3))
         self.queries = 0
 
-    def ask(self, rows: Array, pairs: Array) -> None:
-        """Asks coal for the distances of pairs that are not known."""
-        is_new = ~self._is_asked[rows, pairs]
+    def compute(self, rows: Array, pairs: Array) -> None:
+        """Computes the distances of pairs that are not known, with coal."""
+        is_new = ~self._is_computed[rows, pairs]
         rows, pairs = rows[is_new], pairs[is_new]
         if len(rows):
-            asked, n = self._distance.ask(SE3(self._T.rotation[rows], self._T.translation[rows]), pairs)
+            separations, n = self._distance.separations(
+                SE3(self._T.rotation[rows], self._T.translation[rows]), pairs
+            )
             length = np.linalg.norm(n, axis=1, keepdims=True)
-            self.distances[rows, pairs] = asked
-            self.bounds[rows, pairs] = np.maximum(self.bounds[rows, pairs], asked - _COAL)
+            self.distances[rows, pairs] = separations
+            self.bounds[rows, pairs] = np.maximum(self.bounds[rows, pairs], separations - _COAL)
             self.normals[rows, pairs] = n / np.maximum(length, 1.0)  # a shorter direction proves less
-            self._is_asked[rows, pairs] = True
+            self._is_computed[rows, pairs] = True
             self.queries += len(rows)
 
 

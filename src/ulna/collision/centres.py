@@ -25,11 +25,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ulna.collision.problem import Problem, far, squares
+from ulna.collision.problem import Problem, distances_between, squared_distances
 from ulna.typing import Array, Floats
 
 _ROUNDS = 40
-_EXCHANGES, _FAILURES = 8, 2
+_SWAPS, _FAILURES = 8, 2
 _CORNERS = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
 _DIRECTIONS = np.vstack([np.eye(3), -np.eye(3), _CORNERS / np.sqrt(3.0)])
 
@@ -46,24 +46,24 @@ def place(problem: Problem, count: int) -> Floats:
     """
     if problem.is_empty:
         return np.zeros((0, 3))
-    chosen = _settled(problem.cost, np.array(problem.start(count)))
-    c = _moved(problem, problem.candidates[chosen].copy())
+    chosen = _local_optimum(problem.cost, np.array(problem.start(count)))
+    c = _pattern_search(problem, problem.candidates[chosen].copy())
     while len(c) < count:
-        c = _moved(problem, _halved(problem, c))
-    return _exchanged(problem, c)
+        c = _pattern_search(problem, _with_largest_split(problem, c))
+    return _improved_by_swaps(problem, c)
 
 
-def _halved(problem: Problem, c: Floats) -> Floats:
+def _with_largest_split(problem: Problem, c: Floats) -> Floats:
     """Centres with two in place of the one with the largest excess."""
-    costs = far(problem.points, c) + problem.region.signed(c)
+    costs = distances_between(problem.points, c) + problem.region.signed(c)
     least = costs.min(axis=1)
     largest = int(costs[least.argmax()].argmin())
     half = (problem.points[least.argmax()] - c[largest]) / 2.0
     return np.vstack([np.delete(c, largest, axis=0), c[largest] + half, c[largest] - half])
 
 
-def _settled(cost: Floats, chosen: Array) -> Array:
-    """Candidates, each the best for the samples that are nearest to it."""
+def _local_optimum(cost: Floats, chosen: Array) -> Array:
+    """Candidates after Lloyd's iteration: each has the least largest excess for the samples assigned to it."""
     best, least = chosen, np.inf
     for _ in range(_ROUNDS):
         costs = cost[:, chosen]
@@ -88,7 +88,7 @@ def divided(problem: Problem, c: Floats, numbers: Sequence[int]) -> Floats:
     Returns:
         Centres, shape (n, 3) [m], n = k + the count of `numbers`.
     """
-    owners = (far(problem.points, c) + problem.region.signed(c)).argmin(axis=1)
+    owners = (distances_between(problem.points, c) + problem.region.signed(c)).argmin(axis=1)
     more = []
     for k in numbers:
         x = problem.points[owners == k]
@@ -98,27 +98,27 @@ def divided(problem: Problem, c: Floats, numbers: Sequence[int]) -> Floats:
         b = x[((x - a) ** 2).sum(axis=1).argmax()]
         more.append(c[k] + (b - a) / 4.0)
         c[k] = c[k] - (b - a) / 4.0
-    return _moved(problem, np.vstack([c, *more]))
+    return _pattern_search(problem, np.vstack([c, *more]))
 
 
-def _exchanged(problem: Problem, c: Floats) -> Floats:
-    """Centres of which the one that is missed least was moved to help the one with the largest excess, again and again.
+def _improved_by_swaps(problem: Problem, c: Floats) -> Floats:
+    """Centres after swaps: the one whose removal costs least is placed beside the one with the largest excess.
 
-    Ends when that has not helped `_FAILURES` times in a row.
+    Ends when `_FAILURES` swaps in a row do not lower the largest excess.
     """
-    costs = far(problem.points, c) + problem.region.signed(c)
+    costs = distances_between(problem.points, c) + problem.region.signed(c)
     failed: list[tuple[int, int]] = []
-    for _ in range(_EXCHANGES if len(c) > 2 else 0):
+    for _ in range(_SWAPS if len(c) > 2 else 0):
         owners = costs.argmin(axis=1)
         least, second = np.partition(costs, 1, axis=1)[:, :2].T
         largest = int(owners[least.argmax()])
-        missed = np.array([second[owners == k].max(initial=0.0) for k in range(len(c))])
-        missed[[largest, *(spare for other, spare in failed if other == largest)]] = np.inf
-        spare = int(missed.argmin())
+        cost_of_removal = np.array([second[owners == k].max(initial=0.0) for k in range(len(c))])
+        cost_of_removal[[largest, *(spare for other, spare in failed if other == largest)]] = np.inf
+        spare = int(cost_of_removal.argmin())
         trial, half = c.copy(), (problem.points[least.argmax()] - c[largest]) / 2.0
         trial[spare], trial[largest] = c[largest] + half, c[largest] - half
-        trial = _moved(problem, trial)
-        distances = far(problem.points, trial) + problem.region.signed(trial)
+        trial = _pattern_search(problem, trial)
+        distances = distances_between(problem.points, trial) + problem.region.signed(trial)
         if distances.min(axis=1).max() < least.max() - 1e-5:
             c, costs, failed = trial, distances, []
         else:
@@ -128,16 +128,16 @@ def _exchanged(problem: Problem, c: Floats) -> Floats:
     return c
 
 
-def _moved(problem: Problem, c: Floats) -> Floats:
+def _pattern_search(problem: Problem, c: Floats) -> Floats:
     """Centres moved by shorter and shorter steps while that makes the excess of their points less."""
     region, x, step = problem.region, problem.points, 2.0 * problem.region.h
     along = np.ascontiguousarray(x.T)
-    s, there = region.signed(c), np.zeros((len(c), len(_DIRECTIONS)))
-    lengths = far(c, x)
+    s, s_trials = region.signed(c), np.zeros((len(c), len(_DIRECTIONS)))
+    lengths = distances_between(c, x)
     stale = np.ones(len(c), dtype=bool)
     for _ in range(_ROUNDS):
         trials = c[:, None] + step * _DIRECTIONS
-        there[stale] = region.signed(trials[stale].reshape(-1, 3)).reshape(-1, len(_DIRECTIONS))
+        s_trials[stale] = region.signed(trials[stale].reshape(-1, 3)).reshape(-1, len(_DIRECTIONS))
         stale[:] = False
         costs = lengths + s[:, None]
         owners = costs.argmin(axis=0)
@@ -150,14 +150,18 @@ def _moved(problem: Problem, c: Floats) -> Floats:
         near = near[np.argsort(owners[near], kind="stable")]
         starts = np.flatnonzero(np.diff(owners[near], prepend=-1))
         k = owners[near[starts]]
-        e = np.sqrt(np.maximum.reduceat(_squares(along[:, near], trials, owners[near]), starts, axis=1))
-        e += there[k].T
+        e = np.sqrt(
+            np.maximum.reduceat(
+                _squared_distances_by_owner(along[:, near], trials, owners[near]), starts, axis=1
+            )
+        )
+        e += s_trials[k].T
         best = e.argmin(axis=0)
         better = e[best, np.arange(len(k))] < most[k] - 1e-5
         k, best = k[better], best[better]
-        c[k], s[k], stale[k] = trials[k, best], there[k, best], True
+        c[k], s[k], stale[k] = trials[k, best], s_trials[k, best], True
         if stale.any():
-            lengths[stale] = far(c[stale], x)
+            lengths[stale] = distances_between(c[stale], x)
         else:
             step /= 2.0
             stale[:] = True
@@ -166,7 +170,7 @@ def _moved(problem: Problem, c: Floats) -> Floats:
     return c
 
 
-def _squares(points: Floats, trials: Floats, owners: Array) -> Floats:
+def _squared_distances_by_owner(points: Floats, trials: Floats, owners: Array) -> Floats:
     """Squared distances of points, shape (3, n), from the trials of their owners, shape (directions, n) [m^2]."""
     total = (points[0] - trials[..., 0].T[:, owners]) ** 2
     for axis in (1, 2):
@@ -178,7 +182,7 @@ def covered(problem: Problem, c: Floats) -> tuple[Floats, Floats]:
     """Radii with which spheres cover everything for sure.
 
     A triangle whose corners are in a sphere is in it; each piece of the surface goes to the sphere whose excess it
-    makes least. Then hollows between the spheres that a flood from outside does not reach are filled.
+    makes least. Then cavities between the spheres, which are not connected to the outside, are filled.
 
     Args:
         problem: What to cover.
@@ -191,13 +195,13 @@ def covered(problem: Problem, c: Floats) -> tuple[Floats, Floats]:
     corners = [np.ascontiguousarray(problem.pieces[:, k].T) for k in range(3)]
     farthest = np.zeros((len(c), len(problem.pieces)))
     for corner in corners:
-        np.maximum(farthest, squares(c, corner), out=farthest)
+        np.maximum(farthest, squared_distances(c, corner), out=farthest)
     r = _grown(np.zeros(len(c)), np.sqrt(farthest, out=farthest), s)
     for _ in range(3):
-        hollows = _hollows(problem, c, r)
-        if not len(hollows):
+        cavities = _cavities(problem, c, r)
+        if not len(cavities):
             break
-        r = _grown(r, np.sqrt(squares(c, np.ascontiguousarray(hollows.T))), s)
+        r = _grown(r, np.sqrt(squared_distances(c, np.ascontiguousarray(cavities.T))), s)
     used = r > 0.0
     return c[used], r[used] * (1.0 + 1e-12) + 1e-12
 
@@ -210,8 +214,8 @@ def _grown(r: Floats, lengths: Floats, s: Floats) -> Floats:
     return r
 
 
-def _hollows(problem: Problem, c: Floats, r: Floats) -> Floats:
-    """Centres of cells that no sphere holds and that cannot be reached from outside."""
+def _cavities(problem: Problem, c: Floats, r: Floats) -> Floats:
+    """Centres of cells outside all spheres that are not connected to the outside."""
     from scipy import ndimage
 
     region = problem.region
@@ -223,6 +227,6 @@ def _hollows(problem: Problem, c: Floats, r: Floats) -> Floats:
     labels, count = ndimage.label(free)  # type: ignore[misc]
     if count < 2:
         return np.zeros((0, 3))
-    rim = np.ones_like(region.inside)
-    rim[1:-1, 1:-1, 1:-1] = False
-    return region.centres((labels > 0) & ~np.isin(labels, np.unique(labels[rim])))
+    boundary = np.ones_like(region.inside)
+    boundary[1:-1, 1:-1, 1:-1] = False
+    return region.centres((labels > 0) & ~np.isin(labels, np.unique(labels[boundary])))

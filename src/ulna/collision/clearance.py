@@ -146,7 +146,7 @@ def _slices(name: str, radius: float, length: float) -> list[Part]:
     ]
 
 
-def standing(
+def fixed_parts(
     model: Model, pairs: Sequence[LinkPair], missing: Missing = "error"
 ) -> list[tuple[Part, tuple[str, ...]]]:
     """The parts of links that never move, placed in the world.

@@ -23,7 +23,7 @@ from ulna.spatial import SE3
 from ulna.system import forks
 from ulna.typing import Floats
 
-_CACHED_GRIDS = 16  # grids used last; each takes some megabytes
+_CACHED_BYTES = 200_000_000  # of the grids used last; each takes 1 to 25 MB
 
 _grids: OrderedDict[bytes, Clouds] = OrderedDict()
 _lock = forks.lock()
@@ -55,9 +55,14 @@ def point_grid(solid: Solid) -> Clouds:
     grid = grid_of(points, radius)
     with _lock:
         _grids[key] = grid
-        while len(_grids) > _CACHED_GRIDS:
+        while len(_grids) > 1 and sum(map(_size, _grids.values())) > _CACHED_BYTES:
             _grids.popitem(last=False)
     return grid
+
+
+def _size(grid: Clouds) -> int:
+    """The memory that a grid takes [byte]."""
+    return sum(array.nbytes for array in grid)
 
 
 @final
@@ -118,7 +123,7 @@ def cloud_checks(
         model: The robot.
         world: The world.
         spheres: Spheres of the links and of attached objects.
-        chosen: Tells of names of links and objects where their spheres stand among all.
+        chosen: From names of links and objects to the numbers of their spheres among all.
         missing: What to do about a mesh file that is missing: "error", or "skip" it with a warning.
 
     Returns:

@@ -17,7 +17,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import kernels
-from ulna.checks.arrays import batched_array
+from ulna.checks.quaternions import checked_configurations
 from ulna.checks.values import count as check_count
 from ulna.checks.values import flag, number, short_repr
 from ulna.collision import clearance as gap
@@ -178,7 +178,7 @@ class SphereChecker:
         reach = margin + TOUCH
         check = None if moving else self._batch_check(margin)
         if check is not None:
-            q = batched_array("q", q, (self.model.nq,))
+            q = checked_configurations("q", q, self.model)
             return self._collides_in_lanes(check, q, reach, threads)
         free = self._evaluate("free", q, moving, np.minimum, reach, threads)
         return free < 0.5 if np.ndim(free) else bool(free < 0.5)
@@ -320,7 +320,7 @@ class SphereChecker:
         threads: int | None,
     ) -> Any:
         poses = self._poses(moving)
-        q = batched_array("q", q, (self.model.nq,))
+        q = checked_configurations("q", q, self.model)
         batch = np.broadcast_shapes(q.shape[:-1], *(T.translation.shape[:-1] for T in poses.values()))
         rows = [*self._group_rows(poses), *self._cloud_rows(poses)]
         self_distance = self_collision_kernel(what, self.model, self.spheres, self.sphere_pairs)
@@ -329,7 +329,7 @@ class SphereChecker:
             return self._one(what, q, placed, rows, join, reach)[()]
         count = int(np.prod(batch))
         flat = np.broadcast_to(q, (*batch, self.model.nq)).reshape(count, self.model.nq)
-        spread = [(kind, links, _of_each(x, batch, count)) for kind, links, x in rows]
+        batched = [(kind, links, _of_each(x, batch, count)) for kind, links, x in rows]
 
         def run(starts: Sequence[int]) -> list[Any]:
             """Chunk after chunk in the thread's own buffer: fresh memory would cost as much as the kernels."""
@@ -342,7 +342,7 @@ class SphereChecker:
                 c = buffer[: part.stop - part.start]
                 placed = self_distance(flat[part], reach, out=(c, np.empty(len(c))))
                 placed = self._with_attached(flat[part], placed)
-                here = [(kind, links, x[part]) for kind, links, x in spread]
+                here = [(kind, links, x[part]) for kind, links, x in batched]
                 results.append(self._one(what, flat[part], placed, here, join, reach))
             return results
 

@@ -91,12 +91,12 @@ class _Part:
         points = self.triangles.reshape(-1, 3)
         low, high = points.min(axis=0), points.max(axis=0)
         edge = max(float((high - low).max()) / _GRID, 1e-12)
-        few, best = _snapped(self.triangles, low, edge), (0.0, 0, 0.0)
-        whole = _volume(_distinct(few, low, edge))
+        coarse, best = _snapped(self.triangles, low, edge), (0.0, 0, 0.0)
+        whole = _volume(_distinct(coarse, low, edge))
         for axis in range(3):
             for part in _CUTS:
                 place = float(low[axis] + part * (high[axis] - low[axis]))
-                halves = _cut(few, axis, place)
+                halves = _cut(coarse, axis, place)
                 gain = whole - sum(_volume(_distinct(half, low, edge)) for half in halves if len(half))
                 best = max(best, (gain, axis, place))
         self.most_gain, self.cut = best[0], best[1:]
@@ -135,14 +135,14 @@ def _cut(triangles: Floats, axis: int, place: float) -> tuple[Floats, Floats]:
     crossing = ~(is_below | is_above)
     corners, heights = triangles[crossing], above[crossing]
     upper = heights > 0.0
-    for side, is_lone in enumerate(
+    for side, has_single in enumerate(
         (upper.sum(axis=1) == 2, upper.sum(axis=1) == 1)
     ):  # a corner below, or above
-        mine, up = corners[is_lone], upper[is_lone]
-        lone = (up if side else ~up).argmax(axis=1)
-        order = (lone[:, None] + np.arange(3)) % 3
-        p = np.take_along_axis(mine, order[:, :, None], axis=1)
-        h = np.take_along_axis(heights[is_lone], order, axis=1)
+        single_corner_triangles, is_upper = corners[has_single], upper[has_single]
+        single = (is_upper if side else ~is_upper).argmax(axis=1)
+        order = (single[:, None] + np.arange(3)) % 3
+        p = np.take_along_axis(single_corner_triangles, order[:, :, None], axis=1)
+        h = np.take_along_axis(heights[has_single], order, axis=1)
         a, b = (p[:, 0] + (h[:, :1] / (h[:, :1] - h[:, k : k + 1])) * (p[:, k] - p[:, 0]) for k in (1, 2))
         sides[side].append(np.stack([p[:, 0], a, b], axis=1))
         sides[1 - side].append(np.stack([a, p[:, 1], p[:, 2]], axis=1))

@@ -69,12 +69,13 @@ class Task:
         return np.vstack([self.solid_balls[0], c]), np.concatenate([self.solid_balls[1], r]), max(e, 0.0)
 
 
-def task(solids: Sequence[Solid], places: Sequence[SE3]) -> Task:
+def task(solids: Sequence[Solid], places: Sequence[SE3], finest: float = 0.0) -> Task:
     """Solids to cover, made ready.
 
     Args:
         solids: Bounded solids.
         places: T_common_shape of each [m].
+        finest: The least edge of the cells in which they are looked at [m].
 
     Returns:
         The task.
@@ -105,10 +106,12 @@ def task(solids: Sequence[Solid], places: Sequence[SE3]) -> Task:
             is_inside |= interior(solid.shape, x).all(axis=1)
         return is_inside
 
-    return Task(solid_balls, problem(region(np.concatenate(others), buried), solid_balls))
+    return Task(solid_balls, problem(region(np.concatenate(others), buried, finest), solid_balls))
 
 
-def cover(solids: Sequence[Solid], places: Sequence[SE3], tolerance: float, most: int) -> Cover:
+def cover(
+    solids: Sequence[Solid], places: Sequence[SE3], tolerance: float, most: int, finest: float = 0.0
+) -> Cover:
     """Spheres around solids.
 
     Args:
@@ -116,9 +119,10 @@ def cover(solids: Sequence[Solid], places: Sequence[SE3], tolerance: float, most
         places: T_common_shape of each [m].
         tolerance: How far spheres may stick out, about [m].
         most: The largest number of spheres for a solid that is no ball.
+        finest: The least edge of the cells in which they are looked at [m].
 
     Returns:
         Centres, shape (n, 3) [m], radii, shape (n,) [m], and how far they stick out at most [m].
     """
-    ready = task(solids, places)
+    ready = task(solids, places, finest)
     return ready.solve(min(ready.count(tolerance), most * len(solids)))

@@ -33,6 +33,7 @@ from ulna.geometry import Mesh
 from ulna.model import Model
 from ulna.model.content import fingerprint
 from ulna.model.of_robot import model_of
+from ulna.system.callers import level_of_caller
 from ulna.system.progress import progress as long_task
 from ulna.typing import Array
 
@@ -313,5 +314,5 @@ def _warn_of_blocked(pairs: Sequence[LinkPair]) -> None:
             f"The spheres of {shown} touch in every configuration tried, though the links do not: by spheres the robot "
             "is never free. Take finer spheres (a larger `most`, or ulna.collision.refine), or disable the pairs.",
             ModelWarning,
-            stacklevel=3,
+            stacklevel=level_of_caller(),
         )

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.values import short_repr
 from ulna.collision.result import Distance
+from ulna.errors import InputError
 from ulna.lazy import Slot, apply, is_deferred
 
 
@@ -21,7 +23,14 @@ def is_lazy_question(q: Any, moving: Mapping[str, Any] | None) -> bool:
 
     Returns:
         True where `ask` is to be called.
+
+    Raises:
+        InputError: `moving` is no dictionary.
     """
+    if moving is not None and not isinstance(moving, Mapping):
+        raise InputError(
+            f"`moving` is {short_repr(moving)}; expected a dictionary from names of obstacles to poses (..., 4, 4)."
+        )
     return is_deferred(q) or (moving is not None and any(is_deferred(pose) for pose in moving.values()))
 
 

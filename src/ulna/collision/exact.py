@@ -1,6 +1,6 @@
 """Exact collision checks and distances of a robot, against itself and a world, through coal.
 
-A compiled kernel places every solid of a batch, boxes around them say which pairs can matter, and coal judges only
+A compiled kernel places every solid of a batch, boxes around them show which pairs can touch, and coal computes only
 those. Pairs are ruled out by lower bounds alone, so that the answers are those of asking coal for every pair.
 """
 
@@ -17,7 +17,7 @@ from ulna.collision import deferred, narrow
 from ulna.collision.attached import attached_solids
 from ulna.collision.broad_phase import BroadPhase
 from ulna.collision.mask import pair_margins, pair_mask
-from ulna.collision.narrow import Found, Look, Narrow, Poses
+from ulna.collision.narrow import Narrow, NearestPoints, PosedSolids, Poses
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.result import Distance, Proximity
 from ulna.collision.solids import Missing, link_solids, obstacle_solids
@@ -209,7 +209,7 @@ class Checker:
         """
         if np.ndim(q) != 1:
             raise ShapeError("q", np.shape(q), f"({self.model.nq},)", "Ask for one configuration at a time.")
-        best: dict[tuple[str, str], Found] = {}
+        best: dict[tuple[str, str], NearestPoints] = {}
         with self.lock:
             _, chunks = self._broad.chunks(q, moving)
             for _, poses in chunks:
@@ -252,7 +252,7 @@ class Checker:
         out = [self._gradient(item, row) for item, row in zip(items, rows, strict=True)]
         return np.array(out).reshape(*batch, self.model.nv)
 
-    def look(self, q: Floats, moving: Mapping[str, ArrayLike] | None = None) -> Look:
+    def posed(self, q: Floats, moving: Mapping[str, ArrayLike] | None = None) -> PosedSolids:
         """The solids at one configuration, for algorithms that ask for pairs themselves; hold `lock`.
 
         Args:
@@ -264,7 +264,10 @@ class Checker:
         """
         _, chunks = self._broad.chunks(q, moving)
         _, poses = next(chunks)
-        return Look(self._broad.bounds(poses, True)[..., 0], poses, self._narrow)
+        return PosedSolids(self._broad.bounds(poses, True)[..., 0], poses, self._narrow)
+
+    look = posed
+    """The former name of `posed`."""
 
     # one configuration ---------------------------------------------------------------------------------------
 
@@ -278,12 +281,12 @@ class Checker:
             if not out[row] and ask(poses, row, i, j):
                 out[row] = True
 
-    def _nearest(self, poses: Poses, row: int, bounds: Floats, enough: float) -> Found | None:
+    def _nearest(self, poses: Poses, row: int, bounds: Floats, enough: float) -> NearestPoints | None:
         """The nearest pair of one configuration: pairs in the order of their bounds, until none can be nearer."""
         flat = bounds.reshape(-1)
         candidates = np.flatnonzero(flat < np.inf)
         candidates = candidates[np.argsort(flat[candidates])]
-        best: Found | None = None
+        best: NearestPoints | None = None
         width = len(self.solids)
         for index, bound in zip(candidates.tolist(), flat[candidates].tolist(), strict=True):
             if best is not None and (bound >= best.distance or best.distance <= enough):
@@ -293,7 +296,7 @@ class Checker:
 
     # gradients ---------------------------------------------------------------------------------------------
 
-    def _proximity(self, item: Found | None, q: Floats | None = None) -> Proximity:
+    def _proximity(self, item: NearestPoints | None, q: Floats | None = None) -> Proximity:
         if item is None:
             nowhere = np.full((2, 3), np.nan)
             return Proximity(np.inf, nowhere, np.full(3, np.nan), ("", ""), np.zeros(self.model.nv))

@@ -55,7 +55,7 @@ def grouped(
                 members = groups.setdefault((part.kind, chosen), [])
                 members.append((part.grown(margins[chosen[0]]), pose, name))
 
-    for part, links in gap.standing(model, pairs, missing):
+    for part, links in gap.fixed_parts(model, pairs, missing):
         put(part, links, SE3.identity(), "")
     for part in gap.parts(World(tuple(o for o in world if not is_points(o.shape))), missing):
         obstacle = world[part.owner]

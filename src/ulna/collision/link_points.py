@@ -11,7 +11,7 @@ import numpy as np
 from ulna.collision.solids import Solid, hull
 from ulna.compiler.procedures import Array1, Array2, broadcast, f64, least_of, procedure
 from ulna.errors import InputError
-from ulna.geometry import Capsule, Cylinder, Sphere
+from ulna.geometry import Capsule, Cylinder, Plane, Sphere
 from ulna.spatial import SE3, Motion
 from ulna.typing import Floats
 
@@ -20,6 +20,7 @@ _GRID = 64  # cells along the longest edge of a mesh, in which one ball stands f
 _COARSE = 8  # cells where only speeds are asked for
 _MOST = 2000  # points of a mesh that are taken as they are
 _FEW = 100  # where only speeds are asked for
+_ENDLESS = 1e30  # radius of the ball in place of a half-space [m]; with inf a joint that does not turn would yield nan
 
 
 @final
@@ -136,8 +137,10 @@ def _in_shape(solid: Solid) -> tuple[Floats, Floats]:
             corners, _ = hull(solid.vertices)
         except InputError:  # they lie in a plane
             corners = solid.vertices
-        zeros = np.zeros(len(corners))
-        return (corners, zeros) if len(corners) <= _MOST else _thinned(corners, zeros, _GRID)
+        radii = np.full(len(corners), solid.rounding)
+        return (corners, radii) if len(corners) <= _MOST else _thinned(corners, radii, _GRID)
+    if isinstance(shape, Plane):
+        return np.zeros((1, 3)), np.array([_ENDLESS])
     if isinstance(shape, Sphere):
         return np.zeros((1, 3)), np.array([shape.radius])
     if isinstance(shape, Capsule):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ulna.collision.solids import Solid, hull
 from ulna.data_classes import dataclass
-from ulna.errors import InputError, MissingExtra
+from ulna.errors import InputError, needed
 from ulna.geometry import (
     Box,
     Capsule,
@@ -34,10 +34,8 @@ def coal() -> Any:
     Raises:
         MissingExtra: If it is not installed.
     """
-    try:
+    with needed("coal", "collision", "Exact collision checking"):
         import coal as package  # pyright: ignore[reportMissingImports]
-    except ImportError as error:
-        raise MissingExtra("coal", "collision", "Exact collision checking") from error
     return package
 
 
@@ -132,7 +130,7 @@ class Poses:
 
 
 @dataclass(frozen=True)
-class Found:
+class NearestPoints:
     """A distance that coal found, by the numbers of the two solids."""
 
     distance: float
@@ -144,7 +142,7 @@ class Found:
 
 @final
 @dataclass(frozen=True)
-class Look:
+class PosedSolids:
     """The solids of a checker at one configuration.
 
     Attributes:
@@ -237,7 +235,7 @@ class Narrow:
         """
         return self._asked(poses, row, i, j), self._result.normal
 
-    def distance(self, poses: Poses, row: int, i: int, j: int, best: Found | None = None) -> Any:
+    def distance(self, poses: Poses, row: int, i: int, j: int, best: NearestPoints | None = None) -> Any:
         """The distance of two solids.
 
         Args:
@@ -255,4 +253,4 @@ class Narrow:
         if best is not None and best.distance <= d:
             return best
         points = np.stack([result.getNearestPoint1(), result.getNearestPoint2()])
-        return Found(float(d), points, np.array(result.normal), i, j)
+        return NearestPoints(float(d), points, np.array(result.normal), i, j)

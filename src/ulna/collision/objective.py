@@ -9,7 +9,17 @@ from typing import Any
 import numpy as np
 
 from ulna.collision.attached import carried
-from ulna.collision.clearance import Kind, Part, checked_links, parts, root, row, self_pairs, signed, standing
+from ulna.collision.clearance import (
+    Kind,
+    Part,
+    checked_links,
+    fixed_parts,
+    parts,
+    root,
+    row,
+    self_pairs,
+    signed,
+)
 from ulna.collision.covering import fit
 from ulna.collision.mask import check_touches
 from ulna.collision.pairs import LinkPair, link_pairs
@@ -90,7 +100,7 @@ def _checks(model: Model, world: World, balls: Spheres, pairs: Sequence[LinkPair
         By link and number of the sphere, in the order of the links; only of spheres that are checked.
     """
     rows: list[tuple[Part, SE3, Sequence[str]]] = [
-        (part, SE3.identity(), links) for part, links in standing(model, pairs)
+        (part, SE3.identity(), links) for part, links in fixed_parts(model, pairs)
     ]
     rows += [
         (part, world[part.owner].pose, checked_links(model, balls, world[part.owner], world))

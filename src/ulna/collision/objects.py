@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, final
 
-import numpy as np
-
-from ulna.checks.arrays import check_finite
+from ulna.checks.arrays import check_finite, real_array
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.geometry import Shape
@@ -76,9 +74,11 @@ def checked_object(name: Any, shape: Any, touches: Iterable[str], what: str) -> 
         raise InputError(
             f"{what} {name!r}: `shape` is {shape!r}; expected a shape of ulna.geometry, such as Box((1, 1, 0.1))."
         )
-    if isinstance(touches, str):
+    is_list = not isinstance(touches, (str, bytes, Mapping)) and isinstance(touches, Iterable)
+    allowed = tuple(touches) if is_list else ()
+    if not is_list or not all(isinstance(one, str) for one in allowed):
         raise InputError(f"{what} {name!r}: `touches` is {touches!r}; expected a list of link names.")
-    return tuple(touches)
+    return allowed
 
 
 def checked_pose(what: str, pose: SE3 | ArrayLike | None) -> SE3:
@@ -98,7 +98,9 @@ def checked_pose(what: str, pose: SE3 | ArrayLike | None) -> SE3:
     """
     if pose is None:
         return SE3.identity()
-    checked = pose if isinstance(pose, SE3) else _pose_of(what, np.asarray(pose, dtype=float))
+    checked = (
+        pose if isinstance(pose, SE3) else _pose_of(what, real_array("pose", pose, shape="(4, 4) or (3,)"))
+    )
     matrix: Any = checked.matrix()
     if matrix.shape != (4, 4):
         raise InputError(

@@ -46,7 +46,7 @@ class PairDistance:
         centres = [np.linalg.norm(T @ c - a, axis=-1) for a in self._centres[:n] for c in self._centres[n:]]
         return np.stack(centres, axis=-1) - (self._radii[:n, None] + self._radii[n:]).ravel()
 
-    def ask(self, T: SE3, pairs: Array) -> tuple[Floats, Floats]:
+    def separations(self, T: SE3, pairs: Array) -> tuple[Floats, Floats]:
         """What coal says of one pair of solids each.
 
         Args:
@@ -78,9 +78,9 @@ class PairDistance:
         least, rows = np.full(len(bounds), np.inf), np.arange(len(bounds))
         while len(rows):
             pairs = bounds[rows].argmin(axis=1)
-            asked, _ = self.ask(SE3(T.rotation[rows], T.translation[rows]), pairs)
+            separations_of_pairs, _ = self.separations(SE3(T.rotation[rows], T.translation[rows]), pairs)
             bounds[rows, pairs] = np.inf
-            least[rows] = np.minimum(least[rows], asked)
+            least[rows] = np.minimum(least[rows], separations_of_pairs)
             rows = rows[(least[rows] > 0.0) & (bounds[rows].min(axis=1) < least[rows])]
         return least
 

@@ -39,7 +39,7 @@ _CELLS = {1: 2**11, 2: 2**15, 3: 2**18}  # of a table, about, by the number of j
 _LEVELS = {1: 5, 2: 5, 3: 4}  # so often the first cells are divided
 _NEAR = 0.02  # what is proved to be farther apart need not be known so well [m]
 _EXACT = 5e-4  # clearances that are so near the distance are not improved [m]
-_BLOCK = 2048  # cells that are looked at together
+_BLOCK = 2048  # cells that are computed together
 _FINEST = 1e-3  # points move by at least this in a cell [m]
 _TURNS = 8.0 * np.pi  # up to here either way tables serve joints without limits [rad]
 _ROUNDING = 2.0**-21  # of float32, four times
@@ -217,16 +217,16 @@ def pair_table(
         return None
     start, span, _, least, greatest = position_ranges
     size = 1.0 + np.maximum(np.abs(least), np.abs(greatest)) + span
-    filling = _Filling(model, chain, solids, start, span, (2e-6 + _ROUNDING) * size, queries)
-    clearance, slopes = filling.filled(progress)
+    builder = _TableBuilder(model, chain, solids, start, span, (2e-6 + _ROUNDING) * size, queries)
+    clearance, slopes = builder.clearances_and_slopes(progress)
     codes = encoded(clearance)
     slopes[codes == 0] = 0
     return PairTable(*pair, chain.columns, *position_ranges, codes, slopes)
 
 
 @final
-class _Filling:
-    """The cells of a table, coarse ones first.
+class _TableBuilder:
+    """Computes the cells of a table, coarse ones first.
 
     Args:
         model: The robot.
@@ -234,20 +234,20 @@ class _Filling:
         solids: The solids of both.
         start: Where cells begin, shape (n,) [rad, m].
         span: Their range, shape (n,) [rad, m].
-        beyond: By how much wider cells are than they are apart, on either side, shape (n,) [rad, m].
+        margin: By how much a cell is enlarged on either side, shape (n,) [rad, m].
         queries: How many distances are asked for, about.
     """
 
     def __init__(
         self, model: Model, chain: JointChain, solids: tuple[Sequence[Solid], Sequence[Solid]], start: Floats,
-        span: Floats, beyond: Floats, queries: int,
+        span: Floats, margin: Floats, queries: int,
     ) -> None:  # fmt: skip
         self._nq, self._columns = model.nq, list(chain.columns)
-        self._start, self._span, self._beyond = start, span, beyond
+        self._start, self._span, self._margin = start, span, margin
         self._bounds = CellBounds(chain, solids)
         self._levels = _LEVELS[len(span)]
-        self._first = self._first_counts()
-        self._left = queries
+        self._coarse_counts = self._first_counts()
+        self._queries_left = queries
 
     def _first_counts(self) -> Array:
         """How many of the largest cells there are along each axis: points move about as far in all of them."""
@@ -264,13 +264,13 @@ class _Filling:
         q[:, self._columns] = self._start + part * self._span
         return q
 
-    def filled(self, progress: Callable[[], object]) -> tuple[Floats, Array]:
+    def clearances_and_slopes(self, progress: Callable[[], object]) -> tuple[Floats, Array]:
         """The clearances of all cells [m], and their slopes, in numbers of `SLOPE_STEP`."""
-        counts, axes = self._first, len(self._first)
+        counts, axes = self._coarse_counts, len(self._coarse_counts)
         known, slopes = np.full(counts, -np.inf), np.zeros((*counts, axes), np.int8)
         cells = np.argwhere(np.ones(counts, dtype=bool))
         for level in range(self._levels + 1):
-            proved = self._looked_at(cells, counts, progress)
+            proved = self._prove_cells(cells, counts, progress)
             at = tuple(cells.T)
             is_better = proved.clearance > known[at]
             better = tuple(axis[is_better] for axis in at)
@@ -279,7 +279,7 @@ class _Filling:
             if level == self._levels:
                 break
             parents = cells[self._to_divide(proved)]
-            known, slopes, counts = *_halved(known, slopes), 2 * counts
+            known, slopes, counts = *_subdivided(known, slopes), 2 * counts
             corners = np.argwhere(np.ones((2,) * axes, dtype=bool))
             cells = (2 * parents[:, None] + corners).reshape(-1, axes)
         return known, slopes
@@ -287,30 +287,30 @@ class _Filling:
     def _to_divide(self, proved: Proved) -> Array:
         """The numbers of cells to divide, those nearest to contact first."""
         distance, clearance = proved.distance, proved.clearance
-        lost = distance - clearance
-        near = (lost > ENOUGH * distance) & (clearance < _NEAR) | (lost > 2.0 * ENOUGH * distance)
+        gap = distance - clearance
+        near = (gap > ENOUGH * distance) & (clearance < _NEAR) | (gap > 2.0 * ENOUGH * distance)
         near &= distance > 0.0
-        begins = (distance <= 0.0) & (clearance + np.abs(proved.slopes).sum(axis=1) > -lost)
-        numbers = np.flatnonzero((near | begins) & (lost > _EXACT))
-        most = max(self._left, 0) // 2 ** len(self._first)
+        just_touching = (distance <= 0.0) & (clearance + np.abs(proved.slopes).sum(axis=1) > -gap)
+        numbers = np.flatnonzero((near | just_touching) & (gap > _EXACT))
+        most = max(self._queries_left, 0) // 2 ** len(self._coarse_counts)
         if len(numbers) > most:
             numbers = numbers[np.argsort(np.abs(distance[numbers]), kind="stable")[:most]]
         return numbers
 
-    def _looked_at(self, cells: Array, counts: Array, progress: Callable[[], object]) -> Proved:
-        """What is proved of cells."""
+    def _prove_cells(self, cells: Array, counts: Array, progress: Callable[[], object]) -> Proved:
+        """The clearances that are proved for cells."""
         parts = []
         width = self._span / counts / 2.0
-        for begin in range(0, len(cells), _BLOCK):
+        for block_start in range(0, len(cells), _BLOCK):
             progress()
-            q = self._configurations((cells[begin : begin + _BLOCK] + 0.5) / counts)
-            proved = self._bounds.proved(q, width + self._beyond)
+            q = self._configurations((cells[block_start : block_start + _BLOCK] + 0.5) / counts)
+            proved = self._bounds.proved(q, width + self._margin)
             slopes = (
                 proved.slopes
             )  # where float32 may look a configuration up, they may be off by their part of that
-            off = np.abs(slopes) @ (self._beyond / width)
-            parts.append(proved._replace(clearance=proved.clearance - off))
-            self._left -= proved.queries
+            error = np.abs(slopes) @ (self._margin / width)
+            parts.append(proved._replace(clearance=proved.clearance - error))
+            self._queries_left -= proved.queries
         if not parts:
             axes = len(counts)
             return Proved(np.zeros(0), np.zeros(0), np.zeros((0, axes)), 0)
@@ -322,8 +322,8 @@ class _Filling:
         )
 
 
-def _halved(known: Floats, slopes: Array) -> tuple[Floats, Array]:
-    """What cells prove of their halves: clearances at the middles [m], and slopes."""
+def _subdivided(known: Floats, slopes: Array) -> tuple[Floats, Array]:
+    """The clearances at the middles of the halves of cells [m], and their slopes, as the cells prove them."""
     steps = slopes.astype(float) * SLOPE_STEP
     for axis in range(known.ndim):
         known, slopes, steps = (np.repeat(x, 2, axis=axis) for x in (known, slopes, steps))

@@ -1,16 +1,24 @@
-"""Whether spheres touch balls about many points, and how far they are: a grid of distances, and cells of points.
+"""Whether spheres touch balls about many points, and how far they are: two grids of bounds, and cells of points.
 
 | symbol | meaning | unit |
 |---|---|---|
 | x | centre of a sphere in the cloud's frame, moved to the nearest point of the grid | [m] |
-| h, H | edges of the grid's cells of distances, and of the cells in which points are kept | [m] |
-| m, f | middle of the cell of x, and how far the nearest point is from it, at most T | [m] |
+| p, d | points of the cloud, and how far the nearest one is, at most T | [m] |
+| h, H | edges of a grid's cells, and of the cells in which points are kept | [m] |
+| u | x from the middle of its cell, in edges | [1] |
+| A, B | of each cell, see below | [1] |
 | rho | radius of the balls | [m] |
 
-No point is nearer to x than f - |x - m|, and f < T says that one is as near as f + |x - m|. The grid contains all
-points and is convex, so that a centre outside is farther from each than x. Only where that leaves open whether a sphere
-touches, the points of the cells that it reaches are looked at, in lanes. Source: distances are 1-Lipschitz; the cells
-are those of Bentley, Stanat and Williams, The complexity of finding fixed-radius near neighbors (1977).
+d^2 - |x|^2 is the least of |p|^2 - 2 p.x over all points, and T^2 - |x|^2: concave, as each of them is. So a linear
+function that is not above it at the corners of a cell is nowhere above it in the cell, and with A and B fitted to the
+corners d^2 >= h^2 (|u|^2 + B.u + A). Where one point is the nearest in all of a cell, this is d^2 itself; else it is
+less by about h^2 / 2. A grid contains all points and is convex, so that a centre outside is farther from each than x.
+
+The fine grid tells small distances; the coarse one, with larger cells, and boxes around the points of each cell in
+place of the points, tells larger ones, for the bounding spheres of links. Only where they leave open whether a sphere
+touches, the points of the cells that it reaches are looked at, in lanes. Source: the nearest point as the upper
+envelope of linear functions, Aurenhammer, Voronoi diagrams, ACM Computing Surveys 23 (1991), section 3.1; the cells of
+points are those of Bentley, Stanat and Williams, The complexity of finding fixed-radius near neighbors (1977).
 """
 
 from __future__ import annotations
@@ -22,6 +30,7 @@ import numpy as np
 from ulna.compiler.procedures import (
     Array1,
     Array2,
+    Array3,
     any_of,
     broadcast,
     f32,
@@ -32,6 +41,7 @@ from ulna.compiler.procedures import (
 )
 
 INT = np.int64
+FINE, COARSE = 0, 1
 
 
 class Clouds(NamedTuple):
@@ -39,45 +49,67 @@ class Clouds(NamedTuple):
 
     Attributes:
         poses: T_world_cloud: R by rows, t, (n, 12) [1], [m].
-        numbers: Origin of the grid, 1 / h, h, 1 / H, rho, T, (n, 8) [m], [1/m].
-        counts: Cells of the field along x, y, z, where they begin; cells of points likewise, (n, 8).
-        field: f of all cells, (cells,) [m].
+        grids: Of the fine and of the coarse grid the origin, 1 / h, h^2, cells along x, y, z, and up to which distance
+            it is asked, (n, 2, 8) [m], [1/m], [m^2], [1], [m].
+        begins: Where the cells of both begin, (n, 2).
+        bounds: A, B of all their cells, (4 cells,) [1].
+        numbers: 1 / H, rho, and up to which distance points are looked for, (n, 3) [1/m], [m].
+        counts: Cells of points along x, y, z, whose origin is that of the fine grid, and where they begin, (n, 4).
         starts: Where the points of a cell begin, one more than there are cells, (cells,).
         points: Coordinates, cell after cell, filled up to whole registers, (3, points) [m].
     """
 
     poses: Array2[f32]
+    grids: Array3[f32]
+    begins: Array2[INT]
+    bounds: Array1[f32]
     numbers: Array2[f32]
     counts: Array2[INT]
-    field: Array1[f32]
     starts: Array1[INT]
     points: Array2[f32]
 
 
-@procedure(contract=True)
-def maybe_near(clouds, k, x, y, z, r, W):
-    """The lanes in which spheres may touch cloud k.
+@procedure
+def level_for(clouds, k, reach):
+    """The grid that tells whether a point is nearer than a distance.
 
     Args:
         clouds: The clouds.
         k: Which.
-        x: Centres in the cloud's frame, lanes [m].
-        y: Likewise [m].
-        z: Likewise [m].
-        r: Their radius [m].
-        W: Lanes, a constant.
+        reach: The distance [m].
 
     Returns:
-        A mask.
+        `FINE` or `COARSE`.
     """
-    inverse, h = clouds.numbers[k, 3], clouds.numbers[k, 4]
-    u = np.minimum(np.maximum((x - clouds.numbers[k, 0]) * inverse, 0), f32(clouds.counts[k, 0]) - 0.01)
-    v = np.minimum(np.maximum((y - clouds.numbers[k, 1]) * inverse, 0), f32(clouds.counts[k, 1]) - 0.01)
-    w = np.minimum(np.maximum((z - clouds.numbers[k, 2]) * inverse, 0), f32(clouds.counts[k, 2]) - 0.01)
-    a, b, c = int(u), int(v), int(w)
-    u, v, w = u - f32(a) - 0.5, v - f32(b) - 0.5, w - f32(c) - 0.5
-    field = clouds.field[clouds.counts[k, 3] + (a * clouds.counts[k, 1] + b) * clouds.counts[k, 2] + c]
-    return field - np.sqrt(u * u + v * v + w * w) * h <= r + clouds.numbers[k, 6]
+    if reach < clouds.grids[k, FINE, 8]:
+        return FINE
+    return COARSE
+
+
+@procedure(contract=True)
+def least_square(clouds, k, level, x, y, z):
+    """The square of a distance below which no point of cloud k is.
+
+    Args:
+        clouds: The clouds.
+        k: Which.
+        level: Which grid tells.
+        x: Places in the cloud's frame, lanes or a number [m].
+        y: Likewise [m].
+        z: Likewise [m].
+
+    Returns:
+        Lanes or a number [m^2]; at most about T^2.
+    """
+    inverse, ny, nz = clouds.grids[k, level, 3], clouds.grids[k, level, 6], clouds.grids[k, level, 7]
+    u = np.minimum(np.maximum((x - clouds.grids[k, level, 0]) * inverse, 0), clouds.grids[k, level, 5] - 0.01)
+    v = np.minimum(np.maximum((y - clouds.grids[k, level, 1]) * inverse, 0), ny - 0.01)
+    w = np.minimum(np.maximum((z - clouds.grids[k, level, 2]) * inverse, 0), nz - 0.01)
+    a, b, c = np.floor(u), np.floor(v), np.floor(w)
+    cell = clouds.begins[k, level] + int((a * ny + b) * nz + c) * 4  # float32 has the integers up to 2^24
+    u, v, w = u - a - 0.5, v - b - 0.5, w - c - 0.5
+    along = (u + clouds.bounds[cell + 1]) * u + (v + clouds.bounds[cell + 2]) * v
+    return (clouds.bounds[cell] + along + (w + clouds.bounds[cell + 3]) * w) * clouds.grids[k, level, 4]
 
 
 @procedure(contract=True)
@@ -97,19 +129,19 @@ def nearest_square(clouds, k, x, y, z, far, enough, W):
     Returns:
         The square [m^2]; 1e30 where nothing is that near.
     """
-    inverse = clouds.numbers[k, 5]
-    x0, y0, z0 = x - clouds.numbers[k, 0], y - clouds.numbers[k, 1], z - clouds.numbers[k, 2]
+    inverse = clouds.numbers[k, 0]
+    x0, y0, z0 = x - clouds.grids[k, FINE, 0], y - clouds.grids[k, FINE, 1], z - clouds.grids[k, FINE, 2]
     best = broadcast(f32(1e30), W)
     low = max(int((z0 - far) * inverse), 0)
-    high = min(int((z0 + far) * inverse), clouds.counts[k, 6] - 1)
+    high = min(int((z0 + far) * inverse), clouds.counts[k, 2] - 1)
     if low <= high:
         for i in range(
-            max(int((x0 - far) * inverse), 0), min(int((x0 + far) * inverse), clouds.counts[k, 4] - 1) + 1
+            max(int((x0 - far) * inverse), 0), min(int((x0 + far) * inverse), clouds.counts[k, 0] - 1) + 1
         ):
             for j in range(
-                max(int((y0 - far) * inverse), 0), min(int((y0 + far) * inverse), clouds.counts[k, 5] - 1) + 1
+                max(int((y0 - far) * inverse), 0), min(int((y0 + far) * inverse), clouds.counts[k, 1] - 1) + 1
             ):
-                cell = clouds.counts[k, 7] + (i * clouds.counts[k, 5] + j) * clouds.counts[k, 6]
+                cell = clouds.counts[k, 3] + (i * clouds.counts[k, 1] + j) * clouds.counts[k, 2]
                 for n in range(clouds.starts[cell + low], clouds.starts[cell + high + 1], W):
                     dx = clouds.points[0, n : n + W] - x
                     dy = clouds.points[1, n : n + W] - y
@@ -121,7 +153,7 @@ def nearest_square(clouds, k, x, y, z, far, enough, W):
 
 
 @procedure
-def lane_touches(clouds, k, x, y, z, r, is_open, W):
+def lane_touches(clouds, k, x, y, z, reach, is_open, W):
     """Whether a sphere touches cloud k in one of some lanes.
 
     Args:
@@ -130,14 +162,13 @@ def lane_touches(clouds, k, x, y, z, r, is_open, W):
         x: Centres in the cloud's frame, lanes [m].
         y: Likewise [m].
         z: Likewise [m].
-        r: Their radius [m].
+        reach: How near touches: their radius, that of the balls, and a margin [m].
         is_open: The lanes, a mask.
         W: Lanes, a constant.
 
     Returns:
         The truth value.
     """
-    reach = r + clouds.numbers[k, 6]
     while any_of(is_open):
         lane = first_of(is_open)
         if nearest_square(clouds, k, x[lane], y[lane], z[lane], reach, reach * reach, W) <= reach * reach:
@@ -175,7 +206,7 @@ def in_cloud(poses, k, c, row, W):
 def clearances(
     clouds: Clouds, points: Array2[f32], radii: Array1[f32], result: Array1[f32], each: int, W: int
 ) -> None:
-    """Writes, for each group of spheres, the least distance of one from cloud 0, or a lower bound of it beyond T.
+    """Writes, for each group of spheres, the least distance of one from cloud 0, a lower bound of it where it is far.
 
     Args:
         clouds: The clouds.
@@ -185,37 +216,36 @@ def clearances(
         each: How many spheres a group has.
         W: Lanes, a constant.
     """
-    rho, far, inverse, h = (
-        clouds.numbers[0, 6],
-        clouds.numbers[0, 7],
-        clouds.numbers[0, 3],
-        clouds.numbers[0, 4],
-    )
     for g in range(len(result)):
         best = f32(1e30)
         for s in range(each):
             n = g * each + s
-            x, y, z = points[n, 0], points[n, 1], points[n, 2]
-            u = min(max((x - clouds.numbers[0, 0]) * inverse, 0.0), f32(clouds.counts[0, 0]) - 0.01)
-            v = min(max((y - clouds.numbers[0, 1]) * inverse, 0.0), f32(clouds.counts[0, 1]) - 0.01)
-            w = min(max((z - clouds.numbers[0, 2]) * inverse, 0.0), f32(clouds.counts[0, 2]) - 0.01)
-            a, b, c = int(u), int(v), int(w)
-            f = clouds.field[(a * clouds.counts[0, 1] + b) * clouds.counts[0, 2] + c]
-            u, v, w = u - f32(a) - 0.5, v - f32(b) - 0.5, w - f32(c) - 0.5
-            off = np.sqrt(u * u + v * v + w * w) * h
-            least = radii[s] + rho
-            if f - off - least < best:
-                # the point that is f from the middle is no farther than this from the centre, moved or not
-                dx = x - (clouds.numbers[0, 0] + (f32(a) + 0.5) * h)
-                dy = y - (clouds.numbers[0, 1] + (f32(b) + 0.5) * h)
-                dz = z - (clouds.numbers[0, 2] + (f32(c) + 0.5) * h)
-                look = (f + np.sqrt(dx * dx + dy * dy + dz * dz)) * 1.00001 + 0.00001
-                if f >= far:
-                    look = far
-                look = min(look, max(best + least, 0.0))
-                distance = f - off
-                if distance < look:
-                    square = nearest_square(clouds, 0, x, y, z, look, 0.0, W)
-                    distance = max(distance, min(np.sqrt(square), look))
+            least = radii[s] + clouds.numbers[0, 1]
+            near = _bound_of(clouds, points[n, 0], points[n, 1], points[n, 2])
+            if near - least < best:
+                limit = min(clouds.numbers[0, 2], max(best + least, 0.0))
+                distance = _distance_of(clouds, points[n, 0], points[n, 1], points[n, 2], near, limit, W)
                 best = min(best, distance - least)
         result[g] = best
+
+
+@procedure
+def _bound_of(clouds, x, y, z):
+    """A distance below which no point of cloud 0 is."""
+    square = least_square(clouds, 0, FINE, x, y, z)
+    if square >= clouds.grids[0, FINE, 8] * clouds.grids[0, FINE, 8]:
+        square = max(square, least_square(clouds, 0, COARSE, x, y, z))
+    return np.sqrt(max(square, 0.0))
+
+
+@procedure
+def _distance_of(clouds, x, y, z, near, limit, W):
+    """How far the nearest point of cloud 0 is, where that is below `limit`; no point is nearer than `near`."""
+    further = f32(0.01)
+    while near < limit:
+        look = min(near + further, limit)
+        square = nearest_square(clouds, 0, x, y, z, look, 0.0, W)
+        if square <= look * look:
+            return max(np.sqrt(square), near)
+        near, further = look, further * 3.0
+    return near

@@ -111,7 +111,7 @@ def problem(region: Region, existing: tuple[Floats, Floats] | None = None) -> Pr
         corners, inside = (x[~_held(x[:, None], *existing)] for x in (corners, inside))
     surface = np.vstack([thinned(corners, _SAMPLES), corners[_outermost(corners)]])
     samples = np.vstack([surface, thinned(inside, _SAMPLES // 4)])
-    cost = far(samples, candidates) + region.signed(candidates).astype(np.float32)
+    cost = distances_between(samples, candidates) + region.signed(candidates).astype(np.float32)
     points = np.vstack([thinned(corners, _POINTS), surface[-60:], thinned(inside, _POINTS // 4)])
     return Problem(region, pieces, points, samples, candidates, cost)
 
@@ -132,7 +132,7 @@ def _outermost(points: Floats) -> Array:
     return np.unique((directions.T @ points.T).argmax(axis=1))
 
 
-def squares(a: Floats, b: Floats) -> Floats:
+def squared_distances(a: Floats, b: Floats) -> Floats:
     """Squared distances of points from points.
 
     Args:
@@ -149,7 +149,7 @@ def squares(a: Floats, b: Floats) -> Floats:
     return total
 
 
-def far(a: Floats, b: Floats) -> Floats:
+def distances_between(a: Floats, b: Floats) -> Floats:
     """Distances of points from points, in float32.
 
     Args:
@@ -160,7 +160,7 @@ def far(a: Floats, b: Floats) -> Floats:
         Distances, shape (n, m) [m].
     """
     a, b = a.astype(np.float32), b.astype(np.float32)  # type: ignore[assignment]
-    squared: Any = squares(a, np.ascontiguousarray(b.T))
+    squared: Any = squared_distances(a, np.ascontiguousarray(b.T))
     return np.sqrt(squared, out=squared)
 
 

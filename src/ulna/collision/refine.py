@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from ulna.checks.arrays import batched_array
+from ulna.checks.quaternions import checked_configurations
 from ulna.collision import clearance as gap
 from ulna.collision.centres import covered, divided
 from ulna.collision.cover import Task
@@ -20,11 +20,12 @@ from ulna.collision.world import World
 from ulna.errors import InputError, ModelWarning
 from ulna.model import Model
 from ulna.spatial import SE3
+from ulna.system.callers import level_of_caller
 from ulna.typing import Array, ArrayLike
 
 _ROUNDS = 8
 
-Blame = Mapping[LinkPair, Mapping[str, set[int]]]
+FalseContacts = Mapping[LinkPair, Mapping[str, set[int]]]
 """By pair, and by link of the pair, the numbers of the spheres that touch though the shapes do not."""
 
 
@@ -39,7 +40,7 @@ def refine(
 ) -> Spheres:
     """Spheres with more of them where they touch at given configurations and the real shapes do not.
 
-    Each sphere to blame is divided in two, and the radii of its link are computed anew, until nothing touches by
+    Each sphere to found is divided in two, and the radii of its link are computed anew, until nothing touches by
     spheres that does not by coal, or a link has as many as allowed. A warning (ModelWarning) names the pairs that
     remain. Shapes that are balls stay as they are.
 
@@ -61,19 +62,19 @@ def refine(
     """
     if int(most) != most or most < 1:
         raise InputError(f"`most` is {most!r}; expected a count, 1 or more.")
-    q = batched_array("q", q, (model.nq,)).reshape(-1, model.nq)
+    q = checked_configurations("q", q, model).reshape(-1, model.nq)
     world = World() if world is None else world
     checker = Checker(model, world, missing=missing)
     touching = dict(zip((frozenset(p) for p in checker.owners), checker.touching(q).T, strict=True))
     solids, tasks = solids_by_link(model, missing), {}
     for _ in range(_ROUNDS):
-        blame = _false_contacts(model, spheres, q, world, touching, missing)
+        found = _false_contacts(model, spheres, q, world, touching, missing)
         links = dict(spheres.links)
-        for name in {name for by_link in blame.values() for name in by_link if name in solids}:
+        for name in {name for by_link in found.values() for name in by_link if name in solids}:
             tasks.setdefault(name, None)
             if tasks[name] is None:
                 tasks[name] = link_task(model, name, solids[name])
-            numbers = set().union(*(by_link.get(name, set()) for by_link in blame.values()))
+            numbers = set().union(*(by_link.get(name, set()) for by_link in found.values()))
             finer = _divided(tasks[name], spheres.links[name], numbers, int(most))
             if finer is not None:
                 links[name] = finer
@@ -87,7 +88,7 @@ def refine(
             f"With {spheres.count} spheres, those of {pairs} still touch at some of the configurations, though the "
             f"shapes do not. Allow more (most={2 * most}), or move the configurations away.",
             ModelWarning,
-            stacklevel=2,
+            stacklevel=level_of_caller(),
         )
     return spheres
 
@@ -112,16 +113,16 @@ def _false_contacts(
     world: World,
     touching: Mapping[frozenset[str], Array],
     missing: Missing,
-) -> Blame:
+) -> FalseContacts:
     """The spheres that touch something at configurations at which the shapes do not."""
     placed = {
         name: np.broadcast_to(points, (len(q), *points.shape[-2:]))
         for name, points in sphere_centres(model, q, spheres).items()
     }
-    blame: dict[LinkPair, dict[str, set[int]]] = {}
+    found: dict[LinkPair, dict[str, set[int]]] = {}
 
-    def note(pair: LinkPair, name: str, numbers: Iterable[int]) -> None:
-        blame.setdefault(pair, {}).setdefault(name, set()).update(int(k) for k in numbers)
+    def add(pair: LinkPair, name: str, numbers: Iterable[int]) -> None:
+        found.setdefault(pair, {}).setdefault(name, set()).update(int(k) for k in numbers)
 
     never = np.zeros(len(q), dtype=bool)
     for a, b in link_pairs(model):
@@ -131,21 +132,21 @@ def _false_contacts(
         apart = ((placed[a][:, :, None] - placed[b][:, None]) ** 2).sum(axis=-1)
         hits = (apart <= reach**2)[~touching.get(frozenset((a, b)), never)].any(axis=0)
         if hits.any():
-            note((a, b), a, np.flatnonzero(hits.any(axis=1)))
-            note((a, b), b, np.flatnonzero(hits.any(axis=0)))
-    for part, place, links in _still(model, spheres, world, missing):
+            add((a, b), a, np.flatnonzero(hits.any(axis=1)))
+            add((a, b), b, np.flatnonzero(hits.any(axis=0)))
+    for part, place, links in _fixed_parts(model, spheres, world, missing):
         numbers = gap.row(part, place)
         for name in links:
             free = np.flatnonzero(~touching.get(frozenset((name, part.owner)), never))
             for k, radius in enumerate(spheres.links[name].radii):
                 if any(gap.signed(part.kind, placed[name][i, k], numbers) <= radius for i in free):
-                    note((name, part.owner), name, [k])
-    return blame
+                    add((name, part.owner), name, [k])
+    return found
 
 
-def _still(model: Model, spheres: Spheres, world: World, missing: Missing):
-    """The parts of obstacles and of fixed links, where they stand, and the links that are checked against each."""
-    for part, links in gap.standing(model, link_pairs(model), missing):
+def _fixed_parts(model: Model, spheres: Spheres, world: World, missing: Missing):
+    """The parts of obstacles and of fixed links, their poses, and the links that are checked against each."""
+    for part, links in gap.fixed_parts(model, link_pairs(model), missing):
         yield part, SE3.identity(), [name for name in links if name in spheres.links]
     for part in gap.parts(world, missing):
         yield part, world[part.owner].pose, gap.checked_links(model, spheres, world[part.owner], world)

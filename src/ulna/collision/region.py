@@ -8,9 +8,9 @@
 | s | signed distance from the surface: negative inside | | [m] |
 
 Cells whose centres are within h / 2 + delta of a corner are the wall: a step between neighbouring cells crosses the
-surface within h / 2 of one of their centres, hence never outside of the wall. What the flood from the corner of the
-grid does not reach is inside. That needs no closed mesh and no order of its corners: an open mesh has no inside, and
-only its surface is covered. Hollows that cannot be reached count as inside, and surfaces in there are none.
+surface within h / 2 of one of their centres, hence never outside of the wall. What a flood fill from the corner of
+the grid does not reach is inside. That needs no closed mesh and no order of its corners: an open mesh has no inside,
+and only its surface is covered. Cavities count as inside, and surfaces in them do not count.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import numpy as np
 
 from ulna.collision.polyhedra import distance, split
 from ulna.data_classes import dataclass
-from ulna.errors import MissingExtra
+from ulna.errors import needed
 from ulna.typing import Array, Floats
 
 _CELLS = 50_000  # of a grid, about
@@ -111,12 +111,13 @@ class Region:
         return within
 
 
-def region(triangles: Floats, buried: Callable[[Floats], Array]) -> Region:
+def region(triangles: Floats, buried: Callable[[Floats], Array], finest: float = 0.0) -> Region:
     """The space that surfaces enclose.
 
     Args:
         triangles: The surfaces, in any order, shape (m, 3, 3) [m].
         buried: From triangles, shape (n, 3, 3) [m], to which are known to be inside, shape (n,).
+        finest: The least edge of a cell [m].
 
     Returns:
         The region.
@@ -124,13 +125,11 @@ def region(triangles: Floats, buried: Callable[[Floats], Array]) -> Region:
     Raises:
         MissingExtra: If scipy is not installed.
     """
-    try:
+    with needed("scipy", "collision", "Fitting spheres"):
         from scipy import ndimage
         from scipy.spatial import KDTree
-    except ImportError as error:
-        raise MissingExtra("scipy", "collision", "Fitting spheres") from error
     low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
-    h = _edge(high - low)
+    h = max(_edge(high - low), finest)
     pieces = split(triangles, h)
     hidden = buried(pieces)
     corners = pieces[~hidden].reshape(-1, 3)

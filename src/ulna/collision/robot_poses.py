@@ -1,4 +1,4 @@
-"""Where the shapes of another robot stand that is in a world."""
+"""Poses of the obstacles of a robot that was added to a world."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from ulna.typing import ArrayLike, Floats
 
 
 def robot_poses(name: str, model: Model, q: ArrayLike, placement: SE3 | None = None) -> Mapping[str, Floats]:
-    """Where the obstacles of a robot stand that was added to a world.
+    """The poses of the obstacles of a robot that was added to a world.
 
     Args:
         name: The name it was added as.
         model: Its model.
         q: Its configurations, shape (..., nq) [rad, m].
-        placement: T_world_base, where its world stands in this one [m]; None for the origin.
+        placement: T_world_base, the pose of its base in this world [m]; None for the origin.
 
     Returns:
         Poses by name of the obstacle, shape (..., 4, 4) [m].

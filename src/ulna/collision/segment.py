@@ -109,13 +109,13 @@ def _advance(
     safe[~checker.mask] = np.inf
     with np.errstate(divide="ignore", invalid="ignore"):
         while (t := float(safe.min(initial=np.inf))) <= 1.0:
-            scene = checker.look(algorithms.integrate(model, q0, t * v), moving)
+            solids = checker.posed(algorithms.integrate(model, q0, t * v), moving)
             due = safe <= t + _SOON
-            ahead = np.where(scene.bounds > margin, (scene.bounds - margin) / speed, 0.0)
+            ahead = np.where(solids.bounds > margin, (solids.bounds - margin) / speed, 0.0)
             safe = np.maximum(safe, t + ahead)
-            # a poor bound is worth a real distance: it costs far less than looking at all again
+            # a distance here takes far less time than the bounds of all pairs at another step
             for i, j in np.argwhere(due & (safe < t + _STRIDE)).tolist():
-                d = scene.distance(i, j) - margin
+                d = solids.distance(i, j) - margin
                 if d <= NEAR:
                     return t
                 step = (d - NEAR / 10.0) / speed[i, j] if speed[i, j] > 0.0 else np.inf

@@ -13,13 +13,14 @@ from ulna.collision.objects import Obstacle
 from ulna.collision.point_sets import thinned
 from ulna.collision.world import World
 from ulna.data_classes import dataclass
-from ulna.errors import InputError, MissingExtra, ModelError, ModelWarning
+from ulna.errors import InputError, ModelError, ModelWarning, needed
 from ulna.geometry import Capsule, Ellipsoid, HeightField, Mesh, Plane, PointCloud, Shape, Sphere
 from ulna.geometry.meshes import merged, read_pieces
 from ulna.geometry.shapes import half_edges
 from ulna.model import Model
 from ulna.spatial import SE3
 from ulna.system.cached import cached_property
+from ulna.system.callers import level_of_caller
 from ulna.typing import Array, Floats
 
 Missing = Literal["error", "skip"]
@@ -70,7 +71,7 @@ class Solid:
 def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
     """The collision geometry of a model's links.
 
-    Warns (ModelWarning) of links that are drawn and have no collision geometry.
+    Warns (ModelWarning), once for a model, of links that are drawn and have no collision geometry.
 
     Args:
         model: The robot.
@@ -86,40 +87,48 @@ def link_solids(model: Model, missing: Missing = "error") -> tuple[Solid, ...]:
     """
     if missing not in ("error", "skip"):
         raise InputError(f"missing={missing!r}; expected 'error' or 'skip'.")
-    stamps = _stamps(model)
+    modification_times = _modification_times(model)
     # of a file that is missing each call says so
-    solids = (_link_solids.__wrapped__ if None in stamps else _link_solids)(model, missing, stamps)
+    solids = (_link_solids.__wrapped__ if None in modification_times else _link_solids)(
+        model, missing, modification_times
+    )
     if not solids:
         raise ModelError(
             f"Robot {model.name!r} has no collision geometry, so nothing can be said about its collisions. "
             "Give its links <collision> elements, or `collisions=` of ModelBuilder.add_link."
         )
+    _warn_of_unseen(model)
+    return solids
+
+
+@functools.lru_cache(maxsize=64)
+def _warn_of_unseen(model: Model) -> None:
+    """Warns once of links that are drawn and have no collision geometry."""
     unseen = [repr(link.name) for link in model.links if link.visuals and not link.collisions]
     if unseen:
         warnings.warn(
             f"Robot {model.name!r} has links that can be seen and have no collision geometry: {', '.join(unseen)}. "
             "No check includes them; give them <collision> elements.",
             ModelWarning,
-            stacklevel=3,
+            stacklevel=level_of_caller(),
         )
-    return solids
 
 
-def _stamps(model: Model) -> tuple[Any, ...]:
+def _modification_times(model: Model) -> tuple[Any, ...]:
     """The mesh files of a model's links and when they were changed; None for one that is missing."""
     shapes = (geometry.shape for link in model.links for geometry in link.collisions)
-    return tuple(_stamp(shape) for shape in shapes if isinstance(shape, Mesh))
+    return tuple(_modification_time(shape) for shape in shapes if isinstance(shape, Mesh))
 
 
-def _stamp(mesh: Mesh) -> tuple[str, int] | None:
+def _modification_time(mesh: Mesh) -> tuple[str, int] | None:
     if mesh.path is None or mesh.missing or not os.path.isfile(mesh.path):
         return None
     return mesh.path, os.stat(mesh.path).st_mtime_ns
 
 
 @functools.lru_cache(maxsize=8)
-def _link_solids(model: Model, missing: Missing, stamps: tuple[Any, ...]) -> tuple[Solid, ...]:
-    """The solids of a model's links, whose mesh files have `stamps`; they are asked for several times for a plan."""
+def _link_solids(model: Model, missing: Missing, modification_times: tuple[Any, ...]) -> tuple[Solid, ...]:
+    """The solids of a model's links; cached, since a plan asks for them several times."""
     solids = []
     for link in model.links:
         for geometry in link.collisions:
@@ -201,7 +210,9 @@ def solid_of(
                 raise ModelError(
                     f"{text}. Put the file there, or pass missing='skip' to go without that shape."
                 )
-            warnings.warn(f"{text}; its collisions are not checked.", ModelWarning, stacklevel=3)
+            warnings.warn(
+                f"{text}; its collisions are not checked.", ModelWarning, stacklevel=level_of_caller()
+            )
             return None
         vertices, triangles = _read(shape.path, os.stat(shape.path).st_mtime_ns)
         vertices = vertices * np.array(shape.scale)
@@ -237,10 +248,8 @@ def qhull_of(vertices: Floats) -> Any:
         MissingExtra: If scipy is not installed.
         InputError: If the points lie in a plane.
     """
-    try:
+    with needed("scipy", "collision", "Taking convex hulls"):
         from scipy.spatial import ConvexHull, QhullError
-    except ImportError as error:
-        raise MissingExtra("scipy", "collision", "Taking convex hulls") from error
     try:
         return ConvexHull(vertices)
     except QhullError as error:

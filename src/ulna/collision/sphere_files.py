@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ulna.collision.spheres import LinkSpheres, Spheres
-from ulna.errors import FormatError, MissingExtra
+from ulna.errors import FormatError, needed
 from ulna.formats.urdf import model_from_urdf
 from ulna.geometry import Sphere
 from ulna.model import Model
@@ -88,10 +88,8 @@ def _parsed(file: Path, text: str) -> Any:
     try:
         if file.suffix.lower() == ".json":
             return json.loads(text)
-        try:
+        with needed("pyyaml", "collision", "Reading spheres from YAML"):
             import yaml
-        except ImportError as error:
-            raise MissingExtra("pyyaml", "collision", "Reading spheres from YAML") from error
         try:
             return yaml.safe_load(text)
         except yaml.YAMLError as error:

@@ -87,12 +87,12 @@ class _TablePair:
         self._margin = world.margin(first, second)
         self.is_moving = model.link(second).joint >= 0
         self._balls: tuple[LinkSpheres, LinkSpheres] = spheres.links[first], spheres.links[second]
-        self._standing = partial(gap.standing, model, [(first, second)], missing)
+        self._fixed_parts = partial(gap.fixed_parts, model, [(first, second)], missing)
 
     @cached_property
     def _parts(self) -> list[tuple[gap.Kind, Floats]]:
         """The numbers of the parts of the link that never moves; those of meshes take a second."""
-        return [(part.kind, gap.row(part, SE3.identity())) for part, _ in self._standing()]
+        return [(part.kind, gap.row(part, SE3.identity())) for part, _ in self._fixed_parts()]
 
     def clearance(self, q: Floats, placed: Mapping[str, Floats], limit: Floats) -> Floats:
         """Clearances, less the margin, exact only where they are below the limits; arguments as for `least`."""

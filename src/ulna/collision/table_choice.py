@@ -60,14 +60,14 @@ def pair_tables(
             table
             for pair in chosen
             if (
-                table := _kept(
+                table := _cached_table(
                     model,
                     pair,
                     candidates[pair][0],
                     partial(_pieces, candidates[pair][1]),
                     contents[pair],
                     queries,
-                    _silent,
+                    _no_progress,
                 )
             )
             is not None
@@ -126,19 +126,21 @@ def _made(
     steps, shares = 5 * len(candidates), {}
     for k, (pair, (chain, _)) in enumerate(candidates.items()):
         report(k, steps)
-        shares[pair] = _undue_share(model, spheres, pair, chain, partial(pieces, pair))
+        shares[pair] = _false_contact_rate(model, spheres, pair, chain, partial(pieces, pair))
     chosen = [pair for pair, share in shares.items() if share >= _OFTEN]
     tables, queries = [], _queries(len(chosen))
     for k, pair in enumerate(chosen):
         tick = partial(report, len(candidates) + 4 * k * len(candidates) // len(chosen), steps)
-        table = _kept(model, pair, candidates[pair][0], partial(pieces, pair), contents[pair], queries, tick)
+        table = _cached_table(
+            model, pair, candidates[pair][0], partial(pieces, pair), contents[pair], queries, tick
+        )
         tables += [] if table is None else [table]
     disk_cache.write(name, json.dumps([pair in chosen for pair in candidates]).encode())
     report(steps, steps)
     return tuple(tables)
 
 
-def _undue_share(
+def _false_contact_rate(
     model: Model, spheres: Spheres, pair: LinkPair, chain: JointChain, pieces: Callable[[], Solids]
 ) -> float:
     """The share of random configurations in which spheres of links touch and the links do not."""
@@ -168,7 +170,7 @@ def _pieces(solids: Solids) -> Solids:
     return convex_pieces(solids[0]), convex_pieces(solids[1])
 
 
-def _silent() -> None:
+def _no_progress() -> None:
     """Reports nothing: what was made before is only read."""
 
 
@@ -189,7 +191,7 @@ def _content(model: Model, pair: LinkPair, chain: JointChain, shapes: Mapping[st
     return fingerprint([_VERSION, links, joints, *_ranges(model, chain)])
 
 
-def _kept(
+def _cached_table(
     model: Model, pair: LinkPair, chain: JointChain, pieces: Callable[[], Solids], content: str, queries: int,
     tick: Callable[[], object],
 ) -> PairTable | None:  # fmt: skip

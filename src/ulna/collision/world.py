@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field, replace
 from typing import Any, final
 
-from ulna.checks.values import number
+from ulna.checks.values import flag, number, short_repr
 from ulna.collision.objects import Attachment, Obstacle, checked_object, checked_pose
 from ulna.collision.robot_poses import robot_poses
 from ulna.collision.shared_list import SharedList
@@ -97,6 +97,7 @@ class World:
             ('post', 'beam')
         """
         allowed = checked_object(name, shape, touches, "Obstacle")
+        moving = flag("moving", moving)
         new = Obstacle(name, shape, checked_pose(f"obstacle {name!r}", pose), moving, allowed)
         if self._has(name):
             return replace(self, obstacles=(*self.obstacles, new))  # which refuses the name
@@ -190,6 +191,8 @@ class World:
         if taken is not None:
             allowed = tuple(dict.fromkeys((*allowed, *taken.touches)))
         place = checked_pose(f"attached object {name!r}", pose)
+        if not isinstance(link, str):
+            raise InputError(f"`link` is {short_repr(link)}; expected the name of a link.")
         new = Attachment(name, link, shape or taken.shape, place, allowed)  # type: ignore[union-attr]
         rest = tuple(o for o in self.obstacles if o is not taken)
         return replace(self, obstacles=rest, attachments=(*self.attachments, new))
@@ -217,7 +220,7 @@ class World:
     def attached(self, name: str) -> Attachment:
         """The attached object of that name. Raises UnknownName with the nearest one."""
         for item in self.attachments:
-            if item.name == name:
+            if isinstance(name, str) and item.name == name:
                 return item
         raise UnknownName("attached object", name, [a.name for a in self.attachments])
 
@@ -279,8 +282,12 @@ class World:
             A new world.
 
         Raises:
-            InputError: If the name is taken.
+            InputError: If the name is taken, or `model` is no model.
         """
+        if not isinstance(model, Model):
+            raise InputError(
+                f"`model` is of type {type(model).__name__}; expected a Model, such as the `model` of a robot."
+            )
         world, poses = self, robot_poses(name, model, model.neutral if q is None else q, placement)
         for link in model.links:
             for k, geometry in enumerate(link.collisions):
@@ -304,6 +311,8 @@ class World:
 
     def _has(self, name: str) -> bool:
         """Whether an obstacle or an attached object has that name."""
+        if not isinstance(name, str):
+            return False
         return self._list.has(name, self._count) or any(name == a.name for a in self.attachments)
 
     @cached_property
@@ -338,7 +347,7 @@ class World:
         return name in self._by_name
 
     def __getitem__(self, name: str) -> Obstacle:
-        if name not in self._by_name:
+        if not isinstance(name, str) or name not in self._by_name:
             raise UnknownName("obstacle", name, self.names)
         return self._by_name[name]
 

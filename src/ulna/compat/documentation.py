@@ -20,11 +20,12 @@ def with_arguments(doc: str, names: Sequence[str], texts: Mapping[str, str]) -> 
     Args:
         doc: The docstring without indentation; the entries it has stay.
         names: The names of the arguments.
-        texts: What to write of those without an entry.
+        texts: What to write of those without an entry; "return" for a docstring without a section `Returns:`.
 
     Returns:
         The docstring.
     """
+    doc = _with_returns(doc, texts["return"]) if "return" in texts else doc
     titles = [*_SECTION.finditer(doc)]
     start = end = titles[0].start() if titles else len(doc)
     if titles and titles[0][0] == "Args:\n":
@@ -47,11 +48,19 @@ def with_arguments(doc: str, names: Sequence[str], texts: Mapping[str, str]) -> 
     return "\n\n".join(part for part in (doc[:start].rstrip(), section, doc[end:].strip()) if part)
 
 
+def _with_returns(doc: str, text: str) -> str:
+    """A docstring with a section `Returns:`, which stands before `Raises:`."""
+    if re.search(r"^Returns:$", doc, re.MULTILINE):
+        return doc
+    before, title, errors = doc.rstrip().partition("\n\nRaises:\n")
+    return f"{before}\n\nReturns:\n    {text}{title}{errors}"
+
+
 def documented(texts: Mapping[str, str]) -> Callable[[Described], Described]:
     """A decorator that completes the docstring of a function, or of the functions of a class.
 
     Args:
-        texts: What arguments mean, by their names.
+        texts: What arguments mean, by their names; "return" for what functions return that say nothing of it.
 
     Returns:
         The decorator.
@@ -62,7 +71,7 @@ def documented(texts: Mapping[str, str]) -> Callable[[Described], Described]:
         for member in vars(described).values() if is_class else (described,):
             function = getattr(member, "__func__", member)
             names = argument_names(inspect.unwrap(function)) if isinstance(function, FunctionType) else []
-            if len(names) > 1 and function.__doc__ and not texts.keys().isdisjoint(names):
+            if len(names) > 1 and function.__doc__ and not texts.keys().isdisjoint([*names, "return"]):
                 function.__doc__ = with_arguments(inspect.cleandoc(function.__doc__), names, texts)
         return described
 

@@ -68,13 +68,15 @@ class Admittance:
             ShapeError, DtypeError, NonFiniteError: If an argument cannot be one.
             InputError: If a mass, damping, stiffness or step is negative, or all are zero along an axis.
         """
-        led, there, after, least = self._kernel(T_goal, x, rate, force, mass, damping, stiffness, dt)
+        pose, displacement, new_rate, least = self._kernel(
+            T_goal, x, rate, force, mass, damping, stiffness, dt
+        )
         if not (least > 0.0 if least.ndim == 0 else (least > 0.0).all()):
             raise InputError(
                 "`mass`, `damping`, `stiffness` and `dt` must not be negative, and along each axis one of mass, "
                 "dt * damping and dt^2 * stiffness must be above 0: nothing would hold the goal against a force."
             )
-        return led, there, after
+        return pose, displacement, new_rate
 
 
 @cache
@@ -98,14 +100,14 @@ def _step(
     dt: Any,
 ) -> tuple[Array, Array, Array, Any]:
     """The step, and a number that is above 0 when mass, damping, stiffness and dt make sense."""
-    holds = mass + dt * damping + dt * dt * stiffness
-    after = (mass * rate + dt * (force - stiffness * x)) / holds
-    there = x + dt * after
+    effective_mass = mass + dt * damping + dt * dt * stiffness
+    new_rate = (mass * rate + dt * (force - stiffness * x)) / effective_mass
+    displacement = x + dt * new_rate
     goal = SE3(T_goal[:3, :3], T_goal[:3, 3])
-    led = goal @ SE3(so3_exp(there[3:]), vector(*there[:3]))
-    least: Any = holds[0]
-    for number in holds[1:]:
+    pose = goal @ SE3(so3_exp(displacement[3:]), vector(*displacement[:3]))
+    least: Any = effective_mass[0]
+    for number in effective_mass[1:]:
         least = minimum(least, number)
     for number in (*mass, *damping, *stiffness, dt):
         least = where(less(number, 0.0), -1.0, least)
-    return led.matrix(), there, after, least
+    return pose.matrix(), displacement, new_rate, least

@@ -27,7 +27,7 @@ _LANES = 8
 
 
 class Gains(NamedTuple):
-    """The control laws of all knots, and what they promise.
+    """The control laws of all knots, and the predicted decrease of the cost.
 
     Attributes:
         k: (N, nu).

@@ -25,6 +25,7 @@ import numpy as np
 
 from ulna import algorithms
 from ulna.algorithms.dynamics.operational_space import Task
+from ulna.checks.values import checked_robot, flag
 from ulna.control.bounds import within_effort
 from ulna.errors import InputError
 from ulna.kernels import frame_of
@@ -79,7 +80,8 @@ def impedance(
         True
     """
     _check(regularisation)
-    model, one = robot.model, frame_of(robot.model, frame)
+    bounded = flag("bounded", bounded)
+    model, one = checked_robot(robot).model, frame_of(robot.model, frame)
 
     def law(
         q: Array, v: Array, T_goal: Array, twist_goal: Array, stiffness: Array, damping: Array,
@@ -121,7 +123,8 @@ def operational_space(
         InputError: If `regularisation` is not above 0.
     """
     _check(regularisation)
-    model, one = robot.model, frame_of(robot.model, frame)
+    bounded = flag("bounded", bounded)
+    model, one = checked_robot(robot).model, frame_of(robot.model, frame)
 
     def law(
         q: Array, v: Array, T_goal: Array, twist_goal: Array, acceleration_goal: Array, kp: Array, kd: Array,
@@ -140,7 +143,7 @@ def operational_space(
 
 
 def _check(regularisation: float) -> None:
-    if not 0.0 < regularisation < np.inf:
+    if not isinstance(regularisation, (int, float, np.number)) or not 0.0 < regularisation < np.inf:
         raise InputError(
             f"`regularisation` is {regularisation}; expected a small number above 0, such as 1e-3: without it torques "
             "are nan where the Jacobian is singular."

@@ -20,8 +20,9 @@ from typing import Any
 
 from ulna import algorithms
 from ulna.algorithms import Friction
+from ulna.checks.values import checked_robot, flag
 from ulna.control.bounds import within_effort
-from ulna.quantities.forces import friction_of
+from ulna.quantities.forces import friction_law
 from ulna.robot import Robot, compile
 from ulna.typing import Array
 
@@ -47,7 +48,7 @@ def joint_pd(robot: Robot, *, bounded: bool = True) -> Any:
         >>> law(q, np.zeros(7), q, np.zeros(7), np.full(7, 80.0), np.full(7, 10.0)).round(1)
         array([ 0. , -4. , -0.6, 22. ,  0.6,  2.3,  0. ])
     """
-    model = robot.model
+    model, bounded = checked_robot(robot).model, flag("bounded", bounded)
 
     def law(q: Array, v: Array, q_goal: Array, v_goal: Array, stiffness: Array, damping: Array) -> Array:
         e = algorithms.difference(model, q, q_goal)
@@ -89,7 +90,8 @@ def computed_torque(robot: Robot, *, bounded: bool = True, friction: bool | Fric
         >>> law(q, zero, q, zero, zero, kp, kd).round(1)  # at rest at the goal: gravity
         array([-0. , -4. , -0.6, 22. ,  0.6,  2.3,  0. ])
     """
-    model, resisting = robot.model, friction_of(robot.model, friction)
+    model, bounded = checked_robot(robot).model, flag("bounded", bounded)
+    resisting = friction_law(model, friction)
 
     def law(q: Array, v: Array, q_goal: Array, v_goal: Array, a_goal: Array, kp: Array, kd: Array) -> Array:
         a = a_goal + kd * (v_goal - v) + kp * algorithms.difference(model, q, q_goal)

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from ulna.checks.arrays import batched_array
+from ulna.checks.values import checked_robot
 from ulna.collision import Proximity, World
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.robot import Robot
@@ -73,6 +74,7 @@ def obstacle_rows(
         UnknownName: If `moving` or `twists` names no obstacle.
         ShapeError, DtypeError, NonFiniteError, ModelError, MissingExtra: As for `robot.distance`.
     """
+    links = set(checked_robot(robot).link_names)
     _check("influence", influence, stop)
     for name in twists or {}:
         if world is None or name not in world:
@@ -88,7 +90,6 @@ def obstacle_rows(
     if own is not None:
         _check("own", *own)
         if "without" in options:
-            links = set(robot.link_names)
             options["without"] = [pair for pair in options["without"] if links.issuperset(pair)]
         for item in robot.collision.checker(**options).nearest(q, within=own[0]):
             A.append(-item.gradient)

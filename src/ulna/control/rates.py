@@ -14,6 +14,7 @@ from typing import Any
 
 from ulna import algorithms
 from ulna.algorithms.multibody.references import Reference, check_reference
+from ulna.checks.values import checked_robot, flag
 from ulna.control.bounds import within_speed
 from ulna.kernels import frame_of
 from ulna.linalg import solve_damped
@@ -47,7 +48,8 @@ def resolved_rate(
         UnknownName: If there is no such frame or reference.
     """
     check_reference(reference)
-    model, one = robot.model, frame_of(robot.model, frame)
+    model, one = checked_robot(robot).model, frame_of(robot.model, frame)
+    bounded = flag("bounded", bounded)
 
     def law(q: Array, twist: Array, damping: Any, v_rest: Array) -> Array:
         J = algorithms.frame_jacobian(model, q, one, reference)

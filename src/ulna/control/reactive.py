@@ -21,6 +21,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import algorithms, numeric
+from ulna.checks.values import checked_robot
 from ulna.errors import InputError, NonFiniteError, ShapeError
 from ulna.ik.qp import solve_box, solve_rows
 from ulna.kernels import frame_of
@@ -58,7 +59,7 @@ class Reactive:
         velocity_weight: float = 0.01,
         manipulability_weight: float = 1.0,
     ) -> None:
-        if robot.nq != robot.nv:
+        if checked_robot(robot).nq != robot.nv:
             raise InputError(f"{robot.name} has joints of several coordinates; lock them: robot.lock([...]).")
         if not 0.0 <= stop < influence < np.inf:
             raise InputError(f"`stop` is {stop} and `influence` {influence}; expected 0 <= stop < influence.")
@@ -150,7 +151,7 @@ class Reactive:
             low, high = model.lower_position[i], model.upper_position[i]
             down = gain * (q[i] - low - stop) / (influence - stop) if np.isfinite(low) else np.inf
             up = gain * (high - q[i] - stop) / (influence - stop) if np.isfinite(high) else np.inf
-            # Beyond `stop` the bound would push back faster than the joint can: there it stands.
+            # Nearer than `stop` the formula is negative, and would demand a motion away; 0 only forbids to come nearer.
             lower.append(-numeric.clip(_damped(q[i] - low, down, influence), 0.0, fastest))
             upper.append(numeric.clip(_damped(high - q[i], up, influence), 0.0, fastest))
         bounds = numeric.vector(*lower), numeric.vector(*upper)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from functools import cache
+from math import isnan
 from typing import Any, Literal, get_args
 
 import numpy as np
 
+from ulna.checks.values import number
 from ulna.compiler import compile
 from ulna.errors import DtypeError, InputError, ShapeError, UnknownName
 from ulna.numeric import maximum, vector
@@ -25,7 +27,7 @@ def p_servo(
     threshold: float = 0.1,
     method: Method = "rpy",
 ) -> tuple[Any, Any]:
-    """The twist that leads from one pose towards another, in proportion to what lacks.
+    """The twist that leads from one pose towards another, in proportion to the error.
 
     The method says how the error is expressed, and in whose axes; these meanings are those of the Robotics Toolbox.
 
@@ -61,8 +63,10 @@ def p_servo(
         >>> arrived
         True
     """
-    if method not in _METHODS:
+    if not isinstance(method, str) or method not in _METHODS:
         raise UnknownName("method", method, _METHODS)
+    if type(threshold) is not float or isnan(threshold):
+        threshold = number("threshold", threshold)
     try:
         factors = gain if type(gain) is float else np.asarray(gain, dtype=float)
     except (TypeError, ValueError):
@@ -70,13 +74,13 @@ def p_servo(
     shape = () if type(gain) is float else np.shape(factors)
     if shape not in ((), (6,)):
         raise ShapeError("gain", shape, "one number or (6,)")
-    twist, lack, off = _kernel(method, shape)(T, T_goal, factors)
-    if not (off if off.ndim == 0 else off.max(initial=0.0)) < _ROUGH:
+    twist, total_error, deviation = _kernel(method, shape)(T, T_goal, factors)
+    if not (deviation if deviation.ndim == 0 else deviation.max(initial=0.0)) < _ROUGH:
         raise InputError(
-            f"`T` or `T_goal` is no pose: R^T R or its last row is off by {np.max(off):.3g}. Look whether it is "
+            f"`T` or `T_goal` is no pose: R^T R or its last row is off by {np.max(deviation):.3g}. Look whether it is "
             "transposed or scaled; SE3.project(matrix) returns the nearest pose."
         )
-    arrived = lack < threshold
+    arrived = total_error < threshold
     return twist, bool(arrived) if arrived.ndim == 0 else arrived
 
 
@@ -85,18 +89,18 @@ def _kernel(method: Method, gain: tuple[int, ...]) -> Any:
     """The twist and the sum of the absolute errors, compiled when first asked for."""
 
     def servo(T: Array, T_goal: Array, gain: Any) -> tuple[Array, Any, Any]:
-        R, R_goal, away = T[:3, :3], T_goal[:3, :3], T_goal[:3, 3] - T[:3, 3]
+        R, R_goal, offset = T[:3, :3], T_goal[:3, :3], T_goal[:3, 3] - T[:3, 3]
         if method == "rpy":
-            error = vector(*(R.T @ away), *matrix_to_rpy(R.T @ R_goal))
+            error = vector(*(R.T @ offset), *matrix_to_rpy(R.T @ R_goal))
         else:
-            error = vector(*away, *so3_log(R_goal @ R.T))
-        off = maximum(_off(T), _off(T_goal))
-        return gain * error, sum(abs(x) for x in error), off
+            error = vector(*offset, *so3_log(R_goal @ R.T))
+        deviation = maximum(_deviation_from_pose(T), _deviation_from_pose(T_goal))
+        return gain * error, sum(abs(x) for x in error), deviation
 
     return compile(servo, checked=True, T=(4, 4), T_goal=(4, 4), gain=gain)
 
 
-def _off(T: Array) -> Any:
+def _deviation_from_pose(T: Array) -> Any:
     """How far a matrix is from a pose: R^T R from the identity, the last row from 0, 0, 0, 1."""
     R, worst = T[:3, :3], abs(T[3, 3] - 1.0)
     for i in range(3):

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
+from ulna.checks.parameters import function_of, names_to_pass
 from ulna.compiler import Function, trace
 from ulna.control.systems import System
 from ulna.errors import InputError, UnknownName
@@ -31,8 +31,7 @@ def extra_shapes(
         InputError: If the cost takes fewer arguments, or another is called as one of a stage.
         UnknownName: If a shape is missing, or there is no argument for one.
     """
-    parameters = inspect.signature(cost).parameters
-    names = [n for n, p in parameters.items() if n in shapes or p.default is p.empty]
+    names = names_to_pass(cost, shapes)
     call = f"cost({', '.join(first)}, ...)"
     if len(names) < len(first):
         raise InputError(f"`cost` takes {len(names)} arguments, {', '.join(names)}; expected {call}.")
@@ -69,13 +68,14 @@ class CostParts:
     ) -> None:
         n, nu = system.ndx, system.nu if has_control else 0
         controls: dict[str, Any] = {"u": (nu,)} if has_control else {}
+        of_stage = function_of(cost, names_to_pass(cost, extra))
         shapes: dict[str, Any] = {"z_": (n + nu,), "x": (system.nx,), **controls, **extra}
 
         def along(z: Array, x: Array, *rest: Array) -> Any:
             arguments = [*system.split(system.plus(x, z[:n]))]
             if has_control:
                 arguments.append(rest[0] + z[n:])
-            return cost(*arguments, *rest[len(controls) :])
+            return of_stage(*arguments, *rest[len(controls) :])
 
         self._traced = trace(along, name="cost", **shapes)
         returned = [port.shape for port in self._traced.outputs]

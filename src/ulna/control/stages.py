@@ -5,7 +5,7 @@
 | x = (q, v) | state; its changes dx = (dq, dv) lie in the tangent space | (nx,), (ndx,) |
 | u | torques of the driven joints | (nu,) |
 | x' | the state one step later: v' = v + h a(q, v, S u), q' = q (+) h v' | (nx,) |
-| fx, fu | derivatives of x' by x and u: dx' = fx dx + fu du | (ndx, ndx), (ndx, nu) |
+| fx, fu | derivatives of x' with respect to x and u: dx' = fx dx + fu du | (ndx, ndx), (ndx, nu) |
 | l, lx, lu, lxx, lux, luu | cost of the step, its gradient and Hessian | (), (ndx,), (nu,), ... |
 
 The derivatives of the acceleration are those of the dynamics (Carpentier & Mansard 2018), the step on the manifold has

@@ -28,7 +28,7 @@ class System:
         ndx: How many numbers a change of the state has.
         nu: How many numbers a control has.
         step: The next state of a state and a control.
-        step_derivatives: Its derivatives by state and control.
+        step_derivatives: Its derivatives with respect to state and control.
         plus: A state and a change to the changed state.
         minus: The change that leads from one state to another.
         split: What a cost takes of a state.

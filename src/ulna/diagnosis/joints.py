@@ -31,10 +31,10 @@ _MANY_METRES = 1e5
 
 
 def joint_findings(model: Model) -> Iterator[Finding]:
-    """What looks wrong with the joints of a model."""
+    """Findings about the joints of a model."""
     for joint in model.joints:
         if joint.kind.nq == 1 and joint.kind.nv == 1:
-            yield from _of_one_axis(joint)
+            yield from _single_axis_findings(joint)
     links, joints = set(model.link_names), {joint.name for joint in model.joints}
     for name in sorted(links & joints):
         yield Finding(
@@ -44,11 +44,11 @@ def joint_findings(model: Model) -> Iterator[Finding]:
             "a link and a joint have this name",
             'Asked for by name, the frame is that of the link; the frame of the joint is "joint:NAME".',
         )
-    yield from _neutral(model)
-    yield from _tool(model)
+    yield from _neutral_findings(model)
+    yield from _tool_findings(model)
 
 
-def _tool(model: Model) -> Iterator[Finding]:
+def _tool_findings(model: Model) -> Iterator[Finding]:
     """A note where other joints move other leaf links than the tool, which may be one finger of a gripper."""
     parents = {link.parent for link in model.links}
     leaves = {link.name: link.joint for link in model.links if link.name not in parents}
@@ -66,18 +66,18 @@ def _tool(model: Model) -> Iterator[Finding]:
     )
 
 
-def _of_one_axis(joint: Joint) -> Iterator[Finding]:
+def _single_axis_findings(joint: Joint) -> Iterator[Finding]:
     name = f"joint {joint.name!r}"
-    turns = type(joint.kind).__name__ in ("Revolute", "Continuous")
-    yield from _range(joint, name, turns)
+    is_rotary = type(joint.kind).__name__ in ("Revolute", "Continuous")
+    yield from _range_findings(joint, name, is_rotary)
     if joint.mimic is None:
-        yield from _drive(name, joint.limits.velocity[0], joint.limits.effort[0], turns)
+        yield from _drive_findings(name, joint.limits.velocity[0], joint.limits.effort[0], is_rotary)
 
 
-def _range(joint: Joint, name: str, turns: bool) -> Iterator[Finding]:
+def _range_findings(joint: Joint, name: str, is_rotary: bool) -> Iterator[Finding]:
     lower, upper = joint.limits.lower[0], joint.limits.upper[0]
     kind = type(joint.kind).__name__
-    slides = kind == "Prismatic"
+    is_sliding = kind == "Prismatic"
     if lower == upper:
         yield Finding(
             "warning",
@@ -86,7 +86,7 @@ def _range(joint: Joint, name: str, turns: bool) -> Iterator[Finding]:
             f"it cannot move: lower = upper = {lower:g}",
             "Give it its range, or make it a fixed joint.",
         )
-    unusual = _unusual_angles if turns else _unusual_travel if slides else None
+    unusual = _unusual_angles if is_rotary else _unusual_travel if is_sliding else None
     finding = None if unusual is None else unusual(name, lower, upper)
     if finding is not None:
         yield finding
@@ -96,7 +96,7 @@ def _range(joint: Joint, name: str, turns: bool) -> Iterator[Finding]:
             "unlimited",
             name,
             "it has no position limits on at least one side",
-            "Give it lower and upper." if slides else "Give it lower and upper, or make it continuous.",
+            "Give it lower and upper." if is_sliding else "Give it lower and upper, or make it continuous.",
         )
 
 
@@ -150,7 +150,7 @@ def _largest(lower: float, upper: float) -> float:
     return max((abs(x) for x in (lower, upper) if math.isfinite(x)), default=0.0)
 
 
-def _drive(name: str, velocity: float, effort: float, turns: bool) -> Iterator[Finding]:
+def _drive_findings(name: str, velocity: float, effort: float, is_rotary: bool) -> Iterator[Finding]:
     if velocity == 0.0:
         yield Finding(
             "warning",
@@ -159,7 +159,7 @@ def _drive(name: str, velocity: float, effort: float, turns: bool) -> Iterator[F
             "its velocity limit is zero, so it may not move",
             "Give it the greatest speed of its drive, or leave the attribute out for no limit.",
         )
-    if turns and math.isfinite(velocity) and velocity > _FAST:
+    if is_rotary and math.isfinite(velocity) and velocity > _FAST:
         yield Finding(
             "note",
             "fast",
@@ -178,7 +178,7 @@ def _drive(name: str, velocity: float, effort: float, turns: bool) -> Iterator[F
         )
 
 
-def _neutral(model: Model) -> Iterator[Finding]:
+def _neutral_findings(model: Model) -> Iterator[Finding]:
     q = np.asarray(model.neutral)
     outside = (q < model.lower_position) | (q > model.upper_position)
     names = model.position_names

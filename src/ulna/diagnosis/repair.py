@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 
+from ulna.checks.paths import checked_path
+from ulna.checks.values import names
 from ulna.diagnosis.shape_inertias import shape_inertias
-from ulna.errors import InputError, ModelWarning, UnknownName
+from ulna.errors import InputError, ModelWarning
 from ulna.formats.markup import read_file
 from ulna.formats.urdf_repair import with_inertias, with_possible_inertias
 from ulna.loading import load_model
@@ -27,8 +28,9 @@ def repair_inertias(
     """Write a copy of a URDF file whose inertias bodies can have.
 
     An inertia with a negative principal moment, or one larger than the other two together, becomes the nearest that a
-    body can have. The inertias of `links` are computed from their shapes instead: see `shape_inertias`. Comments and
-    everything else stay. Limits and meshes are for you to decide: see `diagnose`.
+    body can have: zero, as of a point mass, where no second moment is above zero. The inertias of `links` are computed
+    from their shapes instead: see `shape_inertias`. Comments and everything else stay. Limits and meshes are for you
+    to decide: see `diagnose`.
 
     Args:
         path: The URDF file.
@@ -38,12 +40,12 @@ def repair_inertias(
         package_dirs: Folders in which packages with meshes lie, as for `ulna.load`.
 
     Returns:
-        The names of the links whose inertia was changed.
+        `links`, and the names of the other links whose inertia was changed.
 
     Raises:
         FormatError: The file is missing or broken.
         UnknownName: One of the paths does not end in .urdf, or there is no such link.
-        InputError: The file cannot be written, or an inertia cannot be computed.
+        InputError: A path is none, `links` are no names, the file cannot be written, or an inertia cannot be computed.
 
     Example:
         >>> inertia = '<mass value="1"/><inertia ixx="1" iyy="1" izz="3" ixy="0" ixz="0" iyz="0"/>'
@@ -53,24 +55,21 @@ def repair_inertias(
         >>> ulna.diagnosis.repair_inertias("arm.urdf", "repaired.urdf")
         ('upper',)
     """
-    for name in (path, output):
-        if Path(name).suffix.lower() != ".urdf":
-            raise UnknownName("kind of file", Path(name).suffix, (".urdf",), f"The path is {str(name)!r}.")
-    if isinstance(links, str):
-        raise InputError(f"`links` is {links!r}; expected a list of names: [{links!r}].")
-    names = tuple(dict.fromkeys(links))
-    if density is not None and not names:
+    for argument, name in ((path, "path"), (output, "output")):
+        checked_path(argument, "URDF file", (".urdf",), name)
+    chosen = tuple(dict.fromkeys(names("links", links)))
+    if density is not None and not chosen:
         raise InputError("`density` is for `links`, of which none is named.")
     text = read_file(path)
-    if names:
-        text = with_inertias(text, _from_shapes(path, names, density, package_dirs), str(path))
+    if chosen:
+        text = with_inertias(text, _from_shapes(path, chosen, density, package_dirs), str(path))
     text, changed = with_possible_inertias(text, str(path))
     try:
         with replacing(output) as temporary:
             temporary.write_bytes(text)
     except OSError as error:
         raise InputError(f"Cannot write {str(output)!r}: {error.strerror or error}.") from error
-    return (*names, *changed)
+    return tuple(dict.fromkeys((*chosen, *changed)))
 
 
 def _from_shapes(

@@ -23,7 +23,7 @@ SEARCH_OPTIONS = ("frame", "mask", "joints", "seed")
 """Options of the search "ik", as of `robot.ik`."""
 
 SAMPLES = 8
-"""For how many samples results are recorded."""
+"""Number of test samples for which results are stored."""
 
 _SYMBOLS = {
     "fk": "T",
@@ -40,11 +40,14 @@ _SYMBOLS = {
 """The letters that results usually have; the others are called "out"."""
 
 _OTHERS = {
-    "f_ext": ("N, N m", "Wrenches on the frames of `forces`, in their order, with the reference above"),
-    "gravity": ("m/s^2", "Acceleration of gravity, down for a robot on the ground"),
-    "armature": ("kg or kg m^2", "Inertia of the drives at the joints"),
-    "damping": ("N s/m or N m s/rad", "Viscous friction of the joints"),
-    "friction": ("N or N m", "Coulomb friction of the joints"),
+    "f_ext": (
+        "N, N m",
+        "Wrenches on the frames of `forces`, in their order, expressed in the option `reference`",
+    ),
+    "gravity": ("m/s^2", "Gravitational acceleration in world axes, such as (0, 0, -9.81)"),
+    "armature": ("kg or kg m^2", "Armature: rotor inertia reflected to the joints"),
+    "damping": ("N s/m or N m s/rad", "Viscous friction coefficients of the joints"),
+    "friction": ("N or N m", "Coulomb friction forces or torques of the joints"),
     "inertia": (
         "",
         "Dynamic parameters of the bodies, ten each; see parameters in the documentation of Ulna",
@@ -71,9 +74,9 @@ def entries(chosen: Any) -> list[Entry]:
     if isinstance(chosen, str) or _traced(chosen) is not None:
         chosen = [chosen]
     if isinstance(chosen, Mapping):
-        pairs = [(name, *_parted(item)) for name, item in chosen.items()]
+        pairs = [(name, *_split_options(item)) for name, item in chosen.items()]
     elif isinstance(chosen, Iterable):
-        pairs = [("", *_parted(item)) for item in chosen]
+        pairs = [("", *_split_options(item)) for item in chosen]
     else:
         raise InputError(f"`kernels` is {short_repr(chosen)}; {_EXPECTED}.")
     if not pairs:
@@ -98,7 +101,7 @@ _EXPECTED = (
 
 
 def check_identifier(what: str, name: Any, fix: str = "") -> None:
-    """Refuses a name that C, C++ or JavaScript could not use.
+    """Refuses a name that is not an ASCII identifier of at most 61 characters; keywords are not checked.
 
     Args:
         what: What it names.
@@ -189,7 +192,7 @@ def _of_quantity(name: str, model: Model, item: str, options: Mapping[str, Any])
         choices["frame"] = ", ".join(model.frame_names)
     if source:
         choices["source"] = source
-    inputs = tuple(Argument(p.name, p.shape, *_about(p.name)) for p in function.inputs)
+    inputs = tuple(Argument(p.name, p.shape, *_unit_and_text(p.name)) for p in function.inputs)
     unit = quantity.result[quantity.result.find("[") + 1 :].rstrip("]") if "[" in quantity.result else ""
     symbol = _SYMBOLS.get(item, "out") if function.single else ""
     outputs = tuple(Argument(symbol or p.name, p.shape, unit) for p in function.outputs)
@@ -204,7 +207,7 @@ def _listed(value: Any) -> str:
     return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
 
 
-def _about(name: str) -> tuple[str, str]:
+def _unit_and_text(name: str) -> tuple[str, str]:
     return (ARRAYS[name].unit, ARRAYS[name].text) if name in ARRAYS else _OTHERS.get(name, ("", ""))
 
 
@@ -217,7 +220,7 @@ def _size(name: str) -> str:
 def _of_user(name: str, function: Function, model: Model | None) -> ExportedFunction:
     sizes = {} if model is None else {"nq": (model.nq,), "nv": (model.nv,)}
     inputs = tuple(
-        Argument(p.name, p.shape, *_about(p.name if p.shape == sizes.get(_size(p.name)) else ""))
+        Argument(p.name, p.shape, *_unit_and_text(p.name if p.shape == sizes.get(_size(p.name)) else ""))
         for p in function.inputs
     )
     outputs = tuple(Argument(p.name, p.shape) for p in function.outputs)
@@ -260,7 +263,7 @@ def _configurations(model: Model, count: int) -> Any:
 
 
 def _samples(function: Function, model: Model | None, parameters: Sequence[str] = ()) -> tuple[Any, ...]:
-    """Inputs to record results for: configurations and parameters of the robot, and other numbers up to 1."""
+    """Inputs of stored results: configurations and parameters of the robot; others uniformly distributed in [-1, 1]."""
     rng = np.random.default_rng(11)
     samples = []
     for port in function.inputs:
@@ -273,7 +276,7 @@ def _samples(function: Function, model: Model | None, parameters: Sequence[str] 
     return tuple(samples)
 
 
-def _parted(item: Any) -> tuple[Any, Mapping[str, Any]]:
+def _split_options(item: Any) -> tuple[Any, Mapping[str, Any]]:
     """A quantity or function, and its options."""
     pair = isinstance(item, tuple) and len(item) == 2 and isinstance(item[1], Mapping)
     kernel, options = item if pair else (item, {})

@@ -38,8 +38,10 @@ def tolerance(f: ExportedFunction, samples: Sequence[Floats], dtype: str) -> flo
     for _ in range(_TRIALS):
         changed = [x * (1.0 + spacing * rng.choice((-1.0, 1.0), x.shape)) for x in samples]
         for before, after in zip(expected, _outputs(f, changed), strict=True):
-            scale = np.maximum(np.abs(before).max(axis=1, initial=1.0, keepdims=True), 1.0)
-            difference = np.abs(after - before) / scale
+            finite = np.isfinite(before)
+            scale = np.abs(before).max(axis=1, initial=1.0, keepdims=True, where=finite)
+            change = np.subtract(after, before, out=np.zeros_like(before), where=finite)
+            difference = np.abs(change) / scale
             worst = max(worst, float(difference[np.isfinite(difference)].max(initial=0.0)))
     return max(TOLERANCE[dtype], _ROUNDINGS * worst * float(np.finfo(dtype).eps) / spacing)
 

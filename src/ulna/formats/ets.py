@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, final, overload
+from typing import Any, Protocol, final, overload
 
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.formats.ets_text import NAMES, parse_steps
@@ -23,6 +23,39 @@ from ulna.system.cached import cached_property
 from ulna.typing import ArrayLike
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_UNITS = {"angle": "[rad]", "distance": "[m]"}
+
+
+class _Constructor(Protocol):
+    def __call__(self, value: float | None = None, **joint: Any) -> ET: ...
+
+
+def _constructor(name: str, action: str, coordinate: str) -> _Constructor:
+    """The method of `ET` that makes the transforms of a name, a turn or a shift."""
+
+    def make(cls: type[ET], value: float | None = None, **joint: Any) -> ET:
+        if value is None:
+            return cls(name, **joint)
+        if joint:
+            raise InputError(
+                f"ET.{name}({value!r}, {', '.join(joint)}=...): a constant has no {' or '.join(joint)}."
+            )
+        number = float(value)
+        if not math.isfinite(number):
+            raise InputError(f"ET.{name}({number}): expected a finite {coordinate} {_UNITS[coordinate]}.")
+        return cls(name, number)
+
+    make.__name__, make.__qualname__ = name, f"ET.{name}"
+    make.__doc__ = f"""A {action}.
+
+        Args:
+            value: A constant {_UNITS[coordinate]}; None for a joint {coordinate}.
+            **joint: `index`, `flip` and `limits` of a joint; see `ET`.
+
+        Returns:
+            The transform.
+        """
+    return classmethod(make)  # type: ignore[return-value]
 
 
 @final
@@ -52,83 +85,12 @@ class ET:
         if (self.name == "SE3") != (self.pose is not None):
             raise InputError("A constant pose is written ET.se3(pose), the others ET.rx(...) to ET.tz(...).")
 
-    @classmethod
-    def rx(cls, value: float | None = None, **joint: Any) -> ET:
-        """A turn about x.
-
-        Args:
-            value: A constant [rad]; None for a joint angle.
-            **joint: `index`, `flip` and `limits` of a joint; see `ET`.
-
-        Returns:
-            The transform.
-        """
-        return _make("rx", value, joint)
-
-    @classmethod
-    def ry(cls, value: float | None = None, **joint: Any) -> ET:
-        """A turn about y.
-
-        Args:
-            value: A constant [rad]; None for a joint angle.
-            **joint: `index`, `flip` and `limits` of a joint; see `ET`.
-
-        Returns:
-            The transform.
-        """
-        return _make("ry", value, joint)
-
-    @classmethod
-    def rz(cls, value: float | None = None, **joint: Any) -> ET:
-        """A turn about z.
-
-        Args:
-            value: A constant [rad]; None for a joint angle.
-            **joint: `index`, `flip` and `limits` of a joint; see `ET`.
-
-        Returns:
-            The transform.
-        """
-        return _make("rz", value, joint)
-
-    @classmethod
-    def tx(cls, value: float | None = None, **joint: Any) -> ET:
-        """A shift along x.
-
-        Args:
-            value: A constant [m]; None for a joint distance.
-            **joint: `index`, `flip` and `limits` of a joint; see `ET`.
-
-        Returns:
-            The transform.
-        """
-        return _make("tx", value, joint)
-
-    @classmethod
-    def ty(cls, value: float | None = None, **joint: Any) -> ET:
-        """A shift along y.
-
-        Args:
-            value: A constant [m]; None for a joint distance.
-            **joint: `index`, `flip` and `limits` of a joint; see `ET`.
-
-        Returns:
-            The transform.
-        """
-        return _make("ty", value, joint)
-
-    @classmethod
-    def tz(cls, value: float | None = None, **joint: Any) -> ET:
-        """A shift along z.
-
-        Args:
-            value: A constant [m]; None for a joint distance.
-            **joint: `index`, `flip` and `limits` of a joint; see `ET`.
-
-        Returns:
-            The transform.
-        """
-        return _make("tz", value, joint)
+    rx = _constructor("rx", "turn about x", "angle")
+    ry = _constructor("ry", "turn about y", "angle")
+    rz = _constructor("rz", "turn about z", "angle")
+    tx = _constructor("tx", "shift along x", "distance")
+    ty = _constructor("ty", "shift along y", "distance")
+    tz = _constructor("tz", "shift along z", "distance")
 
     @classmethod
     def se3(cls, pose: SE3) -> ET:
@@ -213,7 +175,7 @@ class ETS:
             tuple(
                 ET(step.name, index=step.index, flip=step.flip)
                 if step.value is None
-                else _make(step.name, step.value, {})
+                else getattr(ET, step.name)(step.value)
                 for step in parse_steps(text)
             )
         )
@@ -311,21 +273,6 @@ class ETS:
         for et, index in zip(self.transforms, self.joint_indices, strict=True):
             shown.append(str(et if index is None else ET(et.name, index=index, flip=et.flip)))
         return " ".join(shown)
-
-
-def _make(name: str, value: float | None, joint: Mapping[str, Any]) -> ET:
-    if value is None:
-        return ET(name, **joint)
-    if joint:
-        raise InputError(
-            f"ET.{name}({value!r}, {', '.join(joint)}=...): a constant has no {' or '.join(joint)}."
-        )
-    number = float(value)
-    if not math.isfinite(number):
-        raise InputError(
-            f"ET.{name}({number}): expected a finite {'angle [rad]' if name[0] == 'r' else 'distance [m]'}."
-        )
-    return ET(name, number)
 
 
 def _kind(name: str, flip: bool) -> JointKind:

@@ -126,8 +126,8 @@ class _Reading:
         self._drives = Drives(compiled.model, self._switches)
         self._joined = couplings(compiled.model, self._switches.equalities)
         self._touching = contacts(compiled.model, self._switches)
-        self._shapes = Shapes(compiled, file, self._touching.geoms)
         self._links, self._joints = names_of(compiled.model, unnamed)
+        self._shapes = Shapes(compiled, file, self._touching.geoms, self._links)
 
     def builder(self, root: JointKind | None, mimic: bool) -> ModelBuilder:
         m = self._m

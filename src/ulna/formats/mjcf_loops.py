@@ -8,8 +8,8 @@ from typing import Any
 from ulna.formats.mjcf_parse import names_of, pose_of, read_mjcf
 from ulna.formats.mjcf_switches import Switches
 from ulna.model import FrameLoop, PointLoop
+from ulna.numeric.arrays import triple
 from ulna.spatial import SE3
-from ulna.typing import Floats
 
 CONNECT, WELD = 0, 1
 """mjtEq."""
@@ -58,10 +58,5 @@ def _loop(m: Any, links: list[str], e: int) -> PointLoop | FrameLoop:
     else:  # a point of the second body; the same point and the second body's axes, seen from the first
         a, b = pose_of(data[3:6], data[6:10]), SE3.trans(*data[:3])
     if m.eq_type[e] == CONNECT:
-        return PointLoop(links[one], links[two], _point(a.translation), _point(b.translation))
+        return PointLoop(links[one], links[two], triple(a.translation), triple(b.translation))
     return FrameLoop(links[one], links[two], a, b)
-
-
-def _point(p: Floats) -> tuple[float, float, float]:
-    x, y, z = (float(c) for c in p)
-    return x, y, z

@@ -112,9 +112,9 @@ def names_of(model: Any, unnamed: UnnamedParts = UnnamedParts()) -> tuple[list[s
     Returns:
         The names of links, of which the world is the first, and of joints.
     """
-    taken = {"world"}
-    bodies = (model.body(b).name or f"body_{b}" for b in range(1, model.nbody))
-    links = ["world", *(unused_name(name, taken) for name in bodies)]
+    names = [model.body(b).name for b in range(1, model.nbody)]
+    taken = {"world", *names}
+    links = ["world", *(name or unused_name(f"body_{b}", taken) for b, name in enumerate(names, 1))]
     joints = [model.joint(j).name for j in range(model.njnt)]
     taken = set(joints)
     for j, name in enumerate(joints):

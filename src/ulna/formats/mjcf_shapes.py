@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -28,10 +29,13 @@ class Shapes:
         compiled: what MuJoCo made of the file.
         file: the name of the file; None for text.
         touching: indices of the geoms that can touch something.
+        links: the names of the links, by the index of their body.
     """
 
-    def __init__(self, compiled: CompiledMjcf, file: str | None, touching: frozenset[int]) -> None:
-        self._m, self._touching = compiled.model, touching
+    def __init__(
+        self, compiled: CompiledMjcf, file: str | None, touching: frozenset[int], links: Sequence[str]
+    ) -> None:
+        self._m, self._touching, self._links = compiled.model, touching, links
         self._references = compiled.mesh_references
         folder = os.path.dirname(os.path.abspath(file)) if file else os.getcwd()
         self._folder = os.path.join(folder, compiled.mesh_folder)
@@ -66,7 +70,7 @@ class Shapes:
     def _given_name(self, g: int) -> str:
         """The name of a geom without one: its body, and its number there, as in Pinocchio."""
         body = int(self._m.geom_bodyid[g])
-        return f"{self._m.body(body).name or f'body_{body}'}Geom_{g - int(self._m.body_geomadr[body])}"
+        return f"{self._links[body]}Geom_{g - int(self._m.body_geomadr[body])}"
 
     def _reference(self, mesh: int) -> SE3:
         """Where a mesh's own frame lies in the frame that `refpos` and `refquat` give it: s R^T (x - p)."""
@@ -109,12 +113,14 @@ class Shapes:
         return Mesh(file, (sx, sy, sz), missing=not os.path.exists(file))
 
     def _material(self, g: int) -> Material | None:
+        """The material of a geom; its own colour wins, if it is not the default, as in `mjv_updateScene`."""
         m = self._m
         named = int(m.geom_matid[g])
-        if named < 0 and tuple(m.geom_rgba[g]) == NO_COLOUR:
+        has_own = tuple(m.geom_rgba[g]) != NO_COLOUR
+        if named < 0 and not has_own:
             return None
-        r, gr, b, a = (float(c) for c in (m.geom_rgba[g] if named < 0 else m.mat_rgba[named]))
-        return Material("" if named < 0 else m.mat(named).name, (r, gr, b, a))
+        r, gr, b, a = (float(c) for c in (m.geom_rgba[g] if has_own else m.mat_rgba[named]))
+        return Material("" if has_own else m.mat(named).name, (r, gr, b, a))
 
     def _without(self, what: str) -> None:
         self.omitted[what] = self.omitted.get(what, 0) + 1

@@ -41,7 +41,7 @@ class SrdfVirtualJoint:
 
 @dataclass(frozen=True)
 class SrdfEndEffector:
-    """A named tool: the link it hangs on and the group it is."""
+    """A named tool: the link it is attached to and the group it is."""
 
     name: str
     parent_link: str

@@ -190,7 +190,7 @@ class _Shapes:
 
     def __init__(self, file: str | None, resolver: Resolver) -> None:
         self._file, self._resolver = file, resolver
-        self._found: dict[str, str | None] = {}
+        self._resolved_files: dict[str, str | None] = {}
         self._missing: list[tuple[str, str, int | None, tuple[str, ...]]] = []
 
     def geometries(self, link: str, bodies: tuple[UrdfBody, ...]) -> tuple[Geometry, ...]:
@@ -226,12 +226,12 @@ class _Shapes:
         return Material(material.name, (rgba[0], rgba[1], rgba[2], rgba[3]) if rgba else None, texture)
 
     def _path(self, what: str, uri: str, line: int | None) -> str | None:
-        if uri not in self._found:
+        if uri not in self._resolved_files:
             resolution = self._resolver.resolve(uri)
-            self._found[uri] = resolution.path
+            self._resolved_files[uri] = resolution.path
             if resolution.path is None:
                 self._missing.append((what, uri, line, resolution.tried))
-        return self._found[uri]
+        return self._resolved_files[uri]
 
     def report(self) -> None:
         """Warn about what was not found, once for the whole file."""

@@ -36,12 +36,13 @@ def nearest_inertia(inertia: Floats) -> Floats:
         inertia: About the centre of mass, symmetric, (3, 3) [kg m^2].
 
     Returns:
-        An inertia (3, 3) [kg m^2]; the same where a body can have it.
+        An inertia (3, 3) [kg m^2]: the same where a body can have it, but for rounding; zero where S has no
+        positive eigenvalue.
     """
+    if Inertia(1.0, np.zeros(3), inertia).is_physical():
+        return inertia
     values, vectors = np.linalg.eigh(0.5 * np.trace(inertia) * np.eye(3) - inertia)
     floor = _MIN_RELATIVE_MOMENT * max(float(values.max()), 0.0)
-    if values.min() >= 0.0 or floor == 0.0:
-        return inertia
     S = (vectors * np.maximum(values, floor)) @ vectors.T
     return np.trace(S) * np.eye(3) - S
 
@@ -109,10 +110,10 @@ def _write(element: Any, inertia: Inertia) -> None:
     for child in list(element):
         element.remove(child)
     element.text = None
-    xyz = " ".join(f"{x:.9g}" for x in inertia.com)
+    xyz = " ".join(f"{x:.12g}" for x in inertia.com)
     etree.SubElement(element, "origin", xyz=xyz, rpy="0 0 0")
-    etree.SubElement(element, "mass", value=f"{float(inertia.mass):.9g}")
-    moments = {name: f"{inertia.inertia[entry]:.9g}" for name, entry in _ENTRIES.items()}
+    etree.SubElement(element, "mass", value=f"{float(inertia.mass):.12g}")
+    moments = {name: f"{inertia.inertia[entry]:.12g}" for name, entry in _ENTRIES.items()}
     etree.SubElement(element, "inertia", **moments)
 
 
@@ -125,5 +126,5 @@ def _repair(element: Any) -> bool:
     if nearest is present:
         return False
     for name, entry in _ENTRIES.items():
-        element.set(name, f"{nearest[entry]:.9g}")
+        element.set(name, f"{nearest[entry]:.12g}")
     return True

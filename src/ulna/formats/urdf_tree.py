@@ -96,10 +96,10 @@ def check_tree(
             f"there are {len(tops)} links without a parent: {shown}; expected one.",
             f"Join them, for example by a fixed joint from {tops[0]!r} to {tops[1]!r}.",
         )
-    stray = _unreached(tops[0], links, joints.values())
-    if stray:
-        nodes[parent_of[stray].name].fail(
-            f"the joints form a loop: {_loop(stray, parent_of)}.",
+    link_in_loop = _unreached(tops[0], links, joints.values())
+    if link_in_loop:
+        nodes[parent_of[link_in_loop].name].fail(
+            f"the joints form a loop: {_loop(link_in_loop, parent_of)}.",
             f"Nothing joins it to the root link {tops[0]!r}.",
         )
     return tops[0]

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any, TextIO
 
-from ulna.errors import FormatError, MissingExtra
+from ulna.errors import FormatError, needed
 from ulna.files import open_regular
 from ulna.formats.markup import read_file
 from ulna.formats.resolve import Resolver
@@ -44,11 +44,9 @@ def expand_xacro(
     """
     read_file(path)
     file = str(path)
-    try:
+    with needed("xacro", "xacro", f"Expanding {file!r}"):
         import xacro as library
         from xacro import substitution_args
-    except ImportError:
-        raise MissingExtra("xacro", "xacro", f"Expanding {file!r}") from None
     xacro: Any = library
     find = partial(_folder_of_package, resolver or Resolver(path), file)
     mappings = {name: str(value) for name, value in (arguments or {}).items()}

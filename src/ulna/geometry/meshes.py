@@ -12,7 +12,7 @@ from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
-from ulna.errors import InputError, MissingExtra
+from ulna.errors import InputError, needed
 from ulna.files import open_regular, reject_special_files
 from ulna.typing import Array, Floats
 
@@ -91,16 +91,12 @@ def _check_mesh_data(path: str, vertices: Floats, triangles: Array) -> None:
 
 def _scene(file: BinaryIO, path: str) -> Any:
     """What trimesh makes of an open mesh file."""
-    try:
+    with needed("trimesh", "mesh", "Reading mesh files"):
         import trimesh
-    except ImportError as error:
-        raise MissingExtra("trimesh", "mesh", "Reading mesh files") from error
     ending = os.path.splitext(path)[1].lower()
     if ending == ".dae":
-        try:
+        with needed("pycollada", "mesh", "Reading mesh files"):
             import collada  # noqa: F401
-        except ImportError as error:
-            raise MissingExtra("pycollada", "mesh", "Reading mesh files") from error
     library: Any = trimesh
     try:
         with warnings.catch_warnings():

@@ -44,7 +44,7 @@ class Shape(abc.ABC):
 
     @abc.abstractmethod
     def describe(self) -> str:
-        """A few words for tables and messages, for example ``"box 0.1 x 0.2 x 0.3 m"``."""
+        """A short label for tables and messages, such as ``"box 0.1 x 0.2 x 0.3 m"``."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Box(Shape):
         object.__setattr__(self, "size", _lengths("Box", "size", self.size, 3))
 
     def describe(self) -> str:
-        """A few words for tables and messages."""
+        """A short label for tables and messages."""
         return "box " + " x ".join(f"{s:g}" for s in self.size) + " m"
 
 
@@ -90,7 +90,7 @@ class Sphere(Shape):
         object.__setattr__(self, "radius", _length("Sphere", "radius", self.radius))
 
     def describe(self) -> str:
-        """A few words for tables and messages."""
+        """A short label for tables and messages."""
         return f"sphere r {self.radius:g} m"
 
 
@@ -107,7 +107,7 @@ class _Round(Shape):
         object.__setattr__(self, "length", _length(kind, "length", self.length))
 
     def describe(self) -> str:
-        """A few words for tables and messages."""
+        """A short label for tables and messages."""
         return f"{type(self).__name__.lower()} r {self.radius:g} m, length {self.length:g} m"
 
 
@@ -155,7 +155,7 @@ class Ellipsoid(Shape):
         object.__setattr__(self, "radii", _lengths("Ellipsoid", "radii", self.radii, 3))
 
     def describe(self) -> str:
-        """A few words for tables and messages."""
+        """A short label for tables and messages."""
         return "ellipsoid " + " x ".join(f"{r:g}" for r in self.radii) + " m"
 
 
@@ -173,7 +173,7 @@ class Plane(Shape):
         object.__setattr__(self, "size", _lengths("Plane", "size", self.size, 2))
 
     def describe(self) -> str:
-        """A few words for tables and messages."""
+        """A short label for tables and messages."""
         return "plane " + " x ".join(f"{s:g}" if s else "inf" for s in self.size) + " m"
 
 
@@ -210,7 +210,7 @@ class Mesh(Shape):
         return PurePosixPath(self.path.replace("\\", "/")).name if self.path else ""
 
     def describe(self) -> str:
-        """A few words for tables and messages."""
+        """A short label for tables and messages."""
         return f"mesh {self.file_name or '(no file)'}" + (" (missing)" if self.missing else "")
 
 
@@ -268,7 +268,7 @@ class PointCloud(_Sampled):
         object.__setattr__(self, "radius", _length("PointCloud", "radius", self.radius))
 
     def describe(self) -> str:
-        """A few words for tables and messages."""
+        """A short label for tables and messages."""
         return f"cloud of {len(self.points)} points r {self.radius:g} m"
 
     def __repr__(self) -> str:
@@ -307,7 +307,7 @@ class HeightField(_Sampled):
         return vertices, np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
 
     def describe(self) -> str:
-        """A few words for tables and messages."""
+        """A short label for tables and messages."""
         nx, ny = self.heights.shape
         return f"height field {nx} x {ny}, {self.size[0]:g} x {self.size[1]:g} m"
 

@@ -19,9 +19,10 @@ from typing import Any, Literal, final
 
 import numpy as np
 
+from ulna.checks.values import flag, number
 from ulna.errors import InputError
-from ulna.identification.base import extended_regressor, parameter_names
 from ulna.identification.convex import Progress
+from ulna.identification.identifiable_parameters import extended_regressor, parameter_names
 from ulna.identification.result import FittedParameters
 from ulna.identification.solve import (
     NO_SAMPLES,
@@ -63,6 +64,11 @@ class Sought:
     damping: bool = False
     friction: bool = False
     width: float = 1e-2
+
+    def __post_init__(self) -> None:
+        for name, wanted in self.drives.items():
+            flag(name, wanted)
+        number("width", self.width, "a velocity above zero [rad/s, m/s]", above=0.0)
 
     @property
     def drives(self) -> dict[str, bool]:
@@ -281,6 +287,7 @@ def fitted(
     p0 = present_parameters(model, sought.drives)
     if prior is not None:
         p0[: 10 * len(model.joints)] = checked_prior(model, prior)
+    flag("physical", physical)
     sigma, ridge, sizes = checked_noise(noise, model.nv), checked_ridge(ridge), parameter_sizes(model, p0)
     bodies, scale = len(model.joints) if physical else None, np.sqrt(triangles.shape[1] / rows)
 

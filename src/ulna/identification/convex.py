@@ -90,7 +90,7 @@ def minimised(problem: Problem, progress: Callable[[Progress], object] | None = 
     Raises:
         UlnaError: the search does not end, which would be a bug.
     """
-    u = _inside(problem)
+    u = _strictly_feasible_point(problem)
     scale = float(problem.z @ problem.z) + problem.cost(u)
     if problem.size == 0 or scale == 0.0:
         return u, 0
@@ -118,7 +118,7 @@ def minimised(problem: Problem, progress: Callable[[Progress], object] | None = 
         gap /= _GROWTH
 
 
-def _inside(problem: Problem) -> Floats:
+def _strictly_feasible_point(problem: Problem) -> Floats:
     """A point near the prior at which every inequality holds strictly."""
     bodies = problem.u0[: 10 * problem.bodies].reshape(-1, 10)
     inside = nearest_physical(bodies, least=1e-3).ravel() if problem.bodies else bodies.ravel()

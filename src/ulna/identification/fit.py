@@ -20,6 +20,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ulna.checks.values import checked_robot
+from ulna.checks.values import function as checked_function
 from ulna.errors import InputError
 from ulna.identification.blocks import Sought, fitted, sums_of, torques
 from ulna.identification.convex import Progress
@@ -89,7 +91,9 @@ def identify(
         >>> np.allclose(fit.residuals, 0.0, atol=1e-9)
         True
     """
-    model: Model = robot.model
+    model: Model = checked_robot(robot).model
+    if progress is not None:
+        checked_function("progress", progress)
     if progress is not None and not physical:
         raise InputError(
             "`progress` reports the steps of physical=True; the linear solver has none. Leave it out."

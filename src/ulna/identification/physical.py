@@ -26,7 +26,7 @@ _OFF = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 
 def pseudo_inertia(parameters: ArrayLike) -> Floats:
     """P, (..., 4, 4), of the ten parameters (..., 10)."""
-    p = _ten("parameters", parameters)
+    p = _checked_parameters("parameters", parameters)
     tensor = np.zeros((*p.shape[:-1], 3, 3))
     for k, (i, j) in enumerate(_PLACES):
         tensor[..., i, j] = tensor[..., j, i] = p[..., 4 + k]
@@ -70,13 +70,13 @@ def log_cholesky(parameters: ArrayLike) -> Floats:
 
 def from_log_cholesky(t: ArrayLike) -> Floats:
     """The ten parameters (..., 10) of any t, (..., 10); always those of a body that can exist."""
-    U = _factor(_ten("t", t))
+    U = _factor(_checked_parameters("t", t))
     return parameters_of(U @ np.swapaxes(U, -1, -2))
 
 
 def log_cholesky_jacobian(t: ArrayLike) -> Floats:
     """The derivative (..., 10, 10) of the parameters by t."""
-    t = _ten("t", t)
+    t = _checked_parameters("t", t)
     U = _factor(t)
     scale = np.exp(t[..., 0])
     columns = []
@@ -112,7 +112,7 @@ def nearest_physical(parameters: ArrayLike, least: float = 1e-6) -> Floats:
     raised = np.maximum(values, floor)
     changed = parameters_of((vectors * raised[..., None, :]) @ np.swapaxes(vectors, -1, -2))
     fine = np.asarray((values >= floor).all(axis=-1))
-    return np.where(fine[..., None], _ten("parameters", parameters), changed)
+    return np.where(fine[..., None], _checked_parameters("parameters", parameters), changed)
 
 
 def _factor(t: Floats) -> Floats:
@@ -125,7 +125,7 @@ def _factor(t: Floats) -> Floats:
     return np.exp(t[..., 0])[..., None, None] * U
 
 
-def _ten(name: str, parameters: ArrayLike) -> Floats:
+def _checked_parameters(name: str, parameters: ArrayLike) -> Floats:
     array = finite_array(name, parameters)
     if array.shape[-1:] != (10,):
         raise ShapeError(name, array.shape, "(..., 10)")

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import MissingExtra
-from ulna.identification.base import BaseParameters
+from ulna.errors import needed
+from ulna.identification.identifiable_parameters import BaseParameters
 from ulna.model import Model, with_dynamic_parameters, with_joint_dynamics
 from ulna.system.figures import displayed
 from ulna.system.storage import save_figure
@@ -69,10 +69,10 @@ class FittedParameters:
             f"  {self.base.count} base parameters of {len(self.base.names)} sought, "
             f"condition {self.condition:.3g}; {sure} known to better than 10 %",
             "",
-            *self._doubts(sure),
+            *self._condition_warning(sure),
         ]
 
-    def _doubts(self, sure: int) -> list[str]:
+    def _condition_warning(self, sure: int) -> list[str]:
         """A warning where the log does not determine the parameters, however well they explain it."""
         if self.condition <= _WORST_CONDITION and (sure or not len(self.base_values)):
             return []
@@ -118,6 +118,9 @@ class Identification(FittedParameters):
     def explained(self) -> Floats:
         """What part of each joint's variance of torque the fit explains, (nv,); at most 1."""
         total = ((self.measured - self.measured.mean(axis=0)) ** 2).mean(axis=0)
+        total = np.where(
+            total > 0.0, total, (self.measured**2).mean(axis=0)
+        )  # a constant torque varies from zero
         return 1.0 - self.rms**2 / np.where(total > 0.0, total, np.inf)
 
     def report(self) -> str:
@@ -133,13 +136,13 @@ class Identification(FittedParameters):
                 f"  {name:24s} {self.rms_before[k]:12.4g} {self.rms[k]:12.4g} {greatest[k]:12.4g} "
                 f"{100 * self.explained[k]:9.2f}%"
             )
-        lines += self._drives()
+        lines += self._drive_table()
         if self.unmoved:
             lines += ["", f"  not moved in this log: {', '.join(self.unmoved)}"]
             lines.append("  (their friction and armature cannot be found from it)")
         return "\n".join(lines)
 
-    def _drives(self) -> list[str]:
+    def _drive_table(self) -> list[str]:
         """A table of the drives, where any number of them was sought."""
         if not any(name.startswith(("armature(", "damping(", "friction(")) for name in self.base.names):
             return []
@@ -160,10 +163,8 @@ class Identification(FittedParameters):
         Raises:
             MissingExtra: Matplotlib is not installed.
         """
-        try:
+        with needed("matplotlib", "plot", "Plotting an identification"):
             from matplotlib.figure import Figure
-        except ImportError:
-            raise MissingExtra("matplotlib", "plot", "Plotting an identification") from None
         rows, nv = self.measured.shape
         x = np.arange(rows) if t is None else np.asarray(t, dtype=float)
         figure = displayed(Figure(figsize=(9.0, 1.6 * nv + 0.6), layout="constrained"))

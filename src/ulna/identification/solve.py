@@ -10,9 +10,10 @@ import numpy as np
 
 from ulna.algorithms.dynamics.joint_friction import Friction, friction_torque
 from ulna.checks.arrays import check_finite, finite_array, number_or_array, real_array
+from ulna.checks.values import number
 from ulna.errors import InputError, ShapeError
-from ulna.identification.base import BaseParameters, base_parameters_of, parameter_names
 from ulna.identification.convex import Problem, Progress, minimised
+from ulna.identification.identifiable_parameters import BaseParameters, base_parameters_of, parameter_names
 from ulna.identification.physical import pseudo_inertia
 from ulna.model import Model, dynamic_parameters
 from ulna.typing import ArrayLike, Floats
@@ -242,9 +243,7 @@ def physical_fit(
 
 def checked_ridge(ridge: float | None) -> float | None:
     """`ridge`, if it can be one."""
-    if ridge is not None and not (np.isfinite(ridge) and ridge >= 0.0):
-        raise InputError(f"`ridge` is {ridge}; expected a finite number of zero or more.")
-    return ridge
+    return None if ridge is None else number("ridge", ridge, "a finite number of zero or more", least=0.0)
 
 
 def solved(
@@ -304,12 +303,14 @@ def base_statistics(base: BaseParameters, rows: Floats, squares: float, count: i
         count: How many torques the log has.
 
     Returns:
-        Standard deviations of the base parameters, (b,), and the condition number of their regressor.
+        Standard deviations of the base parameters, (b,), inf where the log has no more torques than there are base
+        parameters; and the condition number of their regressor.
     """
     W1 = base.columns(rows)
     lengths = np.sqrt((W1 * W1).sum(axis=0))
     values = np.linalg.svd(W1 / lengths, compute_uv=False) if base.count else np.ones(1)
-    misfit = squares / max(count - base.count, 1)
+    surplus = count - base.count  # as many torques as parameters fit whatever the noise
+    misfit = squares / surplus if surplus > 0 else np.inf
     variances = np.diag(np.linalg.pinv((W1 / lengths).T @ (W1 / lengths))) if base.count else np.zeros(0)
     condition = float(values[0] / values[-1]) if values[-1] > 0.0 else np.inf
     return np.sqrt(misfit * np.maximum(variances, 0.0)) / lengths, condition

@@ -9,7 +9,7 @@ import numpy as np
 
 from ulna.checks.arrays import batched_array, batched_shape, real_array
 from ulna.checks.rotations import checked_rotation
-from ulna.checks.values import count
+from ulna.checks.values import count, short_repr
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.ik.deferred import goals_of_frames
 from ulna.ik.goal import Mask, mask_of
@@ -20,7 +20,7 @@ from ulna.numeric import is_symbolic
 from ulna.typing import Floats
 
 DEFAULT_STARTS = ("rest", "home", "ready", "qr", "half_sitting", "standing")
-"""Names of configurations that a search sets out from, the first that the robot has."""
+"""Names of configurations that a search starts from, the first that the robot has."""
 
 
 def named_goals(
@@ -50,8 +50,8 @@ def named_goals(
             T = goals_of_frames(T) if len(T) > 1 else T[names[0]]
             return T, names, _masks(mask, names)
         T = _side_by_side(T, _masks(mask, names)) if len(T) > 1 else matrix_of(T[names[0]])
-    elif isinstance(frame, (list, tuple, np.ndarray)):
-        names = tuple(frame)
+    elif isinstance(frame, (list, tuple)) or (isinstance(frame, np.ndarray) and frame.ndim):
+        names: tuple[Any, ...] = tuple(frame)
         if not names:
             raise InputError("`frame` is empty; expected the name of a frame, or several.")
         if len(names) == 1 and not is_deferred(T):
@@ -59,6 +59,10 @@ def named_goals(
             T = T[..., 0, :, :] if T.ndim > 2 and T.shape[-3] == 1 else T
     else:
         names = (frame,)
+    if not all(name is None or isinstance(name, str) for name in names):
+        raise InputError(
+            f"`frame` is {short_repr(frame)}; expected the name of a frame, a list of names, or None."
+        )
     names = tuple(tool if name is None else name for name in names)
     return T, names, _masks(mask, names)
 
@@ -98,7 +102,7 @@ def _side_by_side(goals: Mapping[Any, Any], masks: tuple[Mask, ...] | None) -> F
 
 
 def default_start(problem: Problem) -> Floats:
-    """The configuration a search without `q0` sets out from: a named one, or neutral, or the middle of the limits.
+    """The configuration a search without `q0` starts from: a named one, or neutral, or the middle of the limits.
 
     All of it is within the limits, for the joints that do not move stay there.
     """
@@ -253,17 +257,21 @@ def _advice(shape: tuple[int, ...]) -> str:
     return ""
 
 
-def raise_invalid_pose(T: Floats) -> NoReturn:
+def raise_invalid_pose(T: Floats, name: str = "T") -> NoReturn:
     """Raises an error that explains what is wrong with goals that are no poses.
+
+    Args:
+        T: The goals, shape (..., 4, 4) [m].
+        name: The name of the argument.
 
     Raises:
         InputError: Always.
     """
-    checked_rotation("T", T[..., :3, :3], "ulna.spatial.nearest_rotation(R)")
+    checked_rotation(name, T[..., :3, :3], "ulna.spatial.nearest_rotation(R)")
     rows = T[..., 3, :].reshape(-1, 4)
     wrong = rows[(rows != (0.0, 0.0, 0.0, 1.0)).any(axis=1)][0]
     hint = "" if T[..., :3, 3].any() else " The matrix looks transposed."
-    raise InputError(f"`T` has the last row {wrong.tolist()}; expected [0, 0, 0, 1].{hint}")
+    raise InputError(f"`{name}` has the last row {wrong.tolist()}; expected [0, 0, 0, 1].{hint}")
 
 
 def check_batch_axes(T: Any, q0: Any, problem: Problem) -> None:

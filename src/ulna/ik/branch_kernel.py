@@ -7,6 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.values import names as checked_names
 from ulna.errors import InputError
 from ulna.ik.analytic.candidates import ClosedForm, between, source_of
 from ulna.model import Model
@@ -17,12 +18,13 @@ from ulna.typing import Floats
 class BranchKernel:
     """Every branch of an arm with a closed form, as a call of some microseconds that checks nothing.
 
-    `kernel(T)` returns `q` (..., 8, nq) and `worth` (..., 8, 3): the distance [m] and the angle [rad] that forward
-    kinematics finds between candidate and goal, and 1 within the joint limits, else 0. A candidate whose errors are not
-    next to zero is no solution; twice the same may stand among them where branches meet.
+    `kernel(T)` returns candidates `q` (..., 8, nq), and for each an `evaluation` (..., 8, 3): the distance [m] and the
+    angle [rad] from its pose, by forward kinematics, to the goal; and 1 within the joint limits, else 0. Those with
+    errors that are not close to zero are no solutions. Where branches meet, a solution may be there twice.
 
     Attributes:
-        gufunc: What it calls: (T, T_base, held, branch, base, centre) -> (q, worth), see `ulna.ik.analytic.closed`.
+        gufunc: What it calls, (T, T_base, free_value, branch, base, centre) -> (q, evaluation); see
+            `ulna.ik.analytic.closed`.
         method: How it works, as a sentence.
         free: Name of the joint that `free_value` is the value of; None where there is none.
 
@@ -37,7 +39,7 @@ class BranchKernel:
     """
 
     def __init__(self, model: Model, frame: str, joints: Sequence[str] | None, free: str | None) -> None:
-        names = None if joints is None else tuple(joints)
+        names = None if joints is None else checked_names("joints", joints)
         default_start = np.clip(model.neutral, model.lower_position, model.upper_position)
         fixed = tuple(default_start[list(between(model, frame, names))].tolist())
         source = source_of(model, frame, names, free, fixed)
@@ -62,7 +64,7 @@ class BranchKernel:
             held: The former name of `free_value`.
 
         Returns:
-            `q`, shape (..., 8, nq) [rad, m], and `worth`, shape (..., 8, 3); see `BranchKernel`.
+            `q`, shape (..., 8, nq) [rad, m], and `evaluation`, shape (..., 8, 3); see `BranchKernel`.
         """
         source, free_value = self._source, free_value if held is None else held
         base = (self._default_start if q0 is None else q0)[..., None, :]

@@ -8,13 +8,17 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.checks.arrays import batched_array
+from ulna.checks.arrays import batched_array, shaped_array
 from ulna.checks.masked import check_not_masked
+from ulna.checks.quaternions import checked_configurations
+from ulna.checks.values import count as checked_count
+from ulna.checks.values import flag, number, short_repr
+from ulna.checks.values import names as checked_names
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.ik import deferred
 from ulna.ik.analytic.candidates import Source, between, source_of
-from ulna.ik.analytic.sift import Sift
+from ulna.ik.analytic.solutions import SolutionFilter
 from ulna.lazy import Collection, is_deferred
 from ulna.model import Model
 from ulna.spatial import SE3
@@ -113,10 +117,10 @@ class Branches(Collection):
             return (
                 f"<lazy branches of poses {self.total.shape}, at most {self.q.shape[-2]} each; {self.method}>"
             )
-        what = "all" if self.complete else "found"
+        label = "all" if self.complete else "found"
         if self.q.ndim > 2:
-            return f"<branches of {self.total.size} poses, {int(self.count.sum())} {what}; {self.method}>"
-        return f"<{len(self.q)} branches, {what}; {self.method}>"
+            return f"<branches of {self.total.size} poses, {int(self.count.sum())} {label}; {self.method}>"
+        return f"<{len(self.q)} branches, {label}; {self.method}>"
 
 
 def ik_all(
@@ -157,27 +161,52 @@ def ik_all(
         InputError: If `T` is no pose, or an option does not fit the arm.
         UnknownName: If there is no such frame or joint.
     """
+    names, options = _checked(frame, joints, free, limits, turns, position_tolerance, rotation_tolerance)
     if is_deferred(T) or is_deferred(q0):
-        names = None if joints is None else tuple(joints)
-        options = {"limits": limits, "turns": turns, "seed": seed}
-        options |= {"position_tolerance": position_tolerance, "rotation_tolerance": rotation_tolerance}
-        return _deferred(model, T, frame, q0, names, free, samples, options)
+        return _deferred(model, T, frame, q0, names, free, samples, options | {"seed": seed})
     goals = _goals(T)
     batch = goals.shape[:-2]
-    names = None if joints is None else tuple(joints)
     base = _start(model, q0, batch)
     source = source_of(model, frame, names, free, _fixed_values(base, between(model, frame, names)))
     values = _values(model, source, samples, None if q0 is None else base)
-    sift = Sift(source, q0 is not None, limits, turns, position_tolerance, rotation_tolerance)
+    select = SolutionFilter(source, q0 is not None, *options.values())
     goals, base = goals.reshape(-1, 4, 4), base.reshape(-1, model.nq)
     step = max(1, _ROWS // (64 * max(len(values), 1)))
     poses: list[Any] = []
     complete = source.free is None
     for start in range(0, len(goals), step):
-        part, is_complete = sift(goals[start : start + step], base[start : start + step], values, seed)
+        part, is_complete = select(goals[start : start + step], base[start : start + step], values, seed)
         complete = complete and is_complete
         poses += part
     return _packed(poses, batch, model.nq, complete, _method(source, values))
+
+
+def _checked(
+    frame: Any,
+    joints: Any,
+    free: Any,
+    limits: Any,
+    turns: Any,
+    position_tolerance: Any,
+    rotation_tolerance: Any,
+) -> tuple[tuple[str, ...] | None, dict[str, Any]]:
+    """The names of the joints, and the options of `SolutionFilter`, in its order."""
+    if not isinstance(frame, str):
+        raise InputError(
+            f"`frame` is {short_repr(frame)}; expected the name of one frame, or None for the tool."
+        )
+    if not (free is None or isinstance(free, str)):
+        raise InputError(f"`free` is {short_repr(free)}; expected the name of a joint, or None.")
+    expected = "a number above zero"
+    options = {
+        "limits": flag("limits", limits),
+        "turns": flag("turns", turns),
+        "position_tolerance": number("position_tolerance", position_tolerance, f"{expected} [m]", above=0.0),
+        "rotation_tolerance": number(
+            "rotation_tolerance", rotation_tolerance, f"{expected} [rad]", above=0.0
+        ),
+    }
+    return None if joints is None else checked_names("joints", joints), options
 
 
 def _deferred(
@@ -201,9 +230,9 @@ def _deferred(
     base = _start(model, q0 if is_single else None, ())
     source = source_of(model, frame, joints, free, _fixed_values(base, fixed))
     values = _values(model, source, samples, base if is_single and q0 is not None else None)
-    most = source.most * len(values) * (_turns(source) if options["turns"] else 1)
+    max_solutions = source.max_candidates * len(values) * (_turns(source) if options["turns"] else 1)
     solve_block = partial(_solve_block, model, frame, joints, free, values, options)
-    arrays = deferred.branches(solve_block, T, q0, model.nq, model.position_names, most)
+    arrays = deferred.branches(solve_block, T, q0, model.nq, model.position_names, max_solutions)
     q, position_error, rotation_error, total, miss, complete = arrays
     method = _method(source, values)
     return Branches(q, position_error, rotation_error, total, miss, complete.all(), method)
@@ -224,13 +253,13 @@ def _turns(source: Source) -> int:
 
 
 def _goals(T: Any) -> Floats:
-    """The goals (..., 4, 4); an invalid rotation shows when forward kinematics does not meet it, see `Sift`."""
+    """The goals (..., 4, 4); `SolutionFilter` finds invalid rotations, which no configuration reaches."""
     check_not_masked("T", T)
     if isinstance(T, np.ndarray) and T.dtype == np.float64 and T.shape[-2:] == (4, 4):
         return T
     if isinstance(T, SE3):
         return T.matrix()
-    return SE3.from_matrix(T).matrix()
+    return SE3.from_matrix(batched_array("T", T, (4, 4))).matrix()
 
 
 def _start(model: Model, q0: ArrayLike | None, batch: tuple[int, ...]) -> Floats:
@@ -238,7 +267,7 @@ def _start(model: Model, q0: ArrayLike | None, batch: tuple[int, ...]) -> Floats
     if q0 is None:
         default = _clipped_neutral(model)
         return np.broadcast_to(default, (*batch, model.nq)) if batch else default
-    q = batched_array("q0", q0, (model.nq,))
+    q = checked_configurations("q0", q0, model)
     try:
         return np.broadcast_to(q, (*batch, model.nq))
     except ValueError:
@@ -270,13 +299,9 @@ def _values(model: Model, source: Source, samples: int | ArrayLike, q0: Floats |
     if source.free is None:
         return _ONE
     axis = source.arm.axes[source.free]
-    if np.ndim(samples):
-        return batched_array("samples", samples, (np.size(samples),))
-    count = int(samples)  # type: ignore[arg-type]
-    if count < 1:
-        raise InputError(
-            f"`samples` is {samples}; expected a count from 1, or values of joint {axis.name!r}."
-        )
+    if isinstance(samples, (list, tuple, np.ndarray)) and np.ndim(samples):
+        return shaped_array("samples", samples, None)
+    count = _sample_count(samples, axis.name)
     lower, upper = model.lower_position[axis.index], model.upper_position[axis.index]
     if np.isfinite(lower) and np.isfinite(upper):
         grid = np.linspace(lower, upper, count + 2)[1:-1]
@@ -288,6 +313,15 @@ def _values(model: Model, source: Source, samples: int | ArrayLike, q0: Floats |
         )
     start_values = np.unique(q0[..., axis.index]) if q0 is not None else _ONE[:0]
     return np.concatenate([start_values, grid]) if len(start_values) == 1 else grid
+
+
+def _sample_count(samples: Any, joint: str) -> int:
+    try:
+        return checked_count("samples", samples, most=1_000_000)
+    except InputError:
+        raise InputError(
+            f"`samples` is {short_repr(samples)}; expected a count from 1, or values of joint {joint!r}, (s,)."
+        ) from None
 
 
 def _method(source: Source, values: Floats) -> str:

@@ -104,7 +104,7 @@ class Distance(NamedTuple):
     weighted: Sequence[Any]
     """The errors, weighted; radians count as `length` metres."""
     rows: Sequence[Array]
-    """Their derivatives by v, negated: what a velocity takes off each, (nv,) each; empty if not asked for."""
+    """Their derivatives with respect to v, negated, (nv,) each; empty if not asked for."""
     angle: Any
     """The angle that counts: theta, or the length of what counts of e_w [rad]."""
 

@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna import linalg
-from ulna.errors import MissingExtra
+from ulna.errors import needed
 from ulna.numeric import clip, is_symbolic, less, loop, matrix, maximum, minimum, vector, where
 from ulna.typing import Array, Floats
 
@@ -168,10 +168,8 @@ def solve_rows(
     Raises:
         MissingExtra: If daqp is not installed.
     """
-    try:
+    with needed("daqp", "qp", "Constraints and rows of inequalities"):
         import daqp  # pyright: ignore[reportMissingImports]
-    except ImportError:
-        raise MissingExtra("daqp", "qp", "Constraints and rows of inequalities") from None
     kinds = np.zeros(len(lower), dtype=np.int32)
     kinds[len(lower) - equalities :] = _EQUALITY
     x, _, flag, _ = daqp.solve(H, g, A, upper, lower, kinds, primal_tol=_TOLERANCE)

@@ -50,7 +50,7 @@ class Attempt(NamedTuple):
     q: Array
     """Configuration, (nq,)."""
     number: Any
-    """Number of the starting point it set out from."""
+    """Number of the starting point it started from."""
     age: Any
     """How many steps ago; in a descent the damping [m^2]."""
     before: Any

@@ -39,7 +39,7 @@ def thread_search(
         mask: What counts of the goal, as for `robot.ik`.
         joints: Names of the joints that may move; None for all.
         near: Whether a second input `q0` (nq,) [rad or m] says where the search sets out, and the nearest solution met
-            there counts; else it sets out from the configuration that `robot.ik` does, and the first one counts.
+            there counts; else it starts from the configuration that `robot.ik` does, and the first one counts.
         position_tolerance: Largest distance from the goal [m].
         rotation_tolerance: Largest angle from the goal [rad].
         attempts: About how many starting points are tried.

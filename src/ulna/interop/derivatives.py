@@ -46,7 +46,7 @@ class Derivatives:
         return self._cached(("forward", moving), lambda f: _forward(f, moving))
 
     def reverse(self, wanted: Choice, without: int = 0) -> Function:
-        """The derivatives by some inputs of the sum of the outputs, weighted by cotangents.
+        """The derivatives with respect to some inputs of the sum of the outputs, weighted by cotangents.
 
         Args:
             wanted: For each input, whether it is differentiated by.

@@ -16,9 +16,10 @@ from jax.core import ShapedArray, Tracer  # pyright: ignore[reportMissingImports
 from jax.interpreters import ad, batching, mlir  # pyright: ignore[reportMissingImports]
 
 from ulna.compiler import Function
+from ulna.compiler.language.ports import batch_shape
 from ulna.compiler.runtime.xla_call import load_xla_call
 from ulna.errors import DtypeError, InputError
-from ulna.interop.arguments import batch_shape, check_count
+from ulna.interop.arguments import check_count
 from ulna.interop.derivatives import derivatives_of
 from ulna.system import forks
 
@@ -87,7 +88,7 @@ class JaxFunction:
 
 def _evaluate(f: Function, linear: int, arrays: Sequence[Any]) -> tuple[Any, ...]:
     """Applies the primitive to arrays whose batch axes are made alike."""
-    batch = batch_shape(f, [x.shape for x in arrays])
+    batch = batch_shape(f.inputs, [x.shape for x in arrays])
     wide = [jnp.broadcast_to(x, batch + p.shape) for x, p in zip(arrays, f.inputs, strict=True)]
     return tuple(_call.bind(*wide, function=f, linear=linear))
 

@@ -8,9 +8,10 @@ from typing import Any, final
 import torch  # pyright: ignore[reportMissingImports]
 
 from ulna.compiler import Function, compile
+from ulna.compiler.language.ports import batch_shape
 from ulna.compiler.runtime.cuda_kernel import CudaKernel
 from ulna.errors import DtypeError, InputError
-from ulna.interop.arguments import batch_shape, check_count
+from ulna.interop.arguments import check_count
 from ulna.interop.derivatives import derivatives_of
 from ulna.system import forks
 
@@ -188,5 +189,5 @@ class _Evaluation(torch.autograd.Function):
 
 def _evaluate(f: TorchFunction, *tensors: Any) -> tuple[Any, ...]:
     """The outputs, recorded for derivatives."""
-    batch_shape(f.function, [tuple(x.shape) for x in tensors])
+    batch_shape(f.function.inputs, [tuple(x.shape) for x in tensors])
     return _Evaluation.apply(f, *tensors)  # pyright: ignore[reportReturnType]

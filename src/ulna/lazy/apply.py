@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ulna.checks.arrays import batched_shape, check_core_shape, real_array
-from ulna.errors import DtypeError, InputError, MissingExtra, ShapeError
+from ulna.errors import DtypeError, InputError, ShapeError, needed
 from ulna.lazy.labelled import apply_labelled, is_labelled
 from ulna.lazy.portable import Portable
 from ulna.lazy.slot import Slot
@@ -73,10 +73,8 @@ def _on_dask(
     outputs: Sequence[Slot],
     is_single: bool,
 ) -> Any:
-    try:
+    with needed("dask", "cluster", "Working on Dask arrays"):
         import dask.array as da  # pyright: ignore[reportMissingImports]
-    except ImportError:
-        raise MissingExtra("dask", "cluster", "Working on Dask arrays") from None
     arrays = [_operand(value, slot) for value, slot in zip(arguments, inputs, strict=True)]
     _check_batch(arrays, inputs)
     names = [
@@ -130,12 +128,21 @@ def _operand(value: Any, slot: Slot) -> Any:
 
 
 def _check_batch(arrays: Sequence[Any], inputs: Sequence[Slot]) -> None:
-    """Refuses leading axes that do not broadcast; lengths that are not known fit any."""
+    """Refuses leading axes that do not broadcast; lengths that are not known fit 1 only."""
     batches = [a.shape[: a.ndim - len(slot.shape)] for a, slot in zip(arrays, inputs, strict=True)]
     for axis in range(1, max(map(len, batches)) + 1):
-        lengths = {batch[-axis] for batch in batches if len(batch) >= axis}
-        if len({n for n in lengths if not math.isnan(n) and n != 1}) > 1:
+        lengths = [batch[-axis] if len(batch) >= axis else 1 for batch in batches]
+        longer = [k for k, n in enumerate(lengths) if n != 1]
+        unknown = [k for k in longer if math.isnan(lengths[k])]
+        if len({lengths[k] for k in longer if k not in unknown}) > 1:
             shapes = ", ".join(f"`{slot.name}` {a.shape}" for a, slot in zip(arrays, inputs, strict=True))
+            last = next(k for k in reversed(longer) if k not in unknown)
             raise ShapeError(
-                inputs[-1].name, arrays[-1].shape, "leading axes that broadcast", f"Together: {shapes}."
+                inputs[last].name, arrays[last].shape, "leading axes that broadcast", f"Together: {shapes}."
+            )
+        if unknown and len(longer) > 1:
+            name, other = (inputs[k].name for k in (unknown[0], next(k for k in longer if k != unknown[0])))
+            raise InputError(
+                f"`{name}` has blocks of unknown lengths, beside `{other}`; expected known ones. "
+                f"{name}.compute_chunk_sizes() finds them."
             )

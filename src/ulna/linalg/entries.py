@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ulna import numeric
+from ulna.numeric.arrays import object_vector
 from ulna.typing import Array
 
 Rows = list[list[Any]]
@@ -109,13 +110,6 @@ def to_rows(a: Array) -> Rows:
     return [list(row) for row in a]
 
 
-def to_vector(values: list[Any]) -> Array:
-    """An object array (n,) of entries."""
-    out = np.empty(len(values), dtype=object)
-    out[:] = values
-    return out
-
-
 def to_matrix(rows: Rows) -> Array:
     """An object array (m, n) of entries."""
     out = np.empty((len(rows), len(rows[0]) if rows else 0), dtype=object)
@@ -136,7 +130,7 @@ def by_column(f: Any, b: Array) -> Array:
         The results as columns, shape (m,) or (m, k).
     """
     if b.ndim == 1:
-        return to_vector(f(list(b)))
+        return object_vector(f(list(b)))
     return to_matrix([list(x) for x in zip(*(f(list(b[:, k])) for k in range(b.shape[1])), strict=True)])
 
 

@@ -20,9 +20,9 @@ from ulna.linalg.entries import (
     ldl_rows,
     to_matrix,
     to_rows,
-    to_vector,
 )
 from ulna.numeric import is_symbolic
+from ulna.numeric.arrays import object_vector
 from ulna.typing import Array
 
 
@@ -40,7 +40,7 @@ def ldl(a: Array) -> tuple[Array, Array]:
         diagonal = np.diagonal(root, axis1=-2, axis2=-1)
         return root / diagonal[..., None, :], diagonal * diagonal
     rows, d = ldl_rows(to_rows(a))
-    return to_matrix(rows), to_vector(d)
+    return to_matrix(rows), object_vector(d)
 
 
 def cholesky(a: Array) -> Array:

@@ -130,17 +130,17 @@ class Preparation:
         return f"<preparation: {len(self.seconds)} of {len(self.names)} kernels{failed}>"
 
     def _start(self, workers: int) -> None:
-        forks.in_child(self._forget)
+        forks.in_child(self._detach_in_child)
         _running.add(self)
         parallel = workers > 0 and disk_cache.folder() is not None and bool(sys.executable)
         new = [name for name, mark in self._marks.items() if parallel and disk_cache.read(mark) is None]
         for name in self.names:
             (self._waiting if name in new else self._compiled).put(name)
         for _ in range(min(workers, len(new))):
-            threading.Thread(target=self._feed, name="ulna prepare", daemon=True).start()
-        threading.Thread(target=self._load, name="ulna prepare", daemon=True).start()
+            threading.Thread(target=self._compile_all, name="ulna prepare", daemon=True).start()
+        threading.Thread(target=self._load_compiled, name="ulna prepare", daemon=True).start()
 
-    def _feed(self) -> None:
+    def _compile_all(self) -> None:
         """Has one worker compile kernel after kernel; once it has ended, this process compiles the others."""
         process = None if self._cancelled else self._new_process()
         works = process is not None
@@ -149,7 +149,7 @@ class Preparation:
                 name = self._waiting.get_nowait()
             except queue.Empty:
                 break
-            works = works and _answers(process, name)
+            works = works and _is_compiled_by(process, name)
             self._compiled.put(name)
         if process is not None:
             with suppress(OSError):
@@ -181,7 +181,7 @@ class Preparation:
             process.kill()
         return process
 
-    def _load(self) -> None:
+    def _load_compiled(self) -> None:
         """Makes each kernel in this process, once a worker has compiled it."""
         for _ in self.names:
             name = self._compiled.get()
@@ -196,13 +196,13 @@ class Preparation:
             with self._condition:
                 self._condition.notify_all()
 
-    def _forget(self) -> None:
+    def _detach_in_child(self) -> None:
         """In a forked child: threads and processes are the parent's."""
         self._processes.clear()
         self._cancelled = True
 
 
-def _answers(process: Any, name: str) -> bool:
+def _is_compiled_by(process: Any, name: str) -> bool:
     """Whether a worker has compiled a kernel, or tried to."""
     try:
         process.stdin.write(f"{name}\n".encode())
@@ -226,14 +226,7 @@ def work() -> None:
         print(file=answers, flush=True)
 
 
-def processors() -> int:
-    """How many processors this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
 @atexit.register
-def _end() -> None:
+def _cancel_all() -> None:
     for preparation in list(_running):
         preparation.cancel()

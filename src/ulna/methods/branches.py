@@ -46,11 +46,12 @@ class Branching(Part):
             q0: Configuration, (nq,) or (..., nq): solutions come nearest to it first, angles within half a turn of its
                 own; joints that do not belong to the arm stay there. None for neutral, clipped to the limits.
             frame: Name; None for the tool.
-            joints: Names of the joints that may move; None for the last seven that move the frame.
+            joints: Names of the joints that may move; None for the last ones that move the frame
+                by seven coordinates.
             free: The joint of a seven-joint arm that is given values; None for the one that suits best.
-            samples: How many values, evenly spread between its limits, and that in `q0`; or the values, (n,).
+            samples: How many values, evenly spaced between its limits, and that in `q0`; or the values, (n,).
             limits: Whether to leave out what is outside the joint limits.
-            turns: Whether to list a solution again for every whole turn that a joint with limits has room for.
+            turns: Whether to list a solution again for every whole turn that the limits of a joint allow.
             position_tolerance: Largest distance from the goal [m].
             rotation_tolerance: Largest angle from the goal [rad].
             seed: Of the random starts.

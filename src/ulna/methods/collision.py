@@ -29,8 +29,8 @@ class CollisionQueries(Part):
     """Collision of a robot with itself and with a `ulna.collision.World`.
 
     "exact" asks coal, shape by shape. "spheres" is compiled and far faster; its spheres cover the links, so that it
-    never says free where "exact" says touching, but may say touching where there is room. Both leave out links that
-    are joined, and the pairs that the model disables (SRDF).
+    never says free where "exact" says touching, but may say touching where there is a small gap. Both leave out
+    links that are joined, and the pairs that the model disables (SRDF).
     """
 
     __slots__ = ()
@@ -182,7 +182,7 @@ class Collision(Part):
         )
 
     def checker(self, world: World | None = None, *, method: Method = "exact", **options: Any) -> Any:
-        """What answers these questions, for hot loops; the last ones used are kept.
+        """The checker behind these methods, for hot loops; the checkers used last are cached.
 
         Args:
             world: Obstacles; None for none.
@@ -228,10 +228,10 @@ def _checker(part: Part, world: World | None = None, *, method: Method = "exact"
     makers = {"exact": collision.Checker, "spheres": collision.SphereChecker}
     if method not in makers:
         raise UnknownName("method of collision checking", method, makers)
-    chosen = tuple((name, _frozen(value)) for name, value in sorted(options.items()))
+    option_key = tuple((name, _cache_key(value)) for name, value in sorted(options.items()))
     if not (world is None or isinstance(world, collision.World)):
         raise InputError(f"`world` is {world!r}; expected a World, as `World().add(...)` makes.")
-    key = world and world.fingerprint, method, chosen
+    key = world and world.fingerprint, method, option_key
     cache = part._searches.setdefault("collision", {})
     checker = cache.pop(key, None)
     if checker is None:
@@ -242,17 +242,17 @@ def _checker(part: Part, world: World | None = None, *, method: Method = "exact"
     return checker
 
 
-def _exact(part: Part, world: World | None, asked: str, options: Mapping[str, Any]) -> Any:
+def _exact(part: Part, world: World | None, caller: str, options: Mapping[str, Any]) -> Any:
     """The exact checker; spheres know no distances."""
     if options.get("method", "exact") == "spheres":
         raise InputError(
-            f"`{asked}` is exact, by coal, and takes no method='spheres'; `robot.collides` does."
+            f"`{caller}` is exact, by coal, and takes no method='spheres'; `robot.collides` does."
         )
     return _checker(part, world, **options)
 
 
-def _frozen(value: Any) -> Any:
+def _cache_key(value: Any) -> Any:
     """A value as a key: collections by content, spheres by fingerprint."""
     if isinstance(value, (list, tuple, set, frozenset)):
-        return tuple(_frozen(item) for item in value)
+        return tuple(_cache_key(item) for item in value)
     return getattr(value, "fingerprint", value)

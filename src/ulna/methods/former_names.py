@@ -6,7 +6,7 @@ from ulna.methods.collision import Collision
 from ulna.methods.parameters import Parameters
 from ulna.quantities.centroidal import Centroidal
 from ulna.quantities.configurations import ConfigurationSpace
-from ulna.quantities.constraints import Constraints
+from ulna.quantities.constrained_dynamics import Constraints
 from ulna.quantities.derivatives import Derivatives
 from ulna.quantities.operational_space import OperationalSpace
 from ulna.quantities.part import Part

@@ -90,12 +90,12 @@ class FreeInverseKinematics(InverseKinematics, CollisionQueries):
         contacts = (
             sphere_contacts(checker)
             if method == "spheres"
-            else exact_contacts(checker, partial(_screen, self, world, options))
+            else exact_contacts(checker, partial(_sphere_check, self, world, options))
         )
         return FreeSolver(solver, contacts, self._kernel("distance"))(goals, q0, search_options)
 
 
-def _screen(part: Any, world: World | None, options: dict[str, Any]) -> Any:
+def _sphere_check(part: Any, world: World | None, options: dict[str, Any]) -> Any:
     """The check by spheres that rules out contact before coal is asked; None where it would take long to prepare."""
     from ulna.collision import fit, link_pairs
     from ulna.collision.covering import is_fitted

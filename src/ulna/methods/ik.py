@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ulna.checks.first_error import without_context
+from ulna.checks.values import names as checked_names
+from ulna.checks.values import number
 from ulna.quantities.part import Part
 from ulna.typing import ArrayLike
 
@@ -42,8 +44,8 @@ class InverseKinematics(Part):
             T: The goal, T_world_frame, (..., 4, 4) [m]; a batch is solved together. For several frames at once a
                 dictionary {frame: T}, or (..., k, 4, 4) with their names in `frame`. Where `mask` leaves the rotation
                 free, points (..., 3); where it leaves the position free, rotations (..., 3, 3).
-            q0: Configuration to stay near, (..., nq) [rad or m]: the search sets out from it and returns the nearest of
-                the solutions it meets there. Without it, from a named rest configuration, then from drawn points; then
+            q0: Configuration to stay near, (..., nq) [rad or m]: the search starts from it and returns the nearest of
+                the solutions found there. Without it, from a named rest configuration, then from drawn points; then
                 the first solution met is returned.
             frame: Name; None for the tool, a list of names for several.
             mask: What counts of the goal: "pose" (the default), "position", "rotation", "position+z" (and where the
@@ -114,7 +116,7 @@ class InverseKinematics(Part):
             mask: As for `ik`.
             joints: As for `ik`.
             damping: The method's lambda [-]; None for 1 ("chan", "qp"), 1e-4 ("wampler", "sugihara").
-            limit_gain: How strongly joints keep away from their limits where the frame does not feel it [rad or m].
+            limit_gain: How strongly joints keep away from their limits in the null space of the Jacobian [rad or m].
             influence: How near to a limit that begins [rad or m].
             manipulability_gain: How strongly joints seek manipulability in the null space of the frame [-].
             iterations: Steps of a search.
@@ -129,6 +131,8 @@ class InverseKinematics(Part):
         """
         from ulna.ik.classic import DAMPING
 
+        limit_gain = number("limit_gain", limit_gain)
+        manipulability_gain = number("manipulability_gain", manipulability_gain)
         has_null_motion = bool(limit_gain or manipulability_gain)
         goals, solver = self._classic_solver(T, frame, mask, joints, method, has_null_motion)
         settings = {
@@ -151,7 +155,7 @@ class InverseKinematics(Part):
         from ulna.ik.classic import ClassicSolver
 
         goals, names, masks = named_goals(T, frame, mask, self.model.tool)
-        moving = None if joints is None else tuple(joints)
+        moving = None if joints is None else checked_names("joints", joints)
         key = ("classic", method, names, masks, moving, has_null_motion)
         solver = self._searches.get(key) if isinstance(method, str) else None
         if solver is None:
@@ -164,7 +168,7 @@ class InverseKinematics(Part):
         from ulna.ik.solve import Solver
 
         goals, names, masks = named_goals(T, frame, mask, self.model.tool)
-        moved = None if joints is None else tuple(joints)
+        moved = None if joints is None else checked_names("joints", joints)
         key = (names, masks, moved)
         solver = self._searches.get(key)
         if solver is None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from ulna.algorithms.multibody.references import check_reference
+from ulna.checks.values import short_repr
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.methods.ik import InverseKinematics
@@ -48,7 +49,7 @@ class Preparing(InverseKinematics):
 
         Raises:
             UnknownName: If there is no such kernel, frame or option; names the nearest.
-            InputError: If `workers` is no whole number, 0 or more.
+            InputError: If `workers` is no whole number, 0 or more, or a name is no string.
 
         Example:
             >>> robot = ulna.load("panda")
@@ -56,10 +57,16 @@ class Preparing(InverseKinematics):
             True
         """
         from ulna import disk_cache
-        from ulna.methods.background_compilation import Preparation, processors  # with subprocesses, for few
+        from ulna.methods.background_compilation import Preparation  # with subprocesses, for few
 
         if workers is not None and (not isinstance(workers, (int, np.integer)) or workers < 0):
             raise InputError(f"`workers` is {workers!r}; expected a whole number, 0 or more, or None.")
+        for name in names:
+            if not isinstance(name, str):
+                raise InputError(
+                    f"`names` holds {short_repr(name)}; expected names one after the other, as in "
+                    'robot.prepare("fk", "jacobian").'
+                )
         chosen = tuple(dict.fromkeys(names or DAILY))
         for name in chosen:
             if name not in ("ik", *QUANTITIES):
@@ -70,10 +77,12 @@ class Preparing(InverseKinematics):
         for key in options:
             if key not in known:
                 raise UnknownName(f"option of {', '.join(chosen)}", key, known)
+        from ulna.system.processors import processor_count  # here, for few programs need it
+
         _check(self.model, options)
         text = repr(sorted(options.items(), key=str))
         marks = {n: disk_cache.key("prepared", self.model.fingerprint, n, text, __version__) for n in chosen}
-        make, count = _Maker(self, options), processors() if workers is None else int(workers)
+        make, count = _Maker(self, options), processor_count() if workers is None else int(workers)
         return Preparation(marks, make, pickle.dumps(make), count, bool(names))
 
 

@@ -18,6 +18,7 @@ from ulna.model.inertial import with_joint_dynamics as with_joint_dynamics
 from ulna.model.inertial import with_link_inertias as with_link_inertias
 from ulna.model.joints import Circle as Circle
 from ulna.model.joints import Composite as Composite
+from ulna.model.joints import ConstantVelocity as ConstantVelocity
 from ulna.model.joints import Continuous as Continuous
 from ulna.model.joints import Coordinate as Coordinate
 from ulna.model.joints import Cylindrical as Cylindrical
@@ -31,6 +32,7 @@ from ulna.model.joints import Planar as Planar
 from ulna.model.joints import PlanarCircle as PlanarCircle
 from ulna.model.joints import Prismatic as Prismatic
 from ulna.model.joints import Revolute as Revolute
+from ulna.model.joints import Rolling as Rolling
 from ulna.model.joints import Spherical as Spherical
 from ulna.model.joints import Translation as Translation
 from ulna.model.joints import Universal as Universal

@@ -15,7 +15,7 @@ from ulna.model.joints.axes import constant, snap_pose
 from ulna.model.model import Model
 from ulna.model.parts import Frame, Joint, Link, Mimic
 from ulna.model.positions import position
-from ulna.model.records import BuilderState, FrameRecord, JointRecord, LinkRecord, at, wrong
+from ulna.model.records import BuilderState, FrameRecord, JointRecord, LinkRecord, model_error, with_location
 from ulna.model.tree import depth_first, joints_above, root_link
 from ulna.spatial import SE3, Inertia
 from ulna.system.callers import level_of_caller
@@ -28,7 +28,7 @@ def assemble(state: BuilderState) -> Model:
     root = root_link(name, links, above)
     if root_joint is not None and root_joint.name in state.joints:
         what = f"The root joint and another joint are both named {root_joint.name!r}"
-        raise wrong(root_joint.where, f"{what}. Rename one of them.")
+        raise model_error(root_joint.where, f"{what}. Rename one of them.")
     order = depth_first(name, root, links, above)
     connecting = above if root_joint is None else {**above, root: root_joint}
     joints, placed = _place(order, links, connecting)
@@ -153,17 +153,20 @@ def _chain(
         if current.name in walked:
             names = list(walked)
             circle = " -> ".join(repr(n) for n in [*names[names.index(current.name) :], current.name])
-            raise wrong(record.where, f"Mimic joints follow one another in a circle: {circle}.")
+            raise model_error(record.where, f"Mimic joints follow one another in a circle: {circle}.")
         walked[current.name] = current
         name = current.mimic[0]
         if name not in records:
             raise UnknownName(
-                "movable joint", name, records, at(current.where, f"Joint {current.name!r} is to mimic it.")
+                "movable joint",
+                name,
+                records,
+                with_location(current.where, f"Joint {current.name!r} is to mimic it."),
             )
         current = records[name]
     if current.mimic is None and (current.kind.nq, current.kind.nv) != (1, 1):
         what = f"Joint {record.name!r} mimics {current.name!r} ({current.kind.describe()})"
-        raise wrong(record.where, f"{what}; only joints with one coordinate can be followed.")
+        raise model_error(record.where, f"{what}; only joints with one coordinate can be followed.")
     return list(walked.values())
 
 
@@ -199,11 +202,14 @@ def _frames(
     for record in added.values():
         if record.link not in by_name:
             raise UnknownName(
-                "link", record.link, by_name, at(record.where, f"Frame {record.name!r} is to be on it.")
+                "link",
+                record.link,
+                by_name,
+                with_location(record.where, f"Frame {record.name!r} is to be on it."),
             )
         if record.name in taken:
             other = taken[record.name].replace("_", " ")
-            raise wrong(record.where, f"Frame {record.name!r} has the name of a {other}. Rename it.")
+            raise model_error(record.where, f"Frame {record.name!r} has the name of a {other}. Rename it.")
         link = by_name[record.link]
         pose = snap_pose(link.placement @ record.placement)
         frames.append(Frame(record.name, link.joint, pose, record.kind, link.name, record.placement))
@@ -238,7 +244,7 @@ def aggregate(joints: tuple[Joint, ...], links: tuple[Link, ...]) -> tuple[tuple
 _MEASURED = 0.1
 """How far, of the largest moment, the others may fall short of it: rounded plates do, and the measured Puma (0.09)."""
 _SLIGHT = 1e-4
-"""What share of the largest moment of all links is too little to speak of: placeholders on links without a body."""
+"""What share of the largest moment of all links counts as zero: placeholders on links without a body."""
 
 
 def _impossible_inertias(state: BuilderState) -> tuple[list[str], list[tuple[float, str]]]:
@@ -258,10 +264,10 @@ def _impossible_inertias(state: BuilderState) -> tuple[list[str], list[tuple[flo
             abs(middle) <= noise
         )  # published models often hold only the moment about the joint's axis
         if least < -noise:
-            negative.append(at(link.where, f"{name!r} ({least:.3g} kg m^2)"))
+            negative.append(with_location(link.where, f"{name!r} ({least:.3g} kg m^2)"))
         elif excess > max(_MEASURED * largest, slight) and not one_moment:
             sides = f"{name!r}: {largest:.3g} > {middle:.3g} + {least:.3g} kg m^2"
-            lopsided.append((excess / largest, at(link.where, sides)))
+            lopsided.append((excess / largest, with_location(link.where, sides)))
     return negative, lopsided
 
 

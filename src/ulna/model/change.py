@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
-from ulna.errors import ModelError
+from ulna.errors import InputError, ModelError
 from ulna.model.check import checked_gravity, checked_name, checked_pose
 from ulna.model.joints import JointKind
 from ulna.model.joints.axes import snap_pose
@@ -32,10 +32,16 @@ def with_tool(model: Model, frame: str, placement: SE3 | None = None, name: str 
 
     Raises:
         UnknownName: no frame is named `frame`.
+        InputError: a `name` without a `placement`.
         ModelError: `name` is taken by something that is not a tool.
     """
     base = model.frame(frame)
     if placement is None:
+        if name != "tool":
+            raise InputError(
+                f"`name` is {name!r}, which a new frame would have; expected a `placement`, too, such as SE3(): "
+                f"without one the frame {frame!r} itself is the tool."
+            )
         return replace(model, tool=frame)
     checked_name("tool", name)
     taken = next((f for f in model.frames if f.name == name and f.kind != "tool"), None)

@@ -12,7 +12,7 @@ from ulna.geometry import Geometry
 from ulna.model.joints import JointKind
 from ulna.model.joints.axes import constant, snap_pose
 from ulna.model.parts import Limits
-from ulna.model.records import wrong
+from ulna.model.records import model_error
 from ulna.spatial import SE3, Inertia
 from ulna.typing import Floats
 
@@ -35,7 +35,7 @@ def checked_name(what: str, name: object, where: str = "") -> str:
         ModelError: it is not a string, or is empty.
     """
     if not isinstance(name, str) or not name:
-        raise wrong(where, f"A {what} is named {name!r}; expected a string that is not empty.")
+        raise model_error(where, f"A {what} is named {name!r}; expected a string that is not empty.")
     return name
 
 
@@ -55,16 +55,16 @@ def checked_pose(what: str, pose: object, where: str = "") -> SE3:
     """
     subject = f"The placement of {what}"
     if not isinstance(pose, SE3):
-        raise wrong(
+        raise model_error(
             where, f"{subject} is a {type(pose).__name__}; expected an SE3 such as SE3.trans(x, y, z)."
         )
     if pose.batch_shape != ():
-        raise wrong(where, f"{subject} is a batch {pose.batch_shape}; expected a single SE3.")
+        raise model_error(where, f"{subject} is a batch {pose.batch_shape}; expected a single SE3.")
     r, t = pose.rotation.astype(float), pose.translation.astype(float)
     if not (np.isfinite(r).all() and np.isfinite(t).all()):
-        raise wrong(where, f"{subject} holds nan or inf; expected finite numbers.")
+        raise model_error(where, f"{subject} holds nan or inf; expected finite numbers.")
     if np.abs(r.T @ r - np.eye(3)).max() > 1e-6 or np.linalg.det(r) < 0.0:
-        raise wrong(
+        raise model_error(
             where, f"{subject} does not turn by a rotation; SE3.project(matrix) returns the nearest one."
         )
     return snap_pose(pose)
@@ -87,16 +87,16 @@ def checked_inertia(link: str, inertia: object, where: str = "") -> Inertia:
     subject = f"The inertia of link {link!r}"
     inertia = Inertia.zero() if inertia is None else inertia
     if not isinstance(inertia, Inertia):
-        raise wrong(where, f"{subject} is a {type(inertia).__name__}; expected an Inertia or None.")
+        raise model_error(where, f"{subject} is a {type(inertia).__name__}; expected an Inertia or None.")
     if inertia.batch_shape != ():
-        raise wrong(where, f"{subject} is a batch {inertia.batch_shape}; expected a single Inertia.")
+        raise model_error(where, f"{subject} is a batch {inertia.batch_shape}; expected a single Inertia.")
     mass, com, tensor = float(inertia.mass), inertia.com.astype(float), inertia.inertia.astype(float)
     if not (math.isfinite(mass) and np.isfinite(com).all() and np.isfinite(tensor).all()):
-        raise wrong(where, f"{subject} holds nan or inf; expected finite numbers.")
+        raise model_error(where, f"{subject} holds nan or inf; expected finite numbers.")
     if mass < 0.0:
-        raise wrong(where, f"Link {link!r} has the mass {mass:g} kg; expected zero or more.")
+        raise model_error(where, f"Link {link!r} has the mass {mass:g} kg; expected zero or more.")
     if np.abs(tensor - tensor.T).max() > 1e-9 * max(1.0, float(np.abs(tensor).max())):
-        raise wrong(
+        raise model_error(
             where,
             f"{subject} is not symmetric. Give Inertia.from_com the six numbers xx, xy, xz, yy, yz, zz.",
         )
@@ -118,12 +118,14 @@ def checked_geometries(what: str, items: Iterable[Geometry], where: str = "") ->
         ModelError: they are not geometries.
     """
     if isinstance(items, Geometry) or not isinstance(items, Iterable):
-        raise wrong(where, f"The {what} are a {type(items).__name__}; expected a list, such as [geometry].")
+        raise model_error(
+            where, f"The {what} are a {type(items).__name__}; expected a list, such as [geometry]."
+        )
     out = []
     for item in items:
         if not isinstance(item, Geometry):
             type_name = type(item).__name__
-            raise wrong(
+            raise model_error(
                 where, f"One of the {what} is a {type_name}; expected Geometry(name, shape, placement)."
             )
         pose = checked_pose(f"one of the {what}", item.placement, where)
@@ -147,9 +149,9 @@ def checked_kind(joint: str, kind: object, where: str = "") -> JointKind:
     """
     subject = f"The kind of joint {joint!r}"
     if isinstance(kind, type) and issubclass(kind, JointKind):
-        raise wrong(where, f"{subject} is the class {kind.__name__}; write {kind.__name__}(...).")
+        raise model_error(where, f"{subject} is the class {kind.__name__}; write {kind.__name__}(...).")
     if not isinstance(kind, JointKind):
-        raise wrong(where, f"{subject} is {kind!r}; expected a JointKind such as Revolute((0, 0, 1)).")
+        raise model_error(where, f"{subject} is {kind!r}; expected a JointKind such as Revolute((0, 0, 1)).")
     return kind
 
 
@@ -183,15 +185,15 @@ def checked_numbers(
     try:
         out = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
-        raise wrong(where, f"{subject} is {value!r}; expected numbers.") from None
+        raise model_error(where, f"{subject} is {value!r}; expected numbers.") from None
     if out.ndim == 0:
         out = np.full(count, float(out))
     if out.shape != (count,):
-        raise wrong(where, f"{subject} has shape {out.shape}; expected one number or {count} of them.")
+        raise model_error(where, f"{subject} has shape {out.shape}; expected one number or {count} of them.")
     if np.isnan(out).any():
-        raise wrong(where, f"{subject} holds nan; expected numbers (inf for no limit).")
+        raise model_error(where, f"{subject} holds nan; expected numbers (inf for no limit).")
     if (out < minimum).any():
-        raise wrong(where, f"{subject} is {out.min():g}; expected {minimum:g} or more.")
+        raise model_error(where, f"{subject} is {out.min():g}; expected {minimum:g} or more.")
     return tuple(float(x) + 0.0 for x in out)
 
 
@@ -223,7 +225,7 @@ def checked_limits(
     lower, upper = numbers("lower", kind.nq, -inf, -inf), numbers("upper", kind.nq, inf, -inf)
     for low, high in zip(lower, upper, strict=True):
         if low > high or low == inf or high == -inf:
-            raise wrong(
+            raise model_error(
                 where,
                 f"Joint {joint!r} has the lower limit {low:g} and the upper limit {high:g}; "
                 "expected lower <= upper. Swap them, or leave them out for no limits.",
@@ -256,14 +258,14 @@ def checked_mimic(
         if not (math.isfinite(out[1]) and math.isfinite(out[2])):
             raise ValueError
     except (TypeError, ValueError):
-        raise wrong(
+        raise model_error(
             where,
             f"`mimic` of joint {joint!r} is {mimic!r}; "
             "expected (name of the joint to follow, multiplier, offset).",
         ) from None
     if (kind.nq, kind.nv) != (1, 1):
         what = f"Joint {joint!r} ({kind.describe()})"
-        raise wrong(where, f"{what} mimics another; only joints with one coordinate can.")
+        raise model_error(where, f"{what} mimics another; only joints with one coordinate can.")
     return out
 
 

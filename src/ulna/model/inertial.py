@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ulna.checks.arrays import check_finite, number_or_array, real_array
+from ulna.checks.values import generator, number, short_repr
 from ulna.errors import InputError, ModelError, ShapeError, UnknownName
 from ulna.model.assemble import aggregate
 from ulna.model.check import checked_inertia
@@ -85,10 +86,15 @@ def with_link_inertias(model: Model, inertias: Mapping[str, Inertia]) -> Model:
         A new model.
 
     Raises:
+        InputError: `inertias` is no dictionary.
         UnknownName: no link of that name.
         ModelError: an inertia cannot be one.
     """
     links = list(model.links)
+    if not isinstance(inertias, Mapping):
+        raise InputError(
+            f"`inertias` is {short_repr(inertias)}; expected a dictionary from names of links to an Inertia."
+        )
     for name, inertia in inertias.items():
         k = model.link_index(name)
         links[k] = replace(links[k], inertia=checked_inertia(name, inertia))
@@ -167,11 +173,11 @@ def perturbed(
     Raises:
         InputError: `fraction` or `com` is out of range.
     """
-    if not 0.0 <= fraction < 1.0:
+    fraction = number("fraction", fraction, "a number from 0 to below 1, such as 0.1", least=0.0)
+    if fraction >= 1.0:
         raise InputError(f"`fraction` is {fraction}; expected a number from 0 to below 1, such as 0.1.")
-    if not (np.isfinite(com) and com >= 0.0):
-        raise InputError(f"`com` is {com}; expected a length of zero or more [m].")
-    rng = np.random.default_rng(seed)
+    com = number("com", com, "a length of zero or more [m]", least=0.0)
+    rng = generator("seed", seed)
     changed = {}
     for link in model.links:
         factors, shift = rng.uniform(1.0 - fraction, 1.0 + fraction, 2), rng.uniform(-com, com, 3)

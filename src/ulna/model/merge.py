@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ulna.checks.values import short_repr
+from ulna.errors import InputError
 from ulna.model.builder import ModelBuilder
+from ulna.model.check import checked_pose
 from ulna.model.copying import copy_position
 from ulna.model.model import Model
 from ulna.spatial import SE3
@@ -41,7 +44,8 @@ def attach(
 
     Raises:
         UnknownName: `base` has no such frame.
-        ModelError: both use a name; another `prefix` fixes that.
+        InputError: `prefix` is no string.
+        ModelError: `placement` is no pose, or both use a name; another `prefix` fixes that.
 
     Example:
         >>> panda, ur5 = ulna.load("panda"), ulna.load("ur5")
@@ -50,6 +54,9 @@ def attach(
         13
     """
     spot = base.frame(base.tool if frame is None else frame)
+    if not isinstance(prefix, str):
+        raise InputError(f"`prefix` is {short_repr(prefix)}; expected a string, such as 'left_'.")
+    placement = None if placement is None else checked_pose("`placement`", placement)
     builder = ModelBuilder(base.name if name is None else name, base.source)
     builder.gravity = base.gravity
     builder.add_model(base)

@@ -121,7 +121,7 @@ class Model(metaclass=Explained):
 
     @cached_property
     def neutral(self) -> Floats:
-        """The position (nq,) with every joint's moving frame on its fixed frame; limits play no part."""
+        """The neutral position of every joint (`JointKind.neutral`), shape (nq,); limits play no part."""
         return self._gather(lambda joint: joint.kind.neutral())
 
     @cached_property
@@ -216,18 +216,30 @@ class Model(metaclass=Explained):
 
     def joint_index(self, name: str) -> int:
         """Where the joint of that name stands in `joints`. Raises UnknownName with the nearest one."""
-        index = self._joint_places.get(name)
+        index = _place(self._joint_places, name)
         if index is None:
-            fixed = any(frame.name == name and frame.kind == "fixed_joint" for frame in self.frames)
-            advice = "That joint is fixed." if fixed else ""
-            if isinstance(name, int) and 0 <= name < len(self.joint_names):
+            advice = self._about_frame(name)
+            if isinstance(name, int) and not isinstance(name, bool) and 0 <= name < len(self.joint_names):
                 advice = f"Joints go by name: joint_names[{name}] is {self.joint_names[name]!r}."
             raise UnknownName("joint", name, self.joint_names, advice)
         return index
 
+    def _about_frame(self, name: object) -> str:
+        """What a name says that was given for that of a joint; empty where it names nothing else."""
+        given = name if isinstance(name, str) else None
+        frame = next((frame for frame in self.frames if frame.name == given), None)
+        if frame is None:
+            return ""
+        if frame.kind == "fixed_joint":
+            return "That joint is fixed."
+        mover = (
+            "no joint moves it" if frame.joint < 0 else f"joint {self.joints[frame.joint].name!r} moves it"
+        )
+        return f"{frame.name!r} is a {'link' if frame.kind == 'link' else 'frame'}; {mover}."
+
     def link_index(self, name: str) -> int:
         """Where the link of that name stands in `links`. Raises UnknownName with the nearest one."""
-        index = self._link_places.get(name)
+        index = _place(self._link_places, name)
         if index is None:
             raise UnknownName("link", name, self.link_names)
         return index
@@ -238,9 +250,9 @@ class Model(metaclass=Explained):
         Raises:
             UnknownName: there is none; offers the nearest one.
         """
-        index = self._frame_places.get(name)
+        index = _place(self._frame_places, name)
         if index is None:
-            is_reference = name in ("world", "local", "local_world_aligned")
+            is_reference = isinstance(name, str) and name in ("world", "local", "local_world_aligned")
             advice = f'{name!r} is a reference: write reference="{name}".' if is_reference else ""
             raise UnknownName("frame", name, self.frame_names, advice)
         return index
@@ -332,3 +344,11 @@ def _plain(value: Any) -> Any:
 
 def _coordinate_names(entries: Iterable[tuple[str, Iterable[Any]]]) -> tuple[str, ...]:
     return tuple(f"{joint}.{c.name}" if c.name else joint for joint, cs in entries for c in cs)
+
+
+def _place(places: Mapping[str, int], name: Any) -> int | None:
+    """Where something of that name is; None also for what cannot be a name, such as an array."""
+    try:
+        return places.get(name)
+    except TypeError:  # it has no hash
+        return None

@@ -24,7 +24,7 @@ from ulna.model.check import (
 )
 from ulna.model.joints import JointKind
 from ulna.model.parts import FrameKind
-from ulna.model.records import BuilderState, FrameRecord, JointRecord, LinkRecord, wrong
+from ulna.model.records import BuilderState, FrameRecord, JointRecord, LinkRecord, model_error
 from ulna.spatial import SE3, Inertia
 from ulna.typing import ArrayLike, Floats
 
@@ -170,8 +170,7 @@ class PartsBuilder:
         """
         _reject_duplicate_name("joint", checked_name("joint", name, where), self._state.joints, where)
         kind = checked_kind(name, kind, where)
-        if checked_name(f"parent of joint {name!r}", parent, where) == child:
-            raise wrong(where, f"Joint {name!r} connects link {parent!r} with itself; expected two links.")
+        _reject_equal_links(name, checked_name(f"parent of joint {name!r}", parent, where), child, where)
         self._state.joints[name] = JointRecord(
             name=name,
             kind=kind,
@@ -215,7 +214,9 @@ class PartsBuilder:
             ModelError: a value cannot be used.
         """
         if rest.get("mimic") is not None:
-            raise wrong(rest.get("where", ""), f"The root joint {name!r} is to mimic a joint; it cannot.")
+            raise model_error(
+                rest.get("where", ""), f"The root joint {name!r} is to mimic a joint; it cannot."
+            )
         alone = PartsBuilder(self.name).add_joint(name, kind, "world", "root", placement, **rest)
         self._state.root_joint = replace(alone._state.joints[name], parent=None, child="")
         return self
@@ -247,7 +248,7 @@ class PartsBuilder:
         frames = self._state.frames
         _reject_duplicate_name("frame", checked_name("frame", name, where), frames, where)
         if kind not in ("user", "tool"):
-            raise wrong(where, f"Frame {name!r} is to be of kind {kind!r}; expected 'user' or 'tool'.")
+            raise model_error(where, f"Frame {name!r} is to be of kind {kind!r}; expected 'user' or 'tool'.")
         link = checked_name(f"link of frame {name!r}", link, where)
         frames[name] = FrameRecord(
             name, link, checked_pose(f"frame {name!r}", _pose(placement), where), kind, where
@@ -332,9 +333,15 @@ def _pose(pose: SE3 | None) -> SE3:
     return SE3.identity() if pose is None else pose
 
 
+def _reject_equal_links(joint: str, parent: str, child: str, where: str) -> None:
+    if parent == child:
+        text = f"Joint {joint!r} connects link {parent!r} with itself; expected two links."
+        raise model_error(where, text)
+
+
 def _reject_duplicate_name(
     what: str, name: str, taken: Mapping[str, LinkRecord | JointRecord | FrameRecord], where: str
 ) -> None:
     if name in taken:
         first = f", the first one at {taken[name].where}" if taken[name].where else ""
-        raise wrong(where, f"There are two {what}s named {name!r}{first}. Rename one of them.")
+        raise model_error(where, f"There are two {what}s named {name!r}{first}. Rename one of them.")

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ulna.checks.arrays import real_array
+from ulna.checks.values import number, short_repr
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, ModelError
 from ulna.model.builder import ModelBuilder
+from ulna.model.check import checked_name
 from ulna.model.merge import attach
 from ulna.model.model import Model
 from ulna.spatial import Inertia
@@ -42,17 +46,21 @@ def with_payload(
 
     Raises:
         UnknownName: no frame of that name.
-        InputError: the numbers are no inertia.
+        InputError: mass, com and inertia are not those of a body.
+        ShapeError, NonFiniteError: com or inertia has another shape, or holds nan.
         ModelError: the link's name is taken.
     """
-    spot = model.frame(model.tool if frame is None else frame)
+    carrier = model.frame_name(model.frame(model.tool if frame is None else frame))
+    checked_name("payload", name)
     if name in model.frame_names:
         raise ModelError(
             f"{model.name!r} has a frame named {name!r} already; give the payload another `name`."
         )
-    body = Inertia.from_com(mass, com, np.zeros((3, 3)) if inertia is None else inertia)
+    mass = number("mass", mass, "a mass of zero or more [kg]", least=0.0)
+    tensor = np.zeros((3, 3)) if inertia is None else real_array("inertia", inertia, "(3, 3) or (6,)")
+    body = Inertia.from_com(mass, com, tensor)
     load = ModelBuilder(name).add_link(name, body).build()
-    return attach(model, load, spot.name, tool=model.tool)
+    return attach(model, load, carrier, tool=model.tool)
 
 
 @dataclass(frozen=True)
@@ -80,12 +88,26 @@ class Drive:
     torque: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("inertia", "damping", "friction", "backward", "torque"):
-            value = getattr(self, name)
-            if value is not None and not (np.isfinite(value) and value >= 0.0):
-                raise InputError(f"`{name}` of a drive is {value}; expected a finite number of zero or more.")
-        if not np.isfinite(self.gear) or self.gear == 0.0:
-            raise InputError(f"`gear` of a drive is {self.gear}; expected a finite number other than zero.")
+        for name in ("inertia", "damping", "friction"):
+            self._check(name, "a finite number of zero or more")
+        for name in ("backward", "torque"):
+            if getattr(self, name) is not None:
+                self._check(name, "a finite number of zero or more, or None")
+        gear = number("gear", self.gear, "a finite number other than zero")
+        if gear == 0.0:
+            raise InputError("`gear` of a drive is 0; expected a finite number other than zero.")
+        try:
+            finite = all(map(math.isfinite, self.at_joint.values()))
+        except OverflowError:
+            finite = False
+        if not finite:
+            raise InputError(
+                f"`gear` of a drive is {gear:g}: the inertia, damping or friction at the joint is no finite number. "
+                "It is the number of turns of the motor per turn of the joint."
+            )
+
+    def _check(self, name: str, expected: str) -> None:
+        number(name, getattr(self, name), expected, least=0.0)
 
     @property
     def both_ways(self) -> tuple[float, float]:
@@ -94,7 +116,7 @@ class Drive:
 
     @property
     def at_joint(self) -> dict[str, float]:
-        """Armature [kg m^2], damping [N m s/rad] and friction [N m] as they act at the joint."""
+        """Armature [kg m^2, kg], damping [N m s/rad, N s/m] and friction [N m, N] as they act at the joint."""
         square = self.gear**2
         return {
             "armature": self.inertia * square,
@@ -104,21 +126,27 @@ class Drive:
 
 
 def with_drives(model: Model, drives: Mapping[str, Drive]) -> Model:
-    """The model with motors and gears.
+    """The model with motors and gears: their armature, damping and friction replace those of the joints.
 
     Args:
         model: The robot.
-        drives: For names of joints with one velocity, what drives them.
+        drives: The drives by name of the joint; each joint has one velocity.
 
     Returns:
         A new model.
 
     Raises:
         UnknownName: no movable joint of that name.
-        InputError: a joint that has several velocities, or mimics another.
+        InputError: a joint that has several velocities, or mimics another; or something else than drives by name.
     """
+    if not isinstance(drives, Mapping):
+        raise InputError(
+            f"`drives` is {short_repr(drives)}; expected drives by name of the joint, as a dictionary."
+        )
     joints = list(model.joints)
     for name, drive in drives.items():
+        if not isinstance(drive, Drive):
+            raise InputError(f"The drive of joint {name!r} is {short_repr(drive)}; expected a Drive.")
         k = model.joint_index(name)
         joint = joints[k]
         if joint.nv != 1:

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.arrays import real_array
 from ulna.checks.masked import check_not_masked
-from ulna.errors import ModelError, UnknownName, excerpt
+from ulna.errors import InputError, ModelError, UnknownName, excerpt
 from ulna.model.model import Model
 from ulna.typing import Floats
 
@@ -28,12 +29,14 @@ def position(model: Model, q: Any, what: str = "q", base: Floats | None = None) 
 
     Raises:
         UnknownName: no joint or configuration of that name moves.
-        ModelError: wrong shape, nan or inf, or a quaternion that is far from unit length.
+        ModelError: wrong shape, nan or inf, or a quaternion, or cosine and sine, far from unit length.
+        InputError: a quaternion is zero.
     """
     if isinstance(q, str):
         return np.array(model.configurations[q])
     if isinstance(q, Mapping):
-        out = np.array(model.neutral if base is None else base, dtype=float)
+        start = model.neutral if base is None else base
+        out = local_position(model.nq, start, "base", _each(model.position_names))
         for name, value in q.items():
             if name not in model.joint_names:
                 raise UnknownName("movable joint", name, model.joint_names, f"It is in {what}.")
@@ -46,9 +49,15 @@ def position(model: Model, q: Any, what: str = "q", base: Floats | None = None) 
     for joint in model.joints:
         if joint.mimic is None and joint.kind.has_quaternion:
             part = slice(joint.idx_q, joint.idx_q + joint.nq)
-            unit = joint.kind.normalize(out[part])
-            if np.abs(unit - out[part])[[c.unit == "" for c in joint.kind.coordinates]].max() > 1e-3:
-                raise ModelError(f"The quaternion of joint {joint.name!r} in {what} is not of unit length.")
+            with np.errstate(invalid="ignore", divide="ignore"):  # of length 0: nan, which is refused below
+                unit = joint.kind.normalize(out[part])
+            units = [k for k, c in enumerate(joint.kind.coordinates) if c.unit == ""]
+            if not np.abs(unit - out[part])[units].max() <= 1e-3:
+                subject = "quaternion" if len(units) == 4 else "(cosine, sine)"
+                raise ModelError(
+                    f"The {subject} of joint {joint.name!r} in {what} is not of unit length, but of "
+                    f"{np.linalg.norm(out[part][units]):.6g}. Divide it by its length."
+                )
             out[part] = unit
     return out
 
@@ -66,12 +75,12 @@ def local_position(count: int, value: Any, what: str, each: str = "") -> Floats:
         A new array, shape (count,) [rad, m].
 
     Raises:
-        ModelError: they are not so many finite numbers.
+        ModelError: they are not so many finite, real numbers.
     """
     check_not_masked(what, value)
     try:
-        out = np.array(value, dtype=float)
-    except (TypeError, ValueError):
+        out = np.array(real_array(what, value))
+    except InputError:
         raise ModelError(f"The {what} is {excerpt(repr(value))}; expected {count} numbers.") from None
     if out.ndim == 0 and count == 1:
         out = out.reshape(1)

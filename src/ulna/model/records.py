@@ -78,21 +78,21 @@ class BuilderState:
     )  # links of finished models, warned of when those were built
 
 
-def at(where: str, text: str) -> str:
-    """A message, led by the place in a file that it concerns.
+def with_location(where: str, text: str) -> str:
+    """A message that begins with the place in a file that it is about.
 
     Args:
         where: The place; empty for none.
         text: The message.
 
     Returns:
-        Both.
+        The message with its place.
     """
     return f"{where}: {text}" if where else text
 
 
-def wrong(where: str, text: str) -> ModelError:
-    """A ModelError, led by the place in a file that it concerns.
+def model_error(where: str, text: str) -> ModelError:
+    """A ModelError whose message begins with the place in a file that it is about.
 
     Args:
         where: The place; empty for none.
@@ -101,4 +101,4 @@ def wrong(where: str, text: str) -> ModelError:
     Returns:
         The error.
     """
-    return ModelError(at(where, text))
+    return ModelError(with_location(where, text))

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, UnknownName
+from ulna.checks.values import names
+from ulna.errors import UnknownName
 from ulna.model.builder import ModelBuilder
 from ulna.model.copying import copy_position
 from ulna.model.model import Model
@@ -17,7 +18,7 @@ from ulna.typing import Floats
 
 
 def lock_joints(model: Model, joints: Mapping[str, Any] | Iterable[str], q: Any = None) -> Model:
-    """The model with some joints held still; their links move with the bodies before them.
+    """The model with some joints locked: their child links become rigidly attached to their parent links.
 
     Names, limits, visuals, frames, the tool and the configurations stay; the configurations lose the entries
     of the locked joints. The frame of a locked joint becomes that of a fixed joint. A mimic joint whose
@@ -27,7 +28,7 @@ def lock_joints(model: Model, joints: Mapping[str, Any] | Iterable[str], q: Any 
         model: The model.
         joints: Names of the joints to lock, at the position `q` gives them; or a dictionary from names to
             positions [rad, m], one number or (nq of the joint,).
-        q: The position (nq,) the named joints are locked at, the name of a configuration, or a dictionary;
+        q: Configuration (nq,) at which the named joints are locked, the name of a configuration, or a dictionary;
             None for neutral. Joints with a position in `joints` ignore it.
 
     Returns:
@@ -37,20 +38,14 @@ def lock_joints(model: Model, joints: Mapping[str, Any] | Iterable[str], q: Any 
         UnknownName: no movable joint of that name.
         InputError: `joints` is a single string.
     """
-    if isinstance(joints, str):
-        raise InputError(
-            f"`joints` is the string {joints!r}; expected names in a list, such as [{joints!r}]."
-        )
-    if not isinstance(joints, Iterable):
-        raise InputError(
-            f"`joints` is {joints!r}; expected names in a list, or a dictionary from names to positions."
-        )
-    positions: Mapping[str, Any] = joints if isinstance(joints, Mapping) else dict.fromkeys(joints)
+    positions: Mapping[str, Any] = (
+        joints if isinstance(joints, Mapping) else dict.fromkeys(names("joints", joints))
+    )
     configuration = np.array(model.neutral) if q is None else position(model, q)
     locked: dict[str, Floats] = {}
     for name, value in positions.items():
         if name not in model.joint_names:
-            raise UnknownName("movable joint", name, model.joint_names, "It is to be locked.")
+            raise UnknownName("movable joint", name, model.joint_names, "Only movable joints can be locked.")
         joint = model.joint(name)
         if value is None:
             locked[name] = np.asarray(joint.kind.normalize(joint.q_of(configuration)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ulna.errors import ModelError, UnknownName
-from ulna.model.records import JointRecord, LinkRecord, at, wrong
+from ulna.model.records import JointRecord, LinkRecord, model_error, with_location
 
 
 def joints_above(
@@ -32,11 +32,14 @@ def joints_above(
         for role, link in (("parent", joint.parent), ("child", joint.child)):
             if link not in links:
                 raise UnknownName(
-                    "link", link, links, at(joint.where, f"It is the {role} of joint {joint.name!r}.")
+                    "link",
+                    link,
+                    links,
+                    with_location(joint.where, f"It is the {role} of joint {joint.name!r}."),
                 )
         if joint.child in above:
             both = f"{above[joint.child].name!r} and {joint.name!r}"
-            raise wrong(
+            raise model_error(
                 joint.where,
                 f"Link {joint.child!r} is the child of two joints, {both}; expected one. "
                 "A loop is closed by a constraint, not by a second parent.",
@@ -114,6 +117,6 @@ def depth_first(
         reached = set(order)
         lost = next(link for link in links if link not in reached)
         raise ModelError(
-            f"Model {model!r}: link {lost!r} does not hang on the root {root!r}; {_cycle(lost, above)}."
+            f"Model {model!r}: link {lost!r} is not connected to the root {root!r}; {_cycle(lost, above)}."
         )
     return order

@@ -3,18 +3,18 @@
 | name | what it holds | shape | unit |
 |---|---|---|---|
 | "inertia" | the ten dynamic parameters of each joint's body, see inertial.py | (10 nbodies) | [kg, kg m, kg m^2] |
-| "placement" | for each joint, how far its fixed frame is off: shift d, rotation vector w | (njoints, 6) | [m, rad] |
+| "placement" | for each joint, displacement of its fixed frame: shift d, rotation vector w | (njoints, 6) | [m, rad] |
 | "shift" | d of each joint alone, w = 0: other lengths of links, at less cost | (njoints, 3) | [m] |
-| "base" | how far the whole robot is off in the world | (6) | [m, rad] |
-| "tool", "frame:NAME" | how far a frame is off that was added to the model | (6) | [m, rad] |
+| "base" | displacement of the whole robot in the world | (6) | [m, rad] |
+| "tool", "frame:NAME" | displacement of a frame that was added to the model | (6) | [m, rad] |
 | "offset" | what is added to the entries of q that are plain angles and lengths | (noffsets) | [rad], [m] |
 | "gravity" | acceleration of free fall in the world frame | (3) | [m/s^2] |
 | "armature", "damping", "friction" | of the drives, those of mimic joints included | (nv) | see `Joint` |
 
-A frame that is off stands at T' = T Trans(d) Exp(w), where T is its pose in the model: d and w are written in its own
-axes as the model has them. The base is off by Trans(d) Exp(w) T in the axes of the world. Six numbers reach every
-error; that poses cannot distinguish all of them (a shift along the axis of a revolute joint, or a turn about it, is
-also one of the next joint) is for the estimator to see. Source: Mooring, Roth & Driels, Fundamentals of Manipulator
+The pose of a displaced frame is T' = T Trans(d) Exp(w), where T is its pose in the model: d and w are written in its
+own axes as the model has them. The displaced base is at Trans(d) Exp(w) T, in the axes of the world. Six numbers reach
+every error; that poses cannot distinguish all of them (a shift along the axis of a revolute joint, or a turn about it,
+is also one of the next joint) is left to the estimator. Source: Mooring, Roth & Driels, Fundamentals of Manipulator
 Calibration (1991), chapter 2.
 """
 
@@ -27,6 +27,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna.checks.arrays import batched_array
+from ulna.checks.values import short_repr
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.model.change import with_gravity, with_root_joint
@@ -38,7 +39,7 @@ from ulna.model.inertial import (
 )
 from ulna.model.joints import Composite, Fixed, JointKind
 from ulna.model.joints.axes import snap_pose
-from ulna.model.joints.base import VectorKind
+from ulna.model.joints.joint_kind import VectorKind
 from ulna.model.model import Model
 from ulna.model.parts import Frame, Joint
 from ulna.numeric import is_symbolic, matrix
@@ -89,7 +90,7 @@ def parameters(model: Model, name: str) -> Floats:
 def offset_entries(model: Model) -> tuple[int, ...]:
     """Which entries of q have an offset: those that are no quaternion, and no place on a plane or in space."""
     starts = ((joint.idx_q, joint.kind) for joint in model.joints if joint.mimic is None)
-    return tuple(start + k for start, kind in starts for k in _plain(kind))
+    return tuple(start + k for start, kind in starts for k in _additive_coordinates(kind))
 
 
 def with_parameters(model: Model, values: Mapping[str, Any], *, check: bool = True) -> Model:
@@ -111,15 +112,19 @@ def with_parameters(model: Model, values: Mapping[str, Any], *, check: bool = Tr
         UnknownName: no parameter of that name.
         ShapeError, NonFiniteError, InputError, ModelError: a value cannot be what it stands for.
     """
+    if not isinstance(values, Mapping):
+        raise InputError(
+            f"`values` is {short_repr(values)}; expected a dictionary from names of parameters to arrays."
+        )
     checked_values = {name: _checked(model, name, value) for name, value in values.items()}
     for name in sorted(checked_values, key=parameter_names(model).index):
         value = checked_values[name]
         if is_symbolic(value) or (value != parameters(model, name)).any():
-            model = _changed(model, name, value, check)
+            model = _with_parameter(model, name, value, check)
     return model
 
 
-def _changed(model: Model, name: str, value: Array, check: bool) -> Model:
+def _with_parameter(model: Model, name: str, value: Array, check: bool) -> Model:
     traced = is_symbolic(value)
     if name == "inertia":
         if not traced:
@@ -133,17 +138,17 @@ def _changed(model: Model, name: str, value: Array, check: bool) -> Model:
     if name == "base":
         return _moved_base(model, _displacement(value))
     if name == "offset":
-        return _shifted(model, value)
+        return _with_offsets(model, value)
     if name == "gravity":
         return replace(model, gravity=value) if traced else with_gravity(model, value)
     if name in _OF_DRIVES:
         return (
             with_drive_values(model, name, value) if traced else with_joint_dynamics(model, **{name: value})
         )
-    off = _added_frame(model, name)
+    chosen = _added_frame(model, name)
     D = _displacement(value)
-    moved = replace(off, placement=_at(off.placement @ D), origin=_at(off.origin @ D))
-    return replace(model, frames=tuple(moved if frame is off else frame for frame in model.frames))
+    moved = replace(chosen, placement=_snapped(chosen.placement @ D), origin=_snapped(chosen.origin @ D))
+    return replace(model, frames=tuple(moved if frame is chosen else frame for frame in model.frames))
 
 
 def _checked(model: Model, name: str, value: Any) -> Array:
@@ -163,7 +168,7 @@ def _displacement(x: Array) -> SE3:
     return SE3(so3_exp(x[3:]), x[:3])
 
 
-def _at(pose: SE3) -> SE3:
+def _snapped(pose: SE3) -> SE3:
     return pose if is_symbolic(pose.rotation, pose.translation) else snap_pose(pose)
 
 
@@ -184,13 +189,14 @@ def _added_frame(model: Model, name: str) -> Frame:
     return frame
 
 
-def _moved_joints(model: Model, off: list[SE3]) -> Model:
+def _moved_joints(model: Model, displacements: list[SE3]) -> Model:
     joints = tuple(
-        replace(joint, placement=_at(joint.placement @ D)) for joint, D in zip(model.joints, off, strict=True)
+        replace(joint, placement=_snapped(joint.placement @ D))
+        for joint, D in zip(model.joints, displacements, strict=True)
     )
-    of_joint = dict(zip(model.joint_names, off, strict=True))
+    of_joint = dict(zip(model.joint_names, displacements, strict=True))
     links = tuple(
-        replace(link, origin=_at(link.origin @ of_joint[link.parent_joint]))
+        replace(link, origin=_snapped(link.origin @ of_joint[link.parent_joint]))
         if link.parent_joint in of_joint
         else link
         for link in model.links
@@ -206,35 +212,35 @@ def _moved_base(model: Model, D: SE3) -> Model:
 
     def moved(item: Any) -> Any:
         on_world = item.parent < 0 if isinstance(item, Joint) else item.joint < 0
-        return replace(item, placement=_at(D @ item.placement)) if on_world else item
+        return replace(item, placement=_snapped(D @ item.placement)) if on_world else item
 
     joints, links, frames = (tuple(moved(x) for x in xs) for xs in (model.joints, model.links, model.frames))
-    links = (replace(links[0], origin=_at(D @ root.origin)), *links[1:])
+    links = (replace(links[0], origin=_snapped(D @ root.origin)), *links[1:])
     return replace(model, joints=joints, links=links, frames=frames)
 
 
 # offsets of the coordinates ------------------------------------------------------------------------------------
 
 
-def _plain(kind: JointKind) -> Iterator[int]:
+def _additive_coordinates(kind: JointKind) -> Iterator[int]:
     """Which coordinates of a kind simply add up."""
     if isinstance(kind, VectorKind):
         yield from range(kind.nq)
     elif isinstance(kind, Composite):
         start = 0
         for part in kind.kinds:
-            yield from (start + k for k in _plain(part))
+            yield from (start + k for k in _additive_coordinates(part))
             start += part.nq
 
 
-def _shifted(model: Model, value: Array) -> Model:
+def _with_offsets(model: Model, value: Array) -> Model:
     expanded = np.zeros(model.nq, dtype=value.dtype)
     expanded[list(offset_entries(model))] = value
     parts = [expanded[joint.idx_q : joint.idx_q + joint.kind.nq] for joint in model.joints]
     if is_symbolic(value):
         joints = (_Shifted(**vars(joint), zero=zero) for joint, zero in zip(model.joints, parts, strict=True))
         return replace(model, joints=tuple(joints))
-    off = []
+    displacements = []
     for joint, zero in zip(model.joints, parts, strict=True):
         if len(joint.kind.elementary_joints(joint.placement)) > 1 and zero.any():
             raise InputError(
@@ -242,8 +248,8 @@ def _shifted(model: Model, value: Array) -> Model:
                 'to q, or ask a kernel with parameters=("offset",).'
             )
         ratio = 1.0 if joint.mimic is None else joint.mimic.multiplier
-        off.append(joint.kind.transform(ratio * zero) if zero.any() else SE3.identity())
-    return _moved_joints(model, off)
+        displacements.append(joint.kind.transform(ratio * zero) if zero.any() else SE3.identity())
+    return _moved_joints(model, displacements)
 
 
 @final

@@ -11,6 +11,7 @@ from ulna.numeric.scalars import arctan2 as arctan2
 from ulna.numeric.scalars import ceil as ceil
 from ulna.numeric.scalars import clip as clip
 from ulna.numeric.scalars import cos as cos
+from ulna.numeric.scalars import erf as erf
 from ulna.numeric.scalars import exp as exp
 from ulna.numeric.scalars import is_symbolic as is_symbolic
 from ulna.numeric.scalars import less as less

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,19 @@ def vector(*components: Any) -> Array:
     if all(isinstance(c, (float, int)) for c in components):
         return np.array(components, dtype=float)
     return np.stack(np.broadcast_arrays(*components), axis=-1).astype(float, copy=False)
+
+
+def object_vector(values: Sequence[Any]) -> Any:
+    """An object array (n,) of the values, whatever they are."""
+    array = np.empty(len(values), dtype=object)
+    array[:] = values
+    return array
+
+
+def triple(v: Any) -> tuple[float, float, float]:
+    """The three entries of a vector (3,) as numbers."""
+    x, y, z = (float(c) for c in v)
+    return x, y, z
 
 
 def matrix(rows: Any) -> Array:

@@ -6,7 +6,9 @@ here through hooks on the value (`_where_`, `_minimum_`, `_maximum_`), so this f
 
 from __future__ import annotations
 
+import math
 import operator
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -90,6 +92,29 @@ def exp(x: Any) -> Any:
 def tanh(x: Any) -> Any:
     """Hyperbolic tangent."""
     return _elementwise(_tanh, x) if is_symbolic(x) else np.tanh(x)
+
+
+def erf(x: Any) -> Any:
+    """The error function, which NumPy lacks: 2 / sqrt(pi) times the integral of exp(-t^2) from 0 to x.
+
+    (1 + erf(x / sqrt(2))) / 2 is the probability of less than x standard deviations above the mean.
+
+    Args:
+        x: Numbers [-], shape (...).
+
+    Returns:
+        Shape (...).
+
+    Example:
+        >>> from ulna import numeric
+        >>> gelu = ulna.compile(lambda x: 0.5 * x * (1.0 + numeric.erf(x / np.sqrt(2.0))), x=(2,))
+        >>> gelu([-1.0, 1.0]).round(4)
+        array([-0.1587,  0.8413])
+    """
+    if is_symbolic(x):
+        return _elementwise(_erf, x)
+    x = np.asarray(x)
+    return np.asarray(np.frompyfunc(math.erf, 1, 1)(x), x.dtype if x.dtype.kind == "f" else float)[()]
 
 
 def arctan2(y: Any, x: Any) -> Any:
@@ -208,9 +233,13 @@ def _tanh(x: Any) -> Any:
     return _call("tanh", x)
 
 
-def _call(name: str, x: Any) -> Any:
+def _erf(x: Any) -> Any:
+    return _call("erf", x, math)
+
+
+def _call(name: str, x: Any, module: ModuleType = np) -> Any:
     if not _is_symbolic(x):
-        return float(getattr(np, name)(x))
+        return float(getattr(module, name)(x))
     method = getattr(x, name, None)
     if method is not None:
         return method()

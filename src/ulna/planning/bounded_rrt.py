@@ -34,8 +34,16 @@ from ulna.compiler.procedures import (
     procedure,
 )
 from ulna.planning.edges import edge_touches
-from ulna.planning.rrt_connect import Growth
-from ulna.planning.trees import Trees, add_node, distance, plant, read_node, tree_to_grow
+from ulna.planning.rrt_connect import Growth, connect_straight
+from ulna.planning.trees import (
+    Trees,
+    add_node_with_cost,
+    distance,
+    read_node,
+    set_roots,
+    squared_distances,
+    tree_to_grow,
+)
 
 
 @procedure
@@ -54,24 +62,27 @@ def _to_roots(trees, tree, q):
 
 
 @procedure
+def _least(values, numbers, W):
+    """The number beside the least value; -1 where all are 1e38."""
+    least = least_of(values)
+    if least > f32(1e37):
+        return -1
+    return numbers[first_of(values == least) % W]
+
+
+@procedure
 def _nearest_with_cost(trees, tree, q, cost, W):
     """The node nearest to q in configuration and cost among those that reach q at no more than a cost; -1 for none."""
     best = broadcast(f32(1e38), W)
     where_best = broadcast(0, W)
     for i in range(0, trees.counts[tree], W):
-        total = broadcast(f32(0.0), W)
-        for k in range(len(q)):
-            d = trees.nodes[tree, k, i : i + W] - q[k]
-            total = total + d * d
+        total = squared_distances(trees.nodes, tree, i, q, W)
         less = cost - trees.costs[tree, i : i + W]
         measure = np.where(np.sqrt(total) <= less, total + less * less, broadcast(f32(1e38), W))
         closer = measure < best
         best = np.where(closer, measure, best)
         where_best = np.where(closer, lane_numbers(W) + i, where_best)
-    least = least_of(best)
-    if least > f32(1e37):
-        return -1
-    return where_best[first_of(best == least) % W]
+    return _least(best, where_best, W)
 
 
 @procedure
@@ -80,28 +91,12 @@ def _cheapest_within(trees, tree, q, reach, W):
     best = broadcast(f32(1e38), W)
     where_best = broadcast(0, W)
     for i in range(0, trees.counts[tree], W):
-        total = broadcast(f32(0.0), W)
-        for k in range(len(q)):
-            d = trees.nodes[tree, k, i : i + W] - q[k]
-            total = total + d * d
-        distances = np.sqrt(total)
+        distances = np.sqrt(squared_distances(trees.nodes, tree, i, q, W))
         cost = np.where(distances <= reach, distances + trees.costs[tree, i : i + W], broadcast(f32(1e38), W))
         closer = cost < best
         best = np.where(closer, cost, best)
         where_best = np.where(closer, lane_numbers(W) + i, where_best)
-    least = least_of(best)
-    if least > f32(1e37):
-        return -1
-    return where_best[first_of(best == least) % W]
-
-
-@procedure
-def _add_with_cost(trees, tree, q, parent):
-    """Appends a node with its cost; returns its number."""
-    number = add_node(trees, tree, q, parent)
-    read_node(trees.nodes, tree, parent, trees.goal)
-    trees.costs[tree, number] = trees.costs[tree, parent] + distance(trees.goal, q)
-    return number
+    return _least(best, where_best, W)
 
 
 @procedure
@@ -125,11 +120,11 @@ def _extend_below(kernel, tables, growth, trees, tree, sample, part, bound, work
     if parent >= 0 and parent != nearest:
         read_node(trees.nodes, tree, parent, trees.near)
         if not edge_touches(kernel, tables, growth.step, trees.near, trees.new, work, W):
-            return _add_with_cost(trees, tree, trees.new, parent)
+            return add_node_with_cost(trees, tree, trees.new, parent)
         read_node(trees.nodes, tree, nearest, trees.near)
     if edge_touches(kernel, tables, growth.step, trees.near, trees.new, work, W):
         return -1
-    return _add_with_cost(trees, tree, trees.new, nearest)
+    return add_node_with_cost(trees, tree, trees.new, nearest)
 
 
 @procedure
@@ -144,25 +139,7 @@ def _connect_below(kernel, tables, growth, trees, tree, added, bound, work, W):
     length = distance(trees.near, trees.aim)
     if trees.costs[tree, added] + length + trees.costs[other, target] >= bound:
         return False
-    pieces = max(int(np.ceil(length / growth.longest)), 1)
-    last = added
-    for piece in range(pieces):
-        part = f32(1.0) / f32(pieces - piece)
-        is_last = piece == pieces - 1
-        for k in range(len(trees.near)):
-            trees.new[k] = trees.aim[k] if is_last else trees.near[k] + part * (trees.aim[k] - trees.near[k])
-        if edge_touches(kernel, tables, growth.step, trees.near, trees.new, work, W):
-            return False
-        if is_last:
-            trees.meeting[tree] = last
-            trees.meeting[other] = target
-            return True
-        last = _add_with_cost(trees, tree, trees.new, last)
-        if trees.counts[tree] + W + 2 >= trees.nodes.shape[2]:
-            return False
-        for k in range(len(trees.near)):
-            trees.near[k] = trees.new[k]
-    return False
+    return connect_straight(kernel, tables, growth, trees, tree, added, other, target, length, True, work, W)
 
 
 @procedure(constants={"W": 8})
@@ -193,7 +170,7 @@ def grow_below(
         The number of the first sample that was not used; where the trees met, minus that.
     """
     if roots > 0:
-        plant(trees, points, touching, roots)
+        set_roots(trees, points, touching, roots)
         for tree in range(2):
             for number in range(trees.counts[tree]):
                 trees.costs[tree, number] = f32(0.0)

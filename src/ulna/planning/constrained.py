@@ -9,7 +9,7 @@ import numpy as np
 
 from ulna.planning import projected_rrt
 from ulna.planning.certificate import Certificate
-from ulna.planning.path_constraints import SPARE, Constraints
+from ulna.planning.path_constraints import TOLERANCE_RESERVE, Constraints
 from ulna.planning.path_length import length
 from ulna.planning.projected_rrt import Projection
 from ulna.planning.run import Failure, Run
@@ -38,7 +38,7 @@ class ConstrainedWorkspace(Workspace):
         constraints: The constraints.
         margin: How near everything may come at least [m].
         step: How far any point moves at most between the states by which a path is proved free [m].
-        coarse: The steps of the search, in those of the proof [-].
+        coarse: Step length of the search divided by that of the certificate [-].
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class ConstrainedWorkspace(Workspace):
     ) -> None:
         super().__init__(scene, storage, margin, step, STRIDE, coarse)
         model, self._step = constraints.model, constraints.step_kernel
-        inputs = np.concatenate([np.zeros(model.nq), np.ones(model.nq), constraints.numbers])
+        inputs = np.concatenate([np.zeros(model.nq), np.ones(model.nq), constraints.parameters])
         with np.errstate(over="ignore"):  # tolerances and edges may be as good as infinite
             inputs = inputs.astype(np.float32)
         self.projection = Projection(
@@ -61,14 +61,14 @@ class ConstrainedWorkspace(Workspace):
             np.float32(LEFT), _ROUNDS, np.float32(STRIDE),
         )  # fmt: skip
 
-    def set_still(self, still: Any) -> None:
-        """Says which numbers of a configuration do not move.
+    def set_fixed_coordinates(self, fixed_coordinates: Any) -> None:
+        """Says which coordinates do not move.
 
         Args:
-            still: Truth values, shape (nq,); None for none.
+            fixed_coordinates: Truth values, shape (nq,); None for none.
         """
         n = self.storage.nq
-        self.projection.inputs[n : 2 * n, 0] = 1.0 if still is None else ~still
+        self.projection.inputs[n : 2 * n, 0] = 1.0 if fixed_coordinates is None else ~fixed_coordinates
 
     def _bind(self) -> None:
         s = self.storage
@@ -98,17 +98,7 @@ class ConstrainedWorkspace(Workspace):
         self._bind()
 
     def grow_below(self, bound: float, first: int, count: int, roots: int) -> int:
-        """Grows the trees with samples until they meet; nodes along constraints have no costs, so by any path.
-
-        Args:
-            bound: What the path should be shorter than; only the samples know it [rad, m].
-            first: The sample to begin with.
-            count: How many samples there are.
-            roots: How many points that `examine` was given are roots of new trees; 0 to go on.
-
-        Returns:
-            The number of the first sample that was not used; where the trees met, minus that, minus 1.
-        """
+        """As `grow`: nodes along constraints have no costs, and only the samples know of the bound."""
         return self.grow(first, count, roots)
 
     def path_between(self, a: Floats, b: Floats) -> Floats | None:
@@ -130,7 +120,7 @@ class ConstrainedWorkspace(Workspace):
         if not is_there:
             return None
         trees = self.storage.trees
-        inner = trees.nodes[0, :, 1 : int(trees.counts[0])].T.astype(float)
+        inner = self._joint_box.clipped(trees.nodes[0, :, 1 : int(trees.counts[0])].T)
         return np.concatenate([a[None], inner, b[None]])
 
     def projected(self, points: Floats) -> tuple[Floats, Any]:
@@ -144,7 +134,7 @@ class ConstrainedWorkspace(Workspace):
         """
         q, done = np.ascontiguousarray(points, np.float32), np.zeros(len(points), np.float32)
         projected_rrt.project_all(self._step, self.projection, q, done, len(q))
-        return q.astype(float), done > 0.0
+        return self._joint_box.clipped(q), done > 0.0
 
 
 class ConstrainedSearch(Search):
@@ -169,7 +159,7 @@ class ConstrainedSearch(Search):
 
     def _prepare(self, run: Run) -> Failure | None:
         start, goals = self._constraints.violations(run.q0), self._constraints.violations(run.goals)
-        most = 1.0 - SPARE
+        most = 1.0 - TOLERANCE_RESERVE
         limit = f"times their tolerance, more than the {most:g} that leave room for motions that cut corners."
         if start > most:
             return "start", f"`q0` violates the constraints: {start:.3g} {limit}"
@@ -178,11 +168,11 @@ class ConstrainedSearch(Search):
             return "goal", f"the goal violates the constraints: {goals.min():.3g} {limit}"
         run.goals = run.goals[kept]
         failure = super()._prepare(run)
-        run.numbers = kept[run.numbers].tolist()
+        run.goal_indices = kept[run.goal_indices].tolist()
         if failure is None:
-            run.workspace.set_still(run.options.still)
-            if run.direct >= 0 and not (run.goals[run.direct] == run.q0).all():
-                run.direct = -1  # a straight way leaves the constraints
+            run.workspace.set_fixed_coordinates(run.options.fixed_coordinates)
+            if run.direct_goal >= 0 and not (run.goals[run.direct_goal] == run.q0).all():
+                run.direct_goal = -1  # a straight way leaves the constraints
         return failure
 
     def _shortened(self, run: Run) -> tuple[Floats, int]:
@@ -191,7 +181,7 @@ class ConstrainedSearch(Search):
         points[0], points[-1] = run.q0, run.goals[goal]
         random = np.random.default_rng([run.options.seed, 2])
         for _ in range(_SHORTCUTS * run.options.shorten):
-            if len(points) < 3 or run.is_late():
+            if len(points) < 3 or run.should_stop():
                 break
             i, j = np.sort(random.choice(len(points), 2, replace=False))
             if j - i < 2:
@@ -199,14 +189,14 @@ class ConstrainedSearch(Search):
             path = run.workspace.path_between(points[i], points[j])
             if path is not None and length(path) < length(points[i : j + 1]) - 1e-3:
                 points = np.concatenate([points[:i], path, points[j + 1 :]])
-        if run.options.still is not None:
-            points[:, run.options.still] = run.q0[run.options.still]
+        if run.options.fixed_coordinates is not None:
+            points[:, run.options.fixed_coordinates] = run.q0[run.options.fixed_coordinates]
         return points, goal
 
     def _improved(self, run: Run, points: Floats, goal: int) -> tuple[Floats, int]:
         workspace = self._workspace(COARSE[1])
         assert isinstance(workspace, ConstrainedWorkspace)
-        workspace.set_still(run.options.still)
+        workspace.set_fixed_coordinates(run.options.fixed_coordinates)
         return super()._improved(run, points, goal)
 
     def _wholly_proved(self, run: Run, points: Floats) -> Floats | None:
@@ -224,7 +214,9 @@ class ConstrainedSearch(Search):
 
     def _deviation_bounds(self) -> Floats | None:
         bounds = super()._deviation_bounds()
-        return None if bounds is None else np.concatenate([bounds, self._constraints.rate_rows / SPARE])
+        if bounds is None:
+            return None
+        return np.concatenate([bounds, self._constraints.lipschitz_rows / TOLERANCE_RESERVE])
 
     def _refined(self, run: Run, points: Floats) -> Floats:
         """The path, with more points on the constraints where it would leave them in between."""

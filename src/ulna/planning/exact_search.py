@@ -14,7 +14,7 @@ from typing import final
 import numpy as np
 
 from ulna.collision import Checker, LinkPair, World, first_contact
-from ulna.collision.lanes.tables import check_vector_joints
+from ulna.collision.lanes.moving import check_vector_joints
 from ulna.collision.segment import NEAR
 from ulna.model import Model
 from ulna.planning.certificate import Certificate
@@ -78,12 +78,12 @@ class ExactSearch:
         points, goal = self._direct(run)
         if not len(points):
             points, goal = self._grown(run)
-        run.note("search")
+        run.add_time_to("search")
         if not len(points):
             return self._result(run, *run.limit_reached(), points, -1)
         points = self._shortened(run, points)
-        run.note("shorten")
-        return self._result(run, "solved", "", points, run.numbers[goal])
+        run.add_time_to("shorten")
+        return self._result(run, "solved", "", points, run.goal_indices[goal])
 
     # before the search ------------------------------------------------------------------------------------
 
@@ -95,12 +95,12 @@ class ExactSearch:
         touching = self._touching(run.q0)
         if touching:
             return "start", f"at the start {touching}."
-        reasons = [self._touching(run.goals[k]) for k in run.numbers]
-        free = [k for k, reason in zip(run.numbers, reasons, strict=True) if not reason]
+        reasons = [self._touching(run.goals[k]) for k in run.goal_indices]
+        free = [k for k, reason in zip(run.goal_indices, reasons, strict=True) if not reason]
         if not free:
             return "goal", f"at the {'' if len(reasons) == 1 else 'first '}goal {reasons[0]}."
-        run.numbers, run.goals = free, run.goals[free]
-        run.note("prepare")
+        run.goal_indices, run.goals = free, run.goals[free]
+        run.add_time_to("prepare")
         return None
 
     def _touching(self, q: Floats) -> str:
@@ -129,7 +129,7 @@ class ExactSearch:
         for k in np.argsort(distances, kind="stable").tolist():
             if distances[k] == 0.0:
                 return run.q0[None], k
-            if run.is_late():
+            if run.should_stop():
                 break
             if self._is_free(run.q0, run.goals[k]):
                 return np.stack([run.q0, run.goals[k]]), k
@@ -138,15 +138,15 @@ class ExactSearch:
     def _grown(self, run: Run) -> tuple[Floats, int]:
         """The path at which two trees met, and the number of its goal; no points where they did not."""
         trees = _Tree(run.q0[None]), _Tree(run.goals)
-        low, high = self._box.sampled(run.q0, run.goals, run.options.still)
+        low, high = self._box.sampled(run.q0, run.goals, run.options.fixed_coordinates)
         points, goal, block = np.zeros((0, self._model.nq)), -1, np.zeros((0, self._model.nq))
-        while run.used < run.options.iterations and not run.is_late():
-            if not run.used % _BLOCK:
-                rounded = samples(run.used, _BLOCK, run.options.seed, low, high)
+        while run.samples_used < run.options.iterations and not run.should_stop():
+            if not run.samples_used % _BLOCK:
+                rounded = samples(run.samples_used, _BLOCK, run.options.seed, low, high)
                 block = np.clip(rounded.astype(float), low, high)
-            k = run.used % 2  # the trees take turns
-            node = self._extended(trees[k], block[run.used % _BLOCK])
-            run.used += 1
+            k = run.samples_used % 2  # the trees take turns
+            node = self._extended(trees[k], block[run.samples_used % _BLOCK])
+            run.samples_used += 1
             if node is None:
                 continue
             met = self._connected(run, trees[1 - k], trees[k].nodes[node])
@@ -178,7 +178,7 @@ class ExactSearch:
 
     def _connected(self, run: Run, tree: _Tree, q: Floats) -> int | None:
         """Grows a tree towards a configuration until something is in the way; the node that reached it, or None."""
-        while not run.is_late():
+        while not run.should_stop():
             node = self._extended(tree, q)
             if node is None:
                 return None
@@ -190,7 +190,7 @@ class ExactSearch:
         """A path of which places are joined by straight motions where these are free, while there is time."""
         points, random = self._joined(run, points), np.random.default_rng([run.options.seed, 1])
         for _ in range(run.options.shorten * _SHORTCUTS):
-            if len(points) < 3 or run.is_late():
+            if len(points) < 3 or run.should_stop():
                 break
             lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
             at = np.sort(random.uniform(0.0, lengths[-1], 2))
@@ -199,8 +199,8 @@ class ExactSearch:
                 continue
             part = ((at - lengths[[i - 1, j - 1]]) / (lengths[[i, j]] - lengths[[i - 1, j - 1]]))[:, None]
             ends = points[[i - 1, j - 1]] * (1.0 - part) + points[[i, j]] * part
-            if run.options.still is not None:
-                ends[:, run.options.still] = run.q0[run.options.still]
+            if run.options.fixed_coordinates is not None:
+                ends[:, run.options.fixed_coordinates] = run.q0[run.options.fixed_coordinates]
             if self._is_free(*ends):
                 points = np.vstack([points[:i], ends, points[j:]])
         return self._joined(run, points)
@@ -211,7 +211,7 @@ class ExactSearch:
         while i < len(points) - 1:
             j = len(points) - 1
             while j > i + 1 and (
-                not run.options.shorten or run.is_late() or not self._is_free(points[i], points[j])
+                not run.options.shorten or run.should_stop() or not self._is_free(points[i], points[j])
             ):
                 j -= 1
             rows.append(points[j])
@@ -225,7 +225,7 @@ class ExactSearch:
             points,
             Certificate((), self._margin, 0) if len(points) else None,
             goal,
-            run.used,
+            run.samples_used,
             run.nodes,
             0.0,
             run.seconds,

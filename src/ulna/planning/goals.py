@@ -8,8 +8,10 @@ from typing import Any, Literal, NamedTuple, final
 import numpy as np
 
 from ulna.checks.arrays import finite_array, real_array
+from ulna.checks.rotations import checked_rotation
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.ik.arguments import raise_invalid_pose
 from ulna.ik.result import IKSolution
 from ulna.model import Model
 from ulna.spatial import SE3
@@ -18,6 +20,7 @@ from ulna.typing import ArrayLike, Floats
 _ATTEMPTS = 12  # different starts from which a pose is solved
 _SEARCHES = 64  # from each, before it is given up
 _TURNS = ("none", "x", "y", "z", "any")
+_POSITION = 'A position that a frame is to reach, however it is turned, is Region(position, turns="any").'
 
 Turns = Literal["none", "x", "y", "z", "any"]
 
@@ -180,8 +183,21 @@ def _single(item: Any) -> Any:
         return item
     matrix = item.matrix() if isinstance(item, SE3) else finite_array("goal", item)
     if matrix.shape != (4, 4):
-        raise ShapeError("goal", matrix.shape, "in a list of goals a Region, an SE3 or a pose (4, 4)")
-    return matrix
+        raise ShapeError(
+            "goal",
+            matrix.shape,
+            "for each pose a Region, an SE3 or (4, 4)",
+            _POSITION if matrix.shape == (3,) else "",
+        )
+    return _checked_poses(matrix)
+
+
+def _checked_poses(matrices: Floats) -> Floats:
+    """The matrices, shape (..., 4, 4) [m]; raises where one is no pose."""
+    checked_rotation("goal", matrices[..., :3, :3], "ulna.spatial.nearest_rotation(R)")
+    if (matrices[..., 3, :] != (0.0, 0.0, 0.0, 1.0)).any():
+        raise_invalid_pose(matrices, "goal")
+    return matrices
 
 
 def _of_array(
@@ -203,30 +219,36 @@ def _of_array(
             "for a pose; plan to the configurations one by one."
         )
     if is_pose:
-        return _solved(robot, list(poses.reshape(-1, 4, 4)), frame, q0, seed, joints)
+        return _solved(robot, list(_checked_poses(poses).reshape(-1, 4, 4)), frame, q0, seed, joints)
     if poses.shape != (nq,) and not (poses.ndim == 2 and poses.shape[1] == nq and len(poses)):
         raise ShapeError(
             "goal",
             poses.shape,
             f"a configuration ({nq},), several (n, {nq}), a pose (4, 4), several (n, 4, 4), a Region, or a list of "
             "poses and regions",
+            _POSITION if poses.shape == (3,) else "",
         )
     if frame is not None:
         raise InputError(
             "`frame` says whose pose the goal is; the goal here is a configuration. Leave it out."
         )
-    flat = poses.reshape(-1, nq)
-    if joints is None:
-        return Goals(flat, tuple(range(len(flat))))
-    moving = moving_columns(robot.model, joints)
-    stray = (np.abs(flat - q0) > 1e-9) & ~moving
-    if stray.any():
-        column = int(np.argwhere(stray)[0][1])
+    configurations = _with_fixed_joints(robot.model, poses.reshape(-1, nq), q0, joints)
+    return Goals(configurations, tuple(range(len(configurations))))
+
+
+def _with_fixed_joints(
+    model: Model, configurations: Floats, q0: Floats, joints: Sequence[str] | None
+) -> Floats:
+    """Goals (n, nq) whose joints that may not move are exactly as in q0; raises where one is elsewhere."""
+    moving = moving_columns(model, joints)
+    different = (np.abs(configurations - q0) > 1e-9) & ~moving
+    if different.any():
+        column = int(np.argwhere(different)[0][1])
         raise InputError(
-            f"The goal has {flat[stray][0]:g} for joint {joint_of_column(robot.model, column)!r}, which is at "
+            f"The goal has {configurations[different][0]:g} for joint {joint_of_column(model, column)!r}, which is at "
             f"{q0[column]:g} and not among `joints`; expected the same value. Name it there, or leave it where it is."
         )
-    return Goals(np.where(moving, flat, q0), tuple(range(len(flat))))
+    return np.where(moving, configurations, q0)
 
 
 def joint_of_column(model: Model, column: int) -> str:

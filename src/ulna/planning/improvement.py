@@ -47,7 +47,7 @@ def improved(
     random = np.random.default_rng([run.options.seed, 1])
     left, roots, first, count = run.options.improve, run.roots, 0, 0
     _note(run, points)
-    while left > 0 and not run.is_late():
+    while left > 0 and not run.should_stop():
         bound = (1.0 - LEAST_GAIN) * length(points)
         if bound <= least:
             break
@@ -59,7 +59,7 @@ def improved(
             storage.parts[:count] = random.random(count)
         result = run.workspace.grow_below(bound, first, count, roots)
         used = -result if result < 0 else result
-        left, run.used, roots = left - (used - first), run.used + used - first, 0
+        left, run.samples_used, roots = left - (used - first), run.samples_used + used - first, 0
         first = used
         if result < 0:
             found, number = shortened(run)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ulna.model import Model
-from ulna.planning.motion_path import motion_path
+from ulna.planning.motion_path import distinct_points, motion_path
 from ulna.trajectory import Polynomial, Retimed, s_curve
 from ulna.trajectory.inputs import positive
 from ulna.typing import ArrayLike, Floats
@@ -26,7 +26,7 @@ def jerk_limited_motion(
 
     Args:
         model: The robot.
-        points: The path, shape (k + 1, nq) [rad, m].
+        points: The path, shape (k + 1, nq) [rad, m]; points that repeat count once.
         velocity: Limits of speed, () or (nq,) [rad/s, m/s]; None for the model's.
         acceleration: Limits of acceleration, () or (nq,) [rad/s^2, m/s^2].
         jerk: Limits of jerk, () or (nq,) [rad/s^3, m/s^3].
@@ -35,7 +35,7 @@ def jerk_limited_motion(
         The trajectory.
 
     Raises:
-        InputError: If a limit is not above 0, or one of acceleration or jerk is infinite.
+        InputError: If a limit is not above 0, one of acceleration or jerk is infinite, or all points are the same.
     """
     of_model: Any = np.where(model.velocity_limit > 0.0, model.velocity_limit, np.inf)
     n = points.shape[1]
@@ -46,6 +46,7 @@ def jerk_limited_motion(
             positive("jerk", jerk, n),
         ]
     )
+    points = distinct_points(points)
     edges = np.diff(points, axis=0)
     lengths = np.linalg.norm(edges, axis=1)
     ends = np.concatenate([[0.0], np.cumsum(lengths)])

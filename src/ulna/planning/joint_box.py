@@ -43,6 +43,17 @@ class JointBox:
         values, (low, high) = q.tolist(), self._lists
         return all(map(le, low, values)) and all(map(le, values, high))
 
+    def clipped(self, points: Array) -> Floats:
+        """Points of a search, in float64: what rounding to float32 has moved out of the limits is moved onto them.
+
+        Args:
+            points: Configurations, shape (n, nq) [rad, m].
+
+        Returns:
+            Points, shape (n, nq) [rad, m].
+        """
+        return np.minimum(np.maximum(points, self._model.lower_position), self._model.upper_position)
+
     def violations(self, q: Floats) -> str:
         """Joints that are out of limits, by how much, as text; empty where none is.
 
@@ -62,13 +73,13 @@ class JointBox:
                     texts.append(f"joint {joint.name!r} is at {q[k]:.4g}, its limits are {limits}")
         return "; ".join(texts)
 
-    def sampled(self, q0: Floats, goals: Floats, still: Array | None) -> tuple[Floats, Floats]:
+    def sampled(self, q0: Floats, goals: Floats, fixed_coordinates: Array | None) -> tuple[Floats, Floats]:
         """Where samples are drawn: joints without limits turn up to half a turn beyond start and goals.
 
         Args:
             q0: The start, shape (nq,) [rad, m].
             goals: The goals, shape (n, nq) [rad, m].
-            still: Which joints stay where the start has them, shape (nq,); None for none.
+            fixed_coordinates: Which coordinates stay where the start has them, shape (nq,); None for none.
 
         Returns:
             The least and the greatest positions, each of shape (nq,) [rad, m].
@@ -78,6 +89,6 @@ class JointBox:
             ends = np.vstack([q0, goals])
             low = np.where(np.isfinite(low), low, ends.min(axis=0) - np.pi)
             high = np.where(np.isfinite(high), high, ends.max(axis=0) + np.pi)
-        if still is not None:
-            low, high = (np.where(still, q0, limit) for limit in (low, high))
+        if fixed_coordinates is not None:
+            low, high = (np.where(fixed_coordinates, q0, limit) for limit in (low, high))
         return low, high

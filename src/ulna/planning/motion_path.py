@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ulna.errors import InputError
 from ulna.model import Model
 from ulna.trajectory import Polynomial
 from ulna.trajectory.space import Configurations
@@ -21,18 +22,40 @@ from ulna.typing import Floats
 _MIN_BLEND_LENGTH = 1e-6  # shorter ones stay corners [rad, m]
 
 
+def distinct_points(points: Floats) -> Floats:
+    """A path without the points that do not move on.
+
+    Args:
+        points: The path, shape (n, nq) [rad, m].
+
+    Returns:
+        Points, shape (k + 1, nq) [rad, m].
+
+    Raises:
+        InputError: If all points are the same.
+    """
+    moves = np.linalg.norm(np.diff(points, axis=0), axis=1) > 0.0
+    if not moves.any():
+        raise InputError("The start is the goal; there is nothing to move.")
+    return points[np.concatenate([[True], moves])]
+
+
 def motion_path(model: Model, points: Floats, deviation_bounds: Floats | None = None) -> Polynomial:
     """The curve through a path's points, by its length, in plain numbers: continuous joints turn as the points say.
 
     Args:
         model: The robot.
-        points: The path, shape (k + 1, nq) [rad, m].
+        points: The path, shape (k + 1, nq) [rad, m]; points that repeat count once.
         deviation_bounds: Rows (m, nq): the curve may deviate by d where all of `deviation_bounds @ abs(d)` are at most
             1 [1/rad, 1/m]; None for no deviation.
 
     Returns:
         The curve; its tangent jumps at corners that are not cut.
+
+    Raises:
+        InputError: If all points are the same.
     """
+    points = distinct_points(points)
     edges = np.diff(points, axis=0)
     lengths = np.linalg.norm(edges, axis=1)
     u = edges / lengths[:, None]

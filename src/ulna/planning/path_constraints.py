@@ -1,15 +1,18 @@
-"""Constraints that frames keep on the whole way, and the step that moves a configuration back to them.
+"""Constraints that frames keep along a path, and the step that moves a configuration back to them.
 
 | symbol | meaning | shape | unit |
 |---|---|---|---|
 | T_c | T_world_middle of the region | SE3 | [m] |
 | e | how far the frame's origin is outside of the box, along its axes | (3,) | [m] |
-| phi | the turn that brings the frame's axis (or all axes) back, in the axes of the region | (2,) or (3,) | [rad] |
+| phi | rotation vector that brings the frame's axis (or all axes) back | (2,) or (3,) | [rad] |
 | J | rows of the frame's Jacobian, in the axes of the region | (m, n) | |
+| W | diagonal of the joint weights: 0 for joints that do not move | (n, n) | [-] |
+| d | damping | () | |
 | v | violation: the greater of the length of e and the angle, each by its tolerance; at most 1 is allowed | () | [-] |
 
-A step is dq = -J^T (J J^T + d I)^-1 (e, -phi), the damped Gauss-Newton step towards e = 0, phi = 0. Source: Berenson,
-Srinivasa and Kuffner, Task space regions, IJRR 30 (2011), sections 4 and 5; Siciliano et al., section 3.5.
+phi is in the axes of the region. A step is dq = W (J W)^T (J W W J^T + d I)^-1 (-e, phi), the damped Gauss-Newton step
+towards e = 0, phi = 0. Source: Berenson, Srinivasa and Kuffner, Task space regions, IJRR 30 (2011), sections 4 and 5;
+Siciliano et al., section 3.5.
 """
 
 from __future__ import annotations
@@ -30,16 +33,18 @@ from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.linalg import solve_damped
 from ulna.model import Frame, Model
-from ulna.numeric import apply, arctan2, clip, cross, maximum, sqrt, where
+from ulna.numeric import apply, arctan2, clip, cross, less, maximum, sqrt, where
 from ulna.planning.goals import Region, Turns
-from ulna.spatial import SE3
+from ulna.spatial import SE3, so3_log
 from ulna.typing import Array, ArrayLike, Floats
 
-SPARE = 0.2
-"""What paths leave of the tolerances for motions that cut their corners."""
+TOLERANCE_RESERVE = 0.2
+"""What paths leave of the tolerances for motions that cut their corners [-]."""
 
 _DAMPING = 1e-6
-_FREE = 1e6  # half the edge of a box that bounds nothing [m]
+_UNBOUNDED = 1e6  # half the edge of a box that bounds nothing [m]
+_SMALL_SINE = 1e-12
+"""Where an axis is so near to the opposite one, or to its place, its cross product has no direction."""
 _AXES = ("x", "y", "z")
 
 
@@ -110,10 +115,10 @@ class PathConstraint:
         return cls(frame, region, rotation_tolerance=rotation_tolerance)
 
     @property
-    def numbers(self) -> Floats:
+    def parameters(self) -> Floats:
         """What the step depends on: rotation, translation, half edges, tolerances; shape (17,)."""
         T = self.region.pose.matrix()
-        half = np.minimum(0.5 * self.region.size, _FREE)
+        half = np.minimum(0.5 * self.region.size, _UNBOUNDED)
         return np.concatenate(
             [T[:3, :3].ravel(), T[:3, 3], half, [self.position_tolerance, self.rotation_tolerance]]
         )
@@ -149,13 +154,13 @@ class Constraints:
         )
 
     @property
-    def numbers(self) -> Floats:
+    def parameters(self) -> Floats:
         """What the step depends on beside the configuration, shape (17 for each constraint,)."""
-        return np.concatenate([item.numbers for item in self.items])
+        return np.concatenate([item.parameters for item in self.items])
 
     @property
     def step_kernel(self) -> Any:
-        """From a configuration, weights of joints and `numbers` to a step and the violation, one sample, float32."""
+        """From a configuration, weights of joints and `parameters` to a step and the violation, one sample, float32."""
         return _step_kernel(self.model, self._kinds)
 
     def violations(self, q: Floats) -> Floats:
@@ -167,22 +172,22 @@ class Constraints:
         Returns:
             Shape (...,); at most 1 is allowed [-].
         """
-        return _violation_kernel(self.model, self._kinds)(q, self.numbers)
+        return _violation_kernel(self.model, self._kinds)(q, self.parameters)
 
-    def rates(self, change: Floats) -> Floats:
+    def lipschitz_bounds(self, change: Floats) -> Floats:
         """How fast the violation grows at most while the configuration changes.
 
         Args:
-            change: By how much each number changes, shape (n, nq) [rad, m].
+            change: By how much each coordinate changes, shape (n, nq) [rad, m].
 
         Returns:
             Shape (n,), for the whole change [-].
         """
-        return (np.abs(change) @ self.rate_rows.T).max(axis=1)
+        return (np.abs(change) @ self.lipschitz_rows.T).max(axis=1)
 
     @property
-    def rate_rows(self) -> Floats:
-        """How fast each part of the violation grows at most when a number of the configuration changes, (m, nq)."""
+    def lipschitz_rows(self) -> Floats:
+        """How fast each part of the violation grows at most when a coordinate changes, (m, nq) [1/rad, 1/m]."""
         rows = []
         for item in self.items:
             moving, turning = _frame_bounds(self.model, self.model.frame(item.frame))
@@ -195,23 +200,25 @@ class Constraints:
     def unproved_edges(self, points: Floats) -> list[int]:
         """The edges of a path of straight motions of which it is not proved that they keep the constraints.
 
-        Intervals are halved until the violation in the middle, and how much it grows to the ends, leave `SPARE`.
+        Intervals are halved until the violation in the middle, and how much it grows to the ends, leave
+        `TOLERANCE_RESERVE`.
 
         Args:
             points: The path, shape (n, nq) [rad, m].
 
         Returns:
-            Their numbers.
+            Their indices.
         """
-        rates = self.rates(np.diff(points, axis=0))
-        edge, start, width = np.arange(len(rates)), np.zeros(len(rates)), np.ones(len(rates))
+        bounds = self.lipschitz_bounds(np.diff(points, axis=0))
+        edge, start, width = np.arange(len(bounds)), np.zeros(len(bounds)), np.ones(len(bounds))
         failed: set[int] = set()
         while len(edge):
             middle = (start + width / 2.0)[:, None]
             violation = self.violations(points[edge] * (1.0 - middle) + points[edge + 1] * middle)
-            half = rates[edge] * width / 2.0
-            is_open = ~(violation + half <= 1.0 - SPARE)
-            failed |= set(edge[is_open & ((violation > 0.98 - SPARE) | (half < 0.01))].tolist())
+            half = bounds[edge] * width / 2.0
+            is_open = ~(violation + half <= 1.0 - TOLERANCE_RESERVE)
+            ends = (violation > 0.98 - TOLERANCE_RESERVE) | (half < 0.01) | ~np.isfinite(half)
+            failed |= set(edge[is_open & ends].tolist())
             again = is_open & ~np.isin(edge, list(failed))
             edge, width = np.repeat(edge[again], 2), np.repeat(width[again] / 2.0, 2)
             start = np.repeat(start[again], 2)
@@ -220,14 +227,14 @@ class Constraints:
 
 
 def _rows(
-    model: Model, kinds: Sequence[tuple[Frame, Turns, bool]], q: Array, numbers: Array
+    model: Model, kinds: Sequence[tuple[Frame, Turns, bool]], q: Array, parameters: Array
 ) -> tuple[list[Array], list[Any], Any]:
     """Rows of Jacobians, what they have to change, and the violation."""
     rows: list[Array] = []
     changes: list[Any] = []
     violation: Any = 0.0
     for k, (frame, turns, is_bounded) in enumerate(kinds):
-        values = numbers[..., 17 * k : 17 * (k + 1)]
+        values = parameters[..., 17 * k : 17 * (k + 1)]
         R_c = np.stack([values[..., 3 * i : 3 * i + 3] for i in range(3)], axis=-2)
         T, J = frame_pose(model, q, frame), frame_jacobian(model, q, frame)
         to_region = np.swapaxes(R_c, -1, -2)
@@ -243,7 +250,7 @@ def _rows(
             distance = sqrt(sum(e * e for e in outside))
             violation = maximum(violation, distance / values[..., 15])
         if turns != "any":
-            phi, angle = _turn_back(to_region @ T.rotation, turns)
+            phi, angle = _rotation_error(to_region @ T.rotation, turns)
             angular = to_region @ J[..., 3:, :]
             kept = [i for i in range(3) if turns == "none" or i != _AXES.index(turns)]
             rows += [angular[..., i, :] for i in kept]
@@ -252,44 +259,53 @@ def _rows(
     return rows, changes, violation
 
 
-def _turn_back(R: Array, turns: Turns) -> tuple[Array, Any]:
-    """The turn by which a frame comes back, in the axes of the region (near it), and its angle."""
+def _rotation_error(R: Array, turns: Turns) -> tuple[Array, Any]:
+    """The rotation vector that brings a frame back, in the axes of the region, and its angle.
+
+    At 180 degrees the axis of the rotation that brings one axis back is not unique: it is another axis of the region.
+    """
     if turns == "none":
-        phi = 0.5 * np.stack(
-            [R[..., 1, 2] - R[..., 2, 1], R[..., 2, 0] - R[..., 0, 2], R[..., 0, 1] - R[..., 1, 0]], axis=-1
-        )
-        cosine = 0.5 * (R[..., 0, 0] + R[..., 1, 1] + R[..., 2, 2] - 1.0)
-    else:
-        k = _AXES.index(turns)
-        phi = cross(R[..., :, k], np.eye(3)[k])
-        cosine = R[..., k, k]
-    return phi, arctan2(sqrt(sum(phi[..., i] * phi[..., i] for i in range(3))), cosine)
+        phi = -so3_log(R)
+        return phi, sqrt(sum(phi[..., i] * phi[..., i] for i in range(3)))
+    k = _AXES.index(turns)
+    sine_axis, cosine = cross(R[..., :, k], np.eye(3)[k]), R[..., k, k]
+    sine = sqrt(sum(sine_axis[..., i] * sine_axis[..., i] for i in range(3)))
+    angle = arctan2(sine, cosine)
+    is_small = less(sine, _SMALL_SINE)
+    factor = where(is_small, 1.0, angle / where(is_small, 1.0, sine))
+    half_turn = where(is_small, where(less(cosine, 0.0), np.pi, 0.0), 0.0)
+    return np.asarray(factor)[..., None] * sine_axis + np.asarray(half_turn)[..., None] * np.eye(3)[
+        k - 1
+    ], angle
 
 
 @lru_cache(maxsize=32)
 def _step_kernel(model: Model, kinds: tuple[tuple[Frame, Turns, bool], ...]) -> Any:
-    def step(q: Array, weights: Array, numbers: Array) -> Array:
-        rows, changes, violation = _rows(model, kinds, q, numbers)
+    def step(q: Array, weights: Array, parameters: Array) -> Array:
+        rows, changes, violation = _rows(model, kinds, q, parameters)
         J = np.stack([row * weights for row in rows])
         dq = weights * solve_damped(J, np.stack(changes), _DAMPING)
         return np.append(dq, violation)
 
     return lanes_kernel(
-        trace(step, name="constraint_step", q=(model.nq,), weights=(model.nq,), numbers=(17 * len(kinds),)), 1
+        trace(
+            step, name="constraint_step", q=(model.nq,), weights=(model.nq,), parameters=(17 * len(kinds),)
+        ),
+        1,
     )
 
 
 @lru_cache(maxsize=32)
 def _violation_kernel(model: Model, kinds: tuple[tuple[Frame, Turns, bool], ...]) -> Any:
-    def violation(q: Array, numbers: Array) -> Any:
-        return _rows(model, kinds, q, numbers)[2]
+    def violation(q: Array, parameters: Array) -> Any:
+        return _rows(model, kinds, q, parameters)[2]
 
-    return compile(violation, q=(model.nq,), numbers=(17 * len(kinds),))
+    return compile(violation, q=(model.nq,), parameters=(17 * len(kinds),))
 
 
 @lru_cache(maxsize=64)
 def _frame_bounds(model: Model, frame: Frame) -> tuple[Floats, Floats]:
-    """How far a frame's origin moves at most, and how far it turns, when a number changes by one, (nq,) each."""
+    """How far a frame's origin moves at most, and how far it turns, when a coordinate changes by one, (nq,) each."""
     group = Group(frame.name, frame.joint, np.asarray(frame.placement.translation)[None], np.zeros(1))
     turning = np.zeros(model.nq)
     for step in chain(model, frame):

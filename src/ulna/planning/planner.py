@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache, partial
@@ -17,14 +17,14 @@ import numpy as np
 from ulna.checks.arrays import finite_array
 from ulna.checks.values import flag, number, short_repr
 from ulna.collision import LinkPair, Spheres, World
-from ulna.collision.lanes.tables import links_of
+from ulna.collision.lanes.moving import links_of
 from ulna.collision.pairs import checked_pairs
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.lazy import is_deferred
 from ulna.planning import deferred
 from ulna.planning.goals import goal_configurations, moving_columns
 from ulna.planning.result import Plan
-from ulna.planning.run import Options
+from ulna.planning.run import STOP, Options
 from ulna.planning.scenes import PlanningScene
 from ulna.planning.search import Search
 from ulna.system.progress import progress
@@ -40,6 +40,7 @@ Method = Literal["spheres", "exact"]
 
 _STEP = 0.01  # [m]
 _FLOAT64 = np.dtype(np.float64)
+_WAIT = 0.1  # s; Ctrl-C that comes just as a wait without an end begins would be missed
 
 
 def plan(
@@ -243,6 +244,24 @@ class Planner:
             ShapeError: If `q0` or `goal` has a wrong shape.
             InputError: If numbers make no sense.
         """
+        options = self._options(shorten, iterations, timeout, seed, improve, keep_tree)
+        if frame is joints is constraints is None and self._are_configurations(q0, goal):
+            ends = np.empty((2, self.model.nq))
+            ends[0], ends[1] = q0, goal
+            return self._search.run(ends[0], ends[1:], options)
+        if is_deferred(q0) or is_deferred(goal):
+            chosen = {
+                **{"frame": frame, "joints": joints, "constraints": constraints, "keep_tree": keep_tree},
+                **{"shorten": shorten, "improve": improve, "iterations": iterations},
+                **{"timeout": timeout, "seed": seed},
+            }
+            return deferred.plans(self, q0, goal, chosen)
+        return self._plan_to_goal(q0, goal, frame, joints, constraints, options)
+
+    def _options(
+        self, shorten: int, iterations: int, timeout: float, seed: int, improve: int, keep_tree: bool
+    ) -> Options:
+        """The options of a plan, checked."""
         asked = shorten, iterations, timeout, seed, improve, keep_tree, not self._batches
         known, options = self._last_options
         if not all(map(is_, asked, known)):  # most calls ask for the same as the call before
@@ -250,29 +269,27 @@ class Planner:
             self._last_options = asked, options
         if self._is_exact:
             _check_exact(improve=not options.improve)
-        if frame is joints is constraints is None and self._are_configurations(q0, goal):
-            ends = np.empty((2, self.model.nq))
-            ends[0], ends[1] = q0, goal
-            return self._search.run(ends[0], ends[1:], options)
-        if is_deferred(q0) or is_deferred(goal):
-            chosen = {"frame": frame, "joints": joints, "timeout": timeout, "seed": seed}
-            chosen |= {
-                "shorten": shorten,
-                "improve": improve,
-                "iterations": iterations,
-                "constraints": constraints,
-                "keep_tree": keep_tree,
-            }
-            return deferred.plans(self, q0, goal, chosen)
+        return options
+
+    def _plan_to_goal(
+        self,
+        q0: Any,
+        goal: Any,
+        frame: str | None,
+        joints: Sequence[str] | None,
+        constraints: Any,
+        options: Options,
+    ) -> Plan:
+        """The plan for any goal, not only configurations."""
         q0 = finite_array("q0", q0)
         if q0.shape != (self.model.nq,):
             raise ShapeError("q0", q0.shape, f"({self.model.nq},)")
         goals = goal_configurations(self.robot, goal, frame, q0, options.seed, joints)
         if joints is not None:
             moving = moving_columns(self.model, joints)
-            options = options._replace(still=None if moving.all() else ~moving)
+            options = options._replace(fixed_coordinates=None if moving.all() else ~moving)
         search = self._search_along(constraints)
-        if options.still is None or self._is_exact:
+        if options.fixed_coordinates is None or self._is_exact:
             plan = search.run(q0, goals.configurations, options)
         else:
             plan = self._run_with_still_joints(search, constraints, q0, goals.configurations, options)
@@ -297,21 +314,23 @@ class Planner:
         plan = search.run(q0, goals, options._replace(with_reason=False))
         if plan.outcome not in ("start", "goal"):
             return plan
-        others = self._without_still_pairs(q0, options.still)
+        others = self._without_still_pairs(q0, options.fixed_coordinates)
         if others is not None:
             search = others._search_along(constraints)
         return search.run(q0, goals, options)
 
     def _without_still_pairs(self, q0: Floats, still: Any) -> Planner | None:
         """The planner without the pairs of links that stay as they are, if their real shapes are apart; else None."""
-        from ulna.planning.still_links import are_apart, divided_pairs  # for few plans
+        from ulna.planning.still_links import are_apart, divided_pairs, divided_worlds  # for few plans
 
-        (robot, world), options = self._arguments
-        if world is not None and (world.attachments or world.margins):  # these belong to pairs of links, too
+        (robot, _), options = self._arguments
+        chosen = tuple(still.tolist())
+        together, others = divided_pairs(self.model, self.scene.link_pairs, chosen)
+        carried, world = divided_worlds(self.model, self.scene.world, chosen)
+        margin, missing = self._lengths[0], self.scene.missing
+        if not (together or carried.attachments):
             return None
-        together, others = divided_pairs(self.model, self.scene.link_pairs, tuple(still.tolist()))
-        margin = self._lengths[0]
-        if not together or not are_apart(self.model, together, q0, margin, self.scene.missing):
+        if not are_apart(self.model, together, carried, q0, margin, missing):
             return None
         lengths = margin, options["step"], options["longest"]
         return _planner(robot, world, options["spheres"], others, *lengths, "spheres")
@@ -371,11 +390,10 @@ class Planner:
         is_stopped = threading.Event()
 
         def one(number: int) -> Plan | None:
-            return (
-                None
-                if is_stopped.is_set()
-                else self.plan(start_of_each[number], goal_list[number], **options)
-            )
+            STOP.event = is_stopped
+            if is_stopped.is_set():
+                return None
+            return self.plan(start_of_each[number], goal_list[number], **options)
 
         count, out = len(goal_list), []
         with self._in_batch(), progress("Planning") as report:
@@ -385,12 +403,14 @@ class Planner:
                     out.append(self.plan(start_of_each[number], goal_list[number], **options))
                 return out
             pool = ThreadPoolExecutor(min(workers, count))
-            try:  # the search does not hold the interpreter's lock
-                for number, plan in enumerate(pool.map(one, range(count))):
-                    out.append(plan)
+            try:  # the search releases the GIL
+                for number, future in enumerate([pool.submit(one, number) for number in range(count)]):
+                    while not future.done():
+                        wait((future,), _WAIT)
+                    out.append(future.result())
                     report(number + 1, count)
                 return out
-            finally:  # Ctrl-C, too, waits for plans under way only
+            finally:  # after Ctrl-C the plans under way end within milliseconds
                 is_stopped.set()
                 pool.shutdown(cancel_futures=True)
 

@@ -12,7 +12,7 @@ from ulna.collision.lanes.touching import Tables, Work
 from ulna.compiler.procedures import Array1, Array2, Kernel, f32, procedure
 from ulna.planning.edges import edge_touches
 from ulna.planning.rrt_connect import Growth
-from ulna.planning.trees import Trees, add_node, distance, nearest_node, plant, read_node, tree_to_grow
+from ulna.planning.trees import Trees, add_node, distance, nearest_node, read_node, set_roots, tree_to_grow
 
 
 class Projection(NamedTuple):
@@ -119,7 +119,7 @@ def grow_along(
         The number of the first sample that was not used; where the trees met, minus that.
     """
     if roots > 0:
-        plant(trees, points, touching, roots)
+        set_roots(trees, points, touching, roots)
     tree = 1
     for s in range(first, count):
         tree = tree_to_grow(trees, tree, W)
@@ -168,7 +168,7 @@ def walk_between(
     Returns:
         Whether it got there, 1 or 0.
     """
-    plant(trees, points, touching, 2)
+    set_roots(trees, points, touching, 2)
     return int(_walk(kernel, tables, growth, step, projection, trees, 0, 0, points[1], work, W) < 0)
 
 

@@ -121,8 +121,6 @@ class Plan:
 
         if not self:
             raise InputError(f"There is no path to move along: {self.reason}")
-        if len(self.points) < 2:
-            raise InputError("The start is the goal; there is nothing to move.")
         if jerk is not None:
             if acceleration is None or torque is not None or blend:
                 raise InputError(

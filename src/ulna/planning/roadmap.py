@@ -14,7 +14,7 @@ import numpy as np
 from ulna.collision.lanes.touching import Tables, Work
 from ulna.compiler.procedures import Array1, Array2, Kernel, f32, procedure
 from ulna.data_classes import dataclass
-from ulna.errors import InputError, MissingExtra
+from ulna.errors import InputError, needed
 from ulna.planning.edges import edge_touches
 from ulna.planning.goals import joint_of_column
 from ulna.planning.run import Run
@@ -103,10 +103,8 @@ class RoadmapSearch(Search):
         self.roadmap = self._built(size)
 
     def _built(self, size: int) -> Roadmap:
-        try:
+        with needed("scipy", "collision", "Making a roadmap"):
             from scipy.spatial import KDTree
-        except ImportError as error:
-            raise MissingExtra("scipy", "collision", "Making a roadmap") from error
         workspace = self._workspace(COARSE[0])
         q = samples(0, size, 0, self._model.lower_position, self._model.upper_position)
         nodes = q[~_touching(workspace, q, q)]
@@ -125,7 +123,11 @@ class RoadmapSearch(Search):
         return Roadmap(roadmap.nodes, pairs[free], lengths[free], tree)
 
     def _grow(self, run: Run) -> bool:
-        if run.options.still is not None or run.options.coarse != COARSE[0] or self.roadmap.tree is None:
+        if (
+            run.options.fixed_coordinates is not None
+            or run.options.coarse != COARSE[0]
+            or self.roadmap.tree is None
+        ):
             return super()._grow(run)
         shortest = self._shortest_path(run)
         if shortest is None:

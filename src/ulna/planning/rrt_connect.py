@@ -26,7 +26,15 @@ from ulna.compiler.procedures import (
     procedure,
 )
 from ulna.planning.edges import edge_touches
-from ulna.planning.trees import Trees, add_node, nearest_node, plant, read_node, tree_to_grow
+from ulna.planning.trees import (
+    Trees,
+    add_node,
+    add_node_with_cost,
+    nearest_node,
+    read_node,
+    set_roots,
+    tree_to_grow,
+)
 
 INT = np.int64
 FREE_PLACE = 1e15
@@ -73,33 +81,60 @@ def _extend(kernel, tables, growth, trees, tree, sample, work, W):
 
 
 @procedure
-def _connect(kernel, tables, growth, trees, tree, added, work, W):
-    """Grows a tree from its newest node to the nearest one of the other tree; whether it got there."""
-    other = 1 - tree
-    read_node(trees.nodes, tree, added, trees.near)
-    target, distance = nearest_node(trees.nodes, other, trees.counts[other], trees.near, W)
-    read_node(trees.nodes, other, target, trees.goal)
+def connect_straight(kernel, tables, growth, trees, tree, added, other, target, distance, HAS_COSTS, work, W):
+    """Grows a tree from a node to a node of the other tree by edges along one line.
+
+    Args:
+        kernel: From configurations to poses of the bodies, in lanes.
+        tables: What is checked against what.
+        growth: How trees grow.
+        trees: Both trees; `trees.near` holds the node to begin with.
+        tree: The tree that grows.
+        added: The node to begin with.
+        other: The other tree.
+        target: The node of the other tree.
+        distance: Their distance [rad, m].
+        HAS_COSTS: Whether nodes have costs, a constant.
+        work: Working storage.
+        W: Lanes, a constant.
+
+    Returns:
+        Whether it got there.
+    """
+    read_node(trees.nodes, other, target, trees.aim)
     pieces = max(int(np.ceil(distance / growth.longest)), 1)
     last = added
     for piece in range(pieces):
         part = f32(1.0) / f32(pieces - piece)
         is_last = piece == pieces - 1
         for k in range(len(trees.near)):
-            trees.new[k] = (
-                trees.goal[k] if is_last else trees.near[k] + part * (trees.goal[k] - trees.near[k])
-            )
+            trees.new[k] = trees.aim[k] if is_last else trees.near[k] + part * (trees.aim[k] - trees.near[k])
         if edge_touches(kernel, tables, growth.step, trees.near, trees.new, work, W):
             return False
         if is_last:
             trees.meeting[tree] = last
             trees.meeting[other] = target
             return True
-        last = add_node(trees, tree, trees.new, last)
+        if HAS_COSTS:
+            last = add_node_with_cost(trees, tree, trees.new, last)
+        else:
+            last = add_node(trees, tree, trees.new, last)
         if trees.counts[tree] + W + 2 >= trees.nodes.shape[2]:
             return False
         for k in range(len(trees.near)):
             trees.near[k] = trees.new[k]
     return False
+
+
+@procedure
+def _connect(kernel, tables, growth, trees, tree, added, work, W):
+    """Grows a tree from its newest node to the nearest one of the other tree; whether it got there."""
+    other = 1 - tree
+    read_node(trees.nodes, tree, added, trees.near)
+    target, distance = nearest_node(trees.nodes, other, trees.counts[other], trees.near, W)
+    return connect_straight(
+        kernel, tables, growth, trees, tree, added, other, target, distance, False, work, W
+    )
 
 
 @procedure(constants={"W": 8})
@@ -127,7 +162,7 @@ def grow(
         The number of the first sample that was not used; where the trees met, minus that.
     """
     if roots > 0:
-        plant(trees, points, touching, roots)
+        set_roots(trees, points, touching, roots)
     tree = 1
     for s in range(first, count):
         tree = tree_to_grow(trees, tree, W)

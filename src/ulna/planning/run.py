@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from typing import Any, NamedTuple, Self
 
@@ -20,16 +21,25 @@ _SHORT = 0.1  # s; of a search that shows no progress
 _NO_SECONDS = {"prepare": 0.0, "search": 0.0, "shorten": 0.0, "improve": 0.0, "certify": 0.0}
 
 
+class Stop(threading.local):
+    """Of each thread: what ends its searches early when it is set, as Ctrl-C ends those of a batch."""
+
+    event: threading.Event | None = None
+
+
+STOP = Stop()
+
+
 class Options(NamedTuple):
     """What one call asks for.
 
     Attributes:
-        shorten: How often at most the path is shortened.
+        shorten: Largest number of shortcut passes.
         iterations: The most samples.
         timeout: The longest time [s].
         seed: Seed of the samples.
-        still: Which numbers of a configuration stay where the start has them, shape (nq,); None for none.
-        coarse: The steps of the search, in those of the proof.
+        fixed_coordinates: Which coordinates stay where the start has them, truth values, shape (nq,); None for none.
+        coarse: Step length of the search divided by that of the certificate [-].
         improve: How many samples are spent on shorter paths once there is one.
         keep_tree: Whether the plan has the trees of the search.
         with_reason: Whether a failure says what touches, which takes a millisecond.
@@ -40,7 +50,7 @@ class Options(NamedTuple):
     iterations: int
     timeout: float
     seed: int
-    still: Any = None
+    fixed_coordinates: Any = None
     coarse: float = COARSE[0]
     improve: int = 0
     keep_tree: bool = False
@@ -55,20 +65,39 @@ class Run:
         options: What it asks for.
         q0: Where the robot is, shape (nq,) [rad, m].
         goals: Where it may go, shape (n, nq) [rad, m].
+
+    Attributes:
+        options: As above.
+        q0: As above.
+        goals: Those that are left, shape (n, nq): within the limits and free, once `Search` has looked at them.
+        goal_indices: Of each of `goals`, which of the goals that the caller gave it is.
+        direct_goal: An index into `goals`: the first that the straight motion from the start reaches; -1 for none,
+            `stages.NOT_ALL_FREE` where the start or a goal is not free.
+        roots: How many points the trees begin with: the start and `goals`.
+        samples_used: How many samples the search has used.
+        nodes: How many nodes both trees have.
+        started: Of a search that began along with the look at start and goals: its first sample, the one after its
+            last, and what it returned; None for others.
+        improvements: Time since the call [s] and length of the first path and of each shorter one [rad, m].
+        seconds: How long each part took [s].
+        start_time: When the call began [s].
+        last_time: When `add_time_to` was called last [s].
+        workspace: The tables and arrays of the search; None before it has begun.
+        tree: The nodes that the search reached, if they are kept.
     """
 
     __slots__ = (
-        "_progress", "_report", "direct", "goals", "improvements", "last_time", "nodes", "numbers", "options", "q0",
-        "roots", "seconds", "start_time", "started", "tree", "used", "workspace",
+        "_progress", "_report", "direct_goal", "goal_indices", "goals", "improvements", "last_time", "nodes", "options",
+        "q0", "roots", "samples_used", "seconds", "start_time", "started", "tree", "workspace",
     )  # fmt: skip
 
     def __init__(self, options: Options, q0: Floats, goals: Floats) -> None:
         self.options, self.q0, self.goals = options, q0, goals
         self.start_time = self.last_time = time.perf_counter()
-        self.numbers: list[int] = []
+        self.goal_indices: list[int] = []
         self.workspace: Any = None
         self.tree: SearchTree | None = None
-        self.direct, self.roots, self.used, self.nodes = -1, 0, 0, 0
+        self.direct_goal, self.roots, self.samples_used, self.nodes = -1, 0, 0, 0
         self.started: tuple[int, int, int] | None = None
         self.improvements: list[tuple[float, float]] = []
         self.seconds = dict(_NO_SECONDS)
@@ -82,18 +111,18 @@ class Run:
         if self._progress is not None:
             self._progress.__exit__(*error)
 
-    def is_late(self) -> bool:
+    def should_stop(self) -> bool:
         """Whether the time is up; a search that takes long shows its progress from here on."""
         elapsed = time.perf_counter() - self.start_time
         if elapsed > _SHORT and self.options.is_shown:
             if self._progress is None:  # the thread of a progress takes longer than most searches
                 self._progress = progress("Planning")
                 self._report = self._progress.__enter__()
-            self._report(self.used, self.options.iterations)
-        return elapsed > self.options.timeout
+            self._report(self.samples_used, self.options.iterations)
+        return elapsed > self.options.timeout or (STOP.event is not None and STOP.event.is_set())
 
     def check_limits(self, box: JointBox) -> Failure | None:
-        """Notes in `numbers` which goals are within the limits of the joints.
+        """Notes in `goal_indices` which goals are within the limits of the joints.
 
         Args:
             box: The limits.
@@ -104,36 +133,36 @@ class Run:
         if not box.holds(self.q0):
             return "start", f"`q0` is out of limits: {box.violations(self.q0)}."
         if len(self.goals) == 1 and box.holds(self.goals[0]):
-            self.numbers = [0]
+            self.goal_indices = [0]
             return None
         if not len(self.goals):
             return "unreachable", "no configuration within the limits was found for the pose."
-        self.numbers = [k for k, goal in enumerate(self.goals) if box.holds(goal)]
-        if not self.numbers:
+        self.goal_indices = [k for k, goal in enumerate(self.goals) if box.holds(goal)]
+        if not self.goal_indices:
             return "goal", f"the goal is out of limits: {box.violations(self.goals[0])}."
         return None
 
     def limit_reached(self) -> Failure:
         """That no path was found, and within which limit."""
-        is_used = self.used >= self.options.iterations
-        limit = f"{self.used} samples" if is_used else f"{self.options.timeout:g} s"
+        is_used = self.samples_used >= self.options.iterations
+        limit = f"{self.samples_used} samples" if is_used else f"{self.options.timeout:g} s"
         reason = f"no path was found within {limit}. Allow more, or another seed."
         return "iterations" if is_used else "time", reason
 
-    def note(self, part: str) -> None:
-        """Adds the time since the last note to a part's."""
+    def add_time_to(self, part: str) -> None:
+        """Adds the time since the last such call to a part's."""
         now = time.perf_counter()
         self.seconds[part] += now - self.last_time
         self.last_time = now
 
     def shortened(self) -> tuple[Floats, int]:
-        """The path at which the trees met, shortened, and the number of its goal.
+        """The path at which the trees met, shortened, and the index of its goal.
 
         Returns:
-            Points, shape (n, nq), from the very start to the very goal [rad, m], and a number among `goals`.
+            Points, shape (n, nq), from the very start to the very goal [rad, m], and an index into `goals`.
         """
         points, goal = self.workspace.shortened(self.options.shorten)
         points[0], points[-1] = self.q0, self.goals[goal]
-        if self.options.still is not None:
-            points[:, self.options.still] = self.q0[self.options.still]
+        if self.options.fixed_coordinates is not None:
+            points[:, self.options.fixed_coordinates] = self.q0[self.options.fixed_coordinates]
         return points, goal

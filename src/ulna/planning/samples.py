@@ -24,10 +24,21 @@ def samples(first: int, count: int, seed: int, low: Floats, high: Floats) -> Any
         high: The greatest ones, shape (n,) [any].
 
     Returns:
-        Shape (count, n), float32.
+        Shape (count, n), float32, within the box, unless no float32 number is.
     """
     unit = halton(first, count, len(low)) + shift(len(low), seed)
-    return (low + (unit - np.floor(unit)) * (high - low)).astype(np.float32)
+    return _rounded(low + (unit - np.floor(unit)) * (high - low), low, high)
+
+
+def _rounded(points: Floats, low: Floats, high: Floats) -> Any:
+    """Points of a box (count, n) in float32; where rounding moves one out, the next number is taken if it is inside."""
+    rounded = points.astype(np.float32)
+    is_above = rounded > high
+    is_outside = is_above | (rounded < low)
+    if is_outside.any():
+        next_one = np.nextafter(rounded, np.where(is_above, -np.inf, np.inf).astype(np.float32))
+        np.copyto(rounded, next_one, where=is_outside & (low <= next_one) & (next_one <= high))
+    return rounded
 
 
 def informed_samples(
@@ -47,7 +58,8 @@ def informed_samples(
         high: The greatest ones, shape (n,) [rad, m].
 
     Returns:
-        Shape (count, n), float32. What lies outside of the box after some rounds is moved to its surface.
+        Shape (count, n), float32, within the box, unless no float32 number is. What lies outside of it after some
+        rounds is moved to its surface.
     """
     distances = np.linalg.norm(goals - a, axis=1)
     foci = goals[distances < bound]
@@ -59,13 +71,14 @@ def informed_samples(
         points[outside] = _in_ellipsoids(
             random, a, foci[random.integers(len(foci), size=len(outside))], bound, low < high
         )
-    return np.clip(points, low, high).astype(np.float32)
+    return _rounded(np.clip(points, low, high), low, high)
 
 
 def _in_ellipsoids(random: np.random.Generator, a: Floats, b: Floats, length: float, moves: Any) -> Floats:
     """For each of b, a point of which the distances to `a` and b add up to less than a length."""
     directions = random.standard_normal(b.shape) * moves
-    ball = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    norms = np.linalg.norm(directions, axis=1, keepdims=True)
+    ball = np.divide(directions, norms, out=np.zeros_like(directions), where=norms > 0.0)  # nothing may move
     ball *= random.random((len(b), 1)) ** (1.0 / max(int(moves.sum()), 1))
     difference = b - a
     distance = np.linalg.norm(difference, axis=1, keepdims=True)

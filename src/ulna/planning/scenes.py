@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from ulna.collision import SphereChecker
-from ulna.collision.lanes.tables import Scene, links_of
+from ulna.collision.lanes.moving import links_of
+from ulna.collision.lanes.tables import Scene
 from ulna.data_classes import dataclass
 from ulna.system.cached import cached_property
 

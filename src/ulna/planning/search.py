@@ -70,27 +70,27 @@ class Search:
             return self._result(run, *failure, np.zeros((0, self._model.nq)), None, -1)
         if run.options.improve:
             points, goal = self._improved(run, points, goal)
-            run.note("improve")
+            run.add_time_to("improve")
         points, certificate = self._proved(run, points)
-        run.note("certify")
+        run.add_time_to("certify")
         reason = "" if certificate else f"edges {certificate.unproved} are not proved free"
-        return self._result(run, "solved", reason, points, certificate, run.numbers[goal])
+        return self._result(run, "solved", reason, points, certificate, run.goal_indices[goal])
 
     def _searched(self, run: Run) -> tuple[Floats, int, Failure | None]:
         """A path that is not proved yet and the number of its goal; or why there is none."""
         failure = self._prepare(run)
         if failure is not None:
             return run.q0, -1, failure
-        if run.direct >= 0:
+        if run.direct_goal >= 0:
             return *_straight(run), None
         is_met = self._grow(run)
-        run.note("search")
+        run.add_time_to("search")
         if run.options.keep_tree:
             run.tree = search_tree(run.workspace.storage.trees)
         if not is_met:
             return run.q0, -1, run.limit_reached()
         points, goal = self._shortened(run)
-        run.note("shorten")
+        run.add_time_to("shorten")
         return points, goal, None
 
     # before the search ------------------------------------------------------------------------------------
@@ -99,15 +99,15 @@ class Search:
         """Storage, and the goals that are free; why the search cannot begin, where it cannot."""
         if run.workspace is None:
             run.workspace = self._workspace(run.options.coarse)
-        run.direct = self._examined(run)
-        if run.direct == NOT_ALL_FREE:
+        run.direct_goal = self._examined(run)
+        if run.direct_goal == NOT_ALL_FREE:
             failure = self._keep_free_goals(run)
             if failure is not None:
                 return failure
         else:
-            run.numbers = list(range(len(run.goals)))
+            run.goal_indices = list(range(len(run.goals)))
         run.roots = 1 + len(run.goals)
-        run.note("prepare")
+        run.add_time_to("prepare")
         return None
 
     def _examined(self, run: Run) -> int:
@@ -117,11 +117,11 @@ class Search:
         if not self._starts_at_once or run.options.timeout < _SLICE_SECONDS:
             return run.workspace.examine(run.q0, run.goals)
         first, end = self._samples(run, min(SLICE, run.options.iterations))
-        run.note("prepare")
+        run.add_time_to("prepare")
         direct, result = run.workspace.start(run.q0, run.goals, first, end)
         if direct == -1:
             run.started = first, end, result
-        run.note("search")
+        run.add_time_to("search")
         return direct
 
     def _keep_free_goals(self, run: Run) -> Failure | None:
@@ -129,16 +129,18 @@ class Search:
         failure = run.check_limits(self._box)
         if failure is not None:
             return failure
-        run.goals = run.goals[run.numbers]
-        run.direct = run.workspace.examine(run.q0, run.goals)
-        if run.direct != NOT_ALL_FREE:
+        run.goals = run.goals[run.goal_indices]
+        run.direct_goal = run.workspace.examine(run.q0, run.goals)
+        if run.direct_goal != NOT_ALL_FREE:
             return None
         free = run.workspace.free_points(1 + len(run.goals))
         if not (free[0] and any(free[1:])):
             return self._blocked(run, free)
         run.goals = run.goals[free[1:]]
-        run.numbers = [number for number, is_free in zip(run.numbers, free[1:], strict=True) if is_free]
-        run.direct = run.workspace.examine(run.q0, run.goals)
+        run.goal_indices = [
+            number for number, is_free in zip(run.goal_indices, free[1:], strict=True) if is_free
+        ]
+        run.direct_goal = run.workspace.examine(run.q0, run.goals)
         return None
 
     def _workspace(self, coarse: float) -> Workspace:
@@ -165,7 +167,7 @@ class Search:
             run,
             points,
             goal,
-            self._box.sampled(run.q0, run.goals, run.options.still),
+            self._box.sampled(run.q0, run.goals, run.options.fixed_coordinates),
             self._shortened,
             self._wholly_proved,
         )
@@ -205,28 +207,28 @@ class Search:
         workspace, roots, first, end, result = run.workspace, run.roots, 0, 0, 0
         if run.started is not None:
             (first, end, result), roots = run.started, 0
-            run.used += abs(result) - first
+            run.samples_used += abs(result) - first
             first = result
-        while result >= 0 and run.used < run.options.iterations and not run.is_late():
+        while result >= 0 and run.samples_used < run.options.iterations and not run.should_stop():
             if first >= end:
-                first, end = self._samples(run, min(SLICE, run.options.iterations - run.used))
+                first, end = self._samples(run, min(SLICE, run.options.iterations - run.samples_used))
             result = workspace.grow(first, end, roots)
             roots = 0
-            run.used += abs(result) - first
+            run.samples_used += abs(result) - first
             first = result
         run.nodes = sum(workspace.storage.trees.counts.tolist())
         return result < 0
 
     def _samples(self, run: Run, count: int) -> tuple[int, int]:
         """The first row of the storage with the next samples, and the row after them."""
-        seed, still = run.options.seed, run.options.still
-        is_kept = self._box.is_bounded and still is None
+        seed, fixed = run.options.seed, run.options.fixed_coordinates
+        is_kept = self._box.is_bounded and fixed is None
         sequence = (self._box.key, seed) if is_kept else None
 
         def draw() -> Any:
-            return samples(run.used, count, seed, *self._box.sampled(run.q0, run.goals, still))
+            return samples(run.samples_used, count, seed, *self._box.sampled(run.q0, run.goals, fixed))
 
-        first = run.workspace.storage.hold_samples(sequence, run.used, count, draw)
+        first = run.workspace.storage.hold_samples(sequence, run.samples_used, count, draw)
         return first, first + count
 
     # results ----------------------------------------------------------------------------------------------
@@ -240,7 +242,7 @@ class Search:
             points = self._with_detours(run, points, unproved, coarse)
             unproved = run.workspace.unproved(points)
         certificate = self._certificate(points, unproved)
-        if certificate or run.is_late():
+        if certificate or run.should_stop():
             return points, certificate
         whole = self._detour(run, points[0], points[-1], COARSE[-1])
         if whole is None or run.workspace.unproved(whole):
@@ -302,7 +304,7 @@ class Search:
             points,
             certificate,
             goal,
-            run.used,
+            run.samples_used,
             run.nodes,
             step,
             run.seconds,
@@ -319,5 +321,5 @@ def _straight(run: Run) -> tuple[Floats, int]:
     if start in (goals := run.goals.tolist()):
         return np.array([start]), goals.index(start)
     points = np.empty((2, len(start)))
-    points[0], points[1] = run.q0, run.goals[run.direct]
-    return points, run.direct
+    points[0], points[1] = run.q0, run.goals[run.direct_goal]
+    return points, run.direct_goal

@@ -50,6 +50,27 @@ class Trees(NamedTuple):
 
 
 @procedure
+def squared_distances(nodes, tree, i, q, W):
+    """The squared distances of q from W nodes, in lanes.
+
+    Args:
+        nodes: Both trees' nodes, shape (2, n, capacity) [rad, m].
+        tree: Which tree.
+        i: The first node.
+        q: A configuration, shape (n,) [rad, m].
+        W: Lanes, a constant.
+
+    Returns:
+        The squares [rad^2, m^2].
+    """
+    total = broadcast(f32(0.0), W)
+    for k in range(len(q)):
+        d = nodes[tree, k, i : i + W] - q[k]
+        total = total + d * d
+    return total
+
+
+@procedure
 def nearest_node(nodes, tree, count, q, W):
     """The node of a tree that is nearest to q, and its distance.
 
@@ -66,10 +87,7 @@ def nearest_node(nodes, tree, count, q, W):
     best = broadcast(f32(1e38), W)
     where_best = broadcast(0, W)
     for i in range(0, count, W):
-        total = broadcast(f32(0.0), W)
-        for k in range(len(q)):
-            d = nodes[tree, k, i : i + W] - q[k]
-            total = total + d * d
+        total = squared_distances(nodes, tree, i, q, W)
         closer = total < best
         best = np.where(closer, total, best)
         where_best = np.where(closer, lane_numbers(W) + i, where_best)
@@ -101,6 +119,25 @@ def add_node(trees, tree, q, parent):
 
 
 @procedure
+def add_node_with_cost(trees, tree, q, parent):
+    """Appends a node to a tree, with its cost; overwrites `trees.goal`.
+
+    Args:
+        trees: Both trees; one is changed.
+        tree: Which one.
+        q: The node, shape (n,) [rad, m].
+        parent: The number of its parent.
+
+    Returns:
+        Its number.
+    """
+    number = add_node(trees, tree, q, parent)
+    read_node(trees.nodes, tree, parent, trees.goal)
+    trees.costs[tree, number] = trees.costs[tree, parent] + distance(trees.goal, q)
+    return number
+
+
+@procedure
 def read_node(nodes, tree, number, q) -> None:
     """Copies a node into q.
 
@@ -115,8 +152,8 @@ def read_node(nodes, tree, number, q) -> None:
 
 
 @procedure
-def plant(trees, points, touching, count) -> None:
-    """Begins both trees anew: one at the first point, the other at those of the rest that are free.
+def set_roots(trees, points, touching, count) -> None:
+    """Empties both trees and sets their roots: the first point, and those of the rest that are free.
 
     Args:
         trees: Both trees.

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ulna.collision.lanes.tables import Moving, Scene
+from ulna.collision.lanes.moving import Moving
+from ulna.collision.lanes.tables import Scene
 from ulna.collision.lanes.touching import Work
 from ulna.compiler.procedures import aligned
 from ulna.planning import bounded_rrt
@@ -31,7 +32,7 @@ PARTS = (1.0, 0.25, 0.0625)
 """The three steps of a proof, in parts of the longest."""
 
 COARSE = (8.0, 2.0, 0.5)
-"""The steps of the search, and of searches for detours where its path touches in between, in those of the proof."""
+"""Step length of the search divided by that of the certificate: at first, and where its path touches in between."""
 
 _CAPACITY = 2048  # of a tree, at first
 _INITIAL_CAPACITY = 512  # points of a path, at first
@@ -127,7 +128,7 @@ class Workspace:
         margin: How near everything may come at least [m].
         step: How far any point moves at most between the states by which a path is proved free [m].
         longest: The longest edge of the trees [rad, m].
-        coarse: The steps of the search, in those of the proof [-].
+        coarse: Step length of the search divided by that of the certificate [-].
     """
 
     def __init__(
@@ -139,9 +140,9 @@ class Workspace:
         self._kernel, self._lanes = scene.robot.kernel, scene.lanes
         self._proof = Proof(tables[0], tables[1], tables[2], np.float32(step))
         numbers = (self.step, longest, _DOMAIN * longest, _LEAST_DOMAIN * longest, _CHANGE)
-        box = JointBox(scene.robot.model)
+        self._joint_box = JointBox(scene.robot.model)
         self._growth = Growth._make(map(np.float32, numbers))
-        self._box = np.stack([box.low, box.high])
+        self._box = np.stack([self._joint_box.low, self._joint_box.high])
         self._trees = self._path = self._points = None
 
     def bind(self, with_bound: bool) -> None:
@@ -325,7 +326,7 @@ class Workspace:
             rounds: How often it is shortened at most.
 
         Returns:
-            Points, shape (n, nq) [rad, m], in float64; the ends are those of float32.
+            Points within the limits, shape (n, nq) [rad, m], in float64; the ends are those of float32.
         """
         count = -1
         while count < 0:
@@ -333,7 +334,7 @@ class Workspace:
             count = self._run_stage(SHORTEN, rounds)
             if count < 0:
                 self.storage.make_path(2 * len(self.storage.path))
-        return self.storage.path[:count].astype(float), self._numbers[4]
+        return self._joint_box.clipped(self.storage.path[:count]), self._numbers[4]
 
     def unproved(self, points: Floats) -> list[int]:
         """The edges of a path, by number, of which machine code does not prove that nothing touches on them.

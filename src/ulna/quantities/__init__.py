@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ulna.quantities.centroidal import Centroidal
 from ulna.quantities.configurations import Configurations, ConfigurationSpace
-from ulna.quantities.constraints import Constraints
+from ulna.quantities.constrained_dynamics import Constraints
 from ulna.quantities.derivatives import Derivatives
 from ulna.quantities.dynamics import Dynamics
 from ulna.quantities.kinematics import Kinematics

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ulna.algorithms import Proximal
 from ulna.model import Model
 from ulna.model.constraint import frame_pairs
 from ulna.quantities.deferred_algorithms import algorithms
-from ulna.quantities.forces import friction_of, wrenches
+from ulna.quantities.forces import friction_law, wrench_arguments
 from ulna.quantities.quantity import Arguments
 from ulna.typing import Array
+
+if TYPE_CHECKING:
+    from ulna.compiler.language.function import SecondForm
 
 
 def of_frame_pairs(algorithm: Callable[..., Any]) -> Callable[..., Any]:
@@ -52,7 +55,7 @@ def constrained_dynamics(
     solver: Proximal,
 ) -> tuple[Any, ...]:
     """Accelerations, constraint forces, residual and rounds; the options say which arrays follow `tau`."""
-    resolved, law, remaining = frame_pairs(model, constraints), friction_of(model, friction), list(rest)
+    resolved, law, remaining = frame_pairs(model, constraints), friction_law(model, friction), list(rest)
     external = pull = None
     if forces:
         frames = [model.frame(name) for name in forces]
@@ -65,10 +68,36 @@ def constrained_dynamics(
     return tuple(algorithms.constrained_dynamics(model, q, v, tau, resolved, external, pull, solver))
 
 
+def stages_of_motion(
+    model: Model,
+    *,
+    constraints: Any,
+    forces: tuple[str, ...],
+    reference: Any,
+    friction: Any,
+    stabilised: bool,
+    solver: Proximal,
+) -> SecondForm | None:
+    """The form of stages of `constrained_dynamics`; None with further forces, and where the motion is stabilised."""
+    if forces or stabilised or friction_law(model, friction) is not None:
+        return None
+    return algorithms.stages_of_constrained_dynamics(model, frame_pairs(model, constraints), solver)
+
+
+def stages_of_impact(model: Model, *, constraints: Any, elastic: bool, solver: Proximal) -> SecondForm | None:
+    """The form of stages of `impulse_dynamics`; None for elastic impacts."""
+    if elastic:
+        return None
+    return algorithms.stages_of_impulse_dynamics(model, frame_pairs(model, constraints), solver)
+
+
 def motion_arguments(options: Mapping[str, Any]) -> Arguments:
     """Wrenches of the forces; where the motion is stabilised, anchors and gains."""
     gains: Arguments = (("gains", (len(options["constraints"]), 2)),)
-    return (*wrenches(options), *((*anchor_arguments(options), *gains) if options["stabilised"] else ()))
+    return (
+        *wrench_arguments(options),
+        *((*anchor_arguments(options), *gains) if options["stabilised"] else ()),
+    )
 
 
 def forward_dynamics_with_jacobian(

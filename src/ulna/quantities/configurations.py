@@ -6,6 +6,7 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.values import generator, number
 from ulna.errors import InputError
 from ulna.quantities.deferred_algorithms import algorithms
 from ulna.quantities.part import Part
@@ -80,7 +81,7 @@ class Configurations(Part):
         shape = tuple(np.atleast_1d(np.asarray(size)).tolist()) if np.size(size) else ()
         if not all(isinstance(n, int) and n >= 0 for n in shape):
             raise InputError(f"`size` is {size!r}; expected a count or a tuple of counts.")
-        return algorithms.random(self.model, np.random.default_rng(seed), shape)
+        return algorithms.random(self.model, generator("seed", seed), shape)
 
 
 @final
@@ -123,4 +124,5 @@ class ConfigurationSpace(Part):
         Raises:
             ShapeError, DtypeError, NonFiniteError: If an array has another shape or type, or is not finite.
         """
+        tolerance = number("tolerance", tolerance, "a number of zero or more [rad or m]", least=0.0)
         return (np.abs(self._kernel("difference")(q0, q1)) <= tolerance).all(axis=-1)

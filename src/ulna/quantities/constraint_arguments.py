@@ -1,17 +1,20 @@
-"""Arguments of constrained motion: solvers, gains, and the anchors of contacts."""
+"""Arguments of constrained dynamics: solvers, gains of stabilisation, and the anchors of contacts."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ulna.algorithms import Proximal
 from ulna.checks.arrays import batched_array
+from ulna.checks.rotations import checked_rotation
+from ulna.checks.values import short_repr
 from ulna.errors import InputError, ShapeError
 from ulna.model import Constraint
 from ulna.numeric import is_symbolic
+from ulna.spatial import SE3
 from ulna.typing import Array, ArrayLike
 
 _IDENTITY = np.eye(4)
@@ -27,7 +30,7 @@ def checked_solver(value: Any) -> Proximal:
 
 
 def stabilisation_arrays(constraints: Sequence[Constraint], anchors: Any, kp: Any, kd: Any) -> list[Array]:
-    """Further arguments of the kernel, which pull constraints together.
+    """Further arguments of the kernel, for Baumgarte stabilisation: anchors, and gains of errors and velocities.
 
     Args:
         constraints: The constraints.
@@ -39,14 +42,14 @@ def stabilisation_arrays(constraints: Sequence[Constraint], anchors: Any, kp: An
         Anchors (..., contacts, 4, 4), if there are contacts, and kp and kd of each constraint, (..., count, 2).
 
     Raises:
-        InputError: If gains are negative or traced ones are not given, or contacts have none to hold at.
+        InputError: If gains are negative, `kd` is left out beside a traced `kp`, or `kp` has contacts without anchors.
     """
     count = len(constraints)
-    stiff = _gains("kp", 0.0 if kp is None else kp, count)
-    if kd is None and is_symbolic(stiff):
+    position_gains = _gains("kp", 0.0 if kp is None else kp, count)
+    if kd is None and is_symbolic(position_gains):
         raise InputError("`kd` is not given; expected it where `kp` is an input of your own function.")
-    brake = 2.0 * np.sqrt(stiff) if kd is None else _gains("kd", kd, count)
-    gains = np.stack(np.broadcast_arrays(stiff, brake), axis=-1)
+    velocity_gains = 2.0 * np.sqrt(position_gains) if kd is None else _gains("kd", kd, count)
+    gains = _stacked("kd", [position_gains, velocity_gains], -1)
     contacts = [constraint for constraint in constraints if constraint.is_contact]
     if not contacts:
         return [gains]
@@ -98,14 +101,26 @@ def anchor_poses(anchors: Any, contacts: Sequence[Constraint]) -> Array:
         Poses, (..., contacts, 4, 4).
 
     Raises:
-        InputError: If they are a dictionary.
-        ShapeError: If they are not as many as contacts, or of another shape.
+        InputError: If they are no list or array, or those of frame contacts no poses.
+        ShapeError: If they are not as many as contacts, of another shape, or leading axes do not broadcast.
     """
-    count = len(contacts)
     if anchors is None:
-        return np.broadcast_to(_IDENTITY, (count, 4, 4))
-    if isinstance(anchors, Mapping):
-        raise InputError("`anchors` is a dictionary; expected one anchor for each contact, in their order.")
+        return np.broadcast_to(_IDENTITY, (len(contacts), 4, 4))
+    if isinstance(anchors, Mapping | str | SE3) or not isinstance(anchors, Iterable):
+        raise InputError(
+            f"`anchors` is {short_repr(anchors)}; expected one anchor for each contact, in their order, in a list or "
+            "an array."
+        )
+    poses = _as_poses(anchors, contacts)
+    frames = [i for i, contact in enumerate(contacts) if contact.size == 6]
+    if frames and not is_symbolic(poses):
+        checked_rotation("anchors", poses[..., frames, :3, :3], "ulna.spatial.nearest_rotation(R)")
+    return poses
+
+
+def _as_poses(anchors: Iterable[Any], contacts: Sequence[Constraint]) -> Array:
+    """Anchors as poses, (..., contacts, 4, 4)."""
+    count = len(contacts)
     expected = f"one for each of {count} contacts: (..., {count}, 4, 4), or (..., {count}, 3) for points"
     if isinstance(anchors, np.ndarray):
         if anchors.shape[-3:] == (count, 4, 4):
@@ -113,10 +128,22 @@ def anchor_poses(anchors: Any, contacts: Sequence[Constraint]) -> Array:
         if anchors.shape[-2:] != (count, 3):
             raise ShapeError("anchors", anchors.shape, expected)
         anchors = [anchors[..., i, :] for i in range(count)]
+    anchors = list(anchors)
     if len(anchors) != count:
         raise ShapeError("anchors", (len(anchors),), expected)
-    poses = [_pose(np.asarray(a), i, c) for i, (a, c) in enumerate(zip(anchors, contacts, strict=True))]
-    return np.stack(np.broadcast_arrays(*poses), axis=-3)
+    pairs = zip(anchors, contacts, strict=True)
+    return _stacked("anchors", [_pose(np.asarray(a), i, c) for i, (a, c) in enumerate(pairs)], -3)
+
+
+def _stacked(name: str, arrays: Sequence[Array], axis: int) -> Array:
+    """Arrays side by side along a new axis, after their leading axes are broadcast."""
+    try:
+        return np.stack(np.broadcast_arrays(*arrays), axis=axis)
+    except ValueError:
+        shapes = ", ".join(str(array.shape) for array in arrays)
+        raise ShapeError(
+            name, arrays[-1].shape, "leading axes that broadcast", f"Together: {shapes}."
+        ) from None
 
 
 def _pose(anchor: Array, index: int, contact: Constraint) -> Array:

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from typing import Any, final
 
-from ulna.algorithms.multibody.references import Reference
+from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.errors import InputError
 from ulna.quantities.deferred_algorithms import algorithms
-from ulna.quantities.forces import Forces, stacked, under_forces, wrenches
+from ulna.quantities.forces import (
+    Forces,
+    checked_forces,
+    stacked_wrenches,
+    with_external_forces,
+    wrench_arguments,
+)
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import of_frame, quantity
 from ulna.typing import ArrayLike, Floats
@@ -15,7 +21,7 @@ from ulna.typing import ArrayLike, Floats
 _FIXED: dict[str, Any] = {
     "options": {"forces": ()},
     "direct": True,
-    "more": wrenches,
+    "more": wrench_arguments,
     "forces": "External forces that turn with their frames: frame name -> wrench (..., 6) [N, N m] in its axes.",
     "reference": '"local" where there are forces, to say so; InputError otherwise.',
 }
@@ -31,7 +37,7 @@ class Derivatives(Part):
     __slots__ = ()
 
     @quantity(
-        under_forces(algorithms.inverse_dynamics_derivatives),
+        with_external_forces(algorithms.inverse_dynamics_derivatives),
         "(nv, nv), (nv, nv), (nv, nv)",
         returns="By q, v and a",
         nodes=(280, 129, 0),
@@ -54,12 +60,12 @@ class Derivatives(Part):
         return _under_fixed_forces(self, "inverse_dynamics_derivatives", (q, v, a), forces, reference)
 
     @quantity(
-        under_forces(algorithms.forward_dynamics_derivatives),
+        with_external_forces(algorithms.forward_dynamics_derivatives),
         "(nv, nv), (nv, nv), (nv, nv)",
         returns="By q, v and tau",
         nodes=(330, 138, 18),
         inverts_mass=True,
-        columns=under_forces(algorithms.columns_of_derivatives),
+        columns=with_external_forces(algorithms.columns_of_derivatives),
         stages=algorithms.stages_of_forward_dynamics_derivatives,
         **_FIXED,
     )
@@ -157,11 +163,15 @@ def _under_fixed_forces(
     part: Part, name: str, arrays: tuple[ArrayLike, ...], forces: Forces, reference: Reference | None
 ) -> Any:
     """The derivatives under forces that turn with their frames."""
+    if forces is not None:
+        forces = checked_forces(forces)
     if not forces:
+        if reference is not None:
+            check_reference(reference)  # of no forces, but a mistake nevertheless
         return part._kernel(name)(*arrays)
-    if reference != "local":
+    if not isinstance(reference, str) or reference != "local":
         raise InputError(
             f"`reference` is {reference!r}; expected 'local' where there are forces: derivatives are those under "
             "wrenches in the axes of their frames, which turn with them. Give the dynamics reference='local', too."
         )
-    return part._kernel(name, tuple(forces))(*arrays, stacked(forces))
+    return part._kernel(name, tuple(forces))(*arrays, stacked_wrenches(forces))

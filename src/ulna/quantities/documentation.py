@@ -36,6 +36,9 @@ ARRAYS: dict[str, Argument] = {
 }
 """The arrays of kernels, by the names of arguments."""
 
+OF_CALLS = {"out", "threads"}
+"""Arguments of methods that are no options: they are passed on to the kernel."""
+
 _OPTIONS = {
     "frame": "Name of a frame; None for the tool.",
     "reference": 'Of the twist: "local_world_aligned" (the frame\'s origin, axes of the world), "local" or "world".',

@@ -7,9 +7,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ulna.algorithms.multibody.references import Reference, check_reference
+from ulna.checks.arrays import batched_array, check_core_shape, check_finite, real_array
 from ulna.model import Model
 from ulna.quantities.deferred_algorithms import algorithms
-from ulna.quantities.forces import FORCES, Forces, friction_of, stacked, under_forces, wrenches
+from ulna.quantities.forces import (
+    FORCE_OPTIONS,
+    Forces,
+    checked_forces,
+    friction_law,
+    stacked_wrenches,
+    with_external_forces,
+    wrench_arguments,
+)
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import of_frame, quantity
 from ulna.typing import Array, ArrayLike, Floats, Numbers
@@ -18,28 +27,28 @@ if TYPE_CHECKING:
     from ulna.algorithms import Friction
 
 _LOADED: dict[str, Any] = {
-    "options": FORCES,
+    "options": FORCE_OPTIONS,
     "direct": True,
-    "more": wrenches,
+    "more": wrench_arguments,
     "reference": 'How the wrenches are written: "local_world_aligned", "local" or "world".',
 }
-_WITH_FRICTION: dict[str, Any] = {**_LOADED, "options": {**FORCES, "friction": False}}
+_WITH_FRICTION: dict[str, Any] = {**_LOADED, "options": {**FORCE_OPTIONS, "friction": False}}
 
 
 def _inverse_dynamics(
     model: Model, q: Array, v: Array, *rest: Array, friction: bool | Friction, **options: Any
 ) -> Array:
-    tau = under_forces(algorithms.inverse_dynamics)(model, q, v, *rest, **options)
-    law = friction_of(model, friction)
+    tau = with_external_forces(algorithms.inverse_dynamics)(model, q, v, *rest, **options)
+    law = friction_law(model, friction)
     return tau if law is None else tau - algorithms.friction_torque(v, law)
 
 
 def _forward_dynamics(
     model: Model, q: Array, v: Array, tau: Array, *rest: Array, friction: Any, **options: Any
 ) -> Array:
-    law = friction_of(model, friction)
+    law = friction_law(model, friction)
     total = tau if law is None else tau + algorithms.friction_torque(v, law)
-    return under_forces(algorithms.forward_dynamics)(model, q, v, total, *rest, **options)
+    return with_external_forces(algorithms.forward_dynamics)(model, q, v, total, *rest, **options)
 
 
 class Dynamics(Part):
@@ -103,7 +112,7 @@ class Dynamics(Part):
         """
         return _under(self, "forward_dynamics", (q, v, tau), forces, reference, friction)
 
-    @quantity(under_forces(algorithms.bias_forces), "(nv,) [N m or N]", nodes=160, **_LOADED)
+    @quantity(with_external_forces(algorithms.bias_forces), "(nv,) [N m or N]", nodes=160, **_LOADED)
     def bias_forces(
         self, q: ArrayLike, v: ArrayLike, forces: Forces = None, reference: Reference = "local_world_aligned"
     ) -> Floats:
@@ -131,7 +140,7 @@ class Dynamics(Part):
         """
         ...
 
-    @quantity(under_forces(algorithms.static_torque), "(nv,) [N m or N]", nodes=35, **_LOADED)
+    @quantity(with_external_forces(algorithms.static_torque), "(nv,) [N m or N]", nodes=35, **_LOADED)
     def static_torque(
         self, q: ArrayLike, forces: Forces = None, reference: Reference = "local_world_aligned"
     ) -> Floats:
@@ -170,6 +179,7 @@ class Dynamics(Part):
         nodes=(31, 25, 3.5),
         inverts_mass=True,
         columns=algorithms.columns_of_inverse_mass_matrix,
+        stages=algorithms.stages_of_inverse_mass_matrix,
     )
     def inverse_mass_matrix(self, q: ArrayLike) -> Floats:
         """The inverse of the mass matrix [Featherstone 2008, section 6.5].
@@ -224,7 +234,23 @@ class Dynamics(Part):
         ...
 
     def total_mass(self, subtree: str | None = None) -> float:
-        """The mass of all that moves, or of what the joint `subtree` moves [kg]; `model.mass` is that of all links."""
+        """The mass of all that moves, or of what the joint `subtree` moves [kg]; `model.mass` is that of all links.
+
+        Args:
+            subtree: Name of a joint, for what it moves; None for all that moves: links that are fixed to the base are
+                left out.
+
+        Returns:
+            The mass [kg].
+
+        Raises:
+            UnknownName: There is no such joint.
+
+        Example:
+            >>> robot = ulna.load("panda")
+            >>> round(robot.total_mass(), 3), round(robot.total_mass("panda_joint7"), 3), round(robot.model.mass, 3)
+            (16.822, 1.496, 17.452)
+        """
         return float(algorithms.total_mass(self.model, subtree))
 
     @quantity(algorithms.center_of_mass, "(3,) [m]")
@@ -272,9 +298,11 @@ class Dynamics(Part):
             UnknownName: If there is no such `frame` or `reference`; names the nearest.
         """
         weight = np.concatenate([self.model.gravity, np.zeros(3)])
-        load = np.asarray(weight if wrench is None else wrench, dtype=float)
-        limit = np.asarray(self.model.effort_limit if effort is None else effort, dtype=float)
-        free = np.isinf(limit)
+        load = batched_array("wrench", weight if wrench is None else wrench, (6,))
+        limit = real_array("effort", self.model.effort_limit if effort is None else effort)
+        check_core_shape("effort", limit, (self.model.nv,))
+        free = np.isinf(limit)  # a joint without a limit holds any load
+        check_finite("effort", np.where(free, 0.0, limit))
         kernel = self._kernel("payload_multiples", frame, reference)
         load_limit = kernel(q, load, np.where(free, np.finfo(float).max, limit))
         return np.where(free & ~np.isnan(load_limit), np.inf, load_limit)
@@ -289,7 +317,9 @@ def _under(
     *friction: bool | Friction,
 ) -> Any:
     """The quantity under forces, and under friction where it knows of it."""
+    if forces is not None:
+        forces = checked_forces(forces)
     if not forces:
         check_reference(reference)  # of no forces, but a mistake nevertheless
-        return part._kernel(name, (), FORCES["reference"], *friction)(*arrays)
-    return part._kernel(name, tuple(forces), reference, *friction)(*arrays, stacked(forces))
+        return part._kernel(name, (), FORCE_OPTIONS["reference"], *friction)(*arrays)
+    return part._kernel(name, tuple(forces), reference, *friction)(*arrays, stacked_wrenches(forces))

@@ -1,4 +1,4 @@
-"""External forces on the frames of a robot: how methods take them, and how algorithms get them."""
+"""External forces on the frames of a robot: arguments of methods, turned into those of algorithms."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ import numpy as np
 
 from ulna.algorithms import Friction
 from ulna.checks.masked import check_not_masked
-from ulna.errors import ShapeError
+from ulna.checks.values import short_repr
+from ulna.errors import InputError, ShapeError
 from ulna.lazy import is_dask
 from ulna.model import Model
 from ulna.quantities.deferred_algorithms import algorithms
@@ -19,16 +20,17 @@ from ulna.typing import Array, ArrayLike
 
 Forces = Mapping[str, ArrayLike] | None
 """What the surroundings exert on the robot: frame name -> wrench (..., 6) [N, N m], force first, moment second."""
-FORCES = {"forces": (), "reference": "local_world_aligned"}
+FORCE_OPTIONS = {"forces": (), "reference": "local_world_aligned"}
+"""Options of kernels for external forces, with their defaults."""
 
 
-def wrenches(options: Mapping[str, Any]) -> Arguments:
-    """Named frames add one argument, their wrenches (k, 6)."""
+def wrench_arguments(options: Mapping[str, Any]) -> Arguments:
+    """The additional argument of a kernel for named frames: their wrenches (k, 6)."""
     return (("f_ext", (len(options["forces"]), 6)),) if options["forces"] else ()
 
 
-def under_forces(algorithm: Callable[..., Any]) -> Callable[..., Any]:
-    """An algorithm that takes forces on bodies last, as one that takes names of frames and their wrenches."""
+def with_external_forces(algorithm: Callable[..., Any]) -> Callable[..., Any]:
+    """Turns an algorithm whose last argument are forces on bodies into one with names of frames and their wrenches."""
 
     @functools.wraps(algorithm)
     def run(model: Model, q: Array, *arrays: Array, forces: Any, reference: Any = "local") -> Any:
@@ -41,8 +43,8 @@ def under_forces(algorithm: Callable[..., Any]) -> Callable[..., Any]:
     return run
 
 
-def friction_of(model: Model, friction: bool | Friction) -> Friction | None:
-    """The law of friction that an option stands for.
+def friction_law(model: Model, friction: bool | Friction) -> Friction | None:
+    """The friction law that the option `friction` selects.
 
     Args:
         model: The robot.
@@ -50,13 +52,42 @@ def friction_of(model: Model, friction: bool | Friction) -> Friction | None:
 
     Returns:
         The law, None for none.
+
+    Raises:
+        InputError: It is neither a law nor a truth value.
     """
     if isinstance(friction, Friction):
         return friction
+    if not isinstance(friction, (bool, np.bool_)):
+        raise InputError(
+            f"`friction` is {short_repr(friction)}; expected True for that of the model, False, or a Friction."
+        )
     return Friction.of(model) if friction else None
 
 
-def stacked(forces: Mapping[str, ArrayLike]) -> Array:
+def checked_forces(forces: Any) -> Mapping[str, ArrayLike]:
+    """Wrenches by names of frames.
+
+    Args:
+        forces: What was passed.
+
+    Returns:
+        The same; empty for None.
+
+    Raises:
+        InputError: It is something else, such as an array.
+    """
+    if forces is None:
+        return {}
+    if not isinstance(forces, Mapping):
+        raise InputError(
+            f"`forces` is {short_repr(forces)}; expected a dictionary from names of frames to wrenches (..., 6), such "
+            "as {'tool': [0, 0, -10, 0, 0, 0]}: force first [N], then moment [N m]."
+        )
+    return forces
+
+
+def stacked_wrenches(forces: Mapping[str, ArrayLike]) -> Array:
     """The wrenches side by side, (..., k, 6)."""
     for name, wrench in forces.items():
         check_not_masked(f"forces[{name!r}]", wrench)

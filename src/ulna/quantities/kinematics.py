@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
 from ulna.algorithms.multibody.references import Reference
+from ulna.checks.values import one_of
 from ulna.model import Frame, Model
 from ulna.quantities.deferred_algorithms import algorithms
 from ulna.quantities.part import Part
@@ -225,6 +226,7 @@ class Kinematics(Part):
             >>> robot.manipulability(q, "minimum_singular_value").round(4)
             np.float64(0.2211)
         """
+        one_of("measure", measure, get_args(Measure))
         if measure == "yoshikawa":
             return self._kernel("manipulability", frame, axes)(q)
         if measure == "asada":

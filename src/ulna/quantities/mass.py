@@ -141,8 +141,8 @@ def _no_inertia_error(model: Model, entries: Iterable[int]) -> ModelError:
     named = _listed(model, entries)
     loose = [joint for joint in model.joints if joint.mimic is None and joint.name in _names(model, entries)]
     masses = [inertia.mass for inertia in model.inertias]
-    heavy = not is_symbolic(*masses) and any(masses[i] for joint in loose for i in _moved(model, joint))
-    if not heavy:
+    has_mass = not is_symbolic(*masses) and any(masses[i] for joint in loose for i in _moved(model, joint))
+    if not has_mass:
         cause = "nothing they move has mass, and their drives have no armature"
     elif len(loose) == 1 and loose[0].nv == 1:
         cause = (
@@ -181,15 +181,15 @@ def _moved(model: Model, joint: Any) -> set[int]:
 
 def _joints_without_mass(model: Model, masses: list[Any]) -> list[int]:
     """Entries of v that move neither mass nor inertia and have no armature."""
-    heavy = [
+    has_mass = [
         bool(mass) or bool(body.inertia.any()) for mass, body in zip(masses, model.inertias, strict=True)
     ]
-    for i in reversed(range(len(heavy))):
+    for i in reversed(range(len(has_mass))):
         parent = model.joints[i].parent
         if parent >= 0:
-            heavy[parent] = heavy[parent] or heavy[i]
+            has_mass[parent] = has_mass[parent] or has_mass[i]
     has_inertia = np.asarray(model.armature) != 0.0
-    for joint, carries in zip(model.joints, heavy, strict=True):
+    for joint, carries in zip(model.joints, has_mass, strict=True):
         has_inertia[joint.idx_v : joint.idx_v + joint.kind.nv] |= carries
     idle = []
     for joint in (j for j in model.joints if j.mimic is None):

@@ -58,7 +58,11 @@ class Part:
             return kernel
         except (AttributeError, KeyError, TypeError):
             pass  # an error of `make` is not raised from this one
-        return self._kernel_table.make(name, *map(frozen, options))
+        from ulna.quantities.direct_calls import call_directly  # imports threads
+
+        made = self._kernel_table.make(name, *map(frozen, options))
+        call_directly(type(self), name, type(self._kernels))
+        return made
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.model, self._kernel_table, {})
@@ -70,4 +74,5 @@ class Part:
 
 def frozen(value: Any) -> Any:
     """An option as a dictionary can keep it: tuples for lists and arrays."""
-    return tuple(value) if isinstance(value, (list, np.ndarray)) else value
+    is_array = isinstance(value, np.ndarray) and value.ndim > 0
+    return tuple(value) if is_array or isinstance(value, list) else value

@@ -10,8 +10,11 @@ their default values. The kernel is `algorithm(model, *arrays, **options)`, trac
 options. The method finds that kernel and calls it with the arrays, and with `out` and `threads` where it has such
 arguments. Its signature is the one written; its docstring is completed by what is known of the arguments.
 
-A method costs 40 to 60 ns more than its kernel, of which 25 to 30 are what Python takes for any call. Keyword-only
-arguments would add 20 ns, since Python calls functions that have such ones in a slower way.
+Once its kernel is there, a method is called by machine code (`direct_calls`), at some 10 ns beyond the kernel. What the
+decorator makes is for the first call, for methods that are bound before they are called (`f = robot.fk`, 30 to 60 ns
+beyond the kernel), and for interpreters without fast calls. It is made from a template, since one general function of
+`*args` and `**options` takes 125 ns, and 300 ns with an option. Keyword-only arguments would add 20 ns to it, since
+Python calls functions that have such ones in a slower way.
 """
 
 from __future__ import annotations
@@ -24,17 +27,15 @@ from typing import TYPE_CHECKING, Any, TypeVar, final
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model import Frame, Model
-from ulna.quantities.documentation import ARRAYS, Size, documented
+from ulna.quantities.documentation import ARRAYS, OF_CALLS, Size, documented
 from ulna.quantities.mass import with_mass
 
 if TYPE_CHECKING:
     from ulna.compiler.forms.columns import Columns
-    from ulna.compiler.language.function import SecondForm
+    from ulna.compiler.language.ports import SecondForm
 
 F = TypeVar("F", bound=Callable[..., Any])
 Arguments = tuple[tuple[str, Size], ...]
-_OF_CALLS = {"out", "threads"}
-"""Arguments of methods that are no options: they are passed on to the kernel."""
 
 
 def no_more(options: Mapping[str, Any]) -> Arguments:
@@ -158,40 +159,50 @@ def quantity(
     Returns:
         The decorator; the method has the record as its attribute `quantity`.
     """
+    rest: dict[str, Any] = {"more": more, "result": result, "inverts_mass": inverts_mass}
+    rest |= {"columns": columns, "stages": stages, "stages_from": stages_from}
 
     def declare(method: F) -> F:
-        code = method.__code__
-        parameters = code.co_varnames[1 : code.co_argcount + code.co_kwonlyargcount]
-        values = method.__defaults__ or ()
-        defaults = dict(zip(parameters[-len(values) :], values, strict=False))
+        parameters, defaults = _parameters_of(method)
+        own_options = {key: value for key, value in defaults.items() if key not in OF_CALLS}
         record = Quantity(
             name=name or algorithm.__name__.lstrip("_"),
             algorithm=algorithm,
             arrays=tuple(n for n in parameters if n in ARRAYS) if arrays is None else arrays,
-            options={key: value for key, value in defaults.items() if key not in _OF_CALLS}
-            if options is None
-            else options,
-            more=more,
-            result=result,
+            options=own_options if options is None else options,
             summary=(method.__doc__ or "").split("\n\n", 1)[0],
             nodes=nodes if isinstance(nodes, tuple) else (nodes, 0.0, 0.0),
-            inverts_mass=inverts_mass,
-            columns=columns,
-            stages=stages,
-            stages_from=stages_from,
+            **rest,
         )
-        made, nones = method, tuple(value is None for value in defaults.values())
-        if options is None:
-            made = _renamed(
-                _template(len(record.arrays), nones, _OF_CALLS.issubset(defaults)), method, record
-            )
-        elif direct:
-            made = _renamed(_direct_template(len(record.arrays), nones), method, record)
+        made = method if options is not None and not direct else _generated(method, record, options is None)
         made.__doc__ = documented(method.__doc__, parameters, result, returns, inverts_mass, about)
         made.quantity = record  # type: ignore[attr-defined]
         return made
 
     return declare
+
+
+def _parameters_of(method: Callable[..., Any]) -> tuple[tuple[str, ...], dict[str, Any]]:
+    """The names of a method's parameters after `self`, and the default values of those that have one."""
+    code, values = method.__code__, method.__defaults__ or ()
+    parameters = code.co_varnames[1 : code.co_argcount + code.co_kwonlyargcount]
+    return parameters, dict(zip(parameters[-len(values) :], values, strict=False))
+
+
+GENERATED: set[Any] = set()
+"""The methods made from templates: wrappers of them have the same attributes, and must be called."""
+
+
+def _generated(method: F, record: Quantity, has_tables: bool) -> F:
+    """The method that calls the kernel; without `has_tables` its body is called for other than default values."""
+    _, defaults = _parameters_of(method)
+    count, nones = len(record.arrays), tuple(value is None for value in defaults.values())
+    takes_out = OF_CALLS.issubset(defaults)
+    code = _template(count, nones, takes_out) if has_tables else _direct_template(count, nones)
+    made = _renamed(code, method, record)
+    made.has_tables = has_tables  # type: ignore[attr-defined]
+    GENERATED.add(made)
+    return made
 
 
 def _renamed(code: types.CodeType, method: F, record: Quantity) -> F:

@@ -53,7 +53,10 @@ class Composition(ABC):
         """
 
 
-class _OneByOne(Composition):
+AnyRecursion = Recursion | Composition
+
+
+class _SampleBySample(Composition):
     """What is evaluated sample by sample."""
 
     @final
@@ -77,7 +80,7 @@ class WithFriction(Composition):
         is_forward: Whether torques come in, not out.
     """
 
-    def __init__(self, frictionless: Recursion | Composition, law: Friction, is_forward: bool) -> None:
+    def __init__(self, frictionless: AnyRecursion, law: Friction, is_forward: bool) -> None:
         super().__init__(frictionless.outputs, frictionless)
         self._law, self._is_forward = law, is_forward
 
@@ -93,7 +96,7 @@ class WithFriction(Composition):
 
 
 @final
-class OfColumns(_OneByOne):
+class MimicMatrices(_SampleBySample):
     """Matrices of a robot with mimic joints, made of those with a column for every joint.
 
     A column of a mimic joint is that of its own motion times its multiplier; what belongs to one entry of v is added.
@@ -133,7 +136,7 @@ class OfColumns(_OneByOne):
 
 
 @final
-class OfMomentum(_OneByOne):
+class CentroidalResults(_SampleBySample):
     """What follows from the derivatives of the centroidal momentum at rest or without acceleration.
 
     Args:
@@ -199,7 +202,7 @@ _LARGEST_RESIDUAL = 1e-9
 
 
 @final
-class CoupledAccelerations(_OneByOne):
+class CoupledAccelerations(_SampleBySample):
     """Forward dynamics of a robot of whose joints some mimic others, at a cost linear in the joints for each of these.
 
     Every joint moves by itself under forces that keep followers beside their leaders; these are found as those of
@@ -251,7 +254,7 @@ class CoupledAccelerations(_OneByOne):
 
 
 @final
-class SolvedAccelerations(_OneByOne):
+class SolvedAccelerations(_SampleBySample):
     """Forward dynamics of a robot with mimic joints: M a = tau - h.
 
     Args:
@@ -273,7 +276,7 @@ class SolvedAccelerations(_OneByOne):
 
 
 @final
-class InverseOfMassMatrix(_OneByOne):
+class InverseOfMassMatrix(_SampleBySample):
     """The inverse mass matrix of a robot with mimic joints.
 
     Args:
@@ -290,7 +293,7 @@ class InverseOfMassMatrix(_OneByOne):
 
 
 @final
-class DerivativesOfAccelerations(_OneByOne):
+class DerivativesOfAccelerations(_SampleBySample):
     """-M^-1 dtau/dq, -M^-1 dtau/dv and M^-1, at the acceleration of forward dynamics [Carpentier & Mansard 2018].
 
     Args:
@@ -301,9 +304,9 @@ class DerivativesOfAccelerations(_OneByOne):
 
     def __init__(
         self,
-        accelerations: Recursion | Composition,
-        derivatives: Recursion | Composition,
-        inverse: Recursion | Composition,
+        accelerations: AnyRecursion,
+        derivatives: AnyRecursion,
+        inverse: AnyRecursion,
     ) -> None:
         super().__init__(derivatives.outputs, derivatives)
         self._accelerations: Any = accelerations.evaluator()

@@ -11,19 +11,16 @@ from typing import Any, NamedTuple, final
 
 import numpy as np
 
-from ulna.algorithms.constraints.dynamics import spread_over_rows
+from ulna.algorithms.constraints.dynamics import expanded_to_rows
 from ulna.algorithms.constraints.proximal_settings import Proximal
 from ulna.algorithms.constraints.proximal_solver import solve_proximal
 from ulna.model import Model
 from ulna.model.constraint import End, FramePair
 from ulna.numeric import cross, skew
-from ulna.recursions.composition import Composition
+from ulna.recursions.composition import AnyRecursion, Composition
 from ulna.recursions.frame_motions import jacobian_of, motion_of, poses_of
-from ulna.recursions.recursion import Recursion
 from ulna.spatial.exponential import so3_log
 from ulna.typing import Floats
-
-Made = Recursion | Composition
 
 
 class Motion(NamedTuple):
@@ -80,7 +77,7 @@ class _Frame:
         return Motion(matrix[:3, 3], matrix[:3, :3], J.reshape(6, self._nv), twist[0], drift[0])
 
 
-class Pairs:
+class ConstraintFrames:
     """The frames of constraints.
 
     Args:
@@ -197,10 +194,12 @@ class State:
         return out
 
 
-class _OfConstraints(Composition):
+class _ConstraintComposition(Composition):
     """What is computed of constraints, sample by sample."""
 
-    def __init__(self, pairs: Pairs, outputs: tuple[tuple[int, ...], ...], main: Made) -> None:
+    def __init__(
+        self, pairs: ConstraintFrames, outputs: tuple[tuple[int, ...], ...], main: AnyRecursion
+    ) -> None:
         super().__init__(outputs, main)
         self._pairs = pairs
 
@@ -217,7 +216,7 @@ class _OfConstraints(Composition):
 
 
 @final
-class OfState(_OfConstraints):
+class ConstraintQuantity(_ConstraintComposition):
     """What follows from the frames of constraints alone.
 
     Args:
@@ -230,9 +229,9 @@ class OfState(_OfConstraints):
 
     def __init__(
         self,
-        pairs: Pairs,
+        pairs: ConstraintFrames,
         shape: tuple[int, ...],
-        main: Made,
+        main: AnyRecursion,
         has_velocity: bool,
         read: Callable[..., Floats],
     ) -> None:
@@ -253,12 +252,12 @@ class Response(NamedTuple):
         solver: How the forces are found.
     """
 
-    accelerations: Made
+    accelerations: AnyRecursion
     solver: Proximal
 
 
 @final
-class ConstrainedAccelerations(_OfConstraints):
+class ConstrainedAccelerations(_ConstraintComposition):
     """Forward dynamics under constraints.
 
     Args:
@@ -270,7 +269,12 @@ class ConstrainedAccelerations(_OfConstraints):
     """
 
     def __init__(
-        self, pairs: Pairs, free: Made, response: Response, has_wrenches: bool, is_stabilised: bool
+        self,
+        pairs: ConstraintFrames,
+        free: AnyRecursion,
+        response: Response,
+        has_wrenches: bool,
+        is_stabilised: bool,
     ) -> None:
         super().__init__(pairs, (free.outputs[0], (pairs.rows,), (), ()), free)
         self._solve = _Solve(response)
@@ -284,7 +288,7 @@ class ConstrainedAccelerations(_OfConstraints):
         J, g = state.J, state.bias
         if self._is_stabilised:
             anchors = rest.pop(0).reshape(-1, 4, 4) if self._has_contacts else None
-            gains = spread_over_rows(rest[0].reshape(-1, 2), self._pairs.frame_pairs)
+            gains = expanded_to_rows(rest[0].reshape(-1, 2), self._pairs.frame_pairs)
             g = g + gains[:, 1] * (J @ v[0]) + gains[:, 0] * state.error(anchors)
         a = np.empty(v.shape)
         self._main.evaluate([q, v, tau, *wrenches], [a])
@@ -294,7 +298,7 @@ class ConstrainedAccelerations(_OfConstraints):
 
 
 @final
-class Impulses(_OfConstraints):
+class Impulses(_ConstraintComposition):
     """The velocity after an impact.
 
     Args:
@@ -303,7 +307,7 @@ class Impulses(_OfConstraints):
         is_elastic: Whether coefficients of restitution are an input.
     """
 
-    def __init__(self, pairs: Pairs, response: Response, is_elastic: bool) -> None:
+    def __init__(self, pairs: ConstraintFrames, response: Response, is_elastic: bool) -> None:
         nv = response.accelerations.outputs[0]
         super().__init__(pairs, (nv, (pairs.rows,), (), ()), response.accelerations)
         self._solve, self._is_elastic = _Solve(response), is_elastic
@@ -314,7 +318,7 @@ class Impulses(_OfConstraints):
         J = state.J
         before = J @ v[0]
         returned = (
-            spread_over_rows(rest[0].reshape(-1, 1), self._pairs.frame_pairs)[:, 0]
+            expanded_to_rows(rest[0].reshape(-1, 1), self._pairs.frame_pairs)[:, 0]
             if self._is_elastic
             else 0.0
         )
@@ -324,7 +328,7 @@ class Impulses(_OfConstraints):
 
 
 @final
-class Delassus(_OfConstraints):
+class Delassus(_ConstraintComposition):
     """The Delassus matrix.
 
     Args:
@@ -332,7 +336,7 @@ class Delassus(_OfConstraints):
         response: What it is computed by; its solver is not used.
     """
 
-    def __init__(self, pairs: Pairs, response: Response) -> None:
+    def __init__(self, pairs: ConstraintFrames, response: Response) -> None:
         super().__init__(pairs, ((pairs.rows, pairs.rows),), response.accelerations)
         self._solve = _Solve(response)
 
@@ -357,11 +361,11 @@ class _Solve:
         self._accelerations.evaluate([np.repeat(q, len(J), axis=0), np.zeros(J.shape), J], [rows])
         return rows
 
-    def __call__(self, q: Floats, J: Floats, amiss: Floats) -> tuple[Floats, Floats, float]:
-        """M^-1 J^T f, f and the rounds, for J M^-1 J^T f = -amiss."""
+    def __call__(self, q: Floats, J: Floats, residual: Floats) -> tuple[Floats, Floats, float]:
+        """M^-1 J^T f, f and the rounds, for J M^-1 J^T f = -residual."""
         X = self.columns(q, J)
         G = J @ X.T
-        solution = solve_proximal(0.5 * (G + G.T), list(-amiss), self._solver)
+        solution = solve_proximal(0.5 * (G + G.T), list(-residual), self._solver)
         forces = np.array(solution.forces, float)
         return forces @ X, forces, float(solution.iterations)
 

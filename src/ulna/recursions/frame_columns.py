@@ -55,8 +55,8 @@ class Chain(NamedTuple):
         counts = np.diff(tree.columns)
         return cls(tree.entries, np.repeat(tree.columns[:-1], counts), np.repeat(tree.columns[1:], counts))
 
-    def before(self, twists: Motion) -> Motion:
-        """For each column, the sum of what the columns of steps before its own have.
+    def sum_before(self, twists: Motion) -> Motion:
+        """For each column, the sum over the columns of steps before its own.
 
         Args:
             twists: A twist for each column, (..., columns).
@@ -64,43 +64,43 @@ class Chain(NamedTuple):
         Returns:
             The sums, (..., columns).
         """
-        return _at(_sums(twists), self.first)
+        return _select(_cumulative_sums(twists), self.first)
 
-    def upto(self, twists: Motion) -> Motion:
-        """The same with the columns of its own step.
+    def sum_through(self, twists: Motion) -> Motion:
+        """The same, of steps up to and including its own.
 
         Args:
-            twists: As for `before`.
+            twists: As for `sum_before`.
 
         Returns:
             The sums.
         """
-        return _at(_sums(twists), self.stop)
+        return _select(_cumulative_sums(twists), self.stop)
 
-    def onward(self, twists: Motion) -> Motion:
-        """The same of its own step and those after it.
+    def sum_from(self, twists: Motion) -> Motion:
+        """The same, of its own step and those after it.
 
         Args:
-            twists: As for `before`.
+            twists: As for `sum_before`.
 
         Returns:
             The sums.
         """
-        return _at(_sums(twists, backward=True), self.first)
+        return _select(_cumulative_sums(twists, backward=True), self.first)
 
-    def beyond(self, twists: Motion) -> Motion:
-        """The same of steps after its own.
+    def sum_after(self, twists: Motion) -> Motion:
+        """The same, of steps after its own.
 
         Args:
-            twists: As for `before`.
+            twists: As for `sum_before`.
 
         Returns:
             The sums.
         """
-        return _at(_sums(twists, backward=True), self.stop)
+        return _select(_cumulative_sums(twists, backward=True), self.stop)
 
-    def added(self, columns: Floats, axis: int, size: int) -> Floats:
-        """What belongs to the same entry of v, added.
+    def combined(self, columns: Floats, axis: int, size: int) -> Floats:
+        """The sums of the columns that belong to the same entry of v.
 
         Args:
             columns: An array with an axis of columns, (..., columns, ...).
@@ -119,8 +119,8 @@ class Chain(NamedTuple):
         return np.moveaxis(out, 0, axis)
 
 
-def _sums(twists: Motion, backward: bool = False) -> Motion:
-    """Sums of the first 0, 1, 2, ... twists; or of all but these."""
+def _cumulative_sums(twists: Motion, backward: bool = False) -> Motion:
+    """Sums of the first 0, 1, 2, ... twists; backward those of the others."""
 
     def summed(x: Floats) -> Floats:
         zero = np.zeros((*x.shape[:-2], 1, 3))
@@ -131,7 +131,7 @@ def _sums(twists: Motion, backward: bool = False) -> Motion:
     return Motion(summed(twists.linear), summed(twists.angular))
 
 
-def _at(sums: Motion, places: np.ndarray) -> Motion:
+def _select(sums: Motion, places: np.ndarray) -> Motion:
     return Motion(sums.linear[..., places, :], sums.angular[..., places, :])
 
 
@@ -140,7 +140,7 @@ Combine = Callable[..., Sequence[Motion]]
 
 
 @final
-class OfFrameColumns(Composition):
+class FrameColumnQuantity(Composition):
     """Matrices (6, nv) that follow from the columns of a frame's Jacobian.
 
     Args:
@@ -170,12 +170,12 @@ class OfFrameColumns(Composition):
         motion = Motion(columns[..., :3], columns[..., 3:])
         results = self._combine(self._chain, motion, *(x[:, self._chain.entries] for x in rates))
         for output, result in zip(outputs, results, strict=True):
-            matrix = self._chain.added(result.vector(), -2, self._nv)
+            matrix = self._chain.combined(result.vector(), -2, self._nv)
             output.reshape(len(q), 6, self._nv)[...] = matrix.swapaxes(1, 2)
 
 
 @final
-class OfHessian(Composition):
+class FrameHessian(Composition):
     """The Hessian of a frame, of that with a column for every column of a motion subspace.
 
     Args:
@@ -197,26 +197,26 @@ class OfHessian(Composition):
         for k in range(len(outputs[0])):
             H = np.empty((1, 6 * count * count))
             self._main.evaluate([x[k : k + 1] for x in inputs], [H])
-            rows = self._chain.added(H.reshape(count, 6, count), -3, self._nv)
-            outputs[0][k] = self._chain.added(rows, -1, self._nv).reshape(-1)
+            rows = self._chain.combined(H.reshape(count, 6, count), -3, self._nv)
+            outputs[0][k] = self._chain.combined(rows, -1, self._nv).reshape(-1)
 
 
 def _jacobian_rates(reference: Any) -> Combine:
     def combine(chain: Chain, J: Motion, v: Floats) -> Sequence[Motion]:
         twists = J * v
-        return (rate_of_column(J, chain.upto(twists), chain.beyond(twists), reference),)
+        return (rate_of_column(J, chain.sum_through(twists), chain.sum_after(twists), reference),)
 
     return combine
 
 
 def _velocity_derivatives(chain: Chain, J: Motion, v: Floats) -> Sequence[Motion]:
-    return chain.before(J * v).cross(J), J
+    return chain.sum_before(J * v).cross(J), J
 
 
 def _acceleration_derivatives(chain: Chain, J: Motion, v: Floats, a: Floats) -> Sequence[Motion]:
     twists = J * v
-    C = chain.before(J * a + chain.upto(twists).cross(twists))
-    state = ColumnState(chain.before(twists), C, chain.onward(twists), chain.beyond(twists))
+    C = chain.sum_before(J * a + chain.sum_through(twists).cross(twists))
+    state = ColumnState(chain.sum_before(twists), C, chain.sum_from(twists), chain.sum_after(twists))
     return acceleration_changes(J, state)
 
 
@@ -228,10 +228,10 @@ def _free_carriers(model: Model, frame: Frame) -> tuple[TreeTable, Mapping[int, 
 
 def _of_columns(
     combine: Callable[[Options], Combine], count: int
-) -> Callable[[Model, Options], OfFrameColumns]:
+) -> Callable[[Model, Options], FrameColumnQuantity]:
     """So many matrices that follow from a Jacobian, which is in "local" where there is no reference."""
 
-    def make(model: Model, options: Options) -> OfFrameColumns:
+    def make(model: Model, options: Options) -> FrameColumnQuantity:
         frame = frame_of(model, options["frame"])
         tree, rows, chain = _free_carriers(model, frame)
 
@@ -241,12 +241,12 @@ def _of_columns(
 
         shapes = ((model.nq,),), ((6, len(chain.entries)),)
         jacobian = Recursion(of_frames.frame_jacobian, storage, *shapes, len(tree.parents))
-        return OfFrameColumns(jacobian, chain, count, model.nv, combine(options))
+        return FrameColumnQuantity(jacobian, chain, count, model.nv, combine(options))
 
     return make
 
 
-def _hessian(model: Model, options: Options) -> OfHessian:
+def _hessian(model: Model, options: Options) -> FrameHessian:
     frame = frame_of(model, options["frame"])
     tree, rows, chain = _free_carriers(model, frame)
     count = len(chain.entries)
@@ -257,7 +257,7 @@ def _hessian(model: Model, options: Options) -> OfHessian:
 
     shapes = ((model.nq,),), ((6 * count, count),)
     columns = Recursion(of_hessian.frame_hessian, storage, *shapes, len(tree.parents), is_matrix=True)
-    return OfHessian(columns, chain, model.nv)
+    return FrameHessian(columns, chain, model.nv)
 
 
 RECURSIONS = {

@@ -85,9 +85,8 @@ class LoopedFunction:
         if is_symbolic(*arrays):
             return self.trace()(*arrays)
         rows = [np.asarray(x) for x in arrays]
-        batch = np.broadcast_shapes(
-            *(x.shape[: x.ndim - len(p.shape)] for x, p in zip(rows, self.inputs, strict=True))
-        )
+        batches = {x.shape[: x.ndim - len(p.shape)] for x, p in zip(rows, self.inputs, strict=True)}
+        batch = next(iter(batches)) if len(batches) == 1 else np.broadcast_shapes(*batches)
         targets = (
             out if isinstance(out, tuple) else (out,) if out is not None else (None,) * len(self.outputs)
         )
@@ -101,7 +100,7 @@ class LoopedFunction:
     def _evaluated(self, arrays: Sequence[Any], batch: tuple[int, ...], targets: Sequence[Any]) -> list[Any]:
         """The results, which are the targets where there are any."""
         inputs = [
-            np.ascontiguousarray(np.broadcast_to(x, batch + p.shape), np.float64).reshape(-1, p.size)
+            np.ascontiguousarray(_spread(x, batch + p.shape), np.float64).reshape(-1, p.size)
             for x, p in zip(arrays, self.inputs, strict=True)
         ]
         shapes = [batch + port.shape for port in self.outputs]
@@ -117,6 +116,11 @@ class LoopedFunction:
             if target is not None and result is not target:
                 np.copyto(target, result, casting="same_kind")
         return [result if target is None else target for result, target in zip(results, targets, strict=True)]
+
+
+def _spread(x: Any, shape: tuple[int, ...]) -> Any:
+    """An array broadcast to a shape; NumPy takes ten microseconds for one that has it already."""
+    return x if x.shape == shape else np.broadcast_to(x, shape)
 
 
 def _as_number(array: Any) -> Any:

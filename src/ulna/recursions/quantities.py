@@ -12,14 +12,14 @@ from ulna.model import Model
 from ulna.model.constraint import frame_pairs
 from ulna.model.variable import with_parameters
 from ulna.numeric import is_symbolic
-from ulna.quantities.forces import friction_of
+from ulna.quantities.forces import friction_law
 from ulna.quantities.quantity import Quantity, frame_of
-from ulna.recursions import frame_columns, pairs, regressors, whole_body
+from ulna.recursions import derivative_matrices, frame_columns, regressors, whole_body
 from ulna.recursions._procedures import articulated, composite, inverse_mass, newton_euler
 from ulna.recursions._procedures.frame_table import Frames
 from ulna.recursions._procedures.placements import new_placements
 from ulna.recursions.composition import (
-    Composition,
+    AnyRecursion,
     CoupledAccelerations,
     Couplings,
     DerivativesOfAccelerations,
@@ -30,14 +30,15 @@ from ulna.recursions.composition import (
 from ulna.recursions.constrained import (
     READERS,
     ConstrainedAccelerations,
+    ConstraintFrames,
+    ConstraintQuantity,
     Delassus,
     Impulses,
-    OfState,
-    Pairs,
     Response,
 )
 from ulna.recursions.frame_motions import jacobian_of, motion_of, poses_of
 from ulna.recursions.frame_rows import loaded_frames
+from ulna.recursions.in_stages import torque_derivatives
 from ulna.recursions.recursion import Recursion
 from ulna.recursions.tree_table import (
     INT,
@@ -49,12 +50,14 @@ from ulna.recursions.tree_table import (
 )
 
 Options = Mapping[str, Any]
-Made = Recursion | Composition
+_COLUMNS_AT_ONCE = 8
+"""A multiple of the lanes of all processors."""
+
 _FEW = 4
 """Mimic joints are solved one by one where there are this many entries of v for each; else the mass matrix is."""
 
 
-def recursion_of(model: Model, quantity: Quantity, options: Options) -> Made | None:
+def recursion_of(model: Model, quantity: Quantity, options: Options) -> AnyRecursion | None:
     """The recursion that computes a quantity.
 
     Args:
@@ -92,18 +95,20 @@ def _inputs(model: Model, sizes: Sequence[str], frames: Frames | None) -> tuple[
     return shapes if frames is None else (*shapes, (len(frames.rows), 6))
 
 
-def _dynamics(plain: Any, loaded: Any, *sizes: str) -> Callable[[Model, Options], Made | None]:
+def _dynamics(plain: Any, loaded: Any, *sizes: str) -> Callable[[Model, Options], AnyRecursion | None]:
     """Torques of all joints, with external forces and friction where they are asked for."""
 
-    def make(model: Model, options: Options) -> Made | None:
+    def make(model: Model, options: Options) -> AnyRecursion | None:
         return _with_friction(model, options, False, _torques(model, plain, loaded, sizes, options))
 
     return make
 
 
-def _with_friction(model: Model, options: Options, is_forward: bool, made: Made) -> Made | None:
+def _with_friction(
+    model: Model, options: Options, is_forward: bool, made: AnyRecursion
+) -> AnyRecursion | None:
     """The same with the friction that is asked for; None for a law that is traced."""
-    law = friction_of(model, options.get("friction", False))
+    law = friction_law(model, options.get("friction", False))
     if law is None:
         return made
     if is_symbolic(*(x for x in vars(law).values() if x is not None)):
@@ -144,7 +149,7 @@ def _articulated(tree: TreeTable, lanes: int) -> articulated.Articulated:
     return articulated.Articulated(*map(np.zeros, shapes))
 
 
-def _forward_dynamics(model: Model, options: Options) -> Made | None:
+def _forward_dynamics(model: Model, options: Options) -> AnyRecursion | None:
     tree = tree_table(model)
     made = _coupled(model, options) if has_mimics(model, tree) else _accelerations(model, options, tree)
     return _with_friction(model, options, True, made)
@@ -192,9 +197,11 @@ def _accelerations(model: Model, options: Options, tree: TreeTable) -> Recursion
 def _forward_dynamics_derivatives(model: Model, options: Options) -> DerivativesOfAccelerations | None:
     fixed = {"forces": options["forces"], "reference": "local"}
     accelerations = _forward_dynamics(model, fixed)
-    derivatives = pairs.RECURSIONS["inverse_dynamics_derivatives"](model, options)
+    derivatives = derivative_matrices.RECURSIONS["inverse_dynamics_derivatives"](model, options)
     if accelerations is None:
         return None
+    if not options["forces"]:
+        derivatives = torque_derivatives(model, derivatives)
     return DerivativesOfAccelerations(accelerations, derivatives, _inverse_mass_matrix(model, {}))
 
 
@@ -210,30 +217,30 @@ def _constrained_dynamics(model: Model, options: Options) -> ConstrainedAccelera
     free = _forward_dynamics(model, options)
     if free is None:
         return None
-    pairs = Pairs(model, frame_pairs(model, options["constraints"]))
-    wrenches, is_stabilised = bool(options["forces"]), options["stabilised"]
-    return ConstrainedAccelerations(pairs, free, _response(model, options), wrenches, is_stabilised)
+    pairs = ConstraintFrames(model, frame_pairs(model, options["constraints"]))
+    has_wrenches, is_stabilised = bool(options["forces"]), options["stabilised"]
+    return ConstrainedAccelerations(pairs, free, _response(model, options), has_wrenches, is_stabilised)
 
 
 def _impulse_dynamics(model: Model, options: Options) -> Impulses:
-    pairs = Pairs(model, frame_pairs(model, options["constraints"]))
+    pairs = ConstraintFrames(model, frame_pairs(model, options["constraints"]))
     return Impulses(pairs, _response(model, options), options["elastic"])
 
 
 def _delassus_matrix(model: Model, options: Options) -> Delassus:
-    pairs = Pairs(model, frame_pairs(model, options["constraints"]))
+    pairs = ConstraintFrames(model, frame_pairs(model, options["constraints"]))
     return Delassus(pairs, _response(model, options))
 
 
-def _of_state(name: str) -> Callable[[Model, Options], OfState]:
+def _of_state(name: str) -> Callable[[Model, Options], ConstraintQuantity]:
     """What follows from the frames of constraints alone."""
 
-    def make(model: Model, options: Options) -> OfState:
+    def make(model: Model, options: Options) -> ConstraintQuantity:
         frames = frame_pairs(model, options["constraints"])
-        pairs, (has_velocity, read) = Pairs(model, frames), READERS[name]
+        pairs, (has_velocity, read) = ConstraintFrames(model, frames), READERS[name]
         shape = (pairs.rows, model.nv) if name == "constraint_jacobian" else (pairs.rows,)
         shown = jacobian_of(model, frames[0].first, "local_world_aligned")
-        return OfState(pairs, shape, shown, has_velocity, read)
+        return ConstraintQuantity(pairs, shape, shown, has_velocity, read)
 
     return make
 
@@ -246,8 +253,16 @@ def _inverse_mass_matrix(model: Model, options: Options) -> Recursion | InverseO
 
     def storage(lanes: int) -> Sequence[Any]:
         work = _articulated(tree, 1)
-        units = inverse_mass.Units(np.zeros((6, model.nv)), np.zeros((count, 6, model.nv)), slots)
-        return tree, new_placements(len(tree.parents), 1, False), work, units
+        width = -(-model.nv // _COLUMNS_AT_ONCE) * _COLUMNS_AT_ONCE
+        units = inverse_mass.Units(
+            np.zeros((6, width)),
+            np.zeros((count, 6, width)),
+            slots,
+            np.zeros((model.nv, width)),
+            np.zeros((model.nv, 6)),
+            np.zeros((len(tree.parents) + 1, 10)),
+        )
+        return tree, new_placements(len(tree.parents), 1, True), work, units
 
     shapes = ((model.nq,),), ((model.nv, model.nv),)
     rows = len(tree.parents)
@@ -283,7 +298,7 @@ def _mass_matrix(model: Model, options: Options) -> Recursion:
     return Recursion(composite.mass_matrix, storage, *shapes, rows, is_matrix=True)
 
 
-_RECURSIONS: dict[str, Callable[[Model, Options], Made | None]] = {
+_RECURSIONS: dict[str, Callable[[Model, Options], AnyRecursion | None]] = {
     "fk": _fk,
     "link_poses": _link_poses,
     "jacobian": _jacobian,
@@ -304,7 +319,7 @@ _RECURSIONS: dict[str, Callable[[Model, Options], Made | None]] = {
     "delassus_matrix": _delassus_matrix,
     **{name: _of_state(name) for name in READERS},
     **whole_body.RECURSIONS,
-    **pairs.RECURSIONS,
+    **derivative_matrices.RECURSIONS,
     **frame_columns.RECURSIONS,
     **regressors.RECURSIONS,
 }

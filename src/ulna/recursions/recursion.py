@@ -31,11 +31,11 @@ Shape = tuple[int, ...]
 @final
 @dataclass(frozen=True, eq=False)
 class Recursion:
-    """A procedure of storage, inputs and outputs, in this order, of the number of blocks, and of its lanes W.
+    """A procedure that takes storage, inputs, outputs and the number of blocks, in this order; W are its lanes.
 
     Attributes:
         procedure: The procedure; its inputs and outputs are of shape (blocks, size, W).
-        storage: What stands before the inputs, for a number of lanes.
+        storage: Makes the arrays that are passed before the inputs, for a number of lanes.
         inputs: Shapes of the inputs.
         outputs: Shapes of the outputs.
         rows: How many rows its table has.
@@ -116,8 +116,8 @@ class Evaluator:
     def __init__(self, recursion: Recursion) -> None:
         self.recursion = recursion
         self.lanes = max(target().register_bytes // 8, 2)
-        self._idle: dict[bool, list[Any]] = {False: [], True: []}
-        self._stores: list[Sequence[Any]] = []
+        self._idle_workspaces: dict[bool, list[Any]] = {False: [], True: []}
+        self._idle_storage: list[Sequence[Any]] = []
 
     @property
     def rows_at_once(self) -> int:
@@ -140,7 +140,7 @@ class Evaluator:
         samples = len(outputs[0])
         is_batch = samples > 1
         step = self.rows_at_once if is_batch else 1
-        idle = self._idle[is_batch]
+        idle = self._idle_workspaces[is_batch]
         try:
             workspace = idle.pop()
         except IndexError:
@@ -158,7 +158,7 @@ class Evaluator:
             self._evaluate_copies(inputs, outputs, max(_ENTRIES_COPIED // (4 * max(entries, 1)), 1))
             return
         try:
-            storage = self._stores.pop()
+            storage = self._idle_storage.pop()
         except IndexError:
             storage = r.storage(1)
         step = max(_ENTRIES_AT_ONCE // entries, 1)
@@ -167,12 +167,12 @@ class Evaluator:
             read = [x[rows, :, None] for x in inputs]
             written = [x[rows].reshape(-1, *shape) for x, shape in zip(outputs, r.outputs, strict=True)]
             self.procedure(True).bind(*storage, *read, *written, len(written[0])).unguarded()
-        self._stores.append(storage)
+        self._idle_storage.append(storage)
 
     def _evaluate_copies(self, inputs: Sequence[Floats], outputs: Sequence[Floats], blocks: int) -> None:
         """As `evaluate`, so many matrices at a time, or one."""
         is_batch = len(outputs[0]) > 1
-        step, idle = blocks if is_batch else 1, self._idle[is_batch]
+        step, idle = blocks if is_batch else 1, self._idle_workspaces[is_batch]
         try:
             workspace = idle.pop()
         except IndexError:

@@ -6,7 +6,7 @@
 | P | placement of a step's fixed frame in its parent's moving frame | SE3 | [m] |
 | L | placement of its moving frame in its fixed frame | SE3 | [m] |
 | X | P L: rotation A0 + A1 cos + A2 sin, translation p0 + D0 u + D1 w, of an angle and two lengths u, w | SE3 | [m] |
-| S | columns of motion subspaces in the moving frame, those of mimic joints times their multiplier | (columns, 6) | |
+| S | columns of motion subspaces in the moving frame, times the multiplier of their step | (columns, 6) | |
 
 Rodrigues' formula is linear in 1, cos and sin; so P and the axis of a joint are multiplied once, for the table.
 """
@@ -46,7 +46,7 @@ TURN, SLIDE, PAIR, PLANE, PLANE_PAIR, SPACE, BALL, FREE = range(8)
 sine; three lengths; a quaternion; three lengths and a quaternion."""
 
 RATIO, OFFSET = 36, 37
-"""The columns of `TreeTable.fixed` that hold the multiplier and the offset of a mimic joint."""
+"""The columns of `TreeTable.fixed` that hold `Step.multiplier` and `Step.shift`."""
 
 
 class TreeTable(NamedTuple):
@@ -108,7 +108,7 @@ def _tree_table(model: Model, joints: tuple[int, ...] | None) -> TreeTable:
     counts = [0, 0, *np.cumsum([len(part) for part in columns]).tolist()]
     return TreeTable(
         _integers([0, *(step.parent + 1 for step in tree)]),
-        _integers([SLIDE, *(_kind(step.kind) for step in tree)]),
+        _integers([SLIDE, *(kind_code(step.kind) for step in tree)]),
         _integers([0, *(step.joint.idx_q + step.start_q for step in tree)]),
         _integers(counts),
         _integers([entry for part in columns for entry, _ in part]),
@@ -161,7 +161,7 @@ def free_columns(tree: TreeTable) -> TreeTable:
         tree: The whole table of a model.
 
     Returns:
-        The table; columns of mimic joints stay times their multiplier.
+        The table; columns stay times the multiplier of their step.
     """
     columns = len(tree.entries)
     return tree._replace(entries=np.arange(columns), armature=np.zeros(columns))
@@ -193,7 +193,8 @@ def _world_row() -> Floats:
     return row
 
 
-def _kind(kind: JointKind) -> int:
+def kind_code(kind: JointKind) -> int:
+    """How a joint of a kind reads q; raises UnknownKind where tables do not have it."""
     match kind:
         case Revolute() | Helical():
             return TURN
@@ -215,8 +216,22 @@ def _kind(kind: JointKind) -> int:
 
 
 def _fixed(step: Step) -> Floats:
-    """A row of `TreeTable.fixed`."""
-    kind, P, code = step.kind, step.placement, _kind(step.kind)
+    return fixed_row(step.kind, step.placement, step.multiplier, step.shift)
+
+
+def fixed_row(kind: JointKind, P: SE3, multiplier: float = 1.0, offset: float = 0.0) -> Floats:
+    """A row of `TreeTable.fixed`.
+
+    Args:
+        kind: The kind of the step.
+        P: Placement of its fixed frame in its parent's moving frame [m].
+        multiplier: `Step.multiplier` [-].
+        offset: `Step.shift` [rad or m].
+
+    Returns:
+        The row, (38,).
+    """
+    code = kind_code(kind)
     row = np.zeros(38)
     R = np.asarray(P.rotation, float)
     A0, A1, A2, directions = R, np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((2, 3))
@@ -234,8 +249,7 @@ def _fixed(step: Step) -> Floats:
     for k, part in enumerate((A0, A1, A2)):
         row[9 * k : 9 * k + 9] = part.reshape(9)
     row[27:30], row[30:33], row[33:36] = P.translation, R @ directions[0], R @ directions[1]
-    mimic = step.joint.mimic
-    row[RATIO], row[OFFSET] = step.multiplier, mimic.offset if mimic else 0.0
+    row[RATIO], row[OFFSET] = multiplier, offset
     return row
 
 

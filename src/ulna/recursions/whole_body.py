@@ -11,8 +11,8 @@ from ulna.model import Model
 from ulna.recursions._procedures import centroidal, centroidal_derivatives, whole_body
 from ulna.recursions._procedures.newton_euler import new_motions
 from ulna.recursions._procedures.placements import new_placements
-from ulna.recursions.composition import Composition, OfMomentum
-from ulna.recursions.pairs import new_pairs
+from ulna.recursions.composition import CentroidalResults, Composition
+from ulna.recursions.derivative_matrices import new_workspace
 from ulna.recursions.recursion import Recursion
 from ulna.recursions.tree_table import TreeTable, tree_table
 from ulna.typing import Floats
@@ -77,7 +77,7 @@ def _derivatives(model: Model, options: Options) -> Recursion | None:
     rows, columns = len(tree.parents), len(tree.entries)
 
     def storage(lanes: int) -> Sequence[Any]:
-        work = new_pairs(rows, columns), np.zeros((6, columns)), _mass(tree)
+        work = new_workspace(rows, columns), np.zeros((6, columns)), _mass(tree)
         return tree, new_placements(rows, 1, True), new_motions(rows, 1), *work
 
     inputs = (model.nq,), (model.nv,), (model.nv,)
@@ -86,18 +86,18 @@ def _derivatives(model: Model, options: Options) -> Recursion | None:
     return Recursion(procedure, storage, inputs, outputs, rows, is_matrix=True)
 
 
-def _matrix_dot(model: Model, options: Options) -> OfMomentum | None:
+def _matrix_dot(model: Model, options: Options) -> CentroidalResults | None:
     """The rate of the centroidal matrix A: dF/dv = d(A a + dA/dt v)/dv is dA/dt + dh/dq."""
     made = _derivatives(model, options)
     shapes = ((6, model.nv),)
-    return made and OfMomentum(made, shapes, lambda dh_dq, _dF_dq, dF_dv, _A: (dF_dv - dh_dq,))
+    return made and CentroidalResults(made, shapes, lambda dh_dq, _dF_dq, dF_dv, _A: (dF_dv - dh_dq,))
 
 
-def _velocity_derivatives(model: Model, options: Options) -> OfMomentum | None:
+def _velocity_derivatives(model: Model, options: Options) -> CentroidalResults | None:
     """Derivatives of the velocity of the centre of mass: of the momentum's linear part, over the mass."""
     made = _derivatives(model, options)
     mass, shapes = _mass(tree_table(model))[0], ((3, model.nv),) * 2
-    return made and OfMomentum(
+    return made and CentroidalResults(
         made, shapes, lambda dh_dq, _dF_dq, _dF_dv, A: (dh_dq[:3] / mass, A[:3] / mass)
     )
 

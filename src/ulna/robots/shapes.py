@@ -31,7 +31,7 @@ def rod(a: Point, b: Point, radius: float, material: Material | None = None) -> 
         material: How it looks; None for the default.
 
     Returns:
-        The geometry.
+        The geometry; a ball where both points are the same.
     """
     start, end = np.array(a, dtype=float), np.array(b, dtype=float)
     length = float(np.linalg.norm(end - start))

@@ -36,20 +36,7 @@ _FILES = {
 }
 """The files of names that are imported when first used: the command line parses without them."""
 
-__all__ = [
-    "Job",
-    "PlanSet",
-    "Progress",
-    "ReachMap",
-    "Samples",
-    "Sweep",
-    "data_set",
-    "identify",
-    "plans",
-    "reach",
-    "run",
-    "sweep",
-]
+__all__ = list(_FILES)
 
 __getattr__ = deferred_names(__name__, _FILES)
 

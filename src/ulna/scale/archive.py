@@ -13,8 +13,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from ulna.errors import InputError, MissingExtra
-from ulna.scale.store import check_same
+from ulna.errors import InputError, needed
+from ulna.scale.store import check_same, place
 from ulna.typing import Array
 
 
@@ -24,10 +24,8 @@ def zarr() -> Any:
     Raises:
         MissingExtra: If it is not installed.
     """
-    try:
+    with needed("zarr", "cluster", "Reading and writing Zarr groups"):
         import zarr  # pyright: ignore[reportMissingImports]
-    except ImportError:
-        raise MissingExtra("zarr", "cluster", "Reading and writing Zarr groups") from None
     return zarr
 
 
@@ -48,9 +46,10 @@ def named(to: str | os.PathLike[str] | None, *also: str) -> str | os.PathLike[st
         The same.
 
     Raises:
-        InputError: If the name is that of another kind of file.
+        InputError: If it is no path, or its name that of another kind of file.
     """
-    ending = "" if to is None else Path(to).suffix.lower()
+    path = place(to)
+    ending = "" if path is None else path.suffix.lower()
     if ending in _OTHER_FILES and ending not in also:
         names = " or ".join(repr(f"result{end}") for end in (".zarr", *also))
         raise InputError(

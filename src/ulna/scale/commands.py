@@ -17,8 +17,21 @@ def add_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
         command: Makes the parser of a command: `command(name, run, about, more)`.
     """
     more = "The same command continues a job that was stopped. Without --scheduler a cluster of this machine starts."
-    reach = command("reach", _reach, "map where a robot's tool can be, on a Dask cluster", more)
-    reach.add_argument("name", metavar="NAME", help="a name from `ulna list`, or the path of a robot's file")
+
+    def job(name: str, run: Callable[[argparse.Namespace], None], about: str) -> argparse.ArgumentParser:
+        parser = command(name, run, about, more)
+        help = "a name from `ulna list`, or the path of a robot's file"
+        parser.add_argument("name", metavar="NAME", help=help)
+        return parser
+
+    _add_reach(job("reach", _reach, "map where a robot's tool can be, on a Dask cluster"))
+    _add_data_set(job("dataset", _data_set, "write random states and quantities at them into a Zarr group"))
+    _add_plans(job("plans", _plans, "plan many motions among obstacles, on a Dask cluster"))
+    _add_sweep(job("sweep", _sweep, "how a quantity changes with masses, payloads, placements"))
+    _add_identify(job("identify", _identify, "masses, inertias and friction from a log of any length"))
+
+
+def _add_reach(reach: argparse.ArgumentParser) -> None:
     reach.add_argument(
         "--samples", type=float, default=1e7, metavar="N", help="how many configurations (default 1e7)"
     )
@@ -29,25 +42,21 @@ def add_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
     reach.add_argument(
         "--solutions", type=float, default=0, metavar="N", help="samples whose IK solutions are counted"
     )
-    reach.add_argument(
-        "--chunk", type=float, default=1e6, metavar="N", help="samples of one task (default 1e6)"
-    )
-    reach.add_argument("--seed", type=int, default=0, help="of the configurations (default 0)")
     reach.add_argument("--picture", metavar="PNG", help="write a picture of the map")
     reach.add_argument("--page", metavar="HTML", help="write a page of the map that can be turned")
-    _cluster_options(reach)
-    data = command("dataset", _data_set, "write random states and quantities at them into a Zarr group", more)
-    data.add_argument("name", metavar="NAME", help="a name from `ulna list`, or the path of a robot's file")
+    _job_options(reach, "1e6", "samples", seeds="of the configurations")
+
+
+def _add_data_set(data: argparse.ArgumentParser) -> None:
     data.add_argument(
         "columns", nargs="*", metavar="COLUMN", help="q, v, a, tau, a kernel, collides (default: q fk)"
     )
     data.add_argument("--samples", type=float, default=1e6, metavar="N", help="how many rows (default 1e6)")
     data.add_argument("--dtype", default="float64", help="float64 (default) or float32")
-    data.add_argument("--chunk", type=float, default=1e5, metavar="N", help="rows of one task (default 1e5)")
-    data.add_argument("--seed", type=int, default=0, help="of the states (default 0)")
-    _cluster_options(data)
-    plans = command("plans", _plans, "plan many motions among obstacles, on a Dask cluster", more)
-    plans.add_argument("name", metavar="NAME", help="a name from `ulna list`, or the path of a robot's file")
+    _job_options(data, "1e5", "rows", seeds="of the states")
+
+
+def _add_plans(plans: argparse.ArgumentParser) -> None:
     plans.add_argument("--problems", type=float, metavar="N", help="how many random problems")
     plans.add_argument(
         "--from", dest="problem_file", metavar="NPZ", help="problems instead: arrays `starts` and `goals`"
@@ -64,18 +73,10 @@ def add_commands(command: Callable[..., argparse.ArgumentParser]) -> None:
     plans.add_argument(
         "--margin", type=float, default=0.0, metavar="M", help="how near everything may come [m]"
     )
-    plans.add_argument(
-        "--chunk", type=float, default=100, metavar="N", help="problems of one part (default 100)"
-    )
-    plans.add_argument("--seed", type=int, default=0, help="of problems and searches (default 0)")
-    _cluster_options(plans)
-    _add_sweep(command, more)
-    _add_identify(command, more)
+    _job_options(plans, "100", "problems", seeds="of problems and searches")
 
 
-def _add_sweep(command: Callable[..., argparse.ArgumentParser], more: str) -> None:
-    sweep = command("sweep", _sweep, "how a quantity changes with masses, payloads, placements", more)
-    sweep.add_argument("name", metavar="NAME", help="a name from `ulna list`, or the path of a robot's file")
+def _add_sweep(sweep: argparse.ArgumentParser) -> None:
     sweep.add_argument("quantity", metavar="QUANTITY", help="the name of a kernel, such as gravity_forces")
     sweep.add_argument(
         "--vary",
@@ -87,16 +88,10 @@ def _add_sweep(command: Callable[..., argparse.ArgumentParser], more: str) -> No
     sweep.add_argument("--samples", type=float, metavar="N", help="how many (default 1e6)")
     sweep.add_argument("--levels", type=int, metavar="N", help="all combinations of N values each instead")
     sweep.add_argument("--configuration", metavar="NAME", help="a named one of the robot (default: neutral)")
-    sweep.add_argument(
-        "--chunk", type=float, default=1e5, metavar="N", help="samples of one part (default 1e5)"
-    )
-    sweep.add_argument("--seed", type=int, default=0, help="of the samples (default 0)")
-    _cluster_options(sweep)
+    _job_options(sweep, "1e5", "samples", seeds="of the samples")
 
 
-def _add_identify(command: Callable[..., argparse.ArgumentParser], more: str) -> None:
-    fit = command("identify", _identify, "masses, inertias and friction from a log of any length", more)
-    fit.add_argument("name", metavar="NAME", help="a name from `ulna list`, or the path of a robot's file")
+def _add_identify(fit: argparse.ArgumentParser) -> None:
     fit.add_argument(
         "log", metavar="LOG", help="a Zarr group, a folder with q.npy ..., or an NPZ file: q, v, a, tau"
     )
@@ -104,19 +99,19 @@ def _add_identify(command: Callable[..., argparse.ArgumentParser], more: str) ->
         fit.add_argument(f"--{name}", action="store_true", help=f"seek the {name} of the drives, too")
     fit.add_argument("--physical", action="store_true", help="only bodies that can exist")
     fit.add_argument("--noise", choices=["auto"], help="auto: weigh the joints by the noise of their torques")
-    fit.add_argument("--chunk", type=float, default=5e4, metavar="N", help="rows of one part (default 5e4)")
     fit.add_argument("--parameters", metavar="NPY", help="write the dynamic parameters that were found")
-    _cluster_options(fit)
+    _job_options(fit, "5e4", "rows")
 
 
-def _cluster_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--to", metavar="ZARR", help="where the result is written, and beside it the progress"
-    )
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler, such as tcp://host:8786")
-    parser.add_argument(
-        "--workers", type=int, metavar="N", help="processes of this machine; 0: none but this one"
-    )
+def _job_options(parser: argparse.ArgumentParser, chunk: str, rows: str, seeds: str = "") -> None:
+    """The options of all jobs: their parts, where they run and where the result is written."""
+    add = parser.add_argument
+    add("--chunk", type=float, default=chunk, metavar="N", help=f"{rows} of one part (default {chunk})")
+    if seeds:
+        add("--seed", type=int, default=0, help=f"{seeds} (default 0)")
+    add("--to", metavar="ZARR", help="where the result is written, and beside it the progress")
+    add("--scheduler", metavar="ADDRESS", help="of a Dask scheduler, such as tcp://host:8786")
+    add("--workers", type=int, metavar="N", help="processes of this machine; 0: none but this one")
 
 
 def _reach(chosen: argparse.Namespace) -> None:
@@ -130,23 +125,20 @@ def _reach(chosen: argparse.Namespace) -> None:
         checked_png_path(chosen.picture)  # before the work, which may take hours
     if chosen.page:
         checked_html_path(chosen.page)
-    found = reach(
+    reach_map = reach(
         chosen.name,
         chosen.samples,
         voxel=chosen.voxel,
         frame=chosen.frame,
         solutions=chosen.solutions,
-        chunk=chosen.chunk,
-        seed=chosen.seed,
-        to=chosen.to,
-        **_where(chosen),
+        **_job_arguments(chosen),
     )
-    print(found)
+    print(reach_map)
     if chosen.picture:
-        found.picture(chosen.picture)
+        reach_map.picture(chosen.picture)
         print(chosen.picture)
     if chosen.page:
-        print(found.page(chosen.page))
+        print(reach_map.page(chosen.page))
 
 
 def _data_set(chosen: argparse.Namespace) -> None:
@@ -154,20 +146,17 @@ def _data_set(chosen: argparse.Namespace) -> None:
 
     if not chosen.to:
         raise InputError("A data set needs a place: give --to, such as --to data.zarr.")
-    found = data_set(
+    data = data_set(
         chosen.name,
         chosen.samples,
         chosen.columns or ("q", "fk"),
-        to=chosen.to,
         dtype=chosen.dtype,
-        seed=chosen.seed,
-        chunk=chosen.chunk,
-        **_where(chosen),
+        **_job_arguments(chosen),
     )
-    if hasattr(found, "schema"):  # of Parquet files
-        lines = [f"{column.name}: {column.type}" for column in found.schema] + [f"{found.count_rows()} rows"]
+    if hasattr(data, "schema"):  # of Parquet files
+        lines = [f"{column.name}: {column.type}" for column in data.schema] + [f"{data.count_rows()} rows"]
     else:
-        lines = [f"{name}: {array.dtype} {array.shape}" for name, array in sorted(found.arrays())]
+        lines = [f"{name}: {array.dtype} {array.shape}" for name, array in sorted(data.arrays())]
     print("\n".join(lines))
 
 
@@ -177,23 +166,20 @@ def _plans(chosen: argparse.Namespace) -> None:
     from ulna.scale import npz
     from ulna.scale.many_plans import plans
 
-    given: dict[str, Any] = {"problems": chosen.problems}
+    problems: dict[str, Any] = {"problems": chosen.problems}
     if chosen.problem_file:
-        given |= npz.read(chosen.problem_file, ("starts", "goals"))
+        problems |= npz.read(chosen.problem_file, ("starts", "goals"))
     world = World()
     for k, numbers in enumerate(chosen.box):
         world = world.add(f"box {k + 1}", Box(tuple(numbers[3:])), tuple(numbers[:3]))
-    found = plans(
+    plan_set = plans(
         chosen.name,
         world=world if chosen.box else None,
         margin=chosen.margin,
-        seed=chosen.seed,
-        chunk=chosen.chunk,
-        to=chosen.to,
-        **given,
-        **_where(chosen),
+        **problems,
+        **_job_arguments(chosen),
     )
-    print(found)
+    print(plan_set)
 
 
 def _sweep(chosen: argparse.Namespace) -> None:
@@ -202,21 +188,18 @@ def _sweep(chosen: argparse.Namespace) -> None:
 
     robot = load(chosen.name)
     at = {} if chosen.configuration is None else {"q": robot.configurations[chosen.configuration]}
-    found = sweep(
+    result = sweep(
         robot,
         chosen.quantity,
         _ranges(chosen.vary),
         chosen.samples,
         levels=chosen.levels,
         at=at,
-        seed=chosen.seed,
-        chunk=chosen.chunk,
-        to=chosen.to,
-        **_where(chosen),
+        **_job_arguments(chosen),
     )
-    print(found)
+    print(result)
     print(f"{'entry':>10s} {'mean':>12s} {'deviation':>12s} {'least':>12s} {'greatest':>12s}")
-    arrays = (found.mean, found.deviation, found.least, found.greatest)
+    arrays = (result.mean, result.deviation, result.least, result.greatest)
     for k, numbers in enumerate(zip(*(array.reshape(-1).tolist() for array in arrays), strict=True)):
         print(f"{k:10d} " + " ".join(f"{number:12.5g}" for number in numbers))
 
@@ -226,7 +209,7 @@ def _identify(chosen: argparse.Namespace) -> None:
 
     from ulna.scale.identifying import identify
 
-    found = identify(
+    fit = identify(
         chosen.name,
         chosen.log,
         armature=chosen.armature,
@@ -234,18 +217,16 @@ def _identify(chosen: argparse.Namespace) -> None:
         friction=chosen.friction,
         physical=chosen.physical,
         noise=chosen.noise,
-        chunk=chosen.chunk,
-        to=chosen.to,
-        **_where(chosen),
+        **_job_arguments(chosen),
     )
     if chosen.parameters:
         Path(chosen.parameters).parent.mkdir(parents=True, exist_ok=True)
-        np.save(chosen.parameters, found.parameters)
-    print(found.report())
+        np.save(chosen.parameters, fit.parameters)
+    print(fit.report())
 
 
-def _ranges(given: Sequence[str]) -> dict[str, Any]:
-    ranges = [_range(words) for words in given]
+def _ranges(texts: Sequence[str]) -> dict[str, Any]:
+    ranges = [_range(words) for words in texts]
     for name, _ in ranges:
         if sum(other == name for other, _ in ranges) > 1:
             raise InputError(f"`--vary {name}=` is given more than once; leave out all but one.")
@@ -264,5 +245,7 @@ def _range(words: str) -> tuple[str, Any]:
     return name, ends[0] if len(ends) == 1 else ends
 
 
-def _where(chosen: argparse.Namespace) -> dict[str, Any]:
-    return {"scheduler": chosen.scheduler, "workers": chosen.workers}
+def _job_arguments(chosen: argparse.Namespace) -> dict[str, Any]:
+    """What `_job_options` adds, as the functions of jobs take it."""
+    names = ("chunk", "seed", "to", "scheduler", "workers")
+    return {name: value for name, value in vars(chosen).items() if name in names}

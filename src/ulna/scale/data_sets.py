@@ -16,7 +16,7 @@ from ulna.errors import DtypeError, InputError, UnknownName
 from ulna.loading import load
 from ulna.robot import Robot
 from ulna.scale import archive, parquet
-from ulna.scale.engine import run
+from ulna.scale.engine import run_with
 from ulna.scale.job import SampledJob, Samples, State, whole_number
 from ulna.typing import Array
 
@@ -88,8 +88,10 @@ def data_set(
     plan = Samples(
         whole_number("samples", samples), whole_number("chunk", chunk), whole_number("seed", seed, 0)
     )
-    job = DataSet(robot, plan, names, world, numbers, str(Path(to).absolute()))
-    return run(job, archive.named(to, ".parquet"), **options)
+    if to is None:
+        raise InputError("`to` is None; expected the folder to write, such as 'data.zarr'.")
+    archive.named(to, ".parquet")
+    return run_with(options, DataSet(robot, plan, names, world, numbers, str(Path(to).absolute())), to)
 
 
 def _dtype(dtype: Any) -> str:
@@ -139,9 +141,6 @@ class DataSet(SampledJob):
     def prepare(self, to: Path | None) -> None:
         """Makes the arrays.
 
-        Args:
-            to: The folder.
-
         Raises:
             InputError: If a chunk would be too large.
         """
@@ -166,14 +165,7 @@ class DataSet(SampledJob):
         return {"checksums": np.zeros(self.parts, dtype=np.uint32)}
 
     def work(self, part: int) -> State:
-        """Computes and writes the rows of a part.
-
-        Args:
-            part: Its number.
-
-        Returns:
-            The checksum of the rows.
-        """
+        """Computes and writes the rows of a part; returns their checksum."""
         rows = self._rows(self.samples.size(part), self.samples.generator(part))
         values = {name: np.ascontiguousarray(rows[name]) for name in self.columns}
         if self._is_parquet:
@@ -188,36 +180,15 @@ class DataSet(SampledJob):
         return {"checksum": np.array(checksum, dtype=np.uint32)}
 
     def fold(self, state: State, part: int, result: State) -> None:
-        """Stores the checksum of a part.
-
-        Args:
-            state: The checksums.
-            part: The number of the part.
-            result: Its checksum.
-        """
+        """Stores the checksum of a part."""
         state["checksums"][part] = result["checksum"]
 
     def existing(self, to: Path) -> Any:
-        """The data set in `to`.
-
-        Args:
-            to: The folder.
-
-        Returns:
-            The Zarr group, or the data set in Parquet files.
-        """
+        """The data set in `to`: the Zarr group, or the files of Parquet."""
         return (parquet if self._is_parquet else archive).check(to, self.description())
 
     def finish(self, state: State, to: Path | None) -> Any:
-        """Marks the data set as complete.
-
-        Args:
-            state: The checksums.
-            to: The folder.
-
-        Returns:
-            The Zarr group, or the data set in Parquet files, to read.
-        """
+        """Marks the data set as complete."""
         more = {"checksums": state["checksums"].tolist(), "complete": True}
         if self._is_parquet:
             parquet.describe(Path(self.to), {**self.description(), **more})

@@ -5,18 +5,18 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, final
 
-from ulna.checks.values import count, number
+from ulna.checks.values import count, number, one_of
 from ulna.errors import InputError, JobStopped
 from ulna.lazy import Portable
 from ulna.scale.cluster import connected
 from ulna.scale.job import Job, Samples, State
 from ulna.scale.progress import Progress, Reporter, reporter
-from ulna.scale.store import Store, job_folder
+from ulna.scale.store import Kept, Store, check_result, job_folder, place
 from ulna.scale.tasks import Interrupted, Tasks, is_storage_error
 
 _CHECKPOINT = 15.0  # s between two writings of the state
@@ -37,7 +37,8 @@ def run(
     Args:
         job: The job.
         to: Where its result is written, and beside it, in `TO.job`, its progress; None to keep all in memory. What is
-            there already is returned if it is the result of this very job.
+            there already is returned if it is the result of this very job; `TO.job.json` says of which it is, unless
+            the result itself does (`Job.describes_result`).
         scheduler: Address of a scheduler of Dask, or a `distributed.Client`; None for a cluster of this machine, which
             starts and ends with the job.
         workers: How many processes that cluster has; 0 for none: all is done in this process, without Dask. None for as
@@ -52,7 +53,8 @@ def run(
     Raises:
         JobStopped: If the job ended before all was done: the scheduler was lost, nothing can be written, or a part
             failed again and again. It says what is missing; the same call continues.
-        InputError: If `to` holds another job, an argument makes no sense, or `job.finish` wrote nothing to `to`.
+        InputError: If `to` holds another job or its result, an argument makes no sense, or `job.finish` wrote nothing
+            to `to`.
         VersionMismatch: If a worker has another version of Ulna.
         MissingExtra: If Dask is not installed.
 
@@ -71,7 +73,8 @@ def run(
         ...         return np.load(to)
         ...     def finish(self, state, to):
         ...         if to is not None:
-        ...             np.save(to, state["sum"] / 1_000_000)
+        ...             with to.open("wb") as file:  # np.save would add ".npy" to another name
+        ...                 np.save(file, state["sum"] / 1_000_000)
         ...         return float(state["sum"]) / 1_000_000
         >>> round(ulna.scale.run(Mean(), workers=0, progress=False), 2)
         0.5
@@ -82,23 +85,44 @@ def run(
     number("patience", patience, "seconds, not below 0", least=0.0)
     if scheduler is not None and workers is not None:
         raise InputError("`workers` is given beside `scheduler`; the scheduler has its own. Leave one out.")
-    place = None if to is None else Path(os.path.abspath(to))
+    where = place(to)
     try:
         with ExitStack() as stack:
-            if place is not None and place.exists() and not job_folder(place).exists():
-                return job.existing(place)
-            store = None if place is None else Store(place, _described(job))
+            if where is not None and where.exists() and not job_folder(where).exists():
+                if not job.describes_result:
+                    check_result(where, _described(job))
+                return job.existing(where)
+            store = None if where is None else Store(where, _described(job))
             if store is not None:
                 stack.callback(store.close)
-            return _Run(job, place, store, reporter(progress, job.kind)).do(
+            return _Run(job, where, store, reporter(progress, job.kind)).do(
                 lambda parts: _results(job, parts, scheduler, workers, retries, patience)
             )
     except OSError as error:
         if not is_storage_error(error):
             raise
         raise JobStopped(
-            f"Nothing can be written: {error}.", 0, job.parts, "" if place is None else str(job_folder(place))
+            f"Nothing can be written: {error}.", 0, job.parts, "" if where is None else str(job_folder(where))
         ) from error
+
+
+def run_with(options: Mapping[str, Any], job: Job, to: str | os.PathLike[str] | None) -> Any:
+    """`run` with options that a user passed to one of the jobs.
+
+    Args:
+        options: Options of `run` by name.
+        job: The job.
+        to: Where its result is written; None for nowhere.
+
+    Returns:
+        What the job returns.
+
+    Raises:
+        UnknownName: If there is no such option.
+    """
+    for name in options:
+        one_of("option of a job", name, run.__kwdefaults__ or ())
+    return run(job, to, **options)
 
 
 def _described(job: Job) -> dict[str, Any]:
@@ -133,10 +157,9 @@ class _Run:
                 if store is not None:
                     store.finished()  # nothing has begun: other arguments may be given
                 raise
-        self._state, self._done = known or (job.start(), 0)
-        self._first, self._began = self._done, time.monotonic()
+        self._state, self._done, self._early = kept = known or Kept(job.start(), 0, {})
+        self._first, self._began = kept.count, time.monotonic()
         self._written = time.monotonic()
-        self._early: dict[int, State] = {}
         self._is_whole = True  # not while a part is being added, where Ctrl-C may come
 
     def do(self, results: Any) -> Any:
@@ -148,8 +171,10 @@ class _Run:
         Returns:
             What the job returns.
         """
-        missing = range(self._done, self._job.parts)
-        self._tell()
+        missing: Sequence[int] = range(self._done, self._job.parts)
+        if self._early:
+            missing = [part for part in missing if part not in self._early]
+        self._report_progress()
         try:
             if missing:
                 self._take(results(missing))
@@ -175,6 +200,8 @@ class _Run:
                 "parts are kept: write it where `to` is not None, then run the job again."
             )
         if self._store is not None:
+            if not self._job.describes_result:
+                self._store.describe_result()
             self._store.finished()
         return result
 
@@ -186,13 +213,17 @@ class _Run:
                 self._job.fold(self._state, self._done, self._early.pop(self._done))
                 self._done += 1
                 self._is_whole = True
-            self._tell()
+            self._report_progress()
             if time.monotonic() - self._written > _CHECKPOINT:
                 self._save()
 
+    @property
+    def _kept(self) -> Kept:
+        return Kept(self._state, self._done, self._early)
+
     def _save(self) -> None:
         if self._store is not None:
-            self._store.save(self._state, self._done)
+            self._store.save(self._kept)
             self._written = time.monotonic()
 
     def _save_if_complete(self) -> None:
@@ -201,16 +232,16 @@ class _Run:
             with suppress(OSError):
                 self._save()
 
-    def _tell(self) -> None:
-        seconds, here = time.monotonic() - self._began, self._done - self._first
-        self._report(Progress(self._done, self._job.parts, seconds, here))
+    def _report_progress(self) -> None:
+        seconds, done = time.monotonic() - self._began, self._kept.count
+        self._report(Progress(done, self._job.parts, seconds, done - self._first))
 
     def _stopped(self, reason: str) -> JobStopped:
         """The error for the user: with as many parts as the store has."""
-        done = self._done
+        done = self._kept.count
         if self._store is not None:
             known = self._store.load()
-            done = known[1] if known else 0
+            done = known.count if known else 0
         return JobStopped(
             reason, done, self._job.parts, "" if self._to is None else str(job_folder(self._to))
         )

@@ -16,7 +16,7 @@ from ulna.loading import load
 from ulna.model.content import fingerprint
 from ulna.robot import Robot
 from ulna.scale import archive
-from ulna.scale.engine import run
+from ulna.scale.engine import run_with
 from ulna.scale.job import SampledJob, Samples, State, whole_number
 from ulna.scale.logs import LogSource
 from ulna.typing import ArrayLike
@@ -72,7 +72,7 @@ def identify(
     source = LogSource.of(log)
     rows = Samples(source.checked(robot.model), whole_number("chunk", chunk), 0)
     sought = Sought(armature, damping, friction, width)
-    sums = run(Identifying(robot, source, rows, sought), archive.named(to), **options)
+    sums = run_with(options, Identifying(robot, source, rows, sought), archive.named(to))
     return fit_sums(robot.model, sums, sought, physical=physical, prior=prior, ridge=ridge, noise=noise)
 
 
@@ -110,14 +110,7 @@ class Identifying(SampledJob):
         return replace(self, source=replace(self.source, arrays=None))
 
     def inputs(self, part: int) -> tuple[Any, ...]:
-        """The rows of a part; of a log that workers can read, nothing.
-
-        Args:
-            part: The number of the part.
-
-        Returns:
-            q, v, a and tau.
-        """
+        """Rows of a part of q, v, a and tau; of a log that workers can read, nothing."""
         return () if self.source.path is not None else self._rows(part)
 
     def start(self) -> State:
@@ -126,13 +119,6 @@ class Identifying(SampledJob):
 
     def work(self, part: int, *inputs: Any) -> State:
         """The sums of a part.
-
-        Args:
-            part: Its number.
-            *inputs: Its rows; nothing where they are to be read.
-
-        Returns:
-            The sums.
 
         Raises:
             NonFiniteError: If a sample is not finite.
@@ -148,37 +134,16 @@ class Identifying(SampledJob):
             ) from None
 
     def fold(self, state: State, part: int, result: State) -> None:
-        """Adds the sums of a part.
-
-        Args:
-            state: The sums so far.
-            part: The number of the part.
-            result: Its sums.
-        """
+        """Adds the sums of a part."""
         add(state, result)
 
     def existing(self, to: Path) -> Sums:
-        """The sums in `to`.
-
-        Args:
-            to: The folder.
-
-        Returns:
-            The sums.
-        """
+        """The sums in `to`."""
         group = archive.check(to, self.description())
         return {name: np.asarray(group[name][...]) for name in self.start()}
 
     def finish(self, state: State, to: Path | None) -> Sums:
-        """The sums, written to `to`.
-
-        Args:
-            state: The sums.
-            to: Where; None for nowhere.
-
-        Returns:
-            The sums.
-        """
+        """The sums, written to `to`."""
         if to is not None:
             archive.write(to, state, self.description())
         return state

@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
 
+from ulna.checks.values import short_repr
 from ulna.errors import InputError
 from ulna.typing import Array
 
 if TYPE_CHECKING:
     from ulna.robot import Robot
+
+_EXACT = 2**53  # up to which a float says which whole number is meant
 
 State = dict[str, Array]
 """What a job has found so far: arrays by name."""
@@ -28,6 +31,10 @@ class Job(ABC):
 
     kind: ClassVar[str]
     """The name of this kind of job."""
+
+    describes_result: ClassVar[bool] = False
+    """Whether `finish` stores the description with the result, and `existing` compares it. Otherwise `run` does both:
+    it keeps the description beside the result, in `TO.job.json`."""
 
     @property
     @abstractmethod
@@ -81,13 +88,13 @@ class Job(ABC):
         """The result that is in `to` already.
 
         Args:
-            to: What is there.
+            to: What is there: a result of a job of the same description, unless `describes_result`.
 
         Returns:
             The result for the user.
 
         Raises:
-            InputError: If it is something else than the result of this job.
+            InputError: If `describes_result`, and it is something else than the result of this job.
         """
 
     def inputs(self, part: int) -> tuple[Any, ...]:
@@ -155,28 +162,31 @@ def whole_number(name: str, value: Any, least: int = 1) -> int:
         The number.
 
     Raises:
-        InputError: If it is no whole number, or below `least`.
+        InputError: If it is no whole number, below `least`, or a float above 2**53, which may stand for another number.
     """
     try:
         number = int(value)
         is_whole = number == value
     except (TypeError, ValueError, OverflowError):
         is_whole, number = False, least
-    if not is_whole or number < least or isinstance(value, bool):
+    is_exact = isinstance(value, int | np.integer) or number <= _EXACT
+    if not (is_whole and is_exact) or number < least or isinstance(value, bool):
+        most = " to 9e15" if is_whole and not is_exact else ""
         raise InputError(
-            f"`{name}` is {value!r}; expected a whole number from {least}, such as 100_000 or 1e8."
+            f"`{name}` is {short_repr(value)}; expected a whole number from {least}{most}, such as 100_000 or 1e8."
         )
     return number
 
 
 class SampledJob(Job):
-    """A job over samples for one robot; its parts are those of the samples.
+    """A job over samples for one robot; its parts are those of the samples, its result holds its description.
 
     Attributes:
         robot: The robot.
         samples: The samples.
     """
 
+    describes_result: ClassVar[bool] = True
     robot: Robot
     samples: Samples
 

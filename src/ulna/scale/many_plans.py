@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from ulna.errors import InputError, ShapeError
 from ulna.loading import load
 from ulna.robot import Robot
 from ulna.scale import archive
-from ulna.scale.engine import run
+from ulna.scale.engine import run_with
 from ulna.scale.job import Samples, whole_number
 from ulna.scale.plan_job import Plans
 from ulna.scale.plan_set import PlanSet
@@ -80,7 +80,7 @@ def plans(
     searching = {"shorten": shorten, "improve": whole_number("improve", improve, 0)}
     searching |= {"iterations": iterations, "timeout": timeout}
     job = Plans(robot, samples, q0, ends, worlds, len(worlds), frame, lengths, searching)
-    return run(job, archive.named(to), **options)
+    return run_with(options, job, archive.named(to))
 
 
 def _problems(
@@ -109,12 +109,13 @@ def _problems(
 
 
 def _worlds(world: Any, problems: int) -> tuple[World | None, ...]:
-    worlds = (world,) if world is None or isinstance(world, World) else tuple(world)
+    is_one = isinstance(world, World | str) or not isinstance(world, Iterable)
+    worlds: tuple[Any, ...] = (world,) if is_one else tuple(world)
+    for item in worlds:
+        if item is not None and not isinstance(item, World):
+            raise InputError(f"`world` is {short_repr(item)}; expected a World, several, or None.")
     if not worlds or len(worlds) > problems:
         raise InputError(
             f"There are {len(worlds)} worlds for {problems} problems; expected from 1 to {problems}."
         )
-    for item in worlds:
-        if item is not None and not isinstance(item, World):
-            raise InputError(f"`world` is {short_repr(item)}; expected a World, several, or None.")
     return worlds

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import InputError, MissingExtra
+from ulna.errors import InputError, needed
 from ulna.scale.store import check_same
 from ulna.system.storage import replacing
 from ulna.typing import Array
@@ -25,11 +25,9 @@ def pyarrow() -> Any:
     Raises:
         MissingExtra: If it is not installed.
     """
-    try:
+    with needed("pyarrow", "parquet", "Reading and writing Parquet files"):
         import pyarrow.dataset  # pyright: ignore[reportMissingImports]
         import pyarrow.parquet  # pyright: ignore[reportMissingImports]
-    except ImportError:
-        raise MissingExtra("pyarrow", "parquet", "Reading and writing Parquet files") from None
     return pyarrow
 
 

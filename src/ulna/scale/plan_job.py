@@ -72,14 +72,7 @@ class Plans(SampledJob):
         return replace(self, starts=None, goals=None, worlds=self.worlds if self.world_count == 1 else ())
 
     def inputs(self, part: int) -> tuple[Any, ...]:
-        """Starts, goals and worlds of a part; of one world for all, nothing.
-
-        Args:
-            part: The number of the part.
-
-        Returns:
-            Starts and goals, None where they are drawn, and the worlds by their numbers.
-        """
+        """Starts and goals of a part, None where they are drawn, and its worlds by number; of one world nothing."""
         rows = self._rows(part)
         numbers = sorted({self._world(row) for row in rows}) if self.world_count > 1 else []
         worlds = {number: self.worlds[number] for number in numbers}
@@ -89,11 +82,7 @@ class Plans(SampledJob):
         return self.starts[here], self.goals[here], worlds
 
     def prepare(self, to: Path | None) -> None:
-        """Refuses robots, frames and options that cannot be planned with, before anything is written.
-
-        Args:
-            to: Where the plans will be.
-        """
+        """Refuses robots, frames and options that cannot be planned with, before anything is written."""
         if self.frame is not None:
             self.robot.model.frame(self.frame)
         q = self.robot.neutral
@@ -118,39 +107,25 @@ class Plans(SampledJob):
         )
 
     def work(self, part: int, *inputs: Any) -> State:
-        """Plans the problems of a part.
-
-        Args:
-            part: Its number.
-            *inputs: What `inputs` returned for it.
-
-        Returns:
-            What became of each problem; points and texts one after the other.
-        """
+        """What became of each problem of a part; points and texts one after the other."""
         starts, goals, worlds = inputs
-        rows, found, ends = self._rows(part), [], []
+        rows, results, ends = self._rows(part), [], []
         for k, row in enumerate(rows):
             number = self._world(row)
             world = worlds[number] if worlds else self.worlds[0]
             seeds = np.random.SeedSequence(self.samples.seed, spawn_key=(row,))
             a, b = self._drawn(world, seeds) if starts is None else (starts[k], goals[k])
             seed = int(seeds.generate_state(1)[0])
-            found.append(self._planner(world).plan(a, b, frame=self.frame, seed=seed, **self.searching))
+            results.append(self._planner(world).plan(a, b, frame=self.frame, seed=seed, **self.searching))
             ends.append((a, b))
-        out = _arrays(found, self.robot.model.nq)
+        out = _arrays(results, self.robot.model.nq)
         out["worlds"] = np.array([self._world(row) for row in rows], np.int64)
         if starts is None:
             out["starts"], out["goals"] = (np.array(values) for values in zip(*ends, strict=True))
         return out
 
     def fold(self, state: State, part: int, result: State) -> None:
-        """Keeps the plans of a part.
-
-        Args:
-            state: The plans.
-            part: The number of the part.
-            result: Its plans.
-        """
+        """Keeps the plans of a part."""
         rows = self._rows(part)
         growing.add(state, "points", result.pop("points"))
         growing.add(state, "texts", result.pop("texts"))
@@ -158,29 +133,14 @@ class Plans(SampledJob):
             state[name][rows.start : rows.stop] = values
 
     def existing(self, to: Path) -> PlanSet:
-        """The plans in `to`.
-
-        Args:
-            to: The folder.
-
-        Returns:
-            The plans.
-        """
+        """The plans in `to`."""
         archive.check(to, self.description())
         return PlanSet.load(to)
 
     def finish(self, state: State, to: Path | None) -> PlanSet:
-        """The plans, written to `to`.
-
-        Args:
-            state: The final state.
-            to: Where; None for nowhere.
-
-        Returns:
-            The plans.
-        """
+        """The plans, written to `to`."""
         ends: Any = (state["starts"], state["goals"]) if self.starts is None else (self.starts, self.goals)
-        found = PlanSet(
+        plan_set = PlanSet(
             *ends,
             **{name: state[name] for name in _NUMBERS},
             points=growing.rows(state, "points"),
@@ -190,8 +150,8 @@ class Plans(SampledJob):
             job=self.description(),
         )
         if to is not None:
-            found.save(to)
-        return found
+            plan_set.save(to)
+        return plan_set
 
     def _rows(self, part: int) -> range:
         """The numbers of the problems of a part."""
@@ -217,27 +177,27 @@ class Plans(SampledJob):
     def _drawn(self, world: World | None, seeds: np.random.SeedSequence) -> tuple[Floats, Floats]:
         """Two random configurations that touch nothing; where there are none, the planner says so of the last ones."""
         rng = np.random.default_rng(seeds)
-        found: list[Floats] = []
+        free: list[Floats] = []
         for _ in range(_TRIES):
             q = self.robot.random_configuration(_DRAWS, rng)
             touches = self.robot.collides(q, world, margin=self.lengths["margin"], method="spheres")
-            found += list(q[~touches][:2])
-            if len(found) >= 2:
+            free += list(q[~touches][:2])
+            if len(free) >= 2:
                 break
-        a, b, *_ = [*found, *self.robot.random_configuration(2, rng)]
+        a, b, *_ = [*free, *self.robot.random_configuration(2, rng)]
         return a, b
 
 
-def _arrays(found: Sequence[Plan], nq: int) -> State:
+def _arrays(plans: Sequence[Plan], nq: int) -> State:
     """Plans as arrays."""
-    texts = [np.frombuffer(plan.reason.encode(), np.uint8) for plan in found]
+    texts = [np.frombuffer(plan.reason.encode(), np.uint8) for plan in plans]
     return {
-        "outcomes": np.array([OUTCOMES.index(plan.outcome) for plan in found], np.uint8),
-        "certified": np.array([plan.is_certified for plan in found]),
-        "cost": np.array([plan.cost if plan else np.nan for plan in found]),
-        "iterations": np.array([plan.iterations for plan in found], np.int64),
-        "points_of": np.array([len(plan.points) for plan in found], np.int64),
+        "outcomes": np.array([OUTCOMES.index(plan.outcome) for plan in plans], np.uint8),
+        "certified": np.array([plan.is_certified for plan in plans]),
+        "cost": np.array([plan.cost if plan else np.nan for plan in plans]),
+        "iterations": np.array([plan.iterations for plan in plans], np.int64),
+        "points_of": np.array([len(plan.points) for plan in plans], np.int64),
         "letters_of": np.array([len(text) for text in texts], np.int64),
-        "points": np.concatenate([np.zeros((0, nq)), *(plan.points for plan in found)]),
+        "points": np.concatenate([np.zeros((0, nq)), *(plan.points for plan in plans)]),
         "texts": np.concatenate([np.zeros(0, np.uint8), *texts]),
     }

@@ -1,12 +1,15 @@
-"""How far a job is: said on the terminal, or to a function."""
+"""The progress of a job: written to standard error, or passed to a function."""
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
+
+from ulna.checks.values import flag
 
 _EVERY = {True: 0.2, False: 10.0}  # s between two lines, on a terminal and elsewhere
 
@@ -14,7 +17,7 @@ _EVERY = {True: 0.2, False: 10.0}  # s between two lines, on a terminal and else
 @final
 @dataclass(frozen=True)
 class Progress:
-    """How far a job is.
+    """The progress of a job.
 
     Attributes:
         done: How many parts are done.
@@ -34,7 +37,7 @@ class Progress:
         return (self.parts - self.done) * self.seconds / self.here if self.here else float("inf")
 
     def __str__(self) -> str:
-        text = f"{self.done} of {self.parts} parts, {100 * self.done / max(self.parts, 1):.0f} %"
+        text = f"{self.done} of {self.parts} parts, {100 * self.done // max(self.parts, 1)} %"
         return text if not self.here else f"{text}, {_duration(self.remaining)} left"
 
 
@@ -42,7 +45,7 @@ Reporter = Callable[[Progress], object]
 
 
 def reporter(progress: bool | Reporter, name: str) -> Reporter:
-    """Receives how far a job is.
+    """The function that receives the progress of a job.
 
     Args:
         progress: True for lines on standard error, False for none, or a function of a `Progress`.
@@ -50,24 +53,28 @@ def reporter(progress: bool | Reporter, name: str) -> Reporter:
 
     Returns:
         A function of a `Progress`.
+
+    Raises:
+        InputError: `progress` is neither a truth value nor a function.
     """
     if callable(progress):
         return progress
-    return _Lines(name) if progress and sys.stderr is not None else lambda _: None
+    return _Lines(name) if flag("progress", progress) and sys.stderr is not None else lambda _: None
 
 
 class _Lines:
     """Writes to standard error: one line that changes on a terminal, else a line now and then."""
 
     def __init__(self, name: str) -> None:
-        self._name, self._last, self._is_terminal = name, 0.0, sys.stderr.isatty()
+        self._name, self._last, self._is_terminal = name, -math.inf, sys.stderr.isatty()
 
     def __call__(self, progress: Progress) -> None:
         now, is_last = time.monotonic(), progress.done == progress.parts
         if not is_last and now - self._last < _EVERY[self._is_terminal]:
             return
         self._last = now
-        start, end = ("\r", "\n" if is_last else "\x1b[K") if self._is_terminal else ("", "\n")
+        clear = "\x1b[K"  # the rest of a longer line before
+        start, end = ("\r", f"{clear}\n" if is_last else clear) if self._is_terminal else ("", "\n")
         print(f"{start}{self._name}: {progress}", end=end, file=sys.stderr, flush=True)
 
 

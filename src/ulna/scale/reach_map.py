@@ -1,4 +1,4 @@
-"""A reachability map: what was found in each voxel, with pictures."""
+"""A reachability map: what a robot does in each voxel, with pictures."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class ReachMap:
 
     @classmethod
     def of(cls, grid: Grid, state: State, job: Mapping[str, Any], robot: Robot | None) -> ReachMap:
-        """The map of what a job has found.
+        """The map of the final state of a job.
 
         Args:
             grid: The voxels.

@@ -18,7 +18,7 @@ from ulna.errors import InputError
 from ulna.loading import load
 from ulna.robot import Robot, compile
 from ulna.scale import archive
-from ulna.scale.engine import run
+from ulna.scale.engine import run_with
 from ulna.scale.grid import DIRECTIONS, Grid, bits, direction_numbers
 from ulna.scale.job import SampledJob, Samples, State, whole_number
 from ulna.scale.reach_map import ReachMap
@@ -82,7 +82,7 @@ def reach(
     grid = _grid(robot, chosen, size, bounds)
     if branches > plan.count:
         raise InputError(f"`solutions` is {branches}, more than the {plan.count} samples.")
-    return run(Reach(robot, chosen, plan, grid, branches), archive.named(to), **options)
+    return run_with(options, Reach(robot, chosen, plan, grid, branches), archive.named(to))
 
 
 def _grid(robot: Robot, frame: str, voxel: float, bounds: ArrayLike | None) -> Grid:
@@ -162,14 +162,7 @@ class Reach(SampledJob):
         return compile(sample, robot)
 
     def work(self, part: int) -> State:
-        """The voxels that the samples of a part reach.
-
-        Args:
-            part: Its number.
-
-        Returns:
-            The numbers of the voxels that were reached, and what was found there.
-        """
+        """The numbers of the voxels that the samples of a part reach, and what the poses there say."""
         rng, n, rows = self.samples.generator(part), self.grid.size, self.samples.size(part)
         voxels, directions = np.empty(rows, np.int64), np.empty(rows, np.int64)
         measures, inside = np.empty(rows), np.empty(rows, dtype=bool)
@@ -208,13 +201,7 @@ class Reach(SampledJob):
         return {"solved_at": np.concatenate(voxels), "solutions": np.concatenate(counts)}
 
     def fold(self, state: State, part: int, result: State) -> None:
-        """Adds the voxels of a part.
-
-        Args:
-            state: The map.
-            part: The number of the part.
-            result: What it found.
-        """
+        """Adds the voxels of a part."""
         at = result["at"]
         state["count"][at] += result["count"]
         state["sum"][at] += result["sum"]
@@ -225,27 +212,12 @@ class Reach(SampledJob):
         np.add.at(state["solved"], result["solved_at"], 1)
 
     def existing(self, to: Path) -> ReachMap:
-        """The map in `to`.
-
-        Args:
-            to: The folder.
-
-        Returns:
-            The map.
-        """
+        """The map in `to`."""
         archive.check(to, self.description())
         return ReachMap.load(to, self.robot)
 
     def finish(self, state: State, to: Path | None) -> ReachMap:
-        """The map, written to `to`.
-
-        Args:
-            state: The final state.
-            to: Where; None for nowhere.
-
-        Returns:
-            The map.
-        """
+        """The map, written to `to`."""
         reach_map = ReachMap.of(self.grid, state, self.description(), self.robot)
         if to is not None:
             reach_map.save(to)

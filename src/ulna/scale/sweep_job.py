@@ -73,9 +73,6 @@ class Sweeping(SampledJob):
     def prepare(self, to: Path | None) -> None:
         """Refuses what cannot be computed, before anything is written.
 
-        Args:
-            to: Where the result will be.
-
         Raises:
             InputError: If the quantity is none in the middle of the ranges.
         """
@@ -89,15 +86,7 @@ class Sweeping(SampledJob):
         return self._empty()
 
     def work(self, part: int, *inputs: Any) -> State:
-        """The sums and extremes of a part.
-
-        Args:
-            part: Its number.
-            *inputs: Nothing.
-
-        Returns:
-            What `start` has, for the samples of the part.
-        """
+        """The sums and extremes of a part."""
         rng, left, state = self.samples.generator(part), self.samples.size(part), self._empty()
         first = part * self.samples.chunk
         while left:
@@ -109,37 +98,16 @@ class Sweeping(SampledJob):
         return state
 
     def fold(self, state: State, part: int, result: State) -> None:
-        """Adds the sums of a part.
-
-        Args:
-            state: The sums so far.
-            part: The number of the part.
-            result: Its sums.
-        """
+        """Adds the sums of a part."""
         _merge(state, result)
 
     def existing(self, to: Path) -> Sweep:
-        """The result in `to`.
-
-        Args:
-            to: The folder.
-
-        Returns:
-            The result.
-        """
+        """The result in `to`."""
         archive.check(to, self.description())
         return Sweep.load(to)
 
     def finish(self, state: State, to: Path | None) -> Sweep:
-        """The result, written to `to`.
-
-        Args:
-            state: The final state.
-            to: Where; None for nowhere.
-
-        Returns:
-            The result.
-        """
+        """The result, written to `to`."""
         shape, d = self._middle.shape, len(self.factors.low)
         n, half = int(state["count"][0]), 0.5 * (self.factors.high - self.factors.low)
         u, y = state["u"] / n, state["y"] / n
@@ -153,7 +121,7 @@ class Sweeping(SampledJob):
         shares = slopes**2 * np.diag(covariance)[:, None] / known
         explained = np.einsum("im,ij,jm->m", slopes, covariance, slopes) / known
         each = (*shape, d)
-        found = Sweep(
+        result = Sweep(
             mean=self._middle + y.reshape(shape),
             deviation=np.sqrt(variance).reshape(shape),
             least=state["least"].reshape(shape) + self._middle,
@@ -166,8 +134,8 @@ class Sweeping(SampledJob):
             job=self.description(),
         )
         if to is not None:
-            found.save(to)
-        return found
+            result.save(to)
+        return result
 
     @cached_property
     def _kernel(self) -> Any:

@@ -12,7 +12,7 @@ from ulna.errors import InputError, UnknownName
 from ulna.loading import load
 from ulna.robot import Robot
 from ulna.scale import archive
-from ulna.scale.engine import run
+from ulna.scale.engine import run_with
 from ulna.scale.factors import STATES, Factors
 from ulna.scale.job import Samples, whole_number
 from ulna.scale.sweep_job import Sweeping
@@ -79,7 +79,7 @@ def sweep(
         whole_number("samples", count), whole_number("chunk", chunk), whole_number("seed", seed, 0)
     )
     job = Sweeping(robot, quantity, dict(settings or {}), factors, plan, levels or 0)
-    return run(job, archive.named(to), **options)
+    return run_with(options, job, archive.named(to))
 
 
 def _states(robot: Robot, quantity: str, vary: Mapping[str, Any], at: dict[str, Any]) -> dict[str, Any]:

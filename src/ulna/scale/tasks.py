@@ -1,23 +1,27 @@
 """Parts of a job on a cluster: some of them under way at any time, repeated when their worker is lost.
 
-Short parts are sent several at a time; which are sent together changes nothing in the results.
+Short parts are sent several at a time; which are sent together changes nothing in the results. Towards the end, a
+worker that has nothing to do gets parts that others have not begun.
 """
 
 from __future__ import annotations
 
 import errno
+import math
 import pickle
 import queue
+import threading
 import time
 from asyncio import CancelledError
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple, final
 
 from ulna.errors import UlnaError
 from ulna.lazy import Portable
 from ulna.scale.job import State
-from ulna.scale.task_sizes import RETURNED, TaskSizes, UnderWay
+from ulna.scale.task_sizes import FEW, TaskSizes, UnderWay
+from ulna.scale.task_work import give_back, work_parts
 
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM}
 _ATTEMPTS = 3  # of a part whose work raises an error that is not Ulna's
@@ -38,39 +42,10 @@ class Interrupted(Exception):
     """The cluster cannot go on; says why."""
 
 
-def work_parts(
-    task: Callable[..., State], parts: Sequence[int], inputs: Sequence[tuple[Any, ...]] | None, limit: float
-) -> tuple[bytes, float, int]:
-    """The results of some parts, one after the other, until time or memory is used up; what a task does on a worker.
-
-    Args:
-        task: `task(part, *inputs)` does one part.
-        parts: Their numbers.
-        inputs: The further arguments of each; None for none.
-        limit: For how long another part may begin [s].
-
-    Returns:
-        The results of the first parts, at least of one, pickled: Dask would send each array with a header of its own;
-        how long a part took [s]; and how many bytes the results have.
-    """
-    out: list[State] = []
-    size, start = 0, time.perf_counter()
-    first = now = start
-    for k, part in enumerate(parts):
-        out.append(task(part, *(inputs[k] if inputs else ())))
-        size += sum(array.nbytes for array in out[-1].values())
-        now = time.perf_counter()
-        first = now if k == 0 else first
-        if now - start > limit or size >= RETURNED:
-            break
-    is_alone = len(out) == 1  # else the first, where functions may be compiled, says nothing of the others
-    seconds = now - start if is_alone else (now - first) / (len(out) - 1)
-    return pickle.dumps(out, protocol=5), seconds, size
-
-
 class _Task(NamedTuple):
-    """A task that was sent: its future, its parts, and what is expected of it."""
+    """A task that was sent: its name and future, its parts, and what is expected of it."""
 
+    name: str
     future: Any
     parts: tuple[int, ...]
     expected: UnderWay
@@ -107,6 +82,8 @@ class Tasks:
         self._losses: dict[int, int] = {}
         self._submissions = 0
         self._ended: queue.SimpleQueue[int] = queue.SimpleQueue()
+        self._question: _Question | None = None  # which parts workers give back
+        self._asked = -math.inf
         self._lost_since: float | None = None
         self._count, self._counted = 1, -_COUNT
         self._alone_since: float | None = None
@@ -126,19 +103,27 @@ class Tasks:
                 self._submit_waiting()
                 for first in sorted(self._ended_tasks()):
                     if first in self._tasks and self._tasks[first].future.done():
-                        found = self._results(first)
-                        self._submit_waiting()  # before the results are added, which may take long
-                        yield from found
+                        parts, content = self._take_results(first)
+                        self._submit_waiting()  # before the results are read and added, which may take long
+                        if parts:  # a task that was begun again on another worker may have done more
+                            yield from zip(parts, pickle.loads(content), strict=False)
         finally:
+            if self._question is not None:
+                self._question.join(_TICK)
             for task in self._tasks.values():
                 with suppress(Exception, CancelledError):
                     task.future.cancel()
 
     def _submit_waiting(self) -> None:
-        """Submits parts while there is room."""
+        """Submits parts while there is room; where none are left for a thread, asks others to give some back."""
         if not self._is_connected():
             return
         threads = self._threads()
+        if self._question is not None and self._question.kept is not None:
+            self._collect_returned_parts(self._question.kept)
+            self._question = None
+        if self._sizes.seconds is None and not self._tasks and not self._returned:
+            self._submit_first(threads)
         while left := len(self._returned) + len(self._waiting):
             room = self._sizes.room(left, threads)
             if len(self._tasks) >= room:
@@ -154,6 +139,39 @@ class Tasks:
             sent = self._submit(parts, limit)
             del self._returned[:sent]
             self._waiting = self._waiting[max(sent - len(again), 0) :]
+        self._ask_for_parts(threads)
+
+    def _submit_first(self, threads: int) -> None:
+        """Submits a task for each thread, of two threads with every second part: results then come in order."""
+        count, limit = self._sizes.first(len(self._waiting), threads)
+        parts, self._waiting = self._waiting[: count * threads], self._waiting[count * threads :]
+        for k in range(min(threads, len(parts))):
+            sent = self._submit(tuple(parts[k::threads]), limit)
+            self._returned += parts[k::threads][sent:]
+        self._returned.sort()
+
+    def _ask_for_parts(self, threads: int) -> None:
+        """Asks tasks that end late for parts that they have not begun, where threads have nothing to do."""
+        idle, now = threads - len(self._tasks), time.monotonic()
+        is_too_early = self._question is not None or now - self._asked < _TICK
+        names = [task.name for task in self._tasks.values() if len(task.parts) > 1]
+        if idle > 0 and names and threads <= FEW and not is_too_early:
+            self._asked = now
+            share = idle / (idle + len(self._tasks))
+            self._question = _Question(self._client, names, share, lambda: self._ended.put(-1))
+            self._question.start()
+
+    def _collect_returned_parts(self, kept: Mapping[str, int]) -> None:
+        """Notes which parts tasks have given back: all but the first ones, as many as they have kept."""
+        for first, task in self._tasks.items():
+            parts = task.parts[kept.get(task.name, len(task.parts)) :]
+            if parts:
+                left = task.parts[: -len(parts)]
+                expected = task.expected._replace(count=len(left))
+                self._tasks[first] = task._replace(parts=left, expected=expected)
+                self._returned += parts
+                self._asked = -math.inf
+        self._returned.sort()
 
     def _threads(self) -> int:
         """How many threads the workers have; asked now and then, since workers come and go.
@@ -185,9 +203,9 @@ class Tasks:
                 break
         parts = parts[: len(inputs)]
         further = inputs if any(inputs) else None
-        future = self._client.submit(work_parts, self._task, parts, further, limit, key=key, pure=False)
+        future = self._client.submit(work_parts, key, self._task, parts, further, limit, key=key, pure=False)
         expected = UnderWay(time.monotonic(), len(parts), limit, self._sizes.seconds)
-        self._tasks[parts[0]] = _Task(future, parts, expected)
+        self._tasks[parts[0]] = _Task(key, future, parts, expected)
         future.add_done_callback(lambda _: self._ended.put(parts[0]))
         return len(parts)
 
@@ -213,24 +231,30 @@ class Tasks:
             raise Interrupted("The scheduler does not answer any more.")
         return False
 
-    def _results(self, first: int) -> list[tuple[int, State]]:
-        """What the parts of a task returned; nothing where they are to be done again."""
-        future, parts, _ = self._tasks.pop(first)
+    def _take_results(self, first: int) -> tuple[Sequence[int], bytes]:
+        """The parts that a task has done, and their results; no parts where they are to be done again."""
+        _, future, parts, _ = self._tasks.pop(first)
+        self._begin_next()
         if future.status == "finished":
             try:
-                content, seconds, size = future.result(timeout=60.0)
+                content, count, seconds, size = future.result(timeout=60.0)
             except (Exception, CancelledError) as error:  # its worker was lost with it
-                self._lose(parts, error)
-                return []
-            results = pickle.loads(content)
-            self._sizes.learn(seconds, size / len(results), self._count)
-            self._returned = sorted([*self._returned, *parts[len(results) :]])
-            return list(zip(parts, results, strict=False))
+                self._redo(parts, error)
+                return (), b""
+            self._sizes.learn(seconds, size / count, self._count)
+            self._returned = sorted([*self._returned, *parts[count:]])
+            return parts[:count], content
         if future.status == "error":
             self._examine(parts, future.exception())
         else:
-            self._lose(parts, None)
-        return []
+            self._redo(parts, None)
+        return (), b""
+
+    def _begin_next(self) -> None:
+        """Notes that the first task that waited for a thread begins, where there is one."""
+        for first, task in [*self._tasks.items()][self._count - 1 : self._count]:
+            begun = task.expected._replace(begun=time.monotonic())
+            self._tasks[first] = task._replace(expected=begun)
 
     def _examine(self, parts: Sequence[int], error: BaseException) -> None:
         """Decides what an error of a task means: the end, or another attempt."""
@@ -241,7 +265,7 @@ class Tasks:
         if is_storage_error(error):
             raise Interrupted(f"A worker cannot write: {error}.") from error
         if isinstance(error, KilledWorker):
-            self._lose(parts, error)
+            self._redo(parts, error)
             return
         if len(parts) == 1:
             part = parts[0]
@@ -252,7 +276,7 @@ class Tasks:
                 ) from error
         self._submit_each(parts)
 
-    def _lose(self, parts: Sequence[int], error: BaseException | None) -> None:
+    def _redo(self, parts: Sequence[int], error: BaseException | None) -> None:
         """Does parts again whose worker was lost."""
         while not self._is_connected():
             time.sleep(_TICK)
@@ -268,3 +292,33 @@ class Tasks:
         """Submits parts in tasks of one, so that the one that fails is known."""
         for part in parts:
             self._submit((part,), 0.0)
+
+
+@final
+class _Question(threading.Thread):
+    """Asks workers to give back parts, while the job goes on: a worker that is lost meanwhile answers late or never.
+
+    Args:
+        client: The client of the scheduler.
+        names: The names of the tasks that are asked.
+        share: Which share of the parts that they have not begun [-].
+        ended: What to call at the end.
+
+    Attributes:
+        kept: By the names of tasks, how many parts each has now in all; None before the answer.
+    """
+
+    def __init__(self, client: Any, names: Sequence[str], share: float, ended: Callable[[], object]) -> None:
+        super().__init__(daemon=True)
+        self._client, self._names, self._share, self._tell = client, names, share, ended
+        self.kept: dict[str, int] | None = None
+
+    def run(self) -> None:
+        """Asks."""
+        kept: dict[str, int] = {}
+        with suppress(Exception, CancelledError):
+            answers = self._client.run(give_back, self._names, self._share, on_error="ignore")
+            for answer in answers.values():
+                kept |= answer
+        self.kept = kept
+        self._tell()

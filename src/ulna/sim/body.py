@@ -10,6 +10,7 @@ import numpy as np
 
 from ulna.algorithms.dynamics.joint_friction import Friction
 from ulna.checks.arrays import shaped_array
+from ulna.checks.quaternions import checked_configuration
 from ulna.checks.values import checked_robot, flag, one_of, text
 from ulna.errors import InputError
 from ulna.robot import Robot
@@ -70,7 +71,7 @@ class Body:
         self.recording = Recording()
         self._friction: Any = friction
         self._plant: Plant | None = None
-        self._q = shaped_array("q", robot.neutral if q is None else q, robot.nq)
+        self._q = checked_configuration("q", robot.neutral if q is None else q, robot.model)
         self._qd = shaped_array("qd", np.zeros(robot.nv) if qd is None else qd, robot.nv)
         self._qdd, self._target = np.zeros(robot.nv), None
         self._tau: Any = np.zeros(robot.nv)
@@ -126,7 +127,7 @@ class Body:
 
     @q.setter
     def q(self, q: ArrayLike) -> None:
-        self.set_checked_q(shaped_array("q", q, self.robot.nq))
+        self.set_checked_q(checked_configuration("q", q, self.robot.model))
 
     def set_checked_q(self, q: Floats) -> None:
         """As assigning to `q`, for an array that is a valid configuration and that is not modified later."""
@@ -169,7 +170,7 @@ class Body:
 
     @target.setter
     def target(self, target: ArrayLike | None) -> None:
-        self._target = None if target is None else shaped_array("target", target, self.robot.nq)
+        self._target = None if target is None else checked_configuration("target", target, self.robot.model)
 
     def reset(self) -> None:
         """Reset to the first configuration and velocity, with an empty recording."""

@@ -28,10 +28,11 @@ import numpy as np
 
 from ulna.algorithms.dynamics.joint_friction import Friction
 from ulna.checks.arrays import shaped_array
+from ulna.checks.quaternions import checked_configuration
 from ulna.checks.values import checked_robot, number, one_of, step_count
 from ulna.checks.values import count as checked_count
 from ulna.checks.values import duration as checked_duration
-from ulna.errors import InputError, MissingExtra
+from ulna.errors import InputError, needed
 from ulna.model import Constraint
 from ulna.model.constraint import listed
 from ulna.robot import Robot
@@ -44,7 +45,9 @@ Method = Literal["euler", "rk4", "adaptive"]
 _METHODS = ("euler", "rk4", "adaptive")
 _SOLVERS = ("RK45", "RK23", "DOP853", "Radau", "BDF", "LSODA")
 _ERROR = "an error above zero, at most 1"
+_RELATIVE_ERROR, _ABSOLUTE_ERROR = 1e-8, 1e-10  # per step
 _MAX_STEPS = 10**8  # more do not fit
+_DIVERGED = 1e100  # rates of which the squares of solvers overflow
 _PROGRESS_STEPS = 20_000  # steps from which progress is shown
 
 
@@ -71,12 +74,16 @@ def dynamic_step(
 
     Raises:
         ShapeError, NonFiniteError: An array does not fit the robot.
-        InputError: `dt` is not above zero.
+        InputError: `dt` is not above zero, or the motion diverged.
     """
     checked_robot(robot)
     check_friction(friction)
-    q, v = shaped_array("q", q, robot.nq), shaped_array("v", v, robot.nv)
-    return _plant(robot, friction).euler(q, v, checked_torques(tau, robot.nv), checked_duration("dt", dt))
+    q, v = checked_configuration("q", q, robot.model), shaped_array("v", v, robot.nv)
+    dt = checked_duration("dt", dt)
+    moved, speed = _plant(robot, friction).euler(q, v, checked_torques(tau, robot.nv), dt)
+    if not np.isfinite(moved.sum() + speed.sum()):
+        raise _divergence_error(dt, speed)
+    return moved, speed
 
 
 def simulate(
@@ -94,8 +101,8 @@ def simulate(
     external: Torque | ArrayLike | None = None,
     every: int = 1,
     solver: str | None = None,
-    rtol: float = 1e-8,
-    atol: float = 1e-10,
+    rtol: float | None = None,
+    atol: float | None = None,
 ) -> Recording:
     """The motion of a robot from a state, under torques, gravity and friction. Position limits do not stop it.
 
@@ -117,15 +124,16 @@ def simulate(
         every: Records each of so many steps; the start and the end are recorded anyway.
         solver: For "adaptive": a method of `scipy.integrate.solve_ivp`; None for "LSODA" with friction, which bends
             its way around stiffness, and "DOP853" without.
-        rtol: Relative error per step, for "adaptive" [-].
-        atol: Absolute error per step, for "adaptive" [rad, m, rad/s, m/s].
+        rtol: Relative error per step, for "adaptive" [-]; None for 1e-8.
+        atol: Absolute error per step, for "adaptive" [rad, m, rad/s, m/s]; None for 1e-10.
 
     Returns:
         A recording with columns t, q, v and tau.
 
     Raises:
         ShapeError, NonFiniteError: An array does not fit the robot, or the motion diverged.
-        InputError: `dt`, `duration` or `every` is out of range; or the step is too long for "rk4" with this friction.
+        InputError: `dt`, `duration` or `every` is out of range; the step is too long for "rk4" with this friction; or
+            an argument is given that the method does not have.
         UnknownName: There is no such method.
         MissingExtra: "adaptive" without SciPy.
 
@@ -137,10 +145,10 @@ def simulate(
         True
     """
     model = checked_robot(robot).model
-    one_of("method", method, _METHODS)
+    _check_method(method, solver=solver, rtol=rtol, atol=atol)
     kp = number("kp", kp, "a gain that is not below zero [1/s^2]", least=0.0)
     check_friction(friction)
-    start = shaped_array("q", q, model.nq)
+    start = checked_configuration("q", q, model)
     speed = np.zeros(model.nv) if v is None else shaped_array("v", v, model.nv)
     law = _torque_law(torque, model.nv)
     push = None if external is None else _torque_law(external, model.nv)
@@ -157,6 +165,16 @@ def simulate(
     if method == "rk4":
         _check_stable_step(plant, start, duration / count)
     return _equal_steps(plant, start, speed, law, push, times, method, every)
+
+
+def _check_method(method: Method, **of_adaptive: Any) -> None:
+    one_of("method", method, _METHODS)
+    for name, value in of_adaptive.items():
+        if value is not None and method != "adaptive":
+            raise InputError(
+                f"simulate: `{name}` is for method='adaptive'; with method={method!r} the step is `dt` and errors are "
+                f"not bounded. Leave `{name}` out, or pass method='adaptive'."
+            )
 
 
 def _equal_steps(
@@ -200,8 +218,8 @@ def _adaptive(
     push: Torque | None,
     times: Floats,
     solver: str | None,
-    rtol: float,
-    atol: float,
+    rtol: float | None,
+    atol: float | None,
 ) -> Recording:
     """Steps u and v from a base that follows, where rotations make the tangent space bend."""
     n, integrate = plant.robot.nv, _adaptive_solver(plant, solver, rtol, atol)
@@ -212,13 +230,16 @@ def _adaptive(
         base = q
 
         def rates(t: float, y: Floats, base: Floats = base) -> Floats:
-            return np.concatenate(plant._rates(base, y[:n], y[n:], total, t))
+            out = np.concatenate(plant._rates(base, y[:n], y[n:], total, t))
+            if not np.abs(out).max(initial=0.0) < _DIVERGED:  # with nan solvers fail, or never end
+                raise _divergence_error(t, y[n:])
+            return out
 
         state = np.concatenate([np.zeros(n), v])
         solution = integrate(rates, (t, float(times[-1])), state, t_eval=times[row:])
         if solution.status < 0 or not np.isfinite(np.asarray(solution.y)).all():
             raise InputError(
-                f"The solver gave up at t = {solution.t[-1] if len(solution.t) else t:g} s: {solution.message}"
+                f"The solver failed at t = {solution.t[-1] if len(solution.t) else t:g} s: {solution.message}"
             )
         for at, y in zip(solution.t, np.asarray(solution.y).T, strict=True):
             here, speed = plant._integrate(base, y[:n].copy()), y[n:].copy()
@@ -230,16 +251,17 @@ def _adaptive(
     return recording
 
 
-def _adaptive_solver(plant: Plant, solver: str | None, rtol: float, atol: float) -> Callable[..., Any]:
+def _adaptive_solver(
+    plant: Plant, solver: str | None, rtol: float | None, atol: float | None
+) -> Callable[..., Any]:
     """SciPy's solver with its options; it stops where u is so long that the tangent space bends too much."""
-    try:
+    with needed("scipy", "ode", "An adaptive solver"):
         from scipy.integrate import solve_ivp
-    except ImportError:
-        raise MissingExtra("scipy", "ode", "An adaptive solver") from None
     n = plant.robot.nv
     usual = "LSODA" if plant.friction is not None else "DOP853"
     method = usual if solver is None else one_of("solver", solver, _SOLVERS)
-    rtol, atol = (number(n, e, _ERROR, above=0.0, most=1.0) for n, e in (("rtol", rtol), ("atol", atol)))
+    rtol = number("rtol", _RELATIVE_ERROR if rtol is None else rtol, _ERROR, above=0.0, most=1.0)
+    atol = number("atol", _ABSOLUTE_ERROR if atol is None else atol, _ERROR, above=0.0, most=1.0)
 
     def far(t: float, y: Floats) -> float:
         return float(np.abs(y[:n]).max(initial=0.0)) - 1.5
@@ -279,7 +301,7 @@ def _check_stable_step(plant: Plant, q: Floats, step: float) -> None:
 
 def _torque_law(torque: Torque | ArrayLike | None, nv: int) -> Torque:
     if callable(torque):
-        return torque
+        return lambda t, q, v: torque(t, q.copy(), v.copy())  # one that writes to them moves nothing
     constant = np.zeros(nv) if torque is None else checked_torques(torque, nv)
     return lambda t, q, v: constant
 

@@ -15,7 +15,7 @@ from ulna.algorithms.dynamics.joint_friction import Friction
 from ulna.checks.arrays import shaped_array
 from ulna.checks.values import checked_robot, short_repr
 from ulna.errors import UnknownName
-from ulna.model.joints.base import VectorKind
+from ulna.model.joints.joint_kind import VectorKind
 from ulna.robot import Robot, compile
 from ulna.typing import ArrayLike, Floats
 

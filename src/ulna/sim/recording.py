@@ -17,44 +17,56 @@ from ulna.typing import ArrayLike, Floats
 class Recording:
     """Columns of numbers over time: "t" [s], "q", and further named columns.
 
-    A row takes the memory of its numbers only; where a row lacks a column it holds nan.
+    Times do not decrease. Where a row lacks a column it holds nan.
     """
 
     def __init__(self) -> None:
         self._count = self._capacity = 0
         self._columns: dict[str, Floats] = {}
 
-    def add(self, t: float, q: ArrayLike, **notes: Any) -> None:
-        """Append a row.
+    def add(self, t: float, q: ArrayLike, **columns: Any) -> None:
+        """Append a row. One that is refused changes nothing.
 
         Args:
-            t: The time [s].
+            t: The time, not before that of the last row [s].
             q: Configuration, shape (nq,) [rad, m].
-            **notes: Further columns by name.
+            **columns: Values of further columns by name.
 
         Raises:
             ShapeError: A shape differs from that of the rows before.
-            InputError: A column holds no numbers.
+            InputError: A column holds no numbers, or the time is before that of the last row.
         """
-        if self._count == self._capacity:
-            self._capacity = 2 * self._capacity or 64
-            for name, column in self._columns.items():
-                self._columns[name] = np.concatenate([column, np.full_like(column, np.nan)])
-        cells = []
         number("t", t, "a time [s]")
-        for name, value in {"t": t, "q": q, **notes}.items():
-            try:
-                cell, column = np.asarray(value, dtype=float), self._columns.get(name)
-            except (TypeError, ValueError):
-                raise InputError(f"`{name}` is {short_repr(value)}; expected numbers.") from None
-            if column is None:
-                column = self._columns[name] = np.full((self._capacity, *cell.shape), np.nan)
-            elif column.shape[1:] != cell.shape:
-                raise ShapeError(name, cell.shape, f"{column.shape[1:]}, as in the rows before")
-            cells.append((column, cell))
-        for column, cell in cells:
-            column[self._count] = cell
+        if self._count and t < (last := self._columns["t"][self._count - 1]):
+            raise InputError(
+                f"`t` is {t:g} s, and the last row is of {last:g} s; expected times that do not decrease. "
+                "Begin a new Recording for another motion."
+            )
+        cells = {name: self._cell(name, value) for name, value in {"t": t, "q": q, **columns}.items()}
+        if self._count == self._capacity:
+            self._grow()
+        for name, cell in cells.items():
+            if name not in self._columns:
+                self._columns[name] = np.full((self._capacity, *cell.shape), np.nan)
+            self._columns[name][self._count] = cell
         self._count += 1
+
+    def _cell(self, name: str, value: Any) -> Floats:
+        """A value of a column as an array that fits the column."""
+        try:
+            cell, column = np.asarray(value, dtype=float), self._columns.get(name)
+        except (TypeError, ValueError):
+            raise InputError(f"`{name}` is {short_repr(value)}; expected numbers.") from None
+        if column is not None and column.shape[1:] != cell.shape:
+            raise ShapeError(name, cell.shape, f"{column.shape[1:]}, as in the rows before")
+        return cell
+
+    def _grow(self) -> None:
+        self._capacity = 2 * self._capacity or 64
+        for name, column in self._columns.items():
+            larger = np.full((self._capacity, *column.shape[1:]), np.nan)
+            larger[: self._count] = column[: self._count]
+            self._columns[name] = larger
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -80,7 +92,7 @@ class Recording:
         return self._count
 
     def __getitem__(self, name: str) -> Floats:
-        """A copy of a column: "t", "q", or the name of a note."""
+        """A copy of a column: "t", "q", or the name of a further column."""
         one_of("column", name, self._columns)
         return self._columns[name][: self._count].copy()
 
@@ -98,13 +110,13 @@ class Recording:
         return out
 
     def save(self, path: str | Path) -> None:
-        """Write all rows to a .csv file: a head line "t,q_0,q_1,...", and a line for each row, with every digit.
+        """Write all rows to a .csv file, in full precision, below a header row "t,q_0,q_1,...".
 
         Args:
             path: The file, .csv.
 
         Raises:
-            InputError: The path ends otherwise, or there are no rows.
+            InputError: The path does not end in .csv, or there are no rows.
 
         Example:
             >>> robot = ulna.load("panda")
@@ -117,9 +129,9 @@ class Recording:
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
-        """Read a .csv file that `save` wrote, or the log of another program with such a head line.
+        """Read a .csv file that `save` wrote, or the log of another program with such a header row.
 
-        The head line names the columns: "t" for the time [s], "q_0", "q_1", ... for the configuration, and others,
+        The header row names the columns: "t" for the time [s], "q_0", "q_1", ... for the configuration, and others,
         such as "tau_0", "tau_1", ... Other tables are read with NumPy or pandas.
 
         Args:
@@ -129,7 +141,7 @@ class Recording:
             The recording.
 
         Raises:
-            InputError: There is no such file, or it is no such table; the message says where.
+            InputError: There is no such file, it is no such table, or times decrease; the message says where.
         """
         columns = read_csv(path)
         made = cls()
@@ -142,7 +154,8 @@ class Recording:
 
         Args:
             t: The time [s].
-            robot: Interpolates on its configuration manifold; without one the last row before `t` is returned.
+            robot: Interpolates on its configuration manifold; without one the last row at or before `t` is returned, or
+                the first one.
 
         Returns:
             Configuration, shape (nq,) [rad, m].

@@ -1,4 +1,4 @@
-"""Columns of a recording as a .csv file: a head line of names, and a row for each time."""
+"""Columns of a recording as a .csv file: a header row of names, and a row for each time."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _INDEXED = re.compile(r"(.+?)((?:_\d+)+)")
 
 
 def write_csv(columns: Mapping[str, Floats], path: str | Path) -> None:
-    """Write columns, with every digit. An array has a column for each entry: "q_0", "q_1", "T_0_3", ...
+    """Write columns in full precision. An array has a column for each entry: "q_0", "q_1", "T_0_3", ...
 
     Args:
         columns: Arrays by name, each of shape (n, ...).
         path: The file, .csv.
 
     Raises:
-        InputError: The path ends otherwise, or there are no rows.
+        InputError: The path does not end in .csv, or there are no rows.
     """
     target = _checked(path)
     if not columns:
@@ -39,7 +39,7 @@ def write_csv(columns: Mapping[str, Floats], path: str | Path) -> None:
 
 
 def read_csv(path: str | Path) -> dict[str, Floats]:
-    """The columns of a file that `write_csv` wrote, or of another table with such a head line.
+    """The columns of a file that `write_csv` wrote, or of another table with such a header row.
 
     Args:
         path: The file, .csv.
@@ -48,7 +48,7 @@ def read_csv(path: str | Path) -> dict[str, Floats]:
         Arrays by name, each of shape (n, ...).
 
     Raises:
-        InputError: There is no such file, or it is no such table; the message says where.
+        InputError: There is no such file, or it is no such table, or times decrease; the message says where.
     """
     source = _checked(path)
     try:
@@ -71,10 +71,21 @@ def read_csv(path: str | Path) -> dict[str, Floats]:
     }
     if not {"t", "q"} <= columns.keys() or columns["t"].ndim != 1:
         raise InputError(
-            f"{source} has the columns {', '.join(head[:8])}; expected 't' and 'q_0', 'q_1', ... in the head line. "
+            f"{source} has the columns {', '.join(head[:8])}; expected 't' and 'q_0', 'q_1', ... in the header row. "
             "Read other tables with NumPy or pandas; identification takes arrays."
         )
+    _check_order(columns["t"], source)
     return columns
+
+
+def _check_order(times: Floats, source: Path) -> None:
+    wrong = np.flatnonzero(~(np.diff(times) >= 0.0))  # nan, too
+    if len(wrong):
+        before, after = times[wrong[0] : wrong[0] + 2]
+        raise InputError(
+            f"{source}, row {wrong[0] + 3}, has the time {after:g} s after {before:g} s; expected times that do not "
+            "decrease. Write each motion to a file by itself."
+        )
 
 
 def _checked(path: Any) -> Path:
@@ -91,7 +102,7 @@ def _numbers(rows: list[list[str]], width: int, source: Path) -> Floats:
     for number, row in enumerate(rows, start=2):
         if len(row) != width:
             raise InputError(
-                f"{source}, row {number}, has {len(row)} entries; expected {width}, as in the head line."
+                f"{source}, row {number}, has {len(row)} entries; expected {width}, as in the header row."
             )
     try:
         return np.array(rows, dtype=float).reshape(-1, width)
@@ -100,7 +111,7 @@ def _numbers(rows: list[list[str]], width: int, source: Path) -> Floats:
 
 
 def _stacked(name: str, parts: dict[tuple[int, ...], Floats]) -> list[tuple[str, Floats]]:
-    """The columns of one array, in the order of their indices; or columns that only look like that, each by itself."""
+    """The columns of one array, in the order of their indices; or columns that only look like that, each separately."""
     shape = tuple(np.array(max(parts)) + 1) if len({len(p) for p in parts}) == 1 else ()
     if set(parts) != set(np.ndindex(shape)):
         return [(_title(name, place), values) for place, values in parts.items()]

@@ -17,8 +17,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
+from ulna.checks.values import short_repr
 from ulna.errors import InputError
 from ulna.numeric import apply, arctan2, cross, dot, less, matrix, sincos, sqrt, vector, where
+from ulna.spatial.batched import core_shapes
 from ulna.spatial.quaternion import log_of_rotation
 from ulna.typing import Array
 
@@ -34,7 +38,12 @@ def rotation_about(axis: int, angle: Any) -> Array:
 
     Returns:
         Rotation matrix, shape (..., 3, 3) [-].
+
+    Raises:
+        InputError: `axis` is not 0, 1 or 2.
     """
+    if np.ndim(axis) or axis not in (0, 1, 2):
+        raise InputError(f"`axis` is {short_repr(axis)}; expected 0, 1 or 2 for x, y or z.")
     s, c = sincos(angle)
     if axis == 0:
         return matrix([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
@@ -43,6 +52,7 @@ def rotation_about(axis: int, angle: Any) -> Array:
     return matrix([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
+@core_shapes(angles=(3,))
 def euler_to_matrix(angles: Array, axes: str) -> Array:
     """The rotation R_i(a1) R_j(a2) R_k(a3) by angles about the axes "ijk".
 
@@ -61,6 +71,7 @@ def euler_to_matrix(angles: Array, axes: str) -> Array:
     return first @ (second @ third)
 
 
+@core_shapes(rotation=(3, 3))
 def matrix_to_euler(rotation: Array, axes: str) -> Array:
     """The angles with R = R_i(a1) R_j(a2) R_k(a3) for the axes "ijk".
 
@@ -103,6 +114,7 @@ def matrix_to_euler(rotation: Array, axes: str) -> Array:
     return vector(a1, a2, arctan2(s3, c3))
 
 
+@core_shapes(angles=(3,))
 def euler_rate_matrix(angles: Array, axes: str) -> Array:
     """The matrix E with omega_world = E @ d(angles)/dt for the axes "ijk".
 
@@ -123,6 +135,7 @@ def euler_rate_matrix(angles: Array, axes: str) -> Array:
     return matrix([[u1[..., n], u2[..., n], u3[..., n]] for n in range(3)])
 
 
+@core_shapes(angles=(3,), rates=(3,))
 def euler_rate_matrix_dot(angles: Array, rates: Array, axes: str) -> Array:
     """The time derivative of `euler_rate_matrix`: each axis rotates with the turns before it.
 
@@ -144,6 +157,7 @@ def euler_rate_matrix_dot(angles: Array, rates: Array, axes: str) -> Array:
     return matrix([[column[..., n] for column in columns] for n in range(3)])
 
 
+@core_shapes(angles=(3,))
 def euler_rate_matrix_inverse(angles: Array, axes: str) -> Array:
     """The inverse of `euler_rate_matrix`; infinite where the first and last axis are parallel.
 
@@ -170,6 +184,7 @@ def euler_rate_matrix_inverse(angles: Array, axes: str) -> Array:
     )
 
 
+@core_shapes(rpy=(3,))
 def rpy_to_matrix(rpy: Array) -> Array:
     """The rotation Rz(yaw) Ry(pitch) Rx(roll) (..., 3, 3) of roll, pitch, yaw (..., 3) [rad], as in URDF."""
     return euler_to_matrix(rpy[..., ::-1], "zyx")
@@ -180,16 +195,19 @@ def matrix_to_rpy(rotation: Array) -> Array:
     return matrix_to_euler(rotation, "zyx")[..., ::-1]
 
 
+@core_shapes(rpy=(3,))
 def rpy_rate_matrix(rpy: Array) -> Array:
     """The matrix E (..., 3, 3) with omega_world = E @ d(roll, pitch, yaw)/dt."""
     return euler_rate_matrix(rpy[..., ::-1], "zyx")[..., ::-1]
 
 
+@core_shapes(rpy=(3,))
 def rpy_rate_matrix_inverse(rpy: Array) -> Array:
     """The inverse of `rpy_rate_matrix`; infinite where pitch is +-pi/2."""
     return euler_rate_matrix_inverse(rpy[..., ::-1], "zyx")[..., ::-1, :]
 
 
+@core_shapes(rpy=(3,), rates=(3,))
 def rpy_rate_matrix_dot(rpy: Array, rates: Array) -> Array:
     """The time derivative of `rpy_rate_matrix`.
 
@@ -223,6 +241,7 @@ def eul_rate_matrix_inverse(eul: Array) -> Array:
     return euler_rate_matrix_inverse(eul, "zyz")
 
 
+@core_shapes(axis=(3,))
 def angle_axis_to_matrix(angle: Any, axis: Array) -> Array:
     """The rotation by an angle about a unit vector.
 
@@ -250,6 +269,7 @@ def angle_axis_to_matrix(angle: Any, axis: Array) -> Array:
     )
 
 
+@core_shapes(rotation=(3, 3))
 def matrix_to_angle_axis(rotation: Array) -> tuple[Any, Array]:
     """The angle (...) in [0, pi] [rad] and the unit axis (..., 3); the axis is x where the angle is 0."""
     w = log_of_rotation(rotation)[0]

@@ -2,15 +2,40 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
-from typing import Any, ClassVar, Self
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
-from ulna.errors import InputError, UnknownOperation
+from ulna.checks.arrays import batched_array, batched_shape, check_core_shape, real_array
+from ulna.checks.values import short_repr
+from ulna.errors import InputError, ShapeError, UnknownOperation
 from ulna.numeric import is_symbolic
 from ulna.typing import Array
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def component(name: str, value: Any) -> Any:
+    """One number of a rotation or translation, or a batch of them; traced scalars and symbols stay.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+
+    Returns:
+        The number [any], or an array (...).
+
+    Raises:
+        DtypeError, NonFiniteError: It is no finite number, such as None, a text or a complex number.
+    """
+    if isinstance(value, float) and math.isfinite(value):
+        return value
+    return batched_array(name, value, ())[()]
 
 
 class Batched(ABC):
@@ -35,11 +60,21 @@ class Batched(ABC):
             shapes.append(shape[: len(shape) - rank])
         return np.broadcast_shapes(*shapes)
 
+    def _fields(self, batch: tuple[int, ...]) -> Iterator[Array]:
+        """The array of each field, with all batch axes."""
+        for name, rank in self._ranks.items():
+            value = np.asarray(getattr(self, name))
+            yield np.broadcast_to(value, batch + value.shape[value.ndim - rank :])
+
     def __len__(self) -> int:
         shape = self.batch_shape
         if not shape:
             raise TypeError(f"A single {type(self).__name__} has no length; its batch_shape is ().")
         return shape[0]
+
+    def __bool__(self) -> bool:
+        """False for an empty batch only, as of a list."""
+        return not self.batch_shape or len(self) > 0
 
     def __getitem__(self, index: Any) -> Self:
         """The part of the batch that `index` picks, as for a NumPy array of shape `batch_shape`."""
@@ -53,38 +88,58 @@ class Batched(ABC):
                 "as T.matrix()[..., :3, 3] or T.translation[..., 0]."
             ) from None
         has_ellipsis = any(i is Ellipsis for i in index)
-        parts = []
-        for name, rank in self._ranks.items():
-            value = np.asarray(getattr(self, name))
-            expanded = np.broadcast_to(value, batch + value.shape[value.ndim - rank :])
-            parts.append(expanded[(*index, *[slice(None)] * rank)] if has_ellipsis else expanded[index])
-        return type(self)(*parts)
+        ranks = self._ranks.values()
+        return type(self)(
+            *(
+                field[(*index, *[slice(None)] * rank)] if has_ellipsis else field[index]
+                for field, rank in zip(self._fields(batch), ranks, strict=True)
+            )
+        )
 
     def __iter__(self) -> Iterator[Self]:
         for i in range(len(self)):
             yield self[i]
 
     @classmethod
-    def stack(cls, items: Sequence[Self]) -> Self:
-        """Joins `items` along a new first batch axis."""
+    def stack(cls, items: Iterable[Self]) -> Self:
+        """Joins `items` along a new first batch axis.
+
+        Raises:
+            InputError: There are none, or something among them is of another type.
+            ShapeError: Their batch axes do not broadcast.
+        """
+        items = list(items) if isinstance(items, Iterable) else []
         if not items:
             raise InputError(f"`items` is empty; expected at least one {cls.__name__} to stack.")
-        batch = np.broadcast_shapes(*(item.batch_shape for item in items))
-        parts = []
-        for name, rank in cls._ranks.items():
-            values = [np.asarray(getattr(item, name)) for item in items]
-            parts.append(np.stack([np.broadcast_to(v, batch + v.shape[v.ndim - rank :]) for v in values]))
-        return cls(*parts)
+        for item in items:
+            if not isinstance(item, cls):
+                raise InputError(
+                    f"`items` holds {short_repr(item)}; expected objects of {cls.__name__} only."
+                )
+        shapes = [item.batch_shape for item in items]
+        try:
+            batch = np.broadcast_shapes(*shapes)
+        except ValueError:
+            raise ShapeError("items", shapes[-1], f"batch axes that broadcast with {shapes[0]}") from None
+        return cls(
+            *(np.stack(fields) for fields in zip(*(item._fields(batch) for item in items), strict=True))
+        )
 
     def __eq__(self, other: object) -> bool:
-        """Whether both hold exactly the same numbers; see `is_close` for the comparison one mostly wants."""
+        """Whether both are batches of one shape and hold the same numbers; `is_close` allows for rounding."""
         if type(other) is not type(self):
             return NotImplemented
-        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in self._ranks)
+        pairs = [(getattr(self, name), getattr(other, name)) for name in self._ranks]
+        if all(np.shape(a) == np.shape(b) for a, b in pairs):
+            return all(np.array_equal(a, b) for a, b in pairs)
+        batch = self.batch_shape  # a field without batch axes is the same for the whole batch
+        return other.batch_shape == batch and all(
+            np.array_equal(a, b) for a, b in zip(self._fields(batch), other._fields(batch), strict=True)
+        )
 
     def __hash__(self) -> int:
         # Adding 0.0 turns -0.0, which equals 0.0, into it.
-        parts = (np.asarray(getattr(self, name)) for name in self._ranks)
+        parts = self._fields(self.batch_shape)
         return hash(tuple((p.shape, tuple(p.flat) if is_symbolic(p) else (p + 0.0).tobytes()) for p in parts))
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
@@ -161,3 +216,44 @@ def column(value: Any, rank: int = 1) -> Any:
     if isinstance(value, (list, tuple)):
         value = np.asarray(value)
     return value.reshape(value.shape + (1,) * rank) if isinstance(value, np.ndarray) and value.ndim else value
+
+
+def core_shapes(**cores: tuple[int, ...]) -> Callable[[F], F]:
+    """A decorator of functions that read entries by their indices: longer arrays would lose their other entries.
+
+    Lists become arrays. Values are not looked at.
+
+    Args:
+        **cores: The last axes of the arguments by name.
+
+    Returns:
+        The decorator. Its functions raise ShapeError and DtypeError.
+    """
+
+    def decorate(function: F) -> F:
+        order = [(name, cores.get(name)) for name in inspect.signature(function).parameters]
+
+        @functools.wraps(function)
+        def checked(*args: Any, **keywords: Any) -> Any:
+            arrays = [
+                value if core is None else _shaped(name, value, core)
+                for value, (name, core) in zip(args, order, strict=False)
+            ]
+            for name in keywords.keys() & cores.keys():
+                keywords[name] = _shaped(name, keywords[name], cores[name])
+            return function(*arrays, *args[len(arrays) :], **keywords)
+
+        return checked  # type: ignore[return-value]
+
+    return decorate
+
+
+def _shaped(name: str, value: Any, core: tuple[int, ...]) -> Any:
+    """A value whose last axes are as they should be."""
+    shape = getattr(value, "shape", None)
+    if shape is None:
+        value = real_array(name, value, shape=batched_shape(core), is_symbol=is_symbolic)
+        shape = value.shape
+    if shape[-len(core) :] != core:
+        check_core_shape(name, value, core)
+    return value

@@ -13,8 +13,8 @@ All take t2, the squared angle [rad^2], because it is smooth where the angle its
 | `inverse_slope` | G = (dD/dt) / t                         | 1/360 |
 
 Below t = 0.2 they are their own power series: five terms reach full precision there, both values and
-derivatives. Above, the closed forms cancel by at most 1 / t^2, which the factors w w^T they are multiplied
-with give back.
+derivatives. Above, the closed forms cancel by at most 1 / t^2, those of F and G by 1 / t^4, which the factors w
+and w^T they are multiplied with give back.
 """
 
 from __future__ import annotations

@@ -21,17 +21,19 @@ import numpy as np
 
 from ulna.numeric import cross, dot, matrix
 from ulna.spatial import coefficients
-from ulna.spatial.batched import column
+from ulna.spatial.batched import column, core_shapes
 from ulna.spatial.quaternion import log_of_rotation
 from ulna.typing import Array
 
 
+@core_shapes(w=(3,))
 def so3_exp(w: Array) -> Array:
     """The rotation (..., 3, 3) about the direction of `w` (..., 3) by its length [rad]."""
     a, b = coefficients.first_second(dot(w, w))
     return _rodrigues(w, a, b)
 
 
+@core_shapes(rotation=(3, 3))
 def so3_log(rotation: Array) -> Array:
     """The rotation vector w (..., 3) [rad] of a rotation (..., 3, 3), no longer than pi.
 
@@ -41,23 +43,27 @@ def so3_log(rotation: Array) -> Array:
     return log_of_rotation(rotation)[0]
 
 
+@core_shapes(w=(3,))
 def so3_left_jacobian(w: Array) -> Array:
     """J_l (..., 3, 3): the angular velocity in the fixed frame is J_l(w) @ dw/dt."""
     _, b, c = _abc(dot(w, w))
     return _rodrigues(w, b, c)
 
 
+@core_shapes(w=(3,))
 def so3_right_jacobian(w: Array) -> Array:
     """J_r (..., 3, 3): the angular velocity in the moving frame is J_r(w) @ dw/dt."""
     _, b, c = _abc(dot(w, w))
     return _rodrigues(w, -b, c)
 
 
+@core_shapes(w=(3,))
 def so3_left_jacobian_inverse(w: Array) -> Array:
     """The inverse of J_l (..., 3, 3); infinite where the angle is a whole number of turns but zero."""
     return _rodrigues(w, -0.5, _d(w))
 
 
+@core_shapes(w=(3,))
 def so3_right_jacobian_inverse(w: Array) -> Array:
     """The inverse of J_r (..., 3, 3); infinite where the angle is a whole number of turns but zero."""
     return _rodrigues(w, 0.5, _d(w))
@@ -94,6 +100,7 @@ def log_parts(rotation: Array, translation: Array) -> tuple[Array, Array]:
     return translation - 0.5 * u + column(d) * cross(w, u), w
 
 
+@core_shapes(twist=(6,))
 def se3_left_jacobian(twist: Array) -> Array:
     """The 6x6 left Jacobian (..., 6, 6): exp(x + dx) = exp(J dx) exp(x). Source: Barfoot, eq. (7.85)."""
     v, w = twist[..., :3], twist[..., 3:]
@@ -104,11 +111,13 @@ def se3_left_jacobian(twist: Array) -> Array:
     return _upper(_rodrigues(w, b, c), _derivative(v, w, (b, c), (2.0 * e - c, -2.0 * f)))
 
 
+@core_shapes(twist=(6,))
 def se3_right_jacobian(twist: Array) -> Array:
     """The 6x6 right Jacobian (..., 6, 6): exp(x + dx) = exp(x) exp(J dx)."""
     return se3_left_jacobian(-twist)
 
 
+@core_shapes(twist=(6,))
 def se3_left_jacobian_inverse(twist: Array) -> Array:
     """The inverse of the 6x6 left Jacobian (..., 6, 6).
 
@@ -123,6 +132,7 @@ def se3_left_jacobian_inverse(twist: Array) -> Array:
     return _upper(_rodrigues(w, -0.5, d), _derivative(v, w, (-0.5, d), (0.0, g)))
 
 
+@core_shapes(twist=(6,))
 def se3_right_jacobian_inverse(twist: Array) -> Array:
     """The inverse of the 6x6 right Jacobian (..., 6, 6)."""
     return se3_left_jacobian_inverse(-twist)

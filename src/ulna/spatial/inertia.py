@@ -10,7 +10,7 @@ from ulna.checks.arrays import batched_array
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.numeric import apply, cross, dot, is_symbolic, matrix, skew, vector, where
-from ulna.spatial.batched import Batched, as_array, column
+from ulna.spatial.batched import Batched, as_array, column, component
 from ulna.spatial.solid_moments import solid_moments
 from ulna.spatial.vectors import Force, Motion
 from ulna.typing import Array, ArrayLike
@@ -128,7 +128,7 @@ class Inertia(Batched):
         Raises:
             InputError: If the radius is negative.
         """
-        _check_lengths(radius=radius)
+        (radius,) = _checked_lengths(radius=radius)
         return cls._solid(mass, 0.4 * radius**2, 0.4 * radius**2, 0.4 * radius**2)
 
     @classmethod
@@ -165,7 +165,7 @@ class Inertia(Batched):
             array([13., 10.,  5.])
         """
         edges = batched_array("size", size, (3,))
-        _check_lengths(size=edges)
+        (size,) = _checked_lengths(size=edges)
         a, b, c = edges**2
         return cls._solid(mass, (b + c) / 12, (a + c) / 12, (a + b) / 12)
 
@@ -184,7 +184,7 @@ class Inertia(Batched):
         Raises:
             InputError: If a length is negative.
         """
-        _check_lengths(radius=radius, length=length)
+        radius, length = _checked_lengths(radius=radius, length=length)
         across = radius**2 / 4 + length**2 / 12
         return cls._solid(mass, across, across, radius**2 / 2)
 
@@ -203,7 +203,7 @@ class Inertia(Batched):
         Raises:
             InputError: If a length is negative.
         """
-        _check_lengths(radius=radius, length=length)
+        radius, length = _checked_lengths(radius=radius, length=length)
         cylinder, ball = length, 4 * radius / 3  # volumes over pi radius^2
         share = cylinder / (cylinder + ball)
         half_sphere = 2 * radius**2 / 5 + length**2 / 4 + 3 * length * radius / 8
@@ -225,7 +225,7 @@ class Inertia(Batched):
         Raises:
             InputError: If a length is negative.
         """
-        _check_lengths(radius=radius, length=length)
+        radius, length = _checked_lengths(radius=radius, length=length)
         across = 3 * radius**2 / 20 + 3 * length**2 / 80
         body = cls._solid(mass, across, across, 3 * radius**2 / 10)
         return cls(body.mass, np.array([0.0, 0.0, -length / 4]), body.inertia)
@@ -259,6 +259,7 @@ class Inertia(Batched):
     @classmethod
     def _solid(cls, mass: float, x: float, y: float, z: float) -> Inertia:
         """A centred body with the given squared radii of gyration [m^2]."""
+        mass = component("mass", mass)
         return cls.from_com(mass, np.zeros(3), mass * np.diag([x, y, z]))
 
     def apply(self, motion: Motion) -> Force:
@@ -340,25 +341,35 @@ class Inertia(Batched):
         return (np.abs(self.parameters() - other.parameters()) <= tolerance).all(axis=-1)
 
     def _moved(self, rotation: Array, translation: Array) -> Inertia:
-        return Inertia(self.mass, apply(rotation, self.com) + translation, _turned(rotation, self.inertia))
+        return Inertia(
+            self.mass, apply(rotation, self.com) + translation, rotate_tensor(rotation, self.inertia)
+        )
 
     def _moved_back(self, rotation: Array, translation: Array) -> Inertia:
         back = np.swapaxes(rotation, -1, -2)
-        return Inertia(self.mass, apply(back, self.com - translation), _turned(back, self.inertia))
+        return Inertia(self.mass, apply(back, self.com - translation), rotate_tensor(back, self.inertia))
 
     def _dense(self) -> Array:
         return self.matrix()
 
 
 def _steiner(offset: Array) -> Array:
-    """|d|^2 I - d d^T (..., 3, 3): what a unit mass displaced by `way` adds to a rotational inertia."""
+    """|d|^2 I - d d^T (..., 3, 3): what a unit mass displaced by `offset` adds to a rotational inertia."""
     x, y, z = offset[..., 0], offset[..., 1], offset[..., 2]
     xx, yy, zz, xy, xz, yz = x * x, y * y, z * z, -x * y, -x * z, -y * z
     return matrix([[yy + zz, xy, xz], [xy, xx + zz, yz], [xz, yz, xx + yy]])
 
 
-def _turned(rotation: Array, inertia: Array) -> Array:
-    """R I R^T, of which only six entries are computed."""
+def rotate_tensor(rotation: Array, inertia: Array) -> Array:
+    """R I R^T of a symmetric I, of which only six entries are computed.
+
+    Args:
+        rotation: R, shape (..., 3, 3) [-].
+        inertia: I, shape (..., 3, 3).
+
+    Returns:
+        The rotated matrix, shape (..., 3, 3), in the unit of `inertia`.
+    """
     half = rotation @ inertia
     xx, xy, xz, yy, yz, zz = (
         dot(half[..., i, :], rotation[..., j, :]) for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
@@ -390,9 +401,11 @@ def _checked_inertia(inertia: ArrayLike) -> Array:
     return 0.5 * (array + np.swapaxes(array, -1, -2))
 
 
-def _check_lengths(**lengths: Any) -> None:
-    """Refuses negative lengths; symbols pass."""
-    for name, value in lengths.items():
+def _checked_lengths(**lengths: Any) -> tuple[Any, ...]:
+    """The lengths, none of which is negative; symbols pass."""
+    checked = {name: component(name, value) for name, value in lengths.items()}
+    for name, value in checked.items():
         array = np.asarray(value)
-        if array.dtype.kind in "fiu" and (array < 0).any():
+        if array.dtype.kind == "f" and (array < 0).any():
             raise InputError(f"`{name}` is {value!r} m; expected zero or more.")
+    return tuple(checked.values())

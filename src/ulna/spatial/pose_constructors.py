@@ -8,10 +8,11 @@ import numpy as np
 
 from ulna.checks.arrays import batched_array
 from ulna.checks.rotations import ROTATION_TOLERANCE, checked_rotation
+from ulna.checks.values import flag
 from ulna.errors import InputError
 from ulna.numeric import vector
 from ulna.spatial import angles, quaternion
-from ulna.spatial.batched import Composed, as_array
+from ulna.spatial.batched import Composed, as_array, component
 from ulna.spatial.nearest import nearest_rotation
 from ulna.spatial.pointing import rotation_along, rotation_looking
 from ulna.spatial.so3 import SO3, checked_quat
@@ -56,7 +57,7 @@ class PoseConstructors(Composed):
             >>> T.translation.round(3)
             array([0.307, 0.   , 0.487])
         """
-        if not check:
+        if not flag("check", check):
             m = as_array(matrix)
             return cls(m[..., :3, :3], m[..., :3, 3])
         m = batched_array("matrix", matrix, (4, 4))
@@ -160,7 +161,7 @@ class PoseConstructors(Composed):
             >>> ulna.SE3.trans(np.zeros(50), 0.0, np.linspace(0.0, 1.0, 50)).matrix().shape  # a batch of poses
             (50, 4, 4)
         """
-        return cls(np.eye(3), vector(x, y, z))
+        return cls(np.eye(3), vector(component("x", x), component("y", y), component("z", z)))
 
     @classmethod
     def pointing(cls, position: ArrayLike, direction: ArrayLike, x: ArrayLike | None = None) -> Self:
@@ -235,14 +236,14 @@ class PoseConstructors(Composed):
             >>> (ulna.SE3.rx(np.pi) @ [0.0, 0.0, 1.0]).round(6)  # upside down
             array([ 0., -0., -1.])
         """
-        return cls(angles.rotation_about(0, angle), np.zeros(3))
+        return cls(angles.rotation_about(0, component("angle", angle)), np.zeros(3))
 
     @classmethod
     def ry(cls, angle: Any) -> Self:
         """The rotation about y by `angle` (...) [rad]."""
-        return cls(angles.rotation_about(1, angle), np.zeros(3))
+        return cls(angles.rotation_about(1, component("angle", angle)), np.zeros(3))
 
     @classmethod
     def rz(cls, angle: Any) -> Self:
         """The rotation about z by `angle` (...) [rad]."""
-        return cls(angles.rotation_about(2, angle), np.zeros(3))
+        return cls(angles.rotation_about(2, component("angle", angle)), np.zeros(3))

@@ -10,12 +10,13 @@ from typing import Any
 
 from ulna.numeric import arctan2, cross, dot, less, matrix, sqrt, vector, where
 from ulna.spatial import coefficients
-from ulna.spatial.batched import column
+from ulna.spatial.batched import column, core_shapes
 from ulna.typing import Array
 
 _SMALL = 1e-3  # squared tangent of the half angle below which the arc tangent is its series
 
 
+@core_shapes(quat=(4,))
 def quat_xyzw_to_matrix(quat: Array) -> Array:
     """The rotation matrix (..., 3, 3) of a unit quaternion (..., 4); it is not normalised here.
 
@@ -35,6 +36,7 @@ def quat_xyzw_to_matrix(quat: Array) -> Array:
     )
 
 
+@core_shapes(rotation=(3, 3))
 def matrix_to_quat_xyzw(rotation: Array) -> Array:
     """The unit quaternion (..., 4) with w >= 0 of a rotation matrix (..., 3, 3); accurate for every rotation.
 
@@ -73,6 +75,7 @@ def _multiple(r: Array) -> tuple[Any, Any, Any, Any, Any]:
     return x, y, z, w, t
 
 
+@core_shapes(a=(4,), b=(4,))
 def quat_multiply(a: Array, b: Array) -> Array:
     """The product of two quaternions xyzw: the rotation `b` followed by `a`, as for matrices.
 
@@ -92,16 +95,19 @@ def quat_multiply(a: Array, b: Array) -> Array:
     )
 
 
+@core_shapes(quat=(4,))
 def quat_conjugate(quat: Array) -> Array:
     """The conjugate of a quaternion xyzw: for a unit quaternion, the inverse rotation."""
     return vector(-quat[..., 0], -quat[..., 1], -quat[..., 2], quat[..., 3])
 
 
+@core_shapes(quat=(4,))
 def quat_normalize(quat: Array) -> Array:
     """The quaternion xyzw scaled to unit length."""
     return quat / column(sqrt(dot(quat, quat)))
 
 
+@core_shapes(quat=(4,), v=(3,))
 def quat_rotate(quat: Array, v: Array) -> Array:
     """A vector rotated by a unit quaternion.
 
@@ -117,6 +123,7 @@ def quat_rotate(quat: Array, v: Array) -> Array:
     return v + quat[..., 3:] * t + cross(u, t)
 
 
+@core_shapes(w=(3,))
 def quat_exp(w: Array) -> Array:
     """The unit quaternion xyzw of a rotation vector `w` (..., 3) [rad]: axis times angle."""
     s, c = coefficients.half(dot(w, w))
@@ -124,6 +131,7 @@ def quat_exp(w: Array) -> Array:
     return vector(s * w[..., 0], s * w[..., 1], s * w[..., 2], c)
 
 
+@core_shapes(quat=(4,))
 def quat_log(quat: Array) -> Array:
     """The rotation vector (..., 3) [rad], no longer than pi, of a quaternion xyzw of any length but zero."""
     return _log(quat[..., 0], quat[..., 1], quat[..., 2], quat[..., 3])[0]
@@ -154,6 +162,7 @@ def _log(x: Any, y: Any, z: Any, w: Any) -> tuple[Array, Any]:
     return vector(2.0 * f * x, 2.0 * f * y, 2.0 * f * z), f * w
 
 
+@core_shapes(a=(4,), b=(4,))
 def quat_slerp(a: Array, b: Array, t: Any) -> Array:
     """The quaternion at a fraction of the shorter path from `a` to `b`, at constant rate.
 

@@ -7,12 +7,13 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar, final, overload
 import numpy as np
 
 from ulna.checks.arrays import batched_array
+from ulna.checks.values import short_repr
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, is_symbolic, skew, sqrt, vector
 from ulna.spatial import angles, exponential, quaternion
-from ulna.spatial.batched import Batched, as_array, column, numbers
+from ulna.spatial.batched import Batched, as_array, column, component, core_shapes, numbers
 from ulna.spatial.pose_constructors import PoseConstructors
 from ulna.spatial.so3 import SO3
 from ulna.spatial.vectors import Motion
@@ -269,6 +270,7 @@ class SE3(PoseConstructors, metaclass=Explained):
         return numbers(self.matrix(), indent)
 
 
+@core_shapes(twist=(6,))
 def se3_exp(twist: Array) -> SE3:
     """The pose reached by moving with a constant `twist` (..., 6), linear part first, for one second.
 
@@ -278,7 +280,15 @@ def se3_exp(twist: Array) -> SE3:
 
 
 def se3_log(pose: SE3) -> Motion:
-    """The constant twist that leads from the identity to `pose` in one second, turning by at most pi."""
+    """The constant twist that leads from the identity to `pose` in one second, turning by at most pi.
+
+    Raises:
+        InputError: `pose` is no SE3.
+    """
+    if not isinstance(pose, SE3):
+        raise InputError(
+            f"`pose` is {short_repr(pose)}; expected an SE3. SE3.from_matrix(T) makes one of a matrix (4, 4)."
+        )
     return pose.log()
 
 
@@ -289,7 +299,8 @@ def _parts(rotation: Any, translation: Any, z: Any) -> tuple[Array, Array]:
             raise InputError(
                 "Expected SE3(rotation, translation) or SE3(x, y, z); three arguments with a matrix."
             )
-        return np.eye(3), vector(rotation, 0.0 if translation is None else translation, z)
+        y = 0.0 if translation is None else component("y", translation)
+        return np.eye(3), vector(component("x", rotation), y, component("z", z))
     if translation is not None:
         return as_array(rotation.matrix if isinstance(rotation, SO3) else rotation), as_array(translation)
     if rotation is None:

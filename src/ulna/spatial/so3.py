@@ -13,7 +13,7 @@ from ulna.errors import InputError, ShapeError
 from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, sqrt
 from ulna.spatial import angles, exponential, quaternion
-from ulna.spatial.batched import Batched, Composed, as_array, column, numbers
+from ulna.spatial.batched import Batched, Composed, as_array, column, component, numbers
 from ulna.spatial.nearest import nearest_rotation
 from ulna.typing import Array, ArrayLike
 
@@ -104,17 +104,17 @@ class SO3(Composed, metaclass=Explained):
     @classmethod
     def rx(cls, angle: Any) -> SO3:
         """The rotation about x by `angle` (...) [rad]."""
-        return cls(angles.rotation_about(0, angle))
+        return cls(angles.rotation_about(0, component("angle", angle)))
 
     @classmethod
     def ry(cls, angle: Any) -> SO3:
         """The rotation about y by `angle` (...) [rad]."""
-        return cls(angles.rotation_about(1, angle))
+        return cls(angles.rotation_about(1, component("angle", angle)))
 
     @classmethod
     def rz(cls, angle: Any) -> SO3:
         """The rotation about z by `angle` (...) [rad]."""
-        return cls(angles.rotation_about(2, angle))
+        return cls(angles.rotation_about(2, component("angle", angle)))
 
     @classmethod
     def exp(cls, w: ArrayLike) -> SO3:

@@ -19,16 +19,16 @@ _POLL = 0.002  # s between two looks at the locks of modules
 
 @final
 class ImportLock:
-    """Held by a thread, no other thread starts, continues or ends an import."""
+    """A lock: while a thread holds it, no other thread starts, continues or ends an import."""
 
     def __init__(self) -> None:
         self._held: list[Any] = []
         self._abandoned: weakref.WeakSet[Any] = weakref.WeakSet()
 
     def acquire(self, timeout: float) -> bool:
-        """Takes it when no other thread imports a module; returns False if some thread did for `timeout` [s]."""
+        """Acquires it when no other thread imports a module; returns False if some thread did for `timeout` [s]."""
         end = time.monotonic() + timeout
-        while not self._try():
+        while not self._try_acquire():
             if time.monotonic() >= end:
                 return False
             time.sleep(_POLL)
@@ -42,7 +42,7 @@ class ImportLock:
 
     def abandon(self) -> None:
         """From now on, the imports that run now are not waited for."""
-        self._abandoned.update(one for one in _module_locks() if self._is_busy(one))
+        self._abandoned.update(module_lock for module_lock in _module_locks() if self._is_busy(module_lock))
 
     def renew(self) -> None:
         """Frees the locks of abandoned modules in a forked child; such a module stays half imported there."""
@@ -51,10 +51,14 @@ class ImportLock:
             if reference() in self._abandoned and self._is_busy(reference()):
                 del table[name]
 
-    def _try(self) -> bool:
+    def _try_acquire(self) -> bool:
         _imp.acquire_lock()  # with it, no thread gets the lock of a module that it does not have yet
         try:
-            free = all(self._stop(one) for one in _module_locks() if one not in self._abandoned)
+            free = all(
+                self._take(module_lock)
+                for module_lock in _module_locks()
+                if module_lock not in self._abandoned
+            )
         except BaseException:  # such as KeyboardInterrupt
             self.release()
             raise
@@ -62,20 +66,24 @@ class ImportLock:
             self.release()
         return free
 
-    def _stop(self, one: Any) -> bool:
+    def _take(self, module_lock: Any) -> bool:
         """Keeps other threads from taking the lock of a module; returns False if one has it."""
-        if not one.lock.acquire(timeout=_POLL):
+        if not module_lock.lock.acquire(timeout=_POLL):
             return False
-        self._held.append(one.lock)
-        return not self._is_busy(one)
+        self._held.append(module_lock.lock)
+        return not self._is_busy(module_lock)
 
     @staticmethod
-    def _is_busy(one: Any) -> bool:
-        return one.owner not in (None, get_ident())
+    def _is_busy(module_lock: Any) -> bool:
+        return module_lock.owner not in (None, get_ident())
 
 
 def _module_locks() -> list[Any]:
     """The locks of the modules that are being imported; none where Python keeps them elsewhere."""
     table: Any = getattr(_bootstrap, "_module_locks", {})
     locks = [reference() for reference in list(table.values())]
-    return [one for one in locks if one is not None and hasattr(one, "owner") and hasattr(one, "lock")]
+    return [
+        module_lock
+        for module_lock in locks
+        if module_lock is not None and hasattr(module_lock, "owner") and hasattr(module_lock, "lock")
+    ]

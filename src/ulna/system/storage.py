@@ -12,6 +12,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from ulna.errors import MissingFolder
+
 # no links followed; a pipe that stands in a file's place is not waited for
 _READING = os.O_RDONLY | sum(getattr(os, name, 0) for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_BINARY"))
 
@@ -29,6 +31,7 @@ def replacing(target: str | os.PathLike[str]) -> Iterator[Path]:
     left beside is removed by the first write of a process into that folder, a day later or more.
 
     Raises:
+        MissingFolder: There is no folder to write it to.
         OSError: It cannot be written; `target` is as it was.
     """
     place = Path(os.path.realpath(target))
@@ -37,6 +40,9 @@ def replacing(target: str | os.PathLike[str]) -> Iterator[Path]:
     if place.exists() and not place.is_file():  # a device or a pipe is written to, never replaced
         yield place
         return
+    if not place.parent.is_dir():
+        given = Path(target).parent
+        raise MissingFolder(str(place.parent if given.is_dir() else given), os.fspath(target))
     _remove_stale(place.parent)
     beside = place.with_name(f".ulna-{os.urandom(4).hex()}{place.suffix}")
     try:
@@ -53,7 +59,7 @@ def replacing(target: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def _sync(path: Path) -> None:
-    """Has the content of a file written to the disk, where the file system can tell."""
+    """Has the content of a file written to the disk, where the file system supports it."""
     descriptor = os.open(path, os.O_RDWR | getattr(os, "O_CLOEXEC", 0))
     try:
         os.fsync(descriptor)
@@ -80,7 +86,7 @@ def _remove_stale(folder: Path) -> None:
 
 
 def save_figure(figure: Any, path: Any) -> None:
-    """Writes a figure of Matplotlib to a file, whole or not at all, or to an open one.
+    """Writes a figure of Matplotlib to a file, atomically, or to an open one.
 
     Args:
         figure: The figure.

@@ -1,7 +1,5 @@
-"""Trajectories: motions of joints and of poses, as values that know where to be at any time."""
+"""Trajectories: motions of joints and of poses, as values that are evaluated at any time."""
 
-from ulna.trajectory.base import Samples as Samples
-from ulna.trajectory.base import Trajectory as Trajectory
 from ulna.trajectory.blends import blended as blended
 from ulna.trajectory.boundary import cubic as cubic
 from ulna.trajectory.boundary import quintic as quintic
@@ -28,6 +26,8 @@ from ulna.trajectory.profiles import trapezoidal as trapezoidal
 from ulna.trajectory.straight import straight as straight
 from ulna.trajectory.straight import straight_through as straight_through
 from ulna.trajectory.time_optimal import time_optimal as time_optimal
+from ulna.trajectory.trajectory import Samples as Samples
+from ulna.trajectory.trajectory import Trajectory as Trajectory
 from ulna.trajectory.waypoints import bspline as bspline
 from ulna.trajectory.waypoints import cubic_spline as cubic_spline
 from ulna.trajectory.waypoints import minimum_jerk as minimum_jerk

@@ -10,9 +10,9 @@ import numpy as np
 from ulna import numeric
 from ulna.checks.values import duration as checked_duration
 from ulna.compiler import compile
-from ulna.trajectory.base import END_TOLERANCE
 from ulna.trajectory.inputs import filled, vector
 from ulna.trajectory.polynomial import Polynomial, hermite, hermite_coefficients, horner
+from ulna.trajectory.trajectory import END_TOLERANCE
 from ulna.typing import Array, ArrayLike, Floats
 
 

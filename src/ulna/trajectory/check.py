@@ -9,15 +9,16 @@ from typing import Any, final
 import numpy as np
 
 from ulna import kernels
+from ulna.checks.values import count, flag, number
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.lazy import Slot, apply, is_deferred
 from ulna.model import Model
 from ulna.model.of_robot import model_of
-from ulna.trajectory.base import Trajectory
 from ulna.trajectory.inputs import positive
 from ulna.trajectory.peaks import greatest
 from ulna.trajectory.space import Poses, require_configurations
+from ulna.trajectory.trajectory import Trajectory
 from ulna.typing import Array, ArrayLike, Floats
 
 _BOUND_TOLERANCE = 1e-8  # how close to the worst values their bounds come, in parts of the limits
@@ -62,11 +63,12 @@ class Breach:
 @final
 @dataclass(frozen=True)
 class Report:
-    """What a check found: true when no limit is broken; printing it says all.
+    """The result of a check: true where no limit is exceeded; `print` shows all of it.
 
     Attributes:
         breaches: The worst of each joint and quantity that is beyond its limit, worst first by parts of the limit.
-        use: How much of each limit the trajectory uses at most, by quantity: 1 is at the limit.
+        use: How much of each limit the trajectory uses at most, by quantity: 1 is at the limit, 0 is half way between
+            two limits.
         robot: Name of the robot.
     """
 
@@ -84,7 +86,8 @@ class Report:
         used = ", ".join(f"{name} {100 * part:.1f} %" for name, part in self.use.items()) or "no limits"
         if self:
             return f"Within the limits of {self.robot!r}; used at most: {used}."
-        lines = [f"{len(self.breaches)} limits of {self.robot!r} are broken (used: {used}):"]
+        n, of = len(self.breaches), f"of {self.robot!r}"
+        lines = [f"{f'1 limit {of} is' if n == 1 else f'{n} limits {of} are'} exceeded (used: {used}):"]
         return "\n".join(lines + [f"  {breach}" for breach in self.breaches])
 
     def require(self) -> None:
@@ -103,11 +106,12 @@ def check(
     tolerance: float = 1e-6,
     samples: int = 1000,
 ) -> Report:
-    """Whether a trajectory keeps the limits of a robot: positions, speeds, torques, and others that are given.
+    """Whether a trajectory keeps a robot's limits of position, speed and torque, and of acceleration and jerk if given.
 
-    It looks at even times, between any two knots and at each knot from both sides, bounds what may be between those
-    times, and looks closer wherever a bound is above the worst value found. Torques are those of inverse dynamics,
-    with gravity and armature, without friction. Position limits of joints without any are not checked.
+    The trajectory is evaluated at evenly spaced times, between any two knots, and on both sides of each knot. What
+    lies between these times is bounded, and intervals whose bound is above the worst value are divided. Torques are
+    those of inverse dynamics, with gravity and armature, without friction. Position limits of joints without any are
+    not checked.
 
     Args:
         robot: A Robot or a Model.
@@ -116,14 +120,15 @@ def check(
         acceleration: Limits of acceleration, one or (nv,) [rad/s^2 or m/s^2]; None for no check.
         jerk: Limits of jerk, one or (nv,) [rad/s^3 or m/s^3]; None for no check.
         torque: Whether to check torques.
-        tolerance: What part of a limit may be exceeded: rounding, or what a controller forgives [-].
-        samples: How many times to begin with.
+        tolerance: By how much a value may exceed its limit, in parts of the limit (of half the range, where there are
+            two): for rounding, or for a controller that permits as much [-].
+        samples: At how many times it looks first, at least.
 
     Returns:
         A report: `if report`, `print(report)`, `report.require()`.
 
     Raises:
-        InputError: The trajectory is none of that robot's joints, or tolerance and samples make no sense.
+        InputError: The trajectory is none of that robot's joints, or an option has a value without a meaning.
 
     Example:
         >>> robot = ulna.load("panda")
@@ -133,20 +138,24 @@ def check(
         True
     """
     model = model_of(robot)
+    tolerance = number("tolerance", tolerance, "a part of the limits, such as 1e-6", least=0.0)
+    samples, torque = count("samples", samples, least=2), flag("torque", torque)
+    columns = _columns(model, _limits(model, acceleration, jerk, torque))
     if is_deferred(trajectory):
-        limits = {"acceleration": acceleration, "jerk": jerk, "torque": torque}
-        run = partial(_checked, model, {**limits, "tolerance": tolerance, "samples": samples})
+        run = partial(_reports, model, columns, tolerance, samples)
         return apply(run, [trajectory], [Slot("trajectory", (), object)], [Slot("report", (), object)])
+    return _report(model, columns, tolerance, samples, trajectory)
+
+
+def _report(
+    model: Model, columns: list[_Column], tolerance: float, samples: int, trajectory: Trajectory
+) -> Report:
+    """The report on one trajectory."""
     if not isinstance(trajectory, Trajectory):
         raise InputError(f"`trajectory` is {trajectory!r}; expected one such as quintic(...) makes.")
-    if not (isinstance(tolerance, (int, float)) and 0.0 <= tolerance < np.inf):
-        raise InputError(f"`tolerance` is {tolerance!r}; expected a part of the limits, such as 1e-6.")
-    if not isinstance(samples, (int, np.integer)) or samples < 2:
-        raise InputError(f"`samples` is {samples!r}; expected a count of at least 2.")
     if isinstance(trajectory.space, Poses):
         raise InputError("The trajectory moves a pose; expected joints: follow(trajectory, ik) makes them.")
     require_configurations("trajectory", trajectory.space, model)
-    columns = _columns(model, _limits(model, acceleration, jerk, torque))
     if not columns:
         return Report((), {}, model.name)
     tolerances = np.full(len(columns), _BOUND_TOLERANCE)
@@ -162,11 +171,13 @@ def check(
     return Report(tuple(breach for _, breach in ranked), use, model.name)
 
 
-def _checked(model: Model, options: dict[str, Any], trajectories: Any) -> Array:
-    """The reports of an array of trajectories."""
+def _reports(
+    model: Model, columns: list[_Column], tolerance: float, samples: int, trajectories: Any
+) -> Array:
+    """The reports on an array of trajectories."""
     reports = np.empty(trajectories.shape, dtype=object)
     for index in np.ndindex(trajectories.shape):
-        reports[index] = check(model, trajectories[index], **options)
+        reports[index] = _report(model, columns, tolerance, samples, trajectories[index])
     return reports
 
 

@@ -10,11 +10,12 @@ from typing import final
 
 import numpy as np
 
+from ulna.checks.values import number
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
-from ulna.trajectory.base import Trajectory, register_operation
 from ulna.trajectory.polynomial import Polynomial
 from ulna.trajectory.space import Space, Vectors
+from ulna.trajectory.trajectory import Trajectory, register_operation
 from ulna.typing import Floats
 
 _SAME_KNOT = 1e-9  # how near a knot of the law and one of the path are one, in parts of the path's length
@@ -113,7 +114,7 @@ class Retimed(Trajectory):
 
     @property
     def order(self) -> int:
-        """As many derivatives as the path knows."""
+        """As many derivatives as the path has."""
         return self.path.order
 
     def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
@@ -204,7 +205,7 @@ class Chain(Trajectory):
 
     @property
     def order(self) -> int:
-        """As many derivatives as all parts know."""
+        """As many derivatives as all parts have."""
         return min(p.order for p in self.parts)
 
     def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
@@ -236,7 +237,7 @@ def concatenate(*parts: Trajectory, tolerance: float = 1e-6) -> Trajectory:
         One polynomial if all parts are polynomials, else a chain.
 
     Raises:
-        InputError: The spaces differ, or there is a gap; names what jumps, where, and by how much.
+        InputError: The spaces differ, `tolerance` is none, or there is a gap; names what jumps, where, and by how much.
 
     Example:
         >>> first = ulna.trajectory.quintic([0.0], [1.0], duration=2.0)
@@ -246,14 +247,15 @@ def concatenate(*parts: Trajectory, tolerance: float = 1e-6) -> Trajectory:
     """
     if not parts:
         raise InputError("concatenate() has no argument; expected at least one trajectory.")
-    for number, part in enumerate(parts):
+    allowed = number("tolerance", tolerance, "a finite jump of zero or more", least=0.0)
+    for place, part in enumerate(parts):
         if not isinstance(part, Trajectory):
-            raise InputError(f"Part {number} is {part!r}; expected a trajectory.")
+            raise InputError(f"Part {place} is {part!r}; expected a trajectory.")
     clock = 0.0
-    for number, (one, two) in enumerate(pairwise(parts)):
+    for place, (one, two) in enumerate(pairwise(parts)):
         clock += one.duration
-        _same_space(number, one.space, two.space)
-        _no_gap(number, clock, one, two, tolerance)
+        _same_space(place, one.space, two.space)
+        _check_continuity(place, clock, one, two, allowed)
     polynomials = [p for p in parts if isinstance(p, Polynomial)]
     if len(polynomials) < len(parts):
         return Chain.of(parts)
@@ -275,7 +277,7 @@ def _same_space(number: int, one: Space, two: Space) -> None:
         )
 
 
-def _no_gap(number: int, clock: float, one: Trajectory, two: Trajectory, tolerance: float) -> None:
+def _check_continuity(number: int, clock: float, one: Trajectory, two: Trajectory, tolerance: float) -> None:
     q0, v0 = one._at(np.array([one.duration]), 1)
     q1, v1 = two._at(np.array([0.0]), 1)
     gaps = (("position", one.space.difference(q0, q1)[0]), ("velocity", (v1 - v0)[0]))

@@ -8,18 +8,20 @@ quintics that have those very states.
 from __future__ import annotations
 
 import io
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ulna.checks.values import short_repr
 from ulna.errors import InputError
 from ulna.files import read_regular
 from ulna.system.storage import replacing
-from ulna.trajectory.base import Trajectory, register_operation
 from ulna.trajectory.inputs import increasing
 from ulna.trajectory.polynomial import Polynomial, hermite
 from ulna.trajectory.space import Poses, Vectors
+from ulna.trajectory.trajectory import Trajectory, register_operation
 
 _FORMAT = "ulna trajectory 1"
 _MAX_POWERS = 64
@@ -43,7 +45,7 @@ def save(trajectory: Trajectory, path: str | Path, rate: float | None = None) ->
         >>> ulna.trajectory.load("move.csv")(2.0).round(6)
         array([1. , 0.5])
     """
-    target = Path(path)
+    target = _checked_path(path)
     if target.suffix == ".npz":
         if not isinstance(trajectory, Polynomial) or not isinstance(trajectory.space, Vectors):
             raise InputError(f"{trajectory!r} is no plain polynomial, which .npz keeps; save it as .csv.")
@@ -66,6 +68,12 @@ def save(trajectory: Trajectory, path: str | Path, rate: float | None = None) ->
         raise InputError(f"`path` is {str(path)!r}; expected a file name that ends in .npz or .csv.")
 
 
+def _checked_path(path: Any) -> Path:
+    if not isinstance(path, (str, PathLike)):
+        raise InputError(f"`path` is {short_repr(path)}; expected a file name that ends in .npz or .csv.")
+    return Path(path)
+
+
 def load(path: str | Path) -> Polynomial:
     """Reads a trajectory of joints from a file that `save` wrote, or from any table like it.
 
@@ -81,7 +89,7 @@ def load(path: str | Path) -> Polynomial:
         >>> ulna.trajectory.load("move.csv").duration
         2.0
     """
-    source = Path(path)
+    source = _checked_path(path)
     if source.suffix not in (".npz", ".csv"):
         raise InputError(f"`path` is {str(path)!r}; expected a file name that ends in .npz or .csv.")
     try:

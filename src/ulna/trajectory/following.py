@@ -9,10 +9,10 @@ import numpy as np
 
 from ulna.checks.values import short_repr
 from ulna.errors import InputError, NonFiniteError
-from ulna.trajectory.base import Trajectory
 from ulna.trajectory.inputs import vector
 from ulna.trajectory.polynomial import Polynomial
 from ulna.trajectory.space import Poses
+from ulna.trajectory.trajectory import Trajectory
 from ulna.trajectory.waypoints import cubic_spline
 from ulna.typing import ArrayLike, Floats
 

@@ -18,8 +18,8 @@ import numpy as np
 
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
-from ulna.trajectory.base import Trajectory
 from ulna.trajectory.quartics import NODES
+from ulna.trajectory.trajectory import Trajectory
 from ulna.typing import Floats
 
 _KNOT_OFFSETS = np.array([1e-9, 0.0, 0.0, 0.0, -1e-9])

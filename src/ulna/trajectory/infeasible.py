@@ -9,7 +9,7 @@ import numpy as np
 
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
-from ulna.trajectory.constraints import Bounds
+from ulna.trajectory.constraint_rows import Bounds
 from ulna.trajectory.survey import TINY
 from ulna.typing import Floats
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ulna.checks.values import duration as checked_duration
-from ulna.errors import InputError, MissingExtra
+from ulna.errors import InputError, needed
 from ulna.trajectory.inputs import filled, positive, vector
 from ulna.trajectory.polynomial import Polynomial
 from ulna.typing import ArrayLike, Floats
@@ -48,10 +48,8 @@ def jerk_limited(
 
     Source: Berscheid & Kröger, Jerk-limited real-time trajectory generation with arbitrary target states (2021).
     """
-    try:
+    with needed("ruckig", "trajectory", "A jerk-limited motion between states"):
         import ruckig  # pyright: ignore[reportMissingImports]
-    except ImportError:
-        raise MissingExtra("ruckig", "trajectory", "A jerk-limited motion between states") from None
     start = vector("q0", q0)
     n = start.size
     task: Any = ruckig.InputParameter(n)

@@ -21,12 +21,12 @@ from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.numeric import apply, cross
 from ulna.spatial import SE3, Motion, so3_exp, so3_log
-from ulna.trajectory.base import Trajectory
 from ulna.trajectory.compose import Retimed
 from ulna.trajectory.inputs import pose, vector
 from ulna.trajectory.paths import UnitPath, law
 from ulna.trajectory.polynomial import Polynomial
 from ulna.trajectory.space import Poses, Space
+from ulna.trajectory.trajectory import Trajectory
 from ulna.typing import ArrayLike, Floats
 
 Interpolation = Literal["straight", "screw"]

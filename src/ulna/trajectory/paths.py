@@ -9,11 +9,11 @@ import numpy as np
 
 from ulna.checks.values import duration as checked_duration
 from ulna.errors import InputError
-from ulna.trajectory.base import Trajectory
 from ulna.trajectory.boundary import quintic
 from ulna.trajectory.inputs import positive
 from ulna.trajectory.polynomial import Polynomial
 from ulna.trajectory.profiles import s_curve, trapezoidal
+from ulna.trajectory.trajectory import Trajectory
 from ulna.typing import Floats
 
 

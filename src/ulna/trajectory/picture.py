@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from ulna.errors import MissingExtra
+from ulna.errors import needed
 from ulna.system.figures import displayed
 from ulna.system.storage import save_figure
-from ulna.trajectory.base import Trajectory, register_operation
 from ulna.trajectory.space import Poses
+from ulna.trajectory.trajectory import Trajectory, register_operation
 
 
 def plot(trajectory: Trajectory, path: str | Path | None = None, samples: int = 500) -> Any:
@@ -28,10 +28,8 @@ def plot(trajectory: Trajectory, path: str | Path | None = None, samples: int = 
     Raises:
         MissingExtra: Matplotlib is not installed.
     """
-    try:
+    with needed("matplotlib", "plot", "Plotting a trajectory"):
         from matplotlib.figure import Figure  # pyright: ignore[reportMissingImports]
-    except ImportError:
-        raise MissingExtra("matplotlib", "plot", "Plotting a trajectory") from None
     t = trajectory.instants(samples)
     q, v, a = trajectory.state(t)
     names = list(trajectory.space.names)

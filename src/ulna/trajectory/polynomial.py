@@ -22,9 +22,11 @@ from ulna.checks.arrays import finite_array
 from ulna.compiler import compile
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
-from ulna.trajectory.base import Trajectory
 from ulna.trajectory.space import Space, Vectors
+from ulna.trajectory.trajectory import Trajectory
 from ulna.typing import Array, Floats
+
+_LONGEST = 1e30  # s; the fifth power of longer times is too large for floats, and coefficients become zero
 
 
 @final
@@ -83,7 +85,7 @@ class Polynomial(Trajectory):
 
     @property
     def order(self) -> int:
-        """3: it knows its jerk."""
+        """3: it has a jerk."""
         return 3
 
     def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
@@ -133,13 +135,17 @@ def hermite(
         The trajectory.
 
     Raises:
-        InputError: Times are so short that coefficients are not finite.
+        InputError: Times are so short that coefficients are not finite, or so long that powers of them are not.
 
     Source: Biagiotti & Melchiorri 2008, eq. (2.2) and (2.6).
     """
     h, n = times[1:] - times[:-1], q.shape[1]
     states = [row for x in (q, v, a) if x is not None for row in (x[:-1], x[1:])]
     c = _hermite_kernel(n, a is not None)(h, *states)
+    if h.max() > _LONGEST:
+        raise InputError(
+            f"A motion takes {h.max():g} s; expected at most {_LONGEST:g} s from point to point."
+        )
     if not np.isfinite(c).all():
         raise InputError(
             f"Between {times[0]:g} s and {times[-1]:g} s the motion is too fast to be computed; expected longer times "

@@ -26,8 +26,8 @@ from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.numeric import apply, cross
 from ulna.spatial import SE3, Motion
-from ulna.trajectory.base import Trajectory
 from ulna.trajectory.space import Poses, Space
+from ulna.trajectory.trajectory import Trajectory
 from ulna.typing import ArrayLike, Floats
 
 _CUMULATIVE = np.array([[5.0, 3.0, -3.0, 1.0], [1.0, 3.0, 3.0, -2.0], [0.0, 0.0, 0.0, 1.0]]) / 6.0
@@ -172,7 +172,7 @@ def _moved(control: SE3, step: Motion, interpolation: str) -> SE3:
 
 
 def _polynomial(c: Floats, u: Floats, rate: float) -> tuple[Floats, Floats, Floats]:
-    """A cubic and its derivatives by time, (m, 1)."""
+    """A cubic and its derivatives with respect to time, (m, 1)."""
     u = u[:, None]
     value = c[0] + u * (c[1] + u * (c[2] + u * c[3]))
     return (

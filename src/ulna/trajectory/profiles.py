@@ -2,7 +2,7 @@
 
 | symbol | meaning | unit |
 |---|---|---|
-| d | way of one joint | [rad] |
+| d | displacement of one joint | [rad] |
 | v, a, j | limits of speed, acceleration and jerk | [rad/s] to [rad/s^3] |
 | Ta | time of speeding up, as of slowing down | [s] |
 | Tj | time in which the acceleration rises, as in which it falls | [s] |
@@ -74,11 +74,11 @@ def trapezoidal(
             )
         total = checked_duration("duration", duration)
         speed = 1.5 * np.abs(displacement) / total if velocity is None else positive("velocity", velocity, n)
-        return _cruising(start, displacement, speed, total)
+        return _with_cruising_speed(start, displacement, speed, total)
     if velocity is None:
         raise InputError("`acceleration` was given without `velocity`; expected both limits.")
     limits = np.stack([positive("velocity", velocity, n), positive("acceleration", acceleration, n)])
-    return _under_limits(start, displacement, limits, _trapezoid, duration, synchronise, "trapezoidal")
+    return _within_limits(start, displacement, limits, _trapezoid, duration, synchronise, "trapezoidal")
 
 
 def s_curve(
@@ -118,7 +118,7 @@ def s_curve(
     displacement = vector("q1", q1, start.size) - start
     bounds = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
     limits = np.stack([positive(name, value, start.size) for name, value in bounds.items()])
-    return _under_limits(start, displacement, limits, _double_s, duration, synchronise, "s-curve")
+    return _within_limits(start, displacement, limits, _double_s, duration, synchronise, "s-curve")
 
 
 Phases = tuple[Floats, Floats, int]
@@ -126,7 +126,7 @@ Phases = tuple[Floats, Floats, int]
 
 
 def _trapezoid(d: float, limits: Floats) -> Phases:
-    """Durations and accelerations of the three phases that cover the way `d`."""
+    """Durations and accelerations of the three phases that cover the displacement `d`."""
     v, a = limits
     v = min(v, np.sqrt(d * a))
     ta = v / a
@@ -134,7 +134,7 @@ def _trapezoid(d: float, limits: Floats) -> Phases:
 
 
 def _double_s(d: float, limits: Floats) -> Phases:
-    """Durations and jerks of the seven phases that cover the way `d`."""
+    """Durations and jerks of the seven phases that cover the displacement `d`."""
     v, a, j = limits
     tj, ta = (np.sqrt(v / j), 2.0 * np.sqrt(v / j)) if v * j < a * a else (a / j, a / j + v / a)
     tv = d / v - ta
@@ -144,11 +144,11 @@ def _double_s(d: float, limits: Floats) -> Phases:
         if d < 2.0 * a**3 / j**2:  # nor is full acceleration
             tj = np.cbrt(d / (2.0 * j))
             ta = 2.0 * tj
-    even = ta - 2.0 * tj
-    return np.array([tj, even, tj, tv, tj, even, tj]), j * np.array([1.0, 0, -1, 0, -1, 0, 1]), 3
+    constant = ta - 2.0 * tj
+    return np.array([tj, constant, tj, tv, tj, constant, tj]), j * np.array([1.0, 0, -1, 0, -1, 0, 1]), 3
 
 
-def _under_limits(
+def _within_limits(
     start: Floats,
     displacement: Floats,
     limits: Floats,
@@ -158,7 +158,7 @@ def _under_limits(
     kind: str,
 ) -> Polynomial:
     if synchronise not in _PHASES:
-        raise UnknownName("way to synchronise", synchronise, _PHASES)
+        raise UnknownName("kind of synchronisation", synchronise, _PHASES)
     moving = np.abs(displacement) > 0.0
     if not moving.any():
         if duration is None:
@@ -168,25 +168,25 @@ def _under_limits(
         return Polynomial.of([0.0, checked_duration("duration", duration)], start[None, None], kind)
     size = np.abs(displacement[moving])
     if synchronise == "phase":
-        law = profile(1.0, (limits[:, moving] / size).min(axis=1))
-        shares, laws = [displacement], [law]
+        phases = profile(1.0, (limits[:, moving] / size).min(axis=1))
+        displacements, all_phases = [displacement], [phases]
     else:
-        shares = list(np.diag(displacement)[moving])
-        laws = [profile(1.0, limit / d) for limit, d in zip(limits[:, moving].T, size, strict=True)]
-    lasts = max(float(law[0].sum()) for law in laws)
-    pieces = [_integrated(*law) for law in laws]
+        displacements = list(np.diag(displacement)[moving])
+        all_phases = [profile(1.0, limit / d) for limit, d in zip(limits[:, moving].T, size, strict=True)]
+    total = max(float(phases[0].sum()) for phases in all_phases)
+    profiles = [_integrated(*phases) for phases in all_phases]
     if synchronise == "time":
-        pieces = [p._stretched(lasts / p.duration) for p in pieces]
-    motion = _sum(start, shares, pieces, lasts, kind)
+        profiles = [p._stretched(total / p.duration) for p in profiles]
+    motion = _combined(start, displacements, profiles, total, kind)
     if duration is None:
         return motion
     chosen_duration = checked_duration("duration", duration)
-    if chosen_duration < lasts * (1.0 - 1e-12):
-        raise InputError(f"`duration` is {chosen_duration:g} s, but the limits take at least {lasts:.6g} s.")
-    return motion._stretched(chosen_duration / lasts)
+    if chosen_duration < total * (1.0 - 1e-12):
+        raise InputError(f"`duration` is {chosen_duration:g} s, but the limits take at least {total:.6g} s.")
+    return motion._stretched(chosen_duration / total)
 
 
-def _cruising(start: Floats, displacement: Floats, speed: Floats, total: float) -> Polynomial:
+def _with_cruising_speed(start: Floats, displacement: Floats, speed: Floats, total: float) -> Polynomial:
     """LSPB of given duration and cruising speeds, joint by joint."""
     size = np.abs(displacement)
     moving = size > 0.0
@@ -200,41 +200,43 @@ def _cruising(start: Floats, displacement: Floats, speed: Floats, total: float) 
         )
     if not moving.any():
         return Polynomial.of([0.0, total], start[None, None], "trapezoidal")
-    pieces = []
-    for fraction in (speed / np.where(moving, size, 1.0))[moving]:  # of the way, a second
+    profiles = []
+    for fraction in (speed / np.where(moving, size, 1.0))[moving]:  # of the displacement per second
         ta = total - 1.0 / fraction
-        pieces.append(
+        profiles.append(
             _integrated(np.array([ta, total - 2.0 * ta, ta]), fraction / ta * np.array([1.0, 0, -1]), 2)
         )
-    return _sum(start, list(np.diag(displacement)[moving]), pieces, total, "trapezoidal")
+    return _combined(start, list(np.diag(displacement)[moving]), profiles, total, "trapezoidal")
 
 
-def _integrated(lasts: Floats, values: Floats, order: int) -> Polynomial:
-    """The law from 0 to 1 whose derivative of that order is constant in each phase; phases of no length go."""
-    nonzero = lasts > 1e-12 * lasts.sum()
-    lasts, values = lasts[nonzero], values[nonzero]
-    c, state = np.zeros((lasts.size, order + 1, 1)), np.zeros(order)
+def _integrated(durations: Floats, values: Floats, order: int) -> Polynomial:
+    """A profile from 0 to 1 whose derivative of that order is constant in each phase; empty phases are left out."""
+    nonzero = durations > 1e-12 * durations.sum()
+    durations, values = durations[nonzero], values[nonzero]
+    c, state = np.zeros((durations.size, order + 1, 1)), np.zeros(order)
     powers = np.array([1.0, 1.0, 2.0, 6.0])[: order + 1]
-    for k, (h, value) in enumerate(zip(lasts, values, strict=True)):
+    for k, (h, value) in enumerate(zip(durations, values, strict=True)):
         c[k, :, 0] = np.append(state, value) / powers
         state = np.array([sum(c[k, i, 0] * np.prod(np.arange(i - d + 1, i + 1)) * h ** (i - d)
                               for i in range(d, order + 1)) for d in range(order)])  # fmt: skip
-    return Polynomial.of(np.concatenate([[0.0], np.cumsum(lasts)]), c, "law")
+    return Polynomial.of(np.concatenate([[0.0], np.cumsum(durations)]), c, "law")
 
 
-def _sum(start: Floats, shares: list[Floats], laws: list[Polynomial], lasts: float, kind: str) -> Polynomial:
-    """start + sum of share times law, each law holding its end, on the knots of all."""
-    knots = np.unique(np.concatenate([law.times for law in laws]))
-    knots = knots[np.append(True, np.diff(knots) > 1e-12 * lasts)]
-    knots[-1] = lasts
-    rows = max(law.coefficients.shape[1] for law in laws)
+def _combined(
+    start: Floats, displacements: list[Floats], profiles: list[Polynomial], total_time: float, kind: str
+) -> Polynomial:
+    """start + sum of displacement times profile, each profile constant after its end, on the knots of all."""
+    knots = np.unique(np.concatenate([profile.times for profile in profiles]))
+    knots = knots[np.append(True, np.diff(knots) > 1e-12 * total_time)]
+    knots[-1] = total_time
+    rows = max(profile.coefficients.shape[1] for profile in profiles)
     total = np.zeros((knots.size - 1, rows, start.size))
     total[:, 0] = start
-    middle = 0.5 * (knots[:-1] + knots[1:])  # safely inside one piece of each law
-    for share, law in zip(shares, laws, strict=True):
-        piece = np.searchsorted(law.times[1:-1], middle, side="right")
-        c = shifted(law.coefficients[piece], knots[:-1] - law.times[piece])
-        c[middle > law.duration] = 0.0
-        c[middle > law.duration, 0] = 1.0
-        total[:, : c.shape[1]] += c * share
+    middle = 0.5 * (knots[:-1] + knots[1:])  # safely inside one piece of each profile
+    for displacement, profile in zip(displacements, profiles, strict=True):
+        piece = np.searchsorted(profile.times[1:-1], middle, side="right")
+        c = shifted(profile.coefficients[piece], knots[:-1] - profile.times[piece])
+        c[middle > profile.duration] = 0.0
+        c[middle > profile.duration, 0] = 1.0
+        total[:, : c.shape[1]] += c * displacement
     return Polynomial.of(knots, total, kind)

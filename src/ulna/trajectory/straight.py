@@ -11,11 +11,11 @@ from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model import Model
 from ulna.model.of_robot import model_of
-from ulna.trajectory.base import Trajectory
 from ulna.trajectory.compose import Chain, Retimed
 from ulna.trajectory.inputs import not_repeating, rows, vector
 from ulna.trajectory.paths import UnitPath, law
 from ulna.trajectory.space import Configurations, Space
+from ulna.trajectory.trajectory import Trajectory
 from ulna.typing import ArrayLike, Floats
 
 

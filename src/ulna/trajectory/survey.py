@@ -11,11 +11,11 @@ from ulna.compiler import compile
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.numeric import maximum, minimum, where
-from ulna.trajectory.base import Trajectory
-from ulna.trajectory.constraints import Bounds
+from ulna.trajectory.constraint_rows import Bounds
 from ulna.trajectory.grids import Sampled
 from ulna.trajectory.quartics import NODES
 from ulna.trajectory.reach import HUGE
+from ulna.trajectory.trajectory import Trajectory
 from ulna.typing import Array, Floats
 
 TINY = 1e-140  # a path that moves a joint less than this in one unit does not move it

@@ -9,16 +9,16 @@ import numpy as np
 
 from ulna.errors import InputError, UnknownName
 from ulna.model.of_robot import model_of
-from ulna.trajectory.base import Trajectory
 from ulna.trajectory.compose import Retimed
-from ulna.trajectory.constraints import Bounds, Rows, acceleration_rows, bounds_of, joined, torque_rows
+from ulna.trajectory.constraint_rows import Bounds, Rows, acceleration_rows, bounds_of, joined, torque_rows
+from ulna.trajectory.discretization import Task
 from ulna.trajectory.grids import first_grid
-from ulna.trajectory.ground import Task
 from ulna.trajectory.inputs import rows
 from ulna.trajectory.polynomial import Polynomial
 from ulna.trajectory.quartics import DEGREE
 from ulna.trajectory.solver import solved
 from ulna.trajectory.space import Poses, Vectors, require_configurations
+from ulna.trajectory.trajectory import Trajectory
 from ulna.trajectory.waypoints import cubic_spline
 from ulna.typing import ArrayLike, Floats
 

@@ -17,7 +17,8 @@ from math import factorial
 import numpy as np
 
 from ulna.checks.values import duration as checked_duration
-from ulna.errors import InputError, MissingExtra
+from ulna.checks.values import flag
+from ulna.errors import InputError, needed
 from ulna.trajectory.inputs import filled, increasing, not_repeating, rows
 from ulna.trajectory.polynomial import Polynomial, hermite
 from ulna.typing import ArrayLike, Floats
@@ -51,7 +52,7 @@ def cubic_spline(
         array([0. , 1. , 0.5])
     """
     q = rows("points", points)
-    t = _when(q, times, duration)
+    t = _waypoint_times(q, times, duration)
     n, h = q.shape[1], np.diff(t)[:, None, None]
     slope = np.diff(q, axis=0)[:, None] / h
     lower, diagonal, upper, right = _system(len(q), 1, n)
@@ -85,7 +86,7 @@ def minimum_jerk(
         array([0., 1., 0.])
     """
     q = rows("points", points)
-    t = _when(q, times, duration)
+    t = _waypoint_times(q, times, duration)
     n, h = q.shape[1], np.diff(t)
     lower, diagonal, upper, right = _system(len(q), 2, n)
     b, f = h[:-1], h[1:]  # before and after an inner way-point; rows: equal jerk, equal snap
@@ -121,22 +122,22 @@ def bspline(
         The trajectory.
 
     Raises:
-        InputError: Shapes do not fit, or a degree that is not 3 or 5.
+        InputError: Shapes do not fit, a degree that is not 3 or 5, or `times` without `through`.
         MissingExtra: SciPy is not installed.
 
     Source: Piegl & Tiller, The NURBS Book (1997), chapters 2, 3 and 9.
     """
-    try:
+    with needed("scipy", "trajectory", "A B-spline"):
         from scipy.interpolate import BSpline, make_interp_spline
-    except ImportError:
-        raise MissingExtra("scipy", "trajectory", "A B-spline") from None
-    if degree not in (3, 5):
+    if not isinstance(degree, int) or degree not in (3, 5):
         raise InputError(f"`degree` is {degree!r}; expected 3 or 5.")
+    if not flag("through", through) and times is not None:
+        raise InputError("`times` are when to be at the points; expected through=True, too.")
     q = rows("points", points)
     total, n = checked_duration("duration", duration), q.shape[1]
     zero_derivatives = (degree - 1) // 2  # derivatives that are zero at the ends
     if through:
-        t = _when(q, times, None if times is not None else total)
+        t = _waypoint_times(q, times, None if times is not None else total)
         ends = [(d, np.zeros(n)) for d in range(1, zero_derivatives + 1)]
         spline = make_interp_spline(t, q, degree, bc_type=(ends, ends))
     else:
@@ -150,7 +151,7 @@ def bspline(
     return Polynomial.of(knots, np.stack(powers, axis=1), "b-spline")
 
 
-def _when(q: Floats, times: ArrayLike | None, duration: float | None) -> Floats:
+def _waypoint_times(q: Floats, times: ArrayLike | None, duration: float | None) -> Floats:
     """The times of way-points."""
     if (times is None) == (duration is None):
         raise InputError("Expected either `times` or a `duration`; " + ("neither" if times is None else "both") +

@@ -29,10 +29,17 @@ def hull() -> coal.Convex:
     return mesh.convex
 
 
+def without_triangles() -> coal.ConvexBase:
+    corners = coal.StdVec_Vec3s()
+    corners.extend(list(points))
+    return coal.Convex.convexHull(corners, False, "")
+
+
 heights = rng.random((6, 4))
 shapes = {
     "cloud": cloud(),
     "hull": hull(),
+    "bare": without_triangles(),
     "field": coal.HeightFieldOBBRSS(1.0, 1.5, heights, -0.2),
     "tree": coal.makeOctree(points, 0.1),
     "plane": coal.Plane(np.array([0.0, 0.0, 1.0]), -1.0),
@@ -63,6 +70,7 @@ def volume(name: str) -> float:
 
 
 np.testing.assert_allclose(volume("hull"), shapes["hull"].computeVolume(), rtol=1e-9)
+np.testing.assert_allclose(volume("bare"), volume("hull"), rtol=1e-9)
 cells = (heights[:-1, :-1] + heights[1:, 1:]) / 3 + (
     heights[1:, :-1] + heights[:-1, 1:]
 ) / 6  # by the diagonal

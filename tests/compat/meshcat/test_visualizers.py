@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from ulna.compat.packages import environment
+from support.two_pythons import variables
 
 HERE = Path(__file__).parent
 
 
 def run(script: str) -> None:
-    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"} | {"ULNA_HEADLESS": "1"}
     done = subprocess.run(
         [sys.executable, str(HERE / script)],
-        env=environment(["pinocchio"], plain), capture_output=True, text=True, check=False, timeout=600,
+        env=variables("pinocchio", ULNA_HEADLESS="1"), capture_output=True, text=True, check=False, timeout=600,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
 

@@ -210,6 +210,73 @@ def camera(viz: MeshcatVisualizer) -> None:
     refused(lambda: tree["/Cameras/default/rotated"].set_object(mg.Box([1, 1, 1])), "PerspectiveCamera")
 
 
+def one_camera(viz: MeshcatVisualizer) -> None:
+    """Field of view and zoom are independent, and visualizer, tree and viewer set the same camera."""
+    tree, viewer = viz.viewer, viz.viewer.viewer
+    lens = tree["/Cameras/default/rotated/<object>"]
+    for zoomed, change in (
+        (1.0, lambda: tree["/Cameras/default/rotated"].set_object(mg.PerspectiveCamera(fov=90))),
+        (2.0, lambda: lens.set_property("zoom", 2.0)),
+        (3.0, lambda: viz.setCameraZoom(3.0)),
+        (3.0, lambda: tree.set_cam_target([0, 0, 0.5])),
+        (3.0, lambda: lens.set_property("fov", 90)),
+        (1.0, lambda: lens.set_property("zoom", 1)),
+    ):
+        change()
+        np.testing.assert_allclose(np.tan(viewer.camera.fov / 2), 1 / zoomed)
+    viewer.camera = ulna.viewer.Camera(fov=1.0)
+    lens.set_property("zoom", 2)
+    np.testing.assert_allclose(np.tan(viewer.camera.fov / 2), np.tan(0.5) / 2)
+    turned = tf.translation_matrix([0, 0, 0.5]) @ tf.rotation_matrix(0.3, [0, 0, 1])
+    for frame in (np.eye(4), turned):
+        tree["/Cameras/default"].set_transform(frame)
+        tree.set_cam_pos([1, 1, 1])
+        viz.setCameraPosition([5, 5, 5])
+        tree.set_cam_target([0, 0, 1])
+        np.testing.assert_allclose(viewer.camera.position, (frame @ [5, 5, 5, 1])[:3], rtol=1e-14)
+        np.testing.assert_allclose(viewer.camera.target, (frame @ [0, 0, 1, 1])[:3], atol=1e-14)
+        viz.setCameraTarget([1, 2, 3])
+        tree.set_cam_pos([2, 0, 0])
+        np.testing.assert_allclose(viewer.camera.target, (frame @ [1, 2, 3, 1])[:3], rtol=1e-14)
+        np.testing.assert_allclose(viewer.camera.position, (frame @ [2, 0, 0, 1])[:3], atol=1e-14)
+        viz.setCameraPreset("talos")
+        np.testing.assert_allclose(viewer.camera.position, (frame @ [1.5, 0.3, 1.5, 1])[:3], rtol=1e-14)
+        np.testing.assert_allclose(viewer.camera.target, (frame @ [0, 1.2, 0, 1])[:3], atol=1e-14)
+
+
+def hidden_sky(viz: MeshcatVisualizer) -> None:
+    tree, viewer = viz.viewer, viz.viewer.viewer
+    sky, red, green = tree["/Background"], (255, 0, 0), (0, 255, 0)
+
+    def colours() -> tuple[Any, Any]:
+        return viewer.theme.top, viewer.theme.horizon
+
+    sky.set_property("top_color", [1, 0, 0])
+    sky.set_property("bottom_color", [0, 1, 0])
+    for _ in range(2):
+        sky.set_property("visible", False)
+        sky.set_property("visible", False)
+        assert colours() == ((255,) * 3,) * 2
+        for _ in range(2):
+            sky.set_property("visible", True)
+            assert colours() == (red, green)
+    sky.set_property("visible", False)
+    sky.set_property("top_color", [0, 1, 0])  # shown later
+    assert colours() == ((255,) * 3,) * 2
+    sky.set_property("visible", True)
+    assert colours() == (green, green)
+    sky.set_property("visible", False)
+    viz.setBackgroundColor(col_top=[1, 0, 0], col_bot=[1, 0, 0])
+    sky.set_property("visible", True)
+    assert colours() == (red, red)
+    viewer.theme = ulna.viewer.Theme(section=(10, 20, 30), floor=(40, 50, 60))
+    lines, floor = viewer.theme.section, viewer.theme.floor
+    tree["/Grid"].set_property("visible", False)
+    assert viewer.theme.section == viewer.theme.cell == floor
+    tree["/Grid"].set_property("visible", True)
+    assert viewer.theme.section == lines
+
+
 def removal(viz: MeshcatVisualizer) -> None:
     tree, scene = viz.viewer, viz.viewer.gui.scene
     q = np.linspace(0.1, 0.6, 6)
@@ -269,6 +336,8 @@ def main() -> None:
     placement(viz)
     properties(viz)
     camera(viz)
+    one_camera(viz)
+    hidden_sky(viz)
     assert viz.viewer.get_image(40, 30).size == (40, 30) and "<html" in viz.viewer.static_html().lower()
     removal(viz)
     transformations()

@@ -53,6 +53,22 @@ def joints_and_frames() -> list[Any]:
     return [*found, model.addFrame(tool), model.addFrame(tool), model.addFrame(other), model.nframes]
 
 
+def transforms() -> list[Any]:
+    """What takes an SE3 takes a transform of coal."""
+    import coal
+
+    M = pin.exp6(np.arange(6.0) / 10.0)
+    there = coal.Transform3s(M.rotation, M.translation)
+    model = pin.buildSampleModelManipulator()
+    model.addJoint(6, pin.JointModelRX(), there, "wrist")
+    places = [M * there, M.act(there), M.actInv(there), model.jointPlacements[7]]
+    places += [pin.Frame("tool", 2, 1, there, pin.FrameType.OP_FRAME).placement]
+    places += [pin.GeometryObject("ball", 0, there, coal.Sphere(0.1)).placement]
+    arrays = [place.homogeneous for place in places]
+    arrays += [pin.log6(there).vector, pin.SE3ToXYZQUAT(there), [float(M.isApprox(there))]]
+    return [np.ravel(array).tolist() for array in arrays]
+
+
 def loaded(urdf: str, srdf: str, posture: str) -> list[Any]:
     """What a loader of example-robot-data does, step by step; the package's own loader is compared with it."""
     model = pin.buildModelFromUrdf(urdf, pin.JointModelFreeFlyer())
@@ -69,6 +85,7 @@ if __name__ == "__main__":
         "integrate": integrated(),
         "rpy": split(),
         "joints and frames": joints_and_frames(),
+        "transforms": transforms(),
         "loaded": loaded(*files),
     }
     with open(target, "w", encoding="utf-8") as out:

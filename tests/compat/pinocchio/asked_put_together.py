@@ -29,6 +29,65 @@ def described(model):
     return out
 
 
+ARRAYS = (
+    *(
+        "armature",
+        "damping",
+        "rotorInertia",
+        "rotorGearRatio",
+        "lowerDryFrictionLimit",
+        "upperDryFrictionLimit",
+    ),
+    *("lowerPositionLimit", "upperPositionLimit", "positionLimitMargin"),
+    *("lowerVelocityLimit", "upperVelocityLimit", "lowerEffortLimit", "upperEffortLimit"),
+)
+
+
+def described_with_arrays(model):
+    """The same, with what joints have for each entry of q or v, and gravity."""
+    out = described(model)
+    out |= {key: np.clip(getattr(model, key), -9, 9).tolist() for key in ARRAYS}
+    out["indices"] = [[j.id, j.idx_vExtended, j.nq, j.nv, j.nvExtended] for j in list(model.joints)[1:]]
+    return out | {"gravity": model.gravity.vector.tolist(), "nvExtended": int(model.nvExtended)}
+
+
+def numbered(model):
+    """A model whose numbers all differ."""
+    for k, key in enumerate(ARRAYS):
+        setattr(model, key, np.linspace(1.0, 2.0, getattr(model, key).size) + k)
+    model.gravity.linear = np.array([0.1, 0.2, -9.0])
+    return model
+
+
+def many_kinds():
+    """A tree of joints of many kinds, two of them after one, with frames between them."""
+    model = pin.Model()
+    kinds = (
+        *(pin.JointModelFreeFlyer(), pin.JointModelRevoluteUnaligned(np.array([0.6, 0.0, 0.8]))),
+        *(pin.JointModelPZ(), pin.JointModelSpherical(), pin.JointModelRY(), pin.JointModelRUBX()),
+        *(pin.JointModelPrismaticUnaligned(np.array([0.6, 0.8, 0.0])), pin.JointModelPlanar()),
+    )
+    for k, (kind, parent) in enumerate(zip(kinds, (0, 1, 2, 2, 4, 5, 1, 7), strict=True)):
+        place = pin.XYZQUATToSE3(np.array([0.1 * k, 0.2, 0.3, 0.0, np.sin(k), 0.0, np.cos(k)]))
+        joint = model.addJoint(parent, kind, place, f"joint {k}")
+        model.appendBodyToJoint(joint, pin.Inertia.FromBox(1.0 + k, 0.2, 0.3, 0.4), M)
+        model.addJointFrame(joint)
+        model.addBodyFrame(f"body {k}", joint, M, -1)
+    return model
+
+
+def reduced(found):
+    """Models of many kinds of joints, and with joints that follow others, without some."""
+    model = numbered(many_kinds())
+    q = pin.integrate(model, pin.neutral(model), np.linspace(-1.0, 1.0, model.nv))
+    for locked in ([1], [2], [3, 7], [4], [6, 5], [8], [2, 4, 7, 8], [8, 3, 1], list(range(1, 9))):
+        found[f"kinds without {locked}"] = described_with_arrays(pin.buildReducedModel(model, locked, q))
+    arm = numbered(pin.transformJointIntoMimic(pin.buildSampleModelManipulator(), 2, 5, 0.5, 0.1))
+    q = np.linspace(0.2, 0.9, arm.nq)
+    for locked in ([1], [5], [6], [2, 5], [5, 3], [1, 4, 6], [3, 2, 5]):
+        found[f"mimic without {locked}"] = described_with_arrays(pin.buildReducedModel(arm, locked, q))
+
+
 def solids(model, name):
     """A geometry model with a ball on some joints, in no order."""
     out = pin.GeometryModel()
@@ -68,6 +127,7 @@ def main(target, *files):
         for frame in (0, 1, model.nframes // 2, model.nframes - 1):
             both, shapes = pin.appendModel(model, second, solids(model, "a"), solids(second, "b"), frame, M)
             found[f"{name} and another on frame {frame}"] = described(both) | {"shapes": all_of(shapes)}
+    reduced(found)
     with open(target, "w", encoding="utf-8") as out:
         json.dump({"file": pin.__file__, "answers": found}, out)
 

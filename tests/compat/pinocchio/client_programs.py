@@ -22,7 +22,9 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, NoReturn
 
-from ulna.compat.packages import environment
+sys.path.insert(0, str(Path(__file__).parents[2]))
+
+from support.two_pythons import variables
 
 _LIBRARIES = ("site-packages", "ulna", "lib/python")
 """Parts of the paths of files that wait for separate servers, not for a loop of the program."""
@@ -102,12 +104,10 @@ def outcome(program: Path, real: bool, steps: int = 30, seconds: float = 60.0) -
         steps: After how many steps its loop ends.
         seconds: After how long it ends [s].
     """
-    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    plain |= {"MPLBACKEND": "Agg", "ULNA_HEADLESS": "1"}
     words = [str(program), "--here", "--steps", str(steps), "--seconds", str(seconds)]
     done = subprocess.run(
         [sys.executable, __file__, *words],
-        env=plain if real else environment(["pinocchio"], plain),
+        env=variables(None if real else "pinocchio", MPLBACKEND="Agg", ULNA_HEADLESS="1"),
         stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False, timeout=10 * seconds + 60,
     )  # fmt: skip
     if done.stdout.rstrip().endswith("ended"):

@@ -42,6 +42,7 @@ def answers(file: str) -> dict[str, object]:
         "gravity": m.gravity.linear.tolist(),
         "configurations": sorted(_configurations(m)),
         "loops": _loops(file) if "connect" in Path(file).read_text() else [],
+        "on a joint": [] if "keyframe" in Path(file).read_text() else _on_a_joint(file),
         "geometries": [[o.parentJoint, o.parentFrame] for o in objects],
         "geometry places": [o.placement.homogeneous.tolist() for o in objects],
         "kinds": [o.meshPath for o in objects],
@@ -66,6 +67,13 @@ def _loops(file: str) -> list[list[float]]:
         + c.joint2_placement.translation.tolist()
         for c in constraints
     ]
+
+
+def _on_a_joint(file: str) -> list[str]:
+    """Joints and frames with a root joint, which counts where the first body has none."""
+    m = pin.buildModelAndConstraintsFromMJCF(file, pin.JointModelRX(), "root")[0]
+    frames = [f"{f.name} {f.type} {f.parentJoint} {f.parentFrame}" for f in m.frames]
+    return [*m.names, *frames, *(str(j.nq) for j in m.joints[1:])]
 
 
 def _configurations(m: pin.Model) -> list[list[object]]:

@@ -248,3 +248,90 @@ def test_motions_at_placements_follow_the_state(pin: Any) -> None:
                 wanted = ask(model, fresh, frame, rf)
                 assert ask(model, data, 4, M, rf).isApprox(wanted, 1e-12)
                 assert ask(model, data, 4, M, rf).isApprox(wanted, 1e-12)
+
+
+def test_a_repeated_call_at_a_placement_follows_placement_state_and_reference(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, rng = model.createData(), np.random.default_rng(4)
+    asks = (pin.getFrameVelocity, pin.getFrameAcceleration, pin.getFrameClassicalAcceleration)
+    kept = []
+    for _ in range(6):
+        q, v, a = rng.standard_normal((3, 6))
+        pin.forwardKinematics(model, data, q, v, a)
+        pin.computeJointJacobians(model, data, q)
+        for joint in (2, 5):
+            M = pin.SE3.Random()
+            for rf in (pin.LOCAL, pin.WORLD, pin.LOCAL_WORLD_ALIGNED):
+                T = data.oMi[joint] * M
+                R = {"LOCAL": np.eye(3), "WORLD": T.rotation, "LOCAL_WORLD_ALIGNED": T.rotation}[rf.name]
+                for ask, motion in zip(asks, (data.v[joint], data.a[joint], None), strict=True):
+                    found = ask(model, data, joint, M, rf)
+                    assert found == ask(model, data, joint, M, rf)
+                    if rf == pin.LOCAL:
+                        assert found == ask(model, data, joint, M)
+                    if motion is None:
+                        continue
+                    local = M.actInv(motion)
+                    wanted = (
+                        T.act(local) if rf == pin.WORLD else pin.Motion(R @ local.linear, R @ local.angular)
+                    )
+                    np.testing.assert_allclose(found.vector, wanted.vector, atol=1e-12)
+                    kept.append((found, wanted))
+                J = pin.getFrameJacobian(model, data, joint, M, rf)
+                np.testing.assert_allclose(J @ v, asks[0](model, data, joint, M, rf).vector, atol=1e-12)
+    for found, wanted in kept:
+        np.testing.assert_allclose(found.vector, wanted.vector, atol=1e-12)
+    with pytest.raises(TypeError):
+        pin.getFrameVelocity(model, data, 2, np.eye(4), pin.LOCAL)
+    with pytest.raises(TypeError):
+        pin.getFrameVelocity(model, data, 2, M, 0)
+
+
+def test_a_repeated_jacobian_at_q_follows_q_place_and_reference(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, rng = model.createData(), np.random.default_rng(5)
+    for turn in range(5):
+        q, v = rng.standard_normal((2, 6))
+        fresh = model.createData()
+        pin.forwardKinematics(model, fresh, q, v)
+        for place in (3, 5):
+            asked = [(), *((getattr(pin, name),) for name in REFERENCES)]
+            for rf in asked:
+                frame = model.getFrameId(model.names[place])
+                J = pin.computeFrameJacobian(model, data, q if turn < 4 else list(q), frame, *rf)
+                wanted = pin.getFrameVelocity(model, fresh, frame, *rf).vector
+                np.testing.assert_allclose(J @ v, wanted, atol=1e-12)
+            J = pin.computeJointJacobian(model, data, q, place)
+            np.testing.assert_allclose(J @ v, fresh.v[place].vector, atol=1e-12)
+    with pytest.raises(TypeError):
+        pin.computeFrameJacobian(model, data, q, 3, 0)
+    with pytest.raises(ValueError):
+        pin.computeJointJacobian(model, data, q[:-1], 3)
+
+
+def test_placements_of_all_frames_follow_frames_and_joints_that_change(pin: Any) -> None:
+    """`updateFramePlacements` takes the joints' placements as forwardKinematics left them, and frames as they are."""
+    model, q = pin.buildSampleModelManipulator(), np.linspace(-0.5, 0.5, 6)
+    data = model.createData()
+
+    def check() -> None:
+        for _ in range(3):
+            pin.updateFramePlacements(model, data)
+            for frame, found in zip(model.frames, data.oMf, strict=True):
+                wanted = data.oMi[frame.parentJoint] * frame.placement
+                np.testing.assert_allclose(found.homogeneous, wanted.homogeneous, atol=1e-14)
+
+    for k in range(6):
+        pin.forwardKinematics(model, data, q)
+        check()
+        before = data.oMf[-1].homogeneous
+        model.jointPlacements[2] = pin.SE3.Random()
+        check()
+        np.testing.assert_array_equal(data.oMf[-1].homogeneous, before)
+        pin.forwardKinematics(model, data, q)
+        check()
+        assert not np.allclose(data.oMf[-1].homogeneous, before)
+        model.frames[3 + k].placement = pin.SE3.Random()
+        check()
+        model.frames[4].parentJoint = 1 + k
+        check()

@@ -31,7 +31,7 @@ def test_details_are_as_in_pinocchio(tmp_path: Path) -> None:
     urdf, srdf = files("talos")
     script = Path(__file__).with_name("asked_details.py")
     own, wanted = both(script, tmp_path, str(urdf), str(srdf), "half_sitting")
-    for name in ("integrate", "rpy"):
+    for name in ("integrate", "rpy", "transforms"):
         for mine, theirs in zip(own[name], wanted[name], strict=True):
             np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-9, err_msg=name)
     assert own["joints and frames"] == wanted["joints and frames"]

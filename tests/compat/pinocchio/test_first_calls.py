@@ -98,6 +98,7 @@ def test_tables_of_joints_give_what_the_algorithms_give(pin: Any) -> None:
 
 def test_fields_that_are_computed_when_read_are_those_of_the_algorithms(pin: Any) -> None:
     from pinocchio._data import deferred_fields
+    from pinocchio._data.compiled_fields import split_forces
     from pinocchio._data.evaluated_model import EvaluatedModel
     from pinocchio._tables import deferred
 
@@ -113,7 +114,7 @@ def test_fields_that_are_computed_when_read_are_those_of_the_algorithms(pin: Any
     ):
         inputs = [state[letter] for letter in letters]
         own = table(moment.evaluator(data), *inputs)
-        forces = deferred_fields.split_forces(inputs.pop()) if "f" in letters else None
+        forces = split_forces(inputs.pop()) if "f" in letters else None
         for name, compute in functions(moment.model, *inputs, forces).items():
             wanted = compute()
             np.testing.assert_allclose(own[name], wanted, rtol=0, atol=1e-11 * max(1.0, np.abs(wanted).max()))
@@ -155,6 +156,31 @@ def test_many_models_are_called_without_compiling(pin: Any, frequent: Any, monke
         np.testing.assert_allclose(M @ v + h, tau, atol=1e-9)
         np.testing.assert_allclose(pin.aba(model, data, q, v, tau), v, atol=1e-7)
         assert np.isfinite(np.array([force.vector for force in data.f])).all()
+
+
+def test_first_calls_under_constraints_are_those_of_compiled_ones(pin: Any, frequent: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    q, v = np.linspace(0.1, 0.6, 6), np.linspace(-1.0, 1.0, 6)
+    held = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, 5, pin.LOCAL)
+    held.setBaumgarteCorrectorParameters(pin.BaumgarteCorrectorParameters(3.0, 2.0))
+    settings, found = pin.ProximalSettings(1e-9, 1e-4, 5), []
+    for _ in range(2):  # evaluated, then compiled
+        data, known = model.createData(), held.createData()
+        pin.constraintDynamics(model, data, q, v, v, [held], [known], settings)
+        pin.computeConstraintDynamicsDerivatives(model, data, [held], [known], settings)
+        here = [
+            data.ddq.copy(),
+            data.lambda_c.copy(),
+            data.nle.copy(),
+            data.J.copy(),
+            data.oMi[3].homogeneous,
+        ]
+        here += [data.ddq_dq.copy(), data.dlambda_dv.copy(), data.dAdq.copy(), known.contact_force.vector]
+        after = pin.impulseDynamics(model, data, q, v, [held], [known], 0.3, settings)
+        found.append([*here, after, data.impulse_c.copy()])
+    assert frequent._compiled_models == 1
+    for first, compiled in zip(*found, strict=True):
+        np.testing.assert_allclose(first, compiled, rtol=1e-9, atol=1e-9)
 
 
 def test_what_is_called_often_is_compiled(pin: Any, frequent: Any) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from support.compat_packages import using
+from ulna.errors import InputError
 
 
 @pytest.fixture(scope="module")
@@ -146,6 +147,65 @@ def test_a_changed_number_changes_what_bound_algorithms_answer(pin: Any, model: 
 def _same(a: dict[str, Any], b: dict[str, Any]) -> set[str]:
     """What differs."""
     return {name for name in a if not np.allclose(a[name], b[name], rtol=1e-12, atol=1e-12)}
+
+
+@pytest.mark.parametrize("states", [1, 5])
+def test_gravity_with_an_angular_part_is_refused(pin: Any, model: Any, states: int) -> None:
+    q, v, a, tau = _state(pin, model)
+    data, calls = model.createData(), [lambda d: pin.rnea(model, d, q, v, a)]
+    if states == 1:
+        calls += [
+            lambda d: pin.computeGeneralizedGravity(model, d, q),
+            lambda d: pin.aba(model, d, q, v, tau),
+            lambda d: pin.forwardDynamics(model, d, q, v, tau, np.eye(1, model.nv), np.zeros(1)),
+        ]
+    for k in range(states):  # from the fourth on, kernels read gravity at every call
+        model.gravity.linear[0] = 0.1 * k
+        usual = [call(data) for call in calls]
+    free = _without_gravity(pin, model, q, v)
+    expected = [call(data) for call in free]
+    for call, wanted in zip(calls, usual, strict=True):
+        np.testing.assert_array_equal(call(data), wanted)
+        model.gravity.angular[1] = 0.5
+        for each in (data, data, model.createData()):
+            with pytest.raises(InputError, match=r"model.gravity.angular = np.zeros"):
+                call(each)
+        for each in (data, model.createData()):
+            for other, same in zip(free, expected, strict=True):
+                np.testing.assert_allclose(other(each), same, atol=1e-11)
+        with pytest.raises(InputError, match="angular part"):
+            model.ulna()
+        model.gravity.angular[1] = 0.0
+        np.testing.assert_array_equal(call(data), wanted)
+    model.gravity = pin.Motion(np.array([0.0, 0.0, -9.81]), np.array([1.0, 2.0, 3.0]))
+    np.testing.assert_array_equal(model.gravity.angular, [1.0, 2.0, 3.0])
+    with pytest.raises(InputError, match=r"angular part of model.gravity is \[1.0, 2.0, 3.0\]"):
+        pin.rnea(model, data, q, v, a)
+    with pytest.raises(InputError, match="angular part"):
+        pin.computeStaticTorqueDerivatives(model, data, q, [pin.Force.Zero()] * model.njoints)
+    with pytest.raises(InputError, match="angular part"):
+        pin.rneaInParallel(1, pin.ModelPool(model, 1), q[:, None], v[:, None], a[:, None])
+    model.gravity.angular = np.zeros(3)
+
+
+def _without_gravity(pin: Any, model: Any, q: Any, v: Any) -> list[Any]:
+    """Calls that do not read gravity."""
+
+    def placed(data: Any) -> Any:
+        pin.forwardKinematics(model, data, q, v)
+        return data.oMi[model.njoints - 1].homogeneous
+
+    return [
+        placed,
+        lambda d: pin.computeJointJacobians(model, d, q),
+        lambda d: pin.crba(model, d, q),
+        lambda d: pin.computeMinverse(model, d, q),
+        lambda d: pin.computeCoriolisMatrix(model, d, q, v),
+        lambda d: pin.ccrba(model, d, q, v),
+        lambda d: pin.centerOfMass(model, d, q, v),
+        lambda d: pin.computeKineticEnergy(model, d, q, v),
+        lambda d: pin.jacobianCenterOfMass(model, d, q),
+    ]
 
 
 def test_references_held_since_before_the_first_call_are_live(pin: Any, model: Any) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import inspect
 import json
-import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -17,6 +16,7 @@ import numpy as np
 import pytest
 
 from support.compat_packages import using
+from support.two_pythons import variables
 from ulna.errors import InputError
 
 ROOT = Path(__file__).parents[3]
@@ -171,9 +171,8 @@ def test_classes_show_no_names_but_pinocchios_and_older_spellings(pin: Any) -> N
     script = (
         f"import json, pinocchio; print(json.dumps({{n: dir(getattr(pinocchio, n)) for n in {list(more)}}}))"
     )
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=variables(None)
     )
     for name, offered in json.loads(done.stdout).items():
         shown = {n for n in dir(getattr(pin, name)) if not n.startswith("_")}

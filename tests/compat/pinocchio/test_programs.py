@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import subprocess
 import sys
@@ -11,18 +10,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ulna.compat.packages import environment
+from support.two_pythons import variables
 
 PROGRAMS = sorted(Path(__file__).with_name("programs").glob("*.py"))
 _NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
 
 
 def _printed(program: Path, real: bool) -> str:
-    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    variables = plain if real else environment(["pinocchio"], plain)
     done = subprocess.run(
         [sys.executable, str(program)],
-        env=variables, capture_output=True, text=True, check=False, timeout=600,
+        env=variables(None if real else "pinocchio"), capture_output=True, text=True, check=False, timeout=600,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return done.stdout

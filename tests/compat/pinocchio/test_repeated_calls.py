@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import gc
 import random
+import sys
 import weakref
 from collections.abc import Iterator
 from typing import Any
@@ -64,6 +65,30 @@ def test_a_data_may_change_its_model(pin: Any, arm: Any) -> None:
         assert data.mass[0] > light + 10.0
 
 
+def test_calls_without_a_reference_frame_are_repeated_without_python(pin: Any, arm: Any) -> None:
+    from ulna.compiler.runtime.repeated_calls import RepeatedCalls
+
+    if not isinstance(pin.getVelocity, RepeatedCalls):
+        pytest.skip("machine code cannot be called in this way here")
+    model, data, (state, *_) = arm
+    pin.forwardKinematics(model, data, *state)
+    for f in (pin.getVelocity, pin.getAcceleration, pin.getClassicalAcceleration, pin.getFrameVelocity):
+        first = f(model, data, 3)
+        for _ in range(16):  # a row that was replaced keeps others out for a while
+            f(model, data, 3)
+        names: list[str] = []
+        sys.setprofile(
+            lambda frame, event, _, names=names: (
+                names.append(frame.f_code.co_name) if event == "call" else None
+            )
+        )
+        try:
+            again = f(model, data, 3)
+        finally:
+            sys.setprofile(None)
+        assert names == [] and again == first == f(model, data, 3, pin.LOCAL)
+
+
 def test_arguments_are_checked_as_before(pin: Any, arm: Any) -> None:
     model, data, (state, *_) = arm
     q, v, a = state
@@ -85,6 +110,23 @@ def test_arguments_are_checked_as_before(pin: Any, arm: Any) -> None:
         pin.rnea(model, data, q, v, a)
     with pytest.raises(InputError):
         pin.getVelocity(model, data, 3, pin.LOCAL)
+
+
+def test_a_data_that_is_loaded_is_written_to_by_the_next_calls(pin: Any, arm: Any) -> None:
+    model, data, (_, state, *_) = arm
+    text, pose = data.saveToString(), data.oMi[6].copy()
+    pin.forwardKinematics(model, data, *state)
+    assert data.oMi[6] != pose
+    data.loadFromString(text)
+    assert data.oMi[6] == pose
+    other = model.createData()
+    for each in (data, other):
+        pin.forwardKinematics(model, each, *state)
+        pin.rnea(model, each, *state)
+    np.testing.assert_allclose(data.tau, other.tau)
+    assert data.oMi[6].isApprox(other.oMi[6])
+    velocities = [pin.getFrameVelocity(model, each, 4, pin.WORLD) for each in (data, other)]
+    assert velocities[0].isApprox(velocities[1])
 
 
 def test_composite_inertias_are_those_of_the_last_configuration(pin: Any, arm: Any) -> None:

@@ -323,7 +323,7 @@ def test_joints_and_frames_are_added_to_a_model_that_changes(pin: Any) -> None:
         low[0] = 100.0  # what was given was copied
         frame = model.addJointFrame(joint, -1)
         assert model.frames[frame].parentFrame == (0 if k == 0 else model.getFrameId(f"j{k - 1}"))
-        model.addBodyFrame(f"b{k}", joint, pin.SE3.Identity())
+        model.addBodyFrame(f"b{k}", joint, pin.SE3.Identity(), -1)
         if k == 1:
             model.lowerPositionLimit[0] = -7.0
     np.testing.assert_array_equal(model.lowerPositionLimit, [-7.0, -2.0, -3.0])

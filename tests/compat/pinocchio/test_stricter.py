@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import pickle
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -247,3 +248,107 @@ def test_rotations_about_an_axis_are_named(pin: Any) -> None:
     for axis in ("w", "", "xy"):
         with pytest.raises(UnknownName, match="axis"):
             pin.rpy.rotate(axis, 0.3)
+
+
+def test_motions_of_a_robot_wrapper_need_their_whole_state(pin: Any) -> None:
+    """An acceleration alone would be taken as a velocity; Pinocchio answers with the motions of an earlier call."""
+    robot = pin.RobotWrapper(_arm(pin))
+    q, v = robot.q0, np.ones(robot.nv)
+    with pytest.raises(InputError, match="`a` was passed without `v`"):
+        robot.forwardKinematics(q, a=v)
+    for call in (
+        lambda: robot.velocity(q, None, 1),
+        lambda: robot.acceleration(q, None, v, 1),
+        lambda: robot.frameAcceleration(q, v, None, 1),
+    ):
+        with pytest.raises(InputError, match="is None; expected an array"):
+            call()
+
+
+def test_an_se3_acts_on_one_object(pin: Any) -> None:
+    M = pin.SE3.Random()
+    for act in (M.act, M.actInv):
+        assert act(M=M) == act(M)
+        with pytest.raises(TypeError, match="two arguments"):
+            act(M, motion=M)
+        with pytest.raises(TypeError, match="given nothing"):
+            act()
+
+
+def test_quaternions_without_length_and_numbers_are_no_placements(pin: Any) -> None:
+    for w in (0.0, 1e-200):
+        with pytest.raises(InputError, match="expected unit length"):
+            pin.XYZQUATToSE3(np.array([1.0, 2.0, 3.0, 0.0, 0.0, 0.0, w]))
+    frame = pin.buildSampleModelManipulator().frames[1]
+    with pytest.raises(TypeError, match="expected an SE3"):
+        frame.placement = 3
+
+
+def test_parts_of_parameters_are_not_taken_for_all_of_them(pin: Any) -> None:
+    from pinocchio._model.bound_kernels import ParameterKernel, not_read
+
+    whole = np.arange(12.0).reshape(4, 3)
+    kernel = ParameterKernel(SimpleNamespace(function=None), (whole[:, 0], whole[2]))
+    pairs = [(array, array.copy()) for array in (whole, whole[:, 1], whole[2], whole[2, 1:], whole[:, 0])]
+    assert [p[0].tolist() for p in not_read(kernel, pairs)] == [p[0].tolist() for p in (*pairs[:2], pairs[4])]
+
+
+def test_constraints_are_lists_and_arguments_are_checked_without_any(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, q, v = model.createData(), pin.neutral(model), np.arange(6.0)
+    contact = pin.RigidConstraintModel(pin.ContactType.CONTACT_6D, model, 6, pin.SE3.Identity())
+    for call in (
+        lambda x: pin.initConstraintDynamics(model, data, x, x),
+        lambda x: pin.constraintDynamics(model, data, q, v, v, x, x),
+        lambda x: pin.computeJointMinimalOrdering(model, data, x),
+    ):
+        for wrong in (None, 5, [5]):
+            with pytest.raises((InputError, TypeError), match="expected") as caught:
+                call(wrong)
+            assert isinstance(caught.value, InputError)
+    pin.impulseDynamics(model, data, q, v, [contact], [contact.createData()], 0.3)
+    assert data.impulse_c.shape == (6,)
+    assert pin.impulseDynamics(model, data, q, v, [], [], 0.3).tolist() == v.tolist()
+    assert data.impulse_c.shape == (0,)
+    with pytest.raises(InputError, match="`q` has shape"):
+        pin.impulseDynamics(model, data, q[:3], v, [], [], 0.3)
+    with pytest.raises(InputError, match="restitution is 1.5"):
+        pin.impulseDynamics(model, data, q, v, [], [], 1.5)
+
+
+def test_joint_data_made_of_other_data_is_a_copy(pin: Any) -> None:
+    joint = pin.JointModelRX()
+    joint.setIndexes(1, 0, 0)
+    data = joint.createData()
+    joint.calc(data, np.array([0.3]), np.array([1.0]))
+    copied = pin.JointDataRX(data)
+    joint.calc(data, np.array([1.3]), np.array([2.0]))
+    assert copied.M.rotation[2, 1] == pytest.approx(np.sin(0.3)) and copied.v.angular[0] == 1.0
+
+
+def test_flags_of_parallel_collisions_and_joints_of_geometries(pin: Any) -> None:
+    coal = pytest.importorskip("coal")
+    model = pin.buildSampleModelManipulator()
+    geometries = pin.GeometryModel()
+    for joint in (1, 6):
+        geometries.addGeometryObject(
+            pin.GeometryObject(f"ball{joint}", joint, pin.SE3.Identity(), coal.Sphere(2.0))
+        )
+    geometries.addCollisionPair(pin.CollisionPair(0, 1))
+    pool, q = pin.GeometryPool(model, geometries, 1), pin.neutral(model)
+    assert pin.computeCollisionsInParallel(1, pool, q).tolist() == [True]  # one column
+    columns = np.stack([q, q], axis=1)
+    assert pin.computeCollisionsInParallel(1, pool, columns, True, True).tolist() == [True, False]
+    for flags, message in (
+        (("no",), "in_configuration` is 'no'"),
+        ((True, "no"), "in_batch` is 'no'"),
+        ((True, True, True), "after all its arguments"),
+    ):
+        with pytest.raises(InputError, match=message):
+            pin.computeCollisionsInParallel(1, pool, columns, *flags)
+    with pytest.raises(InputError, match="in_trajectory` is 2"):
+        pin.computeCollisionsInParallel(1, pool, [columns], 2)
+    with pytest.raises(InputError, match="needs a pool"):
+        pin.computeCollisionsInParallel(1)
+    with pytest.raises(InputError, match="'ball1' is on joint 1; the model has 1 joints"):
+        pin.computeBodyRadius(pin.Model(), geometries, geometries.createData())

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from support.compat_packages import using
+from support.two_pythons import both
 from ulna.errors import InputError
 
 
@@ -116,6 +119,115 @@ def test_terms_of_the_articulated_bodies_make_accelerations(pin: Any) -> None:
     np.testing.assert_array_equal(again.U, data.joints[3].U)
 
 
+@pytest.mark.parametrize("compiled", ["first", "frequent"])
+def test_joints_and_their_terms_are_of_the_last_call(
+    compiled: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Objects that were taken earlier show the present state, and changes of the model count from the next call on."""
+    pytest.importorskip("pinocchio")
+    monkeypatch.setenv("ULNA_COMPILE", compiled)
+    own, wanted = both(Path(__file__).with_name("asked_live.py"), tmp_path, "15")
+    for mine, theirs in zip(own, wanted, strict=True):
+        np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-11)
+
+
+def test_copies_of_joints_stay_as_they_are(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, q = model.createData(), np.linspace(0.1, 0.6, 6)
+    pin.aba(model, data, q, q, q)
+    joint = data.joints[3]
+    held, stored, placement = joint.copy(), pickle.loads(pickle.dumps(joint)), joint.M.copy()
+    other = data.copy()
+    inverse = joint.Dinv.copy()
+    model.inertias[4] = pin.Inertia.Random()
+    pin.aba(model, data, -q, q, q)
+    assert placement != joint.M and joint.Dinv != inverse
+    for one in (held, stored, other.joints[3]):
+        assert placement == one.M and one.Dinv == inverse
+    model.joints[3].calc(joint, q)
+    assert placement == joint.M
+
+
+def test_data_of_joints_that_move_no_mass_are_copied(pin: Any) -> None:
+    """Their terms are infinite, or nan, as there; nothing else is touched by that."""
+    model = pin.Model()
+    arm = model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "arm")
+    model.appendBodyToJoint(arm, pin.Inertia(1.0, np.full(3, 0.1), np.eye(3)), pin.SE3.Identity())
+    model.addJoint(arm, pin.JointModelRY(), pin.SE3.Identity(), "massless")
+    data, q = model.createData(), np.array([0.3, 0.2])
+    for call in (pin.rnea, pin.forwardKinematics):
+        call(model, data, q, q, q)
+        for twin in (data.copy(), pickle.loads(pickle.dumps(data))):
+            np.testing.assert_array_equal(twin.oMi[2].homogeneous, data.oMi[2].homogeneous)
+            assert twin == data and data == twin
+        assert np.isinf(data.joints[2].copy().Dinv)
+
+
+def test_data_of_mimic_joints_are_copied(pin: Any) -> None:
+    whole = pin.buildSampleModelManipulator()
+    model = pin.transformJointIntoMimic(whole, 1, 2, 2.0, 0.1)
+    data, q = model.createData(), np.linspace(0.1, 0.5, model.nq)
+    pin.forwardKinematics(model, data, q, q)
+    joint = data.joints[2]
+    for twin in (
+        joint.copy(),
+        copy.deepcopy(joint),
+        data.joints.copy()[2],
+        pickle.loads(pickle.dumps(joint)),
+    ):
+        assert twin.M == joint.M and twin.v == joint.v
+    with pytest.raises(InputError, match="mimic"):
+        _ = joint.U
+
+
+def test_copies_of_data_have_the_articulated_bodies_of_the_last_call(pin: Any) -> None:
+    """Also where these are computed in the copy, after the model was changed."""
+    model = pin.buildSampleModelManipulator()
+    data, q = model.createData(), np.linspace(0.1, 0.6, model.nq)
+    for _ in range(3):
+        pin.rnea(model, data, q, q, q)
+        first = data.copy()
+        second = first.copy()
+        model.inertias[5] = pin.Inertia.Random()
+        wanted = np.array(data.Yaba)
+        pin.rnea(model, data, -q, q, q)
+        for twin in (first, second):
+            np.testing.assert_array_equal(np.array(twin.Yaba), wanted)
+
+
+def test_pickled_data_know_the_state_of_the_last_call(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, q = model.createData(), np.linspace(0.1, 0.6, model.nq)
+    pin.forwardKinematics(model, data, q, 2.0 * q, q)
+    twin = pickle.loads(pickle.dumps(data))
+    for read in (pin.getFrameVelocity, pin.getFrameAcceleration):
+        assert read(model, twin, 3, pin.LOCAL) == read(model, data, 3, pin.LOCAL)
+    np.testing.assert_array_equal(twin.joints[2].U, data.joints[2].U)
+    assert twin.joints[2].M == data.joints[2].M
+    np.testing.assert_array_equal(
+        pin.computeJointJacobians(model, twin), pin.computeJointJacobians(model, data)
+    )
+
+
+def test_pickles_of_joints_of_former_versions_are_read(pin: Any) -> None:
+    joint = pin.JointModelRX()
+    made = joint.createData()
+    joint.calc(made, np.array([0.3]), np.array([0.4]))
+    names = {
+        "_M": "M",
+        "_v": "v",
+        "_c": "c",
+        "_joint_q": "joint_q",
+        "_joint_v": "joint_v",
+        "_joints": "joints",
+    }
+    former = {names.get(name, name): value for name, value in made.__dict__.items() if name != "_live"}
+    again = object.__new__(type(made))
+    again.__setstate__(former)
+    assert again == made and again.M == made.M
+    np.testing.assert_array_equal(again.joint_q, [0.3])
+
+
 def test_factors_of_the_mass_matrix(pin: Any) -> None:
     model = pin.buildSampleModelHumanoid()
     data = model.createData()
@@ -125,3 +237,28 @@ def test_factors_of_the_mass_matrix(pin: Any) -> None:
     np.testing.assert_allclose(data.U @ np.diag(data.D) @ data.U.T, M, atol=1e-12)
     np.testing.assert_allclose(pin.cholesky.decompose(model, data), data.U, atol=1e-11)
     assert np.array_equal(data.U, np.triu(data.U)) and (np.diag(data.U) == 1.0).all()
+
+
+def test_columns_of_derivatives_add_those_of_mimic_joints(pin: Any) -> None:
+    def chain(coupled: bool) -> Any:
+        model = pin.Model()
+        first = model.addJoint(0, pin.JointModelRX(), pin.SE3(np.eye(3), np.ones(3)), "first")
+        leader = model.joints[first]
+        kind = pin.JointModelMimic(pin.JointModelRX(), leader, 2.0, 0.0) if coupled else pin.JointModelRX()
+        second = model.addJoint(first, kind, pin.SE3(np.eye(3), np.array([0.0, 0.2, 0.1])), "second")
+        for joint in (first, second):
+            model.appendBodyToJoint(joint, pin.Inertia.FromSphere(1.0, 0.1), pin.SE3(np.eye(3), P))
+        return model
+
+    P, names = np.array([0.1, 0.2, -0.3]), ("dAdq", "dAdv", "dFda", "dFdq", "dFdv")
+    both, one = chain(False), chain(True)
+    whole, part = both.createData(), one.createData()
+    q, v, a = (np.array([x]) for x in (0.3, 0.7, -0.4))
+    pin.computeRNEADerivatives(one, part, q, v, a)
+    pin.computeRNEADerivatives(both, whole, *(np.array([x[0], 2.0 * x[0]]) for x in (q, v, a)))
+    for name in names:
+        np.testing.assert_allclose(getattr(part, name), getattr(whole, name) @ [[1.0], [2.0]], atol=1e-12)
+    pin.crba(one, part, q)
+    pin.crba(both, whole, np.array([q[0], 2.0 * q[0]]))
+    for here, there in zip(part.Fcrb, whole.Fcrb, strict=True):
+        np.testing.assert_allclose(here, there @ [[1.0], [2.0]], atol=1e-12)

@@ -67,7 +67,38 @@ FLAGS = (
     ("pin.getJointJacobian(m, d, 'here', pin.LOCAL)", "here"),
     ("pin.getJointJacobian(m, d, -1, pin.LOCAL)", "-1"),
     ("pin.getFrameVelocity(m, d, 10**6)", "1000000"),
+    ("pin.computeStaticTorqueDerivatives(m, d, q, None)", "one for each joint"),
+    ("pin.aba(m, d, q, v, v, 3)", "one for each joint"),
+    ("pin.computeCollisions(shapes, pin.GeometryModel().createData(), True)", "made for 0 geometries"),
+    ("pin.computeDistance(shapes, pin.GeometryModel().createData(), 0)", "made for 0 geometries"),
+    ("shapes.createData().activateCollisionPair(9)", "there are none"),
+    ("pin.updateGeometryPlacements(m, d, far, far.createData())", "another robot"),
+    ("pin.computeCollisions(m, d, far, far.createData(), q, True)", "another robot"),
+    ("pin.buildReducedModel(m, far, [1], q)", "another robot"),
 )
+
+HELD = (
+    ("setattr(m.inertias[1], 'mass', [None])", "mass"),
+    ("setattr(m, 'gravity', [])", "gravity"),
+    ("setattr(m, 'referenceConfigurations', abs)", "referenceConfigurations"),
+    ("setattr(d, 'kinetic_energy', int)", "kinetic_energy"),
+    ("setattr(d, 'Ivx', -1)", "Ivx"),
+    ("setattr(pin.Quaternion.Identity(), 'x', np.zeros(0))", "`x`"),
+    ("setattr(pin.BaumgarteCorrectorParameters(1.0, 2.0), 'Kd', int)", "Kd"),
+    ("setattr(m.frames[2].copy(), 'parentFrame', (1,))", "frame"),
+    ("setattr(m.frames[2].copy(), 'type', m)", "type of a frame"),
+    ("setattr(m, 'inertias', None)", "7 entries"),
+    ("setattr(m, 'jointPlacements', [pin.SE3.Identity()])", "7 entries"),
+    ("anchor.mapJointSpaceToConstraintMotion(m, d, held, object(), q, pin.LOCAL)", "each joint"),
+    ("pin.LieGroup((1,))", "LieGroup"),
+    ("pin.liegroups.Rn('a')", "`n`"),
+    ("pin.StdVec_Force(3)", "list was given"),
+    ("pin.JointModelHX(int)", "pitch"),
+    ("pin.ModelPool(m, 2).getModel(int)", "int"),
+    ("pin.ContactCholeskyDecomposition(m, d, np.zeros(6))", "constraint is"),
+    ("pin.dIntegrateTransport(m, q, v, np.zeros(0), pin.ARG1)", "Jin"),
+)
+"""What is assigned or passed, and what the message says of it."""
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +112,10 @@ def names() -> Iterator[dict[str, Any]]:
         pin.forwardKinematics(m, d, q, q, q)
         pin.computeJointJacobians(m, d, q)
         forces = pin.StdVec_Force([pin.Force.Zero() for _ in range(m.njoints)])
+        far = pin.buildSampleGeometryModelManipulator(m)
+        far.geometryObjects[0].parentJoint = 9
         yield {
+            "far": far,
             "pin": pin,
             "m": m,
             "d": d,
@@ -89,8 +123,11 @@ def names() -> Iterator[dict[str, Any]]:
             "v": q,
             "columns": np.zeros((6, 3)),
             "other": small.createData(),
+            "anchor": (anchor := pin.FrameAnchorConstraintModel(m, 3)),
+            "held": anchor.createData(),
             "np": np,
             "forces": forces,
+            "shapes": pin.buildSampleGeometryModelManipulator(m),
         }
 
 
@@ -122,6 +159,15 @@ def test_what_is_no_array_of_real_numbers(call: str, names: dict[str, Any]) -> N
 def test_wrong_flags_sizes_and_indices(call: str, word: str, names: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=word):
         eval(call, names)
+
+
+@pytest.mark.parametrize(("call", "word"), HELD)
+def test_what_does_not_fit_is_called_by_its_name(call: str, word: str, names: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match=word) as caught:
+        eval(call, names)
+    assert isinstance(caught.value, TypeError)
+    with pytest.raises(TypeError, match="LieGroup"):
+        _ = names["pin"].liegroups.R1() * 3
 
 
 def test_integers_and_objects_that_are_numbers_are_taken(names: dict[str, Any]) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from support.compat_packages import using
+from ulna.errors import InputError
 
 pytest.importorskip("spatialmath")
 Q = np.array([0.1, -0.4, 0.2, -2.0, 0.3, 1.9, 0.6])
@@ -229,3 +230,29 @@ def test_as_there_in_smaller_things(rtb: Any, puma: Any) -> None:
     assert chain.manipulability([0.1], method="minsingular") == pytest.approx(np.sqrt(2.0))
     with pytest.raises(TypeError, match="ET2"):
         chain.append(rtb.ET2.R())
+
+
+def test_unknown_angles_are_no_quarter_turns(rtb: Any) -> None:
+    sympy = pytest.importorskip("sympy")
+    n = sympy.Symbol("n", integer=True)
+    for angle in (n * sympy.pi / 2, sympy.nan, sympy.oo, np.nan, np.inf, -np.inf):
+        axes = rtb.ET.Rz(angle) * rtb.ET.tx(1.0)
+        with pytest.raises(InputError, match="not exactly one of them is a constant quarter turn"):
+            axes.swap(0)
+    for angle, place in ((sympy.pi / 2, [0, 1, 0]), (-np.pi / 2, [0, -1, 0]), (5 * sympy.pi, [-1, 0, 0])):
+        axes = rtb.ET.Rz(angle) * rtb.ET.tx(1.0)
+        axes.swap(0)
+        assert axes[1].axis == "Rz"
+        np.testing.assert_allclose(np.array(axes.fkine([]).A, dtype=float)[:3, 3], place, atol=1e-15)
+
+
+def test_a_wrench_on_the_last_link_may_be_a_row_or_a_column(puma: Any) -> None:
+    q, wrench = Q[:6], np.arange(6.0)
+    expected = puma.rne(q, q, q) + puma.jacobe(q).T @ wrench
+    for given in (wrench, wrench[None], wrench[:, None], list(wrench)):
+        np.testing.assert_allclose(puma.rne(q, q, q, fext=given), expected, atol=1e-12)
+
+
+def test_one_joint_takes_a_number_for_its_torque(rtb: Any) -> None:
+    arm = rtb.DHRobot([rtb.RevoluteDH(a=1.0, m=2.0, r=[-0.5, 0, 0], Jm=0.1)])
+    np.testing.assert_allclose(arm.accel([0.3], [0.1], 2.0), arm.accel([0.3], [0.1], [2.0]))

@@ -36,3 +36,24 @@ def test_expressions_without_a_value_are_refused(text: str, said: str) -> None:
             trchain(text, [0.5])
         assert len(str(refused.value)) < 4100
         assert trchain("Rx(2 * q1 - 1) Tz(3**2)", [0.5])[2, 3] == 9.0
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("rx(q1) tz(1)", r"'rx\(q1\) tz\(1\)' in .* is no transform"),
+        ("Sx(3) Tz(1)", r"'Sx\(3\)' in .* is no transform"),
+        ("Rx 0.3 Tz(1)", "'Rx 0.3' in .* is no transform"),
+        ("Rx(q1) Tz(1) y", "'y' in .* is no transform"),
+        ("Tz(1))", r"'\)' in .* is no transform"),
+        ("Rx(q1) + Tz(1)", r"'\+' in .* is no transform"),
+    ],
+)
+def test_what_is_no_transform_is_refused(text: str, said: str) -> None:
+    with using("roboticstoolbox"):
+        from roboticstoolbox.tools.chains import trchain
+
+        with pytest.raises(FormatError, match=said):
+            trchain(text, [0.5])
+        for between in ("", " ", "\n", " * ", "*", ", ", " @ ", "."):
+            assert trchain(f" Tx(q1){between}Tz(1) ", [0.5])[:3, 3].tolist() == [0.5, 0.0, 1.0]

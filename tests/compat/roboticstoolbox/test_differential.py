@@ -23,7 +23,7 @@ from ulna.compat.packages import environment
 pytest.importorskip("roboticstoolbox")
 HERE = Path(__file__).parent / "differential"
 NOT_COUNTED = ("crash", "TimeoutError", "no subject")  # what the toolbox's own failures begin with
-QUICK, SLOW = 601, 13  # one call in so many; a thirteenth is a part of docs/robotics_toolbox_calls.md
+QUICK, SLOW = 601, 26  # one call in so many; a thirteenth is a part of docs/robotics_toolbox_calls.md
 
 
 def _module(name: str) -> Any:
@@ -87,7 +87,7 @@ def test_a_sample_of_calls_agrees(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_generated_calls_agree(tmp_path: Path) -> None:
     kinds, others = differing(*results(tmp_path, SLOW))
-    assert kinds.total() > 1000
+    assert kinds.total() > 500
     assert kinds["equal"] > 0.82 * kinds.total()
     assert kinds["equal"] > 0.95 * (kinds["equal"] + kinds["chosen"] + kinds["undocumented"])
     assert not others, f"{len(others)} of {kinds.total()}\n" + "\n".join(others[:40])

@@ -65,6 +65,21 @@ REFUSED: list[tuple[Callable[[Any], Any], str]] = [
     (lambda n: n.puma.rne(n.q[:3], n.q, n.q), r"6"),
     (lambda n: n.puma.rne(n.q, n.q, n.q, gravity=[1, 2]), r"\(3,\)"),
     (lambda n: n.bare.rne([0, 0], [0, 0], [0, 0]), "mass|dynamics|inertia"),
+    (lambda n: n.puma.accel(n.q, n.q, 5.0), r"`torque` has shape \(\); expected \(6,\)"),
+    (lambda n: n.puma.accel(n.q, n.q, [5.0]), r"`torque` has shape \(1,\); expected \(6,\)"),
+    (lambda n: n.puma.accel(n.q, n.q, np.ones((6, 1))), r"`torque` has shape \(6, 1\); expected \(6,\)"),
+    (lambda n: n.puma.accel(n.q, 1.0, n.q), r"`qd` has shape \(\); expected \(6,\)"),
+    (lambda n: n.puma.accel(n.q, n.q, n.q + np.nan), r"`torque\[0\]` is nan"),
+    (lambda n: n.puma.itorque(n.q, np.ones(3)), r"`qdd` has shape \(3,\); expected \(6,\)"),
+    (lambda n: n.puma.itorque(n.q, 1.0), r"`qdd` has shape \(\); expected \(6,\)"),
+    (lambda n: n.puma.itorque(n.q, n.q + np.nan), r"`qdd\[0\]` is nan"),
+    (lambda n: n.puma.itorque(n.q, n.q + 1j), "`qdd` is .*; expected numbers"),
+    (lambda n: n.puma.rne(n.q, n.q + 1j, n.q), "`qd` is .*; expected numbers"),
+    (lambda n: n.puma.rne(n.q, [None] * 6, n.q), "`qd` is .*None.*; expected numbers"),
+    (lambda n: n.puma.friction(["1"] * 6), "`qd` is .*'1'.*; expected numbers"),
+    (lambda n: n.puma.rne(n.q, n.q, n.q, fext=np.ones(3)), r"`fext` has shape \(3,\); expected \(6,\)"),
+    (lambda n: n.puma.rne(n.q, n.q, n.q, fext=1j * np.ones(6)), "`fext` is .*; expected numbers"),
+    (lambda n: n.puma.gravload(n.q, [0, 0, 9.81j]), "`gravity` is .*; expected numbers"),
     (lambda n: n.puma.jacob0_dot(None, n.q), "`q`"),
     (lambda n: n.puma.manipulability(), "Neither `q` nor `J`"),
     (lambda n: n.puma.fdyn(1.0, np.zeros(3)), r"\(6,\)"),
@@ -178,6 +193,8 @@ def test_modules_that_scripts_import_from_have_their_names(rtb: Any) -> None:
         lambda n, q: n.puma.jacob0(q),
         lambda n, q: n.puma.ikine_LM(n.puma.fkine(n.q), q0=q),
         lambda n, q: n.rtb.jtraj(n.q, q, 5),
+        lambda n, q: n.puma.rne(n.q, q, n.q),
+        lambda n, q: n.puma.gravload(n.q, q[:3]),
         lambda n, q: n.chain.fkine(q[:2]),
         lambda n, q: setattr(n.puma, "q", q),
     ],
@@ -187,3 +204,46 @@ def test_masked_entries_are_refused(named: Any, call: Any) -> None:
     with pytest.raises(InputError, match="masked array with 1 masked entry"):
         call(named, masked)
     call(named, np.ma.array(np.ones(6)))
+
+
+def test_states_are_rows_or_columns(rtb: Any) -> None:
+    """Matrices of as many entries were taken, in the order of their rows."""
+    puma = rtb.models.DH.Puma560()
+    for shape in ((6,), (1, 6), (6, 1)):
+        puma.q = np.arange(6.0).reshape(shape)
+        assert puma.q.tolist() == list(range(6))
+    for name in ("q", "qd", "qdd"):
+        with pytest.raises(InputError, match=rf"`{name}` has shape \(2, 3\); expected \(6,\)"):
+            setattr(puma, name, np.zeros((2, 3)))
+
+
+def test_angles_are_converted_for_all_joints_or_refused(rtb: Any) -> None:
+    stanford = rtb.models.DH.Stanford()
+    expected = [np.pi, np.pi, 180.0, np.pi, np.pi, np.pi]
+    np.testing.assert_allclose(stanford.toradians(np.full((2, 6), 180.0)), [expected] * 2)
+    np.testing.assert_allclose(stanford.todegrees(expected), np.full(6, 180.0))
+    for wrong in (None, np.ones(4), 3.0):
+        with pytest.raises(InputError, match="`q` "):
+            stanford.todegrees(wrong)
+
+
+def test_poses_out_of_reach_have_no_trajectory(rtb: Any) -> None:
+    from spatialmath import SE3
+
+    puma = rtb.models.DH.Puma560()
+    T = puma.fkine([0.1, 0.7, -2.5, 0.3, 0.9, 0.2])
+    end = puma.jtraj(np.zeros(6), T, 5).q[-1]
+    np.testing.assert_allclose(puma.fkine(end).A, T.A, atol=1e-5)
+    with pytest.raises(InputError, match="`qf` is a pose for which no configuration is found"):
+        puma.jtraj(np.zeros(6), SE3(9.0, 0.0, 0.0), 5)
+
+
+def test_names_of_other_attributes_are_no_configurations(rtb: Any) -> None:
+    """`addconfiguration_attr("n", ...)` made an array of the number of joints."""
+    puma = rtb.models.DH.Puma560()
+    for name in ("n", "name", "fkine"):
+        with pytest.raises(InputError, match=f"another attribute '{name}'"):
+            puma.addconfiguration_attr(name, np.zeros(6))
+    puma.addconfiguration_attr("mine", np.zeros(6))
+    puma.addconfiguration_attr("mine", np.ones(6))
+    assert puma.mine.tolist() == [1.0] * 6 == puma.configs["mine"].tolist()

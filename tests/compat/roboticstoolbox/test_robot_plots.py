@@ -121,6 +121,24 @@ def test_plots_share_a_figure(robot: Any) -> None:
         robot.plot(second, backend="pyplot", limits=[1, 2, 3], block=False)
 
 
+def test_teaching_starts_at_rows_columns_and_numbers(robot: Any) -> None:
+    import roboticstoolbox as rtb
+
+    q = np.array([0.1, 0.2, 0.3])
+    for start in (q, q.reshape(1, 3), q.reshape(3, 1), q.tolist()):
+        robot.q = np.zeros(3)
+        env = robot.teach(start, backend="pyplot", block=False)
+        assert np.array_equal(robot.q, q) and np.array_equal(env.robots[0].q, q)
+        env.close()
+    for wrong in (q[:2], np.zeros((2, 3)), 0.5):
+        with pytest.raises(ValueError, match="q"):
+            robot.teach(wrong, backend="pyplot", block=False)
+    single = rtb.DHRobot([rtb.RevoluteDH(a=1.0)])
+    env = single.teach(0.5, backend="pyplot", block=False)
+    assert single.q.tolist() == [0.5] and env.sliders[0].val == 0.5
+    env.close()
+
+
 def test_a_scene_that_is_there_keeps_how_it_was_made_but_can_be_looked_at_otherwise(robot: Any) -> None:
     q = np.array([0.1, 0.2, 0.3])
     env = robot.plot(q, backend="pyplot", limits=[-1, 1], view="xz", block=False)

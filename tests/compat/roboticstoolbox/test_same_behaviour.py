@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import importlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 
 from support.compat_packages import using
+from ulna.errors import InputError
 
 pytest.importorskip("spatialmath")
 Q = np.array([0.1, -0.4, 0.2, -2.0, 0.3, 1.9, 0.6])
@@ -219,6 +221,22 @@ def test_greatest_speeds_are_set_by_classes_of_robots(rtb: Any, panda: Any, puma
     assert Mine().qdlim.tolist() == [1.0, 2.0] == Mine().copy().qdlim.tolist() and puma.qdlim is None
 
 
+@pytest.mark.parametrize("wrong", ["fast", -1.0, [1.0, float("nan")], 1j, object()])
+def test_greatest_speeds_and_torques_are_numbers_not_below_zero(rtb: Any, wrong: Any) -> None:
+    robot = rtb.models.DH.Puma560()
+    with pytest.raises(InputError, match="`qdlim` is"):
+        robot.qdlim = wrong
+    assert robot.qdlim is None
+    for name in ("qdlim", "tlim"):
+        with pytest.raises(InputError, match=f"`{name}` is"):
+            rtb.Link(rtb.ET.Rz(), **{name: wrong})
+        with pytest.raises(InputError, match=f"`{name}` is"):
+            setattr(robot.links[0], name, wrong)
+    robot.links[0].qdlim = robot.qdlim = None
+    robot.qdlim = [1, np.inf]
+    assert robot.qdlim == [1, np.inf], "as it was given"
+
+
 def test_transforms_of_a_link_are_set(rtb: Any) -> None:
     ET = rtb.ET
     arm = rtb.Robot([rtb.Link(ET.Rz(), name="a"), rtb.Link(ET.tx(1) * ET.Ry(), name="b")])
@@ -339,3 +357,22 @@ def test_ros_packages_by_names_that_their_folders_do_not_have(rtb: Any, tmp_path
     )
     arm = rtb.models.URDF.URDFRobot(file, extra_packages={"named": str(tmp_path / "folder")})
     assert type(arm.links[0].geometry[0]).__name__ == "Mesh"
+
+
+def test_shallow_copies_of_a_robot_have_their_own_links(rtb: Any) -> None:
+    """As in the toolbox: `copy.copy` copies the links, and their dynamics are those of the copy."""
+    robot = rtb.models.DH.Puma560()
+    before = robot.gravload(robot.qn)
+    duplicate = copy.copy(robot)
+    assert duplicate.links[1] is not robot.links[1] and duplicate.links[1].robot is duplicate
+    np.testing.assert_array_equal(duplicate.gravload(robot.qn), before)
+    duplicate.links[1].m = 100.0
+    assert abs(duplicate.gravload(robot.qn)[1]) > 2.0 * abs(before[1])
+    np.testing.assert_array_equal(robot.gravload(robot.qn), before)
+
+
+def test_links_beside_a_robot_are_copied_once(rtb: Any) -> None:
+    robot = rtb.models.DH.Puma560()
+    robot.favourite = robot.links[3]
+    duplicate, link = copy.deepcopy([robot, robot.links[2]])
+    assert link is duplicate.links[2] and duplicate.favourite is duplicate.links[3]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -12,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ulna.compat.packages import FOLDERS, environment
+from support.two_pythons import variables
+from ulna.compat.packages import FOLDERS
 from ulna.robots.example_robot_data import share_folder
 
 HERE = Path(__file__).parent
@@ -21,10 +21,9 @@ pytestmark = pytest.mark.skipif(SHARE is None, reason="example-robot-data is not
 
 
 def run(script: Path, *words: str, faced: bool = True) -> None:
-    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"} | {"ULNA_HEADLESS": "1"}
     done = subprocess.run(
         [sys.executable, str(script), *words],
-        env=environment(["pinocchio"], plain) if faced else plain,
+        env=variables("pinocchio" if faced else None, ULNA_HEADLESS="1"),
         capture_output=True,
         text=True,
         check=False,

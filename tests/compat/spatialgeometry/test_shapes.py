@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -15,7 +14,7 @@ import numpy as np
 import pytest
 
 from support.compat_packages import using
-from ulna.compat.packages import environment
+from support.two_pythons import variables
 from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.viewer.viewer import Viewer
 
@@ -97,15 +96,15 @@ def same(a: Any, b: Any, where: str = "") -> None:
 def test_it_answers_as_the_package_does() -> None:
     pytest.importorskip("spatialgeometry")
     pytest.importorskip("coal")
-    plain = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-    same(answers(environment(["roboticstoolbox"])), answers(plain))
+    same(answers(variables("roboticstoolbox")), answers(variables(None)))
 
 
 def test_every_public_name_of_the_package_is_there(sg: Any) -> None:
     distribution("spatialgeometry")  # what is compared with
     code = "import json, spatialgeometry as sg; print(json.dumps({n: [m for m in dir(getattr(sg, n)) if m[0] != '_'] for n in sg.__all__}))"
-    plain = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-    done = subprocess.run([sys.executable, "-c", code], env=plain, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=variables(None), capture_output=True, text=True, check=True
+    )
     absent = {
         f"{name}.{member}"
         for name, members in json.loads(done.stdout).items()

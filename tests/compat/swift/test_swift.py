@@ -218,6 +218,19 @@ def test_callbacks_say_where_things_are(env: Any, arm: Any, sg: Any, swift: Any)
     assert np.allclose(handle.q, arm.qr + 0.1) and ball.T[0, 3] == pytest.approx(0.1) and env["arm"] is handle
 
 
+def test_a_shape_that_is_there_takes_a_callback_and_a_name(env: Any, sg: Any) -> None:
+    ball, other = sg.Sphere(0.1), sg.Sphere(0.1)
+    number = env.add(ball)
+    env.add(other, name="other")
+    assert env.add_shape(ball, callback=lambda t, values: _at(t, 0, 0), name="ball") == number
+    assert env.add_shape(ball, name="ball") == number  # which leaves the callback
+    env.step(0.1)
+    assert env["ball"] is ball and ball.T[0, 3] == pytest.approx(0.1)
+    with pytest.raises(InputError, match="'other' already"):
+        env.add_shape(ball, name="other")
+    assert env["ball"] is ball and env["other"] is other
+
+
 def test_assemblies_of_parts(env: Any, sg: Any) -> None:
     parts = [sg.Sphere(0.1), sg.Sphere(0.2)]
     handle = env.add_assembly(lambda q: [_at(q[0], 0, 0), _at(0, q[1], 0)], parts, q0=[1, 2])
@@ -230,7 +243,31 @@ def test_assemblies_of_parts(env: Any, sg: Any) -> None:
         env.step(0.1)
 
 
+def test_an_assembly_that_cannot_be_placed_leaves_nothing(env: Any, sg: Any) -> None:
+    for fk, parts in (
+        (lambda q: [np.eye(4)], [sg.Sphere(0.1), sg.Sphere(0.2)]),
+        (np.ones, [sg.Sphere(0.1), 3]),
+    ):
+        with pytest.raises((InputError, AttributeError)):
+            env.add_assembly(fk, parts, q0=[1.0], name="arm")
+        assert "arm · 0" not in env.viewer and "arm · 1" not in env.viewer
+    handle = env.add_assembly(lambda q: [np.eye(4)], [sg.Sphere(0.1)], q0=[1.0], name="arm")
+    assert handle.drawn == ["arm · 0"]
+
+
+@pytest.mark.parametrize("key", [np.zeros(3), True, None, 0.5])
+def test_what_is_no_name_or_number_is_not_there(env: Any, sg: Any, key: Any) -> None:
+    shape = sg.Sphere(0.1)
+    number = env.add(shape)
+    assert env[number] is shape and env[np.int64(number)] is shape
+    for call in (env.__getitem__, env.remove):
+        with pytest.raises(LookupError, match="object in the environment"):
+            call(key)
+
+
 def test_controls_keep_values_and_call_in_the_thread_of_the_script(env: Any, swift: Any) -> None:
+    from swift._option_controls import Tick
+
     said: list[Any] = []
     slider = swift.Slider(said.append, min=0, max=10, step=1, value=3, label="gain", unit="m")
     select = swift.Select(said.append, "which", ["a", "b"], 1)
@@ -239,20 +276,29 @@ def test_controls_keep_values_and_call_in_the_thread_of_the_script(env: Any, swi
     button, label = swift.Button(said.append, "go"), swift.Label("words")
     for name, element in {"s": slider, "m": select, "c": boxes, "r": radio, "b": button, "l": label}.items():
         assert env.add(element, name=name) is element
-    assert env.values == {"s": 3.0, "m": 1, "c": [True, False], "r": [False, True], "b": None, "l": None}
-    for element, value in ((slider, 4.0), (select, 0), (boxes, (1, True)), (radio, 0), (button, 0)):
+    assert (values := env.values) == {"s": 3.0, "m": 1}  # as in Swift, of sliders and menus
+    for element, value in ((slider, 4.0), (select, 0), (boxes, Tick(1, True)), (radio, 0), (button, 0)):
         env._controls._enqueue(element, value)  # as the page does, from its thread
     assert said == []
     env.step(0.01)
     assert said == [4.0, 0, [True, True], 0, 0]
-    assert env.values == {"s": 4.0, "m": 0, "c": [True, True], "r": [True, False], "b": None, "l": None}
+    assert values == {"s": 4.0, "m": 0} and boxes.checked == [True, True] and radio.checked == [True, False]
     slider.value, label.label, radio.checked, boxes.checked, select.value = 7, "other", 1, [False, True], "b"
     shown = [
         c.value for e in (slider, label, radio, boxes, select) for c in e._controls if hasattr(c, "value")
     ]
     assert shown == [7.0, "other", "b", False, True, "b"]
     env.process_events({0: 5.0})
-    assert said[-1] == 5.0 and len(said) == 6
+    assert said[-1] == 5.0 and len(said) == 6 and values == {"s": 5.0, "m": 1} and values is env.values
+    select.options = ["a"]
+    env.remove(slider)
+    slider.value = 8
+    assert values == {"m": 0}
+    env.add(slider, name="t")
+    assert values == {"m": 0, "t": 8.0}
+    env.remove(slider)
+    slider = swift.Slider(said.append, value=3)
+    env.add(slider, name="s")
     with pytest.raises(InputError, match="already"):
         env.add(slider)
 
@@ -293,6 +339,62 @@ def test_controls_change_and_go_at_any_time(env: Any, swift: Any) -> None:
         env.remove(slider)
     env.add(slider, name="gain")
     assert env.values["gain"] == 3.0 and sorted(env.elements) == [1, 2, 3]
+
+
+def test_controls_are_found_by_numbers_as_text(env: Any, swift: Any) -> None:
+    slider = env.add(swift.Slider(None, 0, 10, 1, 3))
+    elements, key = env.elements, str(slider.id)
+    assert (
+        elements[key] is elements.get(key) is elements[slider.id]
+        and key in elements
+        and slider.id in elements
+    )
+    for absent in ("7", 7, "gain", None, "-1"):
+        assert (
+            absent not in elements and elements.get(absent) is None and elements.get(absent, slider) is slider
+        )
+        with pytest.raises(UnknownName, match="No control named"):
+            elements[absent]
+
+
+def test_things_are_removed_one_by_one(env: Any, arm: Any, sg: Any) -> None:
+    handle, other, ball = env.add(arm), env.add(arm), env.add(sg.Sphere(0.1))
+    for several in ([handle, other], (handle, ball), {ball}, np.array([0, 1])):
+        with pytest.raises(UnknownName, match=r"No object .* env\.remove takes one: call it for each"):
+            env.remove(several)
+    env.remove(other)
+    assert env.has(arm)
+    with pytest.raises(UnknownName):
+        env.remove(other)
+    env.remove(arm)
+    assert not env.has(arm)
+
+
+def test_boxes_are_ticked_by_an_index_or_by_any_sequence(env: Any, swift: Any) -> None:
+    said: list[Any] = []
+    boxes = env.add(swift.Checkbox(said.append, "x", ["a", "b", "c"], checked=1))
+    assert boxes.checked == [False, True, False]
+    boxes.checked = np.int64(2)
+    assert boxes.checked == [False, False, True] == [box.value for box in boxes._controls[1:]]
+    for ticks in ((True, False, True), np.array([True, True, False])):
+        env.process_events({boxes.id: ticks})
+        assert boxes.checked == list(ticks) and said[-1] is ticks
+    pair = env.add(swift.Checkbox(said.append, "y", ["a", "b"]))
+    env.process_events({pair.id: (True, False)})
+    assert pair.checked == [True, False] and said[-1] == (True, False)
+    for wrong in (3, -1, None, 1.5, "d"):
+        with pytest.raises((InputError, UnknownName)):
+            pair.checked = wrong
+        with pytest.raises((InputError, UnknownName)):
+            swift.Radio(None, "z", ["a", "b"], wrong)
+    assert pair.checked == [True, False]
+
+
+@pytest.mark.parametrize("kind", ["Slider", "Button", "Label", "Select", "Radio", "Checkbox"])
+def test_the_warning_about_desc_points_at_the_script(swift: Any, kind: str) -> None:
+    with pytest.warns(DeprecationWarning, match="former name of `label`") as warned:
+        assert getattr(swift, kind)(desc="x").label == "x"
+    assert [w.filename for w in warned] == [__file__]
 
 
 def test_controls_are_described_as_in_swift(swift: Any) -> None:

@@ -100,7 +100,7 @@ names.slider.to_dict()
 setattr(names.slider, "value", 4.2)
 names.slider.value
 setattr(names.slider, "value", 99)
-names.slider.state
+names.slider.value
 names.slider.update(7)
 names.slider.value
 names.slider.update(np.inf)
@@ -112,8 +112,8 @@ env.add(names.box)
 names.box.checked
 names.box.to_dict()
 names.box.update([False, True])
-names.box.state
-names.box.choose((0, True))
+names.box.checked
+names.box.choose((True, True))
 names.box.checked
 setattr(names.box, "checked", [True])
 names.box.checked
@@ -125,7 +125,7 @@ names.select.to_dict()
 names.select.update(2)
 names.select.value
 names.select.choose(0)
-names.select.state
+names.select.value
 setattr(names.select, "value", 5)
 setattr(names.select, "options", ["x", "y", "z", "w"])
 names.select.to_dict()
@@ -134,7 +134,7 @@ env.add(names.radio)
 names.radio.checked
 names.radio.to_dict()
 names.radio.update(0)
-names.radio.state
+names.radio.checked
 setattr(names.radio, "checked", 1)
 names.radio.checked
 names.radio.choose(0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import ulna
 from ulna import algorithms as alg
 from ulna.model import Composite, FreeFlyer, Model, ModelBuilder, Prismatic, Revolute, Spherical
 from ulna.spatial import SE3, Motion
@@ -26,6 +27,15 @@ def arm() -> Model:
 
 Q = np.array([0.3, 0.8])
 S1, C1, S12, C12 = np.sin(0.3), np.cos(0.3), np.sin(1.1), np.cos(1.1)
+
+
+@pytest.mark.parametrize("q", [np.zeros(0), np.zeros((5, 0))])
+def test_what_has_no_joints_cannot_move(q: np.ndarray) -> None:
+    robot = ulna.Robot(ModelBuilder("rock").add_link("base").build())
+    still = np.zeros(q.shape[:-1])
+    for measure in ("yoshikawa", "inverse_condition", "minimum_singular_value", "asada"):
+        np.testing.assert_array_equal(robot.manipulability(q, measure), still, strict=True)
+    np.testing.assert_array_equal(robot.derivatives.manipulability(q), q, strict=True)
 
 
 def test_pose_of_the_planar_arm(arm: Model) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import ulna
-from ulna.collision import Obstacle, SphereChecker, World, sphere_clearance
+from ulna.collision import Obstacle, SphereChecker, World, attached, sphere_clearance
 from ulna.collision.sphere_kernels import self_collision_kernel
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.geometry import Box, Cylinder, Geometry, Plane, Sphere
@@ -215,3 +215,28 @@ def test_ten_thousand_obstacles_are_taken() -> None:
         more.add("o5", Sphere(0.01))
     with pytest.raises(InputError, match="named 'last' already"):
         more.add("last", Sphere(0.01))
+
+
+def test_spheres_of_attached_objects_are_read_from_the_disk(monkeypatch: pytest.MonkeyPatch) -> None:
+    stored: dict[str, bytes] = {}
+    monkeypatch.setattr(attached.disk_cache, "read", stored.get)
+    monkeypatch.setattr(attached.disk_cache, "write", stored.__setitem__)
+    rod = Cylinder(0.012, 0.31)
+    attached._covering.cache_clear()
+    made = attached._covering(rod, b"")
+    attached._covering.cache_clear()
+    monkeypatch.setattr(attached, "cover", None)  # nothing is fitted any more
+    read = attached._covering(rod, b"")
+    for name in ("centres", "radii", "excess"):
+        np.testing.assert_array_equal(getattr(read, name), getattr(made, name))
+    assert len(made.radii) <= 64 and made.excess < 0.006
+    random = np.random.default_rng(0)
+    turn, z = random.uniform(0.0, 2.0 * np.pi, 4000), random.uniform(-0.155, 0.155, 4000)
+    side = np.column_stack([0.012 * np.cos(turn), 0.012 * np.sin(turn), z])
+    caps = np.column_stack([side[:, :2] * random.uniform(size=(4000, 1)) ** 0.5, np.copysign(0.155, z)])
+    surface = np.concatenate([side, caps])
+    apart = np.linalg.norm(surface[:, None] - made.centres, axis=-1) - made.radii
+    assert apart.min(axis=1).max() <= 1e-9
+    with pytest.raises(TypeError):
+        attached._covering(Cylinder(0.013, 0.31), b"")
+    attached._covering.cache_clear()

@@ -14,8 +14,9 @@ import ulna
 from ulna.collision import SphereChecker, World
 from ulna.collision.compiled import TOUCH
 from ulna.collision.lanes.batches import which_touch
+from ulna.collision.lanes.moving import links_of
 from ulna.collision.lanes.single import DOUBTFUL, FREE, TOUCHING
-from ulna.collision.lanes.tables import Scene, links_of
+from ulna.collision.lanes.tables import Scene
 from ulna.collision.spheres import LinkSpheres, Spheres
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
 from ulna.geometry import Box, Capsule, Cylinder, Plane, PointCloud, Sphere

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from functools import cache
 from typing import Any
 
@@ -11,11 +12,13 @@ import pytest
 import ulna
 from ulna.collision import World, sphere_clearance
 from ulna.collision.grids import grid_of, joined, least_distances
-from ulna.collision.point_grid import Clouds, clearances
+from ulna.collision.point_grid import COARSE, FINE, Clouds, clearances, least_square
 from ulna.collision.point_sets import MOST_POINTS, surface_points, thinned
+from ulna.compiler.procedures import Array1, Array2, f32, procedure
 from ulna.errors import InputError, ModelError, ShapeError
 from ulna.geometry import Box, Cone, Geometry, HeightField, PointCloud, Sphere
 from ulna.model import ModelBuilder, Prismatic
+from ulna.planning import Planner
 from ulna.spatial import SE3
 
 
@@ -145,6 +148,110 @@ def probe() -> Any:
             b.add_link(child)
         b.add_joint(f"j{k}", Prismatic(tuple(axis)), parent, child)
     return ulna.Robot(b.build())
+
+
+def odd_clouds() -> dict[str, Any]:
+    """Clouds that grids have to cope with, by name."""
+    random = np.random.default_rng(11)
+    turn = SE3.from_rpy([0.4, -0.7, 0.3]).rotation
+    return {
+        "one": np.array([[0.3, -0.2, 0.1]]),
+        "equal": np.full((40, 3), 2.0),
+        "two far apart": np.array([[0.0, 0.0, 0.0], [60.0, -70.0, 80.0]]),
+        "a line": np.linspace([0, 0, 0], [0, 0, 4.0], 300),
+        "a plane askew": np.append(random.uniform(-0.6, 0.6, (3000, 2)), np.zeros((3000, 1)), axis=1)
+        @ turn.T,
+        "a dense ball": random.normal(scale=0.03, size=(4000, 3)),
+        "a room": scan(4000),
+        "far from the origin": scan(1000) + [90.0, -60.0, 30.0],
+        "a town": random.uniform([-400, -400, 0], [400, 400, 30], (3000, 3)),
+        "a planet": random.normal(size=(200, 3)) * 6e6,
+    }
+
+
+@procedure(constants={"W": 8})
+def bounds_of(clouds: Clouds, level: int, at: Array2[f32], squares: Array1[f32], W: int) -> None:
+    for n in range(0, at.shape[1], W):
+        x, y, z = at[0, n : n + W], at[1, n : n + W], at[2, n : n + W]
+        squares[n : n + W] = least_square(clouds, 0, level, x, y, z)
+
+
+@pytest.mark.parametrize("name", odd_clouds())
+def test_bounds_of_both_grids_are_below_distances_and_close(name: str) -> None:
+    points = odd_clouds()[name].astype(np.float32)
+    random = np.random.default_rng(12)
+    clouds = grid_of(points.astype(float), 0.005)
+    assert sum(a.nbytes for a in clouds) < 40e6
+    size = float(np.ptp(points, axis=0).max())
+    near = points[random.integers(len(points), size=1000)]
+    around = [random.normal(scale=s, size=(500, 3)) for s in (0.05, 0.3)]
+    anywhere = random.uniform(points.min(axis=0) - 0.5, points.max(axis=0) + 0.5, (500, 3))
+    outside = near[:100] + random.normal(size=(100, 3)) * (2.0 * size + 1.0)
+    middles = near[:100]  # on the points themselves
+    at = np.concatenate([near[:500] + around[0], near[500:] + around[1], anywhere, outside, middles])
+    at = at[: len(at) // 8 * 8].astype(np.float32)
+    d = np.sqrt([((points.astype(float) - p) ** 2).sum(axis=1).min() for p in at.astype(float)])
+    rounding = 3e-6 + 3e-7 * float(np.abs(at).max())
+    for level in (FINE, COARSE):
+        squares = np.zeros(len(at), np.float32)
+        bounds_of(clouds, level, np.ascontiguousarray(at.T), squares)
+        bound = np.sqrt(np.maximum(squares, 0.0))
+        assert (bound <= d + rounding).all()
+        edge, asked = np.sqrt(clouds.grids[0, level, 4]), clouds.grids[0, level, 8]
+        told = (d > 2.0 * edge) & (d < asked)
+        loss = (d - bound)[told] / edge
+        assert not len(loss) or (np.median(loss) < 0.7 and loss.max() < 1.5)
+        assert (bound[d > asked + edge] > 0.9 * asked).all()
+    assert clouds.grids[0, FINE, 8] > 0.09 and clouds.grids[0, COARSE, 8] > 0.25
+
+
+@pytest.mark.parametrize("name", odd_clouds())
+def test_spheres_touch_clouds_where_a_point_is_near(name: str) -> None:
+    """No touch is missed and none is invented, in single configurations, batches and searches."""
+    points, rho, r = odd_clouds()[name], 0.01, 0.05
+    points = points[np.linalg.norm(points, axis=1) < 95.0]
+    if not len(points):
+        return
+    T = SE3.from_translation([0.5, -1.0, 0.2]) @ SE3.from_rpy([0.1, 0.2, 0.3])
+    world = World().add("scan", PointCloud(points, rho), T)
+    random = np.random.default_rng(13)
+    q = T @ (points[random.integers(len(points), size=400)] + random.normal(scale=0.04, size=(400, 3)))
+    placed = T @ points
+    gap = np.array([np.linalg.norm(placed - p, axis=1).min() for p in q]) - r - rho
+    robot, sure = probe(), np.abs(gap) > 3e-4
+    assert (gap < 0)[sure].any() and (name == "a dense ball" or (gap > 0)[sure].any())
+    checker = robot.collision.checker(world, method="spheres")
+    np.testing.assert_array_equal(checker.collides(q)[sure], (gap < 0)[sure])
+    for k in np.flatnonzero(sure)[:60]:
+        assert checker.collides(q[k]) == (gap[k] < 0)
+    planner = Planner(robot, world)
+    for k in np.flatnonzero(np.abs(gap) > 1e-3)[:60]:
+        assert (planner.plan(q[k], q[k]).outcome == "solved") == (gap[k] > 0)
+
+
+def test_plans_among_points_touch_none_between_their_samples() -> None:
+    robot, random = panda(), np.random.default_rng(14)
+    points = scan(1000)
+    world = World().add("scan", PointCloud(points, 0.01), touches=["panda_link0"])
+    planner, found = Planner(robot, world), 0
+    spheres = robot.collision.checker(world, method="spheres").spheres
+    free = [x for x in configurations(60) if planner.plan(x, x)]
+    for path in itertools.starmap(planner.plan, itertools.pairwise(free)):
+        if not path:
+            continue
+        found += 1
+        assert path.is_certified
+        parts = random.uniform(size=(20, 1))
+        at = np.concatenate([a + parts * (b - a) for a, b in itertools.pairwise(path.points)])
+        poses = robot.link_poses(at)
+        for link, balls in spheres.links.items():
+            if link != "panda_link0":
+                T = poses[:, robot.link_names.index(link)]
+                centres = balls.centres @ T[:, :3, :3].mT + T[:, None, :3, 3]
+                squares = (centres**2).sum(axis=-1)[..., None] - 2.0 * centres @ points.T
+                apart = np.sqrt((squares + (points**2).sum(axis=1)).min(axis=-1)) - balls.radii - 0.01
+                assert (apart > 0.0).all()
+    assert found > 5
 
 
 def test_height_fields_are_their_triangles() -> None:

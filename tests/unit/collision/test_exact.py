@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 import itertools
 import os
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -258,8 +259,14 @@ def test_links_that_are_seen_but_not_checked_are_named() -> None:
     builder.add_link("mast", visuals=(Geometry("", Sphere(0.1)),))
     builder.add_joint("slide", Prismatic((1.0, 0.0, 0.0)), "rail", "cart", lower=-5.0, upper=5.0)
     builder.add_joint("lift", Prismatic((0.0, 0.0, 1.0)), "cart", "mast", lower=-5.0, upper=5.0)
-    with pytest.warns(ModelWarning, match="no collision geometry: 'mast'"):
-        Checker(builder.build())
+    half = ulna.Robot(builder.build())
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        Checker(half)
+        half.plan([0.0, 0.0], [1.0, 1.0])
+        half.collides([0.0, 0.0])
+    assert [(w.category, w.filename) for w in caught] == [(ModelWarning, __file__)]
+    assert "no collision geometry: 'mast'" in str(caught[0].message)
 
 
 def test_a_plane_does_not_move() -> None:

@@ -16,10 +16,11 @@ from ulna.collision import Checker, SphereChecker, World
 from ulna.collision.convex_pieces import convex_pieces
 from ulna.collision.covering import solids_by_link
 from ulna.collision.joint_chains import joint_chain
+from ulna.collision.link_points import solid_points
 from ulna.collision.pair_tables import UNPROVED, PairTable, decoded, encoded, pair_table
 from ulna.collision.solids import Solid, hull
 from ulna.collision.table_choice import pair_tables
-from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Geometry, Mesh, Sphere
+from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Geometry, Mesh, Plane, PointCloud, Sphere
 from ulna.model import Model, ModelBuilder, Prismatic, Revolute
 from ulna.planning import Planner
 from ulna.robots import example_robot_data
@@ -343,9 +344,9 @@ def test_balls_of_fixed_links_are_kept_on_disk(monkeypatch: pytest.MonkeyPatch, 
     builder.add_link("arm", collisions=(Geometry("", Sphere(0.05)),))
     builder.add_joint("turn", Revolute((0, 1, 0)), "base", "arm", SE3.from_translation([0, 0, 0.3]))
     model = builder.build()
-    made_first = clearance.standing(model, [("base", "arm")])
+    made_first = clearance.fixed_parts(model, [("base", "arm")])
     monkeypatch.setattr(clearance, "cover", lambda *arguments: pytest.fail("made again"))
-    again = clearance.standing(model, [("base", "arm")])
+    again = clearance.fixed_parts(model, [("base", "arm")])
     assert len(again) == len(made_first) > 1
     for (part, _), (other, _) in zip(made_first, again, strict=True):
         np.testing.assert_array_equal(part.placement.translation, other.placement.translation)
@@ -363,3 +364,28 @@ def test_plans_by_default_touch_nothing(ur5: SphereChecker) -> None:
             t = np.linspace(0.0, 1.0, 60)[:, None]
             along = np.concatenate([a + t * (b - a) for a, b in itertools.pairwise(plan.points)])
             assert not exact.collides(along).any()
+
+
+def test_tables_of_a_plane_are_proved() -> None:
+    builder = (
+        ModelBuilder("mill").add_link("floor", collisions=(Geometry("", Plane((0.0, 0.0))),)).add_link("lift")
+    )
+    builder.add_link("arm", collisions=(Geometry("", Box((0.4, 0.1, 0.1)), SE3.trans(0.2, 0.0, 0.0)),))
+    builder.add_joint("up", Prismatic((0, 0, 1)), "floor", "lift", SE3.trans(0, 0, 0.3), lower=0.0, upper=0.2)
+    builder.add_joint("turn", Revolute((0, 1, 0)), "lift", "arm", lower=-2.0, upper=2.0)
+    model = builder.build()
+    clearance, exact = assert_proved(model, made(model, ("floor", "arm"), 2000), 300)
+    assert (exact < 0.0).any()
+    assert (clearance[exact > 0.08] > 0.0).mean() > 0.9
+
+
+def test_points_around_a_solid_reach_as_far_as_its_rounding() -> None:
+    vertices = np.array(list(itertools.product([0.0, 0.1], [0.0, 0.2], [0.0, 0.3])))
+    faces = np.zeros((0, 3), dtype=np.int64)
+    points = solid_points(
+        Solid("cloud", PointCloud(vertices), -1, SE3.trans(1.0, 0.0, 0.0), vertices, faces, 0.02)
+    )
+    for direction in np.random.default_rng(0).standard_normal((20, 3)):
+        n = direction / np.linalg.norm(direction)
+        reach = (points.centres @ n + points.radii).max()
+        assert reach == pytest.approx(((vertices + [1.0, 0.0, 0.0]) @ n).max() + 0.02)

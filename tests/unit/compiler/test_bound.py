@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from ulna.compiler import compile
-from ulna.compiler.runtime.bound_call import Bound, SlowBound
+from ulna.compiler.runtime.bound_call import Bound, CheckedBound
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
 
 Q, V = np.array([0.1, -0.7, 1.3]), np.array([0.4, 0.5, -2.0])
@@ -109,7 +109,7 @@ def test_a_bound_kernel_of_a_fast_one_is_fast(kernel, targets):
         kernel.into(*targets, returns=(0, 2)),
         kernel.into(*targets, watch=((watched, watched.copy()),), otherwise=_refused),
     ):
-        assert isinstance(bound, SlowBound) is not kernel.is_fast
+        assert isinstance(bound, CheckedBound) is not kernel.is_fast
 
 
 def test_results_go_into_the_arrays(kernel, targets):
@@ -349,40 +349,43 @@ def test_without_the_fast_call_everything_is_the_same(tmp_path):
     assert done.returncode == 0, done.stdout[-3000:]
 
 
-# last_inputs= -------------------------------------------------------------------------------------------------
+# trailing_inputs= ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("slow", [False, True])
-def test_last_inputs_are_read_as_they_are_at_the_call(kernel, targets, monkeypatch, slow):
+def test_trailing_inputs_are_read_as_they_are_at_the_call(kernel, targets, monkeypatch, slow):
     if slow:
         monkeypatch.setattr("ulna.compiler.runtime.bound_call.bound_type", lambda: None)
     v = V.copy()
-    bound = kernel.into(*targets, returns=(1,), last_inputs=(v,))
+    bound = kernel.into(*targets, returns=(1,), trailing_inputs=(v,))
     for factor in (1.0, 3.0):
         v *= factor
         assert bound(Q) == kernel(Q, v)[1]
         assert _same(targets, kernel(Q, v))
     assert bound([0.1, -0.7, 1.3]) == kernel(Q, v)[1]  # converted
-    exact = kernel.into(*targets, last_inputs=(v,), otherwise=_refused)
+    exact = kernel.into(*targets, trailing_inputs=(v,), otherwise=_refused)
     assert exact(Q) is None
     assert exact(Q, V) == exact() == exact(list(Q)) == "refused"
 
 
-def test_the_former_name_of_last_inputs(kernel, targets):
-    assert kernel.into(*targets, returns=(1,), given=(V,))(Q) == kernel(Q, V)[1]
+@pytest.mark.parametrize("name", ["last_inputs", "given"])
+def test_former_names_of_trailing_inputs(kernel, targets, name):
+    assert kernel.into(*targets, returns=(1,), **{name: (V,)})(Q) == kernel(Q, V)[1]
+    with pytest.raises(InputError, match=f"`trailing_inputs` and `{name}`"):
+        kernel.into(*targets, trailing_inputs=(V,), **{name: (V,)})
 
 
-def test_last_inputs_are_kept_alive_and_checked(kernel, targets):
-    bound = kernel.into(*targets, returns=(1,), last_inputs=(V + 0.0,))
+def test_trailing_inputs_are_kept_alive_and_checked(kernel, targets):
+    bound = kernel.into(*targets, returns=(1,), trailing_inputs=(V + 0.0,))
     gc.collect()
     assert bound(Q) == kernel(Q, V)[1]
     for wrong in (np.zeros(6)[::2], [0.0, 0.0, 0.0], np.zeros(3, np.float32)):
         with pytest.raises(InputError, match="`v`"):
-            kernel.into(*targets, last_inputs=(wrong,))
+            kernel.into(*targets, trailing_inputs=(wrong,))
     with pytest.raises(ShapeError):
-        kernel.into(*targets, last_inputs=(np.zeros(4),))
+        kernel.into(*targets, trailing_inputs=(np.zeros(4),))
     with pytest.raises(InputError, match="3 inputs"):
-        kernel.into(*targets, last_inputs=(Q, Q, V))
+        kernel.into(*targets, trailing_inputs=(Q, Q, V))
 
 
 # holder= ------------------------------------------------------------------------------------------------------
@@ -399,13 +402,17 @@ class _Part(_Held):
     __slots__ = ()
 
 
+class _Two:
+    __slots__ = ("a", "b")
+
+
 @pytest.mark.parametrize("holder", [_Held, _Part])
 @pytest.mark.parametrize("slow", [False, True])
 def test_a_result_is_held_by_a_new_instance(kernel, targets, monkeypatch, slow, holder):
     if slow:
         monkeypatch.setattr("ulna.compiler.runtime.bound_call.bound_type", lambda: None)
-    step = kernel.into(*targets, returns=(2,), holder=holder, otherwise=_refused)
     before = sys.getrefcount(holder)
+    step = kernel.into(*targets, returns=(2,), holder=holder, otherwise=_refused)
     found = [step(Q, V) for _ in range(1000)]
     assert {type(x) for x in found} == {holder}
     assert len({id(x.row) for x in found}) == 1000
@@ -415,13 +422,82 @@ def test_a_result_is_held_by_a_new_instance(kernel, targets, monkeypatch, slow, 
     assert sys.getrefcount(found[0].row) == sys.getrefcount(made.row)
     assert step(list(Q), V) == "refused"
     assert gc.is_tracked(found[0])
-    del found, made
+    del found, made, step
     gc.collect()
     assert sys.getrefcount(holder) == before
 
 
-class _Two:
-    __slots__ = ("a", "b")
+def test_an_instance_is_written_to_again_only_where_nobody_has_it():
+    twice = compile(lambda q: 2.0 * q, q=(3,))
+    step = twice.into(np.zeros(3), returns=(0,), holder=_Held)
+
+    def value(k: int) -> list[float]:
+        return (2.0 * k * Q).tolist()
+
+    last = None
+    for k in range(10):  # as in a loop of a user, who has the last one while the next is made
+        x = step(k * Q)
+        assert x.row.tolist() == value(k)
+        assert last is None or (last is not x and last.row.tolist() == value(k - 1))
+        last = x
+    del last, x
+    for k, keep in enumerate((lambda x: x.row, lambda x: x.row[1:], lambda x: memoryview(x.row)) * 2):
+        kept = keep(step(k * Q))
+        before = np.array(kept).tolist()
+        others = [step((k + n) * Q) for n in range(2, 6)]
+        assert np.array(kept).tolist() == before
+        assert [x.row.tolist() for x in others] == [value(k + n) for n in range(2, 6)]
+    refer = weakref.ref(step(Q).row)
+    assert refer() is None or all(step(5.0 * Q).row is not refer() for _ in range(4))
+    for change in (
+        "row.flags.writeable = False",
+        "row.shape = (3, 1)",
+        "row = np.zeros(2)",
+        "__class__ = _Part",
+    ):
+        scope = {"x": step(Q), "np": np, "_Part": _Part}
+        exec(f"x.{change}", scope)
+        changed = scope.pop("x")
+        del changed
+        made = [step(Q), step(Q), step(Q)]
+        assert all(type(x) is _Held and x.row.shape == (3,) and x.row.flags.writeable for x in made)
+
+
+def test_instances_that_are_written_to_again_go_with_the_kernel():
+    step = compile(lambda q: 2.0 * q, q=(3,)).into(np.zeros(3), returns=(0,), holder=_Held)
+    refer = weakref.ref(step(Q).row)
+    del step
+    gc.collect()
+    assert refer() is None
+
+
+@pytest.mark.parametrize("slow", [False, True])
+def test_an_instance_stands_for_the_array_that_it_holds(kernel, targets, monkeypatch, slow):
+    if slow:
+        monkeypatch.setattr("ulna.compiler.runtime.bound_call.bound_type", lambda: None)
+    exact = kernel.into(*targets, returns=(1,), holder=float, input_holders=(None, _Held), otherwise=_refused)
+    held, part, empty = (object.__new__(kind) for kind in (_Held, _Part, _Held))
+    held.row, part.row = V.copy(), V
+    assert exact(Q, held) == kernel(Q, V)[1]
+    assert exact(Q, V) == "refused"
+    held.row[:] = 2.0
+    assert exact(Q, held) == kernel(Q, held.row)[1]
+    assert exact(held, V) == exact(Q, part) == exact(Q, empty) == "refused"
+    for wrong in (V[:2], V[::-1], list(V), V.astype(np.float32), held):
+        held.row = wrong
+        assert exact(Q, held) == "refused"
+    held.row = V
+    plain = kernel.into(*targets, returns=(1,), input_holders=(_Held,))
+    assert plain(held, V) == kernel(V, V)[1]
+    assert plain(held, list(V)) == plain(V, V) == kernel(V, V)[1]  # converted
+
+
+@pytest.mark.parametrize("holders", [(_Two,), (int,), (None, None, _Held)])
+def test_classes_that_stand_for_no_array(kernel, targets, holders):
+    with pytest.raises(InputError, match="input_holders"):
+        kernel.into(*targets, input_holders=holders)
+    with pytest.raises(InputError, match="input_holders"):
+        kernel.into(*targets, trailing_inputs=(V,), input_holders=(None, _Held))
 
 
 class _Open:
@@ -456,3 +532,54 @@ def test_one_number_is_a_number_of_python(kernel, targets, monkeypatch, slow):
 def test_only_one_number_is_a_number_of_python(kernel, targets, holder, returns):
     with pytest.raises(InputError, match="a single float64"):
         kernel.into(*targets, returns=returns, holder=holder)
+
+
+@pytest.mark.parametrize("slow", [False, True])
+def test_nan_has_no_truth_value(monkeypatch, slow):
+    if slow:
+        monkeypatch.setattr("ulna.compiler.runtime.bound_call.bound_type", lambda: None)
+    kernel = compile(lambda x: x - 1.0, x=())
+    checked = kernel.into(np.zeros(()), returns=(0,), holder=bool, otherwise=_refused)
+    assert checked(np.nan) == "refused" and checked(2.0) is True and checked(np.inf) is True
+    alone = kernel.into(np.zeros(()), returns=(0,), holder=bool)
+    with pytest.raises(NonFiniteError, match="NaN has no truth value: pass `otherwise`"):
+        alone(np.nan)
+    assert alone(1.0) is False
+    as_float = kernel.into(np.zeros(()), returns=(0,), holder=float, otherwise=_refused)
+    assert np.isnan(as_float(np.nan))
+
+
+@pytest.mark.parametrize("slow", [False, True])
+def test_numbers_that_a_checked_kernel_refuses_go_to_otherwise(monkeypatch, slow):
+    if slow:
+        monkeypatch.setattr("ulna.compiler.runtime.bound_call.bound_type", lambda: None)
+    kernel = compile(lambda q: q * 0.5, checked=True, unit_entries=((0, (0, 1)),), q=(3,))
+    step = kernel.into(np.zeros(3), otherwise=_refused)
+    assert step(np.array([0.6, 0.8, 7.0])) is None
+    assert step(np.array([0.6, 0.8, np.nan])) == step(np.array([0.6, 0.9, 7.0])) == "refused"
+
+
+# condition= ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("slow", [False, True])
+def test_what_has_no_solution_goes_to_otherwise(monkeypatch, slow):
+    if slow:
+        monkeypatch.setattr("ulna.compiler.runtime.bound_call.bound_type", lambda: None)
+    kernel = compile(lambda x: (2.0 * x, x[0] - x[1]), x=(2,))
+    targets = np.zeros(2), np.zeros(())
+    step = kernel.into(*targets, returns=(0,), condition=1, otherwise=_refused)
+    assert step(np.array([3.0, 1.0])).tolist() == [6.0, 2.0]
+    for refused in ([1.0, 1.0], [1.0, 2.0], [np.nan, 1.0]):
+        assert step(np.array(refused)) == "refused"
+        np.testing.assert_array_equal(targets[0], 2.0 * np.array(refused))
+    assert step(np.array([3.0, 1.0])).tolist() == [6.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("condition", "otherwise"), [(1, None), (2, _refused), (-1, _refused), (0, _refused)]
+)
+def test_conditions_that_cannot_be_examined(condition, otherwise):
+    kernel = compile(lambda x: (2.0 * x, x[0] - x[1]), x=(2,))
+    with pytest.raises(InputError, match="condition"):
+        kernel.into(np.zeros(2), np.zeros(()), condition=condition, otherwise=otherwise)

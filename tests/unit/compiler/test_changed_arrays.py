@@ -84,7 +84,7 @@ def test_a_target_is_written_where_it_now_lies(twice):
 def test_a_given_array_that_was_changed_is_refused(change):
     add = compile(lambda q, v: q + v, q=(3,), v=(3,))
     row, last = np.zeros(3), np.ones(3)
-    step = add.into(row, last_inputs=(last,))
+    step = add.into(row, trailing_inputs=(last,))
     step(Q)
     change(last)
     with pytest.raises(InputError, match="changed after into"):
@@ -104,7 +104,7 @@ def test_a_watched_array_that_was_changed_differs(twice, change, side):
 def test_a_read_only_given_or_watched_array_is_read(twice):
     add = compile(lambda q, v: q + v, q=(3,), v=(3,))
     row, last, kept = np.zeros(3), np.ones(3), np.ones(3)
-    step = add.into(row, last_inputs=(last,), watch=[(last, kept)], otherwise=lambda *_: "otherwise")
+    step = add.into(row, trailing_inputs=(last,), watch=[(last, kept)], otherwise=lambda *_: "otherwise")
     last.flags.writeable = kept.flags.writeable = False
     assert step(Q) is None
     assert row.tolist() == (Q + 1.0).tolist()

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from ulna.compiler import Port
+from ulna.compiler.language.ports import batch_shape
 from ulna.compiler.runtime.cuda_kernel import view_of
-from ulna.compiler.runtime.device_arrays import DeviceArray, batch_of, check_array, dense_strides, two_strides
+from ulna.compiler.runtime.device_arrays import DeviceArray, check_array, dense_strides, two_strides
 from ulna.errors import DtypeError, InputError, ShapeError
 
 MATRIX, VECTOR = Port("T", (4, 4)), Port("q", (7,))
@@ -88,9 +89,9 @@ def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(ShapeError, match=r"`q` has shape \(7, 30\); expected \(\.\.\., 7\)"):
         check_array(VECTOR, described(FLAT.T.copy()), "float64", 0)
     with pytest.raises(ShapeError, match="leading axes that broadcast"):
-        batch_of([VECTOR, VECTOR], [described(FLAT), described(FLAT[:2])])
+        batch_shape([VECTOR, VECTOR], [described(FLAT).shape, described(FLAT[:2]).shape])
     check_array(VECTOR, described(FLAT), "float64", 0)
-    assert batch_of([VECTOR, VECTOR], [described(FLAT), described(FLAT[0])]) == (30,)
+    assert batch_shape([VECTOR, VECTOR], [described(FLAT).shape, described(FLAT[0]).shape]) == (30,)
 
 
 def test_arrays_of_libraries_are_described() -> None:

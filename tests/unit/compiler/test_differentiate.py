@@ -23,7 +23,9 @@ ONE = {
     Op.EXP: (np.exp, mpmath.exp),
     Op.LOG: (np.log, mpmath.log),
     Op.EXPM1: (np.expm1, mpmath.expm1),
+    Op.SINH: (np.sinh, mpmath.sinh),
     Op.LOG1P: (lambda x: np.log1p(x * 0.25), lambda x: mpmath.log1p(x * 0.25)),
+    Op.ERF: (nm.erf, mpmath.erf),
     Op.FLOOR: (lambda x: np.floor(x) * x, lambda x: mpmath.floor(x) * x),
 }
 TWO = {

@@ -15,8 +15,8 @@ import pytest
 
 import ulna
 from ulna.compiler import trace
-from ulna.compiler.codegen.register_pressure import few_alive, most_alive
-from ulna.compiler.language.scheduling import parts
+from ulna.compiler.codegen.register_pressure import low_pressure_steps, register_pressure
+from ulna.compiler.codegen.scheduling import parts
 from ulna.compiler.runtime.cuda_kernel import cuda_core
 from ulna.compiler.runtime.ptx import ptx, run_on_cpu
 from ulna.errors import DeviceError, InputError, MissingExtra, UnknownName
@@ -212,8 +212,8 @@ def test_registers_suffice_for_collisions_of_spheres(dtype: str, tmp_path: Path)
 def test_few_values_wait_at_once_though_all_spheres_are_checked() -> None:
     """A thread has 255 registers; the 101 spheres that move have 303 coordinates."""
     f = _spheres(None)
-    assert most_alive(f.graph, few_alive(f)) < 200
-    assert most_alive(f.graph, [step for part in parts(f, 1, 1) for step in part]) > 300
+    assert register_pressure(f.graph, low_pressure_steps(f)) < 200
+    assert register_pressure(f.graph, [step for part in parts(f, 1, 1) for step in part]) > 300
 
 
 @pytest.mark.skipif(ASSEMBLER is None, reason="ptxas is not installed")

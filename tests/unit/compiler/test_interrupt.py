@@ -9,10 +9,12 @@ import sys
 import threading
 import time
 
+import numpy as np
 import pytest
 
+import ulna
 from ulna.compiler import compile, trace
-from ulna.compiler.runtime import jit
+from ulna.compiler.runtime import jit, method_call
 from ulna.compiler.runtime.interrupt import interruptible
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends signals as POSIX has them")
@@ -48,6 +50,19 @@ def test_it_returns_and_raises_what_the_work_does() -> None:
     assert interruptible(lambda: 7) == 7
     with pytest.raises(ZeroDivisionError):
         interruptible(lambda: 1 // 0)
+
+
+def test_work_goes_on_where_no_thread_can_be_started(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(self: threading.Thread) -> None:
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", refused)
+    monkeypatch.setattr(method_call, "is_ready", lambda: False)
+    assert interruptible(lambda: 7) == 7
+    with pytest.raises(ZeroDivisionError):
+        interruptible(lambda: 1 // 0)
+    robot = ulna.load("panda")
+    assert robot.fk(np.zeros(robot.nq)).shape == (4, 4)
 
 
 def test_the_main_thread_alone_needs_another_thread() -> None:

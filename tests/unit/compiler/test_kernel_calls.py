@@ -25,6 +25,15 @@ def plain(q, m):
     return a, np.swapaxes(m, -1, -2) @ m + 0.0 * q[..., :1, None] * 0.0
 
 
+class _Subclass(np.ndarray):
+    pass
+
+
+@pytest.fixture(scope="module")
+def unit_kernel():
+    return compile(lambda q: 0.5 * q @ q, checked=True, unit_entries=((0, (0, 1)),), q=(3,))
+
+
 @pytest.fixture(scope="module")
 def kernel():
     return compile(_f, q=(3,), m=(3, 3))
@@ -170,6 +179,22 @@ def test_several_numbers_leave_as_a_tuple():
     one = compile(lambda x: (x + 1.0,), x=())
     assert one(1.0) == (2.0,)
     assert one(np.ones(9))[0].tolist() == [2.0] * 9
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_numbers_are_new_objects_that_go_with_their_last_reference(dtype):
+    kernel = compile(lambda q: (q @ q, q[0] * q, q[1] - q[0]), dtype, q=(2,))
+    bound = kernel.into(np.zeros((), dtype), np.zeros(2, dtype), np.zeros((), dtype), returns=(0, 2))
+    q = np.array([3.0, 4.0], dtype)
+    first, one = kernel(q), bound(q)
+    q[0] = 1.0
+    assert [type(x) for x in (first[0], first[2], *one)] == [dtype] * 4
+    assert (float(first[0]), float(first[2])) == tuple(map(float, one)) == (25.0, 1.0)
+    assert (float(kernel(q)[0]), float(bound(q)[1])) == (17.0, 3.0)
+    blocks = sys.getallocatedblocks()
+    for _ in range(1000):
+        kernel(q), bound(q)
+    assert sys.getallocatedblocks() - blocks < 100
 
 
 @pytest.mark.parametrize("batch", [(), (1,), (7,), (3, 20)])
@@ -531,3 +556,31 @@ def test_objects_that_are_no_part_of_ufuncs_are_read_as_arrays(kernel) -> None:
         np.testing.assert_array_equal(given, expected)
     with pytest.raises(ShapeError, match=r"`q` has shape \(3, 3\); expected \(\.\.\., 2\)"):
         compile(lambda q: q[0] + q[1], q=(2,))(Pose())
+
+
+@pytest.mark.parametrize("method", ["jacobian", "value_and_gradient", "hessian", "hvp", "jvp", "vjp"])
+def test_derivatives_of_checked_kernels_check_unit_vectors(unit_kernel, method):
+    derivative = getattr(unit_kernel, method)()
+    others = [np.ones(port.shape) for port in derivative.function.inputs[1:]]
+    derivative(np.array([0.6, 0.8, 7.0]), *others)
+    with pytest.raises(InputError, match=r"`q\[\.\.\., 0:2\]` has length 1.08"):
+        derivative(np.array([0.6, 0.9, 7.0]), *others)
+
+
+def test_subclasses_of_arrays_are_checked_for_unit_vectors(unit_kernel, tmp_path):
+    mapped = np.memmap(tmp_path / "q", np.float64, "w+", shape=(2, 3))
+    mapped[:] = 0.6, 0.8, 7.0
+    assert np.array_equal(unit_kernel(mapped), np.full(2, unit_kernel(mapped[0].tolist())))
+    mapped[1, 1] = 0.9
+    for wrong in (mapped, mapped.view(_Subclass)):
+        with pytest.raises(InputError, match=r"`q\[\.\.\., 0:2\]` has length 1.08"):
+            unit_kernel(wrong)
+    with pytest.raises(ShapeError, match="`q`"):
+        unit_kernel(mapped[:, :1])
+
+
+def test_scalars_beside_subclasses_of_arrays_are_checked():
+    scaled = compile(lambda q, a: a * q, checked=True, q=(3,), a=())
+    for nan in (np.float32(np.nan), np.float64(np.nan), np.nan):
+        with pytest.raises(NonFiniteError, match="`a`"):
+            scaled(np.ones(3).view(_Subclass), nan)

@@ -48,7 +48,10 @@ CLOSE = {
     "log": (1, np.log),
     "expm1": (1, np.expm1),
     "log1p": (1, np.log1p),
+    "sinh": (1, np.sinh),
     "tanh": (1, np.tanh),
+    "cosh": (1, np.cosh),
+    "erf": (1, nm.erf),
     "atan2": (2, np.arctan2),
 }
 ORDINARY = tuple(np.linspace(-4.0, 4.0, 23)) + (1e-5, -1e-9, 30.0, -700.0, 1e6)

@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -37,11 +37,17 @@ print("read" if scaled._instances else "kept")
 """
 
 
-def run(folder: Path) -> list[str]:
+def run(folder: Path, script: str = RUN) -> list[str]:
     """The two lines that a new process prints."""
-    environment = {**os.environ, "ULNA_CACHE": str(folder / "cache"), "PYTHONPATH": str(folder)}
+    path = os.pathsep.join(filter(None, [str(folder), os.environ.get("PYTHONPATH")]))
+    environment = {**os.environ, "ULNA_CACHE": str(folder / "cache"), "PYTHONPATH": path}
     result = subprocess.run(
-        [sys.executable, "-c", RUN], env=environment, capture_output=True, text=True, check=True, timeout=600
+        [sys.executable, "-c", script],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=600,
     )
     return result.stdout.split()
 
@@ -60,6 +66,87 @@ def test_a_procedure_is_read_once_and_again_when_a_file_or_number_changed(tmp_pa
     (package / "code.py").write_text(CODE.replace("total = 0.0", "total = 2 - 1.0"))
     assert run(tmp_path) == ["16.0", "read"]
     assert run(tmp_path) == ["16.0", "kept"]
+
+
+OUTSIDE = """
+import numpy as np
+from ulna.compiler.procedures import f64, procedure
+from kept.elsewhere import settings
+from kept.elsewhere.settings import OFFSET, Kind, Points, chosen, root
+
+@procedure
+def scaled(points: Points, n: int) -> float:
+    tenth = np.zeros(1, Kind)
+    tenth[0] = 0.5 ** 2 + 0.1
+    return settings.limits.GAIN * n + OFFSET + chosen(n) + root(4.0) + f64(tenth[0]) + points.values[0]
+"""
+
+FUNCTIONS = """
+from ulna.compiler.procedures import procedure
+
+@procedure
+def first(n):
+    return n
+
+@procedure
+def second(n):
+    return n + 100
+"""
+
+SETTINGS = """
+import numpy as np
+from typing import NamedTuple
+from ulna.compiler.procedures import Array1, f64
+from kept.functions import first, second
+
+class limits:
+    GAIN = 2.0
+
+class Points(NamedTuple):
+    values: Array1[f64]
+
+OFFSET = np.int64(1)
+Kind = f64
+root = np.sqrt
+chosen = first
+"""
+
+RUN_OUTSIDE = """
+import numpy as np
+from kept.elsewhere.settings import Points
+from kept.code import scaled
+print(scaled(Points(*(np.full(2, 7.0 + k) for k in range(len(Points._fields)))), 3))
+print("read" if scaled._instances else "kept")
+"""
+
+EDITS = {
+    "GAIN = 2.0": ("GAIN = 12.00", 30.0),
+    "OFFSET = np.int64(1)": ("OFFSET = np.int64(41)", 40.0),
+    "Kind = f64": ("Kind = np.float32", float(np.float32(0.35)) - 0.35),
+    "root = np.sqrt": ("root = np.negative if False else np.abs", 2.0),
+    "chosen = first": ("chosen = second", 100.0),
+    "    values: Array1": ("    first: Array1[f64]\n    values: Array1", 1.0),
+}
+
+
+def test_a_procedure_is_read_again_when_what_it_names_in_another_folder_changed(tmp_path: Path) -> None:
+    folder = tmp_path / "kept" / "elsewhere"
+    folder.mkdir(parents=True)
+    for package in (folder, folder.parent):
+        (package / "__init__.py").touch()
+    (folder.parent / "code.py").write_text(OUTSIDE)
+    (folder.parent / "functions.py").write_text(FUNCTIONS)
+    text, value = SETTINGS, 6.0 + 1.0 + 3.0 + 2.0 + 0.35 + 7.0
+    (folder / "settings.py").write_text(text)
+    assert run(tmp_path, RUN_OUTSIDE)[1] == "read"
+    assert run(tmp_path, RUN_OUTSIDE)[1] == "kept"
+    for old, (new, difference) in EDITS.items():
+        text, value = text.replace(old, new), value + difference
+        (folder / "settings.py").write_text(text)
+        result, how = run(tmp_path, RUN_OUTSIDE)
+        assert float(result) == pytest.approx(value, abs=1e-12), new
+        assert how == "read"
+    assert run(tmp_path, RUN_OUTSIDE)[1] == "kept"
 
 
 class Pair(NamedTuple):
@@ -93,8 +180,8 @@ def test_a_record_counts_only_while_folders_and_numbers_are_the_same(
     folder.mkdir()
     file = folder / "code.py"
     file.write_text("x = 1\n")
-    numbers: Any = (("ulna.planning.rrt_connect", "FREE_PLACE", 1e15),)
-    compiled = Compiled((("n", INT),), (F64,), frozenset({"a"}), (str(file),), numbers, "digest")
+    names = (("ulna.planning.rrt_connect", "FREE_PLACE", "float 1000000000000000.0"),)
+    compiled = Compiled((("n", INT),), (F64,), frozenset({"a"}), (str(file),), names, "digest")
     import ulna.planning.rrt_connect as module
 
     procedure_cache.write("one", compiled)

@@ -9,15 +9,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from tests.support.procedure_ways import all_ways
 from tests.support.random_procedures import arguments, random_procedure
 
 import ulna
+from ulna import numeric
 from ulna.compiler.procedures import (
     Array1,
     Array2,
     Array3,
     Kernel,
-    Procedure,
     aligned,
     all_of,
     any_of,
@@ -37,22 +38,6 @@ from ulna.compiler.runtime.jit import target
 from ulna.errors import DivisionByZero, DtypeError, InputError, OutOfBounds, ProcedureError, ShapeError
 
 INT = np.int64
-
-
-def all_ways(p: Procedure, *args: Any) -> Any:
-    """What a procedure returns, the same by machine code, checked machine code and the interpreter."""
-    copies = [[a.copy() if isinstance(a, np.ndarray) else a for a in args] for _ in range(3)]
-    results = [f(*a) for f, a in zip((p, p.checked, p.interpret), copies, strict=True)]
-    for other, given in zip(results[1:], copies[1:], strict=True):
-        np.testing.assert_equal(other, results[0])
-        assert type(other) is type(results[0])
-        for a, b in zip(given, copies[0], strict=True):
-            if isinstance(a, np.ndarray):
-                np.testing.assert_array_equal(a, b)
-    for a, b in zip(args, copies[0], strict=True):
-        if isinstance(a, np.ndarray) and a.flags.writeable:
-            a[...] = b
-    return results[0]
 
 
 @procedure
@@ -102,7 +87,8 @@ def test_division_of_integers_by_zero_raises_with_its_line() -> None:
 def functions(x: f64, y: f64) -> Any:
     return (
         math.sqrt(x), math.sin(y), math.cos(y), math.tan(y), math.asin(y), math.acos(y), math.atan2(y, x),
-        math.exp(y), math.log(x), math.expm1(y), np.log1p(y), np.floor(y), np.ceil(y), math.floor(y),
+        math.exp(y), math.log(x), math.expm1(y), np.log1p(y), math.sinh(y),
+        math.erf(y), numeric.erf(x), np.floor(y), np.ceil(y), math.floor(y),
     )  # fmt: skip
 
 
@@ -117,7 +103,8 @@ def test_elementary_functions_agree_with_python() -> None:
         math.acos(y),
         math.atan2(y, x),
     ]
-    expected += [math.exp(y), math.log(x), math.expm1(y), math.log1p(y), -1.0, 0.0, -1]
+    expected += [math.exp(y), math.log(x), math.expm1(y), math.log1p(y), math.sinh(y), math.erf(y)]
+    expected += [math.erf(x), -1.0, 0.0, -1]
     for call in (functions, functions.checked, functions.interpret):
         np.testing.assert_allclose(call(x, y), expected, rtol=4e-16)
     assert type(functions(x, y)[-1]) is int
@@ -134,6 +121,27 @@ def test_conversions_saturate(x: float) -> None:
     limits = {math.inf: 2**63 - 1, -math.inf: -(2**63), 1e300: 2**63 - 1, 9.3e18: 2**63 - 1}
     assert whole == (0 if math.isnan(x) else limits.get(x, int(x) if math.isfinite(x) else 0))
     assert type(single) is np.float32 and type(positive) is bool
+
+
+@procedure(constants={"W": 8})
+def lane_conversions(x: Array1[f64], y: Array1[f32], whole: Array1[INT], single: Array1[INT], W: int) -> None:
+    for i in range(0, len(x), W):
+        whole[i : i + W] = int(x[i : i + W])
+        single[i : i + W] = int(y[i : i + W])
+
+
+@pytest.mark.parametrize("lanes", [2, 8, 16])
+def test_conversions_of_lanes_are_those_of_numbers(lanes: int) -> None:
+    edge, below = 2.0**63, float(np.nextafter(2.0**63, 0.0))
+    values = [math.nan, math.inf, -math.inf, 1e300, -1e300, edge, -edge, below, -below, 1.9, -1.9, -0.0]
+    values += [2.5**k * (-1) ** k for k in range(20)]
+    x = np.array(values)
+    with np.errstate(over="ignore"):
+        y = x.astype(np.float32)
+    whole, single = np.zeros((2, len(x)), INT)
+    all_ways(lane_conversions.specialized(W=lanes), x, y, whole, single)
+    np.testing.assert_array_equal(whole, [conversions(v)[0] for v in x.tolist()])
+    np.testing.assert_array_equal(single, [conversions(float(v))[0] for v in y])
 
 
 class Spheres(NamedTuple):
@@ -359,8 +367,9 @@ def test_a_procedure_calls_a_traced_function_of_a_robot() -> None:
         assert call(fk, samples, poses) == pytest.approx(z, abs=2e-6)
     fk(samples[-1], poses)
     np.testing.assert_allclose(poses.reshape(4, 4, 8).transpose(2, 0, 1), robot.fk(q[-1]), atol=3e-6)
-    with pytest.raises(OutOfBounds):
-        found.checked(fk, samples, poses[:12].copy())
+    for call in (found.checked, found.interpret):
+        with pytest.raises(OutOfBounds, match=r"test_procedures.py:\d+: index 127 of an axis of length 96;"):
+            call(fk, samples, poses[:12].copy())
 
 
 def test_kernels_for_procedures_refuse_what_they_cannot_do() -> None:
@@ -659,6 +668,37 @@ def _broadcast_without_a_width(x: f32) -> f32:
     return broadcast(x)
 
 
+NOTHING, LIST = None, [1]
+
+
+def _none_outside(a: int) -> int:
+    return a + NOTHING  # type: ignore[operator]
+
+
+def _list_outside(a: int) -> int:
+    return a + LIST  # type: ignore[operator]
+
+
+def _passed_twice(a: Array2[f64], q: Array1[f64]) -> int:
+    return nearest(a, q, points=a)  # type: ignore[call-arg]
+
+
+def _keywords(a: int) -> int:
+    return nearest(**LIST)  # type: ignore[arg-type]
+
+
+def _variable_lanes(n: int) -> int:
+    return sum_of(lane_numbers(n))
+
+
+def _float_lanes(n: int) -> int:
+    return sum_of(lane_numbers(4.0))  # type: ignore[arg-type]
+
+
+def _three_lanes(n: int) -> int:
+    return sum_of(lane_numbers(3))
+
+
 REFUSED: dict[Callable[..., Any], str] = {
     _slice_before_an_index: "Slice expressions cannot be compiled",
     _unassigned_in_a_tuple: "`a` may have no value here",
@@ -667,7 +707,14 @@ REFUSED: dict[Callable[..., Any], str] = {
     _too_much_to_measure: r"len\(...\) takes 1 argument, not 2",
     _broadcast_without_a_width: r"broadcast\(...\) takes 2 arguments, not 1",
     _f32_meets_f64: "f32 and f64 meet. Convert one of them",
-    _unknown_name: "`unknown_thing` is not defined",
+    _unknown_name: "`unknown_thing` is not defined, or is None",
+    _none_outside: "`NOTHING` is not defined, or is None",
+    _list_outside: "`LIST` is a list; a procedure can use only numbers, procedures and functions of the language from",
+    _passed_twice: "`points` is passed twice to nearest",
+    _keywords: r"\*\*arguments cannot be compiled",
+    _variable_lanes: "a number of lanes must be an integer constant; this is a variable",
+    _float_lanes: "a number of lanes must be an integer constant, not f64",
+    _three_lanes: "a number of lanes must be a power of two from 1 to 64, not 3",
     _unassigned: "`b` may have no value here",
     _list: "List expressions cannot be compiled",
     _comprehension: "`sum` is not in the language",
@@ -677,14 +724,14 @@ REFUSED: dict[Callable[..., Any], str] = {
     _slice_of_unknown_width: "a slice has a constant power of two of lanes",
     _odd_slice: "not 3",
     _changes_type: "`b` holds int since its first assignment, not f64",
-    _not_every_path: "a condition is a truth value, not int",
+    _not_every_path: "a condition must be a bool, not int",
     _no_return: "not every path returns a value",
     _mask_as_condition: r"Reduce the mask: any_of",
-    _float_index: "an index is an integer, not f64",
+    _float_index: "an index must be an integer, not f64",
     _too_many_indices: "takes 1 indices, not 2",
     _unknown_function: "`math.gamma` is not in the language",
     _large_storage: "8,000,000 bytes of the stack",
-    _keyword_only: "nearest has no parameter `wrong`",
+    _keyword_only: r"nearest has no parameter `wrong`\. It has points, q\.",
     _power: r"powers other than \*\* 2",
     _with: "`with` statements cannot be compiled",
     _unknown_field: "Spheres has no field `radius`; it has centres, radii",

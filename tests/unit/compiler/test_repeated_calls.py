@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from ulna.compiler import compile
-from ulna.compiler.runtime.repeated_calls import RepeatedCalls, forget, memory, repeated_calls
+from ulna.compiler.runtime.repeated_calls import RepeatedCalls, call_cache, forget, repeated_calls
 
 _PRODUCT = compile(lambda x, factor: factor * x, x=(), factor=())
 
@@ -24,20 +24,23 @@ class Thing:
 
     def __init__(self, factor):
         self.kernel = _PRODUCT.into(
-            np.zeros(()), returns=(0,), last_inputs=[np.array(factor)], otherwise=lambda *_: NotImplemented
+            np.zeros(()),
+            returns=(0,),
+            trailing_inputs=[np.array(factor)],
+            otherwise=lambda *_: NotImplemented,
         )
 
 
-_noted = memory(3, weakly=1)
+_calls = call_cache(3, weak=1)
 asked: list[tuple] = []
 
 
-@repeated_calls(_noted)
+@repeated_calls(_calls)
 def scaled(thing: Any, place: int, name: str = "a", x: Any = 1.0) -> Any:
     """A number times the factor of a thing."""
     asked.append((thing, place, name, x))
     if isinstance(x, float):
-        _noted(thing.kernel, 1, thing, place, name)
+        _calls.add(thing.kernel, 1, thing, place, name)
         return thing.kernel(x)
     return "another"
 
@@ -154,14 +157,14 @@ def test_threads_may_share_a_table():
     assert not wrong
 
 
-_forms_noted = memory(1, weakly=1)
+_forms_calls = call_cache(1, weak=1)
 
 
-@repeated_calls(_forms_noted)
+@repeated_calls(_forms_calls)
 def scaled_or_doubled(thing: Any, x: float, y: Any = None) -> Any:
     asked.append((thing, x, y))
     kernel = thing.kernel if y is None else thing.sum
-    _forms_noted(kernel, 1 if y is None else 2, thing)
+    _forms_calls.add(kernel, 1 if y is None else 2, thing)
     return kernel(x) if y is None else kernel(x, y)
 
 
@@ -174,3 +177,49 @@ def test_calls_with_other_numbers_of_arguments_do_not_displace_each_other():
         assert scaled_or_doubled(thing, float(k)) == 3.0 * k
         assert scaled_or_doubled(thing, float(k), 1.0) == k + 1.0
     assert len(asked) == 2
+
+
+_calls_between = call_cache(3, weak=1, kernel_argument=1)
+_calls_all = call_cache(3, weak=1)
+
+
+@repeated_calls(_calls_all, _calls_between)
+def scaled_between(thing: Any, x: Any, name: str = "a", more: int = 0) -> Any:
+    """A number, the second argument, times the factor of a thing."""
+    asked.append((thing, x, name, more))
+    if isinstance(x, float) and more == 0:
+        _calls_between.add(thing.kernel, 1, thing, *([name] if name != "a" else []))
+        return thing.kernel(x)
+    return "another"
+
+
+def test_an_argument_between_the_others_may_be_passed():
+    if not isinstance(scaled_between, RepeatedCalls):
+        pytest.skip("machine code cannot be called in this way here")
+    things: list[Thing] = []
+
+    def each_is_asked_once() -> bool:
+        things[:] = Thing(3.0), Thing(5.0)
+        counts = set()
+        for name in ([], ["b"], ["c"]):
+            for thing, factor in zip(things, (3.0, 5.0), strict=True):
+                asked.clear()
+                numbers = [scaled_between(thing, k * 0.5, *name) for k in range(9)]
+                assert numbers == [factor * 0.5 * k for k in range(9)]
+                counts.add(len(asked))
+        return counts == {1}
+
+    assert any(each_is_asked_once() for _ in range(8)), "addresses of two of six may lead to one of 256 rows"
+    asked.clear()
+    assert scaled_between(things[0], 2, "b") == "another"
+    assert scaled_between(things[0], 1.0, "b", 1) == scaled_between(things[0], "x", "b") == "another"
+    assert scaled_between(things[0], x=1.0, name="b") == 3.0
+    assert [call[1:] for call in asked] == [(2, "b", 0), (1.0, "b", 1), ("x", "b", 0), (1.0, "b", 0)][
+        -len(asked) :
+    ]
+    with pytest.raises(TypeError):
+        scaled_between(things[0])
+    forget(things[0])
+    asked.clear()
+    assert scaled_between(things[0], 2.0, "b") == 6.0
+    assert len(asked) == 1

@@ -9,11 +9,11 @@ import pytest
 
 from ulna import numeric as nm
 from ulna.compiler import compile, trace
-from ulna.compiler.codegen.register_pressure import few_alive, most_alive
+from ulna.compiler.codegen.register_pressure import low_pressure_steps, register_pressure
+from ulna.compiler.codegen.scheduling import Sines, Store, made, parts, used
 from ulna.compiler.language.ops import TABLE, Op
-from ulna.compiler.language.scheduling import Sines, Store, made, parts, used
 
-schedule = import_module("ulna.compiler.language.scheduling")
+schedule = import_module("ulna.compiler.codegen.scheduling")
 
 
 def _mixed(q, x):
@@ -32,8 +32,10 @@ FUNCTION = trace(_mixed, q=(5,), x=())
 @pytest.fixture(params=[1, 7, 40])
 def small_parts(request, monkeypatch):
     """Parts of a few instructions."""
-    monkeypatch.setattr(schedule, "_SIZES", {False: request.param, True: 3 * request.param})
+    for sizes in "_SIZES", "_LOOP_SIZES":
+        monkeypatch.setattr(schedule, sizes, {False: request.param, True: 3 * request.param})
     monkeypatch.setattr(schedule, "_MAX_SINGLE_PART", 0)
+    monkeypatch.setattr(schedule, "_MAX_WHOLE_BODY", {False: 0, True: 0})
 
 
 def _assert_complete(steps):
@@ -56,10 +58,10 @@ def _assert_complete(steps):
 
 
 def test_the_order_with_few_values_alive_is_complete():
-    steps = few_alive(FUNCTION)
+    steps = low_pressure_steps(FUNCTION)
     _assert_complete(steps)
     traced = [step for piece in parts(FUNCTION, 1, 1) for step in piece]
-    assert most_alive(FUNCTION.graph, steps) <= most_alive(FUNCTION.graph, traced)
+    assert register_pressure(FUNCTION.graph, steps) <= register_pressure(FUNCTION.graph, traced)
 
 
 def test_what_is_made_early_and_used_late_is_made_late():
@@ -74,8 +76,8 @@ def test_what_is_made_early_and_used_late_is_made_late():
 
     function = trace(f, x=(8,))
     traced = [step for piece in parts(function, 1, 1) for step in piece]
-    assert most_alive(function.graph, traced) >= 8 * 7 // 2
-    assert most_alive(function.graph, few_alive(function)) <= 8 + 2
+    assert register_pressure(function.graph, traced) >= 8 * 7 // 2
+    assert register_pressure(function.graph, low_pressure_steps(function)) <= 8 + 2
 
 
 @pytest.mark.parametrize(("lanes", "pack"), [(1, 8), (1, 1), (4, 1), (8, 1)])
@@ -113,7 +115,56 @@ def test_parts_may_write_over_their_inputs(small_parts):
     np.testing.assert_array_equal(p, expected[1])
 
 
-def test_a_function_with_a_loop_stays_whole(small_parts):
-    f = trace(lambda q: nm.loop(lambda x: x > 1.0, lambda x: (x * 0.5,), (q[0] + q[1],), 20)[0] * q, q=(9,))
-    assert f.has_loops and len(parts(f, 8, 1)) == len(parts(f, 1, 8)) == 1
-    np.testing.assert_array_equal(compile(f)(np.ones(9)), np.ones(9))
+def _settled(q, x):
+    """A loop between straight-line code, with sines, conditions and captured values in its body, and a loop in one."""
+    early = q[3] < q[4]
+
+    def smaller(w):
+        return (nm.where(early, w * 0.5, w * 0.25),)
+
+    def body(n, y, z):
+        if x is None:
+            inner = nm.loop(lambda w: w > 2.0, smaller, (z * z + 1.0,), 9)[0]
+        else:
+            inner = nm.where(early, x, y)
+        late = y < z
+        y, z = np.sin(y) * np.cos(z) + q[1], np.cos(y) * 0.5 + np.sin(q[2]) * inner
+        return n + 1.0, nm.where(late, y, z), z + y * q[0]
+
+    start = np.cos(q) * np.sin(q[::-1])
+    n, y, z = nm.loop(lambda n, y, z: n < 3.0 + q[0], body, (0.0, start[0], start[1]), 9)
+    return np.outer(np.sin(q) * y, np.cos(q) + z), n
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+@pytest.mark.parametrize("nested", [False, True])
+def test_loops_in_parts_compute_what_the_interpreter_does(dtype, nested, small_parts):
+    shapes = {"q": (5,)} if nested else {"q": (5,), "x": ()}
+    f = trace((lambda q: _settled(q, None)) if nested else _settled, **shapes)
+    kernel = compile(f, dtype)
+    ir = kernel.ir(), kernel.ir(batch=True)
+    assert "@one.1(" in ir[0] and "@block.1(" in ir[1]
+    assert nested or all("call void @part" in text for text in ir)  # the body is in parts, too
+    rng = np.random.default_rng(3)
+    arrays = [rng.uniform(-1, 1, (21, *shape)).astype(dtype) for shape in shapes.values()]
+    tolerance = 1e-13 if dtype == "float64" else 1e-5
+    expected = f(*arrays)
+    for got, wanted in zip(kernel(*arrays), expected, strict=True):
+        np.testing.assert_allclose(got, wanted, rtol=tolerance, atol=tolerance)
+    for got, wanted in zip(kernel(*(a[4] for a in arrays)), expected, strict=True):
+        np.testing.assert_allclose(got, wanted[4], rtol=tolerance, atol=tolerance)
+
+
+def test_gradients_through_loops_in_parts_compute_what_the_interpreter_does(small_parts):
+    f = trace(lambda q, x: np.sum(_settled(q, x)[0]), q=(5,), x=()).value_and_gradient()
+    assert f.tape_size and len(parts(f, 8, 1)) == len(parts(f, 1, 8)) == 1  # records are in one function
+    kernel = compile(f)
+    for text in kernel.ir(), kernel.ir(batch=True):
+        assert "call void @part" in text
+    rng = np.random.default_rng(4)
+    q, x = rng.uniform(-1, 1, (21, 5)), rng.uniform(-1, 1, 21)
+    expected = f(q, x)
+    for got, wanted in zip(kernel(q, x), expected, strict=True):
+        np.testing.assert_allclose(got, wanted, rtol=1e-12, atol=1e-12)
+    for got, wanted in zip(kernel(q[4], x[4]), expected, strict=True):
+        np.testing.assert_allclose(got, wanted[4], rtol=1e-12, atol=1e-12)

@@ -86,7 +86,8 @@ def test_stages_compute_what_loops_do(dtype, rtol):
 
 def test_a_stage_that_reads_inputs_after_results_is_refused():
     stages = Stages("late", N, x=(N,))
-    stages.straight(lambda x: x * 2.0, ("x",), ("a",))
+    stages.straight(lambda x: x * 2.0, ("x",), ("twice",))
+    stages.straight(lambda twice: twice + 1.0, ("twice",), ("a",))
     stages.straight(lambda x: x * 3.0, ("x",), ("b",))
     with pytest.raises(TraceError, match="reads 'x' after results"):
         stages.form("a", "b")

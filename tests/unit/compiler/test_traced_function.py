@@ -12,7 +12,7 @@ import pytest
 from ulna import numeric as nm
 from ulna.compiler import Port, compile, trace
 from ulna.compiler.language.scalar import Condition, Scalar
-from ulna.errors import ShapeError, TraceError
+from ulna.errors import InputError, ShapeError, TraceError
 
 TRUTH = r"A traced value has no truth: `if`, `and`, `or`.*Use ulna\.numeric\.where.*combine conditions with & \| ~"
 NUMBER = r"A traced value has no number yet.*Use np\.sin and the like"
@@ -38,7 +38,7 @@ NUMBER = r"A traced value has no number yet.*Use np\.sin and the like"
         (lambda x: np.array([x, 1.0], dtype=float), NUMBER),
         (lambda x: [1.0, 2.0][x], NUMBER),
         (lambda x: np.linalg.inv(np.array([[x]])), "Traced values cannot do this: .* ulna.linalg solves small systems"),
-        (lambda x: np.sinh(x), "Traced values cannot do this: .* no callable sinh method. They know .* np.sqrt, sin, "),
+        (lambda x: np.arcsinh(x), "Traced values cannot do this: .* no callable arcsinh method. They know .* np.sqrt, sin, "),
         (lambda x: np.isnan(np.array([x])), "Traced values cannot do this: .*'isnan' not supported"),
         (lambda x: x * 1j, "Traced values cannot do this: .*'Scalar' and 'complex'"),
         (lambda x: x.ndim, "Traced values cannot do this: .* no attribute .ndim.. They know"),
@@ -55,6 +55,20 @@ NUMBER = r"A traced value has no number yet.*Use np\.sin and the like"
 def test_what_cannot_be_traced_says_what_to_do_instead(f, message):
     with pytest.raises(TraceError, match=message):
         trace(f, x=())
+
+
+def test_functions_of_math_on_traced_arrays_say_what_to_use():
+    with pytest.raises(TraceError, match=r"Traced values cannot do this: .* They know .* np\.sqrt, sin, "):
+        trace(lambda x: math.sin(x), x=(2,))
+
+
+def test_functions_that_numpy_lacks_are_named_as_those_of_numeric():
+    with pytest.raises(TraceError) as caught:
+        trace(lambda x: np.arcsinh(x), x=())
+    known = str(caught.value).split("np.")[1].split(", and ")
+    assert all(hasattr(np, name) for name in known[0].split(", "))
+    others = known[1].split(" of ulna.numeric")[0].replace(" and ", ", ").split(", ")
+    assert "erf" in others and all(hasattr(nm, name) for name in others)
 
 
 def test_mistakes_of_the_function_itself_stay_what_they_are():
@@ -306,3 +320,32 @@ def test_comparisons_are_traced_as_conditions():
     kinds = []
     trace(lambda x: kinds.append(type(x < 1.0)) or x, x=())
     assert kinds == [Condition]
+
+
+def test_interpretation_refuses_what_kernels_refuse() -> None:
+    """Complex numbers lost their imaginary part, masks were ignored, and other errors were those of NumPy."""
+    f = trace(lambda q, k: q * k, q=(3,), k=())
+    kernel = compile(f)
+    one = np.ones(3)
+    for arguments in (
+        (one * 1j, 2.0),
+        (np.ma.array(one, mask=[0, 1, 0]), 2.0),
+        (one, None),
+        (one, "2"),
+        ([[1.0], [1.0, 2.0]], 1.0),
+        (np.ones((2, 3)), one),
+        (np.ones(4), 1.0),
+    ):
+        with pytest.raises(InputError) as expected:
+            kernel(*arguments)
+        with pytest.raises(type(expected.value)) as raised:
+            f(*arguments)
+        assert str(raised.value).partition(";")[0] == str(expected.value).partition(";")[0]
+    numbers_as_objects = f(np.array([1, 2, 3], dtype=object), np.float32(2.0))
+    assert numbers_as_objects.dtype == float and numbers_as_objects.tolist() == [2.0, 4.0, 6.0]
+
+
+@pytest.mark.parametrize("lanes", [0, -1, 3, True, 2.0, "8", None])
+def test_lanes_are_a_power_of_two(lanes) -> None:
+    with pytest.raises(InputError, match="`lanes` is "):
+        trace(lambda q: q * 2.0, lanes=lanes, q=(2,))

@@ -127,6 +127,27 @@ def test_residuals_have_the_hessian_of_gauss_and_newton_and_knots_come_in_batche
     np.testing.assert_allclose(t.lx[:, 1], 3 * X[:, 0], rtol=1e-14)
 
 
+def test_arguments_of_a_cost_behind_one_that_keeps_its_default_have_their_own_values():
+    def step(x, u):
+        return np.array([x[1], u[0]])
+
+    def between(x, u, weight=3.0, goal=0.0):
+        return weight * (x[0] - goal) ** 2 + u @ u
+
+    def by_name(x, u, *, goal, weight=3.0):
+        return between(x, u, weight, goal)
+
+    def at_the_end(x, weight=3.0, goal=0.0):
+        return weight * (x[0] - goal) ** 2
+
+    x, u = np.array([1.0, 2.0]), np.array([0.5])
+    for cost in (between, by_name):
+        stage = control.custom_stage(step, cost, nx=2, nu=1, goal=())
+        assert stage(x, u, 5.0).cost == pytest.approx(3.0 * 16.0 + 0.25)
+    end = stage.terminal(at_the_end, goal=())
+    assert end(x, 5.0).cost == pytest.approx(3.0 * 16.0)
+
+
 def test_messages():
     def step(x, u):
         return x + u[0]

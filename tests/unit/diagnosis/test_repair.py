@@ -62,6 +62,34 @@ def test_the_nearest_inertia_is_that_of_the_pseudo_inertia() -> None:
         assert a > 0.0 and c <= a + b
 
 
+def test_negative_inertias_become_zero_and_flat_bodies_stay(tmp_path: Path) -> None:
+    """The nearest second moments to negative ones are zero; moments whose sum is rounded are those of a plate."""
+    bad, good = tmp_path / "bad.urdf", tmp_path / "good.urdf"
+    bad.write_text(
+        BAD.replace('ixx="1" iyy="0.1" izz="0.1" ixy="0.02"', 'ixx="-1" iyy="-2" izz="-2" ixy="0"')
+    )
+    assert "not-positive" in [f.kind for f in diagnose(bad)]
+    assert repair_inertias(bad, good) == ("arm",)
+    assert "not-positive" not in [f.kind for f in diagnose(good)]
+    np.testing.assert_array_equal(ulna.load(good).model.link("arm").inertia.inertia, np.zeros((3, 3)))
+    plate = np.diag([0.7, 0.1, 0.7 + 0.1 + 1e-16])
+    assert nearest_inertia(plate) is plate
+
+
+def test_links_are_named_once_and_arguments_are_checked(tmp_path: Path) -> None:
+    file, good = tmp_path / "flat.urdf", tmp_path / "good.urdf"
+    shape = '<collision><geometry><box size="1 1 1e-9"/></geometry></collision>'
+    file.write_text(f'<robot name="a"><link name="l">{shape}</link></robot>')
+    assert repair_inertias(file, good, ["l", "l"], density=1e9) == ("l",)
+    for links in (None, 5, "l", [["l"]]):
+        with pytest.raises(InputError, match="`links` is .*; expected names in a list"):
+            repair_inertias(file, good, links)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="`path` is None"):
+        repair_inertias(None, good)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="`output` is 3"):
+        repair_inertias(file, 3)  # type: ignore[arg-type]
+
+
 def test_the_command_repairs_and_lists_the_rest(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bad, good = tmp_path / "bad.urdf", tmp_path / "good.urdf"
     bad.write_text(BAD.replace('type="continuous"', 'type="fixed"', 1))

@@ -172,7 +172,7 @@ def test_wrong_repairs_write_nothing(tmp_path: Path, capsys: pytest.CaptureFixtu
     bad, good = tmp_path / "bad.urdf", tmp_path / "good.urdf"
     bad.write_text(arm(link("arm", SHAPES["box"])))
     for arguments, match in (
-        ({"links": "arm"}, "list of names"),
+        ({"links": "arm"}, "names in a list"),
         ({"density": 1.0}, "of which none is named"),
         ({"links": ["arm"]}, "has no mass"),
         ({"links": ["arn"], "density": 1.0}, "arm"),

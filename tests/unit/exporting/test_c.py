@@ -45,6 +45,19 @@ def test_its_own_test_notices_a_wrong_number(exported: Path, tmp_path: Path) -> 
     assert next(line for line in ran.stdout.splitlines() if "WRONG" in line).startswith("fk:")
 
 
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_its_own_test_compares_infinite_results(tmp_path: Path, dtype: str) -> None:
+    function = trace(lambda x: np.stack([np.exp(800.0 + x), 0.5 * x, -np.exp(800.0 + x)]), x=())
+    folder = ulna.export(None, {"f": function}, to="c", path=tmp_path / "x", name="i", dtype=dtype)
+    for wrong in (False, True):
+        if wrong:
+            file = folder / "i_f.c"
+            file.write_text(file.read_text().replace("0.5", "0.6"))
+        assert gcc(*STRICT, *folder.glob("*.c"), "-o", tmp_path / "test", "-lm").returncode == 0
+        ran = subprocess.run([tmp_path / "test"], capture_output=True, text=True, timeout=600, check=False)
+        assert (ran.returncode == 1) == ("WRONG" in ran.stdout) == wrong, ran.stdout
+
+
 def test_there_is_no_state_and_nothing_is_allocated(exported: Path, tmp_path: Path) -> None:
     needs("nm")
     for file in exported.glob("panda_*.c"):
@@ -82,6 +95,17 @@ def test_outputs_may_be_inputs(panda: ulna.Robot, tmp_path: Path) -> None:
     expected = panda.function("inverse_dynamics")(q, v, a)
     lib.panda_inverse_dynamics(*(ctypes.c_void_p(x.ctypes.data) for x in (q, v, a, q)))
     assert abs(q - expected).max() < 1e-13 * abs(expected).max()
+
+
+def test_arguments_may_be_named_as_the_functions_that_are_called(tmp_path: Path) -> None:
+    f = trace(
+        lambda exp, erf, sqrtf: np.exp(exp) + numeric.erf(erf) + np.sqrt(sqrtf),
+        name="f", exp=(), erf=(), sqrtf=(),
+    )  # fmt: skip
+    for dtype, tolerance in ((np.float64, 1e-15), (np.float32, 1e-6)):
+        lib = library(ulna.export(None, f, to="c", path=tmp_path / dtype.__name__, name="x", dtype=dtype))
+        (out,) = call(lib.x_f, f, [np.array(v, dtype) for v in (0.5, -0.25, 2.0)], dtype)
+        assert out == pytest.approx(f(0.5, -0.25, 2.0), rel=tolerance)
 
 
 def test_sines_are_precise_everywhere(tmp_path: Path) -> None:
@@ -183,9 +207,11 @@ def test_loops_and_branches(tmp_path: Path) -> None:
 
 def test_derivatives_of_loops(tmp_path: Path) -> None:
     def f(x: Any) -> Any:
-        return numeric.loop(
+        y, _ = numeric.loop(
             lambda y, n: n < x[1], lambda y, n: (x[0] * np.sin(y) + n, n + 1.0), (x[0], 0.0), 30
-        )[0]
+        )
+        (y,) = numeric.loop(lambda y: y < 9.0, lambda y: (2.0 * y + 1.0,), (y * y,), 30)
+        return y  # of the loop before, whose slopes are constants, nothing is read again
 
     traced = trace(f, x=(2,))
     functions = {"gradient": traced.value_and_gradient(), "hessian": traced.hessian()}

@@ -13,6 +13,8 @@ import pytest
 
 import ulna
 from support.c_library import STRICT, gcc, library
+from ulna.model import with_tool
+from ulna.spatial import SE3
 
 
 class Report(ctypes.Structure):
@@ -126,3 +128,12 @@ def test_both_hands_of_a_humanoid(tmp_path: Path) -> None:
     assert gcc(*STRICT, "-O1", *place.glob("*.c"), "-o", tmp_path / "test", "-lm").stderr == ""
     ran = subprocess.run([tmp_path / "test"], capture_output=True, text=True, timeout=600, check=False)
     assert ran.returncode == 0, ran.stdout
+
+
+def test_names_of_frames_do_not_end_the_comment(tmp_path: Path) -> None:
+    ur5, name = ulna.load("ur5").model, "a*/ b /*c\u00e4"
+    robot = ulna.Robot(with_tool(ur5, ur5.tool, SE3.trans(0.0, 0.0, 0.1), name))
+    header = ulna.export(robot, "ik", to="c", path=tmp_path / "x", name="g", frame=name) / "g.h"
+    assert "a* / b / *c?" in header.read_text("ascii")
+    done = gcc(*STRICT, "-fsyntax-only", header)
+    assert done.returncode == 0, done.stderr

@@ -44,7 +44,7 @@ def test_a_search_says_where_it_starts_and_the_architecture_is_an_option(tmp_pat
     assert ".target sm_90" in (folder / "panda.ptx").read_text()
     ik = json.loads((folder / "panda.json").read_text())["kernels"]["panda_ik"]
     assert [p["name"] for p in ik["inputs"]] == ["T", "q0", "shift", "settings"]
-    assert len(ik["starts"]["q0"]) == 7 and "squared tolerances" in ik["summary"]
+    assert len(ik["starts"]["q0"]) == 7 and "position_tolerance^2 [m^2]" in ik["summary"]
     folder = ulna.export(ROBOT, "ik", to="ptx", path=tmp_path / "single", dtype=np.float32)
     assert "const float* settings" in (folder / "panda.cuh").read_text()
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,9 @@ from support.mjcf_physics import compiled, loaded
 from ulna.collision import link_pairs
 from ulna.errors import ModelWarning
 from ulna.formats.mjcf_loops import loops_from_mjcf
+from ulna.geometry import Sphere
 
+mujoco: Any = pytest.importorskip("mujoco")
 FOUR = "".join(
     f'<body name="{n}" pos="{k} 0 0"><joint name="{n}" ref="{10 * k}" axis="0 1 0"/><geom size="0.1" pos="0.2 0 0"/></body>'
     for k, n in enumerate("abcd")
@@ -107,3 +111,30 @@ def test_bodies_of_which_only_some_geoms_may_touch_are_named_unless_they_are_exc
     assert [("'a' and 'c'" in text, "'fixed'" in text) for text in named] == [(True, False)] * (not excluded)
     pairs = {frozenset(pair) for pair in link_pairs(model)}
     assert (frozenset("ac") in pairs) is not excluded and frozenset(("fixed", "c")) not in pairs
+
+
+def test_bodies_without_a_name_leave_the_others_theirs() -> None:
+    text = """<mujoco><worldbody><body><joint name="j1"/><geom size=".1"/>
+    <body name="body_1" pos="1 0 0"><joint name="j2"/><geom size=".2"/></body></body></worldbody></mujoco>"""
+    model = ulna.load(text).model
+    assert [link.name for link in model.links] == ["world", "body_1_2", "body_1"]
+    assert model.joints[model.link("body_1").joint].name == "j2"
+    geoms = {geometry.name: geometry.shape for link in model.links for geometry in link.visuals}
+    assert geoms == {"body_1_2Geom_0": Sphere(0.1), "body_1Geom_0": Sphere(0.2)}
+
+
+def test_geoms_have_the_colours_that_mujoco_draws() -> None:
+    text = """<mujoco><asset><material name="m" rgba="0 1 0 1"/></asset><worldbody><body>
+    <joint/><geom material="m" rgba="1 0 0 1" size=".1"/><geom material="m" size=".2"/><geom rgba="0 0 1 .5" size=".3"/>
+    <geom material="m" rgba=".5 .5 .5 1" size=".4"/></body></worldbody></mujoco>"""
+    m = compiled(text)
+    scene = mujoco.MjvScene(m, maxgeom=20)
+    data = mujoco.MjData(m)
+    mujoco.mj_forward(m, data)
+    mujoco.mjv_updateScene(
+        m, data, mujoco.MjvOption(), None, mujoco.MjvCamera(), mujoco.mjtCatBit.mjCAT_ALL, scene
+    )
+    drawn = [g.rgba.tolist() for g in scene.geoms[: scene.ngeom] if g.objtype == mujoco.mjtObj.mjOBJ_GEOM]
+    visuals = ulna.load(text).model.links[1].visuals
+    materials = [geometry.material for geometry in visuals]
+    assert [list(material.rgba or ()) for material in materials if material is not None] == drawn

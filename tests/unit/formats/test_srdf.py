@@ -82,6 +82,26 @@ def test_duplicate_elements_warn():
         )
 
 
+def test_states_of_one_name_are_one_configuration():
+    text = """<robot><group_state name="home" group="left"><joint name="ja" value="0.5"/></group_state>
+      <group_state name="home" group="right"><joint name="jd" value="0.25"/></group_state></robot>"""
+    model = with_srdf(model_from_urdf(parse_urdf(URDF)), parse_srdf(text))
+    np.testing.assert_array_equal(model.configurations["home"], [0.5, 0.0, 0.0, 0.25])
+
+
+def test_positions_that_are_ignored_warn():
+    text = """<robot><group_state name="home"><joint name="ja" value="0.5 1"/><joint name="jc" value="1"/></group_state>
+      <group_state name="home"><joint name="jc" value="0.5"/><joint name="jd" value="0.25"/></group_state></robot>"""
+    document = parse_srdf(text, "r.srdf")
+    with pytest.warns(ModelWarning) as warned:
+        model = with_srdf(model_from_urdf(parse_urdf(URDF)), document)
+    np.testing.assert_array_equal(model.configurations["home"], [0.0, 0.0, 1.0, 0.25])
+    assert [str(w.message) for w in warned] == [
+        "r.srdf: group_state 'home' has 2 values for joint 'ja', which has 1; it is ignored.",
+        "r.srdf: group_state 'home' has a second position of joint 'jc'; it is ignored.",
+    ]
+
+
 def test_file(tmp_path):
     (tmp_path / "r.srdf").write_text(SRDF)
     assert read_srdf(tmp_path / "r.srdf").file == str(tmp_path / "r.srdf")

@@ -10,7 +10,7 @@ import pytest
 import ulna
 from support.random_arms import redundant
 from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
-from ulna.model import Continuous, ModelBuilder, Revolute
+from ulna.model import Continuous, ModelBuilder, Prismatic, Revolute
 from ulna.spatial import SE3
 
 
@@ -229,19 +229,19 @@ def test_joints_that_follow_others_are_searched() -> None:
     assert np.abs(found.q - q).max(axis=-1).min() < 1e-6
 
 
-def test_the_bare_kernel_gives_every_branch_with_its_worth(ur5: ulna.Robot, panda: ulna.Robot) -> None:
+def test_the_bare_kernel_gives_every_branch_with_its_evaluation(ur5: ulna.Robot, panda: ulna.Robot) -> None:
     kernel = ur5.branch_kernel()
     Q = ur5.random_configuration(5, seed=8)
     T = ur5.fk(Q)
-    q, worth = kernel(T, Q)
-    assert q.shape == (5, 8, 6) and worth.shape == (5, 8, 3) and kernel.free is None
+    q, evaluation = kernel(T, Q)
+    assert q.shape == (5, 8, 6) and evaluation.shape == (5, 8, 3) and kernel.free is None
     assert (np.abs(q - Q[:, None]).max(axis=-1).min(axis=-1) < 1e-9).all()
-    at = worth[..., 0] < 1e-9
+    at = evaluation[..., 0] < 1e-9
     assert (at.sum(axis=-1) == ur5.ik_all(T, limits=False).count).all()
     assert np.array_equal(kernel(T[0])[0].shape, (8, 6))
     kernel = panda.branch_kernel(free="panda_joint7")
     Q = panda.random_configuration(5, seed=8)
-    q, worth = kernel(panda.fk(Q), Q, Q[:, 6])
+    q, evaluation = kernel(panda.fk(Q), Q, Q[:, 6])
     assert kernel.free == "panda_joint7"
     assert (np.abs(q - Q[:, None]).max(axis=-1).min(axis=-1) < 1e-8).all()
     with pytest.raises(InputError, match="no closed form"):
@@ -275,3 +275,21 @@ def _six(lower: float = -np.pi, upper: float = np.pi, kind: type[Revolute] = Rev
         b.add_joint(f"j{i + 1}", kind(axis), f"l{i}", f"l{i + 1}", SE3.trans(*place), **bounds)
     b.add_frame("flange", "l6", SE3.trans(0.1, 0.0, 0.0)).set_tool("flange")
     return b.build()
+
+
+@pytest.mark.parametrize(("prismatic", "free"), [((0,), "j3"), ((0, 3), "j1"), ((0, 3), "j2")])
+def test_a_joint_that_cannot_be_held_is_refused(prismatic: tuple[int, ...], free: str) -> None:
+    """Random starts would move it, too."""
+    rng = np.random.default_rng(4)
+    builder = ModelBuilder("seven").add_link("l0")
+    for i in range(7):
+        axis = rng.standard_normal(3)
+        kind = (Prismatic if i in prismatic else Revolute)(axis / np.linalg.norm(axis))
+        builder.add_link(f"l{i + 1}")
+        place = SE3.trans(*rng.uniform(-0.4, 0.4, 3))
+        builder.add_joint(f"j{i + 1}", kind, f"l{i}", f"l{i + 1}", place, lower=-2.0, upper=2.0)
+    robot = ulna.Robot(builder.build())
+    q = robot.random_configuration(seed=0)
+    assert robot.ik_all(robot.fk(q), q0=q).count
+    with pytest.raises(InputError, match=f"`free` is '{free}', which cannot be held"):
+        robot.ik_all(robot.fk(q), q0=q, free=free, samples=[0.3])

@@ -193,6 +193,15 @@ def test_plans_and_their_trajectories(robot: ulna.Robot, Q: Any) -> None:
     reports = trajectory.check(robot, timed, acceleration=5.0)
     assert reports.shape == (4,)
     assert all(reports.compute(scheduler="sync"))
+    for wrong in (
+        {"torque": "no"},
+        {"tolerance": -1.0},
+        {"samples": 1},
+        {"acceleration": 0.0},
+        {"jerk": [1.0, 2.0]},
+    ):
+        with pytest.raises(InputError, match=next(iter(wrong))):  # at once, not when reports are computed
+            trajectory.check(robot, timed, **wrong)
     with pytest.raises(InputError, match=r"`goal` is lazy, with shape \(4, 3\)"):
         robot.plan(free[0], da.ones((4, 3)))
 
@@ -213,6 +222,8 @@ def test_xarray_keeps_dimensions_and_coordinates(robot: ulna.Robot, world: World
     assert repr(robot.distance(x, world)) == repr(robot.distance(Q, world))
     with pytest.raises(InputError, match=r"labels.*along 'joint'; expected \['panda_joint1'"):
         robot.fk(x.assign_coords(joint=[*names[:-1], "elbow"]))
+    stiffness = robot.kernel("gravity_forces").jacobian()
+    np.testing.assert_array_equal(stiffness(x[:, ::-1]).values, stiffness(Q))
     with pytest.raises(InputError, match=r"q.drop_vars\('joint'\)"):
         ulna.compile(height, q=(7,))(x)
 
@@ -266,3 +277,20 @@ def test_a_process_keeps_a_bounded_number_of_functions() -> None:
     for k in range(2 * portable._MAX_CACHED_FUNCTIONS):
         assert Portable(partial(np.add, k))(1) == k + 1
         assert len(portable._known) <= portable._MAX_CACHED_FUNCTIONS
+
+
+def test_lengths_that_are_not_known_are_found_before_arrays_are_put_together(
+    robot: ulna.Robot, Q: Any, lazy: Any
+) -> None:
+    some, rows = lazy[lazy[:, 0] > 0.0], Q[Q[:, 0] > 0.0]
+    for v in (np.zeros((len(rows), 7)), da.zeros((len(rows), 7), chunks=(3, 7)), 0.1 * some):
+        with pytest.raises(InputError, match=r"`q` has blocks of unknown lengths.*q.compute_chunk_sizes\(\)"):
+            robot.inverse_dynamics(some, v, np.ones(7))
+    some.compute_chunk_sizes()
+    tau = robot.inverse_dynamics(some, 0.1 * some, np.ones(7)).compute(scheduler="sync")
+    np.testing.assert_allclose(tau, robot.inverse_dynamics(rows, 0.1 * rows, np.ones(7)), rtol=1e-12)
+
+
+def test_the_argument_that_does_not_broadcast_is_named(robot: ulna.Robot, lazy: Any) -> None:
+    with pytest.raises(ShapeError, match=r"`v` has shape \(3, 7\); expected leading axes that broadcast"):
+        robot.inverse_dynamics(lazy, np.zeros((3, 7)), np.zeros(7))

@@ -234,3 +234,26 @@ def test_a_simulated_contact_stays_and_a_free_foot_falls() -> None:
     assert np.abs(robot.constraint_error(free["q"][-1], contact, anchors)).max() > 0.1
     with pytest.raises(InputError, match="`kp` is -1"):
         simulate(robot, q, duration=0.1, constraints=contact, kp=-1.0)
+
+
+def test_anchors_are_one_pose_or_point_for_each_contact(robot: ulna.Robot, state) -> None:
+    """Numbers, texts and generators raised errors of Python; matrices that are no rotations were taken."""
+    q, v, tau = (x[0, 0] for x in state)
+    frame, point = FrameContact("tip"), PointContact("tip")
+
+    def ask(contacts: Any, anchors: Any, kp: Any = 1.0, kd: Any = None) -> Any:
+        return robot.constraints.forward_dynamics(q, v, tau, contacts, anchors=anchors, kp=kp, kd=kd).a
+
+    anchors = robot.constraints.anchors(q, [frame])
+    for wrong in (5, "tip", {"tip": anchors[0]}, ulna.SE3(anchors[0])):
+        with pytest.raises(InputError, match="expected one anchor for each contact"):
+            ask([frame], wrong)
+    for wrong in (np.zeros((1, 4, 4)), [np.ones((4, 4))], np.diag([1.0, 1.0, -1.0, 1.0])[None]):
+        with pytest.raises(InputError, match="`anchors` is not a rotation"):
+            ask([frame], wrong)
+    np.testing.assert_array_equal(ask([frame], (T for T in anchors)), ask([frame], anchors))
+    both = [np.tile(anchors[0], (3, 1, 1)), np.zeros((2, 3))]
+    with pytest.raises(ShapeError, match="`anchors` .* leading axes that broadcast"):
+        ask([frame, point], both)
+    with pytest.raises(ShapeError, match="`kd` .* leading axes that broadcast"):
+        ask([frame], anchors, np.ones((3, 1)), np.ones((2, 1)))

@@ -105,6 +105,8 @@ def test_mistakes_raise_at_once_and_name_the_nearest(place: Path) -> None:
         robot.prepare("fk", refrence="local")
     with pytest.raises(UnknownName, match="'lokal'.*'local'"):
         robot.prepare("jacobian", reference="lokal")
+    with pytest.raises(InputError, match=r"`names` holds \['fk'\]; expected names one after the other"):
+        robot.prepare(["fk"])  # type: ignore[arg-type]
     for workers in (-1, 1.5, "two"):
         with pytest.raises(InputError, match="workers.*expected a whole number"):
             robot.prepare("fk", workers=workers)  # type: ignore[arg-type]

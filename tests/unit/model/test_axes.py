@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ulna.errors import InputError
-from ulna.model import Helical, Planar, Revolute, Universal
+from ulna.model import ConstantVelocity, Ellipsoid, Helical, Planar, Revolute, Universal
 from ulna.model.joints.axes import rotate_about, rotation_about, snap, snap_pose, unit_axis
 from ulna.spatial import SE3, so3_exp
 
@@ -49,6 +49,14 @@ def test_other_impossible_kinds_are_refused() -> None:
         Universal((0, 0, 1), (0, 0, -2))
     with pytest.raises(InputError, match="`pitch`"):
         Helical((0, 0, 1), math.nan)
+    for wrong in (None, "x", "1.0", True, 1j, np.ones(2)):
+        for make, name in (
+            (lambda x: Helical((0, 0, 1), x), "pitch"),
+            (ConstantVelocity, "distance"),
+            (lambda x: Ellipsoid(1.0, x), "radius_y"),
+        ):
+            with pytest.raises(InputError, match=f"`{name}` is .*; expected a finite number"):
+                make(wrong)
 
 
 def test_snapping_goes_no_further_than_rounding_noise() -> None:

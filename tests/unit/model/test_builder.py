@@ -329,7 +329,7 @@ REFUSED: dict[str, tuple[Build, str]] = {
     ),
     "a circle beside the tree": (
         lambda: pair().add_link("r").add_joint("j", HINGE, "a", "b").add_joint("k", HINGE, "b", "a").build(),
-        "link 'a' does not hang on the root 'r'; the joints run in a circle",
+        "link 'a' is not connected to the root 'r'; the joints run in a circle",
     ),
     "two parents": (
         lambda: (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,8 @@ from support.small_robots import arm
 from ulna.errors import InputError, ModelError, NonFiniteError, ShapeError, UnknownName
 from ulna.model import (
     Drive,
+    ModelBuilder,
+    Revolute,
     dynamic_parameters,
     lock_joints,
     perturbed,
@@ -169,3 +172,38 @@ def test_robots_offer_the_same() -> None:
     negative = p.copy()
     negative[0] = -1.0
     assert robot.with_dynamic_parameters(negative, check=False).dynamic_parameters[0] == -1.0
+
+
+def test_a_payload_at_a_joint_frame_is_not_put_on_the_link_of_that_name() -> None:
+    builder = ModelBuilder("crossed").add_link("base")
+    builder.add_link("shoulder").add_link("elbow")
+    builder.add_joint("elbow", Revolute((0, 0, 1)), "base", "shoulder")
+    builder.add_joint("shoulder", Revolute((0, 0, 1)), "shoulder", "elbow", SE3.trans(0.5, 0.0, 0.0))
+    model = builder.build()
+    loaded = with_payload(model, "joint:elbow", 2.0)
+    assert loaded.frame("payload").joint == model.frame("joint:elbow").joint == 0
+    assert loaded.link("payload").parent == "shoulder"
+    assert dynamic_parameters(loaded)[[0, 10]].tolist() == [2.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"inertia": "x"}, {"inertia": None}, {"friction": None}, {"inertia": np.ones(2)}, {"damping": -1.0},
+        {"backward": -1.0}, {"torque": np.nan}, {"gear": None}, {"gear": 0.0}, {"gear": 1e200},
+        {"inertia": 1e300, "gear": 1e10},
+    ],
+)  # fmt: skip
+def test_drives_that_cannot_be_are_refused(values: dict[str, Any]) -> None:
+    name = list(values)[-1]
+    with pytest.raises(InputError, match=f"`{name}`.* is "):
+        Drive(**values)
+
+
+@pytest.mark.parametrize("drives", [None, ["joint1"], 3])
+def test_drives_come_by_name_of_the_joint(drives: Any) -> None:
+    with pytest.raises(InputError, match="expected drives by name of the joint"):
+        with_drives(arm(), drives)
+    name = arm().joints[0].name
+    with pytest.raises(InputError, match=f"The drive of joint '{name}' is 3; expected a Drive"):
+        with_drives(arm(), {name: 3})  # pyright: ignore[reportArgumentType]

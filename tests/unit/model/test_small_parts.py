@@ -11,11 +11,13 @@ import pytest
 
 import ulna
 from ulna.errors import InputError, ModelError, ShapeError, UnknownAttribute, UnknownName
+from ulna.model import ModelBuilder, position
 from ulna.model.constraint import FrameContact, FrameLoop, PointContact, PointLoop, frame_pairs
 from ulna.model.inertial import dynamic_parameters, with_dynamic_parameters
 from ulna.model.joints import (
     Circle,
     Composite,
+    ConstantVelocity,
     Continuous,
     Cylindrical,
     Fixed,
@@ -26,6 +28,7 @@ from ulna.model.joints import (
     PlanarCircle,
     Prismatic,
     Revolute,
+    Rolling,
     Spherical,
     Translation,
     Universal,
@@ -42,6 +45,9 @@ KINDS: list[tuple[JointKind, str, str, int]] = [
     (Circle(), "continuous z (cos, sin)", "R", 2),
     (Helical((1.0, 0.0, 0.0), 0.25), "helical x, 0.25 m/rad", "H", 1),
     (Cylindrical(SKEWED), "cylindrical (0.6, 0.8, 0)", "C", 2),
+    (ConstantVelocity(), "constant velocity", "K", 2),
+    (ConstantVelocity(0.04), "constant velocity, 0.04 m", "K", 2),
+    (Rolling(0.02, 0.01), "rolling 0.01 m on 0.02 m", "O", 1),
     (Planar(), "planar z", "", 3),
     (PlanarCircle(), "planar z (cos, sin)", "", 4),
     (Spherical(), "spherical", "", 4),
@@ -191,3 +197,40 @@ def test_models_show_their_sizes() -> None:
     model = ulna.load("ur5").model
     assert repr(model) == f"<Model {model.name!r}: 6 joints, nq=6, nv=6, tool={model.tool!r}>"
     assert str(model) == model.table()
+
+
+def test_positions_that_are_none_are_refused() -> None:
+    builder = ModelBuilder("r").add_link("a").add_link("b").add_link("c")
+    builder.add_joint("turn", Circle(), "a", "b").add_joint("ball", Spherical(), "b", "c")
+    circles, panda = builder.build(), ulna.load("panda").model
+    for model, q, base, text in (
+        (
+            circles,
+            {"turn": [0.0, 0.0]},
+            None,
+            r"\(cosine, sine\) of joint 'turn' in q is not of unit length, but of 0\.",
+        ),
+        (
+            circles,
+            {"turn": [0.0, 2.0]},
+            None,
+            r"\(cosine, sine\) of joint 'turn' in q is not of unit length, but of 2\.",
+        ),
+        (
+            circles,
+            {"ball": 2.0 * np.eye(4)[3]},
+            None,
+            "quaternion of joint 'ball' in q is not of unit length",
+        ),
+        (panda, {}, np.zeros(3), r"base has shape \(3,\); expected \(7,\)"),
+        (panda, np.zeros(7, dtype=complex), None, "expected 7 numbers"),
+        (panda, ["0"] * 7, None, "expected 7 numbers"),
+        (panda, {"panda_joint1": "0.5"}, None, "expected 1 numbers"),
+        (panda, {"panda_joint1": 0.5j}, None, "expected 1 numbers"),
+    ):
+        with pytest.raises(ModelError, match=text):
+            position(model, q, base=base)
+    q = np.arange(7.0) / 10.0
+    assert not np.shares_memory(position(panda, q), q)
+    np.testing.assert_array_equal(position(panda, {"panda_joint1": 1}, base=q), [1.0, *q[1:]])
+    np.testing.assert_allclose(position(circles, {"turn": [0.0, 1.0005]})[:2], [0.0, 1.0])

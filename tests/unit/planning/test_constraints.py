@@ -15,9 +15,9 @@ from ulna.errors import DtypeError, InputError, UnknownName
 from ulna.geometry import Box, Sphere
 from ulna.planning import PathConstraint, Planner, Region, plan, projected_rrt, scene
 from ulna.planning.constrained import ConstrainedSearch
-from ulna.planning.path_constraints import Constraints
+from ulna.planning.path_constraints import Constraints, _rotation_error
 from ulna.planning.workspace import thread_storage
-from ulna.spatial import SE3
+from ulna.spatial import SE3, so3_exp
 
 ANYWHERE = (np.inf, np.inf, np.inf)
 
@@ -226,8 +226,8 @@ def test_violations_grow_no_faster_than_their_rates() -> None:
         q = random.uniform(robot.limits.lower, robot.limits.upper, (2_000, 7))
         change = random.normal(size=q.shape) * 10.0 ** random.uniform(-5, -1, (2_000, 1))
         grown = np.abs(constraints.violations(q + change) - constraints.violations(q))
-        assert (grown <= constraints.rates(change) * (1 + 1e-9)).all()
-        assert (grown > 0.2 * constraints.rates(change)).any()
+        assert (grown <= constraints.lipschitz_bounds(change) * (1 + 1e-9)).all()
+        assert (grown > 0.2 * constraints.lipschitz_bounds(change)).any()
 
 
 def test_the_interpreter_grows_the_same_trees() -> None:
@@ -290,3 +290,28 @@ def test_constraints_that_contradict_each_other_end_at_once_with_a_reason() -> N
         for x in (0.2, 0.8)
     ]
     assert planner().plan(q, q, constraints=walls).outcome == "start"
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf])
+def test_motions_without_a_finite_rate_are_not_proved(number: float) -> None:
+    constraints = Constraints(panda().model, (upright(),))
+    points = np.array([right(), right(), right()])
+    assert constraints.unproved_edges(points) == []
+    points[2, 3] = number
+    with np.errstate(invalid="ignore"):
+        assert constraints.unproved_edges(points) == [1]
+
+
+@pytest.mark.parametrize("turns", ["none", "x", "y", "z"])
+def test_the_rotation_error_leads_back_from_any_rotation(turns: Any) -> None:
+    """Half turns and rotations next to them, too, where a cross product has no direction or a small one."""
+    vectors = np.random.default_rng(0).normal(size=(50, 3)) * 2.0
+    near = np.array([[np.pi - 1e-9, 0.0, 1e-10], [0.0, 1e-10, 3.14], [0.0, 0.0, 1e-13]])
+    half_turns = [np.diag(signs) for signs in ([1.0, -1, -1], [-1.0, 1, -1], [-1.0, -1, 1])]
+    R = np.concatenate([so3_exp(vectors), so3_exp(near), half_turns, np.eye(3)[None]])
+    phi, angle = _rotation_error(R, turns)
+    back = so3_exp(phi) @ R
+    columns = range(3) if turns == "none" else ["xyz".index(turns)]
+    for k in columns:
+        np.testing.assert_allclose(back[..., k], np.broadcast_to(np.eye(3)[k], (len(R), 3)), atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(phi, axis=-1), angle, atol=1e-12)

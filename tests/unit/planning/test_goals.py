@@ -167,7 +167,20 @@ def test_invalid_goals_are_refused() -> None:
         (lambda: Region(np.zeros(7)), ShapeError, "SE3"),
         (lambda: Region((0, 0, 0), (1, -1, 0)), InputError, "three edges"),
         (lambda: Region((0, 0, 0), turns="w"), UnknownName, "'any'"),  # type: ignore[arg-type]
-        (lambda: plan(robot, q0, [SE3.identity(), np.zeros(3)]), ShapeError, "in a list of goals"),
+        (lambda: plan(robot, q0, [SE3.identity(), np.zeros(3)]), ShapeError, r"is Region\(position, turns"),
+        (lambda: plan(robot, q0, {"panda_hand": np.zeros(3)}), ShapeError, r"is Region\(position, turns"),
+        (lambda: plan(robot, q0, np.zeros(3)), ShapeError, r"is Region\(position, turns"),
+        (lambda: plan(robot, q0, np.diag([2.0, 2, 2, 1])), InputError, "`goal` is not a rotation"),
+        (
+            lambda: plan(robot, q0, [np.diag([1.0, 1, -1, 1]), SE3.identity()]),
+            InputError,
+            "`goal` .* reflection",
+        ),
+        (
+            lambda: plan(robot, q0, {"panda_hand": np.diag([1.0, 1, 1, 2])}),
+            InputError,
+            "`goal` has the last row",
+        ),
         (lambda: plan(robot, q0, Region((0, 0, 0)), frame="panda_hnd"), UnknownName, "panda_hand"),
         (lambda: plan(robot, q0, {"panda_hnd": np.eye(4)}), UnknownName, "panda_hand"),
         (lambda: plan(robot, q0, np.zeros((0, 7))), ShapeError, "goal"),

@@ -16,7 +16,7 @@ from ulna.geometry import Box, Geometry, Sphere
 from ulna.model import ModelBuilder, Prismatic
 from ulna.planning import Planner, bounded_rrt, plan, scene
 from ulna.planning.rrt_connect import EVERYWHERE, FREE_PLACE, Growth
-from ulna.planning.samples import informed_samples
+from ulna.planning.samples import informed_samples, samples
 from ulna.planning.trees import Trees
 
 RADIUS = 0.1
@@ -116,6 +116,40 @@ def test_samples_lie_where_shorter_paths_may_pass() -> None:
     assert (fixed[:, 2] == 0.0).all()
 
 
+def test_samples_where_nothing_may_move() -> None:
+    a = np.array([0.3, -0.7])
+    x = informed_samples(np.random.default_rng(0), 20, a, np.array([a]), 0.5, a, a)
+    assert (x == a.astype(np.float32)).all()
+
+
+def test_samples_are_within_limits() -> None:
+    """Rounding to float32 moves none out: not from the surface of a box, nor where it holds few such numbers."""
+    low, high = np.array([0.1, -0.7, 1.0]), np.array([0.9, 0.7, 1.0 + 3e-7])
+    drawn = samples(0, 4_000, 3, low, high)
+    assert ((low <= drawn) & (drawn <= high)).all() and len(np.unique(drawn[:, 2])) > 2
+    low, high = (
+        np.array([0.1, 0.7, 1.0]),
+        np.array([0.9, 1.1, 1.1]),
+    )  # 0.7 is smaller in float32, 1.1 is greater
+    far = informed_samples(np.random.default_rng(0), 4_000, low, np.array([high]), 40.0, low, high)
+    assert ((low <= far) & (far <= high)).all() and np.isclose(far, high).any(axis=0).all()
+
+
+@pytest.mark.parametrize("improve", [0, 500])
+def test_a_path_is_within_limits_that_float32_cannot_tell(improve: int) -> None:
+    """A slide that is fixed at 0.3 m by its limits stays there, to the last bit; float32 is 1.2e-8 m off."""
+    b = ModelBuilder("ball").add_link("base").add_link("lift").add_link("cart")
+    b.add_link("ball", collisions=[Geometry("", Sphere(RADIUS))])
+    b.add_joint("z", Prismatic((0, 0, 1)), "base", "lift", lower=0.3, upper=0.3)
+    for name, parent, child, axis in (("x", "lift", "cart", (1, 0, 0)), ("y", "cart", "ball", (0, 1, 0))):
+        b.add_joint(name, Prismatic(axis), parent, child, lower=-1.0, upper=1.0)
+    robot = ulna.Robot(b.build())
+    spheres = Spheres({"ball": LinkSpheres(np.zeros((1, 3)), np.array([RADIUS]))})
+    p = plan(robot, [0.3, *A], [0.3, *B], WALL, spheres=spheres, improve=improve)
+    assert p.is_certified and len(p.points) > 2
+    assert (p.points[:, 0] == 0.3).all()
+
+
 def test_the_interpreter_grows_the_same_trees() -> None:
     robot, spheres = ball_on_a_table()
     place = scene(robot.collision_checker(WALL, method="spheres", spheres=spheres))
@@ -127,9 +161,9 @@ def test_the_interpreter_grows_the_same_trees() -> None:
             *np.zeros((4, 2), np.float32),
         )  # fmt: skip
         random = np.random.default_rng(3)
-        samples = random.uniform(-1, 1, (60, 2)).astype(np.float32)
+        drawn = random.uniform(-1, 1, (60, 2)).astype(np.float32)
         arguments: tuple[Any, ...] = (
-            place.robot.kernel, place.tables(0.001), Growth._make(map(np.float32, (0.02, 0.5, 1.0, 1.0, 0.0))), samples,
+            place.robot.kernel, place.tables(0.001), Growth._make(map(np.float32, (0.02, 0.5, 1.0, 1.0, 0.0))), drawn,
             random.random(60).astype(np.float32), 0, 60, np.array([A, B], np.float32), np.zeros(2, np.float32), 2, 3.0,
             trees, place.moving.work(),
         )  # fmt: skip

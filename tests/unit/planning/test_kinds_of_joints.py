@@ -20,10 +20,11 @@ from ulna.model import (
     ModelBuilder,
     Planar,
     Prismatic,
+    Rolling,
     Translation,
     Universal,
 )
-from ulna.model.joints.base import JointKind
+from ulna.model.joints.joint_kind import JointKind
 from ulna.planning import plan
 from ulna.spatial import SE3
 
@@ -46,6 +47,7 @@ def robot_of(first: JointKind, second: JointKind, **limits: Any) -> ulna.Robot:
         (Continuous((0.0, 1.0, 0.0)), Translation()),
         (Translation(), Universal((1.0, 0.0, 0.0), (0.0, 0.0, 1.0))),
         (Cylindrical((0.0, 1.0, 0.0)), Cylindrical((1.0, 0.0, 0.0))),
+        (Rolling(0.2, 0.1), Rolling(-0.3, 0.1)),
     ],
 )
 def test_nothing_moves_or_approaches_faster_than_its_bound(first: JointKind, second: JointKind) -> None:
@@ -81,6 +83,7 @@ def test_nothing_moves_or_approaches_faster_than_its_bound(first: JointKind, sec
         (Helical((0.0, 0.0, 1.0), 0.05), [-1.0, 0.5], [1.0, -0.5]),
         (Universal((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)), [0.0, 0.0, 0.5], [0.4, 0.4, -0.5]),
         (Cylindrical((0.0, 0.0, 1.0)), [0.1, -1.0, 0.5], [-0.1, 1.0, -0.5]),
+        (Rolling(0.1, 0.05), [0.2, -1.0], [-0.2, 0.5]),
         (Translation(), [-0.6, 0.0, 0.0, 1.57], [0.6, 0.0, 0.0, 1.57]),
     ],
 )

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 import ulna
+from ulna.errors import InputError
 from ulna.geometry import Box, Geometry
 from ulna.model import Continuous, ModelBuilder
 from ulna.planning import plan
+from ulna.planning.jerk_motion import jerk_limited_motion
 from ulna.planning.motion_path import motion_path
 
 
@@ -53,3 +55,15 @@ def test_continuous_joints_turn_the_way_that_was_planned() -> None:
     motion = p.trajectory(acceleration=5.0, torque=np.inf)
     q = motion(np.linspace(0.0, motion.duration, 200))
     assert (np.diff(q[:, 0]) >= -1e-12).all() and q[-1, 0] == pytest.approx(5.0)
+
+
+def test_points_that_repeat_count_once() -> None:
+    model = ulna.load("panda").model
+    a, b, c = np.random.default_rng(0).normal(size=(3, 7))
+    for make in (lambda q: motion_path(model, q), lambda q: jerk_limited_motion(model, q, None, 5.0, 60.0)):
+        motion, repeated = make(np.stack([a, b, c])), make(np.stack([a, a, b, b, c, c]))
+        assert repeated.duration == motion.duration
+        np.testing.assert_array_equal(repeated(0.4 * motion.duration), motion(0.4 * motion.duration))
+        for points in ([a], [a, a]):
+            with pytest.raises(InputError, match="The start is the goal; there is nothing to move"):
+                make(np.stack(points))

@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
 import sys
+import threading
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import ulna
+from support.patience import patient
 from ulna.collision import LinkSpheres, Spheres, World
 from ulna.collision.touches import deepest_touch
 from ulna.errors import InputError, ModelError, NonFiniteError, ShapeError
 from ulna.geometry import Box, Cylinder, Geometry, Plane, Sphere
 from ulna.model import Continuous, ModelBuilder, Prismatic, Spherical
 from ulna.planning import Planner, certify, edges, plan, scene
+from ulna.planning.run import Run
 from ulna.planning.search import Search
 from ulna.planning.workspace import Storage
 from ulna.spatial import SE3
@@ -72,7 +79,8 @@ def test_the_same_seed_returns_the_same_path_also_in_another_process() -> None:
     np.testing.assert_array_equal(p.points, again.points)
     assert p.points.shape != other.points.shape or not np.array_equal(p.points, other.points)
     code = (
-        "from tests.unit.planning.test_plan import *; a, b = left_and_right(); "
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parents[2])!r}); "
+        "from unit.planning.test_plan import *; a, b = left_and_right(); "
         "print(plan(panda(), a, b, shelf(), seed=3).points.tobytes().hex())"
     )
     run = subprocess.run(
@@ -135,6 +143,18 @@ def test_a_motion_under_limits_of_jerk_follows_the_path_and_rests_at_its_corners
             p.trajectory(jerk=60.0, **wrong)
     with pytest.raises(InputError, match="limit above zero"):
         p.trajectory(acceleration=5.0, jerk=0.0)
+
+
+@pytest.mark.parametrize("limits", [{}, {"jerk": 60.0}], ids=["time-optimal", "jerk"])
+def test_points_that_repeat_do_not_change_a_motion(limits: dict[str, Any]) -> None:
+    q = panda().configurations["ready"]
+    goal = q + 0.2 * np.eye(len(q))[0]
+    p = plan(panda(), q, goal)
+    duration = p.trajectory(acceleration=5.0, **limits).duration
+    repeated = replace(p, points=np.array([q, q, goal, goal]))
+    assert repeated.trajectory(acceleration=5.0, **limits).duration == pytest.approx(duration)
+    with pytest.raises(InputError, match="nothing to move"):
+        replace(p, points=np.array([q, q])).trajectory(acceleration=5.0, **limits)
 
 
 # why there is no path -------------------------------------------------------------------------------------
@@ -537,6 +557,38 @@ def test_a_planner_is_the_same_as_the_function_and_serves_threads() -> None:
         planner.plan(a, b, iterations=1.5)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="`seed` is -1; expected an integer of at least 0"):
         planner.plan(a, b, seed=-1)
+
+
+def test_ctrl_c_ends_the_plans_of_all_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    builder = ModelBuilder("cart").add_link("rail").add_link("slide")
+    builder.add_link("cart", collisions=[Geometry("", Sphere(0.1))])
+    for name, axis, parent, child in (("x", (1, 0, 0), "rail", "slide"), ("y", (0, 1, 0), "slide", "cart")):
+        builder.add_joint(name, Prismatic(axis), parent, child, lower=-1.0, upper=1.0)
+    world = World().add("wall", Box((0.1, 3.0, 1.0)))  # no way around it
+    under_way, is_known, should_stop = threading.Barrier(3), threading.local(), Run.should_stop
+
+    def noted(run: Run) -> bool:
+        if not hasattr(is_known, "value"):
+            is_known.value = True
+            under_way.wait()
+        return should_stop(run)
+
+    def interrupt() -> None:
+        under_way.wait()
+        os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(Run, "should_stop", noted)
+    other = threading.Thread(target=interrupt)
+    other.start()
+    before = set(threading.enumerate())
+    starts, goals = np.tile([-0.5, 0.0], (6, 1)), np.tile([0.5, 0.0], (6, 1))
+    with pytest.raises(KeyboardInterrupt):
+        Planner(ulna.Robot(builder.build()), world).plan_all(
+            starts, goals, threads=2, timeout=500.0, iterations=10**9
+        )
+    other.join()
+    # a thread that was just being started is not in its pool yet, which then does not wait for it
+    assert patient(0.001)(lambda: not set(threading.enumerate()) - before, 60.0)
 
 
 def test_many_problems_have_the_same_plans_in_any_number_of_threads() -> None:

@@ -83,17 +83,43 @@ def test_links_that_follow_the_joints_count_by_their_spheres() -> None:
     assert divided_pairs(arm.model, pairs, tuple(still.tolist())) == (pairs[1:2], (pairs[0], pairs[2]))
 
 
-@pytest.mark.parametrize("is_attached", [True, False])
-def test_attached_objects_and_margins_of_pairs_keep_the_spheres(is_attached: bool) -> None:
+def test_attached_objects_that_stay_count_by_their_real_shapes() -> None:
     arm = robot()
-    q0, goal, far = np.zeros(arm.model.nq), goal_of(arm), World().add("ball", Sphere(0.02), (3.0, 0.0, 0.0))
-    assert arm.plan(q0, goal, far, joints=["turn"])
-    if is_attached:
-        world = far.attach("can", "arm", SE3.from_translation((0.45, 0.0, 0.0)), shape=Sphere(0.02))
-    else:
-        world = far.set_margin("left_plate", "right_plate", 0.01)
-    plan = arm.plan(q0, goal, world, joints=["turn"])
-    assert plan.outcome == "start" and "plate" in plan.reason
+    q0, goal = np.zeros(arm.model.nq), goal_of(arm)
+    far = World().add("ball", Sphere(0.02), (3.0, 0.0, 0.0))
+    on_arm = far.attach("can", "arm", SE3.from_translation((0.45, 0.0, 0.0)), shape=Sphere(0.02))
+    assert arm.plan(q0, goal, on_arm, joints=["turn"]).is_certified
+
+    for y, is_free in (
+        (0.01, True),
+        (0.006, False),
+    ):  # a board on one plate, 2 mm from the other one, or in it
+        pose = SE3.from_translation((0.0, y, -0.2))
+        board = on_arm.attach(
+            "board", "left_plate", pose, shape=Box((0.2, 0.02, 0.2)), touches=["left_plate"]
+        )
+        plan = arm.plan(q0, goal, board, joints=["turn"])
+        assert bool(plan) is is_free
+        assert is_free or plan.outcome == "start"
+
+
+def test_attached_objects_are_checked_against_what_moves() -> None:
+    arm = robot()
+    q0 = np.zeros(arm.model.nq)
+    post = World().attach(
+        "post", "left_plate", (0.25, 0.25, 0.3), shape=Box((0.04, 0.04, 0.8)), touches=["left_plate"]
+    )
+    plan = arm.plan(q0, goal_of(arm), post, joints=["turn"], iterations=300)
+    assert plan.outcome == "iterations"  # the arm cannot turn past the post
+    assert arm.plan(q0, goal_of(arm, -1.2), post, joints=["turn"]).is_certified
+
+
+@pytest.mark.parametrize(("distance", "is_free"), [(0.001, True), (0.01, False)])
+def test_margins_of_pairs_that_stay_are_kept_by_their_real_shapes(distance: float, is_free: bool) -> None:
+    arm = robot()
+    world = World().set_margin("left_plate", "right_plate", distance)
+    plan = arm.plan(np.zeros(arm.model.nq), goal_of(arm), world, joints=["turn"])
+    assert bool(plan) is is_free and (is_free or (plan.outcome == "start" and "plate" in plan.reason))
 
 
 def test_a_planner_finds_the_same_path_each_time() -> None:

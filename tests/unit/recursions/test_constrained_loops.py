@@ -11,7 +11,7 @@ import pytest
 import ulna
 from support.long_robots import configurations, long_robot
 from support.random_models import random_model
-from ulna import kernels
+from ulna import kernel_options, kernels
 from ulna.algorithms import Proximal
 from ulna.errors import ModelError
 from ulna.model import FrameContact, FrameLoop, Model, PointContact, PointLoop
@@ -51,14 +51,14 @@ CASES = [(robot, bound) for robot in ROBOTS for bound in constraints(ROBOTS[robo
 def arguments(model: Model, name: str, options: dict[str, Any], batch: int) -> list[Any]:
     """Random arrays for a kernel, with a batch."""
     rng = np.random.default_rng(3)
-    quantity, chosen = kernels._choose(name, options)
+    quantity, chosen = kernel_options.choose(name, options)
     made: dict[str, Any] = {"q": configurations(model, rng, batch)}
     made["anchors"] = np.broadcast_to(
-        TURN.matrix(), (batch, *kernels._shapes(model, quantity, chosen).get("anchors", (0, 4, 4)))
+        TURN.matrix(), (batch, *kernel_options.shapes_of(model, quantity, chosen).get("anchors", (0, 4, 4)))
     )
     made["restitution"] = rng.uniform(0.1, 0.9, (batch, len(options["constraints"])))
     made["gains"] = rng.uniform(1.0, 20.0, (batch, len(options["constraints"]), 2))
-    shapes = kernels._shapes(model, quantity, chosen)
+    shapes = kernel_options.shapes_of(model, quantity, chosen)
     return [made.get(key, rng.standard_normal((batch, *shape))) for key, shape in shapes.items()]
 
 

@@ -12,12 +12,12 @@ import pytest
 import ulna
 from support.long_robots import circles, configurations, long_robot
 from support.random_models import random_model
-from ulna import kernels
+from ulna import algorithms, kernels
 from ulna.algorithms import Friction
 from ulna.compiler import compile
 from ulna.errors import InputError, NonFiniteError, ShapeError
 from ulna.model import Model, ModelBuilder, Prismatic, Revolute
-from ulna.recursions import composition, pairs, quantities, regressors, whole_body
+from ulna.recursions import composition, derivative_matrices, in_stages, quantities, regressors, whole_body
 from ulna.recursions.recursion import specialized
 from ulna.spatial import SE3, Inertia
 
@@ -50,7 +50,12 @@ CASES: list[tuple[str, dict[str, Any]]] = [
         for name in ("forward", "inverse")
         for forces in ((), ("tip", "side", "tip"))
     ),
-    *((name, {}) for name in sorted({**whole_body.RECURSIONS, **pairs.RECURSIONS, **regressors.RECURSIONS})),
+    *(
+        (name, {})
+        for name in sorted(
+            {**whole_body.RECURSIONS, **derivative_matrices.RECURSIONS, **regressors.RECURSIONS}
+        )
+    ),
 ]
 NAMES = sorted({name for name, _ in CASES})
 OF_OTHERS = (
@@ -187,6 +192,31 @@ def test_humanoids_use_straight_line_code() -> None:
         quantity = kernels.QUANTITIES[name]
         assert not kernels._is_long(robot, quantity, quantity.options), name
         assert kernels._is_long(long_robot(200), quantity, quantity.options), name
+
+
+@pytest.mark.parametrize("has_registers", [True, False])
+def test_derivatives_of_accelerations_use_stages_where_they_suit(
+    has_registers: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(in_stages, "can_write_columns", lambda *_: has_registers)
+    robot = random_model(np.random.default_rng(5), ("revolute",), 20, root="free_flyer", mimics=0)
+    made = kernels.looped(robot, "forward_dynamics_derivatives")
+    arrays = arguments(robot, "forward_dynamics_derivatives", 3, 4)
+    expected = [algorithms.forward_dynamics_derivatives(robot, *(x[k] for x in arrays)) for k in range(3)]
+    for k, results in enumerate(zip(*made(*arrays), strict=True)):  # type: ignore[misc]
+        for got, right in zip(results, expected[k], strict=True):
+            assert np.abs(got - right).max() < 1e-9 * np.abs(right).max()
+
+
+def test_the_inverse_mass_matrix_of_many_branches() -> None:
+    """Rows end where a branch ends, in the middle of a register."""
+    robot = random_model(
+        np.random.default_rng(6), ("revolute", "spherical"), 24, root=None, mimics=0, branching=0.8
+    )
+    q = arguments(robot, "inverse_mass_matrix", 1, 2)[0][0]
+    inverse = kernels.looped(robot, "inverse_mass_matrix")(q)  # type: ignore[misc]
+    expected = algorithms.inverse_mass_matrix(robot, q)
+    assert np.abs(inverse - expected).max() < 1e-10 * np.abs(expected).max()
 
 
 @pytest.fixture

@@ -79,6 +79,8 @@ def test_invalid_data_sets_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="returns 3 arrays"):
         scale.data_set("panda", 10, ["inverse_dynamics_derivatives"], to=to, workers=0, progress=False)
     assert not (tmp_path / "data.zarr.job").exists(), "other arguments can be given now"
+    with pytest.raises(InputError, match="`to` is None; expected the folder"):
+        scale.data_set("ur5", 10, ["q"], to=None, workers=0)
     with pytest.raises(InputError, match="`columns` is empty"):
         scale.data_set("panda", 10, [], to=to)
     mine = tmp_path / "mine"

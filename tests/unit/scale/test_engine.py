@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import os
 import pickle
 import signal
+import socket
+import struct
 import subprocess
 import sys
 import threading
@@ -18,11 +21,11 @@ import numpy as np
 import pytest
 
 from support.clusters import cluster
-from support.jobs import Drawn, Rows, Sums
+from support.jobs import Drawn, Patient, Rows, Sums
 from ulna import scale
 from ulna.errors import InputError, JobStopped, VersionMismatch
-from ulna.scale import tasks
-from ulna.scale.cluster import worker_environment
+from ulna.scale import engine, task_sizes, task_work
+from ulna.scale.cluster import _WITHOUT_MESSAGES, worker_environment
 
 pytest.importorskip("distributed")
 
@@ -33,6 +36,14 @@ def _find_tests() -> None:
 
 def _expected(count: int) -> Any:
     return scale.run(Sums(count), workers=0, progress=False)
+
+
+def _expected_in_order(count: int) -> Any:
+    job = Sums(count)
+    state = job.start()
+    for part in range(count):
+        job.fold(state, part, job.work(part))
+    return state["sum"]
 
 
 def test_parts_are_added_in_order_on_any_number_of_workers(client: Any) -> None:
@@ -65,19 +76,58 @@ def test_a_task_ends_early_where_time_or_memory_is_used_up(
     monkeypatch: pytest.MonkeyPatch, limit: float, size: int, many: int
 ) -> None:
     now = iter([0.0, *np.arange(5.0, 50.0, 2.0)])  # the first part compiles for 3 s
-    monkeypatch.setattr(tasks, "time", SimpleNamespace(perf_counter=lambda: next(now)))
+    monkeypatch.setattr(task_work, "time", SimpleNamespace(perf_counter=lambda: next(now)))
 
     def work(part: int, row: int) -> dict[str, Any]:
         return {"numbers": np.array([part, row]), "zeros": np.zeros(size)}
 
-    content, seconds, total = tasks.work_parts(work, range(5, 11), [(k,) for k in range(6)], limit)
+    inputs = [(k,) for k in range(6)]
+    content, count, seconds, total = task_work.work_parts("task", work, range(5, 11), inputs, limit)
     numbers = [result["numbers"].tolist() for result in pickle.loads(content)]
-    assert numbers == [[5 + k, k] for k in range(many)]
+    assert numbers == [[5 + k, k] for k in range(many)] and count == many
     assert seconds == (5.0 if many == 1 else 2.0) and total == many * 8 * (size + 2)
 
 
-def test_parts_that_a_task_left_are_done_by_others(client: Any) -> None:
-    """Several slow parts are sent together as long as nothing is known of them; tasks then end after one."""
+def test_a_task_gives_back_parts_that_it_has_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Asked in its second part of 1 s, when it has four more, for half of them; then in the last, when it has none."""
+    now, kept = [0.0], list[dict[str, int]]()
+    monkeypatch.setattr(task_work, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+
+    def work(part: int) -> dict[str, Any]:
+        now[0] += 1.0
+        if part in (1, 3):
+            kept.append(task_work.give_back(["another", "task"], 0.5))
+        return {"part": np.array(part)}
+
+    content, count, _, _ = task_work.work_parts("task", work, range(6), None, 100.0)
+    assert [int(result["part"]) for result in pickle.loads(content)] == [0, 1, 2, 3] and count == 4
+    assert kept == [{"task": 4}, {"task": 4}]
+    assert task_work.give_back(["task"], 0.5) == {}, "it has ended"
+
+
+def test_a_task_keeps_what_it_has_done_soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    now, kept = [0.0], list[dict[str, int]]()
+    monkeypatch.setattr(task_work, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+
+    def work(part: int) -> dict[str, Any]:
+        now[0] += 0.02
+        kept.append(task_work.give_back(["task"], 0.5))
+        return {}
+
+    task_work.work_parts("task", work, range(7), None, 100.0)
+    assert kept == [{"task": 4}] * 4, "six parts of 20 ms are worth it, three are not"
+
+
+def test_a_worker_that_has_nothing_to_do_gets_parts_of_others(client: Any, tmp_path: Path) -> None:
+    """The first part ends once three quarters are done: without help its task would wait for its own parts."""
+    job = Patient(40, str(tmp_path), 30)
+    np.testing.assert_array_equal(scale.run(job, scheduler=client, progress=False), np.arange(40))
+    assert len(list(tmp_path.iterdir())) == 40, "each part was done once"
+
+
+def test_parts_that_a_task_left_are_done_by_others(client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A task ends after the part in which its time is over."""
+    monkeypatch.setattr(task_sizes, "_LONGEST", 0.1)
     job, seen = Sums(30, seconds=0.06), list[int]()
     got = scale.run(job, scheduler=client, progress=lambda progress: seen.append(progress.done))
     np.testing.assert_array_equal(got, _expected(30))
@@ -150,6 +200,45 @@ def test_a_job_does_not_go_on_with_another_seed(tmp_path: Path) -> None:
             scale.run(Drawn(samples), to, workers=0, progress=False)
 
 
+class _Written(Drawn):
+    """A mean in a file without an ending, which holds nothing but the number."""
+
+    def finish(self, state: Any, to: Path | None) -> Any:
+        mean = super().finish(state, to)
+        if to is not None:
+            with to.open("wb") as file:
+                np.save(file, mean)
+        return mean
+
+
+def test_a_result_is_returned_to_the_same_job_only(tmp_path: Path) -> None:
+    to, job = tmp_path / "mean", _Written(scale.Samples(100, 10, 0))
+    got = scale.run(job, to, workers=0, progress=False)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mean", "mean.job.json"]
+    assert scale.run(job, to, workers=0, progress=False) == got
+    for other, difference in (((100, 10, 5), "seed is 0, here it is 5"), ((90, 10, 0), "count is 100, here")):
+        with pytest.raises(InputError, match=f"holds another job: its {difference}.*Give `to` another name"):
+            scale.run(_Written(scale.Samples(*other)), to, workers=0, progress=False)
+    for content in ("[]", "damaged"):
+        (tmp_path / "mean.job.json").write_text(content)
+        with pytest.raises(
+            InputError, match=r"mean.job.json', which names its job, is absent or damaged.* remove"
+        ):
+            scale.run(job, to, workers=0, progress=False)
+    (tmp_path / "mean.job.json").unlink()
+    with pytest.raises(InputError, match=r"mean' exists, but .*mean.job.json'.* is absent"):
+        scale.run(job, to, workers=0, progress=False)
+
+
+def test_results_that_hold_their_description_need_no_file_beside_them(tmp_path: Path) -> None:
+    pytest.importorskip("zarr")
+    options: dict[str, Any] = {"voxel": 0.2, "to": tmp_path / "reach.zarr", "workers": 0, "progress": False}
+    scale.reach("ur5", 1_000, **options)
+    assert [path.name for path in tmp_path.iterdir()] == ["reach.zarr"]
+    with pytest.raises(InputError, match="samples is 1000, here it is 2000"):
+        scale.reach("ur5", 2_000, **options)
+
+
 def test_ctrl_c_keeps_what_is_done(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     to = tmp_path / "sums.npy"
 
@@ -163,6 +252,33 @@ def test_ctrl_c_keeps_what_is_done(tmp_path: Path, capsys: pytest.CaptureFixture
     seen: list[scale.Progress] = []
     np.testing.assert_array_equal(scale.run(Sums(9), to, workers=0, progress=seen.append), _expected(9))
     assert [p.done for p in seen] == [4, 5, 6, 7, 8, 9]
+
+
+def test_parts_that_wait_for_those_before_them_are_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The first part comes last, as where its worker was lost: a job that stopped said "0 of 9 parts", and began anew."""
+    to, done = tmp_path / "sums.npy", list[int]()
+
+    def backwards(job: Sums, parts: Any, *_: Any) -> Any:
+        for part in sorted(parts, reverse=True):
+            done.append(part)
+            yield part, job.work(part)
+
+    def stop(progress: scale.Progress) -> None:
+        if progress.done == 4:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(engine, "_results", backwards)
+    with pytest.raises(KeyboardInterrupt):
+        scale.run(Sums(9), to, progress=stop)
+    assert "Stopped by Ctrl-C. 4 of 9 parts are in" in capsys.readouterr().err
+    with pytest.raises(InputError, match="holds another job"):
+        scale.run(Sums(10), to, progress=False)
+    seen: list[scale.Progress] = []
+    np.testing.assert_array_equal(scale.run(Sums(9), to, progress=seen.append), _expected_in_order(9))
+    assert done == [*range(8, -1, -1)] and [p.done for p in seen] == [4, 5, 6, 7, 8, 9]
+    assert [p.here for p in seen] == [0, 1, 2, 3, 4, 5]
 
 
 def test_another_job_in_the_store_is_not_continued(tmp_path: Path) -> None:
@@ -210,8 +326,69 @@ def test_wrong_arguments() -> None:
         scale.run(Sums(3), scheduler="tcp://127.0.0.1:1", workers=2)
     with pytest.raises(InputError, match="`workers` is -1"):
         scale.run(Sums(3), workers=-1)
-    with pytest.raises(InputError, match="`scheduler` is a int"):
+    with pytest.raises(InputError, match="`scheduler` is 3; expected an address"):
         scale.run(Sums(3), scheduler=3, progress=False)
+    for to in ("", 5):
+        with pytest.raises(InputError, match=f"`to` is {to!r}; expected a path"):
+            scale.run(Sums(3), to, workers=0)  # pyright: ignore[reportArgumentType]
+
+
+def test_a_result_in_a_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    (tmp_path / "sums.npy.job").touch()
+    for to in ("file/sums.npy", "sums.npy"):
+        with pytest.raises(InputError, match=r"sums.npy.job' cannot be made: there is a file"):
+            scale.run(Sums(3), tmp_path / to, workers=0, progress=False)
+
+
+@pytest.mark.parametrize(
+    ("greeting", "reason"),
+    [
+        (b"HTTP/1.1 400 Bad Request\r\n\r\n" * 9, "another kind"),
+        (b"", "Timed out"),
+        (bytes(64), "another kind"),
+        (struct.pack("<QQQ", 17, 1, 1) + b"\x05", "another kind"),
+        (struct.pack("<QQQ", 32, 1, 8) + b"\xc1" * 64, "another kind"),
+    ],
+)
+def test_servers_that_are_no_schedulers_are_said(
+    greeting: bytes, reason: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """A dashboard's address given by mistake; and one that never says anything, which must not hang."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def answer() -> None:
+            with contextlib.suppress(OSError):
+                while True:
+                    taken.append(server.accept()[0])
+                    taken[-1].sendall(greeting)
+
+        taken: list[socket.socket] = []
+        threading.Thread(target=answer, daemon=True).start()
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        with pytest.raises(InputError, match=f"No scheduler answers at '{address}' .*{reason}"):
+            scale.run(Sums(3), scheduler=address, progress=False, patience=0.5)
+        for connection in taken:
+            connection.close()
+    assert "Traceback" not in capfd.readouterr().err
+
+
+def test_an_encrypted_address_asks_for_a_client() -> None:
+    with pytest.raises(InputError, match=r"No scheduler answers at 'tls://127.0.0.1:9' .*security="):
+        scale.run(Sums(3), scheduler="tls://127.0.0.1:9", progress=False, patience=0.5)
+
+
+def test_settings_are_restored_where_contexts_overlap() -> None:
+    """As of two jobs in threads, of which the one that began first ends first."""
+    logger = logging.getLogger("distributed.client")
+    level = logger.level
+    first, second = _WITHOUT_MESSAGES(), _WITHOUT_MESSAGES()
+    first.__enter__()
+    second.__enter__()
+    first.__exit__(None, None, None)
+    assert logger.level > logging.CRITICAL
+    second.__exit__(None, None, None)
+    assert logger.level == level
 
 
 def test_a_scheduler_without_workers_is_said(tmp_path: Path) -> None:
@@ -245,6 +422,7 @@ def test_a_lost_scheduler_is_said_and_the_job_continues(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     to, said = tmp_path / "sums.npy", list[str]()
+    monkeypatch.setattr(task_sizes, "_LONGEST", 0.2)  # else one task would have all parts
     for name in ("client", "batched"):
         logger = logging.getLogger(f"distributed.{name}")
         monkeypatch.setattr(logger, "handle", lambda record: said.append(record.getMessage()))

@@ -97,6 +97,13 @@ def test_invalid_plans_are_refused(panda: ulna.Robot, tmp_path: Path) -> None:
         ({"starts": np.zeros((2, 7)), "goals": np.zeros((3, 7))}, ShapeError, "as many as `starts`"),
         ({"problems": 2, "world": [WORLD] * 3}, InputError, "3 worlds for 2 problems"),
         ({"problems": 2, "world": ["post"]}, InputError, "expected a World"),
+        ({"problems": 2, "world": "post"}, InputError, "`world` is 'post'; expected a World"),
+        ({"problems": 1e30}, InputError, "from 1 to 9e15"),
+        (
+            {"problems": 2, "worker": 1},
+            UnknownName,
+            "No option of a job named 'worker'. Did you mean 'workers'",
+        ),
         ({"problems": 2, "frame": "hand"}, UnknownName, "panda_hand"),
         ({"problems": 2, "margin": -1.0}, InputError, "`margin`"),
         ({"problems": 2, "iterations": 0}, InputError, "`iterations`"),

@@ -198,3 +198,20 @@ def test_a_recording_says_what_it_holds() -> None:
     recording = simulate(robot, robot.neutral, duration=0.02, dt=1e-2)
     assert repr(recording) == "<recording from 0 to 0.02 s: t (3,), q (3, 6), v (3, 6), tau (3, 6)>"
     assert repr(Recording()) == "<recording without rows>"
+
+
+@pytest.mark.parametrize("method", ["euler", "rk4"])
+@pytest.mark.parametrize("option", [{"solver": "RK45"}, {"rtol": 1e-6}, {"atol": 1e-6}])
+def test_options_of_adaptive_steps_are_refused_elsewhere(method: Any, option: Any) -> None:
+    with pytest.raises(InputError, match=f"`{next(iter(option))}` is for method='adaptive'"):
+        simulate(flywheel(), [0.0], duration=0.1, method=method, **option)
+
+
+def test_a_wider_tolerance_takes_a_larger_error() -> None:
+    pytest.importorskip("scipy")
+    robot = load("ur5")
+    start, v = np.full(6, 0.3), np.full(6, 0.5)
+    options: Any = {"duration": 0.5, "dt": 0.5, "method": "adaptive", "friction": None}
+    exact = simulate(robot, start, v, **options).q[-1]
+    wide = simulate(robot, start, v, rtol=1e-3, atol=1e-3, **options).q[-1]
+    assert 1e-8 < abs(exact - wide).max() < 1e-2

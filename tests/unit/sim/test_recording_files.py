@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ulna.errors import InputError
+from ulna.errors import InputError, ShapeError
 from ulna.sim import Recording
 
 
@@ -44,6 +44,8 @@ def test_tables_of_other_programs_are_read(tmp_path: Path) -> None:
         ("t,q_0\n0,one\n", "no number"),
         ("t,q_0,q_0\n0,1,2\n", "two columns 'q_0'"),
         ("", "expected 't'"),
+        ("t,q_0\n0,1\n1,1\n0.5,1\n", "row 4, has the time 0.5 s after 1 s"),
+        ("t,q_0\n0,1\nnan,1\n", "row 3, has the time nan s"),
     ],
 )
 def test_other_tables_are_refused(tmp_path: Path, text: str, message: str) -> None:
@@ -59,3 +61,25 @@ def test_paths_are_checked(tmp_path: Path) -> None:
         Recording.load(tmp_path / "log.txt")
     with pytest.raises(InputError, match="There is no file"):
         Recording.load(tmp_path / "log.csv")
+
+
+def test_a_row_that_is_refused_changes_nothing(tmp_path: Path) -> None:
+    run = Recording()
+    with pytest.raises(InputError, match="`tau` is 'x'"):
+        run.add(0.0, [1.0, 2.0], tau="x")
+    assert run.names == () and len(run) == 0
+    with pytest.raises(InputError, match="nothing to save"):
+        run.save(tmp_path / "log.csv")
+    run.add(1.0, [1.0, 2.0, 3.0])
+    with pytest.raises(InputError, match=r"`t` is 0.5 s, and the last row is of 1 s"):
+        run.add(0.5, [1.0, 2.0, 3.0])
+    with pytest.raises(ShapeError, match="as in the rows before"):
+        run.add(2.0, [1.0], tau=[1.0])
+    assert run.names == ("t", "q") and len(run) == 1
+
+
+def test_rows_are_added_to_a_file_without_rows(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("t,q_0,q_1\n")
+    run = Recording.load(tmp_path / "log.csv")
+    run.add(0.0, [1.0, 2.0])
+    assert run.q.tolist() == [[1.0, 2.0]]

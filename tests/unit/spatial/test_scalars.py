@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 from typing import Any
@@ -41,6 +42,28 @@ def test_traced_and_plain_numbers_mix(f: Any) -> None:
         np.testing.assert_allclose(trace(f, t=())(t), np.asarray(f(t), dtype=float), rtol=1e-15)
 
 
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_the_error_function_has_the_shape_and_type_of_its_argument(dtype: type) -> None:
+    x = np.array([[-np.inf, -1.0, -0.0], [0.5, 7.0, np.nan]], dtype)
+    y = numeric.erf(x)
+    assert y.shape == (2, 3) and y.dtype == dtype
+    np.testing.assert_array_equal(y, np.array([[math.erf(v) for v in row] for row in x.tolist()], dtype))
+    assert np.signbit(y[0, 2])
+    assert numeric.erf(dtype(0.5)).dtype == dtype and numeric.erf(np.zeros((0, 3), dtype)).shape == (0, 3)
+
+
+def test_the_error_function_of_numbers_and_symbols() -> None:
+    assert numeric.erf(1) == math.erf(1.0) and isinstance(numeric.erf(1), float)
+    np.testing.assert_array_equal(numeric.erf([1, 2]), [math.erf(1.0), math.erf(2.0)])
+    sympy = pytest.importorskip("sympy")
+    x = sympy.Symbol("x")
+    mixed = numeric.erf(np.array([x, 0.5], dtype=object))
+    assert mixed[0] == sympy.erf(x) and mixed[1] == math.erf(0.5)
+    assert trace(lambda t: numeric.erf(2.0 * t), t=())(x) == sympy.erf(2.0 * x)
+    traced = trace(lambda t: numeric.erf(np.array([t, 0.5], dtype=object)), t=())
+    np.testing.assert_array_equal(traced(0.25), numeric.erf([0.25, 0.5]))
+
+
 def test_cases_of_symbols() -> None:
     sympy = pytest.importorskip("sympy")
     x = sympy.Symbol("x", real=True)
@@ -58,7 +81,7 @@ def test_where_of_numbers_is_a_number() -> None:
 
 def test_the_first_symbol_of_a_program_warns_of_nothing() -> None:
     pytest.importorskip("sympy")
-    program = "import sys, ulna; assert 'sympy' not in sys.modules; print(ulna.SE3.rx('a').rotation[1, 1])"
+    program = "import sys, ulna; assert 'sympy' not in sys.modules; import sympy; print(ulna.SE3.rx(sympy.Symbol('a')).rotation[1, 1])"
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=False
     )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ulna.errors import InputError
+from ulna.errors import InputError, ShapeError
 from ulna.spatial import SE3, SO3, Force, Inertia, Motion
 
 RNG = np.random.default_rng(1)
@@ -74,6 +74,7 @@ def test_batches_index_like_arrays(item: Any) -> None:
         item[0, 0, 0]
     with pytest.raises(IndexError):
         item[5]
+    assert item and not item[:0]
 
 
 @pytest.mark.parametrize("item", SINGLES, ids=name)
@@ -81,6 +82,7 @@ def test_singles_have_no_length(item: Any) -> None:
     assert item.batch_shape == ()
     with pytest.raises(TypeError, match="no length"):
         len(item)
+    assert item, "is there, as a list of one would be"
     with pytest.raises(IndexError):
         item[0]
 
@@ -168,3 +170,25 @@ def test_a_list_of_numbers_is_a_batch() -> None:
     assert a.interpolate(b, [0, 0.5, 1], straight=True) == a.interpolate(b, part, straight=True)
     turn, end = SO3(a.rotation), SO3(b.rotation)
     assert turn.interpolate(end, [0, 0.5, 1]) == turn.interpolate(end, part)
+
+
+def test_equal_batches_are_equal_however_they_are_stored() -> None:
+    """A translation without batch axes is that of the whole batch: `SE3.rx(angles)` stores one."""
+    turned = SE3.rx([0.1, 0.2])
+    stacked = SE3.stack(SE3.rx(angle) for angle in (0.1, 0.2))
+    assert turned.translation.shape != stacked.translation.shape
+    assert turned == stacked and hash(turned) == hash(stacked)
+    assert turned != SE3.rx([0.1, 0.3]) and turned != turned[0] and turned != SE3.rx([[0.1, 0.2]])
+    assert SE3.trans([1.0, 2.0], 0.0, 0.0) != turned
+
+
+def test_what_cannot_be_stacked_is_refused() -> None:
+    one, two = SE3.rx([0.1, 0.2]), SE3.rx([0.1, 0.2, 0.3])
+    for wrong in ([], None, iter(())):
+        with pytest.raises(InputError, match="`items` is empty"):
+            SE3.stack(wrong)  # type: ignore[arg-type]
+    for wrong in ([np.eye(4)], [one, one.rotation]):
+        with pytest.raises(InputError, match="expected objects of SE3 only"):
+            SE3.stack(wrong)  # type: ignore[list-item]
+    with pytest.raises(ShapeError, match=r"`items` has shape \(3,\)"):
+        SE3.stack([one, two])

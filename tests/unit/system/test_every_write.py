@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import io
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -18,6 +19,7 @@ import pytest
 import ulna
 from support.patience import patient
 from ulna.compiler import trace
+from ulna.errors import InputError, MissingFolder
 from ulna.system import storage
 from ulna.trajectory import quintic
 from ulna.viewer.output.png import write_png
@@ -59,6 +61,10 @@ WRITERS: dict[str, Callable[[Path], object]] = {
 
 
 SLOW = ("demo.png", "page.html")
+
+
+MAKE_FOLDERS = ("a.png", "film.mp4", "film.gif", "page.html", "demo.png")
+"""What pictures, films and pages of the viewer are: folders that are missing are made."""
 
 
 def _full(*_: object, **__: object) -> None:
@@ -190,3 +196,18 @@ def test_a_killed_process_leaves_the_old_file_and_what_it_left_is_removed(tmp_pa
 
     assert patient()(removed)  # FFmpeg may still write what it got
     assert strange.exists()
+
+
+@pytest.mark.parametrize("name", [name for name in WRITERS if name not in MAKE_FOLDERS])
+def test_a_folder_that_is_missing_is_named(tmp_path: Path, name: str) -> None:
+    pytest.importorskip(NEEDS.get(name, "numpy"))
+    (tmp_path / "file").touch()
+    for folder in (tmp_path / "results", tmp_path / "file"):
+        with pytest.raises(MissingFolder) as caught:
+            WRITERS[name](folder / name)
+        assert str(folder / name) in str(caught.value) and f"no folder {str(folder)!r}. Make it" in str(
+            caught.value
+        )
+        assert isinstance(caught.value, InputError) and isinstance(caught.value, FileNotFoundError)
+        assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]

@@ -127,3 +127,37 @@ def test_quaternions_moved_as_numbers_are_refused() -> None:
     with pytest.raises(ShapeError, match="path"):
         trajectory.time_optimal(np.zeros((2, flyer.nv)) + [[0.0], [0.1]], flyer, acceleration=1.0)
     assert "position" in trajectory.check(flyer, trajectory.straight(flyer, q0, q1, 9.0)).use
+
+
+def test_options_are_checked(panda: ulna.Robot) -> None:
+    q = panda.configurations["qr"]
+    motion = trajectory.quintic(q, q + 0.1, 2.0)
+    for wrong in (
+        {"torque": "no"},
+        {"torque": None},
+        {"tolerance": True},
+        {"tolerance": -1.0},
+        {"samples": True},
+    ):
+        with pytest.raises(InputError, match=f"`{next(iter(wrong))}`"):
+            trajectory.check(panda, motion, **wrong)
+    expected = trajectory.check(panda, motion, tolerance=1e-3)
+    assert trajectory.check(panda, motion, tolerance=np.float32(1e-3), torque=np.True_) == expected
+
+
+def test_the_number_of_limits_is_said() -> None:
+    breach = trajectory.Breach("a", "velocity", 0.5, 2.0, 1.0, "rad/s")
+    assert str(trajectory.Report((breach,), {"velocity": 2.0}, "arm")).startswith(
+        "1 limit of 'arm' is exceeded"
+    )
+    assert str(trajectory.Report((breach,) * 2, {}, "arm")).startswith("2 limits of 'arm' are exceeded")
+
+
+def test_motions_that_take_too_long_to_be_computed_are_refused() -> None:
+    """The fifth power of 1e62 s is no float: the motion would end at another point."""
+    for make in (trajectory.quintic, trajectory.cubic):
+        motion = make([1.0], [2.0], duration=1e30)
+        np.testing.assert_allclose(motion(1e30), [2.0], rtol=1e-12)
+        for duration in (1e62, 1e200):
+            with pytest.raises(InputError, match="at most 1e\\+30 s"):
+                make([1.0], [2.0], duration=duration)

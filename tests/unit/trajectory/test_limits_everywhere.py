@@ -305,13 +305,13 @@ def test_an_invalid_robot_is_named() -> None:
 def test_only_rows_that_leave_nothing_at_rest_lose_a_part_of_their_limits() -> None:
     """Others are slowed down instead; row 0 holds at rest, row 1 is above its greatest value there."""
     low, high = np.full((3, 4, 2), -1.0), np.stack([np.full((3, 4), 1.0), np.full((3, 4), -0.5)], axis=-1)
-    ground: Any = SimpleNamespace(rows=SimpleNamespace(low=low, high=high))
+    grid: Any = SimpleNamespace(rows=SimpleNamespace(low=low, high=high))
     over = np.full((3, 2), 0.25)
     bound = Bound(
         below=-over, above=over, less_low=np.ones((3, 2)), less_high=np.ones((3, 2)), worst=np.ones(3)
     )
-    repairs = solver._Repairs(1.0, 1.0, 1.0, 0.0, np.zeros(3), np.ones(4))
-    lowered = solver._lowered(ground, repairs, bound, np.ones(3))
+    usable = solver._UsableLimits(1.0, 1.0, 1.0, 0.0, np.zeros(3), np.ones(4))
+    lowered = solver._lowered(grid, usable, bound, np.ones(3))
     np.testing.assert_array_equal(lowered.less[0], 0.0)
     np.testing.assert_array_equal(lowered.less[1, :, 0], 0.0)
     assert (lowered.less[1, :, 1] >= 0.25).all()

@@ -6,7 +6,7 @@ import pytest
 import ulna
 from ulna import trajectory
 from ulna.errors import InputError, ShapeError, UnknownName
-from ulna.trajectory import constraints, reach
+from ulna.trajectory import constraint_rows, reach
 
 LINE = trajectory.Polynomial.of(
     [0.0, 1.0], [[[0.0, 0.0], [1.0, -0.5]]]
@@ -82,8 +82,8 @@ def test_the_sets_are_those_of_linear_programs(panda: ulna.Robot, grid: int) -> 
     s = np.linspace(0.0, 1.0, grid + 1)
     D = 2.0 * np.diff(s)
     q, a, b = path._at(s, 2)
-    limits = constraints.bounds_of("torque", 0.6 * panda.limits.effort, 7)
-    rows = constraints.torque_rows(panda.model, q, a, b, limits)
+    limits = constraint_rows.bounds_of("torque", 0.6 * panda.limits.effort, 7)
+    rows = constraint_rows.torque_rows(panda.model, q, a, b, limits)
     cap = ((panda.limits.velocity / np.abs(a)) ** 2).min(axis=1)
     back, ahead = reach.reachable(D, [row[:-1] for row in rows.arrays])
     K = reach.controllable(back, cap, 0.0)

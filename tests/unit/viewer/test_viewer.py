@@ -221,6 +221,7 @@ def test_points_lines_words_and_copies_change(viewer: Viewer) -> None:
     path = viewer.line(np.zeros((2, 3)))
     path.points = np.arange(12).reshape(4, 3)
     np.testing.assert_array_equal(path.points, np.arange(12).reshape(4, 3))
+    assert viewer.text("b", color="#ff000080", opacity=0.5).opacity == pytest.approx(0.5 * 128 / 255)
     words = viewer.text("a", color="red", opacity=0.5)
     assert words.color == (1.0, 0.0, 0.0) and words.opacity == 0.5
     words.text = "b"

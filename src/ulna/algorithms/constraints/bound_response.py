@@ -48,7 +48,7 @@ def bound_response(terms: BoundTerms, mu: Any = 0.0, rounds: Any = 1) -> BoundRe
         rounds: The number of rounds that the solver makes.
 
     Returns:
-        The response, and the derivatives by tau.
+        The response, and the derivatives with respect to tau.
     """
     m, n = terms.J.shape
     factors = Factors(terms.M)

@@ -8,7 +8,7 @@
 | s_i | shift of a contact's velocity | (3) | [m/s] | (0, 0, mu times its tangential length) |
 | | what is sought | | | x_i in K_i, y_i + s_i in K_i*, x_i.(y_i + s_i) = 0 |
 | | held: any impulse | | | x_i - y_i G_ii^-1 |
-| | pushed, bounded: entry by entry | | | x_k - y_k / G_kk, not below 0; within the bounds |
+| | unilateral, bounded: entry by entry | | | x_k - y_k / G_kk, not below 0; within the bounds |
 | | touching, s counted: normal, then friction | | | n - y_n / G_nn not below 0; t - y_t / r, not above mu n |
 | | touching, s left out: in the cone | | | the nearest of K to x_i - y_i / r |
 

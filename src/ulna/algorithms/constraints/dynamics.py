@@ -105,7 +105,7 @@ def constrained_dynamics(
     J = constraint_jacobian(model, q, frame_pairs, local_axes=False)
     g = constraint_bias(model, q, v, frame_pairs, local_axes=False)
     if stabilisation is not None:
-        gains = spread_over_rows(stabilisation.gains, frame_pairs)
+        gains = expanded_to_rows(stabilisation.gains, frame_pairs)
         kp, kd = gains[..., 0], gains[..., 1]
         error = constraint_error(model, q, stabilisation.anchors, frame_pairs, local_axes=False)
         g = g + kd * apply(J, v) + kp * error
@@ -114,7 +114,7 @@ def constrained_dynamics(
     return motion._replace(forces=forces)
 
 
-def spread_over_rows(numbers: Array, frame_pairs: Sequence[FramePair]) -> Array:
+def expanded_to_rows(numbers: Array, frame_pairs: Sequence[FramePair]) -> Array:
     """Numbers of constraints, for each of their rows.
 
     Args:
@@ -187,7 +187,7 @@ def impulse_dynamics(
     J = constraint_jacobian(model, q, frame_pairs, local_axes=False)
     returned: Any = 0.0
     if restitution is not None:
-        returned = spread_over_rows(restitution[..., None], frame_pairs)[..., 0]
+        returned = expanded_to_rows(restitution[..., None], frame_pairs)[..., 0]
     before = apply(J, v)
     factors = Factors(mass_matrix(model, q))
     gain, impulses, iterations = _response(factors, J, 0.0 * v, (1.0 + returned) * before, 0.0, settings)

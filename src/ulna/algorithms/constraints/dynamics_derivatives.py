@@ -71,7 +71,7 @@ class BoundTerms(NamedTuple):
     X: Array
     """What turns forces from those axes to those of their constraint, (m, m)."""
     X_q: Array
-    """The derivative by q of what it gives for the forces f, (m, nv)."""
+    """The derivative with respect to q of what it gives for the forces f, (m, nv)."""
 
 
 class _Side(NamedTuple):
@@ -116,43 +116,47 @@ def bound_terms(
         The derivatives of both residuals, and the matrices they come with.
     """
     external: list[Force | None] = [None] * len(model.joints)
-    m = sum(frame_pair.size for frame_pair in frame_pairs)
+    m, start = sum(frame_pair.size for frame_pair in frame_pairs), 0
     J, c_q, g_q, g_v, X_q = (batch_zeros((m, model.nv), q, v, a, forces) for _ in range(5))
     X = batch_zeros((m, m), q)
     extra = batch_zeros((model.nv, model.nv), q, v, a, forces)
-    start = 0
     for k, frame_pair in enumerate(frame_pairs):
         assert frame_pair.second is not None, "the frame that holds it"
         rows = slice(start, start + frame_pair.size)
         f = forces[rows]
         T = frame_pose(model, q, frame_of(frame_pair.first))
-        back = np.swapaxes(T.rotation, -1, -2)
-        in_first = _parts(f, SE3(back, np.zeros(3))) if not frame_pair.local else _parts(f, SE3.identity())
+        axes = SE3.identity() if frame_pair.local else SE3(np.swapaxes(T.rotation, -1, -2), np.zeros(3))
+        in_first = _parts(f, axes)
         second, first = _second(model, q, frame_pair, T), frame_of(frame_pair.first)
-        one, other = (
-            _side(model, q, v, a, first, frame_pair.size),
-            _side(model, q, v, a, second, frame_pair.size),
-        )
+        one, other = (_side(model, q, v, a, frame, frame_pair.size) for frame in (first, second))
         _act(external, first, in_first)
         _act(external, second, -in_first)
-        s = one.J - other.J
-        turn = one.turns - other.turns
+        s, turn = one.J - other.J, one.turns - other.turns
         J[rows, :] = s
         c_q[rows, :], g_q[rows, :], g_v[rows, :] = _changes(
             model, q, frame_pair, one, other, s, turn, gains[k]
         )
         extra = extra + other.J.T @ _moved(in_first, s, turn)
-        for part in range(start, start + frame_pair.size, 3):
-            triple = slice(part, part + 3)
-            X[triple, triple] = np.eye(3) if frame_pair.local else T.rotation
-            if not frame_pair.local:
-                X_q[triple, :] = -skew(forces[triple]) @ (T.rotation @ one.turns)
-                g_q[triple, :] = g_q[triple, :] - skew(apply(back, wanted[triple])) @ one.turns
+        X[rows, rows], X_q[rows, :], by_axes = _axes_terms(frame_pair, T.rotation, one.turns, f, wanted[rows])
+        g_q[rows, :] = g_q[rows, :] - by_axes
         start += frame_pair.size
     if impact:
         model, v = replace(model, gravity=np.zeros(3)), 0.0 * v
     r_q, r_v, M = inverse_dynamics_derivatives(model, q, v, a, external)
     return BoundTerms(r_q + extra, r_v, M, J, c_q, g_q, g_v, X, X_q)
+
+
+def _axes_terms(
+    frame_pair: FramePair, R: Array, turns: Array, f: Array, wanted: Array
+) -> tuple[Any, Any, Any]:
+    """X of one constraint, and how X f and the required acceleration change with q as its axes R turn."""
+    triples = frame_pair.size // 3
+    if frame_pair.local:
+        return np.eye(frame_pair.size), 0.0, 0.0
+    turned, back = R @ turns, np.swapaxes(R, -1, -2)
+    X_q = np.concatenate([-skew(part) @ turned for part in np.split(f, triples)])
+    by_axes = np.concatenate([skew(apply(back, part)) @ turns for part in np.split(wanted, triples)])
+    return np.kron(np.eye(triples), R), X_q, by_axes
 
 
 def _second(model: Model, q: Array, frame_pair: FramePair, T: SE3) -> Frame:

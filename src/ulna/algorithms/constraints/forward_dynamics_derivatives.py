@@ -65,7 +65,7 @@ class ConstrainedDerivatives(NamedTuple):
     """Constraint forces by tau, (..., m, nv)."""
 
 
-class _Solver(NamedTuple):
+class BoundSolver(NamedTuple):
     """What all columns share."""
 
     factors: Factors
@@ -79,7 +79,7 @@ class _Solver(NamedTuple):
         halves = [self.S[i, j] for i in range(len(self.Y)) for j in range(i + 1)]
         return [*lower, *self.factors.reciprocals, *Y, *halves]
 
-    def of(self, table: Iterable[Any]) -> _Solver:
+    def of(self, table: Iterable[Any]) -> BoundSolver:
         """The same with other numbers."""
         entries = iter(table)
         lower = [{j: next(entries) for j in sorted(row)} for row in self.factors.lower]
@@ -89,7 +89,7 @@ class _Solver(NamedTuple):
         for i in range(len(Y)):
             for j in range(i + 1):
                 S[i, j] = S[j, i] = next(entries)
-        return _Solver(Factors.of(lower, reciprocals), Y, S)
+        return BoundSolver(Factors.of(lower, reciprocals), Y, S)
 
     def answer(self, column: Sequence[Any]) -> list[Any]:
         """da and df for r, g and a column of X_q."""
@@ -165,7 +165,7 @@ def constrained_dynamics_derivatives(
 
     Returns:
         By q, v and tau, each of shape (..., nv + m, nv): accelerations, then forces along the axes of constraints.
-        nan where a constraint depends on others, since forces are not unique then.
+        Where a constraint depends on others, forces are not unique, and all that depends on them is nan.
 
     Raises:
         InputError: There is a loop between frames.
@@ -208,7 +208,7 @@ def _of_one(
 
 def _solver(
     model: Model, q: Array, v: Array, tau: Array, frame_pairs: Sequence[FramePair]
-) -> tuple[_Solver, BoundTerms]:
+) -> tuple[BoundSolver, BoundTerms]:
     """The factors at a state, and the derivatives of the residuals of dynamics and constraints there."""
     if any(frame_pair.size == 6 and frame_pair.second is not None for frame_pair in frame_pairs):
         raise InputError(
@@ -235,7 +235,7 @@ def _solver(
     S = matrix([[numeric.where(unique, S[i, j], np.nan) for j in range(m)] for i in range(m)])
     g_q, g_v = _by_state(model, q, v, frame_pairs, terms)
     rotated = terms._replace(g_q=_rotate_blocks(terms.X, g_q), g_v=_rotate_blocks(terms.X, g_v))
-    return _Solver(factors, Y, S), rotated
+    return BoundSolver(factors, Y, S), rotated
 
 
 def _by_state(

@@ -19,9 +19,10 @@ class Proximal:
         mu: Proximal parameter as a part of the mean diagonal entry of the Delassus matrix. 0 factors that matrix as it
             is: the fewest operations, for constraints known to be independent; a row that depends on rows after it
             then gets no force.
-        tolerance: The rounds end when the largest entry of what is left is so small a part of the largest of what
-            was asked.
-        iterations: Rounds at most. 1 leaves the constraints yielding by `mu`.
+        tolerance: The rounds end when max|b - G f| is at most this times max|b|, b being the right-hand side of
+            G f = b.
+        iterations: Rounds at most. 1 leaves the constraints compliant: b - G f = r f, r being `mu` times the mean
+            diagonal entry of G.
     """
 
     mu: float = 1e-8

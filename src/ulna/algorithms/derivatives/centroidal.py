@@ -98,7 +98,7 @@ def com_velocity_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, A
         v: Velocity, shape (..., nv) [rad/s, m/s].
 
     Returns:
-        The derivatives by q and by v, each of shape (..., 3, nv).
+        The derivatives with respect to q and v, each of shape (..., 3, nv).
     """
     tree = prepare(model).tree
     T, state = poses(tree, q), states_of_moving_observers(tree, q, v, 0.0 * v, np.zeros(3))

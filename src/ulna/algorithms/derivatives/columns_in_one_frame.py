@@ -6,7 +6,7 @@
 | s | a column of a motion subspace | Motion | |
 | U, V | twist of the parent and of the body of a step | Motion | [m/s, rad/s] |
 | C, A | acceleration of the same two, gravity taken off | Motion | |
-| dU, dC | V - U and A - C of a floating base, zero for all other columns | Motion | |
+| dU, dC | V - U and A - C of roots with several columns, zero for all other columns | Motion | |
 | psi, chi, phi | motion that s causes outward, as in inverse_dynamics.py | Motion | |
 | c, I, h, D, F | first and second moment, momentum, rate of I, and force of a body, or of all from a step outward | | |
 | r, t, y, z | what a column does to forces, as in inverse_dynamics.py | Force, t: (3) | |
@@ -16,7 +16,7 @@ and an entry of a matrix is a scalar product of two columns. All else is the sam
 of columns is computed at once. Only poses, twists, accelerations and sums follow the tree.
 
 Where a step has one column, psi = V x s = U x s and chi = A x s + V x psi, since what the step itself adds cancels; so
-U and C are needed for a floating base only.
+U and C are needed for roots of several columns only, as a floating base is.
 
 The common frame is the moving frame of a floating base, as seen by somebody who moves on evenly with its origin, so
 that numbers stay small wherever the robot is; of a robot that stands fixed it is the world. The equations are those of
@@ -28,13 +28,14 @@ Source: Singh, Russell & Wensing, Efficient Analytical Derivatives of Rigid-Body
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ulna.algorithms.derivatives.inverse_dynamics import State, Subtree, states_of_moving_observers
+from ulna.algorithms.dynamics.mass_matrix_factors import rows_of_factors
 from ulna.algorithms.multibody.mass_moments import MassMoments
 from ulna.algorithms.multibody.prepared_model import prepare
 from ulna.algorithms.multibody.tree import shares_velocities
@@ -48,7 +49,7 @@ _UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
 def suits_one_frame(model: Model) -> bool:
-    """Whether all joints but a floating base have one degree of freedom, and no two steps share a velocity."""
+    """Whether all joints but those at the root have one degree of freedom, and no two steps share a velocity."""
     tree = prepare(model).tree
     if shares_velocities(model) or not tree:
         return False
@@ -159,12 +160,20 @@ class OneFrame:
         def first_moment(T: Array, heavy: Array) -> Array:
             return apply(T[:9].reshape(3, 3), heavy[1:]) + T[9:] * heavy[0]
 
-        def rotation(q: Array) -> Array:
-            return self.tree[0].pose(None, q).rotation.reshape(-1) if self.is_floating else np.eye(3).ravel()
-
         self.stages.lanes(first_moment, ("T", "heavy"), ("moments",))
         self.stages.straight(lambda moments: moments.sum(axis=1) * share, ("moments",), ("c_G",))
-        self.stages.straight(rotation, ("q",), ("R",))
+        self.stages.straight(lambda q: self.rotation(q).reshape(-1), ("q",), ("R",))
+
+    def rotation(self, q: Array) -> Array:
+        """R from the axes of the common frame to those of the world.
+
+        Args:
+            q: Configuration, shape (nq,) [rad, m].
+
+        Returns:
+            The rotation, shape (3, 3).
+        """
+        return self.tree[0].pose(None, q).rotation if self.is_floating else np.eye(3)
 
     def accelerations(self, a: str = "", gravity: bool = True) -> None:
         """psi, A and dC.
@@ -204,15 +213,34 @@ class OneFrame:
         self.stages.lanes(of_body, reads, ("sums", "own"))
         self.stages.rows(self.summed, ("sums",), "sums")
 
+    def moments_and_forces(self) -> None:
+        """c, I and F of all bodies from a step outward, one below the other: `sums`."""
+
+        def of_body(T: Array, bodies: Array, V: Array, A: Array) -> Array:
+            body = _moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
+            F = body.apply(motion(A)) + motion(V).cross(body.apply(motion(V)))
+            return np.array([*body.first, *_upper(body.second), *numbers(F)], dtype=object)
+
+        self.stages.lanes(of_body, ("T", "bodies", "V", "A"), ("sums",))
+        self.stages.rows(self.summed, ("sums",), "sums")
+
     def composite_moments(self) -> None:
         """c and I of all bodies from a step outward, one below the other: `sums`."""
+        self.body_moments("sums")
+        self.stages.rows(self.summed, ("sums",), "sums")
+
+    def body_moments(self, name: str) -> None:
+        """c and I of every body, one below the other, in the last columns of their steps.
+
+        Args:
+            name: What the table is called.
+        """
 
         def of_body(T: Array, bodies: Array) -> Array:
             body = _moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
             return np.array([*body.first, *_upper(body.second)], dtype=object)
 
-        self.stages.lanes(of_body, ("T", "bodies"), ("sums",))
-        self.stages.rows(self.summed, ("sums",), "sums")
+        self.stages.lanes(of_body, ("T", "bodies"), (name,))
 
     def summed(self, of_bodies: Array) -> Array:
         """The sums over all bodies from a step outward.
@@ -265,21 +293,96 @@ class OneFrame:
         reads = ("s", "psi", "V", "dU", "A", "dC", "sums", "mass", "carried", *([forces] if forces else []))
         self.stages.lanes(of_column, reads, ("chi", "phi", "r", "t", "y", "z"))
 
-    def mass_matrix(self, M: str) -> None:
+    @cached_property
+    def paths(self) -> list[list[int]]:
+        """For each column the columns before it that move it, or belong to its joint."""
+        movers, joints, n = self.movers, self.joints, self.model.nv
+        return [
+            sorted({*movers[k], *(j for j in range(k) if joints[j] == joints[k])} & set(range(k)))
+            for k in range(n)
+        ]
+
+    def factors(self) -> None:
+        """The rows of the factors of the mass matrix, and the reciprocals of its pivots, from s and r."""
+        self.mass_matrix("M", is_half=True)
+        self.stages.straight(lambda M: rows_of_factors(M, self.paths), ("M",), ("rows",))
+        self.stages.factors(self.paths, "rows", "factors")
+
+    def add_accelerations(self, more: Callable[..., Any] | None = None, reads: Sequence[str] = ()) -> None:
+        """A and dC with the joint accelerations `a`; `dF`: what they add to forces of all bodies from a step outward.
+
+        Args:
+            more: What else is added to the force of each body, (6,), a function of columns; None for nothing.
+            reads: Names of the tables and vectors that it takes.
+        """
+
+        def added(A: Array, dC: Array, s: Array, a: Array) -> tuple[Array, ...]:
+            dA = np.zeros((6, self.model.nv), dtype=object)
+            changes: list[Array] = []
+            for step in self.tree:
+                own = sum((s[:, k] * a[k] for k in step.indices), np.zeros(6))
+                changes.append(changes[step.parent] + own if step.parent >= 0 else own)
+                for k in step.indices:
+                    dA[:, k] = changes[-1]
+                    A[:, k] = A[:, k] + changes[-1]
+                    if len(step.indices) > 1:
+                        dC[:, k] = dC[:, k] + own
+            return A, dC, dA
+
+        def force(own: Array, bodies: Array, dA: Array, *others: Array) -> Array:
+            moments = subtree(bodies[:1], np.concatenate([own, np.zeros(18)])).body
+            wrench = numbers(moments.apply(motion(dA)))
+            return wrench if more is None else wrench + more(*others)
+
+        self.stages.straight(added, ("A", "dC", "s", "a"), ("A", "dC", "dA"))
+        self.stages.lanes(force, ("own", "bodies", "dA", *reads), ("dF",))
+        self.stages.rows(self.summed, ("dF",), "dF")
+
+    def torque_derivatives(self, by_q: str, by_v: str, mass: str = "") -> None:
+        """The derivatives of the torques with respect to q and v, and the mass matrix, that with respect to a.
+
+        Args:
+            by_q: What the first is called.
+            by_v: What the second is called.
+            mass: What the mass matrix is called; empty to leave it out.
+        """
+
+        def below(s: Array, z: Array, y: Array, r: Array | None = None) -> tuple[Any, ...]:
+            return dot(z, s), dot(y, s), *(() if r is None else (dot(r, s),))
+
+        def above(r: Array, t: Array, s: Array, psi: Array, chi: Array, phi: Array) -> tuple[Any, ...]:
+            with_mass = (dot(r, s),) if mass else ()
+            return dot(r, chi) + dot(t, psi[3:]), dot(r, phi) + dot(t, s[3:]), *with_mass
+
+        writes: dict[str, Sequence[float] | None] = {by_q: None, by_v: None}
+        if mass:
+            writes[mass] = [float(x) for x in self.model.armature]
+        self.matrices(
+            (below, ("s",), ("z", "y", "r") if mass else ("z", "y")),
+            (above, ("r", "t"), ("s", "psi", "chi", "phi")),
+            writes,
+        )
+
+    def mass_matrix(self, M: str, is_half: bool = False) -> None:
         """M from s and r.
 
         Args:
             M: What it is called.
+            is_half: Whether only what is needed to factor it is computed.
         """
 
         def entry(x: Array, y: Array) -> tuple[Any, ...]:
             return (dot(x, y),)
 
         below, above = (entry, ("s",), ("r",)), (entry, ("r",), ("s",))
-        self.matrices(below, above, {M: [float(x) for x in self.model.armature]})
+        self.matrices(below, above, {M: [float(x) for x in self.model.armature]}, is_half)
 
     def matrices(
-        self, below: PairFunction, above: PairFunction, writes: Mapping[str, Sequence[float] | None]
+        self,
+        below: PairFunction,
+        above: PairFunction,
+        writes: Mapping[str, Sequence[float] | None],
+        is_half: bool = False,
     ) -> None:
         """Matrices of pairs of columns; see `ulna.compiler.forms.stages.Pairs`.
 
@@ -287,8 +390,10 @@ class OneFrame:
             below: Has s as its own column, and scalar products with it as results, in the order of the other tables.
             above: For columns that move the own one.
             writes: Names of the matrices, and what is added to their diagonals.
+            is_half: Whether only what is needed to factor them is computed.
         """
-        self.stages.pairs(below, above, self.movers, self.joints, writes, self.unit_columns)
+        copies = {} if is_half else self.unit_columns
+        self.stages.pairs(below, above, self.movers, self.joints, writes, copies, is_half)
 
     def _subtree_masses(self) -> list[float]:
         masses = [float(body.mass) for body in self.prepared.regrouped_moments]
@@ -315,6 +420,8 @@ class OneFrame:
                 twist = twists[step.parent] if step.parent >= 0 else Motion.zero()
                 for k, column in step.columns():
                     twist = twist + pose.act(column) * v[k]
+                if len(step.indices) > 1:  # one of several roots, whose parent is at rest
+                    dU[:, list(step.indices)] = numbers(twist)[:, None]
             poses.append(pose)
             twists.append(twist)
             for k, column in step.columns():
@@ -335,6 +442,8 @@ class OneFrame:
                 after = accelerations[step.parent] if step.parent >= 0 else at_rest
                 for k in step.indices:
                     after = after + (s[:, k] * a[k] + psi[:, k] * v[k])
+                if len(step.indices) > 1:
+                    dC[:, list(step.indices)] = (after - at_rest)[:, None]
             accelerations.append(after)
             for k in step.indices:
                 A[:, k] = after

@@ -108,7 +108,7 @@ def rnea_derivatives(
         external: Forces on the bodies, fixed in them [N, N m]; None for none.
 
     Returns:
-        The derivatives by q, v and a, each of shape (..., nv, nv); the last is the mass matrix.
+        The derivatives with respect to q, v and a, each of shape (..., nv, nv); the last is the mass matrix.
     """
     by_q, by_v, by_a = (batch_zeros((model.nv, model.nv), q, v, a, external) for _ in range(3))
     zero = np.zeros(model.nv)
@@ -134,7 +134,7 @@ def aba_derivatives(
         external: Forces on the bodies, fixed in them [N, N m]; None for none.
 
     Returns:
-        The derivatives by q, v and tau, each of shape (..., nv, nv).
+        The derivatives with respect to q, v and tau, each of shape (..., nv, nv).
     """
     a = aba(model, q, v, tau, external)
     tau_q, tau_v, M = rnea_derivatives(model, q, v, a, external)

@@ -40,7 +40,7 @@ def forward_dynamics_derivatives(
         external: As for `inverse_dynamics_derivatives`.
 
     Returns:
-        The derivatives by q, v and tau, each of shape (..., nv, nv); the last is the inverse mass matrix.
+        The derivatives with respect to q, v and tau, each of shape (..., nv, nv); the last is the inverse mass matrix.
     """
     a = by_mass_matrix(model, q, v, tau, external)
     tau_q, tau_v, M = inverse_dynamics_derivatives(model, q, v, a, external)

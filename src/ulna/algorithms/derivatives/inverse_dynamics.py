@@ -94,7 +94,7 @@ class Subtree(NamedTuple):
             + steiner(arm, linear)
         )
         return Subtree(
-            body.to_outer_frame(J, axis).to_outer_frame(step.placement), h, D, _inward(step, self.F, q)
+            body.to_outer_frame(J, axis).to_outer_frame(step.placement), h, D, step.force_to_parent(self.F, q)
         )
 
     def coriolis(self, s: Motion) -> Force:
@@ -132,7 +132,7 @@ def inverse_dynamics_derivatives(
             None.
 
     Returns:
-        The derivatives by q, v and a, each of shape (..., nv, nv); the last is the mass matrix.
+        The derivatives with respect to q, v and a, each of shape (..., nv, nv); the last is the mass matrix.
     """
     prepared = prepare(model)
     tree = prepared.tree
@@ -170,7 +170,7 @@ def _add_pairs(
         by_q[..., c.index, k] += z.dot(c.s)
     z = z + s.cross(subtree.F)
     while tree[i].parent >= 0:
-        r, y, z = (_inward(tree[i], force, q) for force in (r, y, z))
+        r, y, z = (tree[i].force_to_parent(force, q) for force in (r, y, z))
         t = apply(tree[i].placement.rotation, apply(tree[i].transform(q).rotation, t))
         t = t + cross(2.0 * state(i).u, r.linear)
         i = tree[i].parent
@@ -297,7 +297,3 @@ def subtree_quantities(
         yield i, subtree
         if step.parent >= 0:
             children[step.parent].append(subtree.to_parent(step, q, state(i).u))
-
-
-def _inward(step: Step, force: Force, q: Array) -> Force:
-    return step.placement.act(step.transform(q).act(force))

@@ -15,7 +15,6 @@ inverse_dynamics.py, forward_dynamics.py, centroidal.py and dynamics/coriolis.py
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -28,9 +27,10 @@ from ulna.algorithms.derivatives.columns_in_one_frame import (
     subtree,
     suits_one_frame,
 )
+from ulna.algorithms.derivatives.serial_chains import accelerate, articulate, invert, is_serial, solve
 from ulna.algorithms.dynamics.center_of_mass import total_mass
 from ulna.algorithms.dynamics.coriolis import MovingBodies
-from ulna.algorithms.dynamics.mass_matrix_factors import rows_of_factors, solution_by_rows
+from ulna.algorithms.dynamics.mass_matrix_factors import solution_by_rows
 from ulna.compiler.forms.columns import ColumnForm, row_places
 from ulna.compiler.forms.stages import StagedForm
 from ulna.compiler.language.function import trace
@@ -41,7 +41,7 @@ from ulna.typing import Array
 
 
 def stages_of_inverse_dynamics_derivatives(model: Model, forces: Any = ()) -> StagedForm | None:
-    """The derivatives of the torques of inverse dynamics by q, v and a.
+    """The derivatives of the torques of inverse dynamics with respect to q, v and a.
 
     Args:
         model: The robot.
@@ -57,12 +57,12 @@ def stages_of_inverse_dynamics_derivatives(model: Model, forces: Any = ()) -> St
     frame.accelerations("a")
     frame.subtrees()
     frame.columns()
-    _torque_derivatives(frame, with_mass=True)
+    frame.torque_derivatives("by_q", "by_v", "M")
     return frame.stages.form("by_q", "by_v", "M")
 
 
-def stages_of_forward_dynamics_derivatives(model: Model, forces: Any = ()) -> ColumnForm | None:
-    """The derivatives of the joint accelerations by q, v and tau.
+def stages_of_forward_dynamics_derivatives(model: Model, forces: Any = ()) -> ColumnForm | StagedForm | None:
+    """The derivatives of the joint accelerations with respect to q, v and tau.
 
     Args:
         model: The robot; every motion must move some mass or have armature.
@@ -85,20 +85,19 @@ def stages_of_forward_dynamics_derivatives(model: Model, forces: Any = ()) -> Co
         return numbers(whole.body.apply(motion(s))), np.array([dot(s, sums[21:])], dtype=object)
 
     stages.lanes(responses, ("s", "sums", "mass"), ("r", "h_0"))
-    frame.mass_matrix("M")
-    paths = _sorted_paths(frame.movers, frame.joints)
-    stages.straight(lambda M: rows_of_factors(M, paths), ("M",), ("rows",))
-    stages.factors(paths, "rows", "factors")
-    solve = solution_by_rows(paths)
+    if is_serial(model):
+        return _derivatives_of_serial_chains(frame)
+    frame.factors()
+    solve = solution_by_rows(frame.paths)
 
     def accelerations(tau: Array, h_0: Array, factors: Array) -> Array:
         return solve(factors, tau - h_0[0])
 
     stages.straight(accelerations, ("tau", "h_0", "factors"), ("a",))
-    _add_accelerations(frame)
+    frame.add_accelerations()
     frame.columns(forces="dF")
-    _torque_derivatives(frame, with_mass=False)
-    size = row_places(paths)[1]
+    frame.torque_derivatives("by_q", "by_v")
+    size = row_places(frame.paths)[1]
 
     def column(table: Array, column: Array) -> Array:
         return solve(np.concatenate([table[:size], -table[size:]]), column)
@@ -106,6 +105,19 @@ def stages_of_forward_dynamics_derivatives(model: Model, forces: Any = ()) -> Co
     body = trace(column, name="forward_dynamics_derivatives_column", table=(size + n,), column=(n,))
     head = stages.form("factors", "by_q", "by_v")
     return ColumnForm(head, body, (None, None, -1.0), (n, n), serves_batches=True)
+
+
+def _derivatives_of_serial_chains(frame: OneFrame) -> StagedForm:
+    """The rest of the derivatives of forward dynamics, by walks along the chain."""
+    articulate(frame)
+    accelerate(frame)
+    frame.add_accelerations()
+    frame.columns(forces="dF")
+    frame.torque_derivatives("tau_q", "tau_v")
+    solve(frame, "tau_q", "by_q")
+    solve(frame, "tau_v", "by_v")
+    invert(frame, "by_tau")
+    return frame.stages.form("by_q", "by_v", "by_tau")
 
 
 def stages_of_coriolis_matrix(model: Model) -> StagedForm | None:
@@ -192,7 +204,7 @@ def stages_of_mass_matrix(model: Model) -> StagedForm | None:
 
 
 def stages_of_centroidal_derivatives(model: Model) -> StagedForm | None:
-    """The derivatives of the centroidal momentum by q, and of its rate by q, v and a.
+    """The derivatives of the centroidal momentum with respect to q, and of its rate with respect to q, v and a.
 
     Args:
         model: The robot; without mass it has no such form.
@@ -235,7 +247,7 @@ def _centroidal_column(
     c_G: Array,
     R: Array,
 ) -> tuple[Array, ...]:
-    """The derivatives of momentum and rate by the coordinate of one column, about the centre of mass in the world."""
+    """Derivatives of momentum and rate with respect to a column's coordinate, about the centre of mass, world axes."""
     whole, (column, caused, chi) = subtree(mass, sums), caused_motions(s, psi, V, dU, A, dC)
     r = whole.body.apply(column)
     dh = whole.body.apply(caused) + column.cross(whole.h)
@@ -252,61 +264,3 @@ def _about(force: Force, c: Array, R: Array) -> Array:
     """A force about a point, along the axes of the world."""
     moment = force.angular - cross(c, force.linear)
     return np.concatenate([apply(R, force.linear), apply(R, moment)])
-
-
-def _torque_derivatives(frame: OneFrame, with_mass: bool) -> None:
-    """The derivatives of the torques by q and v, and the mass matrix, which is that by a."""
-
-    def below(s: Array, z: Array, y: Array, r: Array | None = None) -> tuple[Any, ...]:
-        mass = () if r is None else (dot(r, s),)
-        return dot(z, s), dot(y, s), *mass
-
-    def above(r: Array, t: Array, s: Array, psi: Array, chi: Array, phi: Array) -> tuple[Any, ...]:
-        mass = (dot(r, s),) if with_mass else ()
-        return dot(r, chi) + dot(t, psi[3:]), dot(r, phi) + dot(t, s[3:]), *mass
-
-    others = ("z", "y", "r") if with_mass else ("z", "y")
-    writes: dict[str, Sequence[float] | None] = {"by_q": None, "by_v": None}
-    if with_mass:
-        writes["M"] = [float(x) for x in frame.model.armature]
-    frame.matrices(
-        (below, ("s",), others),
-        (above, ("r", "t"), ("s", "psi", "chi", "phi")),
-        writes,
-    )
-
-
-def _add_accelerations(frame: OneFrame) -> None:
-    """A, dC and the forces with joint accelerations."""
-
-    def added(A: Array, dC: Array, s: Array, a: Array) -> tuple[Array, ...]:
-        dA = np.zeros((6, frame.model.nv), dtype=object)
-        found: list[Array] = []
-        for step in frame.tree:
-            own = sum((s[:, k] * a[k] for k in step.indices), np.zeros(6))
-            found.append(found[step.parent] + own if step.parent >= 0 else own)
-            for k in step.indices:
-                dA[:, k] = found[-1]
-                A[:, k] = A[:, k] + found[-1]
-                if step.parent < 0 and frame.is_floating:
-                    dC[:, k] = dC[:, k] + own
-        return A, dC, dA
-
-    frame.stages.straight(added, ("A", "dC", "s", "a"), ("A", "dC", "dA"))
-
-    def force(own: Array, bodies: Array, dA: Array) -> Array:
-        moments = subtree(bodies[:1], np.concatenate([own, np.zeros(18)])).body
-        return numbers(moments.apply(motion(dA)))
-
-    frame.stages.lanes(force, ("own", "bodies", "dA"), ("dF",))
-
-    frame.stages.rows(frame.summed, ("dF",), "dF")
-
-
-def _sorted_paths(movers: list[list[int]], joints: list[int]) -> list[list[int]]:
-    """For each column the columns before it that move it, or belong to its joint."""
-    n = len(joints)
-    return [
-        sorted({*movers[k], *(j for j in range(k) if joints[j] == joints[k])} & set(range(k)))
-        for k in range(n)
-    ]

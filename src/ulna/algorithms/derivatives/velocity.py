@@ -46,7 +46,7 @@ def frame_velocity_derivatives(model: Model, q: Array, v: Array, frame: Frame) -
         frame: A frame of the model.
 
     Returns:
-        The derivatives by q and by v, each of shape (..., 6, nv).
+        The derivatives with respect to q and v, each of shape (..., 6, nv).
     """
     groups = by_step(local_columns(chain(model, frame), q, frame.placement))
     dV_dq, dV_dv = batch_zeros((6, model.nv), q, v), batch_zeros((6, model.nv), q, v)
@@ -72,7 +72,7 @@ def frame_acceleration_derivatives(
         frame: A frame of the model.
 
     Returns:
-        The derivatives by q, v and a, each of shape (..., 6, nv).
+        The derivatives with respect to q, v and a, each of shape (..., 6, nv).
     """
     groups = by_step(local_columns(chain(model, frame), q, frame.placement))
     upto, beyond = partial_twists(groups, v)
@@ -115,7 +115,7 @@ def acceleration_changes(J: Motion, state: ColumnState) -> tuple[Motion, Motion,
         state: What it depends on, as many.
 
     Returns:
-        The derivatives by q, v and a.
+        The derivatives with respect to q, v and a.
     """
     change = state.U.cross(J)
     by_q = state.C.cross(J) + change.cross(state.onward)

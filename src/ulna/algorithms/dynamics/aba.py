@@ -1,14 +1,14 @@
-"""Forward dynamics by the articulated-body algorithm, as in the book.
+"""Forward dynamics by the articulated-body algorithm, in the form of Featherstone 2008, table 7.1.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
-| X | takes motions from the parent's moving frame to the step's, X^T forces the other way | (6, 6) | | |
+| X | motion transform, parent's to step's moving frame (tree.py: Ad(X)^-1); X^T takes forces back | (6, 6) | | |
 | S | motion subspace in the moving frame, constant | (6, n) | [1] or [m/rad] | |
 | V, c | velocity of the body; velocity-product acceleration | (6) | | c = V x S v |
 | I^A, p^A | articulated-body inertia, bias force | (6, 6), (6) | | I, V x* I V - f_x, plus those of the children |
 | U, D, u | | (6, n), (n, n), (n) | | U = I^A S, D = S^T U + armature, u = tau - S^T p^A |
 | I^a, p^a | what the parent receives | (6, 6), (6) | | I^a = I^A - U D^-1 U^T, p^a = p^A + I^a c + U D^-1 u |
-| a' | acceleration of the body before that of the joint | (6) | | a' = X A_p + c, A_0 = -g |
+| a' | acceleration of the body for zero joint acceleration, `a_free` | (6) | | a' = X A_p + c, A_0 = -g |
 | a | joint acceleration | (n) | [rad/s^2] or [m/s^2] | a = D^-1 (u - U^T a'), A = a' + S a |
 
 Source: Featherstone 2008, section 7.3, table 7.1. This is the form to read, and the reference of the tests. The one
@@ -35,7 +35,7 @@ from ulna.typing import Array
 
 
 class _Joint(NamedTuple):
-    """What the pass outward needs of a joint."""
+    """Quantities of a joint that the outward pass uses."""
 
     S: Array
     U: Array
@@ -51,14 +51,15 @@ def aba(model: Model, q: Array, v: Array, tau: Array, external: External = None)
         q: Configuration, shape (..., nq) [rad, m].
         v: Velocity, shape (..., nv) [rad/s, m/s].
         tau: Joint torques, shape (..., nv) [N m, N].
-        external: Forces on the bodies [N, N m]; None for none.
+        external: For each joint the force on its body, in its moving frame, as `external_forces.at_joints` returns
+            them [N, N m]; None for none.
 
     Returns:
         Joint accelerations, shape (..., nv) [rad/s^2, m/s^2].
 
     Raises:
         InputError: The model has mimic joints; `forward_dynamics` takes them.
-        ZeroPivot: A motion moves no inertia, whatever the inputs.
+        ZeroPivot: An entry of the diagonal of D is zero, whatever the inputs. Another singular D is not found.
     """
     check_no_mimics(model)
     tree = steps(model)

@@ -3,14 +3,14 @@
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
 | T_i | pose of the moving frame of step i in the world | SE3 | [m] | |
-| g | centre of mass of all that moves | (3) | [m] | see center_of_mass.py |
-| G_i | T_i with its origin counted from g: (R_i, p_i - g) | SE3 | [m] | |
-| I, h, D | inertia, momentum, rate of the second moment, from step i outward | MovingBodies | | see coriolis.py |
+| c | centre of mass of all moving bodies | (3) | [m] | see center_of_mass.py |
+| G_i | pose of step i in the centroidal frame (origin c, world axes): (R_i, p_i - c) | SE3 | [m] | |
+| I, h, D | composite inertia, momentum, rate of the second moment of step i | MovingBodies | | see coriolis.py |
 | A | centroidal momentum matrix; its column for s | (6, nv) | | G_i I s |
 | h_G | centroidal momentum, linear part first, in world axes | (6) | [N s, N m s] | A v |
-| dA/dt | its column for s | (6, nv) | | G_i (I (V_i x s) + dI/dt s) less (0; dg/dt x f), f = linear of A's |
-| I_G | rotational inertia about g, joints held, in world axes | (3, 3) | [kg m^2] | that about 0, less that of m in g |
-| dh_G/dt | rate of the momentum | (6) | [N, N m] | forces of inverse dynamics without gravity, about g; A a + dA/dt v |
+| dA/dt | its column for s | (6, nv) | | G_i (I (V_i x s) + dI/dt s) - (0; dc/dt x f), f = linear of A's column |
+| I_G | locked rotational inertia about c, in world axes | (3, 3) | [kg m^2] | that about 0, minus that of m in c |
+| dh_G/dt | rate of the momentum | (6) | [N, N m] | forces of inverse dynamics without gravity, about c; A a + dA/dt v |
 
 Source: Orin, Goswami & Lee, Centroidal dynamics of a humanoid robot (2013); Wensing & Orin, Improved computation of the
 humanoid centroidal dynamics (2016). The momentum is that of all that moves, and neither it nor A change when inertia
@@ -128,7 +128,7 @@ def centroidal_momentum_rate(model: Model, q: Array, v: Array, a: Array) -> Arra
 
 
 def centroidal_inertia(model: Model, q: Array) -> Array:
-    """The rotational inertia of the robot as one rigid body, about its centre of mass, in world axes.
+    """The locked inertia: the rotational inertia about the centre of mass with all joints locked, in world axes.
 
     Args:
         model: The robot.
@@ -151,12 +151,12 @@ def centroidal_inertia(model: Model, q: Array) -> Array:
 def _centred(model: Model, tree: Sequence[Step], subtrees: Sequence[MassMoments], q: Array) -> list[SE3]:
     """G of every step.
 
-    Nothing depends on where a robot is that hangs on one free flyer, which carries all mass: its poses begin at g.
+    Nothing depends on the pose of a robot whose root joint is a free flyer that carries all mass: its poses begin at c.
     """
     is_free = bool(tree) and isinstance(tree[0].kind, FreeFlyer)
     if not is_free or any(step.parent < 0 for step in tree[1:]):
-        g = center_of_mass(model, q)
-        return [SE3(T.rotation, T.translation - g) for T in poses(tree, q)]
+        c = center_of_mass(model, q)
+        return [SE3(T.rotation, T.translation - c) for T in poses(tree, q)]
     R = tree[0].pose(None, q).rotation
     root = SE3(R, -apply(R, over_total_mass(model, subtrees[0].first)))
     world: Any = None
@@ -164,7 +164,7 @@ def _centred(model: Model, tree: Sequence[Step], subtrees: Sequence[MassMoments]
 
 
 def _about_centre(model: Model, tree: Sequence[Step], forces: Sequence[Force], q: Array) -> Array:
-    """The sum of forces or momenta in the frames of the bodies, about g along the axes of the world, (..., 6)."""
+    """The sum of forces or momenta in the frames of the bodies, about c along the axes of the world, (..., 6)."""
     total = sum_in_world(tree, forces, Force.zero(), lambda step, force: step.force_to_parent(force, q))
     f = total.linear
     return Force(f, total.angular - cross(center_of_mass(model, q), f)).vector()

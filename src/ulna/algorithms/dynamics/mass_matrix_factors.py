@@ -225,15 +225,22 @@ def solution_by_rows(paths: Sequence[Sequence[int]]) -> Callable[[Array, Array],
     Returns:
         The function of the rows of L, followed by 1/d, and of b, each a vector.
     """
+    return lambda table, b: np.array(factors_in_rows(table, paths).solve(list(b)), dtype=object)
+
+
+def factors_in_rows(table: Array, paths: Sequence[Sequence[int]]) -> Factors:
+    """The factors whose rows lie one after the other.
+
+    Args:
+        table: The rows of L, followed by 1/d, shape (size,).
+        paths: For each row the columns before the diagonal.
+
+    Returns:
+        The factors.
+    """
     places, size = row_places(paths)
-
-    def solve(table: Array, b: Array) -> Array:
-        lower = [
-            dict(zip(path, table[place:], strict=False)) for place, path in zip(places, paths, strict=True)
-        ]
-        return np.array(Factors.of(lower, list(table[size:])).solve(list(b)), dtype=object)
-
-    return solve
+    lower = [dict(zip(path, table[place:], strict=False)) for place, path in zip(places, paths, strict=True)]
+    return Factors.of(lower, list(table[size:]))
 
 
 def is_zero(x: Any) -> bool:

@@ -7,7 +7,7 @@
 | integrate | q (+) v, the configuration reached | (..., nq) | | q exp(v), joint by joint |
 | difference | q1 (-) q0, the tangent vector that leads there | (..., nv) | | log(q0^-1 q1) |
 | dq/dt | d integrate(q, t v) / dt at t = 0 | (..., nq) | [q] per second | |
-| d integrate | its derivatives by q and by v | (..., nv, nv) | | Ad(exp(v))^-1 and J_r(v), in blocks |
+| d integrate | its derivatives with respect to q and v | (..., nv, nv) | | Ad(exp(v))^-1 and J_r(v), in blocks |
 
 Source: Sola, Deray & Atchuthan, A micro Lie theory (2018), sections II and III. A mimic joint has no
 separate coordinate, so it does not appear here.
@@ -89,7 +89,7 @@ def interpolate(model: Model, q0: Array, q1: Array, t: Any) -> Array:
 
 
 def neutral(model: Model) -> Floats:
-    """The configuration in which every moving frame lies on its fixed frame, shape (nq,)."""
+    """The configuration in which every joint is at its neutral position (`JointKind.neutral`), shape (nq,)."""
     return _join(model, (np.zeros(0),), lambda joint: joint.kind.neutral())
 
 
@@ -181,7 +181,7 @@ def is_same(model: Model, q0: Floats, q1: Floats, tolerance: float = 1e-9) -> An
 
 
 def integrate_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, Array]:
-    """The derivatives of `integrate` by q and by v.
+    """The derivatives of `integrate` with respect to q and v.
 
     Both map a change of the argument, a tangent vector, to the change of the result, a tangent vector at the result.
 
@@ -197,7 +197,7 @@ def integrate_derivatives(model: Model, q: Array, v: Array) -> tuple[Array, Arra
 
 
 def difference_derivatives(model: Model, q0: Array, q1: Array) -> tuple[Array, Array]:
-    """The derivatives of `difference` by q0 and by q1, each along its tangent space.
+    """The derivatives of `difference` with respect to q0 and q1, each along its tangent space.
 
     Args:
         model: The robot.

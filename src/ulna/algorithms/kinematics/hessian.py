@@ -1,4 +1,4 @@
-"""The kinematic Hessian of a frame: the derivative of its Jacobian by each coordinate, in closed form.
+"""The kinematic Hessian of a frame: the derivative of its Jacobian with respect to each coordinate.
 
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
@@ -6,14 +6,15 @@
 | H | Hessian, H[k, :, j] = dJ_j / dq_k | (nv, 6, nv) | | |
 | H_kj | world: | Motion | | J_k x J_j where k <= j, else 0 |
 | | local: | Motion | | J_j x J_k where k > j, else 0 |
-| | local_world_aligned: angular | (3) | | w_k x w_j where k <= j, else 0 |
-| | linear | (3) | | w_k x l_j where k <= j, else w_j x l_k |
+| | local_world_aligned, angular part | (3) | | w_k x w_j where k <= j, else 0 |
+| | local_world_aligned, linear part | (3) | | w_k x l_j where k <= j, else w_j x l_k |
 
 Source: the derivative of Ad_T along a twist (Featherstone, section 2.10); for "local_world_aligned", whose
-linear part is symmetric in j and k, Haviland & Corke, Manipulator Differential Kinematics part 2 (2023). The
-columns of one step count as equal. A coordinate of a spherical joint, free flyer or planar joint is a
-direction of its tangent space: dJ / dq_k is the derivative of J(integrate(q, t e_k)) by t at 0. The columns
-of a mimic joint add to those of its source in both places.
+linear part is symmetric in j and k where they belong to different steps, Haviland & Corke, Manipulator
+Differential Kinematics part 2 (2023). Columns of one step satisfy k <= j in both orders. A coordinate of a
+spherical joint, free flyer or planar joint is a direction of its tangent space: dJ / dq_k is the derivative
+of J(integrate(q, t e_k)) with respect to t at 0. The columns of a mimic joint add to those of its source in
+both places.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from ulna.typing import Array
 def frame_hessian(
     model: Model, q: Array, frame: Frame, reference: Reference = "local_world_aligned"
 ) -> Array:
-    """The derivative of the Jacobian of a frame by q: `H[k, i, j] = dJ[i, j] / dq_k`.
+    """The derivative of the Jacobian of a frame with respect to q: `H[k, i, j] = dJ[i, j] / dq_k`.
 
     Args:
         model: The robot.

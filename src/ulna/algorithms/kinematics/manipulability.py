@@ -81,6 +81,8 @@ def measure_of(J: Array, measure: Measure = "yoshikawa", axes: Axes = "all") -> 
     if measure not in _MEASURES:
         raise UnknownName("measure of manipulability", measure, _MEASURES)
     J = J[..., chosen_rows(axes), :]
+    if not J.shape[-1]:  # a robot without joints
+        return np.zeros(J.shape[:-2])[()]
     if measure == "yoshikawa":
         return linalg.volume(J)
     if is_symbolic(J):
@@ -120,7 +122,7 @@ def asada(J: Floats, M: Floats, axes: Axes = "all") -> Any:
 
 
 def manipulability_gradient(model: Model, q: Array, frame: Frame, axes: Axes = "all") -> Array:
-    """The derivative of Yoshikawa's measure by q.
+    """The derivative of Yoshikawa's measure with respect to q.
 
     At a singular configuration the measure has a kink and no derivative; there the result is as good as zero.
 
@@ -134,6 +136,8 @@ def manipulability_gradient(model: Model, q: Array, frame: Frame, axes: Axes = "
         Shape (..., nv).
     """
     rows = chosen_rows(axes)
+    if not model.nv:
+        return batch_zeros((0,), q)
     columns = aligned_columns(chain(model, frame), q, frame.placement)
     J = frame_jacobian(model, q, frame)[..., rows, :]
     P, m = _pseudoinverse_transposed(J)
@@ -165,7 +169,7 @@ def chosen_rows(axes: Axes) -> list[int]:
         if axes not in _ROWS:
             raise UnknownName("set of axes", axes, _ROWS, "A list of six truth values will do, too.")
         return _ROWS[axes]
-    mask = list(axes)
+    mask = list(axes) if isinstance(axes, (Sequence, np.ndarray)) and np.ndim(axes) == 1 else []
     if len(mask) != 6 or not any(mask):
         raise InputError(
             f"`axes` is {axes!r}; expected 'all', 'trans', 'rot', or six truth values, of which one is true."

@@ -22,9 +22,10 @@ import numpy as np
 from ulna.algorithms.multibody.tree import Step
 from ulna.data_classes import dataclass
 from ulna.model import Continuous, Helical, JointKind, Model, Revolute
-from ulna.numeric import apply, cross, dot, matrix, skew
+from ulna.numeric import apply, cross, matrix, skew
 from ulna.spatial import SE3, Force, Inertia, Motion
 from ulna.spatial.batched import column
+from ulna.spatial.inertia import rotate_tensor
 from ulna.typing import Array
 
 
@@ -154,9 +155,7 @@ def rotate_symmetric(R: Array, I: Array, axis: int | None = None) -> Array:
         The rotated matrix, shape (..., 3, 3), in the unit of `I`.
     """
     if axis is None:
-        half = R @ I
-        e = {(i, j): dot(half[..., i, :], R[..., j, :]) for i in range(3) for j in range(i, 3)}
-        return matrix([[e[min(i, j), max(i, j)] for j in range(3)] for i in range(3)])
+        return rotate_tensor(R, I)
     a, b, k = (axis + 1) % 3, (axis + 2) % 3, axis
     cos, sin = R[..., a, a], R[..., b, a]
     u = sin * (I[..., a, a] - I[..., b, b]) + cos * (2.0 * I[..., a, b])

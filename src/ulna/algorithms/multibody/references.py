@@ -18,12 +18,13 @@ from ulna.numeric import apply
 from ulna.spatial import SE3, Motion
 
 Reference: TypeAlias = Literal["world", "local", "local_world_aligned"]
+_REFERENCES = get_args(Reference)
 
 
 def check_reference(reference: str) -> None:
     """Raises UnknownName unless `reference` is one of the three."""
-    if reference not in get_args(Reference):
-        raise UnknownName("reference", reference, get_args(Reference))
+    if not isinstance(reference, str) or reference not in _REFERENCES:
+        raise UnknownName("reference", reference, _REFERENCES)
 
 
 def relevant_placement(placement: SE3, reference: Reference) -> SE3:

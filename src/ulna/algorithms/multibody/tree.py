@@ -10,11 +10,11 @@
 | T | pose of the moving frame in the world | SE3 | [m] | T_i = T_p(i) X_i |
 
 Source: Featherstone, sections 4.1 to 4.4. A *step* is a joint, or one part of a joint that is made of parts
-(composite, universal, ellipsoid; see `JointKind.elementary_joints`). Unfolding joints into steps makes every S
-constant in its own moving frame, so that no algorithm needs a derivative of S. Only the last step of a joint
-carries links and frames. A mimic joint is a step whose position is affine in that of its source; its columns of S,
-times the multiplier, belong to the source's velocity. Several steps of an ellipsoid follow one of its angles in the
-same way.
+(composite, cylindrical, universal, chains of turns; see `JointKind.elementary_joints`). Unfolding joints into steps
+makes every S constant in its own moving frame, so that no algorithm needs a derivative of S. Only the last step of a
+joint carries links and frames. The steps of a mimic joint have positions that are affine in that of its source; their
+columns of S, times the multiplier, belong to the source's velocity. Several turns of a chain follow one of its angles
+in the same way.
 """
 
 from __future__ import annotations
@@ -50,12 +50,19 @@ class Step:
     offset: float = 0.0
     """What is added to the angle of a revolute joint; see link_frames.py."""
     ratio: float = 1.0
-    """Its position as a multiple of the joint's; other than 1 for the turns of an ellipsoid only."""
+    """Its position as a multiple of the joint's; other than 1 for the turns of a `TurnChain` only."""
 
     @property
     def multiplier(self) -> float:
-        """Its velocity as a multiple of the entry of v that moves it; 1 for all but mimic joints and ellipsoids."""
-        return self.joint.mimic.multiplier if self.joint.mimic is not None else self.ratio
+        """Its velocity as a multiple of the entry of v that moves it; 1 but for mimic joints and turns of chains."""
+        mimic = self.joint.mimic
+        return self.ratio if mimic is None else self.ratio * mimic.multiplier
+
+    @property
+    def shift(self) -> float:
+        """Its position where the entries of q that move it are zero: that of a mimic joint, and `offset` [rad or m]."""
+        mimic = self.joint.mimic
+        return self.offset if mimic is None else self.ratio * mimic.offset + self.offset
 
     @property
     def indices(self) -> range:
@@ -162,7 +169,7 @@ def steps(model: Model, joints: Iterable[int] | None = None) -> tuple[Step, ...]
 
 
 def shares_velocities(model: Model) -> bool:
-    """Whether an entry of v moves several steps: of mimic joints and their sources, and of ellipsoids."""
+    """Whether an entry of v moves several steps: of mimic joints and their sources, and of chains of turns."""
     return (
         any(joint.mimic is not None for joint in model.joints)
         or sum(s.kind.nv for s in steps(model)) > model.nv

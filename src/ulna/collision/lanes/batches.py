@@ -11,22 +11,23 @@ from typing import final
 
 import numpy as np
 
+from ulna.collision.lanes.moving import links_of
 from ulna.collision.lanes.primitives import (
     centre,
     near_each_other,
     near_plane,
     near_point,
-    within_box,
-    within_cylinder,
+    within_obstacle,
 )
 from ulna.collision.lanes.single import DOUBTFUL, FREE, StateCheck
 from ulna.collision.lanes.table_lookup import table_clearance
-from ulna.collision.lanes.tables import Scene, links_of
+from ulna.collision.lanes.tables import Scene
 from ulna.collision.lanes.touching import (
     Tables,
     Work,
     bound_row,
     extent_of,
+    lanes_near_cloud,
     on_body,
     overlapping,
     pair_in_doubt,
@@ -35,7 +36,7 @@ from ulna.collision.lanes.touching import (
 )
 from ulna.collision.pair_tables import PairTable
 from ulna.collision.pairs import LinkPair
-from ulna.collision.point_grid import in_cloud, lane_touches, maybe_near
+from ulna.collision.point_grid import lane_touches
 from ulna.collision.solids import Missing
 from ulna.collision.spheres import Spheres
 from ulna.collision.world import World
@@ -59,14 +60,6 @@ from ulna.typing import Array, Floats
 _CHUNK = 32768  # configurations of a call, which cannot be interrupted: some milliseconds
 
 
-@procedure
-def _is_near(tables, k, x, y, z, r):
-    """Whether spheres touch the obstacle of column k, in lanes."""
-    if k < len(tables.boxes):
-        return within_box(tables.boxes, k, x, y, z, r)
-    return within_cylinder(tables.cylinders, k - len(tables.boxes), x, y, z, r)
-
-
 @procedure(contract=True)
 def _lane_with_obstacle(tables, g, k, less, lane, R, W):
     """2 if a group touches an obstacle in one lane for sure, 1 if it may, else 0: lanes hold spheres; R: the poses."""
@@ -78,8 +71,8 @@ def _lane_with_obstacle(tables, g, k, less, lane, R, W):
         y = R[at + 3 * W] * u + R[at + 4 * W] * v + R[at + 5 * W] * w + R[t + W]
         z = R[at + 6 * W] * u + R[at + 7 * W] * v + R[at + 8 * W] * w + R[t + 2 * W]
         r, is_one = tables.columns[3, s : s + W], lane_numbers(W) < tables.first[g + 1] - s
-        if any_of(_is_near(tables, k, x, y, z, r) & is_one):
-            if any_of(_is_near(tables, k, x, y, z, r - less) & is_one):
+        if any_of(within_obstacle(tables, k, x, y, z, r) & is_one):
+            if any_of(within_obstacle(tables, k, x, y, z, r - less) & is_one):
                 return 2
             answer = 1
     return answer
@@ -89,7 +82,7 @@ def _lane_with_obstacle(tables, g, k, less, lane, R, W):
 def _with_obstacle(tables, g, k, less, maybe, sure, work, W):
     """The lanes in which a group may touch the obstacle of column k, and does for sure, and those known before."""
     x, y, z = centre(work.c, bound_row(tables, g), W)
-    near = _is_near(tables, k, x, y, z, tables.bounds[g, 3]) & ~sure
+    near = within_obstacle(tables, k, x, y, z, tables.bounds[g, 3]) & ~sure
     count = tables.first[g + 1] - tables.first[g]
     if 4 * count_of(near) * ((count + W - 1) // W) < 3 * count:  # few configurations: the spheres in lanes
         while any_of(near):
@@ -106,8 +99,8 @@ def _with_obstacle(tables, g, k, less, maybe, sure, work, W):
     else:
         for s in range(tables.first[g], tables.first[g + 1]):
             x, y, z = centre(work.c, placed_row(tables, g, s, work, W), W)
-            maybe = maybe | _is_near(tables, k, x, y, z, tables.spheres[s, 3])
-            sure = sure | _is_near(tables, k, x, y, z, tables.spheres[s, 3] - less)
+            maybe = maybe | within_obstacle(tables, k, x, y, z, tables.spheres[s, 3])
+            sure = sure | within_obstacle(tables, k, x, y, z, tables.spheres[s, 3] - less)
     return maybe, sure
 
 
@@ -132,24 +125,26 @@ def _with_obstacles(tables, g, less, maybe, sure, work, W):
 
 
 @procedure
-def _with_clouds(tables, g, less, maybe, sure, work, W):
-    """The lanes in which a group may touch clouds, and does for sure, and those known before."""
-    for k in range(len(tables.clouds.poses)):
-        margin = tables.cloud_margins[g, k]
-        if margin >= 0:
-            x, y, z = in_cloud(tables.clouds.poses, k, work.c, bound_row(tables, g), W)
-            if any_of(maybe_near(tables.clouds, k, x, y, z, tables.bounds[g, 3] + margin, W) & ~sure):
-                for s in range(tables.first[g], tables.first[g + 1]):
-                    c, r = placed_row(tables, g, s, work, W), tables.spheres[s, 3] + margin
-                    x, y, z = in_cloud(tables.clouds.poses, k, work.c, c, W)
-                    is_open = maybe_near(tables.clouds, k, x, y, z, r, W) & ~sure
-                    while any_of(is_open):
-                        this = lane_numbers(W) == first_of(is_open)
-                        if lane_touches(tables.clouds, k, x, y, z, r, this, W):
-                            maybe = maybe | this
-                            if lane_touches(tables.clouds, k, x, y, z, r - less, this, W):
-                                sure = sure | this
-                        is_open = is_open & ~this
+def _with_cloud(tables, g, k, less, maybe, sure, work, W):
+    """The lanes in which a group may touch a cloud, and does for sure, and those known before."""
+    apart = tables.cloud_margins[g, k] + tables.clouds.numbers[k, 1]
+    reach = tables.bounds[g, 3] + apart
+    square, x, y, z = lanes_near_cloud(tables, k, bound_row(tables, g), reach, work, W)
+    if any_of((square <= reach * reach) & ~sure):
+        for s in range(tables.first[g], tables.first[g + 1]):
+            span = tables.spans[s] + apart
+            is_open = (square <= span * span) & ~sure
+            if any_of(is_open):
+                row, reach = placed_row(tables, g, s, work, W), tables.spheres[s, 3] + apart
+                near, x, y, z = lanes_near_cloud(tables, k, row, reach, work, W)
+                is_open = is_open & (near <= reach * reach)
+                while any_of(is_open):
+                    this = lane_numbers(W) == first_of(is_open)
+                    if lane_touches(tables.clouds, k, x, y, z, reach, this, W):
+                        maybe = maybe | this
+                        if lane_touches(tables.clouds, k, x, y, z, reach - less, this, W):
+                            sure = sure | this
+                    is_open = is_open & ~this
     return maybe, sure
 
 
@@ -214,7 +209,9 @@ def touching_lanes(tables, less, maybe, sure, work, W):
     for i in range(len(tables.bodies)):
         g = len(tables.bodies) - 1 - i
         maybe, sure = _with_obstacles(tables, g, less, maybe, sure, work, W)
-        maybe, sure = _with_clouds(tables, g, less, maybe, sure, work, W)
+        for k in range(len(tables.clouds.poses)):
+            if tables.cloud_margins[g, k] >= 0:
+                maybe, sure = _with_cloud(tables, g, k, less, maybe, sure, work, W)
         if all_of(sure):
             return maybe, sure
     maybe, sure = _with_fixed_links(tables, less, maybe, sure, work, W)
@@ -247,7 +244,7 @@ def which_touch(
     kernel: Kernel, tables: Tables, less: f32, low: Array1[f64], high: Array1[f64], points: Array2[f64],
     answers: Array1[f32], work: Work, W: int,
 ) -> None:  # fmt: skip
-    """Writes for each configuration what `judged_state` returns for it: free, touching, or in doubt.
+    """Writes for each configuration what `classified_state` returns for it: free, touching, or in doubt.
 
     Args:
         kernel: From configurations to poses of the bodies, in lanes.

@@ -47,26 +47,7 @@ def centre(c, row, W):
 
 
 @procedure(contract=True)
-def near_box(boxes, k, c, row, r, W):
-    """Whether spheres touch a rounded box, in lanes.
-
-    Args:
-        boxes: Numbers of the obstacles, (n, 16) [m].
-        k: Which obstacle [-].
-        c: Centres, three rows of W numbers each [m].
-        row: The first row of the spheres [-].
-        r: Their radius [m].
-        W: Lanes, a constant [-].
-
-    Returns:
-        A mask.
-    """
-    x, y, z = centre(c, row, W)
-    return within_box(boxes, k, x, y, z, r)
-
-
-@procedure(contract=True)
-def within_box(boxes, k, x, y, z, r):
+def _within_box(boxes, k, x, y, z, r):
     """Whether spheres touch a rounded box, in lanes.
 
     Args:
@@ -90,26 +71,7 @@ def within_box(boxes, k, x, y, z, r):
 
 
 @procedure(contract=True)
-def near_cylinder(cylinders, k, c, row, r, W):
-    """Whether spheres touch a cylinder, in lanes.
-
-    Args:
-        cylinders: Numbers of the obstacles, (n, 8) [m].
-        k: Which obstacle [-].
-        c: Centres, three rows of W numbers each [m].
-        row: The first row of the spheres [-].
-        r: Their radius [m].
-        W: Lanes, a constant [-].
-
-    Returns:
-        A mask.
-    """
-    x, y, z = centre(c, row, W)
-    return within_cylinder(cylinders, k, x, y, z, r)
-
-
-@procedure(contract=True)
-def within_cylinder(cylinders, k, x, y, z, r):
+def _within_cylinder(cylinders, k, x, y, z, r):
     """Whether spheres touch a cylinder, in lanes.
 
     Args:
@@ -131,6 +93,26 @@ def within_cylinder(cylinders, k, x, y, z, r):
     aside = np.maximum(np.sqrt(x * x + y * y + z * z) - cylinders[k, 6], 0)
     above = np.maximum(abs(along) - cylinders[k, 7], 0)
     return aside * aside + above * above <= r * r
+
+
+@procedure(contract=True)
+def within_obstacle(tables, k, x, y, z, r):
+    """Whether spheres touch the obstacle of column k, a rounded box or a cylinder, in lanes.
+
+    Args:
+        tables: What is checked against what [m].
+        k: The column [-].
+        x: Centres [m].
+        y: Likewise [m].
+        z: Likewise [m].
+        r: Their radii, or the radius of all [m].
+
+    Returns:
+        A mask.
+    """
+    if k < len(tables.boxes):
+        return _within_box(tables.boxes, k, x, y, z, r)
+    return _within_cylinder(tables.cylinders, k - len(tables.boxes), x, y, z, r)
 
 
 @procedure(contract=True)

@@ -14,11 +14,11 @@ from ulna.compiler.procedures import Array1, Kernel, broadcast, f32, f64, proced
 from ulna.typing import Floats
 
 FREE, TOUCHING, DOUBTFUL = 0, 1, 2
-"""What `judged_state` returns."""
+"""What `classified_state` returns."""
 
 
 @procedure(constants={"W": 8})
-def judged_state(
+def classified_state(
     kernel: Kernel, larger: Tables, smaller: Tables, low: Array1[f64], high: Array1[f64], q: Array1[f64], work: Work,
     W: int,
 ) -> int:  # fmt: skip
@@ -53,8 +53,8 @@ class StateCheck:
 
     Args:
         scene: The robot and the world.
-        larger: See `judged_state`.
-        smaller: See `judged_state`.
+        larger: See `classified_state`.
+        smaller: See `classified_state`.
     """
 
     def __init__(self, scene: Scene, larger: Tables, smaller: Tables) -> None:
@@ -88,4 +88,4 @@ class StateCheck:
 
 @lru_cache(maxsize=8)
 def _specialized(lanes: int) -> Any:
-    return judged_state.specialized(W=lanes)
+    return classified_state.specialized(W=lanes)

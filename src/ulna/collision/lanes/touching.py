@@ -25,15 +25,14 @@ import numpy as np
 
 from ulna.collision.lanes.primitives import (
     centre,
-    near_box,
-    near_cylinder,
     near_each_other,
     near_plane,
     near_point,
     place,
+    within_obstacle,
 )
 from ulna.collision.lanes.table_lookup import PairGrids, table_clearance
-from ulna.collision.point_grid import Clouds, in_cloud, lane_touches, maybe_near
+from ulna.collision.point_grid import Clouds, in_cloud, lane_touches, least_square, level_for
 from ulna.compiler.procedures import (
     Array1,
     Array2,
@@ -60,6 +59,7 @@ class Tables(NamedTuple):
         bounds: Bounding spheres of the groups: centre on the body and radius, (G, 4) [m].
         first: Where the spheres of a group begin, (G + 1,).
         spheres: Centre on the body and radius, (S, 4) [m].
+        spans: How far they reach from the centres of their groups' bounding spheres, (S,) [m].
         columns: The same by columns, for lanes of spheres, with W unused ones at the end, (4, S + W) [m].
         boxes: Rounded boxes, (n, 16) [m].
         cylinders: Cylinders, (m, 8) [m].
@@ -85,6 +85,7 @@ class Tables(NamedTuple):
     bounds: Array2[f32]
     first: Array1[INT]
     spheres: Array2[f32]
+    spans: Array1[f32]
     columns: Array2[f32]
     boxes: Array2[f32]
     cylinders: Array2[f32]
@@ -250,20 +251,12 @@ def overlapping(tables, g, i, x, y, z, to_x, to_y, to_z, W):
 @procedure
 def _group_touches(tables, g, k, work, W):
     """Whether a group touches the obstacle of column k in any lane."""
-    boxes = len(tables.boxes)
-    if k < boxes:
-        if any_of(near_box(tables.boxes, k, work.c, bound_row(tables, g), tables.bounds[g, 3], W)):
-            for s in range(tables.first[g], tables.first[g + 1]):
-                row = placed_row(tables, g, s, work, W)
-                if any_of(near_box(tables.boxes, k, work.c, row, tables.spheres[s, 3], W)):
-                    return True
-    else:
-        n = k - boxes
-        if any_of(near_cylinder(tables.cylinders, n, work.c, bound_row(tables, g), tables.bounds[g, 3], W)):
-            for s in range(tables.first[g], tables.first[g + 1]):
-                row = placed_row(tables, g, s, work, W)
-                if any_of(near_cylinder(tables.cylinders, n, work.c, row, tables.spheres[s, 3], W)):
-                    return True
+    x, y, z = centre(work.c, bound_row(tables, g), W)
+    if any_of(within_obstacle(tables, k, x, y, z, tables.bounds[g, 3])):
+        for s in range(tables.first[g], tables.first[g + 1]):
+            x, y, z = centre(work.c, placed_row(tables, g, s, work, W), W)
+            if any_of(within_obstacle(tables, k, x, y, z, tables.spheres[s, 3])):
+                return True
     return False
 
 
@@ -291,22 +284,39 @@ def _group_touches_world(tables, g, work, W):
 
 
 @procedure
-def _group_touches_clouds(tables, g, work, W):
+def lanes_near_cloud(tables, k, row, reach, work, W):
+    """Squares below which a sphere's centres are not from the points of a cloud, and the centres in its frame.
+
+    Args:
+        tables: What is checked against what [m].
+        k: The cloud [-].
+        row: The row of the centres in `work.c` [-].
+        reach: The distance that is asked for [m].
+        work: Holds the centres [m].
+        W: Lanes, a constant [-].
+
+    Returns:
+        The squares, and x, y, z, lanes [m^2], [m].
+    """
+    x, y, z = in_cloud(tables.clouds.poses, k, work.c, row, W)
+    return least_square(tables.clouds, k, level_for(tables.clouds, k, reach), x, y, z), x, y, z
+
+
+@procedure
+def _group_touches_cloud(tables, g, k, work, W):
     """Whether a group touches a cloud in any lane."""
-    begin = tables.first[g]
-    for k in range(len(tables.clouds.poses)):
-        margin = tables.cloud_margins[g, k]
-        if margin >= 0:
-            for s in range(begin - 1, tables.first[g + 1]):  # first the bounding sphere
-                row, r = bound_row(tables, g), tables.bounds[g, 3] + margin
-                if s >= begin:
-                    row, r = placed_row(tables, g, s, work, W), tables.spheres[s, 3] + margin
-                x, y, z = in_cloud(tables.clouds.poses, k, work.c, row, W)
-                undecided = maybe_near(tables.clouds, k, x, y, z, r, W)
-                if s < begin:
-                    if not any_of(undecided):
-                        break
-                elif lane_touches(tables.clouds, k, x, y, z, r, undecided, W):
+    apart = tables.cloud_margins[g, k] + tables.clouds.numbers[k, 1]
+    reach = tables.bounds[g, 3] + apart
+    square, x, y, z = lanes_near_cloud(tables, k, bound_row(tables, g), reach, work, W)
+    if any_of(square <= reach * reach):
+        for s in range(tables.first[g], tables.first[g + 1]):
+            span = tables.spans[s] + apart
+            is_open = square <= span * span
+            if any_of(is_open):
+                row, reach = placed_row(tables, g, s, work, W), tables.spheres[s, 3] + apart
+                near, x, y, z = lanes_near_cloud(tables, k, row, reach, work, W)
+                is_open = is_open & (near <= reach * reach)
+                if lane_touches(tables.clouds, k, x, y, z, reach, is_open, W):
                     return True
     return False
 
@@ -375,8 +385,10 @@ def block_touches(tables, work, W):
             return True
     if len(tables.clouds.poses) > 0:
         for i in range(len(tables.bodies)):
-            if _group_touches_clouds(tables, len(tables.bodies) - 1 - i, work, W):
-                return True
+            g = len(tables.bodies) - 1 - i
+            for k in range(len(tables.clouds.poses)):
+                if tables.cloud_margins[g, k] >= 0 and _group_touches_cloud(tables, g, k, work, W):
+                    return True
     for k in range(len(tables.grids.fixed)):
         apart = table_clearance(tables.grids, tables.grids.fixed[k], work.q, W)
         if any_of(apart <= tables.grids.fixed_reach[k]):

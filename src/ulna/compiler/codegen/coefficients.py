@@ -86,8 +86,29 @@ EXPM1 = _numbers(
 )
 """The same, by its error relative to the exponential less 1."""
 
+ERF = _numbers(
+    "0x1.06eba8214db69p-3 -0x1.812746b0379d1p-2 0x1.ce2f21a04131p-4 -0x1.b82ce311eb8cbp-6 "
+    "0x1.565bccef8dcd7p-8 -0x1.c02dad05526d8p-11 0x1.f9a22c51cbc7dp-14 -0x1.f4bbcd0764cc3p-17 "
+    "0x1.b897e2b9eafbdp-20 -0x1.534830e48a3b4p-23 0x1.79717e1dc7466p-27",
+    "0x1.06eba8p-3 -0x1.812732p-2 0x1.ce284p-4 -0x1.b76ccp-6 0x1.4d16fep-8 -0x1.5552e6p-11",
+)
+"""Error function: erf(x) / x - 1, by powers of x^2."""
+
+ERFC = _numbers(
+    "0x1.29ea4d0a0b238p+1 0x1.a28c7a684a093p-1 0x1.980e77974874fp-5 -0x1.895d7ef6b4139p-7 "
+    "0x1.222d17df0620ep-9 -0x1.65210fcac6bd8p-13 -0x1.52951db447966p-14 0x1.865936e145b45p-15 "
+    "-0x1.bfebb879b629ap-17 0x1.eb8b7bdd627b7p-20 0x1.9877668a4e993p-22 -0x1.70aa0838f5374p-22 "
+    "0x1.112769a6a5d5bp-23 -0x1.0f04139094c44p-25 0x1.7c0f7286978fcp-28 -0x1.6c4c753bc5d4ep-31 "
+    "0x1.ad8cea138b995p-35 -0x1.d5d018995fb23p-40",
+    "0x1.29ea4ep+1 0x1.a28c4ap-1 0x1.9828c2p-5 -0x1.8b013ep-7 0x1.3034fep-9 -0x1.3dcacep-12 0x1.3fa5cep-16",
+)
+"""Its complement: (log(erfc(b)) - log(erfc(b + u))) / u, b = 13/16, by powers of u."""
+
+ERFC_EXPONENT = _numbers("0x1.6257d5cdb7088p+0 0x1.29c56adf13e2p-55", "0x1.6257d6p+0 -0x1.9247bcp-27")
+"""-log(erfc(13/16)) in parts."""
+
 LN2 = _numbers("0x1.62e42fefa4p-1 -0x1.8432a1b0e2634p-43", "0x1.62ep-1 0x1.0bfbe8p-15")
-"""log 2 in parts; the first leaves room for the exponent, so that its product with it is exact."""
+"""log 2 in parts; the first has free bits for the exponent, so that its product with it is exact."""
 
 LOG2E = _numbers("0x1.71547652b82fep+0", "0x1.715476p+0")
 """1 / log 2."""

@@ -18,8 +18,9 @@ from ulna.compiler.codegen.row_factors import write_row_factors
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.forms.columns import ColumnForm
 from ulna.compiler.forms.stages import StagedForm
-from ulna.compiler.language.function import Function, SecondForm, trace
+from ulna.compiler.language.function import Function, trace
 from ulna.compiler.language.ops import Op
+from ulna.compiler.language.ports import SecondForm
 
 _MAX_SCRATCH = 400_000  # of the matrices, which lie on the stack [byte]
 _NARROWEST = 32  # registers that are worth it [byte]
@@ -36,9 +37,11 @@ def can_write_columns(f: Function | SecondForm, target: Target, element: DType) 
     Returns:
         Whether its registers are wide, a row has as many columns as one holds, and the matrices fit on the stack.
     """
+    form = f.columns if isinstance(f, Function) else f
+    columns = form.columns if isinstance(form, StagedForm) else f.outputs[0].shape[1]
     size = sum(port.size for port in f.outputs) * BYTES[element]
     is_wide = target.register_bytes >= _NARROWEST and target.stack_space == 0
-    return is_wide and f.outputs[0].shape[1] >= target.lanes(element) and size <= _MAX_SCRATCH
+    return is_wide and columns >= target.lanes(element) and size <= _MAX_SCRATCH
 
 
 def write_columns(module: Module, f: Function, form: ColumnForm, target: Target, element: DType) -> None:
@@ -63,7 +66,7 @@ def write_columns(module: Module, f: Function, form: ColumnForm, target: Target,
     table = scratch[0]
     if form.paths:
         table = "ptr %table"
-        write_row_factors(module, form.paths, Lanes(lanes, element), target)
+        write_row_factors(module, "factors", form.paths, Lanes(lanes, element), target)
         lines.append(f"  %table = alloca [{form.body.inputs[0].size} x {element}], align 64")
         lines.append(f"  call void @factors({scratch[0]}, {table})")
     matrices = iter(scratch[1:])
@@ -99,8 +102,8 @@ def zeros_of(form: ColumnForm, m: int) -> list[list[list[bool]]]:
         The answers.
     """
     if isinstance(form.head, StagedForm):
-        matrices = iter(form.head.zeros[1:])
-        units = [[[i != k for i in range(m)] for k in range(m)] for _ in form.units]
+        matrices, n = iter(form.head.zeros[1:]), form.body.inputs[1].size
+        units = [[[i != k for i in range(n)] for k in range(m)] for _ in form.units]
         return [
             units[k] if unit is not None else next(matrices).T.tolist() for k, unit in enumerate(form.units)
         ]

@@ -1,8 +1,8 @@
 """Write the LLVM IR of elementary functions that LLVM would otherwise hand, lane by lane, to the C library.
 
-Tangent, arcsine, arccosine, two-argument arctangent, exponentials and logarithms, in SIMD lanes, without
-branches (but for the tangent of huge arguments). Each reduces its argument to a small interval, evaluates a
-minimax polynomial there, and keeps the rounding error of the leading term, to add it back before the last
+Tangent, arcsine, arccosine, two-argument arctangent, hyperbolic sine, exponentials, logarithms and the error function,
+in SIMD lanes, without branches (but for the tangent of huge arguments). Each reduces its argument to a small interval,
+evaluates a minimax polynomial there, and keeps the rounding error of the leading term, to add it back before the last
 rounding (Muller, Elementary Functions, 3rd ed.). Values at zeros, infinities and NaN are those of NumPy.
 """
 
@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import inf
 
-from ulna.compiler.codegen import coefficients, exponentials
+from ulna.compiler.codegen import coefficients
 from ulna.compiler.codegen.arithmetic import COMPLETE, Arithmetic
-from ulna.compiler.codegen.exponentials import add_small
+from ulna.compiler.codegen.exponentials import EXPONENTIALS, add_small
 from ulna.compiler.codegen.function_body import Body
 from ulna.compiler.codegen.ir_text import DType, IRFunction, Lanes
 from ulna.compiler.codegen.sincos import arc, by_double, reduced_function
@@ -22,7 +22,8 @@ from ulna.compiler.codegen.sincos import arc, by_double, reduced_function
 def elementary_ir(op: str, lanes: int, dtype: DType, arithmetic: Arithmetic = COMPLETE) -> IRFunction:
     """The IR of `T @ulna.<op>.<suffix>(T x)`, of `(T y, T x)` for atan2; T is `dtype` or `<lanes x dtype>`.
 
-    The error stays below 1 ULP. No library is called: results are the same on every processor.
+    The error stays below 1 ULP. No library is called: results are the same on all processors with FMA, and on all
+    without; between the two they may differ in the last bit.
 
     Args:
         op: one of `OPERATIONS`.
@@ -62,7 +63,7 @@ def _tan(body: Body, r: str, s: str, quadrant: str) -> tuple[str, ...]:
     (sine_high, sine_low), (cosine_high, cosine_low) = arc(body, r, s)
     sine = body.sub(sine_high, sine_low)
     cosine = body.add(cosine_high, cosine_low)
-    # What each rounded sum has too much.
+    # Rounding errors: rounded sum minus exact sum.
     sine_excess = body.add(body.sub(sine, sine_high), sine_low)
     cosine_excess = body.sub(body.sub(cosine, cosine_high), cosine_low)
     odd = body.integer_op("icmp ne", body.integer_op("and", quadrant, 1), 0)
@@ -77,41 +78,41 @@ def _tan(body: Body, r: str, s: str, quadrant: str) -> tuple[str, ...]:
 
 
 def _half_arc(body: Body, x: str) -> tuple[str, str, str]:
-    """(far, t, p), a = |x|, far: a > 1/2. The arcsine of (far ? sqrt((1 - a)/2) : a) is t + p, p small."""
+    """(is_above_half, t, p), p small: t + p is the arcsine of sqrt((1 - a)/2) where a = |x| > 1/2, else that of a."""
     a = body.fabs(x)
-    far = body.compare("ogt", a, 0.5)
-    z = body.select(far, body.fma(a, -0.5, 0.5), body.mul(a, a))
+    is_above_half = body.compare("ogt", a, 0.5)
+    z = body.select(is_above_half, body.fma(a, -0.5, 0.5), body.mul(a, a))
     root = body.call("sqrt", z)
-    t = body.select(far, root, a)
+    t = body.select(is_above_half, root, a)
     # The root's rounding error, to first order.
     twice = body.add(root, root)
     twice = body.select(body.compare("oeq", twice, 0.0), 1.0, twice)
     missing = body.div(body.cancelling_fma(body.neg(root), root, z), twice)
     z2 = body.mul(z, z)
     polynomial = body.polynomial(z, z2, coefficients.ASIN[body.lanes.dtype])
-    p = body.fma(body.mul(t, z), polynomial, body.select(far, missing, 0.0))
-    return far, t, p
+    p = body.fma(body.mul(t, z), polynomial, body.select(is_above_half, missing, 0.0))
+    return is_above_half, t, p
 
 
 def _asin(body: Body, x: str) -> str:
-    quarter = coefficients.QUARTER_PI[body.lanes.dtype]
-    far, t, p = _half_arc(body, x)
+    quarter_pi = coefficients.QUARTER_PI[body.lanes.dtype]
+    is_above_half, t, p = _half_arc(body, x)
     # arcsin a = pi/2 - 2 arcsin sqrt((1 - a)/2).
-    base = body.select(far, 2 * quarter[0], 0.0)
-    t = body.select(far, body.mul(t, -2.0), t)
-    p = body.select(far, body.fma(p, -2.0, 2 * quarter[1]), p)
+    base = body.select(is_above_half, 2 * quarter_pi[0], 0.0)
+    t = body.select(is_above_half, body.mul(t, -2.0), t)
+    p = body.select(is_above_half, body.fma(p, -2.0, 2 * quarter_pi[1]), p)
     return body.call("copysign", add_small(body, base, t, p), x)
 
 
 def _acos(body: Body, x: str) -> str:
-    quarter = coefficients.QUARTER_PI[body.lanes.dtype]
-    far, t, p = _half_arc(body, x)
+    quarter_pi = coefficients.QUARTER_PI[body.lanes.dtype]
+    is_above_half, t, p = _half_arc(body, x)
     negative = body.compare("olt", x, 0.0)
     # Near: pi/2 - arcsin x. Far: 2 arcsin sqrt((1 - a)/2), or pi less that. Multiples of pi/4: 2, 0, 4.
-    eighths = body.select(far, body.select(negative, 4.0, 0.0), 2.0)
-    factor = body.select(far, body.select(negative, -2.0, 2.0), body.select(negative, 1.0, -1.0))
-    base = body.mul(eighths, quarter[0])
-    return add_small(body, base, body.mul(t, factor), body.fma(p, factor, body.mul(eighths, quarter[1])))
+    octants = body.select(is_above_half, body.select(negative, 4.0, 0.0), 2.0)
+    factor = body.select(is_above_half, body.select(negative, -2.0, 2.0), body.select(negative, 1.0, -1.0))
+    base = body.mul(octants, quarter_pi[0])
+    return add_small(body, base, body.mul(t, factor), body.fma(p, factor, body.mul(octants, quarter_pi[1])))
 
 
 def _atan2(body: Body, y: str, x: str) -> str:
@@ -124,8 +125,8 @@ def _atan2(body: Body, y: str, x: str) -> str:
     small = body.select(infinite, body.select(body.compare("oeq", small, inf), 1.0, 0.0), small)
     large = body.select(infinite, 1.0, body.select(body.compare("oeq", large, 0.0), 1.0, large))
     # Away from overflow of the sum and underflow of the remainder.
-    top, bottom, lift = (2.0**1000, 2.0**-900, 2.0**120) if double else (2.0**120, 2.0**-90, 2.0**40)
-    lifted = body.select(body.compare("olt", large, bottom), lift, 1.0)
+    top, bottom, scale_up = (2.0**1000, 2.0**-900, 2.0**120) if double else (2.0**120, 2.0**-90, 2.0**40)
+    lifted = body.select(body.compare("olt", large, bottom), scale_up, 1.0)
     scale = body.select(body.compare("ogt", large, top), 0.25, lifted)
     large, small = body.mul(large, scale), body.mul(small, scale)
     # arctan(small/large) = pi/4 + arctan((small - large)/(small + large)), for ratios beyond 1/2.
@@ -138,38 +139,56 @@ def _atan2(body: Body, y: str, x: str) -> str:
     z = body.mul(t, t)
     polynomial = body.polynomial(z, body.mul(z, z), coefficients.ATAN[body.lanes.dtype])
     p = body.fma(body.mul(t, z), polynomial, body.fma(body.neg(missing), z, missing))
-    # The angle is eighths * pi/4 + (t + p) or minus (t + p).
-    backward = body.integer_op("icmp slt", body.to_bits(x), 0)
-    eighths = body.select(diagonal, 1.0, 0.0)
-    eighths = body.select(steep, body.sub(2.0, eighths), eighths)
-    eighths = body.select(backward, body.sub(4.0, eighths), eighths)
-    turned = body.emit(f"xor {body.lanes.truth} {steep}, {backward}")
-    factor = body.select(turned, -1.0, 1.0)
-    quarter = coefficients.QUARTER_PI[body.lanes.dtype]
-    rest = body.fma(eighths, quarter[1], body.mul(p, factor))
-    angle = add_small(body, body.mul(eighths, quarter[0]), body.mul(t, factor), rest)
+    # The angle is octants * pi/4 + (t + p) or minus (t + p).
+    x_is_negative = body.integer_op("icmp slt", body.to_bits(x), 0)
+    octants = body.select(diagonal, 1.0, 0.0)
+    octants = body.select(steep, body.sub(2.0, octants), octants)
+    octants = body.select(x_is_negative, body.sub(4.0, octants), octants)
+    is_reflected = body.emit(f"xor {body.lanes.truth} {steep}, {x_is_negative}")
+    factor = body.select(is_reflected, -1.0, 1.0)
+    quarter_pi = coefficients.QUARTER_PI[body.lanes.dtype]
+    rest = body.fma(octants, quarter_pi[1], body.mul(p, factor))
+    angle = add_small(body, body.mul(octants, quarter_pi[0]), body.mul(t, factor), rest)
     angle = body.call("copysign", angle, y)
     return body.select(body.compare("uno", x, y), body.add(x, y), angle)
 
 
-def _quotient(body: Body, numerator: str, denominator: str, lacks: Callable[[], str]) -> tuple[str, str]:
-    """The quotient, and what it lacks; `lacks` writes what the denominator does."""
+def _quotient(
+    body: Body, numerator: str, denominator: str, denominator_error: Callable[[], str]
+) -> tuple[str, str]:
+    """The quotient and its error term (exact minus rounded); `denominator_error` writes the denominator's."""
     reciprocal = body.div(1.0, denominator)
     t = body.mul(numerator, reciprocal)
     minus_t = body.neg(t)
     remainder = body.cancelling_fma(minus_t, denominator, numerator)
-    remainder = body.fma(minus_t, lacks(), remainder)
+    remainder = body.fma(minus_t, denominator_error(), remainder)
     return t, body.mul(remainder, reciprocal)
+
+
+def _erf(body: Body, x: str) -> str:
+    """x + x E(x^2) up to b = 13/16; beyond, 1 - exp(-c - u C(u)), u = x - b, where exp(-c) = 1 - erf(b)."""
+    dtype, bound = body.lanes.dtype, 0.8125
+    most = 6.0 if dtype == "double" else 4.0  # from here on the result is 1
+    a = body.fabs(x)
+    bounded = body.select(body.compare("ogt", a, most), most, a)
+    z, u = body.mul(bounded, bounded), body.sub(bounded, bound)
+    near = body.polynomial(z, body.mul(z, z), coefficients.ERF[dtype])
+    near = body.fma(bounded, near, bounded)
+    slope = body.polynomial(u, body.mul(u, u), coefficients.ERFC[dtype])
+    high, low = coefficients.ERFC_EXPONENT[dtype]
+    exponent = body.fma(u, slope, high)
+    missing = body.add(body.fma(u, slope, body.sub(high, exponent)), low)
+    complement = EXPONENTIALS["exp"](body, body.neg(exponent))
+    far = add_small(body, 1.0, body.neg(complement), body.mul(complement, missing))
+    return body.call("copysign", body.select(body.compare("ogt", a, bound), far, near), x)
 
 
 _WRITERS: dict[str, tuple[Callable[..., str], tuple[str, ...]]] = {
     "asin": (_asin, ("%x",)),
     "acos": (_acos, ("%x",)),
     "atan2": (_atan2, ("%y", "%x")),
-    "exp": (exponentials.exp, ("%x",)),
-    "log": (exponentials.log, ("%x",)),
-    "expm1": (exponentials.expm1, ("%x",)),
-    "log1p": (exponentials.log1p, ("%x",)),
+    "erf": (_erf, ("%x",)),
+    **{name: (write, ("%x",)) for name, write in EXPONENTIALS.items()},
 }
 
 OPERATIONS = ("tan", *_WRITERS)

@@ -1,7 +1,8 @@
-"""Exponentials and logarithms in SIMD lanes: exp and log; expm1 and log1p, precise for small arguments, too."""
+"""Exponentials and logarithms in SIMD lanes: exp and log; expm1, log1p and sinh, precise for small arguments, too."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf, nan, sqrt
 from typing import NamedTuple
 
@@ -11,12 +12,12 @@ from ulna.compiler.codegen.ir_text import bits_of
 from ulna.compiler.codegen.sincos import ROUNDER
 
 
-def add_small(body: Body, base: str, t: str, p: str) -> str:
+def add_small(body: Body, base: str | float, t: str, p: str) -> str:
     """The sum base + t + p, where base is zero or larger than t, and p is small, with nearly one rounding.
 
     Args:
         body: The body of a function in which the instructions are written.
-        base, t, p: The names of the terms in it.
+        base, t, p: The names of the terms in it; the base may be a number.
 
     Returns:
         The name of the result.
@@ -34,7 +35,7 @@ class _Reduced(NamedTuple):
     """k + ROUNDER, whose last bits are k."""
     r: str
     missing: str
-    """What the rounded r lacks."""
+    """The low-order part: exact minus rounded r."""
     z: str
     cubic: str
 
@@ -70,16 +71,14 @@ def _power_of_two(body: Body, exponent: str) -> str:
     return body.from_bits(body.integer_op("shl", body.integer_op("add", exponent, bias), mantissa))
 
 
-def exp(body: Body, x: str) -> str:
-    """The exponential of x.
+def _inverse_power(body: Body, k: str, most: float) -> str:
+    """2^-k; 2^-most where k is larger."""
+    bounded = body.select(body.compare("ogt", k, most), most, k)
+    return _power_of_two(body, body.to_bits(body.sub(ROUNDER[body.lanes.dtype], bounded)))
 
-    Args:
-        body: The body of a function in which the instructions are written.
-        x: The name of the argument in it.
 
-    Returns:
-        The name of the result.
-    """
+def _exp(body: Body, x: str) -> str:
+    """The exponential of x."""
     # Beyond these the result is infinite or zero.
     lowest, highest = (-746.0, 710.0) if body.lanes.dtype == "double" else (-104.0, 89.0)
     e = _reduced(body, x, lowest, highest, coefficients.EXP)
@@ -89,22 +88,13 @@ def exp(body: Body, x: str) -> str:
     return _times_power(body, body.add(high, body.fma(e.z, tail, low)), e)
 
 
-def expm1(body: Body, x: str) -> str:
-    """2^k ((1 - 2^-k) + r + rest): the sum begins with its largest part, and nothing cancels that is not exact.
-
-    Args:
-        body: The body of a function in which the instructions are written.
-        x: The name of the argument in it.
-
-    Returns:
-        The name of the result.
-    """
+def _expm1(body: Body, x: str) -> str:
+    """2^k ((1 - 2^-k) + r + rest): the sum begins with its largest part, and nothing cancels that is not exact."""
     dtype = body.lanes.dtype
     # Below the lowest the result is -1; 2^-k counts up to the precision of 1 only.
     lowest, highest, most = (-40.0, 710.0, 60.0) if dtype == "double" else (-20.0, 89.0, 30.0)
     e = _reduced(body, x, lowest, highest, coefficients.EXPM1)
-    counted = body.select(body.compare("ogt", e.k, most), most, e.k)
-    minus_inverse = body.neg(_power_of_two(body, body.to_bits(body.sub(ROUNDER[dtype], counted))))
+    minus_inverse = body.neg(_inverse_power(body, e.k, most))
     above = body.compare("ogt", e.k, 0.0)
     large, small = body.select(above, 1.0, minus_inverse), body.select(above, minus_inverse, 1.0)
     base = body.add(large, small)
@@ -116,6 +106,29 @@ def expm1(body: Body, x: str) -> str:
     rest = body.add(body.add(body.sub(base, first), e.r), rest)
     value = _times_power(body, add_small(body, first, body.mul(e.z, 0.5), rest), e)
     return body.call("copysign", value, x)
+
+
+def _sinh(body: Body, x: str) -> str:
+    """2^(k-1) (e^r - w e^-r), w = 2^-2k, of |x| = k ln 2 + r: no sum cancels that is not exact, as in `_expm1`."""
+    dtype = body.lanes.dtype
+    highest, most = (711.0, 60.0) if dtype == "double" else (90.0, 30.0)
+    e = _reduced(body, body.fabs(x), 0.0, highest, coefficients.EXPM1)
+    inverse = _inverse_power(body, e.k, most)
+    w = body.mul(inverse, inverse)
+    base, both = body.sub(1.0, w), body.add(w, 1.0)
+    base_missing = body.sub(body.sub(1.0, base), w)
+    # base + r both + z base / 2 + r z (cubic(r) + w cubic(-r)), and what the rounded parts lack.
+    linear = body.mul(e.r, both)
+    linear_missing = body.fma(e.missing, both, body.cancelling_fma(e.r, both, body.neg(linear)))
+    mirrored = body.polynomial(body.neg(e.r), e.z, coefficients.EXPM1[dtype])
+    half_base = body.mul(base, 0.5)
+    z_missing = body.fma(body.mul(e.missing, e.r), 2.0, body.cancelling_fma(e.r, e.r, body.neg(e.z)))
+    rest = body.fma(z_missing, half_base, body.add(linear_missing, base_missing))
+    rest = body.fma(body.mul(e.r, e.z), body.fma(w, mirrored, e.cubic), rest)
+    first = body.add(base, linear)
+    rest = body.add(body.add(body.sub(base, first), linear), rest)
+    value = add_small(body, first, body.mul(e.z, half_base), rest)
+    return body.call("copysign", _times_power(body, body.mul(value, 0.5), e), x)
 
 
 class _Split(NamedTuple):
@@ -156,16 +169,8 @@ def _log_of(body: Body, x: _Split, low: str | None = None) -> str:
     return add_small(body, body.mul(x.k, ln2[0]), f, rest)
 
 
-def log(body: Body, x: str) -> str:
-    """The natural logarithm of x.
-
-    Args:
-        body: The body of a function in which the instructions are written.
-        x: The name of the argument in it.
-
-    Returns:
-        The name of the result.
-    """
+def _log(body: Body, x: str) -> str:
+    """The natural logarithm of x."""
     lift, least = (54, 2.0**-1022) if body.lanes.dtype == "double" else (25, 2.0**-126)
     positive = body.compare("ogt", x, 0.0)
     value = body.select(positive, x, 1.0)
@@ -176,16 +181,8 @@ def log(body: Body, x: str) -> str:
     return body.select(positive, result, body.select(body.compare("oeq", x, 0.0), -inf, nan))
 
 
-def log1p(body: Body, x: str) -> str:
-    """The logarithm of the rounded 1 + x, and what the rounding left out, over it.
-
-    Args:
-        body: The body of a function in which the instructions are written.
-        x: The name of the argument in it.
-
-    Returns:
-        The name of the result.
-    """
+def _log1p(body: Body, x: str) -> str:
+    """log(1 + x) = log(s) + (1 + x - s)/s to first order, s = 1 + x rounded."""
     bias, mantissa = (1023, 52) if body.lanes.dtype == "double" else (127, 23)
     total = body.add(x, 1.0)
     positive = body.compare("ogt", total, 0.0)
@@ -201,3 +198,13 @@ def log1p(body: Body, x: str) -> str:
     result = body.call("copysign", result, x)
     result = body.select(body.compare("oeq", x, inf), inf, result)
     return body.select(positive, result, body.select(body.compare("oeq", x, -1.0), -inf, nan))
+
+
+EXPONENTIALS: dict[str, Callable[[Body, str], str]] = {
+    "exp": _exp,
+    "log": _log,
+    "expm1": _expm1,
+    "log1p": _log1p,
+    "sinh": _sinh,
+}
+"""What writes each function into the body of another, of the name of its argument there; returns that of the result."""

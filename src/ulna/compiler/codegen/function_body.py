@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import final
 
 from ulna.compiler.codegen.arithmetic import COMPLETE, Arithmetic
 from ulna.compiler.codegen.instructions import Instructions
 from ulna.compiler.codegen.ir_text import Lanes
+
+
+def _arithmetic(opcode: str, result: str) -> Callable[[Body, str | float, str | float], str]:
+    """The method of `Body` that appends an instruction of two floating-point operands."""
+
+    def append(self: Body, a: str | float, b: str | float) -> str:
+        return self.emit(f"{opcode} {self.lanes.real} {self._float(a)}, {self._float(b)}")
+
+    append.__doc__ = (
+        f"The {result} of values in all lanes, given by their names, or numbers; returns its name."
+    )
+    return append
 
 
 @final
@@ -40,53 +53,10 @@ class Body(Instructions):
     def _integer(self, value: str | int) -> str:
         return value if isinstance(value, str) else self.lanes.integer_constant(value)
 
-    def add(self, a: str | float, b: str | float) -> str:
-        """The sum a + b.
-
-        Args:
-            a: The name of a value in all lanes, or a number.
-            b: The name of a value in all lanes, or a number.
-
-        Returns:
-            The name of the sum.
-        """
-        return self.emit(f"fadd {self.lanes.real} {self._float(a)}, {self._float(b)}")
-
-    def sub(self, a: str | float, b: str | float) -> str:
-        """The difference a - b.
-
-        Args:
-            a: The name of a value in all lanes, or a number.
-            b: The name of a value in all lanes, or a number.
-
-        Returns:
-            The name of the difference.
-        """
-        return self.emit(f"fsub {self.lanes.real} {self._float(a)}, {self._float(b)}")
-
-    def mul(self, a: str | float, b: str | float) -> str:
-        """The product a * b.
-
-        Args:
-            a: The name of a value in all lanes, or a number.
-            b: The name of a value in all lanes, or a number.
-
-        Returns:
-            The name of the product.
-        """
-        return self.emit(f"fmul {self.lanes.real} {self._float(a)}, {self._float(b)}")
-
-    def div(self, a: str | float, b: str | float) -> str:
-        """The quotient a / b.
-
-        Args:
-            a: The name of a value in all lanes, or a number.
-            b: The name of a value in all lanes, or a number.
-
-        Returns:
-            The name of the quotient.
-        """
-        return self.emit(f"fdiv {self.lanes.real} {self._float(a)}, {self._float(b)}")
+    add = _arithmetic("fadd", "sum a + b")
+    sub = _arithmetic("fsub", "difference a - b")
+    mul = _arithmetic("fmul", "product a * b")
+    div = _arithmetic("fdiv", "quotient a / b")
 
     def neg(self, a: str) -> str:
         """-a."""

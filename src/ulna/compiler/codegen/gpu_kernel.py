@@ -11,12 +11,12 @@ from collections.abc import Sequence
 
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
 from ulna.compiler.codegen.node_writer import Module, Writer
-from ulna.compiler.codegen.register_pressure import few_alive
+from ulna.compiler.codegen.register_pressure import low_pressure_steps
+from ulna.compiler.codegen.scheduling import Sines, Store, made
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ops import Op
-from ulna.compiler.language.scheduling import Sines, Store
 
 GLOBAL = "ptr addrspace(1)"
 """The type of addresses in a GPU's main memory."""
@@ -121,7 +121,7 @@ def _write_thread(module: Module, name: str, f: Function, target: Target, elemen
         w.let(f"{port}.first", f"mul i64 %thread, %{port}.sample")
         w.let(f"{port}.row", f"getelementptr {element}, {GLOBAL} %{port}, i64 %{port}.first")
     _read(w, f, element)
-    for step in few_alive(f):
+    for step in low_pressure_steps(f):
         if isinstance(step, Sines):
             _constants(w, f.graph, step.arguments)
             w.sincos(step.arguments)
@@ -130,9 +130,9 @@ def _write_thread(module: Module, name: str, f: Function, target: Target, elemen
             for at, value in enumerate(step.values, step.start):
                 place = _place(w, f"o{step.port}", at, element)
                 w.write(f"store {element} {w.names[value]}, {place}, align {BYTES[element]}")
-        elif step not in w.names:
+        else:
             _constants(w, f.graph, f.graph.args[step])
-            w.node(step)
+            w.nodes(made(f.graph, step))
     w.jump("done")
     w.open_block("done")
     arguments = ", ".join(["i64 %thread", "i64 %count", *_parameters(f)])

@@ -1,4 +1,7 @@
-"""Writes a traced function for callers in machine code: many samples at once, one in each lane, element by element."""
+"""Generates the LLVM IR of a traced function that procedures call: one sample per SIMD lane.
+
+Arrays lie in structure-of-arrays (SoA) layout: element by element, the lanes of each element side by side.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ def lanes_kernel_ir(f: Function, lanes: int, element: DType, arithmetic: Arithme
     """The module of `void kernel(ptr inputs, ptr outputs)`.
 
     Element k of the input of lane j is number k * lanes + j of `inputs`, and likewise for the outputs. All inputs
-    lie one after the other, and so do all outputs.
+    lie one after the other, and so do all outputs. They may overlap: all inputs are read before any output is written.
 
     Args:
         f: The function, without loops over lanes.
@@ -36,7 +39,7 @@ def lanes_kernel_ir(f: Function, lanes: int, element: DType, arithmetic: Arithme
     for k, node in enumerate(f.results):
         body.write(f"%op{k} = getelementptr i8, ptr %outputs, i64 {k * width}")
         body.write(f"store {kind} {body.names[node]}, ptr %op{k}, align {BYTES[element]}")
-    head = "define void @kernel(ptr %inputs, ptr noalias %outputs) nounwind #0 {"
+    head = "define void @kernel(ptr %inputs, ptr %outputs) nounwind #0 {"
     module.definitions["kernel"] = "\n".join(
         [head, "entry:", *body.local_arrays, *body.lines, "  ret void", "}", ""]
     )

@@ -1,4 +1,4 @@
-"""Writes graphs whose inputs are loaded where they are first used, and hands out results once they are known."""
+"""Writes graphs whose inputs are loaded where they are first used, and stores results once they are known."""
 
 from __future__ import annotations
 

@@ -3,83 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol
 
-from ulna.compiler.codegen.ir_text import Lanes, truth
-from ulna.compiler.language.graph import Graph, Loop
-from ulna.data_classes import dataclass
-
-
-@dataclass(frozen=True)
-class Record:
-    """Where the states of a loop are kept, and what its iterations were.
-
-    Attributes:
-        array: The address of the states, those of one iteration after the other.
-        size: How many numbers a state has.
-        rounds: The name of the number of iterations of the lane that has most.
-        counts: The name of the number of iterations in each lane, a floating-point number.
-    """
-
-    array: str
-    size: int
-    rounds: str
-    counts: str
+from ulna.compiler.codegen.ir_text import truth
+from ulna.compiler.codegen.loop_parts import Rows, write_in_parts
+from ulna.compiler.codegen.step_writer import StepWriter, Tape
+from ulna.compiler.language.graph import Loop
 
 
-class Writer(Protocol):
-    """What is used of a writer of nodes."""
-
-    module: Any
-    layout: Lanes
-    prefix: str
-    names: dict[int, str]
-    records: dict[int, Record]
-    lines: list[str]
-    current_block: str
-
-    def inside(self, tag: str, graph: Graph) -> Writer:
-        """A writer for the body of a loop."""
-        ...
-
-    def array(self, name: str, count: int) -> str:
-        """A local array of the function."""
-        ...
-
-    def nodes(self, order: Sequence[int]) -> None:
-        """Writes nodes."""
-        ...
-
-    def assign(self, index: int, text: str) -> None:
-        """Appends the instruction whose result is a node."""
-        ...
-
-    def in_all_lanes(self, element: str, value: str) -> str:
-        """A vector that holds a value in every lane."""
-        ...
-
-    def fresh(self, hint: str = "t") -> str:
-        """A name that is not in use."""
-        ...
-
-    def write(self, *instructions: str) -> None:
-        """Appends instructions as they are."""
-        ...
-
-    def let(self, name: str, instruction: str) -> str:
-        """Appends an instruction with a result."""
-        ...
-
-    def branch(self, condition: str, label: str, otherwise: str) -> None:
-        """Continues at one of two blocks."""
-        ...
-
-    def open_block(self, label: str) -> None:
-        """Begins a basic block."""
-        ...
-
-
-def write_loop(w: Writer, index: int, loop: Loop, args: Sequence[int]) -> None:
+def write_loop(w: StepWriter, index: int, loop: Loop, args: Sequence[int]) -> None:
     """Iterates; a lane that is done keeps its state.
 
     Args:
@@ -99,13 +30,19 @@ def write_loop(w: Writer, index: int, loop: Loop, args: Sequence[int]) -> None:
     outside = args[loop.size : len(args) - loop.reads]
     for node, name in zip(loop.graph.inputs, [*state, *(w.names[a] for a in outside)], strict=False):
         inner.names[node] = name
+    captured = zip(loop.graph.inputs[loop.size :], outside, strict=False)
+    inner.captured_conditions = {node for node, a in captured if w.is_condition(a)}
     inner.current_block = head
-    _begin_round(w, inner, tag, loop, args, after)
-    if loop.is_recorded:
-        _keep(w, inner, tag, index, loop, args)
+    taped = _begin_round(w, inner, tag, loop, args, after)
+    if loop.is_taped:
+        _store_state(w, inner, tag, index, loop, args)
     # Condition and body are one region: lanes that are done compute along and are masked out.
-    inner.nodes(loop.graph.live([loop.condition, *loop.following]))
-    for k, node in enumerate(loop.following):
+    kept = loop.following[loop.size :]
+    row = ""
+    if kept:
+        row = inner.let(f"{tag}.kept", _place(inner, f"%{tag}.tape", f"%{tag}.first", loop.size))
+    write_in_parts(inner, tag, [loop.condition, *loop.following[: loop.size]], Rows(taped, kept, row))
+    for k, node in enumerate(loop.following[: loop.size]):
         inner.write(
             f"%{tag}.y{k} = select {layout.truth} %{tag}.active, {layout.real} {inner.names[node]}, "
             f"{layout.real} {state[k]}"
@@ -120,7 +57,7 @@ def write_loop(w: Writer, index: int, loop: Loop, args: Sequence[int]) -> None:
     w.names[index] = " ".join(state)
 
 
-def _phis(w: Writer, tag: str, loop: Loop, begin: Sequence[str], before: str, end: str) -> list[str]:
+def _phis(w: StepWriter, tag: str, loop: Loop, begin: Sequence[str], before: str, end: str) -> list[str]:
     """What changes from one iteration to the next, in blocks `before` and `end` of the loop's head."""
     layout = w.layout
 
@@ -130,20 +67,22 @@ def _phis(w: Writer, tag: str, loop: Loop, begin: Sequence[str], before: str, en
     lines = [phi("n", "i64", "0", f"%{tag}.n1")]
     if not loop.reads:
         lines.append(phi("alive", layout.truth, truth(layout, True), f"%{tag}.active"))
-        if loop.is_recorded:
+        if loop.is_taped:
             lines.append(phi("count", layout.real, layout.constant(0.0), f"%{tag}.count1"))
     return lines + [phi(f"x{k}", layout.real, value, f"%{tag}.y{k}") for k, value in enumerate(begin)]
 
 
-def _begin_round(w: Writer, inner: Writer, tag: str, loop: Loop, args: Sequence[int], after: str) -> None:
-    """Ends the head of the loop and begins its body, with the lanes in which it is active."""
+def _begin_round(
+    w: StepWriter, inner: StepWriter, tag: str, loop: Loop, args: Sequence[int], after: str
+) -> dict[int, tuple[str, int]]:
+    """Ends the head of the loop and begins its body, with the lanes in which it is active; where taped nodes lie."""
     body = f"{tag}.body"
     if not loop.reads:
         inner.nodes(loop.graph.live([loop.condition]))
         _continue_while(inner, tag, loop, body, after)
         inner.open_block(body)
-        return
-    read = [w.records[a] for a in args[len(args) - loop.reads :]]
+        return {}
+    read = [w.tapes[a] for a in args[len(args) - loop.reads :]]
     inner.branch(inner.let(f"{tag}.go", f"icmp ult i64 %{tag}.n, {read[0].rounds}"), body, after)
     inner.open_block(body)
     if loop.is_backward:
@@ -156,48 +95,53 @@ def _begin_round(w: Writer, inner: Writer, tag: str, loop: Loop, args: Sequence[
     if inner.layout.lanes > 1:
         number = inner.in_all_lanes(kind, number)
     inner.let(f"{tag}.active", f"fcmp ogt {real} {read[0].counts}, {number}")
-    live = set(loop.graph.live(loop.following))
-    nodes = iter(loop.graph.inputs[len(loop.graph.inputs) - sum(record.size for record in read) :])
-    for number, record in enumerate(read):
-        first = inner.let(f"{tag}.r{number}", f"mul i64 %{tag}.k, {record.size}")
-        for k in range(record.size):
-            node = next(nodes)
-            if node in live:
-                at = _address(inner, record.array, first, k)
-                inner.assign(node, f"load {real}, ptr {at}")
+    nodes = iter(loop.graph.inputs[len(loop.graph.inputs) - sum(tape.size for tape in read) :])
+    places: dict[int, tuple[str, int]] = {}
+    for number, tape in enumerate(read):
+        first = inner.let(f"{tag}.r{number}", f"mul i64 %{tag}.k, {tape.size}")
+        row = inner.let(f"{tag}.row{number}", f"getelementptr {real}, ptr {tape.array}, i64 {first}")
+        places |= {next(nodes): (row, k) for k in range(tape.size)}
+    return places
 
 
-def _keep(w: Writer, inner: Writer, tag: str, index: int, loop: Loop, args: Sequence[int]) -> None:
+def _store_state(
+    w: StepWriter, inner: StepWriter, tag: str, index: int, loop: Loop, args: Sequence[int]
+) -> None:
     """Stores the state before the iteration."""
     layout = inner.layout
-    array = w.array(f"{tag}.record", loop.limit * loop.size)
+    array = w.array(f"{tag}.tape", loop.limit * len(loop.following))
     if loop.reads:
-        source = w.records[args[len(args) - loop.reads]]
-        w.records[index] = Record(array, loop.size, source.rounds, source.counts)
+        source = w.tapes[args[len(args) - loop.reads]]
+        w.tapes[index] = Tape(array, len(loop.following), source.rounds, source.counts)
         number = f"%{tag}.k"
     else:
-        w.records[index] = Record(array, loop.size, f"%{tag}.n", f"%{tag}.count")
+        w.tapes[index] = Tape(array, len(loop.following), f"%{tag}.n", f"%{tag}.count")
         number = f"%{tag}.n"
         more = inner.let(f"{tag}.more1", f"fadd {layout.real} %{tag}.count, {layout.constant(1.0)}")
         inner.let(
             f"{tag}.count1",
             f"select {layout.truth} %{tag}.active, {layout.real} {more}, {layout.real} %{tag}.count",
         )
-    first = inner.let(f"{tag}.first", f"mul i64 {number}, {loop.size}")
-    for k in range(loop.size):
-        at = _address(inner, array, first, k)
-        inner.write(f"store {layout.real} %{tag}.x{k}, ptr {at}")
+    first = inner.let(f"{tag}.first", f"mul i64 {number}, {len(loop.following)}")
+    _store(inner, array, first, [f"%{tag}.x{k}" for k in range(loop.size)])
 
 
-def _address(w: Writer, array: str, first: str, k: int) -> str:
-    """The address of number `k` of a state that begins at `first`."""
-    at, address = w.fresh("at"), w.fresh("place")
+def _store(w: StepWriter, array: str, first: str, values: Sequence[str]) -> None:
+    """Stores numbers at the beginning of the tape that begins at `first`."""
+    for k, value in enumerate(values):
+        address = w.fresh("place")
+        w.write(f"{address} = {_place(w, array, first, k)}")
+        w.write(f"store {w.layout.real} {value}, ptr {address}")
+
+
+def _place(w: StepWriter, array: str, first: str, k: int) -> str:
+    """The right side of the instruction that computes the address of number `k` of the tape at `first`."""
+    at = w.fresh("at")
     w.write(f"{at} = add i64 {first}, {k}")
-    w.write(f"{address} = getelementptr {w.layout.real}, ptr {array}, i64 {at}")
-    return address
+    return f"getelementptr {w.layout.real}, ptr {array}, i64 {at}"
 
 
-def _continue_while(w: Writer, tag: str, loop: Loop, body: str, after: str) -> None:
+def _continue_while(w: StepWriter, tag: str, loop: Loop, body: str, after: str) -> None:
     """Continues with the body while a lane is active and the limit is not reached."""
     layout = w.layout
     active = w.let(f"{tag}.active", f"and {layout.truth} %{tag}.alive, {w.names[loop.condition]}")

@@ -14,16 +14,20 @@ from ulna.compiler.codegen.columns import can_write_columns, write_columns
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes, local_array
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.row_table import write_rows
-from ulna.compiler.codegen.rows import load
+from ulna.compiler.codegen.rows import load, store
 from ulna.compiler.codegen.sample_stages import suits_sample_stages, write_sample_stages
+from ulna.compiler.codegen.scheduling import Store, parts, scratch_places
 from ulna.compiler.codegen.stages import write_stages
 from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.forms.columns import ColumnForm
 from ulna.compiler.forms.stages import StagedForm
-from ulna.compiler.language.function import Function, SecondForm
+from ulna.compiler.language.function import Function
 from ulna.compiler.language.ops import Op
-from ulna.compiler.language.scheduling import parts, scratch_places
+from ulna.compiler.language.ports import SecondForm
+
+_MAX_TAPE_BYTES = 4_000_000
+"""Size of all tapes of loops up to which several samples are computed in lanes; larger, one at a time [byte]."""
 
 
 def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: int, target: Target) -> None:
@@ -45,13 +49,13 @@ def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: in
     slots = scratch_places(f.graph, pieces, f.results if writes_rows_last else ())
     bodies = []
     for number, steps in enumerate(pieces):
-        body = Writer(module, f.graph, layout, "", target.arithmetic, f.lanes > 1, target.stack_space)
+        body = Writer(module, f.graph, layout, "", target.arithmetic, f.lanes > 1, target.stack_space, pack)
         if number == 0:
             _read_inputs(body, f)
         if writes_rows_last and number == len(pieces) - 1:
             _write_output_rows(body, f, slots)
         else:
-            write_steps(body, steps, slots)
+            write_steps(body, steps, slots, put=_store_columns)
         bodies.append([*body.local_arrays, *body.lines])
     if len(pieces) == 1:
         define(module, name, arguments, attributes, bodies[0])
@@ -62,6 +66,10 @@ def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: in
         define(module, f"{name}.{number}", arguments, attributes, lines)
         calls.append(f"  call void @{name}.{number}({', '.join(arguments).replace('noalias ', '')})")
     define(module, name, arguments[:-1], attributes, calls)
+
+
+def _store_columns(to: Writer, step: Store) -> None:
+    store(to, f"o{step.port}", step.start, [to.names[v] for v in step.values])
 
 
 def _read_inputs(to: Writer, f: Function) -> None:
@@ -173,6 +181,8 @@ def emit_batch(f: Function, target: Target, element: DType = "double") -> str:
     """
     module = Module()
     lanes = 1 if f.lanes > 1 else target.lanes(element)  # or all lanes work on one sample
+    if f.columns is None and f.has_loops and f.tape_size * lanes * BYTES[element] > _MAX_TAPE_BYTES:
+        lanes = 1
     wide = max(lanes, f.lanes)
     form = f.columns
     if form is None or not form.serves_batches or not can_write_columns(f, target, element):

@@ -16,8 +16,9 @@ from ulna.compiler.codegen.comparisons import extreme, least_by_comparisons
 from ulna.compiler.codegen.elementary import OPERATIONS, elementary_ir
 from ulna.compiler.codegen.instructions import Instructions
 from ulna.compiler.codegen.ir_text import IRFunction, Lanes, local_array, truth
-from ulna.compiler.codegen.loops import Record, write_loop
+from ulna.compiler.codegen.loops import write_loop
 from ulna.compiler.codegen.sincos import sincos_ir
+from ulna.compiler.codegen.step_writer import Tape
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ops import TABLE, Op
 
@@ -68,6 +69,8 @@ class Writer(Instructions):
         arithmetic: What the processor computes in one instruction.
         one_sample: Whether all lanes work on one sample.
         stack_space: The address space of local arrays.
+        loop_pack: How many sines of one sample are taken at once where the body of a large loop becomes several
+            functions; 0 where it stays whole.
     """
 
     def __init__(
@@ -79,15 +82,18 @@ class Writer(Instructions):
         arithmetic: Arithmetic,
         one_sample: bool = False,
         stack_space: int = 0,
+        loop_pack: int = 0,
     ) -> None:
         super().__init__()
         self.module, self.graph, self.layout, self.prefix = module, graph, layout, prefix
         self.one_sample, self.arithmetic, self.stack_space = one_sample, arithmetic, stack_space
+        self.loop_pack = loop_pack
         self.local_arrays: list[str] = []  # instructions that make them, for the function's first block
-        self.records: dict[int, Record] = {}  # of loops
+        self.tapes: dict[int, Tape] = {}  # of loops
         self.contract = " contract" if arithmetic.fused_multiply_add else ""
         self._words = {op: f"{TABLE[op].llvm}{self.contract} {layout.real}" for op in _ARITHMETIC}
         self.names: dict[int, str] = {}
+        self.captured_conditions: set[int] = set()  # inputs of a loop's body that are truth values
         self.rows: dict[str, list[str]] = {}  # pointers to each lane's row of a port, once they are needed
         self._fresh = 0
 
@@ -95,6 +101,21 @@ class Writer(Instructions):
         """A name that is not in use."""
         self._fresh += 1
         return f"%{self.prefix}{hint}{self._fresh}"
+
+    def binary(self, word: str, a: str, b: str) -> str:
+        """Appends an arithmetic instruction.
+
+        Args:
+            word: The instruction, such as "fmul".
+            a: The name of the first operand.
+            b: The name of the second operand.
+
+        Returns:
+            The name of the result.
+        """
+        name = self.fresh()
+        self.write(f"{name} = {word}{self.contract} {self.layout.real} {a}, {b}")
+        return name
 
     def assign(self, index: int, text: str) -> None:
         """Appends the instruction whose result is node `index`.
@@ -249,11 +270,49 @@ class Writer(Instructions):
         Returns:
             The writer; its local arrays are those of this one.
         """
-        inner = Writer(
-            self.module, graph, self.layout, f"{tag}.", self.arithmetic, stack_space=self.stack_space
-        )
+        inner = self._of_graph(graph, f"{tag}.", one_sample=False)
         inner.local_arrays = self.local_arrays
         return inner
+
+    def apart(self) -> Writer:
+        """A writer for another function, of the same graph and lanes; names begin alike."""
+        other = self._of_graph(self.graph, self.prefix, self.one_sample)
+        other.captured_conditions = self.captured_conditions
+        return other
+
+    def is_condition(self, index: int) -> bool:
+        """Whether a node is a truth value.
+
+        Args:
+            index: The node.
+
+        Returns:
+            Whether it is; also of an input of a loop's body that stands for a condition outside.
+        """
+        return TABLE[self.graph.op[index]].is_condition or index in self.captured_conditions
+
+    def kind(self, index: int) -> str:
+        """LLVM type of a node in all lanes.
+
+        Args:
+            index: The node.
+
+        Returns:
+            The type.
+        """
+        return self.layout.truth if self.is_condition(index) else self.layout.real
+
+    def _of_graph(self, graph: Graph, prefix: str, one_sample: bool) -> Writer:
+        return Writer(
+            self.module,
+            graph,
+            self.layout,
+            prefix,
+            self.arithmetic,
+            one_sample,
+            self.stack_space,
+            self.loop_pack,
+        )
 
     def array(self, name: str, count: int) -> str:
         """A local array of the function, which its first block makes.

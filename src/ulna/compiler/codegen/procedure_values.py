@@ -31,6 +31,8 @@ from ulna.compiler.imperative.types import (
     lanes_of,
 )  # fmt: skip
 
+_LIMITS = ("oge", 2.0**63, 2**63 - 1), ("olt", -(2.0**63), -(2**63)), ("uno", 0.0, 0)
+
 
 class ValueWriter(Instructions):
     """Writes expressions into the function that is being written.
@@ -160,12 +162,26 @@ class ValueWriter(Instructions):
         value, source, target = self.scalar(e.value), element_of(e.value.type), element_of(e.type)
         a, b = word(e.value.type), word(e.type)
         if source is not None and source.is_real and target == INT:
+            if lanes_of(e.type):
+                return self._saturated(value, e)
             return self.intrinsic(f"fptosi.sat.{suffix(e.type)}.{suffix(e.value.type)}", b, (a, value))
         if source == BOOL:
             return self.emit(f"{'zext' if target == INT else 'uitofp'} {a} {value} to {b}")
         if source == INT:
             return self.emit(f"sitofp {a} {value} to {b}")
         return self.emit(f"{'fptrunc' if target == F32 else 'fpext'} {a} {value} to {b}")
+
+    def _saturated(self, value: str, e: t.Convert) -> str:
+        """Lanes of floats as integers, as `fptosi.sat` has them, which LLVM computes lane by lane, with branches."""
+        element, kind, wide = element_of(e.value.type), word(e.value.type), word(e.type)
+        assert element is not None
+        whole = self.emit(f"fptosi {kind} {value} to {wide}")  # poison where it does not fit: replaced below
+        for relation, limit, instead in _LIMITS:
+            splat = f"splat ({WORDS[element.name]} {number(limit, element)})"
+            is_beyond = self.emit(f"fcmp {relation} {kind} {value}, {splat}")
+            choice = f"select <{lanes_of(e.type)} x i1> {is_beyond}"
+            whole = self.emit(f"{choice}, {wide} splat (i64 {instead}), {wide} {whole}")
+        return whole
 
     def _broadcast(self, e: t.Broadcast) -> Value:
         return self.in_all_lanes(self.scalar(e.value), e.type)

@@ -7,23 +7,32 @@ there.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from ulna.compiler.codegen.node_writer import Module
 from ulna.compiler.codegen.procedure_operations import write_operation
-from ulna.compiler.codegen.procedure_types import WORDS, ArrayValue, KernelValue, flattened, result_word, word
+from ulna.compiler.codegen.procedure_types import (
+    OUT_OF_BOUNDS,
+    WORDS,
+    ArrayValue,
+    KernelValue,
+    flattened,
+    result_word,
+    word,
+)
 from ulna.compiler.codegen.procedure_values import WRITERS, ValueWriter
 from ulna.compiler.imperative import tree as t
 from ulna.compiler.imperative.types import ArrayType, Lanes, Number, element_of, lanes_of
 
 WRITERS[t.Operation] = write_operation
 
-SMALL = 120
-"""Instances with fewer instructions, with those of what is inlined into them, are inlined wherever they are called."""
+INLINE_BELOW = 120
+"""Instances of fewer lines of IR, inlined callees included, are always inlined."""
 
-LARGE = 1000
-"""Instances with more are inlined only if they are called from one place: copies would take long to compile."""
+NO_INLINE_ABOVE = 1000
+"""Instances of more lines are inlined only if called from one place: copies would take long to compile."""
 
 
 def procedure_ir(
@@ -49,7 +58,17 @@ def procedure_ir(
     module.definitions["entry"] = _entry(instances[-1])
     bits = 8 * register_bytes
     attributes = f'attributes #0 = {{ "prefer-vector-width"="{bits}" "min-legal-vector-width"="{bits}" }}'
-    return module.text() + f'\n{attributes}\n!0 = !{{!"branch_weights", i32 1, i32 1000000}}\n'
+    text = module.text() + f'\n{attributes}\n!0 = !{{!"branch_weights", i32 1, i32 1000000}}\n'
+    return text if text.isascii() else _NOT_ASCII.sub(_quoted, text)
+
+
+_NOT_ASCII = re.compile(r"([%@])([\w.]*[^\x00-\x7f][\w.]*)")
+
+
+def _quoted(name: re.Match[str]) -> str:
+    """A name with characters that LLVM takes only by the bytes of their UTF-8, within quotes."""
+    letters = (c if c.isascii() else "".join(f"\\{byte:02X}" for byte in c.encode()) for c in name[2])
+    return f'{name[1]}"{"".join(letters)}"'
 
 
 def _choose_inlining(definitions: dict[str, str], names: Sequence[str]) -> None:
@@ -61,10 +80,10 @@ def _choose_inlining(definitions: dict[str, str], names: Sequence[str]) -> None:
         text = definitions[name]
         sizes[name] = text.count("\n") + sum(text.count(f"@{callee}(") * sizes[callee] for callee in inlined)
         choice = ""
-        if sites[name] <= 1 or sizes[name] < SMALL:
+        if sites[name] <= 1 or sizes[name] < INLINE_BELOW:
             choice = "alwaysinline "
             inlined.add(name)
-        elif sizes[name] > LARGE:
+        elif sizes[name] > NO_INLINE_ABOVE:
             choice = "noinline "
         definitions[name] = text.replace(") nounwind #0 {", f") {choice}nounwind #0 {{", 1)
 
@@ -140,7 +159,7 @@ class _FunctionWriter(ValueWriter):
         return _define(instance.name, self.result, parameters, lines, "internal ")
 
     def block(self, body: Sequence[t.Statement]) -> bool:
-        """Writes statements; whether the last one leaves the block."""
+        """Writes statements; returns whether control never reaches the end of the block."""
         return any(_STATEMENTS[type(statement)](self, statement) for statement in body)
 
     def _assign(self, s: t.Assign) -> None:
@@ -169,8 +188,8 @@ class _FunctionWriter(ValueWriter):
         total = array.extents[0]
         for extent in array.extents[1:]:
             total = self.emit(f"mul i64 {total}, {extent}")
-        self.check("0", total, 0, line)
-        self.leave_if(self.emit(f"icmp slt i64 {total}, {size}"), 1, line, (size, total))
+        last = self.emit(f"sub i64 {size}, 1")
+        self.leave_if(self.emit(f"icmp slt i64 {total}, {size}"), OUT_OF_BOUNDS, line, (last, total))
 
     def _new_array(self, s: t.NewArray) -> None:
         element, size = WORDS[s.type.element.name], 1
@@ -217,7 +236,7 @@ class _FunctionWriter(ValueWriter):
         self.open_block(body)
         self._body(s.body, head, after)
         self.open_block(after)
-        if isinstance(s.condition, t.Constant) and not _breaks(s.body):
+        if isinstance(s.condition, t.Constant) and s.condition.value and not _breaks(s.body):
             self.write("unreachable")
             return True
         return False

@@ -1,30 +1,30 @@
-"""The order in which a graph is written where registers are few and memory is far: few values wait at a time."""
+"""Instruction scheduling for low register pressure: an order of evaluation in which few values are live at a time."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ulna.compiler.codegen.scheduling import Sines, Step, made, parts, stores, used
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ops import Op
-from ulna.compiler.language.scheduling import Sines, Step, made, parts, stores, used
 
 
-def few_alive(f: Function) -> list[Step]:
-    """The steps that evaluate one sample of `f`: in the order that holds fewer values, the trace's or on demand.
+def low_pressure_steps(f: Function) -> list[Step]:
+    """The steps that evaluate one sample of `f`: those of the trace or those on demand, which have fewer live values.
 
     Args:
         f: The function.
 
     Returns:
-        The steps; the inputs among them may come again.
+        The steps; an input may be among them more than once.
     """
     traced = [step for part in parts(f, 1, 1) for step in part]
-    return min(traced, _on_demand(f), key=lambda steps: most_alive(f.graph, steps))
+    return min(traced, _on_demand(f), key=lambda steps: register_pressure(f.graph, steps))
 
 
-def most_alive(graph: Graph, steps: Sequence[Step]) -> int:
-    """How many values wait for their use at once, at most; constants need no register.
+def register_pressure(graph: Graph, steps: Sequence[Step]) -> int:
+    """The greatest number of values that are live at once; constants need no register.
 
     Args:
         graph: The graph that is evaluated.
@@ -34,23 +34,23 @@ def most_alive(graph: Graph, steps: Sequence[Step]) -> int:
         The number of values.
     """
     last = {index: k for k, step in enumerate(steps) for index in used(graph, step)}
-    alive: set[int] = set()
+    live: set[int] = set()
     most = 0
     for k, step in enumerate(steps):
-        alive.update(
+        live.update(
             index
             for index in made(graph, step)
             if last.get(index, -1) > k and graph.op[index] not in (Op.CONST, Op.BOOL)
         )
-        most = max(most, len(alive))
-        alive.difference_update(index for index in used(graph, step) if last[index] == k)
+        most = max(most, len(live))
+        live.difference_update(index for index in used(graph, step) if last[index] == k)
     return most
 
 
 def _on_demand(f: Function) -> list[Step]:
     """Each node just before it is first used, each result as soon as it is known.
 
-    Of the arguments of a node, that which needs most registers comes first [Sethi & Ullman 1970, The generation of
+    Of the arguments of a node, the one that needs most registers comes first [Sethi & Ullman 1970, The generation of
     optimal code for arithmetic expressions]; their count for trees is taken for graphs.
     """
     g = f.graph

@@ -16,11 +16,17 @@ from ulna.compiler.forms.columns import PADDING, row_places
 from ulna.compiler.language.graph import Graph
 
 
-def write_row_factors(module: Module, paths: Sequence[Sequence[int]], layout: Lanes, target: Target) -> None:
-    """`void factors(ptr rows, ptr table)`: the rows of M, which are overwritten, become L and then 1/d in the table.
+def write_row_factors(
+    module: Module, name: str, paths: Sequence[Sequence[int]], layout: Lanes, target: Target
+) -> None:
+    """`void name(ptr rows, ptr table)`: from the rows of M, which are overwritten, L and then 1/d, into the table.
+
+    Both arrays have the places of `row_places`, the table also one for each 1/d; they must not overlap. Lanes after the
+    diagonal hold no meaningful numbers afterwards.
 
     Args:
         module: Where the definition goes.
+        name: The name of the function.
         paths: For each row its columns before the diagonal, rising.
         layout: The widest registers to use.
         target: The processor.
@@ -35,8 +41,8 @@ def write_row_factors(module: Module, paths: Sequence[Sequence[int]], layout: La
         for k in reversed(below[i]):
             factor = w.in_all_lanes(layout.dtype, _load(w, "rows", places[k] + len(paths[i]), layout.dtype))
             for number, c in enumerate(chunks):
-                product = _result(w, "fmul", factor, _load(w, "table", places[k] + c, layout.real))
-                row[number] = _result(w, "fsub", row[number], product)
+                product = w.binary("fmul", factor, _load(w, "table", places[k] + c, layout.real))
+                row[number] = w.binary("fsub", row[number], product)
         pivot, inverse = w.fresh("d"), w.fresh("r")
         number, lane = divmod(len(paths[i]), layout.lanes)
         w.write(f"{pivot} = extractelement {layout.real} {row[number]}, i64 {lane}")
@@ -45,15 +51,9 @@ def write_row_factors(module: Module, paths: Sequence[Sequence[int]], layout: La
         everywhere = w.in_all_lanes(layout.dtype, inverse)
         for number, c in enumerate(chunks):
             _store(w, "rows", places[i] + c, layout.real, row[number])
-            _store(w, "table", places[i] + c, layout.real, _result(w, "fmul", row[number], everywhere))
-    head = "define internal void @factors(ptr noalias %rows, ptr noalias %table) noinline nounwind #0 {"
-    module.definitions["factors"] = "\n".join([head, "entry:", *w.lines, "  ret void", "}", ""])
-
-
-def _result(w: Writer, word: str, a: str, b: str) -> str:
-    name = w.fresh()
-    w.write(f"{name} = {word}{w.contract} {w.layout.real} {a}, {b}")
-    return name
+            _store(w, "table", places[i] + c, layout.real, w.binary("fmul", row[number], everywhere))
+    head = f"define internal void @{name}(ptr noalias %rows, ptr noalias %table) noinline nounwind #0 {{"
+    module.definitions[name] = "\n".join([head, "entry:", *w.lines, "  ret void", "}", ""])
 
 
 def _place(w: Writer, array: str, index: int) -> str:

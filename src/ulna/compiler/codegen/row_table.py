@@ -11,22 +11,8 @@ from collections.abc import Sequence
 from ulna.compiler.codegen.ir_text import BYTES
 from ulna.compiler.codegen.node_writer import Writer
 from ulna.compiler.codegen.rows import rows_of, store, transposed
-from ulna.compiler.language.scheduling import chunks
-
-
-def at(to: Writer, place: int | str) -> str:
-    """A pointer to a place of the scratch; a place is as wide as a value in all lanes.
-
-    Args:
-        to: Where the instruction is written.
-        place: Number of the place, or the name of one.
-
-    Returns:
-        The pointer as an operand, with its type.
-    """
-    pointer = to.fresh("z")
-    to.write(f"{pointer} = getelementptr {to.layout.real}, ptr %scratch, i64 {place}")
-    return f"ptr {pointer}"
+from ulna.compiler.codegen.scheduling import chunks
+from ulna.compiler.codegen.straight_line import at
 
 
 def write_rows(to: Writer, port: str, places: Sequence[int], zero: int | None) -> None:

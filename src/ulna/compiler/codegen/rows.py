@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 
 from ulna.compiler.codegen.ir_text import BYTES
 from ulna.compiler.codegen.node_writer import Writer
-from ulna.compiler.language.scheduling import chunks
+from ulna.compiler.codegen.scheduling import chunks
 
 
 def load(to: Writer, port: str, size: int, wanted: Sequence[int]) -> Iterator[tuple[int, str]]:

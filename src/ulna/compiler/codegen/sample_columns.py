@@ -15,12 +15,12 @@ from ulna.compiler.codegen.ir_text import BYTES, Lanes
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.rows import rows_of, store, transposed
 from ulna.compiler.codegen.sample_loops import ColumnReader, Source, begin_loop, end_loop, get, put
+from ulna.compiler.codegen.scheduling import chunks
 from ulna.compiler.codegen.straight_line import define
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.forms.columns import ColumnForm
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.graph import Graph
-from ulna.compiler.language.scheduling import chunks
 
 _FEWEST = 3
 """Columns that have code of their own."""

@@ -16,14 +16,14 @@ from ulna.compiler.codegen.row_table import write_rows
 from ulna.compiler.codegen.rows import load
 from ulna.compiler.codegen.sample_columns import SampleColumns
 from ulna.compiler.codegen.sample_loops import ColumnReader, Source, begin_loop, end_loop, get, item, put
+from ulna.compiler.codegen.scheduling import Store, scratch_places
 from ulna.compiler.codegen.stages import array_places, parts_without_inputs, rounded
 from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.forms.columns import ColumnForm, row_places
-from ulna.compiler.forms.stages import Factors, Pairs, Stage, StagedForm
-from ulna.compiler.language.function import SecondForm
+from ulna.compiler.forms.stages import Factors, Pairs, Stage, StagedForm, Sweep
 from ulna.compiler.language.graph import Graph
-from ulna.compiler.language.scheduling import Store, scratch_places
+from ulna.compiler.language.ports import SecondForm
 
 _MAX_MEMORY = (
     500_000  # of all arrays, which lie on the stack; with more, one sample after the other is faster [byte]
@@ -39,10 +39,11 @@ def suits_sample_stages(form: SecondForm, target: Target, element: DType) -> boo
         element: Type of the array elements, "double" or "float".
 
     Returns:
-        Whether it has stages, whose arrays are not too large for the stack and the second cache.
+        Whether it has stages without sweeps, whose arrays are not too large for the stack and the second cache, and
+        outputs in one part.
     """
     head = form.head if isinstance(form, ColumnForm) else form
-    if not isinstance(head, StagedForm):
+    if not isinstance(head, StagedForm) or head.parts or any(isinstance(x, Sweep) for x in head.stages):
         return False
     writer = _SampleStagesWriter(Module(), form, head, target, element)
     return writer.size * BYTES[element] * writer.layout.lanes <= _MAX_MEMORY
@@ -104,6 +105,8 @@ class _SampleStagesWriter:
                 self._factors(name, stage)
             elif isinstance(stage, Pairs):
                 self._pairs(name, stage)
+            elif isinstance(stage, Sweep):
+                raise AssertionError("stages with sweeps are not written for samples in lanes")
             elif stage.kind == "lanes":
                 self._columns(name, stage)
             else:
@@ -208,38 +211,39 @@ class _SampleStagesWriter:
             given = f"{self._at(row * self.form.columns)}, ptr %{scratch}"
             self.calls += [f"  call void @{name}.{number}({given})" for number in range(len(pieces))]
 
-    def _source(self, pointer: str, key: str) -> Source:
+    def _source(self, pointer: str, key: str, is_whole: bool = False) -> Source:
         if key in self.form.constants:
-            return Source(pointer, self.form.columns, True)
-        return Source(pointer, 1 if self._is_shared(key) else self.shapes[key][1])
+            return Source(pointer, self.form.constants[key].shape[1], True)
+        return Source(pointer, 1 if is_whole or self._is_shared(key) else self.shapes[key][1])
 
     def _is_shared(self, key: str) -> bool:
         """Whether an array is a vector, whose numbers are the same for all columns."""
         return key not in self.form.constants and len(self.shapes[key]) == 1
 
-    def _go_to_column(self, w: Writer, pointer: str, key: str, column: str) -> None:
+    def _go_to_column(self, w: Writer, pointer: str, key: str, column: str, is_whole: bool = False) -> None:
         """Names the address of a column of an array."""
         kind = self.layout.dtype if key in self.form.constants else self.layout.real
-        number = "0" if self._is_shared(key) else column
+        number = "0" if is_whole or self._is_shared(key) else column
         w.let(f"{pointer}.k", f"getelementptr {kind}, ptr %{pointer}, i64 {number}")
 
     def _columns(self, name: str, stage: Stage) -> None:
         """A loop over columns."""
-        f, keys, count = stage.body, [*stage.reads, *stage.writes], str(self.form.columns)
+        f, keys, count = stage.body, [*stage.reads, *stage.writes], stage.columns
         pointers = [*(f"i{k}" for k in range(len(stage.reads))), *(f"o{k}" for k in range(len(stage.writes)))]
-        sources = [self._source(f"{x}.k", key) for x, key in zip(pointers, stage.reads, strict=False)]
+        sources = [
+            self._source(f"{x}.k", key, key in stage.whole)
+            for x, key in zip(pointers, stage.reads, strict=False)
+        ]
         w = ColumnReader(self.module, f, self.layout, self.target, sources)
         begin_loop(w, "column")
         for pointer, key in zip(pointers, keys, strict=True):
-            self._go_to_column(w, pointer, key, "%column")
+            self._go_to_column(w, pointer, key, "%column", key in stage.whole)
         places = [
-            (f"o{number}.k", row * self.form.columns)
-            for number, port in enumerate(f.outputs)
-            for row in range(port.size)
+            (f"o{number}.k", row * count) for number, port in enumerate(f.outputs) for row in range(port.size)
         ]
         for value, number in w.results(f):
             put(w, *places[number], value)
-        end_loop(w, "column", count)
+        end_loop(w, "column", str(count))
         self._define(name, [f"ptr noalias %{pointer}" for pointer in pointers], w)
         self.calls.append(f"  call void @{name}({', '.join([*map(self._address, keys)])})")
 
@@ -275,7 +279,7 @@ class _SampleStagesWriter:
                 if number != 0.0:
                     place = self._place(key, i * n + i)
                     literal = self.layout.constant(rounded(number, self.layout.dtype))
-                    put(w, "arrays", place, _result(w, "fadd", get(w, "arrays", place), literal))
+                    put(w, "arrays", place, w.binary("fadd", get(w, "arrays", place), literal))
         if w.lines:
             self._define(name, ["ptr %arrays"], w)
             self.calls.append(f"  call void @{name}(ptr %arrays)")
@@ -355,11 +359,11 @@ class _SampleStagesWriter:
             below = [starts[k] for k, path in enumerate(stage.paths) if i in path]
             if below:
                 row = self._less_descendants(w, f"{name}.below{i}", i, row, below[::-1])
-            inverse = _result(w, "fdiv", self.layout.constant(1.0), row[-1])
+            inverse = w.binary("fdiv", self.layout.constant(1.0), row[-1])
             put(w, "table", size + i, inverse)
             for c, x in enumerate(row):
                 put(w, "rows", start + c, x)
-                put(w, "table", start + c, _result(w, "fmul", x, inverse))
+                put(w, "table", start + c, w.binary("fmul", x, inverse))
         self._define(name, ["ptr %arrays"], w)
         self.calls.append(f"  call void @{name}(ptr %arrays)")
 
@@ -381,13 +385,7 @@ class _SampleStagesWriter:
         w.let(f"{name}.table", f"getelementptr {real}, ptr %table, i64 {place}")
         factor = get(w, f"{name}.rows", len(row) - 1)
         for c, x in enumerate(old):
-            product = _result(w, "fmul", factor, get(w, f"{name}.table", c))
+            product = w.binary("fmul", factor, get(w, f"{name}.table", c))
             w.let(f"{name}.new{c}", f"fsub{w.contract} {real} {x}, {product}")
         end_loop(w, name, str(len(below)))
         return [f"%{name}.new{c}" for c in range(len(row))]
-
-
-def _result(w: Writer, word: str, a: str, b: str) -> str:
-    name = w.fresh()
-    w.write(f"{name} = {word}{w.contract} {w.layout.real} {a}, {b}")
-    return name

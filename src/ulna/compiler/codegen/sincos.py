@@ -28,7 +28,8 @@ def sincos_ir(lanes: int, dtype: DType, arithmetic: Arithmetic = COMPLETE) -> IR
 
     The error stays below 0.85 ULP for every x. sin(-0.0) is -0.0; inf and NaN give NaN. A lane's result does
     not depend on its neighbours. The invalid exception is raised for infinities only. No library is called:
-    results are the same on every processor.
+    results are the same on all processors with FMA, and on all without; between the two they may differ
+    in the last bit.
 
     Args:
         lanes: the number of lanes; 1 for the scalar function.

@@ -12,15 +12,17 @@ import numpy as np
 
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes, local_array
 from ulna.compiler.codegen.late_inputs import LateInputsWriter
+from ulna.compiler.codegen.mirror import write_mirror
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.row_factors import write_row_factors
 from ulna.compiler.codegen.rows import store
+from ulna.compiler.codegen.scheduling import Step, Store, parts, scratch_places
 from ulna.compiler.codegen.straight_line import define, write_steps
+from ulna.compiler.codegen.sweeps import SweepContext, tables_of, write_sweep
 from ulna.compiler.codegen.target import Target
-from ulna.compiler.forms.stages import Factors, Pairs, Stage, StagedForm, names_of
+from ulna.compiler.forms.stages import Factors, Pairs, Stage, StagedForm, Sweep, names_of
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ops import Op
-from ulna.compiler.language.scheduling import Step, Store, parts, scratch_places
 
 
 def write_stages(module: Module, name: str, form: StagedForm, target: Target, element: DType) -> None:
@@ -88,8 +90,11 @@ class _StagesWriter:
     def __init__(self, module: Module, name: str, form: StagedForm, target: Target, element: DType) -> None:
         self.module, self.name, self.form, self.target = module, name, form, target
         self.layout = Lanes(target.lanes(element), element)
-        lanes, n = self.layout.lanes, form.columns
-        self.stride = -(-n // lanes) * lanes
+        self.stride = self._padded(form.columns)
+        self.shapes = {f"i{k}": port.shape for k, port in enumerate(form.inputs)}
+        self.shapes |= {f"o{k}": port.shape for k, port in enumerate(form.outputs)}
+        self.shapes |= {**form.arrays, **{key: part.shape for key, part in form.parts.items()}}
+        self.shapes |= {key: rows.shape for key, rows in form.constants.items()}
         self.calls: list[str] = []
         self._count = 0
 
@@ -101,15 +106,19 @@ class _StagesWriter:
         lines = [f"  %arrays = alloca [{max(size, 1)} x {element}], align 64"]
         for key, place in places.items():
             lines.append(f"  %{key} = getelementptr {element}, ptr %arrays, i64 {place}")
+        for key, part in form.parts.items():
+            lines.append(f"  %{key} = getelementptr {element}, ptr %{part.output}, i64 {part.start}")
         for key, rows in form.constants.items():
             self._write_constant(key, rows)
         for number, stage in enumerate(form.stages):
             inner = f"{self.name}.{number}"
             if isinstance(stage, Factors):
-                write_row_factors(self.module, stage.paths, self.layout, self.target)
-                self.calls.append(f"  call void @factors(ptr %{stage.reads}, ptr %{stage.writes})")
+                write_row_factors(self.module, inner, stage.paths, self.layout, self.target)
+                self.calls.append(f"  call void @{inner}(ptr %{stage.reads}, ptr %{stage.writes})")
             elif isinstance(stage, Pairs):
                 self._pairs(inner, stage)
+            elif isinstance(stage, Sweep):
+                self._sweep(inner, stage)
             elif stage.kind == "lanes":
                 self._lanes(inner, stage)
             else:
@@ -121,13 +130,13 @@ class _StagesWriter:
         form, lanes = self.form, self.layout.lanes
         sizes: dict[str, int] = {}
         for key, shape in form.arrays.items():
-            row = self.stride if key in form.tables else shape[1] if shape[1:] else 1
+            row = self._padded(shape[1]) if key in form.tables else shape[1] if shape[1:] else 1
             sizes[key] = -(-shape[0] * row // lanes) * lanes
         return array_places(form, sizes)
 
     def _write_constant(self, key: str, rows: Sequence[Sequence[float]]) -> None:
         one, element = Lanes(1, self.layout.dtype), self.layout.dtype
-        padded = ([*map(float, row), *[0.0] * (self.stride - len(row))] for row in rows)
+        padded = ([*map(float, row), *[0.0] * (self._padded(len(row)) - len(row))] for row in rows)
         numbers = [f"{element} {one.constant(rounded(x, element))}" for row in padded for x in row]
         text = f"[{len(numbers)} x {element}] [{', '.join(numbers)}]"
         self.module.declare(f"@{self.name}.{key} = private constant {text}, align 64")
@@ -135,16 +144,20 @@ class _StagesWriter:
     def _array(self, key: str) -> str:
         return f"@{self.name}.{key}" if key in self.form.constants else f"%{key}"
 
+    def _padded(self, columns: int) -> int:
+        """A number of columns, rounded up to whole registers."""
+        return -(-columns // self.layout.lanes) * self.layout.lanes
+
     def is_shared(self, key: str) -> bool:
         """Whether an array is a vector, whose numbers are the same for all columns."""
-        return len(self.form.arrays.get(key, ((), ()))) == 1
+        return len(self.shapes[key]) == 1
 
     def row_length(self, key: str) -> int:
         """How far the rows of an array lie apart."""
         if self.is_shared(key):
             return 1
         is_table = key in self.form.tables or key in self.form.constants
-        return self.stride if is_table else self.form.columns
+        return self._padded(self.shapes[key][1]) if is_table else self.form.columns
 
     def _at(self, key: str, offset: int) -> str:
         """An address in an array, as an argument."""
@@ -155,12 +168,21 @@ class _StagesWriter:
         self.calls.append(f"  {name} = getelementptr {element}, ptr {self._array(key)}, i64 {offset}")
         return f"ptr {name}"
 
-    def _place(self, key: str, shape: Sequence[int], k: int) -> int:
-        """Where entry k of an array lies."""
+    def place(self, key: str, shape: Sequence[int], k: int) -> int:
+        """Where an entry of an array lies.
+
+        Args:
+            key: The array.
+            shape: Its shape.
+            k: The number of the entry.
+
+        Returns:
+            The place.
+        """
         if len(shape) < 2 or key not in self.form.tables:
             return k
         row, column = divmod(k, shape[1])
-        return row * self.stride + column
+        return row * self._padded(shape[1]) + column
 
     def _straight(self, name: str, stage: Stage) -> None:
         f, element = stage.body, self.layout.dtype
@@ -168,7 +190,7 @@ class _StagesWriter:
         nodes = iter(f.graph.inputs)
         for number, (key, port) in enumerate(zip(stage.reads, f.inputs, strict=True)):
             for k in range(port.size):
-                inputs[next(nodes)] = f"i{number}", self._place(key, port.shape, k)
+                inputs[next(nodes)] = f"i{number}", self.place(key, port.shape, k)
         rows = range(self.form.arrays[stage.writes[0]][0] if stage.kind == "rows" else 1)
         zeros = self._clear_written(stage, rows)
 
@@ -183,7 +205,7 @@ class _StagesWriter:
         def put(to: Writer, step: Store) -> None:
             key, port = stage.writes[step.port], step.port
             if key not in self.form.tables or step.start not in zeros[port]:
-                place = self._place(key, f.outputs[port].shape, step.start)
+                place = self.place(key, f.outputs[port].shape, step.start)
                 store(to, f"o{port}", place, [to.names[v] for v in step.values])
 
         pieces = parts_without_inputs(f, self.target.packed_sines)
@@ -207,23 +229,24 @@ class _StagesWriter:
         zeros = _zero_entries(stage.body)
         for port, key in enumerate(stage.writes):
             if key in self.form.tables and key not in stage.reads:
-                self._clear_table(key, {row * self.form.columns + k for row in rows for k in zeros[port]})
+                width = self.shapes[key][1]
+                self._clear_table(key, {row * width + k for row in rows for k in zeros[port]})
         return zeros
 
     def _clear_table(self, key: str, zeros: set[int]) -> None:
         """Zeros in the padding of a table, and where entries are zero whatever the inputs, a register at a time."""
         rows, n = self.form.arrays[key]
         for row in range(rows):
-            for start in range(0, self.stride, self.layout.lanes):
+            for start in range(0, self._padded(n), self.layout.lanes):
                 end = start + self.layout.lanes
                 if end > n or any(row * n + k in zeros for k in range(start, end)):
-                    self._clear([key], row * self.stride + start)
+                    self._clear([key], row * self._padded(n) + start)
 
     def _lanes(self, name: str, stage: Stage) -> None:
         f = stage.body
         keys = [*stage.reads, *stage.writes]
         names = [*(f"i{k}" for k in range(len(stage.reads))), *(f"o{k}" for k in range(len(stage.writes)))]
-        w = _ColumnWriter(self, f, stage.reads)
+        w = _ColumnWriter(self, f, stage.reads, whole=stage.whole)
         places = [
             (f"o{number}", row * self.row_length(key))
             for number, (key, port) in enumerate(zip(stage.writes, f.outputs, strict=True))
@@ -232,15 +255,30 @@ class _StagesWriter:
         for value, number in w.results(f):
             w.store(value, *places[number])
         define(self.module, name, [f"ptr noalias %{x}" for x in names], "noinline nounwind #0", w.lines)
-        for start in self._starts(stage.writes):
-            given = [self._at(key, 0 if self.is_shared(key) else start) for key in keys]
+        for start in self._starts(stage.writes, stage.columns):
+            given = [self._at(key, 0 if self.is_shared(key) or key in stage.whole else start) for key in keys]
             self.calls.append(f"  call void @{name}({', '.join(given)})")
 
-    def _starts(self, writes: Sequence[str]) -> list[int]:
-        """The first columns of the registers; the last ones are computed twice where rows are not padded."""
-        n, lanes = self.form.columns, self.layout.lanes
+    def _sweep(self, name: str, stage: Sweep) -> None:
+        """Two registers of a matrix at once, where it has as many columns: they wait for each other's results less."""
+        n, lanes = self.form.columns, 1
+        if stage.matrix:
+            lanes = self.layout.lanes * (2 if n >= 2 * self.layout.lanes else 1)
+        layout = Lanes(lanes, self.layout.dtype)
+        write_sweep(SweepContext(self.module, self.target, layout, n, self.row_length), name, stage)
+        tables = [self._at(key, 0) for key in tables_of(stage).values()]
+        for start in (*range(0, n - lanes, lanes), n - lanes) if stage.matrix else (0,):
+            ends = [self._at(key, start) if key else "ptr null" for key in (stage.source, stage.matrix)]
+            self.calls.append(f"  call void @{name}({', '.join([*tables, *ends, f'i64 {start}'])})")
+        if stage.is_symmetric:
+            write_mirror(self.module, f"{name}.mirror", self.layout, self.target, n)
+            self.calls.append(f"  call void @{name}.mirror({self._at(stage.matrix, 0)})")
+
+    def _starts(self, writes: Sequence[str], n: int) -> list[int]:
+        """The first of n columns of the registers; the last ones are computed twice where rows are not padded."""
+        lanes = self.layout.lanes
         if all(key in self.form.tables for key in writes):
-            return list(range(0, self.stride, lanes))
+            return list(range(0, n, lanes))
         return [*range(0, n - lanes, lanes), n - lanes]
 
     def _pairs(self, name: str, stage: Pairs) -> None:
@@ -249,14 +287,14 @@ class _StagesWriter:
         for tag in ("above", "below", "over"):
             self._write_pair(f"{name}.{tag}", stage, tag)
         rows = [i for i in range(n) if i not in stage.copies]
-        for start in self._starts(stage.writes):
+        for start in self._starts(stage.writes, n):
             entries: dict[str, list[tuple[int, int]]] = {"above": [], "below": [], "over": []}
             for i in rows:
                 below, above = (
                     sum(1 << k for k, x in enumerate(mask[start : start + lanes]) if x)
                     for mask in stage.masks(i)
                 )
-                if not above and not below:
+                if not above and not below and not stage.is_half:
                     self._clear(stage.writes, i * n + start)
                 if above:
                     entries["above"].append((i, above))
@@ -267,7 +305,7 @@ class _StagesWriter:
                     self._call_pairs(f"{name}.{tag}", stage, tag, start, places)
         for i, k in stage.copies.items():
             for key, source in zip(stage.writes, stage.other[0][-len(stage.writes) :], strict=True):
-                for start in self._starts(stage.writes):
+                for start in self._starts(stage.writes, n):
                     self._copy(key, i * n + start, source, k * self.row_length(source) + start)
         for key, diagonal in zip(stage.writes, stage.diagonals, strict=True):
             for i, number in enumerate(diagonal or ()):
@@ -362,9 +400,17 @@ class _ColumnWriter(LateInputsWriter):
         f: The function.
         reads: The arrays that its inputs are columns of.
         own: How many of them are the same column in all lanes, which is that of the number %row.
+        whole: The tables of which all lanes get the whole.
     """
 
-    def __init__(self, of: _StagesWriter, f: Function, reads: Sequence[str], own: int = 0) -> None:
+    def __init__(
+        self,
+        of: _StagesWriter,
+        f: Function,
+        reads: Sequence[str],
+        own: int = 0,
+        whole: frozenset[str] = frozenset(),
+    ) -> None:
         super().__init__(of.module, f.graph, of.layout, "", of.target.arithmetic)
         self._places: dict[int, tuple[str, int, bool]] = {}
         self._in_rows = own > 0
@@ -372,8 +418,9 @@ class _ColumnWriter(LateInputsWriter):
         nodes = iter(f.graph.inputs)
         for number, (key, port) in enumerate(zip(reads, f.inputs, strict=True)):
             for row in range(port.size):
-                is_own = number < own or of.is_shared(key)
-                self._places[next(nodes)] = f"i{number}", row * of.row_length(key), is_own
+                is_own = number < own or of.is_shared(key) or key in whole
+                place = of.place(key, port.shape, row) if key in whole else row * of.row_length(key)
+                self._places[next(nodes)] = f"i{number}", place, is_own
 
     def fetch_lanes(self) -> None:
         """Loads what differs between lanes."""

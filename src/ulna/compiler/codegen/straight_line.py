@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
 
-from ulna.compiler.codegen.node_writer import Module, Writer
-from ulna.compiler.codegen.row_table import at
-from ulna.compiler.codegen.rows import store
-from ulna.compiler.language.ops import TABLE, Op
-from ulna.compiler.language.scheduling import Sines, Step, Store, made, used
+from ulna.compiler.codegen.scheduling import Sines, Step, Store, made, used
+from ulna.compiler.codegen.step_writer import Definitions, StepWriter
+from ulna.compiler.language.ops import Op
 
 
 def define(
-    module: Module, name: str, arguments: Sequence[str], attributes: str, lines: Sequence[str]
+    module: Definitions, name: str, arguments: Sequence[str], attributes: str, lines: Sequence[str]
 ) -> None:
     """A function of a module.
 
@@ -27,14 +26,28 @@ def define(
     module.definitions[name] = "\n".join([head, "entry:", *lines, "  ret void", "}", ""])
 
 
+def at(to: StepWriter, place: int | str, scratch: str = "%scratch") -> str:
+    """A pointer to a place of the scratch; a place is as wide as a value in all lanes.
+
+    Args:
+        to: Where the instruction is written.
+        place: Number of the place, or the name of one.
+        scratch: The name of the scratch.
+
+    Returns:
+        The pointer as an operand, with its type.
+    """
+    pointer = to.fresh("z")
+    to.write(f"{pointer} = getelementptr {to.layout.real}, ptr {scratch}, i64 {place}")
+    return f"ptr {pointer}"
+
+
 def write_steps(
-    to: Writer,
+    to: StepWriter,
     steps: Iterable[Step],
     slots: Mapping[int, int],
-    fetch: Callable[[Writer, int], bool] = lambda to, index: False,
-    put: Callable[[Writer, Store], None] = lambda to, step: store(
-        to, f"o{step.port}", step.start, [to.names[v] for v in step.values]
-    ),
+    fetch: Callable[[Any, int], bool] = lambda to, index: False,
+    put: Callable[[Any, Store], None] | None = None,
 ) -> None:
     """Writes the steps of one part; what they need is fetched from the scratch, what is needed later is put there.
 
@@ -43,13 +56,9 @@ def write_steps(
         steps: The steps.
         slots: The places of nodes in the scratch.
         fetch: Loads an input that is not loaded at the beginning where it is first used; returns whether it has.
-        put: Writes values of an output.
+        put: Writes values of an output; None where no step does.
     """
-    g, layout = to.graph, to.layout
-
-    def kind(index: int) -> str:
-        return layout.truth if TABLE[g.op[index]].is_condition else layout.real
-
+    g = to.graph
     for step in steps:
         for index in used(g, step):
             if index in to.names:
@@ -57,13 +66,14 @@ def write_steps(
             if g.op[index] in (Op.CONST, Op.BOOL):
                 to.node(index)
             elif not fetch(to, index):
-                to.assign(index, f"load {kind(index)}, {at(to, slots[index])}")
+                to.assign(index, f"load {to.kind(index)}, {at(to, slots[index])}")
         if isinstance(step, Sines):
             to.sincos(step.arguments)
         elif isinstance(step, Store):
+            assert put is not None
             put(to, step)
-        elif step not in to.names:
-            to.node(step)
+        else:
+            to.nodes(made(g, step))
         for index in made(g, step):
             if index in slots:
-                to.write(f"store {kind(index)} {to.names[index]}, {at(to, slots[index])}")
+                to.write(f"store {to.kind(index)} {to.names[index]}, {at(to, slots[index])}")

@@ -50,7 +50,7 @@ def emit_xla_call(f: Function, target: Target, element: DType = "double") -> str
 
 
 def _answer(w: Instructions) -> None:
-    """Tells the version of the interface, where XLA asks for it."""
+    """Writes the version of the interface, where XLA asks for it."""
     w.open_block("extended")
     kind = w.field("kind", "%extension", _TYPE, "i32")
     w.branch(w.let("asked", f"icmp eq i32 {kind}, {_METADATA_QUERY}"), "answer", "run")

@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ulna.compiler.language.function import Function, SecondForm, trace
+from ulna.compiler.language.function import Function, trace
 from ulna.compiler.language.graph import Graph
-from ulna.compiler.language.ports import Port
+from ulna.compiler.language.ports import Port, SecondForm
 from ulna.data_classes import dataclass
 from ulna.errors import TraceError
 from ulna.system.cached import cached_property
@@ -177,8 +177,6 @@ class DeferredFunction(Function):
         columns: Its form of columns or of stages.
         make: Traces it.
     """
-
-    has_loops = False  # type: ignore[assignment]
 
     def __init__(self, name: str, doc: str, columns: SecondForm, make: Callable[[], Function]) -> None:
         outputs = columns.outputs

@@ -6,7 +6,8 @@ numbers of other joints. A `StagedForm` keeps these numbers in tables with one c
 and computes a table from others
 
 - by straight-line code, where numbers of different columns meet (`straight`), or for one row after the other (`rows`),
-- for a SIMD register of columns at a time (`lanes`),
+- for a SIMD register of columns at a time (`lanes`), where tables may have other columns, such as one for each
+  constraint,
 - or, for matrices, for pairs of a row and a register of columns (`pairs`).
 
 The graph remains the definition of the function; batches, derivatives and other languages use it.
@@ -14,9 +15,11 @@ The graph remains the definition of the function; batches, derivatives and other
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
-from typing import Any, Literal
+from itertools import accumulate
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -35,12 +38,16 @@ class Stage:
         body: Arrays to arrays. An array is one row of a table, one column in lanes, or the whole table.
         reads: Names of the tables or inputs that it takes.
         writes: Names of the tables or outputs that it computes.
+        columns: How many columns there are.
+        whole: Names of the tables of which a column gets the whole.
     """
 
     kind: Literal["straight", "rows", "lanes"]
     body: Function
     reads: tuple[str, ...]
     writes: tuple[str, ...]
+    columns: int
+    whole: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +65,8 @@ class Pairs:
         diagonals: For each matrix what is added to its diagonal, or None.
         copies: The rows that are rows of the last tables of `other` for `below`, one table for each matrix.
         writes: Names of the matrices.
+        is_half: Whether only entries `above` and those of one joint are computed, and others left as they are: what is
+            read of a symmetric matrix that is to be factored.
     """
 
     below: Function
@@ -69,11 +78,13 @@ class Pairs:
     diagonals: tuple[tuple[float, ...] | None, ...]
     copies: Mapping[int, int]
     writes: tuple[str, ...]
+    is_half: bool = False
 
     def masks(self, i: int) -> tuple[list[bool], list[bool]]:
         """In which columns row i has entries of `below`, and of `above`."""
         n = len(self.joints)
-        below = [i in self.movers[j] or self.joints[i] == self.joints[j] for j in range(n)]
+        moves = [not self.is_half and i in self.movers[j] for j in range(n)]
+        below = [moves[j] or self.joints[i] == self.joints[j] for j in range(n)]
         return below, [j in self.movers[i] for j in range(n)]
 
 
@@ -92,7 +103,64 @@ class Factors:
     writes: str
 
 
-AnyStage = Stage | Pairs | Factors
+@dataclass(frozen=True, eq=False)
+class Pass:
+    """A walk along all columns, which hands numbers on from one column to the next.
+
+    Attributes:
+        body: From `state`, which is zero at first, a column of each table, and, where a matrix is written, the `entry`
+            of row and column and how far the row is `ahead` of the column, to the next state, and what is written.
+        own: The tables of which it takes a column.
+        writes: The tables of which it computes a column; none where entries of a matrix are written.
+        is_inward: Whether it begins with the last column.
+        is_triangular: Whether it begins, for a register of a matrix's columns, with the first of them.
+    """
+
+    body: Function
+    own: tuple[str, ...]
+    writes: tuple[str, ...] = ()
+    is_inward: bool = False
+    is_triangular: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """Walks along all columns, one after the other, for a few numbers, or for all columns of a matrix.
+
+    Attributes:
+        passes: The walks; of a matrix, each gets the entries that the one before has computed.
+        source: The matrix that the first one reads, or "".
+        matrix: The matrix whose rows are written, or "".
+        is_symmetric: Whether what is below the diagonal is then copied above it.
+    """
+
+    passes: tuple[Pass, ...]
+    source: str = ""
+    matrix: str = ""
+    is_symmetric: bool = False
+
+    @property
+    def writes(self) -> tuple[str, ...]:
+        """Names of what it computes."""
+        tables = tuple(name for step in self.passes for name in step.writes)
+        return (*tables, self.matrix) if self.matrix else tables
+
+
+AnyStage = Stage | Pairs | Factors | Sweep
+
+
+class Part(NamedTuple):
+    """Where an array lies that is a part of an output.
+
+    Attributes:
+        output: The output.
+        start: The place in it where the array begins.
+        shape: The shape of the array.
+    """
+
+    output: str
+    start: int
+    shape: tuple[int, ...]
 
 
 def names_of(stage: AnyStage) -> list[str]:
@@ -101,6 +169,9 @@ def names_of(stage: AnyStage) -> list[str]:
         return [stage.reads, stage.writes]
     if isinstance(stage, Stage):
         return [*stage.reads, *stage.writes]
+    if isinstance(stage, Sweep):
+        own = [name for step in stage.passes for name in step.own]
+        return [*own, *([stage.source] if stage.source else ()), *stage.writes]
     return [name for names in (*stage.own, *stage.other, stage.writes) for name in names]
 
 
@@ -111,13 +182,15 @@ class StagedForm:
     Attributes:
         inputs: Its inputs.
         outputs: Its outputs.
-        columns: How many columns the tables have.
+        columns: How many columns most tables have.
         arrays: Names and shapes of the arrays that stages hand on.
         tables: Names of those that are read and written by registers of columns.
         constants: Tables that are known, (rows, columns).
         stages: The steps in order; inputs are called i0, i1, ..., outputs o0, o1, ...
         zeros: For each output which entries are zero whatever the inputs, or None.
-        serves_batches: Whether samples of a batch are computed in this form, too, one in each SIMD lane.
+        serves_batches: Whether samples of a batch are computed in this form, too, one in each SIMD lane; where outputs
+            have parts, one after the other.
+        parts: Those arrays that are parts of outputs.
     """
 
     inputs: tuple[Port, ...]
@@ -129,6 +202,7 @@ class StagedForm:
     stages: tuple[AnyStage, ...]
     zeros: tuple[Any, ...]
     serves_batches: bool = field(default=False)
+    parts: Mapping[str, Part] = field(default_factory=dict)
 
     @property
     def operations(self) -> int:
@@ -139,6 +213,8 @@ class StagedForm:
                 bodies.append(stage.body)
             elif isinstance(stage, Pairs):
                 bodies += [stage.below, stage.above]
+            elif isinstance(stage, Sweep):
+                bodies += [step.body for step in stage.passes]
         return sum(f.operations for f in bodies)
 
 
@@ -151,7 +227,7 @@ class Stages:
 
     Args:
         name: The name of the function.
-        columns: How many columns the tables have.
+        columns: How many columns the tables have, where nothing else is said.
         **inputs: The shape of each input of the function.
     """
 
@@ -184,10 +260,8 @@ class Stages:
         """
         body = self._traced(f, {name: self._shape(name) for name in reads})
         for name, port in zip(writes, body.outputs, strict=True):
-            self._arrays[name] = port.shape
-            if len(port.shape) == 2:
-                self._tables.add(name)
-        self._stages.append(Stage("straight", body, tuple(reads), tuple(writes)))
+            self._declare(name, port.shape, is_table=len(port.shape) == 2)
+        self._stages.append(Stage("straight", body, tuple(reads), tuple(writes), self.columns))
 
     def rows(self, f: Callable[..., Any], reads: Sequence[str], write: str) -> None:
         """A stage of straight-line code that computes all rows alike.
@@ -199,23 +273,32 @@ class Stages:
                 what takes its place.
         """
         body = self._traced(f, dict.fromkeys(reads, (self.columns,)))
-        self._arrays[write] = self._shape(reads[0])
-        self._tables.add(write)
-        self._stages.append(Stage("rows", body, tuple(reads), (write,)))
+        self._declare(write, self._shape(reads[0]))
+        self._stages.append(Stage("rows", body, tuple(reads), (write,), self.columns))
 
-    def lanes(self, f: Callable[..., Any], reads: Sequence[str], writes: Sequence[str]) -> None:
+    def lanes(
+        self,
+        f: Callable[..., Any],
+        reads: Sequence[str],
+        writes: Sequence[str],
+        columns: int | None = None,
+        whole: Sequence[str] = (),
+    ) -> None:
         """A stage that computes all columns alike.
 
         Args:
             f: From one column of each table, (rows,), to one column of as many tables as are written.
             reads: Names of tables, and of vectors, of which every column gets the whole.
             writes: Names of tables.
+            columns: How many columns there are; None for as many as most tables have.
+            whole: Names of those of the tables it reads of which every column gets the whole, (rows, columns).
         """
-        body = self._traced(f, {name: self._shape(name)[:1] for name in reads})
+        count = self.columns if columns is None else columns
+        shapes = {name: self._shape(name) for name in reads}
+        body = self._traced(f, {name: x if name in whole else x[:1] for name, x in shapes.items()})
         for name, port in zip(writes, body.outputs, strict=True):
-            self._arrays[name] = (port.size, self.columns)
-            self._tables.add(name)
-        self._stages.append(Stage("lanes", body, tuple(reads), tuple(writes)))
+            self._declare(name, (port.size, count))
+        self._stages.append(Stage("lanes", body, tuple(reads), tuple(writes), count, frozenset(whole)))
 
     def pairs(
         self,
@@ -225,6 +308,7 @@ class Stages:
         joints: Sequence[int],
         writes: Mapping[str, Sequence[float] | None],
         copies: Mapping[int, int] | None = None,
+        is_half: bool = False,
     ) -> None:
         """The stage that computes square matrices; see `Pairs`.
 
@@ -235,6 +319,7 @@ class Stages:
             joints: As for `Pairs`.
             writes: Names of the matrices, and what is added to their diagonals.
             copies: As for `Pairs`.
+            is_half: As for `Pairs`.
 
         Raises:
             TraceError: The functions return other numbers of entries than there are matrices.
@@ -259,8 +344,60 @@ class Stages:
                 diagonals=diagonals,
                 copies=dict(copies or {}),
                 writes=tuple(writes),
+                is_half=is_half,
             )
         )
+
+    def walk(
+        self,
+        f: Callable[..., Any],
+        state: int,
+        own: Sequence[str],
+        writes: Sequence[str],
+        is_inward: bool = False,
+    ) -> None:
+        """A stage that walks along the columns with a few numbers.
+
+        Args:
+            f: From the state, (state,), and a column of each table to the next state and a column of each result.
+            state: How many numbers are handed on; they are zero at first.
+            own: Names of the tables that are read.
+            writes: Names of the tables that are computed.
+            is_inward: Whether the last column comes first.
+        """
+        shapes = {"state": (state,), **{name: self._shape(name)[:1] for name in own}}
+        body = self._traced(f, shapes)
+        for name, port in zip(writes, body.outputs[1:], strict=True):
+            self._declare(name, (port.size, self.columns))
+        self._stages.append(Sweep((Pass(body, tuple(own), tuple(writes), is_inward),)))
+
+    def sweep(
+        self,
+        passes: Sequence[tuple[Callable[..., Any], Sequence[str], bool]],
+        state: int,
+        matrix: str,
+        source: str = "",
+    ) -> None:
+        """A stage that walks along the columns for all columns of a matrix, whose rows it computes.
+
+        Without a source, the matrix is symmetric, and only what is below its diagonal is computed.
+
+        Args:
+            passes: For each walk its function, the names of the tables that are read, and whether the last column
+                comes first. The function takes the state, a column of each table, and the entry of the source or of
+                the walk before, without a source how far the row is ahead of the column. It returns the next state
+                and the entry.
+            state: How many numbers are handed on.
+            matrix: The name of the matrix.
+            source: The name of the matrix that is read.
+        """
+        made = []
+        for f, own, is_inward in passes:
+            shapes = {"state": (state,), **{name: self._shape(name)[:1] for name in own}}
+            body = self._traced(f, {**shapes, "entry" if source else "ahead": (1,)})
+            made.append(Pass(body, tuple(own), (), is_inward, not source))
+        self._arrays[matrix] = (self.columns, self.columns)
+        self._stages.append(Sweep(tuple(made), source, matrix, not source))
 
     def factors(self, paths: Sequence[Sequence[int]], reads: str, writes: str) -> None:
         """The stage that factors a symmetric matrix; see `Factors`.
@@ -273,25 +410,43 @@ class Stages:
         self._arrays[writes] = (self._arrays[reads][0] + len(paths),)
         self._stages.append(Factors(tuple(map(tuple, paths)), reads, writes))
 
-    def form(self, *outputs: str, serves_batches: bool = False) -> StagedForm:
+    def form(
+        self,
+        *outputs: str | Sequence[str],
+        serves_batches: bool = False,
+        zeros: Mapping[str, Any] | None = None,
+    ) -> StagedForm:
         """The form of all stages.
 
         Args:
-            *outputs: Names of the arrays that the function returns.
+            *outputs: Names of the arrays that the function returns; several names stand for these arrays, one below
+                the other.
             serves_batches: Whether samples of a batch are computed in this form, too.
+            zeros: For matrices that are not of pairs which entries are zero whatever the inputs.
 
         Returns:
             The form.
 
         Raises:
-            TraceError: A stage reads an input after an output is written: arrays of results may be those of arguments.
+            TraceError: A stage reads an input after or while an output is written: arrays of results may be those of
+                arguments.
         """
-        self._check_order(outputs)
-        single = len(outputs) == 1
-        ports = [Port("out" if single else f"out{k}", self._arrays[x]) for k, x in enumerate(outputs)]
+        groups = [(output,) if isinstance(output, str) else tuple(output) for output in outputs]
+        written = [name for group in groups for name in group]
+        self._check_order(written)
+        ports, parts = [], {}
         names = {name: f"i{k}" for k, name in enumerate(self._inputs)}
-        names |= {name: f"o{k}" for k, name in enumerate(outputs)}
-        inner = {name: shape for name, shape in self._arrays.items() if name not in outputs}
+        for k, group in enumerate(groups):
+            shapes = [self._arrays[name] for name in group]
+            rows = (sum(shape[0] for shape in shapes), *shapes[0][1:]) if len(group) > 1 else shapes[0]
+            ports.append(Port("out" if len(groups) == 1 else f"out{k}", rows))
+            starts = accumulate((math.prod(shape) for shape in shapes), initial=0)
+            if len(group) == 1:
+                names[group[0]] = f"o{k}"
+            else:
+                arrays = zip(group, starts, shapes, strict=False)
+                parts |= {name: Part(f"o{k}", start, shape) for name, start, shape in arrays}
+        inner = {name: shape for name, shape in self._arrays.items() if name not in written}
         return StagedForm(
             tuple(Port(name, shape) for name, shape in self._inputs.items()),
             tuple(ports),
@@ -300,9 +455,19 @@ class Stages:
             frozenset(self._tables & inner.keys()),
             dict(self._constants),
             tuple(_renamed(stage, names) for stage in self._stages),
-            tuple(self._zeros(name) for name in outputs),
+            tuple(self._zeros(group, zeros or {}) for group in groups),
             serves_batches,
+            parts,
         )
+
+    def _declare(self, name: str, shape: tuple[int, ...], is_table: bool = True) -> None:
+        if self._arrays.setdefault(name, shape) != shape:
+            raise TraceError(
+                f"{name!r} of {self.name!r} has the shape {shape} and, in an earlier stage, {self._arrays[name]}; "
+                "expected one shape. Give one of the two another name."
+            )
+        if is_table:
+            self._tables.add(name)
 
     def _check_order(self, outputs: Sequence[str]) -> None:
         is_written = False
@@ -317,8 +482,20 @@ class Stages:
             # Factors are handed on only by heads of forms of columns, whose results are local arrays.
             writes = () if isinstance(stage, Factors) else stage.writes
             is_written = is_written or bool(set(writes) & set(outputs))
+            both = [name for name in reads if name in self._inputs and set(writes) & set(outputs)]
+            if both and isinstance(stage, Stage) and stage.kind == "straight":
+                raise TraceError(
+                    f"A stage of {self.name!r} reads {both[0]!r} and writes results; expected one stage that copies "
+                    "the input and another one that writes, since arrays of results may be those of arguments."
+                )
 
-    def _zeros(self, output: str) -> Any:
+    def _zeros(self, group: Sequence[str], known: Mapping[str, Any]) -> Any:
+        found = [known.get(name, self._zeros_of_pairs(name)) for name in group]
+        if len(found) == 1 or any(zeros is None for zeros in found):
+            return found[0] if len(found) == 1 else None
+        return np.concatenate(found)
+
+    def _zeros_of_pairs(self, output: str) -> Any:
         for stage in self._stages:
             if isinstance(stage, Pairs) and output in stage.writes:
                 both = (stage.masks(i) for i in range(self.columns))
@@ -345,4 +522,7 @@ def _renamed(stage: AnyStage, names: Mapping[str, str]) -> AnyStage:
         return replace(stage, reads=all_of([stage.reads])[0], writes=all_of([stage.writes])[0])
     if isinstance(stage, Stage):
         return replace(stage, reads=all_of(stage.reads), writes=all_of(stage.writes))
+    if isinstance(stage, Sweep):
+        source, matrix = all_of([stage.source, stage.matrix])
+        return replace(stage, source=source, matrix=matrix)
     return replace(stage, writes=all_of(stage.writes))

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import ast
+from typing import Any
 
 import numpy as np
 
 from ulna.compiler.imperative import tree as t
 from ulna.compiler.imperative.conversions import converted, operate
+from ulna.compiler.imperative.effects import parts
 from ulna.compiler.imperative.expressions import ExpressionReader
 from ulna.compiler.imperative.source import Definition
 from ulna.compiler.imperative.types import (
@@ -54,7 +56,18 @@ class AssignmentReader(ExpressionReader):
         if type(node.op) not in BINARY:
             self.fail(node, f"the operator {type(node.op).__name__} cannot be compiled")
         before = self.read(ast.copy_location(_as_load(node.target), node))
-        value = operate(BINARY[type(node.op)], (before, self.read(node.value)), node.lineno)
+        after = self.read(node.value)
+        if _has(before, t.Call):
+            self.fail(
+                node, "a call in the target of an augmented assignment would run twice",
+                "Assign the index to a variable first.",
+            )  # fmt: skip
+        if _has(after, t.Call) and any(_has(part, t.Element | t.Slice) for part in parts(before)):
+            self.fail(
+                node, "the call may change the array in which the index of the target lies",
+                "Assign the index to a variable first.",
+            )  # fmt: skip
+        value = operate(BINARY[type(node.op)], (before, after), node.lineno)
         return (self._store(node, node.target, value),), False
 
     def _store(self, node: ast.stmt, target: ast.expr, value: t.Expression) -> t.Statement:
@@ -150,6 +163,11 @@ class AssignmentReader(ExpressionReader):
         self.scope.types[name] = kind
         self.scope.assigned.add(name)
         return t.NewArray(name, sizes, kind, is_zero, node.lineno)
+
+
+def _has(e: t.Expression, kind: Any) -> bool:
+    """Whether an expression of a kind is among the parts of an expression, or is the expression itself."""
+    return isinstance(e, kind) or any(_has(part, kind) for part in parts(e))
 
 
 def _as_load(target: ast.expr) -> ast.expr:

@@ -172,7 +172,7 @@ def operate(name: str, values: Sequence[t.Expression], line: int) -> t.Expressio
 def _arithmetic(name: str, values: Sequence[t.Expression], line: int) -> t.Expression:
     same = unified(values)
     if element_of(same[0].type) == BOOL:
-        raise Mismatch(f"{name} takes numbers, not truth values")
+        raise Mismatch(f"{name} takes numbers, not bool")
     return t.Operation(name, tuple(same), same[0].type, line)
 
 
@@ -188,7 +188,7 @@ def _integer(name: str, values: Sequence[t.Expression], line: int) -> t.Expressi
 def _bits(name: str, values: Sequence[t.Expression], line: int) -> t.Expression:
     same = unified(values)
     if element_of(same[0].type) not in (INT, BOOL):
-        raise Mismatch(f"{name} takes integers, truth values or masks, not {same[0].type}")
+        raise Mismatch(f"{name} takes integers, bools or masks, not {same[0].type}")
     return t.Operation(name, tuple(same), same[0].type, line)
 
 
@@ -205,7 +205,7 @@ def _real(name: str, values: Sequence[t.Expression], line: int) -> t.Expression:
 def _comparison(name: str, values: Sequence[t.Expression], line: int) -> t.Expression:
     same = unified(values)
     if element_of(same[0].type) == BOOL:
-        raise Mismatch(f"{name} compares numbers, not truth values", "Use ^ for truth values.")
+        raise Mismatch(f"{name} compares numbers, not bool", "Use ^ for bools.")
     return t.Operation(name, tuple(same), with_element(same[0].type, BOOL), line)
 
 
@@ -262,7 +262,7 @@ def converted_explicitly(value: t.Expression, element: Number, line: int) -> t.E
     if source is None:
         raise Mismatch(f"{element}(...) takes numbers or lanes, not {value.type}")
     if element == BOOL and source != BOOL:
-        raise Mismatch("bool(...) takes truth values", "Compare instead: x != 0.")
+        raise Mismatch("bool(...) takes a bool", "Compare instead: x != 0.")
     if isinstance(value, t.Constant) and value.is_literal:
         number = {"int": int, "bool": bool}.get(element.name, float)(value.value)
         return t.Constant(number, element, line, is_literal=element == INT)

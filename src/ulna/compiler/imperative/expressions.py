@@ -92,10 +92,13 @@ class ExpressionReader(IndexReader):
         """The arguments in the order of the parameters, those passed by name included."""
         values = {k: self.read(a) for k, a in zip(definition.parameters, node.args, strict=False)}
         for keyword in node.keywords:
-            if keyword.arg is None or keyword.arg in values or keyword.arg not in definition.parameters:
-                self.fail(
-                    node, f"{definition.__name__} has no parameter `{keyword.arg}` to pass by name here"
-                )
+            if keyword.arg is None:
+                self.fail(node, "**arguments cannot be compiled", "Pass them one by one.")
+            if keyword.arg not in definition.parameters:
+                names = ", ".join(definition.parameters)
+                self.fail(node, f"{definition.__name__} has no parameter `{keyword.arg}`", f"It has {names}.")
+            if keyword.arg in values:
+                self.fail(node, f"`{keyword.arg}` is passed twice to {definition.__name__}")
             values[keyword.arg] = self.read(keyword.value)
         missing = [name for name in definition.parameters if name not in values]
         if missing or len(node.args) > len(definition.parameters):
@@ -138,7 +141,7 @@ class ExpressionReader(IndexReader):
         """A constant number of lanes."""
         count = self.constant(argument, "a number of lanes")
         if not 1 <= count <= MOST_LANES or count & (count - 1):
-            self.fail(node, f"a number of lanes is a power of two from 1 to {MOST_LANES}, not {count}")
+            self.fail(node, f"a number of lanes must be a power of two from 1 to {MOST_LANES}, not {count}")
         return count
 
 

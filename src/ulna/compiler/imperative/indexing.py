@@ -52,7 +52,7 @@ class IndexReader(ValueReader):
             lanes = Lanes(kind.element, index.type.count)
             return t.Element(array, (*fixed, index), lanes, node.lineno)
         if index.type != INT:
-            self.fail(node, f"an index is an integer, not {index.type}", "Convert it: int(x).")
+            self.fail(node, f"an index must be an integer, not {index.type}", "Convert it: int(x).")
         if len(indices) < kind.rank:
             view = ArrayType(kind.element, kind.rank - len(indices))
             return t.View(array, (*fixed, index), view, node.lineno)

@@ -23,7 +23,7 @@ UNWRITTEN = -(2**62)
 
 @dataclass(frozen=True)
 class _Returned:
-    """That a procedure is left, and its results."""
+    """Marks that a return statement has run, with the results."""
 
     values: tuple[Any, ...]
 
@@ -33,13 +33,13 @@ def interpret(instance: t.Instance, arguments: Sequence[Any]) -> tuple[Any, ...]
 
     Args:
         instance: The procedure, for certain types.
-        arguments: Numbers, arrays, records and callables, in the types of its parameters.
+        arguments: Numbers, arrays, records and kernels, in the types of its parameters.
 
     Returns:
         Its results: NumPy scalars, or arrays for lanes.
 
     Raises:
-        OutOfBounds: If it reads or writes beside an array.
+        OutOfBounds: If it reads or writes outside an array.
         DivisionByZero: If it divides an integer by zero.
     """
     variables = {name: value for (name, _), value in zip(instance.parameters, arguments, strict=True)}
@@ -57,11 +57,11 @@ class _Frame:
     # statements -----------------------------------------------------------------------------------------
 
     def block(self, body: Sequence[t.Statement]) -> _Returned | str | None:
-        """Runs statements; returns how they were left: by `return`, "break", "continue", or at their end."""
+        """Runs statements; returns how they ended: by `return`, "break", "continue", or at their end."""
         for statement in body:
-            left = getattr(self, f"_{type(statement).__name__.lower()}")(statement)
-            if left is not None:
-                return left
+            exit_by = getattr(self, f"_{type(statement).__name__.lower()}")(statement)
+            if exit_by is not None:
+                return exit_by
         return None
 
     def _assign(self, s: t.Assign) -> None:
@@ -72,37 +72,41 @@ class _Frame:
         self.variables.update(zip(s.names, results, strict=False))
 
     def _kernelcall(self, s: t.KernelCall) -> None:
-        self.value(s.kernel)(*(self.value(a) for a in s.arrays))
+        kernel, arrays = self.value(s.kernel), [self.value(a) for a in s.arrays]
+        for array, size in zip(arrays, kernel.sizes, strict=True):
+            if array.size < size:
+                raise OutOfBounds(self.file, s.line, size - 1, array.size)
+        kernel.interpret(*arrays)
 
     def _newarray(self, s: t.NewArray) -> None:
-        empty = 0 if s.is_zero else UNWRITTEN if s.type.element == INT else np.nan
-        self.variables[s.name] = np.full(s.shape, empty, s.type.element.dtype)
+        initial = 0 if s.is_zero else UNWRITTEN if s.type.element == INT else np.nan
+        self.variables[s.name] = np.full(s.shape, initial, s.type.element.dtype)
 
     def _store(self, s: t.Store) -> None:
         value = self.value(s.value)
-        array, where = self.place(s.place)
-        array[where] = value
+        array, index = self.place(s.place)
+        array[index] = value
 
     def _if(self, s: t.If) -> _Returned | str | None:
         return self.block(s.body if self.value(s.condition) else s.otherwise)
 
     def _while(self, s: t.While) -> _Returned | None:
         while self.value(s.condition):
-            left = self.block(s.body)
-            if left == "break":
+            exit_by = self.block(s.body)
+            if exit_by == "break":
                 break
-            if isinstance(left, _Returned):
-                return left
+            if isinstance(exit_by, _Returned):
+                return exit_by
         return None
 
     def _for(self, s: t.For) -> _Returned | None:
         for k in range(int(self.value(s.start)), int(self.value(s.stop)), s.step):
             self.variables[s.name] = np.int64(k)
-            left = self.block(s.body)
-            if left == "break":
+            exit_by = self.block(s.body)
+            if exit_by == "break":
                 break
-            if isinstance(left, _Returned):
-                return left
+            if isinstance(exit_by, _Returned):
+                return exit_by
         return None
 
     def _break(self, s: t.Break) -> str:
@@ -162,8 +166,8 @@ class _Frame:
         return array[tuple(indices)]
 
     def _read(self, e: t.Element | t.Slice) -> Any:
-        array, where = self.place(e)
-        return array[where].copy()
+        array, index = self.place(e)
+        return array[index].copy()
 
     def _laneitem(self, e: t.LaneItem) -> Any:
         value = self.value(e.value)

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna.compiler.language import ops
 from ulna.data_classes import dataclass
 
 
@@ -83,19 +84,8 @@ def _first(mask: Any) -> np.int64:
     return np.int64(np.argmax(mask) if mask.any() else len(mask))
 
 
-_ELEMENTARY: dict[str, np.ufunc] = {
-    "sin": np.sin,
-    "cos": np.cos,
-    "tan": np.tan,
-    "asin": np.arcsin,
-    "acos": np.arccos,
-    "atan2": np.arctan2,
-    "exp": np.exp,
-    "log": np.log,
-    "expm1": np.expm1,
-    "log1p": np.log1p,
-}
-"""The elementary functions, by their names in the module `math`."""
+_ELEMENTARY: dict[str, Any] = {row.c: row for row in ops.TABLE if row.c and not row.llvm}
+"""The elementary functions, by their names in C and in the module `math`: those of the language."""
 
 TABLE: dict[str, Row] = {
     "add": Row(2, "arithmetic", np.add),
@@ -117,7 +107,7 @@ TABLE: dict[str, Row] = {
     "sqrt": Row(1, "real", np.sqrt),
     "floor": Row(1, "real", np.floor),
     "ceil": Row(1, "real", np.ceil),
-    **{name: Row(numpy.nin, "real", numpy) for name, numpy in _ELEMENTARY.items()},
+    **{name: Row(row.arity, "real", row.numpy) for name, row in _ELEMENTARY.items()},
     "lt": Row(2, "comparison", np.less),
     "le": Row(2, "comparison", np.less_equal),
     "gt": Row(2, "comparison", np.greater),
@@ -181,7 +171,7 @@ FUNCTIONS: dict[Any, str] = {
     np.where: "where",
     any_of: "any_of", all_of: "all_of", count_of: "count_of", first_of: "first_of", sum_of: "sum_of",
     least_of: "least_of", greatest_of: "greatest_of",
-    **{numpy: name for name, numpy in _ELEMENTARY.items()},
+    **{row.numpy: name for name, row in _ELEMENTARY.items()},
     **{getattr(math, name): name for name in _ELEMENTARY},
 }  # fmt: skip
 """The Python functions that procedures may call, and the operations they are."""

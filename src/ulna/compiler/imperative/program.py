@@ -9,15 +9,25 @@ from ulna.compiler.imperative import tree as t
 from ulna.compiler.imperative.conversions import literal
 from ulna.compiler.imperative.source import Definition, source_of
 from ulna.compiler.imperative.statements import ProcedureReader
-from ulna.compiler.imperative.types import Type, annotated_types, type_named
+from ulna.compiler.imperative.types import Type, annotated_types, records_in, type_named
 
 
 class ProgramReader:
-    """Reads a procedure and all that it calls; each combination of a procedure and types once."""
+    """Reads a procedure and all that it calls; each combination of a procedure and types once.
+
+    Args:
+        constants: Values of parameters that are compiled in.
+
+    Attributes:
+        constants: The same.
+        instances: The procedures that were read, callees first.
+        outside: What names of modules stood for, and the records among the types, by module and dotted name.
+    """
 
     def __init__(self, constants: Mapping[str, bool | int | float] | None = None) -> None:
         self.constants = dict(constants or {})
         self.instances: dict[Any, t.Instance] = {}
+        self.outside: dict[tuple[str, str], Any] = {}
         self._reading: list[Definition] = []
 
     def entry(self, definition: Definition) -> t.Instance:
@@ -83,6 +93,8 @@ class ProgramReader:
                     "It has bool, int, float, f32, f64, Array1[f32] to Array3[...], Kernel and NamedTuples of these.",
                 )  # fmt: skip
             types[name] = type_
+            for record in records_in(annotation):
+                self.outside[record.__module__, record.__qualname__] = record
         return types
 
     def _instance(
@@ -98,7 +110,7 @@ class ProgramReader:
         self._reading.append(definition)
         try:
             name = f"{definition.__name__}.{len(self.instances)}"
-            reader = ProcedureReader(definition, types, constants, self.instance_of)
+            reader = ProcedureReader(definition, types, constants, self.instance_of, self.outside)
             instance = reader.instance(name)
         finally:
             self._reading.pop()

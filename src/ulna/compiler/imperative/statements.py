@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
 
 from ulna.compiler.imperative import tree as t
 from ulna.compiler.imperative.assignments import AssignmentReader
@@ -28,6 +29,7 @@ class ProcedureReader(AssignmentReader):
         types: The types of its parameters that are no constants.
         constants: Its parameters that are constants of this instance.
         instance_of: Makes the instance of another procedure for the arguments of a call.
+        outside: Where what names of modules stand for is put down, by module and dotted name.
     """
 
     def __init__(
@@ -36,11 +38,12 @@ class ProcedureReader(AssignmentReader):
         types: Mapping[str, Type],
         constants: Mapping[str, t.Constant],
         instance_of: Callable[[Definition, Sequence[t.Expression]], t.Instance],
+        outside: dict[tuple[str, str], Any],
     ) -> None:
         source = source_of(definition.function)
         ordered = {name: types[name] for name in definition.parameters if name in types}
         everything = source.stored | {*definition.parameters}
-        super().__init__(Scope(source, dict(constants), dict(ordered), instance_of, everything))
+        super().__init__(Scope(source, dict(constants), dict(ordered), instance_of, everything, outside))
         self._parameters = tuple(ordered.items())
         self._results: tuple[Number | Lanes, ...] | None = None
         self._contract = definition.contract
@@ -127,8 +130,10 @@ class ProcedureReader(AssignmentReader):
         if node.orelse:
             self.fail(node, "`else` of a loop cannot be compiled")
         condition = self.condition(node.test)
+        if isinstance(condition, t.Constant) and not condition.value:
+            return (), False
         body, breaks = self._loop_body(node.body)
-        endless = isinstance(condition, t.Constant) and bool(condition.value) and not breaks
+        endless = isinstance(condition, t.Constant) and not breaks
         return (t.While(condition, body, node.lineno),), endless
 
     def _for(self, node: ast.For) -> tuple[tuple[t.Statement, ...], bool]:

@@ -59,12 +59,12 @@ class Broadcast:
 
 @dataclass(frozen=True)
 class Choice:
-    """`a if condition else b`, or a short-circuit `and`/`or`: one of the two is evaluated."""
+    """`a if condition else b`, a short-circuit `and`/`or` or a chain of comparisons: one of the two is evaluated."""
 
     condition: Expression
     if_true: Expression
     if_false: Expression
-    type: Number
+    type: Number | Lanes
     line: int
 
 

@@ -177,3 +177,11 @@ def type_named(annotation: Any) -> Type | None:
         known = tuple((name, type_) for name, type_ in fields if type_ is not None)
         return RecordType(annotation.__name__, known) if len(known) == len(fields) else None
     return None
+
+
+def records_in(annotation: Any) -> list[type]:
+    """The NamedTuple that an annotation names, and those among its fields."""
+    if not (isinstance(annotation, type) and hasattr(annotation, "_fields")):
+        return []
+    hints = get_type_hints(annotation, include_extras=True)
+    return [annotation, *(record for hint in hints.values() for record in records_in(hint))]

@@ -19,6 +19,7 @@ from ulna.compiler.imperative.types import (
     Number,
     RecordType,
     Type,
+    element_of,
 )  # fmt: skip
 
 MOST_LANES = 64
@@ -43,6 +44,7 @@ class Scope:
         assigned: Variables that have a value wherever the reader is.
         instance_of: Makes the instance of another procedure for the arguments of a call.
         names: All that are assigned to somewhere in the procedure, and its parameters.
+        outside: What names of modules stood for, by module and dotted name.
 
     Args:
         source: The source.
@@ -50,6 +52,7 @@ class Scope:
         types: The other parameters, with their types.
         instance_of: Makes the instance of another procedure for the arguments of a call.
         names: All that are assigned to somewhere in the procedure, and its parameters.
+        outside: Where what names of modules stand for is put down, by module and dotted name.
     """
 
     def __init__(
@@ -59,10 +62,11 @@ class Scope:
         types: dict[str, Type],
         instance_of: Callable[[Definition, Sequence[t.Expression]], t.Instance],
         names: frozenset[str],
+        outside: dict[tuple[str, str], Any],
     ) -> None:
         self.source, self.constants, self.types = source, constants, types
         self.assigned = set(types)
-        self.instance_of, self.names = instance_of, names
+        self.instance_of, self.names, self.outside = instance_of, names, outside
 
 
 class ValueReader:
@@ -96,11 +100,11 @@ class ValueReader:
             self.fail(node, error.text, error.fix)
 
     def condition(self, node: ast.expr) -> t.Expression:
-        """A truth value."""
+        """The value of a condition, a bool."""
         value = self.read(node)
         if value.type != BOOL:
             fix = "Reduce the mask: any_of(...) or all_of(...)." if isinstance(value.type, Lanes) else ""
-            self.fail(node, f"a condition is a truth value, not {value.type}", fix or "Compare it: x != 0.")
+            self.fail(node, f"a condition must be a bool, not {value.type}", fix or "Compare it: x != 0.")
         return value
 
     def integer(self, node: ast.expr, what: str) -> t.Expression:
@@ -118,7 +122,7 @@ class ValueReader:
         """
         value = self.read(node)
         if value.type != INT:
-            self.fail(node, f"{what} is an integer, not {value.type}", "Convert it: int(x).")
+            self.fail(node, f"{what} must be an integer, not {value.type}", "Convert it: int(x).")
         return value
 
     def constant(self, node: ast.expr, what: str) -> int:
@@ -135,19 +139,27 @@ class ValueReader:
             ProcedureError: If it is not constant.
         """
         value = self.read(node)
-        if not isinstance(value, t.Constant) or value.type != INT:
-            self.fail(node, f"{what} is an integer known when the code is compiled, not {value.type}")
+        if value.type != INT:
+            self.fail(node, f"{what} must be an integer constant, not {value.type}")
+        if not isinstance(value, t.Constant):
+            self.fail(node, f"{what} must be an integer constant; this is a variable")
         return int(value.value)
 
     def object_named(self, node: ast.expr) -> Any:
         """The Python object that a name or a dotted name stands for outside of the procedure; None where none."""
+        value = self._object(node)
+        if value is not None:
+            self.scope.outside[self.scope.source.function.__module__, ast.unparse(node)] = value
+        return value
+
+    def _object(self, node: ast.expr) -> Any:
         if isinstance(node, ast.Name) and node.id not in self.scope.names:
             try:
                 return self.scope.source.value_of(node.id)
             except (KeyError, ValueError):
                 return None
         if isinstance(node, ast.Attribute):
-            owner = self.object_named(node.value)
+            owner = self._object(node.value)
             return getattr(owner, node.attr, None) if owner is not None else None
         return None
 
@@ -179,11 +191,11 @@ class ValueReader:
         if isinstance(value, np.generic) and type(value) in NUMBERS:
             return t.Constant(value.item(), NUMBERS[type(value)], node.lineno, is_literal=False)
         if value is None:
-            self.fail(node, f"`{name}` is not defined")
+            self.fail(node, f"`{name}` is not defined, or is None")
         self.fail(
             node,
-            f"`{name}` is a {type(value).__name__}; from outside a procedure takes numbers, procedures and the "
-            "functions of the language",
+            f"`{name}` is a {type(value).__name__}; a procedure can use only numbers, procedures and functions of the "
+            "language from outside",
             "Pass it as a parameter.",
         )
 
@@ -204,11 +216,14 @@ class ValueReader:
 
     def _binop(self, node: ast.BinOp) -> t.Expression:
         if isinstance(node.op, ast.Pow):
-            if not (isinstance(node.right, ast.Constant) and node.right.value == 2):
+            exponent = node.right.value if isinstance(node.right, ast.Constant) else None
+            if not isinstance(exponent, int | float) or exponent != 2:
                 self.fail(node, "powers other than ** 2 cannot be compiled", "Multiply, or use exp and log.")
             if any(isinstance(part, ast.Call) for part in ast.walk(node.left)):
                 self.fail(node, "the square of a call would run it twice", "Assign it first.")
             base = self.read(node.left)
+            if isinstance(exponent, float) and element_of(base.type) == INT:
+                base = operate("mul", (base, literal(1.0, node.lineno)), node.lineno)
             return operate("mul", (base, base), node.lineno)
         if type(node.op) not in BINARY:
             self.fail(node, f"the operator {type(node.op).__name__} cannot be compiled")
@@ -227,16 +242,8 @@ class ValueReader:
         return operate("not", (value,), node.lineno)
 
     def _boolop(self, node: ast.BoolOp) -> t.Expression:
-        *others, last = (self.condition(value) for value in node.values)
-        is_and = isinstance(node.op, ast.And)
-        for value in reversed(others):
-            if isinstance(value, t.Constant):
-                last = last if bool(value.value) == is_and else value
-                continue
-            short = literal(not is_and, node.lineno)
-            if_true, if_false = (last, short) if is_and else (short, last)
-            last = t.Choice(value, if_true, if_false, BOOL, node.lineno)
-        return last
+        conditions = [self.condition(value) for value in node.values]
+        return _short_circuit(conditions, isinstance(node.op, ast.And), node.lineno)
 
     def _compare(self, node: ast.Compare) -> t.Expression:
         values = [self.read(v) for v in (node.left, *node.comparators)]
@@ -249,8 +256,10 @@ class ValueReader:
             if type(op) not in _COMPARE:
                 self.fail(node, f"the comparison {type(op).__name__} cannot be compiled")
             results.append(operate(_COMPARE[type(op)], values[k : k + 2], node.lineno))
+        if all(result.type == BOOL for result in results):
+            return _short_circuit(results, True, node.lineno)
         result = results[0]
-        for other in results[1:]:
+        for other in results[1:]:  # a mask has the results of all comparisons
             result = operate("and", (result, other), node.lineno)
         return result
 
@@ -260,7 +269,19 @@ class ValueReader:
             return self.read(node.body if condition.value else node.orelse)
         chosen = operate("where", (condition, self.read(node.body), self.read(node.orelse)), node.lineno)
         assert isinstance(chosen, t.Operation)
-        if not isinstance(chosen.type, Number):
-            return chosen
+        assert isinstance(chosen.type, Number | Lanes)
         _, if_true, if_false = chosen.arguments
         return t.Choice(condition, if_true, if_false, chosen.type, node.lineno)
+
+
+def _short_circuit(conditions: Sequence[t.Expression], is_and: bool, line: int) -> t.Expression:
+    """`and` or `or` of conditions: those after the one that decides are not evaluated."""
+    *others, last = conditions
+    for value in reversed(others):
+        if isinstance(value, t.Constant):
+            last = last if bool(value.value) == is_and else value
+            continue
+        short = literal(not is_and, line)
+        if_true, if_false = (last, short) if is_and else (short, last)
+        last = t.Choice(value, if_true, if_false, BOOL, line)
+    return last

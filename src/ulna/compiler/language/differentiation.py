@@ -11,25 +11,28 @@ from collections.abc import Sequence
 from typing import Any
 
 from ulna.compiler.language.graph import Graph
-from ulna.compiler.language.loop_derivatives import copied, forward_loop, reverse_loop
+from ulna.compiler.language.loop_derivatives import LONG_TAPE, copied, forward_loop, reverse_loop
 from ulna.compiler.language.ops import TABLE, Op
 from ulna.compiler.language.scalar import Condition, Scalar, index_in
 from ulna.errors import TraceError
 
 
-def copy_of(graph: Graph, results: Sequence[int]) -> tuple[Graph, list[int], list[int]]:
+def copy_of(
+    graph: Graph, results: Sequence[int], tape: int = LONG_TAPE
+) -> tuple[Graph, list[int], list[int]]:
     """A graph that sweeps may add derivatives to.
 
     Args:
         graph: The graph of a function; it stays as it is.
         results: The nodes of its results.
+        tape: The largest number of numbers on the tape of a loop.
 
     Returns:
         A copy with all inputs, the nodes of its inputs, and those of `results`.
     """
     g = Graph(relaxed=graph.relaxed, lanes=graph.lanes)
     primals = [g.input() for _ in graph.inputs]
-    return g, primals, copied(g, graph, results, primals)
+    return g, primals, copied(g, graph, results, primals, tape)
 
 
 def forward(g: Graph, tangents: dict[int, int], outputs: Sequence[int]) -> list[int]:
@@ -44,22 +47,21 @@ def forward(g: Graph, tangents: dict[int, int], outputs: Sequence[int]) -> list[
         The nodes of the tangents of `outputs`.
     """
     d: dict[int, Scalar] = {x: Scalar(g, t) for x, t in tangents.items()}
-    loops: dict[int, dict[int, int]] = {}  # tangents of the states of loops
+    loop_tangents: dict[int, dict[int, int]] = {}  # tangents of the states of loops
     for index in g.live(outputs):
         if index in d or g.op[index] in (Op.INPUT, Op.CONST, Op.BOOL, Op.LANE):
             continue
         if g.op[index] == Op.LOOP:
-            made = forward_loop(g, index, {x: t.index for x, t in d.items()}, loops, forward)
+            made = forward_loop(g, index, {x: t.index for x, t in d.items()}, loop_tangents, forward)
             if made:
-                loops[index] = made
+                loop_tangents[index] = made
             continue
         if g.op[index] == Op.ITEM:
-            item = loops.get(g.args[index][0], {}).get(g.data[index])
+            item = loop_tangents.get(g.args[index][0], {}).get(g.data[index])
             if item is not None:
                 d[index] = Scalar(g, item)
             continue
-        moving = [a for a in g.args[index] if a in d]
-        if not moving:
+        if not any(a in d for a in g.args[index]):
             continue
         if g.op[index] == Op.SELECT:
             c, a, b = g.args[index]
@@ -131,49 +133,49 @@ def reverse(g: Graph, seeds: Sequence[tuple[int, int]], inputs: Sequence[int]) -
     Returns:
         The nodes of the cotangents of `inputs`.
     """
-    order, bars = g.live([y for y, _ in seeds]), _Cotangents(g)
+    order, cotangents = g.live([y for y, _ in seeds]), _Cotangents(g)
     for y, seed in seeds:
-        bars.add(y, Scalar(g, seed), None)
+        cotangents.add(y, Scalar(g, seed), None)
     reached = set(inputs)
     for index in order:  # only nodes that depend on the inputs carry a cotangent
         if any(a in reached for a in g.args[index]):
             reached.add(index)
-    ends: dict[int, dict[int, int]] = {}  # cotangents of the final states of loops
+    loop_cotangents: dict[int, dict[int, int]] = {}  # cotangents of the final states of loops
     for index in reversed(order):
-        if index in ends:
-            for a, item in reverse_loop(g, index, ends[index], reached, reverse):
-                bars.add(a, Scalar(g, item), None)
-        if index not in bars or index not in reached or g.op[index] == Op.INPUT:
+        if index in loop_cotangents:
+            for a, item in reverse_loop(g, index, loop_cotangents[index], reached, reverse):
+                cotangents.add(a, Scalar(g, item), None)
+        if index not in cotangents or index not in reached or g.op[index] == Op.INPUT:
             continue
         if g.op[index] == Op.ITEM:
-            ends.setdefault(g.args[index][0], {})[g.data[index]] = bars.total(index)
+            loop_cotangents.setdefault(g.args[index][0], {})[g.data[index]] = cotangents.total(index)
         else:
-            _add_to_arguments(g, index, bars, reached)
-    return [bars.total(x) for x in inputs]
+            _add_to_arguments(g, index, cotangents, reached)
+    return [cotangents.total(x) for x in inputs]
 
 
-def _add_to_arguments(g: Graph, index: int, bars: _Cotangents, reached: set[int]) -> None:
+def _add_to_arguments(g: Graph, index: int, cotangents: _Cotangents, reached: set[int]) -> None:
     """Adds the cotangent of a node, times its partial derivatives, to those of its arguments."""
-    value, condition = bars[index]
+    value, condition = cotangents[index]
     if g.op[index] == Op.SELECT:
         c, a, b = g.args[index]
         here = Condition(g, c)
         for x, side in ((a, here), (b, ~here)):
             if x in reached:
-                bars.add(x, value, side if condition is None else condition & side)
+                cotangents.add(x, value, side if condition is None else condition & side)
         return
     if g.op[index] == Op.DIV and g.args[index][1] in reached:  # one division for both sides
         a, b = g.args[index]
         share = value / Scalar(g, b)
         if a in reached:
-            bars.add(a, share, condition)
-        bars.add(b, -(share * Scalar(g, index)), condition)
+            cotangents.add(a, share, condition)
+        cotangents.add(b, -(share * Scalar(g, index)), condition)
         return
     for position, a in enumerate(g.args[index]):
         if a in reached:
             partial = _partial(g, index, position)
             if partial is not None:
-                bars.add(a, value * partial, condition)
+                cotangents.add(a, value * partial, condition)
 
 
 def _same(a: Condition | None, b: Condition | None) -> bool:

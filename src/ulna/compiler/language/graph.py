@@ -19,18 +19,20 @@ class Loop:
     """The subgraph that a LOOP node iterates: while `condition`, `state` becomes `following`.
 
     The subgraph's inputs are the state first, then the captured values of the graph around it. A loop that reads the
-    records of others repeats the iterations of the first of them, whatever its own condition says; the states before
-    each iteration are its last inputs, and the LOOP nodes of these loops its last arguments.
+    tapes of others repeats the iterations of the first of them, whatever its own condition says; the states before
+    each iteration, each with what is kept beside it, are its last inputs, and the LOOP nodes of these loops its last
+    arguments.
     """
 
     graph: Graph
     size: int  # how many numbers the state has
     condition: int
-    following: tuple[int, ...]
+    following: tuple[int, ...]  # the next state, then what the tape has of the iteration beside the state
     limit: int  # iterations after which a lane stops even where its condition still holds
-    is_recorded: bool = False  # whether the state before each iteration is kept for other loops
+    is_taped: bool = False  # whether a tape keeps the state before each iteration, for other loops
     is_backward: bool = False  # whether it repeats the iterations that it reads from the last to the first
-    reads: int = 0  # how many loops it reads the records of
+    reads: int = 0  # how many loops it reads the tapes of
+    plain: Loop | None = None  # the same from tapes of nothing but states, which has derivatives
 
 
 _COMMUTING = frozenset(int(row.op) for row in TABLE if row.commutes)
@@ -227,7 +229,7 @@ class Graph:
             data = self.data[index]
             if isinstance(data, Loop):
                 inner = data.graph.fingerprint([data.condition, *data.following])
-                flags = (data.is_recorded, data.is_backward, data.reads)
+                flags = (data.is_taped, data.is_backward, data.reads)
                 data = (inner, data.size, data.limit, *(flags if any(flags) else ()))
             elif isinstance(data, float):
                 data = data.hex()

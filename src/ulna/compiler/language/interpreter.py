@@ -1,4 +1,4 @@
-"""Evaluates a graph: one traversal for numbers, for another graph and for SymPy.
+"""Evaluates a graph: one traversal for numbers, for another graph and for symbols (`methods/symbols.py`).
 
 The evaluation on numbers is the reference that compiled code is tested against.
 """
@@ -10,10 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ulna import numeric
 from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.ops import TABLE, Op
-from ulna.errors import TraceError
 
 
 def evaluate(
@@ -106,55 +104,20 @@ def copy_into(
     return evaluate(source, inputs, nodes, operation=node, loop=loop, lane=target.lane, constant=constant)
 
 
-def evaluate_symbols(graph: Graph, inputs: Sequence[Any], outputs: Sequence[int]) -> list[Any]:
-    """The values of the nodes `outputs` on objects of another package, such as SymPy's expressions.
-
-    Args:
-        graph: The graph.
-        inputs: The values of the inputs.
-        outputs: The nodes to evaluate.
-
-    Returns:
-        The values in the order of `outputs`.
-    """
-
-    def reject(*_: Any) -> Any:
-        raise TraceError(
-            f"A function that has a loop cannot be evaluated on {type(inputs[0]).__name__}; expected numbers."
-        )
-
-    return evaluate(graph, inputs, outputs, operation=_by_symbols, loop=reject, lane=reject)
-
-
 def _by_numpy(op: int, args: Sequence[Any]) -> Any:
     function = TABLE[op].numpy
     assert function is not None
     return function(*args)
 
 
-def _by_symbols(op: int, args: Sequence[Any]) -> Any:
-    row = TABLE[op]
-    assert row.numpy is not None
-    if not numeric.is_symbolic(*args):
-        return row.numpy(*args)
-    if callable(row.symbols):
-        return row.symbols(*args)
-    name = row.numpy.__name__
-    if op != Op.EQ and hasattr(args[0], name):
-        return getattr(args[0], name)(*args[1:])
-    import sympy
-
-    return getattr(sympy, row.symbols)(*args)
-
-
 def _lane_numbers(count: int) -> Any:
     return np.arange(float(count))
 
 
-class _States(list[Any]):
-    """The final state of a loop, and for each iteration which elements took part and the state before it."""
+class _LoopStates(list[Any]):
+    """The final state of a loop, and for each iteration which elements took part and what its tape has."""
 
-    record: Sequence[tuple[Any, Sequence[Any]]] = ()
+    tape: Sequence[tuple[Any, Sequence[Any]]] = ()
 
 
 def _iterate(loop: Loop, values: Sequence[Any]) -> list[Any]:
@@ -163,37 +126,35 @@ def _iterate(loop: Loop, values: Sequence[Any]) -> list[Any]:
         return _repeat(loop, values[: -loop.reads], values[-loop.reads :])
     shape = np.broadcast_shapes(*(np.shape(v) for v in values))
     state = [np.broadcast_to(v, shape).astype(float) for v in values[: loop.size]]
-    captured, record = values[loop.size :], []
+    captured, tape = values[loop.size :], []
     active = np.ones(shape, dtype=bool)
     for _ in range(loop.limit):
         holds, *following = interpret(loop.graph, [*state, *captured], [loop.condition, *loop.following])
         active = active & holds
         if not active.any():
             break
-        if loop.is_recorded:
-            record.append((active, state))
-        state = [np.where(active, new, old) for new, old in zip(following, state, strict=True)]
-    return _with_record(state, record)
+        if loop.is_taped:
+            tape.append((active, [*state, *following[loop.size :]]))
+        state = [np.where(active, new, old) for new, old in zip(following, state, strict=False)]
+    return _with_tape(state, tape)
 
 
-def _repeat(loop: Loop, values: Sequence[Any], read: Sequence[_States]) -> list[Any]:
+def _repeat(loop: Loop, values: Sequence[Any], read: Sequence[_LoopStates]) -> list[Any]:
     """The iterations of the first loop that is read, with the states of all of them."""
-    rounds = len(read[0].record)
-    shape = np.broadcast_shapes(
-        *map(np.shape, values), *(np.shape(active) for active, _ in read[0].record[:1])
-    )
+    rounds = len(read[0].tape)
+    shape = np.broadcast_shapes(*map(np.shape, values), *(np.shape(active) for active, _ in read[0].tape[:1]))
     state = [np.broadcast_to(v, shape).astype(float) for v in values[: loop.size]]
-    record: list[Any] = [None] * rounds
+    tape: list[Any] = [None] * rounds
     for k in reversed(range(rounds)) if loop.is_backward else range(rounds):
-        active = read[0].record[k][0]
-        record[k] = active, state
-        states = [number for states in read for number in states.record[k][1]]
+        active = read[0].tape[k][0]
+        tape[k] = active, state
+        states = [number for states in read for number in states.tape[k][1]]
         following = interpret(loop.graph, [*state, *values[loop.size :], *states], loop.following)
         state = [np.where(active, new, old) for new, old in zip(following, state, strict=True)]
-    return _with_record(state, record)
+    return _with_tape(state, tape)
 
 
-def _with_record(state: Sequence[Any], record: Sequence[Any]) -> _States:
-    states = _States(state)
-    states.record = record
+def _with_tape(state: Sequence[Any], tape: Sequence[Any]) -> _LoopStates:
+    states = _LoopStates(state)
+    states.tape = tape
     return states

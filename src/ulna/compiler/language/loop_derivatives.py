@@ -1,53 +1,62 @@
-"""Derivatives of loops: loops that repeat the iterations with the states that were recorded.
+"""Derivatives of loops: loops that repeat the iterations at the states on a tape.
 
-The loop keeps the state before each iteration. A tangent repeats the iterations in order, cotangents repeat them
-backwards; each round evaluates the body's derivative at the recorded state. How often a loop iterates counts as
-constant. A record that would be too long is cut: the loop becomes a loop of shorter loops, whose iterations are
-computed once more [Griewank & Walther 2008, section 12.1].
+The loop stores the state before each iteration on its tape. Tangents repeat the iterations in order, cotangents repeat
+them backwards; each iteration evaluates the derivative of the body at a state of the tape. The tape of cotangents has
+other values of the iteration as well, where a load is cheaper than computing them again. The number of iterations
+counts as constant. A loop whose tape would be too long becomes a loop of shorter loops, with checkpoints between them
+from which their iterations are computed again [Griewank & Walther 2008, section 12.1].
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
+from functools import partial
 from math import isqrt
 
 from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.interpreter import copy_into
+from ulna.compiler.language.kept_values import values_to_keep
 from ulna.compiler.language.ops import Op
 from ulna.errors import TraceError
 
-_RECORD = 4096
-"""How many numbers the record of a loop holds on the stack, for each lane."""
+SHORT_TAPE = 4096
+"""The largest number of numbers on the tape of a loop, for each lane, where there may be many tapes (on the stack)."""
+LONG_TAPE = 12288
+"""The same where there are few, and with other values of the iterations."""
 
 Sweep = Callable[..., list[int]]
 
 
-def copied(target: Graph, source: Graph, nodes: Sequence[int], inputs: Sequence[int]) -> list[int]:
-    """Rebuilds nodes of a graph as `copy_into` does, with loops as loops of shorter ones where a record needs it.
+def copied(
+    target: Graph, source: Graph, nodes: Sequence[int], inputs: Sequence[int], tape: int = SHORT_TAPE
+) -> list[int]:
+    """Rebuilds nodes of a graph as `copy_into` does, with checkpoints in loops whose tape would be too long.
 
     Args:
         target: The graph to write to.
         source: The graph to copy from.
         nodes: Nodes of `source`.
         inputs: For each input of `source` the node of `target` that takes its place.
+        tape: The largest number of numbers on the tape of a loop.
 
     Returns:
         The nodes of `target` that equal `nodes`.
     """
-    return copy_into(target, source, nodes, inputs, _in_rounds)
+    return copy_into(target, source, nodes, inputs, partial(_with_checkpoints, tape=tape))
 
 
-def _longest(numbers: int) -> int:
-    """How many iterations fit in a record of so many numbers each."""
-    return max(_RECORD // numbers, 2)
+def _max_iterations(numbers: int, tape: int = LONG_TAPE) -> int:
+    """The number of iterations that fit on a tape, with so many numbers for each."""
+    return max(tape // numbers, 2)
 
 
-def _in_rounds(target: Graph, loop: Loop, args: list[int]) -> list[int]:
-    """Adds a loop; where it is too long for a record but not for three nested ones, as a loop of loops."""
-    # As many numbers as its cotangents have, which are recorded for second derivatives.
-    longest = _longest(len(args))
-    if loop.reads or loop.is_recorded or not longest < loop.limit <= longest**3:
+def _with_checkpoints(target: Graph, loop: Loop, args: list[int], tape: int) -> list[int]:
+    """Adds a loop, as a loop of loops if it is too long for a tape, but not for those of three nested loops."""
+    # As many numbers as its cotangents have, which are on a tape for second derivatives.
+    longest = _max_iterations(len(args), tape)
+    if loop.reads or loop.is_taped or not longest < loop.limit <= longest**3:
         return target.loop(loop, args)
     rounds = min(longest, isqrt(loop.limit - 1) + 1)
     length, rest = divmod(loop.limit, rounds)
@@ -60,7 +69,7 @@ def _in_rounds(target: Graph, loop: Loop, args: list[int]) -> list[int]:
 
 
 def forward_loop(
-    g: Graph, index: int, tangents: Mapping[int, int], others: Mapping[int, Mapping[int, int]], sweep: Sweep
+    g: Graph, index: int, tangents: Mapping[int, int], of_loops: Mapping[int, Mapping[int, int]], sweep: Sweep
 ) -> dict[int, int]:
     """Adds the loop of the tangents of a loop's state.
 
@@ -68,44 +77,49 @@ def forward_loop(
         g: The graph, which takes the new loop.
         index: The LOOP node.
         tangents: Nodes of the tangents of nodes that have one.
-        others: For loops before this one, the tangents of their states by number.
+        of_loops: For loops before this one, the tangents of their states by number.
         sweep: The forward sweep: graph, tangents by node, outputs; returns nodes of the tangents of the outputs.
 
     Returns:
         The nodes of the tangents of the final state, by number of the state.
     """
-    loop = g.data[index]
+    loop = g.data[index].plain or g.data[index]  # `plain` reads only states from tapes: it has derivatives
     state, captured, read = _arguments(loop, g.args[index])
-    read_moving = [sorted(others.get(owner, ())) for owner in read]
-    inputs, starts = loop.graph.inputs, _record_starts(g, loop, read)
-    fixed = {inputs[loop.size + k] for k, node in enumerate(captured) if node in tangents}
-    fixed |= {inputs[first + k] for first, numbers in zip(starts, read_moving, strict=True) for k in numbers}
-    moving = _moving(loop, [k for k, node in enumerate(state) if node in tangents], fixed)
-    if not moving:
+    active_reads = [sorted(of_loops.get(owner, ())) for owner in read]
+    is_plain = g.data[index].plain is not None
+    lengths = [g.data[owner].size if is_plain else len(g.data[owner].following) for owner in read]
+    inputs = loop.graph.inputs
+    starts = [len(inputs) - sum(lengths[k:]) for k in range(len(lengths))]
+    active_inputs = {inputs[loop.size + k] for k, node in enumerate(captured) if node in tangents}
+    for first, numbers in zip(starts, active_reads, strict=True):
+        active_inputs |= {inputs[first + k] for k in numbers}
+    active = _active_states(loop, [k for k, node in enumerate(state) if node in tangents], active_inputs)
+    if not active:
         return {}
     inner = Graph(relaxed=g.relaxed, parent=g)
-    changes = [inner.input() for _ in moving]
+    state_tangents = [inner.input() for _ in active]
     outside = [inner.input() for _ in captured]
-    moved = {k: inner.input() for k, node in enumerate(captured) if node in tangents}
-    before = [inner.input() for _ in state]
-    records = [[inner.input() for _ in range(g.data[owner].size)] for owner in read]
-    known = dict(zip((before[k] for k in moving), changes, strict=True)) | {
-        outside[k]: t for k, t in moved.items()
+    captured_tangents = {k: inner.input() for k, node in enumerate(captured) if node in tangents}
+    before, *tapes = (_tape(g, owner, inner) for owner in (index, *read))
+    known = dict(zip((before[k] for k in active), state_tangents, strict=True)) | {
+        outside[k]: t for k, t in captured_tangents.items()
     }
-    for record, numbers in zip(records, read_moving, strict=True):
-        known |= {record[k]: inner.input() for k in numbers}
-    sources = [*before, *outside, *(node for record in records for node in record)]
-    nodes = copied(inner, loop.graph, [loop.following[k] for k in moving], sources)
+    for tape, numbers in zip(tapes, active_reads, strict=True):
+        known |= {tape[k]: inner.input() for k in numbers}
+    states = (tape[:length] for tape, length in zip(tapes, lengths, strict=True))
+    sources = [*before[: loop.size], *outside, *(node for tape in states for node in tape)]
+    nodes = copied(inner, loop.graph, [loop.following[k] for k in active], sources)
     following = sweep(inner, known, nodes)
     owners = [
-        next(iter(others[owner].values()))
-        for owner, numbers in zip(read, read_moving, strict=True)
+        next(iter(of_loops[owner].values()))
+        for owner, numbers in zip(read, active_reads, strict=True)
         if numbers
     ]
     reads = [index, *read, *(g.args[item][0] for item in owners)]
-    begin = [tangents.get(state[k], g.constant(0.0)) for k in moving]
-    args = [*begin, *captured, *(tangents[captured[k]] for k in moved)]
-    return dict(zip(moving, _add(g, inner, following, loop, args, reads, loop.is_backward), strict=True))
+    begin = [tangents.get(state[k], g.constant(0.0)) for k in active]
+    args = [*begin, *captured, *(tangents[captured[k]] for k in captured_tangents)]
+    made = _loop(inner, following, loop, len(reads), loop.is_backward)
+    return dict(zip(active, _add(g, made, args, reads), strict=True))
 
 
 def reverse_loop(
@@ -135,19 +149,30 @@ def reverse_loop(
         )
     state, captured, _ = _arguments(loop, g.args[index])
     chosen = [k for k, node in enumerate(captured) if node in reached]
-    fixed = {loop.graph.inputs[loop.size + k] for k in chosen}
-    moving = _moving(loop, [k for k, node in enumerate(state) if node in reached], fixed)
+    active_inputs = {loop.graph.inputs[loop.size + k] for k in chosen}
+    active = _active_states(loop, [k for k, node in enumerate(state) if node in reached], active_inputs)
     inner = Graph(relaxed=g.relaxed, parent=g)
-    bars, sums = [inner.input() for _ in moving], [inner.input() for _ in chosen]
+    state_cotangents = [inner.input() for _ in active]
+    captured_cotangents = [inner.input() for _ in chosen]  # those of the iterations so far
     outside, before = [inner.input() for _ in captured], [inner.input() for _ in state]
-    nodes = copied(inner, loop.graph, [loop.following[k] for k in moving], [*before, *outside])
-    wanted = [*(before[k] for k in moving), *(outside[k] for k in chosen)]
-    swept = sweep(inner, list(zip(nodes, bars, strict=True)), wanted)
-    totals = [inner.node(Op.ADD, a, b) for a, b in zip(sums, swept[len(moving) :], strict=True)]
+    source = loop.graph.live([loop.following[k] for k in active])
+    values = dict(zip(source, copied(inner, loop.graph, source, [*before, *outside]), strict=True))
+    nodes = [values[loop.following[k]] for k in active]
+    wanted = [*(before[k] for k in active), *(outside[k] for k in chosen)]
+    swept = sweep(inner, list(zip(nodes, state_cotangents, strict=True)), wanted)
+    totals = [
+        inner.node(Op.ADD, a, b) for a, b in zip(captured_cotangents, swept[len(active) :], strict=True)
+    ]
     zero = g.constant(0.0)
-    args = [*(cotangents.get(k, zero) for k in moving), *(zero for _ in chosen), *captured]
-    items = _add(g, inner, [*swept[: len(moving)], *totals], loop, args, [index], not loop.is_backward)
-    return list(zip([*(state[k] for k in moving), *(captured[k] for k in chosen)], items, strict=True))
+    args = [*(cotangents.get(k, zero) for k in active), *(zero for _ in chosen), *captured]
+    following = [*swept[: len(active)], *totals]
+    taped = _tape_values(g, index, inner, values, following)
+    made = _loop(inner, following, loop, 1, not loop.is_backward)
+    if taped:
+        reading, following = _as_inputs(inner, following, taped)
+        made = replace(_loop(reading, following, loop, 1, not loop.is_backward), plain=made)
+    items = _add(g, made, args, [index])
+    return list(zip([*(state[k] for k in active), *(captured[k] for k in chosen)], items, strict=True))
 
 
 def _arguments(loop: Loop, args: Sequence[int]) -> tuple[Sequence[int], Sequence[int], Sequence[int]]:
@@ -156,55 +181,80 @@ def _arguments(loop: Loop, args: Sequence[int]) -> tuple[Sequence[int], Sequence
     return args[: loop.size], args[loop.size : plain], args[plain:]
 
 
-def _record_starts(g: Graph, loop: Loop, read: Sequence[int]) -> list[int]:
-    """For each loop that is read, the number of the input that its record begins at."""
-    sizes = [g.data[owner].size for owner in read]
-    return [len(loop.graph.inputs) - sum(sizes[k:]) for k in range(len(sizes))]
-
-
-def _moving(loop: Loop, begin: Iterable[int], fixed: Iterable[int]) -> list[int]:
-    """The numbers of the state that depend on those of `begin` or on the inputs `fixed`, after any iteration."""
-    g, moving = loop.graph, set(begin)
-    order = g.live(loop.following)
+def _active_states(loop: Loop, begin: Iterable[int], inputs: Iterable[int]) -> list[int]:
+    """The numbers of the state that depend on those of `begin` or on `inputs` of the body, after any iteration."""
+    g, active, following = loop.graph, set(begin), loop.following[: loop.size]
+    order = g.live(following)
     while True:
-        reached = set(fixed) | {g.inputs[k] for k in moving}
+        reached = set(inputs) | {g.inputs[k] for k in active}
         for index in order:
             if any(a in reached for a in g.args[index]):
                 reached.add(index)
-        more = moving | {k for k, node in enumerate(loop.following) if node in reached}
-        if more == moving:
-            return sorted(moving)
-        moving = more
+        more = active | {k for k, node in enumerate(following) if node in reached}
+        if more == active:
+            return sorted(active)
+        active = more
 
 
-def _add(
-    g: Graph,
-    inner: Graph,
-    following: Sequence[int],
-    loop: Loop,
-    args: Sequence[int],
-    reads: Sequence[int],
-    is_backward: bool,
+def _tape(g: Graph, owner: int, inner: Graph) -> list[int]:
+    """New inputs of `inner` for what the tape of a loop has for an iteration: its state, then other values."""
+    return [inner.input() for _ in g.data[owner].following]
+
+
+def _tape_values(
+    g: Graph, index: int, inner: Graph, values: Mapping[int, int], following: Sequence[int]
 ) -> list[int]:
-    """Adds a loop that repeats the iterations of `loop`, and has the records of `reads` kept."""
+    """Puts values of a loop on its tape that `inner`, its derivative, reads; the first derivative chooses them.
+
+    Args:
+        g: The graph.
+        index: The LOOP node.
+        inner: A graph.
+        values: For nodes of the loop's body those of `inner` that equal them.
+        following: What `inner` computes.
+
+    Returns:
+        The nodes of `inner` that are on the tape, in its order.
+    """
+    loop = g.data[index]
+    if not loop.is_taped:
+        nodes = {node: k for k, node in values.items() if loop.graph.op[k] != Op.LOOP}
+        most = LONG_TAPE // loop.limit - loop.size
+        chosen = values_to_keep(inner, nodes, following, most)
+        g.data[index] = loop = replace(loop, following=(*loop.following, *(nodes[node] for node in chosen)))
+    return [values[k] for k in loop.following[loop.size :]]
+
+
+def _as_inputs(inner: Graph, following: Sequence[int], taped: Sequence[int]) -> tuple[Graph, list[int]]:
+    """A graph that computes the same, with the nodes `taped` as its last inputs; and the nodes of `following`."""
+    source = copy(inner)
+    for node in taped:
+        number = len(source.inputs)
+        if source.op[node] not in (Op.INPUT, Op.CONST):
+            source.op[node], source.args[node], source.data[node] = Op.INPUT, (), number
+        source.inputs.append(node)
+    made = Graph(relaxed=inner.relaxed, parent=inner.parent)
+    return made, copy_into(made, source, following, [made.input() for _ in source.inputs])
+
+
+def _loop(inner: Graph, following: Sequence[int], loop: Loop, reads: int, is_backward: bool) -> Loop:
+    """A loop that repeats the iterations of `loop`, and computes `following`."""
+    condition = inner.truth(True)
+    size, limit = len(following), loop.limit
+    return Loop(inner, size, condition, tuple(following), limit, is_backward=is_backward, reads=reads)
+
+
+def _add(g: Graph, made: Loop, args: Sequence[int], reads: Sequence[int]) -> list[int]:
+    """Adds a loop that repeats the iterations of others, and has `reads` store their tapes."""
     for owner in reads:
         read = g.data[owner]
-        if read.limit > _longest(read.size):
-            most = _longest(len(read.graph.inputs)) ** 3
+        if read.limit > _max_iterations(read.size):
+            most = _max_iterations(len(read.graph.inputs)) ** 3
             raise TraceError(
                 f"Derivatives through a loop of up to {read.limit} iterations over {read.size} numbers are not "
                 "offered: the states of all iterations would have to be kept. Give the loop the smallest `limit` that "
                 f"suffices (at most {most}), or differentiate what the loop solves (implicit function "
                 "theorem)."
             )
-        g.data[owner] = replace(read, is_recorded=True)
-    made = Loop(
-        inner,
-        len(following),
-        inner.truth(True),
-        tuple(following),
-        loop.limit,
-        is_backward=is_backward,
-        reads=len(reads),
-    )
+        g.data[owner] = replace(read, is_taped=True)
     return g.loop(made, [*args, *reads])

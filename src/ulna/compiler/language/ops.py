@@ -1,7 +1,7 @@
-"""The closed table of operations: arity, function of NumPy, LLVM instruction, derivatives, SymPy and C name, drawing.
+"""The closed table of operations: arity, function on arrays, LLVM instruction, derivatives, names, drawing, cost.
 
-A new operation is one member of `Op` and one row here, one method of `Scalar` and, if LLVM has no instruction for it,
-one generator in `codegen.elementary`.
+A new operation is one member of `Op` and one row here, one method of `Scalar`, a generator in `codegen.elementary` if
+LLVM has no instruction for it, and a function of `ulna.numeric` if NumPy has none.
 """
 
 from __future__ import annotations
@@ -56,6 +56,8 @@ class Op(IntEnum):
     LEAST = 32  # the smallest number in any lane; nan does not count
     EXPM1 = 33
     LOG1P = 34
+    SINH = 35
+    ERF = 36
 
 
 Partial = Callable[..., Any]
@@ -68,10 +70,8 @@ class Row:
 
     op: Op
     arity: int
-    numpy: Callable[..., Any] | None = None
-    llvm: str = (
-        ""  # an instruction, or "@name" for the intrinsic llvm.name; where empty, the node writer knows
-    )
+    numpy: Callable[..., Any] | None = None  # on arrays; of `ulna.numeric` where NumPy has no such function
+    llvm: str = ""  # an instruction, or "@name" for the intrinsic llvm.name; empty: the node writer knows
     partials: tuple[Partial | None, ...] = ()  # None where the derivative is zero almost everywhere
     kind: str = "function"  # the group it belongs to in drawings
     sign: str = ""  # what stands between two arguments in drawings
@@ -80,17 +80,19 @@ class Row:
     c: str = ""  # the function of C's math.h
     commutes: bool = False
     is_condition: bool = False
-    cost: int = 1  # 0: not counted as an operation
+    cost: int = 1  # how many sums take about as long; 0: not counted as an operation
 
 
 def _unary(op: Op, numpy: Any, llvm: str, partial: Partial | None, symbols: Any, c: str = "") -> Row:
     return Row(op, 1, numpy, llvm, (partial,), "sum", symbols=symbols, c=c)
 
 
-def _function(op: Op, numpy: Any, *partials: Partial, llvm: str = "", symbols: Any = "") -> Row:
-    """A function whose name in C, and in SymPy if not given otherwise, is that of the operation."""
+def _function(
+    op: Op, numpy: Any, *partials: Partial, llvm: str = "", symbols: Any = "", cost: int = 14
+) -> Row:
+    """A function; in C, and in SymPy if nothing else is given, its name is that of the operation in lower case."""
     name = op.name.lower()
-    return Row(op, len(partials), numpy, llvm, partials, symbols=symbols or name, c=name)
+    return Row(op, len(partials), numpy, llvm, partials, symbols=symbols or name, c=name, cost=cost)
 
 
 def _condition(op: Op, numpy: Any, llvm: str, sign: str, symbols: Any, commutes: bool = False) -> Row:
@@ -127,7 +129,7 @@ TABLE: tuple[Row, ...] = (
     Row(Op.BOOL, 0, kind="constant", is_condition=True, cost=0),
     _unary(Op.NEG, np.negative, "fneg", lambda a, y: -1.0, operator.neg),
     _unary(Op.ABS, np.abs, "@fabs", lambda a, y: (a < 0.0)._where_(-1.0, 1.0), abs, "fabs"),
-    _function(Op.SQRT, np.sqrt, lambda a, y: 0.5 / y, llvm="@sqrt"),
+    _function(Op.SQRT, np.sqrt, lambda a, y: 0.5 / y, llvm="@sqrt", cost=6),
     _function(Op.SIN, np.sin, lambda a, y: a.cos()),
     _function(Op.COS, np.cos, lambda a, y: -a.sin()),
     _function(Op.TAN, np.tan, lambda a, y: 1.0 + y * y),
@@ -139,7 +141,7 @@ TABLE: tuple[Row, ...] = (
     Row(Op.ADD, 2, np.add, "fadd", _ADD, "sum", "+", operator.add, commutes=True),
     Row(Op.SUB, 2, np.subtract, "fsub", _SUB, "sum", "−", operator.sub),
     Row(Op.MUL, 2, np.multiply, "fmul", _MUL, "product", "×", operator.mul, commutes=True),
-    Row(Op.DIV, 2, np.divide, "fdiv", _DIV, "product", "÷", operator.truediv),
+    Row(Op.DIV, 2, np.divide, "fdiv", _DIV, "product", "÷", operator.truediv, cost=6),
     Row(Op.MIN, 2, np.minimum, "@minimum", _MIN, "choice", "min", numeric.minimum, commutes=True),
     Row(Op.MAX, 2, np.maximum, "@maximum", _MAX, "choice", "max", numeric.maximum, commutes=True),
     _function(Op.ATAN2, np.arctan2, *_ATAN2),
@@ -157,5 +159,7 @@ TABLE: tuple[Row, ...] = (
     Row(Op.LEAST, 1, _least_lane),
     _function(Op.EXPM1, np.expm1, lambda a, y: y + 1.0, symbols=lambda a: numeric.exp(a) - 1),
     _function(Op.LOG1P, np.log1p, lambda a, y: 1.0 / (1.0 + a), symbols=_log_of_one_more),
+    _function(Op.SINH, np.sinh, lambda a, y: abs(y) + (-abs(a)).exp()),
+    _function(Op.ERF, numeric.erf, lambda a, y: 2.0 / np.pi**0.5 * (-(a * a)).exp()),
 )
 assert all(row.op == number for number, row in enumerate(TABLE)), "rows of TABLE stand in the order of Op"

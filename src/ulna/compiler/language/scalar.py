@@ -15,6 +15,7 @@ import numpy as np
 from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.ops import TABLE, Op
 from ulna.errors import TraceError
+from ulna.numeric import composed
 
 _NUMBERS = (float, int, np.floating, np.integer)
 
@@ -184,21 +185,21 @@ class Scalar(Value):
         """
         if isinstance(exponent, _NUMBERS):
             if float(exponent).is_integer() and abs(exponent) <= 64:
-                return _integer_power(self, int(exponent))
+                return composed.integer_power(self, int(exponent))
             if float(2.0 * exponent).is_integer() and abs(exponent) <= 64:
-                power = _integer_power(self, int(abs(exponent) - 0.5)) * self.sqrt()
-                return power if exponent > 0 else 1.0 / power
+                half = composed.integer_power(self, int(abs(exponent) - 0.5)) * self.sqrt()
+                return half if exponent > 0 else 1.0 / half
             if not float(exponent).is_integer():
                 return (self.log() * exponent).exp()
             exponent = Scalar(self.graph, self.graph.constant(float(exponent)))
-        return _power(self, exponent) if isinstance(exponent, Scalar) else NotImplemented
+        return composed.power(self, exponent) if isinstance(exponent, Scalar) else NotImplemented
 
     def __rpow__(self, base: Any) -> Any:
         if not isinstance(base, _NUMBERS):
             return NotImplemented
         if base > 0.0:
             return (self * float(np.log(base))).exp()
-        return _power(Scalar(self.graph, self.graph.constant(float(base))), self)
+        return composed.power(Scalar(self.graph, self.graph.constant(float(base))), self)
 
     def __float__(self) -> NoReturn:
         raise TraceError(
@@ -219,6 +220,8 @@ class Scalar(Value):
     log = _unary_method(Op.LOG, "Natural logarithm.")
     expm1 = _unary_method(Op.EXPM1, "Exponential less 1, also of small numbers.")
     log1p = _unary_method(Op.LOG1P, "Natural logarithm of 1 more, also of small numbers.")
+    sinh = _unary_method(Op.SINH, "Hyperbolic sine.")
+    erf = _unary_method(Op.ERF, "Error function.")
     floor = _unary_method(Op.FLOOR, "The largest whole number that is not larger.")
     arctan2 = _binary_method(Op.ATAN2, doc="Angle of the point (other, self) [rad].")
     _minimum_, _maximum_ = _binary_method(Op.MIN), _binary_method(Op.MAX)
@@ -237,28 +240,9 @@ class Scalar(Value):
         """The square."""
         return self * self
 
-    def hypot(self, other: Any) -> Scalar:
-        """Length of the vector (self, other); plain, so it can overflow beyond 1e154."""
-        return (self * self + other * other).sqrt()
-
-    def tanh(self) -> Scalar:
-        """Hyperbolic tangent."""
-        # At 20 it is 1 already; beyond, exp would overflow, and derivatives be nan.
-        twice = (self * 2.0)._minimum_(40.0)
-        e = twice.expm1()
-        return e / (e + 2.0)
-
-    def deg2rad(self) -> Scalar:
-        """Degrees to radians."""
-        return self * (np.pi / 180.0)
-
-    radians = deg2rad
-
-    def rad2deg(self) -> Scalar:
-        """Radians to degrees."""
-        return self * (180.0 / np.pi)
-
-    degrees = rad2deg
+    hypot, cosh, tanh = composed.hypot, composed.cosh, composed.tanh
+    deg2rad = radians = composed.deg2rad
+    rad2deg = degrees = composed.rad2deg
 
     def conjugate(self) -> Scalar:
         """The value itself, which is real."""
@@ -288,32 +272,6 @@ def tracing(graph: Graph) -> Iterator[None]:
         yield
     finally:
         _under_trace.graphs.pop()
-
-
-def _power(base: Scalar, exponent: Scalar) -> Any:
-    """The power where either may be anything, as NumPy has it but for the sign of zero, (-1)**inf and (-inf)**0.5."""
-    size = abs(base)
-    power = (size.log() * exponent).exp()
-    half = exponent * 0.5
-    odd = half.floor() != half
-    of_negative = (exponent.floor() == exponent)._where_(odd._where_(-power, power), float("nan"))
-    power = (base < 0.0)._where_(of_negative, power)
-    one = (exponent == 0.0) | (base == 1.0)
-    return one._where_(1.0, power)
-
-
-def _integer_power(base: Any, exponent: int) -> Any:
-    if exponent < 0:
-        return 1.0 / _integer_power(base, -exponent)
-    if exponent == 0:
-        return 1.0
-    result = None
-    while exponent:
-        if exponent & 1:
-            result = base if result is None else result * base
-        exponent >>= 1
-        base = base * base if exponent else base
-    return result
 
 
 def index_in(graph: Graph, value: Any) -> int:

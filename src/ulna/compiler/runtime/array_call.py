@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -11,12 +12,13 @@ import numpy as np
 
 from ulna.checks.arrays import batched_shape, check_core_shape, check_finite, real_array
 from ulna.checks.masked import check_not_masked
+from ulna.checks.quaternions import check_unit
 from ulna.compiler.codegen.ir_text import DType
 from ulna.compiler.codegen.module import emit_batch
 from ulna.compiler.language.function import Function
-from ulna.compiler.language.ports import Port
+from ulna.compiler.language.ports import Port, batch_shape, wrong_count
 from ulna.compiler.language.scalar import Value
-from ulna.compiler.runtime import entry_point, gufunc, jit
+from ulna.compiler.runtime import gufunc, jit
 from ulna.compiler.runtime.foreign import is_foreign, readable, reject_tables
 from ulna.errors import DtypeError, InputError, ShapeError
 from ulna.lazy import Slot, apply, is_deferred
@@ -25,8 +27,6 @@ from ulna.system import forks
 Unit = tuple[tuple[int, tuple[int, ...]], ...]
 """Which entries of which inputs must form unit vectors, quaternions say: (number of the input, entries), ..."""
 
-# A tenth below that of the fast call, so that what the fast call sends here is refused and never sent back.
-_UNIT_TOLERANCE = 0.9 * entry_point.UNIT_TOLERANCE
 ELEMENT: dict[str, DType] = {"float64": "double", "float32": "float"}
 _ROWS_PER_THREAD = 1024  # below this, starting a thread costs more than the work
 
@@ -116,8 +116,7 @@ class ArrayCall:
         if named:
             args = self._bind(args, named)
         if len(args) != len(f.inputs):
-            names = ", ".join(p.name for p in f.inputs)
-            raise TypeError(f"{f.name}({names}) takes {len(f.inputs)} arguments; {len(args)} were given.")
+            raise wrong_count(f.name, [p.name for p in f.inputs], args)
         is_foreign_call = any(is_foreign(a) for a in args)
         if is_foreign_call and any(is_deferred(a) for a in args):
             return self.deferred(args, out, threads)
@@ -139,7 +138,7 @@ class ArrayCall:
             return fast_call(*exact, out=out if f.single or isinstance(out, tuple) else (out,))
         if self.interpreted:
             return self._interpret(arrays, out)
-        rows = int(np.prod(batch, dtype=np.int64))
+        rows = math.prod(batch)
         many = threads is not None and threads > 1 and rows >= 2 * self._rows_per_thread
         if many and batch and (out is None or self._is_apart(arrays, out, batch)):
             assert threads is not None
@@ -152,17 +151,27 @@ class ArrayCall:
             reject_tables(port, a)
             check_not_masked(port.name, a)
         if self.checked:
-            for a, port in zip(args, self.function.inputs, strict=True):
-                if isinstance(a, (np.ndarray, list, tuple, int, float)):  # others may be lazy
-                    check_finite(port.name, np.asarray(a, self.dtype))
+            self._check_values(
+                [self._readable_now(a, p) for a, p in zip(args, self.function.inputs, strict=True)]
+            )
         return self._apply(args, out)
 
+    def _readable_now(self, value: Any, port: Port) -> Any:
+        """The numbers of an argument that holds them in memory; None for others, which may be lazy."""
+        if not isinstance(value, (np.ndarray, np.generic, list, tuple, int, float)):
+            return None
+        array = np.asarray(value, self.dtype)
+        check_core_shape(port.name, array, port.shape)
+        return array
+
     def _check_values(self, arrays: Sequence[Any]) -> None:
-        """Raises where a number is not finite, or a quaternion has not length one."""
+        """Raises where a number is not finite, or a quaternion has not length one; None stands for unknown numbers."""
         for a, port in zip(arrays, self.function.inputs, strict=True):
-            check_finite(port.name, a)
+            if a is not None:
+                check_finite(port.name, a)
         for number, entries in self.unit:
-            _check_unit(self.function.inputs[number].name, arrays[number], entries)
+            if arrays[number] is not None:
+                check_unit(self.function.inputs[number].name, arrays[number], [entries])
 
     def _apply(self, args: Sequence[Any], out: Any) -> Any:
         result = self.ufunc(*args) if out is None else self.ufunc(*args, out=out)
@@ -282,13 +291,9 @@ class ArrayCall:
     def _batch(self, arrays: Sequence[Any]) -> tuple[int, ...]:
         ports = self.function.inputs
         batches = [a.shape[: a.ndim - len(p.shape)] for a, p in zip(arrays, ports, strict=True)]
-        try:
-            return np.broadcast_shapes(*batches)
-        except ValueError:
-            shapes_text = ", ".join(f"`{p.name}` {a.shape}" for a, p in zip(arrays, ports, strict=True))
-            raise ShapeError(
-                ports[-1].name, arrays[-1].shape, "leading axes that broadcast", f"Together: {shapes_text}."
-            ) from None
+        if batches and batches.count(batches[0]) == len(batches):
+            return batches[0]
+        return batch_shape(ports, [a.shape for a in arrays])
 
     def _threaded(self, arrays: Sequence[Any], batch: tuple[int, ...], out: Any, threads: int) -> Any:
         """Cuts the batch into equal parts along one axis; the GIL is free in the loops."""
@@ -363,15 +368,3 @@ def _fits(batch: tuple[int, ...], target: tuple[int, ...]) -> bool:
 
 def _is_traced(value: object) -> bool:
     return isinstance(value, Value)
-
-
-def _check_unit(name: str, array: Any, entries: Sequence[int]) -> None:
-    part = array[..., entries]
-    wrong = abs((part * part).sum(axis=-1) - 1.0) > _UNIT_TOLERANCE
-    if np.any(wrong):
-        length = float(np.sqrt((part * part).sum(axis=-1))[wrong].reshape(-1)[0])
-        first, last = entries[0], entries[-1] + 1
-        raise InputError(
-            f"`{name}[..., {first}:{last}]` has length {length:.6g}; expected a unit quaternion (xyzw). "
-            "robot.configuration_space.normalize(q) makes it one."
-        )

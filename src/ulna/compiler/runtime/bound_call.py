@@ -9,12 +9,11 @@ import numpy as np
 
 from ulna.compiler.runtime import gufunc
 from ulna.compiler.runtime.array_call import ArrayCall
+from ulna.compiler.runtime.gufunc import Binding
 from ulna.compiler.runtime.object_layout import holder_slot
-from ulna.errors import DtypeError, InputError, ShapeError
+from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
 from ulna.system import forks
 from ulna.typing import Array
-
-_Pairs = Sequence[tuple[Array, Array]]
 
 
 class Bound:
@@ -40,58 +39,61 @@ class Bound:
 
 
 @final
-class SlowBound(Bound):
-    """A bound kernel where the fast call does not work.
+class CheckedBound(Bound):
+    """A bound kernel whose every call checks its arguments in Python, for where there is no compiled fast call.
 
     Args:
         kernel: The kernel.
-        targets: The arrays (...) that results are written to.
+        bound: What it is bound to.
         checked_call: What checks the arguments and calls the kernel.
-        pairs: Arrays to watch, each with a copy of what it held.
-        slow: What is called where a watched array has changed.
+        fallback: What is called where a watched array has changed.
     """
 
-    __slots__ = ("__weakref__", "_checked_call", "_pairs", "_slow", "kernel", "targets")
+    __slots__ = ("__weakref__", "_checked_call", "_condition", "_fallback", "_pairs", "kernel", "targets")
 
-    def __init__(
-        self, kernel: Any, targets: tuple[Array, ...], checked_call: _CheckedCall, pairs: _Pairs, slow: Any
-    ) -> None:
-        self.kernel, self.targets = kernel, targets
-        self._checked_call, self._slow = checked_call, slow
-        self._pairs = tuple((live, reference, _form(live), _form(reference)) for live, reference in pairs)
+    def __init__(self, kernel: Any, bound: Binding, checked_call: _CheckedCall, fallback: Any) -> None:
+        self.kernel, self.targets, self._condition = kernel, tuple(bound.targets), bound.condition
+        self._checked_call, self._fallback = checked_call, fallback
+        self._pairs = tuple(
+            (live, reference, _layout(live), _layout(reference)) for live, reference in bound.watched
+        )
 
     def __call__(self, *args: Any) -> Any:
         """Evaluates the kernel; see `KernelBase.into`."""
-        if self._slow is not None and not (self._checked_call.fits(args) and _same(self._pairs)):
-            return self._slow(*args)
-        return self._checked_call(*args)
+        if self._fallback is None:
+            return self._checked_call(*args)
+        if self._checked_call.fits(args) and _unchanged(self._pairs):
+            try:
+                result = self._checked_call(*args)
+                if self._condition is None or self.targets[self._condition] > 0.0:
+                    return result
+            except (
+                InputError
+            ):  # refused numbers, or no truth value; changed arrays are refused by the fallback, too
+                pass
+        return self._fallback(*args)
 
 
 @final
 class _CheckedCall:
-    """The checked call of a kernel with fixed targets and last inputs."""
+    """The checked call of a kernel with fixed targets and trailing inputs."""
 
     def __init__(
         self,
         array_call: ArrayCall,
-        targets: tuple[Array, ...],
-        returns: tuple[int, ...],
-        last_inputs: tuple[Array, ...],
-        holder: type | None,
+        bound: Binding,
         slot: str,
+        input_slots: tuple[tuple[type | None, str], ...],
     ) -> None:
-        self._holder, self._slot = holder, slot
-        self.array_call, self.targets, self.returns, self.last_inputs = (
-            array_call,
-            targets,
-            returns,
-            last_inputs,
-        )
+        self._holder, self._slot, self._input_slots = bound.holder, slot, input_slots
+        self.array_call, self.returns = array_call, bound.returned
+        self.targets, self.trailing_inputs = tuple(bound.targets), tuple(bound.trailing_inputs)
+        targets = self.targets
         self._out = targets[0] if len(targets) == 1 else targets
 
     def __call__(self, *args: Any) -> Any:
         self.check()
-        self.array_call(*args, *self.last_inputs, out=self._out)
+        self.array_call(*self.unwrapped(args), *self.trailing_inputs, out=self._out)
         copies = tuple(
             self.targets[k].copy() if self.targets[k].ndim else self.targets[k][()] for k in self.returns
         )
@@ -99,27 +101,46 @@ class _CheckedCall:
         if self._holder is None:
             return result
         if self._holder is float or self._holder is bool:
-            number: Any = result
-            return self._holder(number)
+            return self._number(result)
         instance = object.__new__(self._holder)
         setattr(instance, self._slot, result)
         return instance
+
+    def _number(self, result: Any) -> Any:
+        """The result as a number of Python, or as a truth value."""
+        if self._holder is bool and np.isnan(result):
+            name = self.array_call.function.outputs[self.returns[0]].name
+            raise NonFiniteError(
+                name, (), float(result), "NaN has no truth value: pass `otherwise` to into()."
+            )
+        return (float if self._holder is float else bool)(result)
 
     def check(self) -> None:
         """Raises where bound arrays were changed in place: resized, made read-only, given another shape or type."""
         try:
             _check_targets(self.array_call, self.targets)
-            _check_last_inputs(self.array_call, self.last_inputs)
+            _check_trailing_inputs(self.array_call, self.trailing_inputs)
         except InputError as error:
             error.args = (
                 f"{error} The array was changed after into(); restore it, or bind the kernel anew.",
             )
             raise
 
+    def unwrapped(self, args: tuple[Any, ...]) -> tuple[Any, ...]:
+        """The arguments, with arrays in place of the objects that hold them."""
+        slots = self._input_slots
+        pairs = zip(args, slots, strict=False)
+        held = (getattr(x, slot, x) if type(x) is kind else x for x, (kind, slot) in pairs)
+        return (*held, *args[len(slots) :])
+
     def fits(self, args: tuple[Any, ...]) -> bool:
         """Whether the arguments are what the fast call takes."""
+        kinds = [kind for kind, _ in self._input_slots]
+        if any(kind and type(x) is not kind for x, kind in zip(args, kinds, strict=False)):
+            return False
+        args = self.unwrapped(args)
         ports, dtype = self.array_call.function.inputs, self.array_call.dtype
-        ports = ports[: len(ports) - len(self.last_inputs)]
+        ports = ports[: len(ports) - len(self.trailing_inputs)]
         return len(args) == len(ports) and all(
             (type(a) is np.ndarray and a.dtype is dtype and a.shape == p.shape and _is_readable(a))
             or (p.shape == () and dtype == np.float64 and type(a) in (float, np.float64))
@@ -128,8 +149,8 @@ class _CheckedCall:
 
 
 @final
-class _Otherwise:
-    """What is called instead of a bound kernel, once its arrays are known to be intact."""
+class _CheckedFallback:
+    """Calls a function instead of the kernel, after checking that the bound arrays were not changed in place."""
 
     def __init__(self, checked_call: _CheckedCall, function: Callable[..., Any]) -> None:
         self._checked_call, self._function = checked_call, function
@@ -143,17 +164,17 @@ def _is_readable(array: Array) -> bool:
     return array.flags.c_contiguous and array.flags.aligned
 
 
-def _form(array: Array) -> tuple[Any, ...]:
+def _layout(array: Array) -> tuple[Any, ...]:
     """The properties of an array that must not change for compiled code to go on reading it."""
     return array.shape, array.dtype, _is_readable(array)
 
 
-def _same(pairs: Sequence[tuple[Any, ...]]) -> bool:
+def _unchanged(pairs: Sequence[tuple[Any, ...]]) -> bool:
     return all(
-        _form(live) == live_form
-        and _form(reference) == reference_form
+        _layout(live) == live_layout
+        and _layout(reference) == reference_layout
         and live.tobytes() == reference.tobytes()
-        for live, reference, live_form, reference_form in pairs
+        for live, reference, live_layout, reference_layout in pairs
     )
 
 
@@ -170,15 +191,7 @@ def bound_type() -> type | None:
 
 
 def bind(
-    kernel: Any,
-    array_call: ArrayCall,
-    work: int | None,
-    targets: Sequence[Array],
-    returns: Sequence[int],
-    watch: _Pairs,
-    otherwise: Callable[..., Any] | None,
-    last_inputs: Sequence[Array] = (),
-    holder: type | None = None,
+    kernel: Any, array_call: ArrayCall, work: int | None, bound: Binding, otherwise: Callable[..., Any] | None
 ) -> Bound:
     """Makes the result of `KernelBase.into`.
 
@@ -186,48 +199,76 @@ def bind(
         kernel: The kernel that is bound; it is kept alive.
         array_call: The checked call of its function.
         work: Address of the kernel's code, or None where there is no compiled code.
-        targets: Arrays that take the outputs, each contiguous and of the shape of its output (...).
-        returns: Numbers of the outputs that a call returns.
-        watch: Pairs (live array, reference copy); a call with any difference between them goes to `otherwise`.
-        otherwise: Called instead of the kernel when `watch` finds a difference.
-        last_inputs: Arrays for the last inputs, each of the shape of its input (...), which calls then leave out.
-        holder: A class with one slot; a call returns an instance that holds the one result. Or float or bool: a call
-            returns that of the one number.
+        bound: What it is bound to.
+        otherwise: Called instead of the kernel where what is watched has changed; after it where the condition fails.
 
     Returns:
         The bound kernel.
 
     Raises:
-        InputError: If an array does not fit, `returns` names no output, or `watch` comes without `otherwise`.
+        InputError: If an array does not fit, an index names no output, or `watched` comes without `otherwise`.
     """
-    chosen, inputs, pairs = (
-        tuple(targets),
-        tuple(last_inputs),
-        tuple((live, reference) for live, reference in watch),
+    bound = _checked(array_call, bound, otherwise)
+    slot = "" if bound.holder is None else _holder_slot(bound.holder, bound.returned, bound.targets)
+    input_slots = _input_slots(
+        bound.input_holders, len(array_call.function.inputs) - len(bound.trailing_inputs)
     )
-    numbers = tuple(int(k) for k in returns)
-    _check_targets(array_call, chosen)
-    _check_last_inputs(array_call, inputs)
-    _check_pairs(pairs)
-    if pairs and otherwise is None:
-        raise InputError("`watch` is given without `otherwise`; expected a function for when it differs.")
-    for k in numbers:
-        if not 0 <= k < len(chosen):
-            raise InputError(f"`returns` names output {k}; expected 0 to {len(chosen) - 1}.")
-    slot = "" if holder is None else _holder_slot(holder, numbers, chosen)
-    checked_call = _CheckedCall(array_call, chosen, numbers, inputs, holder, slot)
-    slow = checked_call if otherwise is None else _Otherwise(checked_call, otherwise)
+    checked_call = _CheckedCall(array_call, bound, slot, input_slots)
+    fallback: Any = checked_call
+    if otherwise is not None:  # without the attribute the arrays are examined first, in Python
+        examines = getattr(otherwise, "examines_arrays", False)
+        fallback = otherwise if examines else _CheckedFallback(checked_call, otherwise)
     kind = bound_type() if work is not None else None
     if kind is None or work is None:
-        return SlowBound(kernel, chosen, checked_call, pairs, None if otherwise is None else slow)
-    plan = gufunc.Plan(array_call.function, array_call.element, work, chosen, pairs, numbers, inputs, holder)
-    instance = gufunc.make_bound(kind, plan, slow)
-    instance.__dict__.update(kernel=kernel, targets=chosen)
-    gufunc.keep(instance, kernel, plan, slow)
+        return CheckedBound(kernel, bound, checked_call, None if otherwise is None else fallback)
+    plan = gufunc.Plan(array_call.function, array_call.element, work, bound)
+    instance = gufunc.make_bound(kind, plan, fallback)
+    instance.__dict__.update(kernel=kernel, targets=bound.targets)
+    gufunc.keep(instance, kernel, plan, fallback)
     return instance
 
 
-def _holder_slot(holder: type, returns: tuple[int, ...], targets: tuple[Array, ...]) -> str:
+def _checked(array_call: ArrayCall, bound: Binding, otherwise: Any) -> Binding:
+    """The same of tuples, where all of it fits."""
+    outputs, pairs = tuple(bound.targets), tuple((live, reference) for live, reference in bound.watched)
+    inputs, returned = tuple(bound.trailing_inputs), tuple(int(k) for k in bound.returned)
+    _check_targets(array_call, outputs)
+    _check_trailing_inputs(array_call, inputs)
+    _check_pairs(pairs)
+    if pairs and otherwise is None:
+        raise InputError("`watch` is given without `otherwise`; expected a function for when it differs.")
+    for k in returned:
+        if not 0 <= k < len(outputs):
+            raise InputError(f"`returns` names output {k}; expected 0 to {len(outputs) - 1}.")
+    if bound.condition is not None:
+        _check_condition(bound.condition, outputs, otherwise)
+    holders = tuple(bound.input_holders)
+    return Binding(outputs, pairs, returned, inputs, bound.holder, holders, bound.condition)
+
+
+def _check_condition(condition: int, targets: tuple[Array, ...], otherwise: Any) -> None:
+    if otherwise is None:
+        raise InputError("`condition` is given without `otherwise`; expected a function for where it fails.")
+    of = targets[condition] if 0 <= condition < len(targets) else None
+    if of is None or of.shape != () or of.dtype != np.float64:
+        raise InputError(
+            f"`condition` is {condition!r}; expected the index of an output that is one float64."
+        )
+
+
+def _input_slots(holders: Sequence[type | None], passed: int) -> tuple[tuple[type | None, str], ...]:
+    """The classes, each with the name of its slot."""
+    slots = tuple((holder, "" if holder is None else holder_slot(holder)) for holder in holders)
+    wrong = [holder for holder, slot in slots if holder is not None and not slot]
+    if wrong or len(holders) > passed:
+        raise InputError(
+            f"`input_holders` is {holders!r}; expected at most {passed} entries, as many as calls pass inputs, each a "
+            "class with one slot and nothing else, or None."
+        )
+    return slots
+
+
+def _holder_slot(holder: type, returns: Sequence[int], targets: Sequence[Array]) -> str:
     if holder in (float, bool):
         returned = [targets[k] for k in returns]
         if len(returned) != 1 or returned[0].shape != () or returned[0].dtype != np.float64:
@@ -266,7 +307,7 @@ def _check_targets(array_call: ArrayCall, targets: tuple[Any, ...]) -> None:
             )
 
 
-def _check_last_inputs(array_call: ArrayCall, arrays: tuple[Any, ...]) -> None:
+def _check_trailing_inputs(array_call: ArrayCall, arrays: tuple[Any, ...]) -> None:
     ports, dtype = array_call.function.inputs, array_call.dtype
     if len(arrays) > len(ports):
         raise InputError(
@@ -274,7 +315,7 @@ def _check_last_inputs(array_call: ArrayCall, arrays: tuple[Any, ...]) -> None:
         )
     for array, port in zip(arrays, ports[len(ports) - len(arrays) :], strict=True):
         if type(array) is not np.ndarray or array.dtype != dtype or not _is_readable(array):
-            raise InputError(f"`last_inputs` holds no C-contiguous array of {dtype} for `{port.name}`.")
+            raise InputError(f"`trailing_inputs` holds no C-contiguous array of {dtype} for `{port.name}`.")
         if array.shape != port.shape:
             raise ShapeError(port.name, array.shape, str(port.shape))
 

@@ -11,17 +11,17 @@ from typing import Any, final
 import numpy as np
 
 from ulna.compiler.language.function import Function
-from ulna.compiler.language.ports import Port
+from ulna.compiler.language.ports import Port, batch_shape, wrong_count
 from ulna.compiler.runtime.device_arrays import (
     DeviceArray,
-    batch_of,
     check_array,
     dense_strides,
     two_strides,
 )
+from ulna.compiler.runtime.foreign import package_of
 from ulna.compiler.runtime.kernel import element_of
 from ulna.compiler.runtime.ptx import ptx
-from ulna.errors import DeviceError, InputError, MissingExtra, ShapeError
+from ulna.errors import DeviceError, InputError, ShapeError, needed
 from ulna.system import forks
 
 BLOCK = 128
@@ -85,13 +85,12 @@ class CudaKernel:
         """
         f = self.function
         if len(arrays) != len(f.inputs):
-            names = ", ".join(p.name for p in f.inputs)
-            raise TypeError(f"{f.name}({names}) takes {len(f.inputs)} arguments; {len(arrays)} were given.")
+            raise wrong_count(f.name, [p.name for p in f.inputs], arrays)
         core = cuda_core()
         views = [view_of(x, p.name) for x, p in zip(arrays, f.inputs, strict=True)]
         for port, array in zip(f.inputs, views, strict=True):
             check_array(port, array, self.dtype.name, views[0].device)
-        batch = batch_of(f.inputs, views)
+        batch = batch_shape(f.inputs, [view.shape for view in views])
         device = core.Device(views[0].device)
         device.set_current()
         queue = _stream(core, device, arrays[0], stream)
@@ -161,10 +160,8 @@ def cuda_core() -> Any:
         MissingExtra: If it is not installed.
         DeviceError: If there is no GPU or no driver.
     """
-    try:
+    with needed("cuda-core", "cuda", "Running a kernel on a GPU"):
         from cuda import core  # pyright: ignore[reportMissingImports]
-    except ImportError:
-        raise MissingExtra("cuda-core", "cuda", "Running a kernel on a GPU") from None
     try:
         core.Device().set_current()  # pyright: ignore[reportAttributeAccessIssue]
     except Exception as error:  # of several classes: no driver, one that is too old, no device
@@ -205,15 +202,11 @@ def view_of(array: Any, name: str, stream: int | None = None) -> DeviceArray:
     return DeviceArray(view.ptr, tuple(view.shape), tuple(strides), kind, device, view.readonly, array)
 
 
-def _library(array: Any) -> str:
-    return type(array).__module__.partition(".")[0]
-
-
 def _stream(core: Any, device: Any, first: Any, stream: Any) -> Any:
     """The stream to launch on."""
-    if stream is None and _library(first) == "torch":
+    if stream is None and package_of(first) == "torch":
         stream = sys.modules["torch"].cuda.current_stream(first.device)
-    elif stream is None and _library(first) == "cupy":
+    elif stream is None and package_of(first) == "cupy":
         stream = sys.modules["cupy"].cuda.get_current_stream()
     if stream is None:
         return device.default_stream
@@ -234,11 +227,11 @@ def _stream(core: Any, device: Any, first: Any, stream: Any) -> Any:
 def _empty(like: Any, device: Any, queue: Any, batch: Any, port: Port, dtype: Any) -> Any:
     """A new array (*batch, *shape) of the library of `like`, whose memory is that of (size, count)."""
     count, size = math.prod(batch), math.prod(port.shape)
-    if _library(like) == "torch":
+    if package_of(like) == "torch":
         torch = sys.modules["torch"]
         flat = torch.empty((size, count), dtype=getattr(torch, dtype.name), device=like.device)
         return flat.T.view(*batch, *port.shape)
-    if _library(like) == "cupy":
+    if package_of(like) == "cupy":
         flat = sys.modules["cupy"].empty((size, count), dtype)
         return flat.T.reshape(*batch, *port.shape)
     from cuda.core.utils import StridedMemoryView  # pyright: ignore[reportMissingImports]

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, final
 
-import numpy as np
-
 from ulna.checks.arrays import batched_shape
 from ulna.compiler.language.ports import Port
 from ulna.errors import DtypeError, InputError, ShapeError
@@ -127,26 +125,3 @@ def _single_stride(shape: Shape, strides: Shape) -> int | None:
         if outer != n * inner:
             return None
     return moving[-1][1]
-
-
-def batch_of(ports: Sequence[Port], arrays: Sequence[DeviceArray]) -> Shape:
-    """The leading axes of all arrays together.
-
-    Args:
-        ports: The inputs.
-        arrays: An array for each, whose last axes are those of the input.
-
-    Returns:
-        The shape.
-
-    Raises:
-        ShapeError: If they do not broadcast.
-    """
-    leads = [a.shape[: len(a.shape) - len(p.shape)] for p, a in zip(ports, arrays, strict=True)]
-    try:
-        return np.broadcast_shapes(*leads)
-    except ValueError:
-        together = ", ".join(f"`{p.name}` {a.shape}" for p, a in zip(ports, arrays, strict=True))
-        raise ShapeError(
-            ports[-1].name, arrays[-1].shape, "leading axes that broadcast", f"Together: {together}."
-        ) from None

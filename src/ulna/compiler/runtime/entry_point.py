@@ -1,7 +1,7 @@
 """IR of a kernel's own code: `entry`, the 100 ns call from Python, and `work`, the same on bare pointers.
 
 `entry` is a CPython vectorcall function that reads the PyArrayObject fields when every argument is exactly a contiguous
-array of the right type and shape, and in every other case hands over to `with_out` of `fast_call`.
+array of the right type and shape, and in every other case calls `with_out` of `fast_call`.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ulna.checks.quaternions import UNIT_TOLERANCE
 from ulna.compiler.codegen.instructions import Instructions
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
 from ulna.compiler.codegen.module import emit_single, one_by_one, serves_batches_one_by_one
@@ -33,8 +34,9 @@ from ulna.compiler.runtime.object_layout import (
 
 # The instance: PyObject head, then one word each.
 VECTORCALL, DICT, WEAKREFS, SLOW, PLAN, OTHERWISE, ARRAY_TYPE = (HEAD + WORD * k for k in range(7))
-DESCRIPTOR, NEW, TUPLE_NEW, RETURN, FLOAT, FLOAT64, END = (HEAD + WORD * k for k in range(7, 14))
-UNIT_TOLERANCE = 1e-5  # on the squared length of what must be a unit vector
+CLASS = OTHERWISE
+"""Of an instance that is no kernel: what it says its class is."""
+DESCRIPTOR, NEW, TUPLE_NEW, SCALAR_NEW, FLOAT, FLOAT64, END = (HEAD + WORD * k for k in range(7, 14))
 
 
 def entry_ir(
@@ -101,11 +103,16 @@ def _begin(w: Instructions, f: Function, element: DType) -> None:
         pointers |= {"float_type": FLOAT, "float64_type": FLOAT64}
     for name, offset in pointers.items():
         w.field(name, "%self", offset)
+    for k, port in enumerate(f.outputs):
+        if not port.shape:
+            w.let(f"res{k}", f"alloca {element}")
     w.branch("%begin", "type0" if f.inputs else "work", "general")
 
 
 def _make_output(w: Instructions, k: int, port: Port, element: DType) -> None:
-    """Makes array k, and reads where its numbers lie."""
+    """Makes array k, and reads where its numbers lie; a number comes to lie on the stack."""
+    if not port.shape:
+        return
     w.let(
         f"out{k}",
         f"call ptr %array_new(ptr %array_type, i32 {len(port.shape)}, ptr @lengths{k}, "
@@ -120,9 +127,8 @@ def _result(w: Instructions, k: int, port: Port) -> str:
     """What leaves for output k: the array, or of a number a NumPy scalar, as from a ufunc."""
     if port.shape:
         return f"%out{k}"
-    w.let(f"ret{k}.p", f"getelementptr i8, ptr %self, i64 {RETURN}")
-    w.let(f"ret{k}.f", f"load ptr, ptr %ret{k}.p")
-    w.let(f"ret{k}", f"call ptr %ret{k}.f(ptr %out{k})")
+    w.field(f"scalar_new{k}", "%self", SCALAR_NEW)
+    w.let(f"ret{k}", f"call ptr %scalar_new{k}(ptr %res{k}, ptr %descriptor, ptr null)")
     w.branch(w.let(f"none{k}", f"icmp eq ptr %ret{k}, null"), "failed", f"number{k}")
     w.open_block(f"number{k}")
     return f"%ret{k}"

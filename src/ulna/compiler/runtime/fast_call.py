@@ -15,31 +15,38 @@ from ulna.compiler.runtime.object_layout import (
     FLAGS,
     LENGTHS,
     NDIM,
+    OWNED,
     READABLE,
     TUPLE_ITEMS,
     TUPLE_SIZE,
     TYPE,
     VALUE,
+    WEAK_REFERENCES,
     WORD,
     WRITEABLE,
 )
 
 FIELDS = (
     "inputs", "givens", "outputs", "work",  # how many, and the kernel's code
-    "whole",  # whether the result is a tuple; that of a function with one output need not be
-    # tables of PORT words: axes, lengths, whether a float may stand for the array, the array's descriptor
+    "returns_tuple",  # whether the result is a tuple; that of a function with one output need not be
+    # tables of PORT words: axes, lengths, whether a float may stand for the array, the array's descriptor, the class
+    # whose instances are passed, with the array in their one slot, or 0
     "ports_in", "ports_given", "ports_out",
     "given_arrays", "targets",  # tables of bound arrays
-    "watches", "watched",  # how many, and a table of WATCH words: array, array, words to compare, a port for each
-    "returns", "returned",  # how many, and a table of RETURN words: axes, lengths, number of the pointer, bytes
-    "array_type", "number", "float_type", "float64_type", "tuple_type", "out", "none",
-    "array_new", "array_return", "tuple_new", "own", "call",
+    "watch_count", "watched",  # how many, and a table of WATCH words: array, array, words to compare, a port for each
+    "return_count", "returned",  # how many, and a table of RETURN words: axes, lengths, number of the pointer, bytes
+    "array_type", "type_number", "float_type", "float64_type", "tuple_type", "out", "none",
+    "array_new", "scalar_new", "descriptor", "tuple_new", "incref", "call",
     "holder", "allocate",  # the class that holds the one result, or 0, and what makes an instance
+    "condition",  # 1 plus the number of the pointer to what must be above zero, or 0
+    "pool", "decref",  # REUSED places for the last instances, or 0
     "float_new", "bool_type", "true", "false",
 )  # fmt: skip
 """The words of a plan."""
-PORT, RETURN = 4, 4
+PORT, RETURN = 5, 4
 WATCH = 3 + 2 * PORT
+REUSED = 2
+"""So many of the last instances are written to again when nobody else has them: two, for `x = f()` in a loop."""
 
 
 def _word(name: str, kind: str = "ptr") -> str:
@@ -66,13 +73,28 @@ def load_at(name: str, base: str, offset: int, kind: str = "ptr") -> str:
 
 
 _TAKE = f"""
-; The data of an object that is exactly an array of a port's shape, and of a number where one may stand; else null.
+; The data of an object that is exactly an array of a port's shape, or holds one where it should, and of a number where
+; one may stand; else null.
 define internal ptr @take(ptr %plan, ptr %port, ptr %object, i32 %wanted) alwaysinline nounwind {{
 entry:
 {load_at("kind", "object", TYPE)}
 {_word("array_type")}
+{load_at("holder", "port", 4 * WORD)}
   %is.array = icmp eq ptr %kind, %array_type
-  br i1 %is.array, label %fields, label %number
+  %is.bare = icmp eq ptr %holder, null
+  %is.plain = and i1 %is.array, %is.bare
+  br i1 %is.plain, label %fields, label %other
+other:
+  %is.held = icmp eq ptr %kind, %holder
+  br i1 %is.held, label %inside, label %number
+inside:
+{load_at("inner", "object", VALUE)}
+  %is.empty = icmp eq ptr %inner, null
+  br i1 %is.empty, label %refused, label %content
+content:
+{load_at("inner.kind", "inner", TYPE)}
+  %is.array.too = icmp eq ptr %inner.kind, %array_type
+  br i1 %is.array.too, label %fields, label %refused
 number:
 {load_at("free", "port", 2 * WORD, "i64")}
 {_word("float_type")}
@@ -86,9 +108,10 @@ number:
   %found = select i1 %is.taken, ptr %value, ptr null
   ret ptr %found
 fields:
-{load_at("descr", "object", ARRAY_DESCRIPTOR)}
-{load_at("ndim", "object", NDIM, "i32")}
-{load_at("flags", "object", FLAGS, "i32")}
+  %array = phi ptr [ %object, %entry ], [ %inner, %content ]
+{load_at("descr", "array", ARRAY_DESCRIPTOR)}
+{load_at("ndim", "array", NDIM, "i32")}
+{load_at("flags", "array", FLAGS, "i32")}
 {load_at("axes", "port", 0, "i64")}
 {load_at("descriptor", "port", 3 * WORD)}
   %descr.ok = icmp eq ptr %descr, %descriptor
@@ -100,9 +123,9 @@ fields:
   %all = and i1 %both, %flags.ok
   br i1 %all, label %shape, label %refused
 shape:
-{load_at("given", "object", LENGTHS)}
+{load_at("given", "array", LENGTHS)}
 {load_at("expected", "port", WORD)}
-{load_at("data", "object", DATA)}
+{load_at("data", "array", DATA)}
   br label %axis
 axis:
   %k = phi i64 [ 0, %shape ], [ %next, %length ]
@@ -164,8 +187,8 @@ entry:
 _SLOW = f"""slow:
 {_word("call")}
 {load_at("callable", "self", SLOW)}
-  %found.slowly = call ptr %call(ptr %callable, ptr %args, i64 %flagged, ptr %keywords)
-  ret ptr %found.slowly
+  %result.slowly = call ptr %call(ptr %callable, ptr %args, i64 %flagged, ptr %keywords)
+  ret ptr %result.slowly
 }}
 """
 
@@ -196,8 +219,8 @@ several:
   %size.ok = icmp eq i64 %size, %outputs
   br i1 %size.ok, label %in.from, label %slow
 single:
-{_word("whole", "i64")}
-  %is.bare = icmp eq i64 %whole, 0
+{_word("returns_tuple", "i64")}
+  %is.bare = icmp eq i64 %returns_tuple, 0
   br i1 %is.bare, label %in.from, label %slow
 in.from:
   %source = phi ptr [ %items, %several ], [ %target.p, %single ]
@@ -207,16 +230,16 @@ to.from:
 {_collect("ports_out", "outputs", "source", WRITEABLE, "to", "run", "%inputs")}
 run:
 {_word("work")}
-{_word("own")}
+{_word("incref")}
   %refused = call i32 %work(ptr %pointers)
   %done = icmp eq i32 %refused, 0
   br i1 %done, label %answer, label %slow
 answer:
   %first = load ptr, ptr %source
-{_word("whole", "i64").replace("%whole", "%tuples")}
+{_word("returns_tuple", "i64").replace("%returns_tuple", "%tuples")}
   %is.whole = icmp ne i64 %tuples, 0
   %result = select i1 %is.whole, ptr %target, ptr %first
-  call void %own(ptr %result)
+  call void %incref(ptr %result)
   ret ptr %result
 {_SLOW}"""
 
@@ -230,12 +253,12 @@ define ptr @bound{_HEAD}
 in.from:
 {_collect("ports_in", "inputs", "args", READABLE, "in", "watch.from")}
 watch.from:
-{_word("watches", "i64")}
+{_word("watch_count", "i64")}
 {_word("watched")}
   br label %watch
 watch:
   %w = phi i64 [ 0, %watch.from ], [ %w.next, %compared ]
-  %w.more = icmp ult i64 %w, %watches
+  %w.more = icmp ult i64 %w, %watch_count
   br i1 %w.more, label %compare, label %given.from
 compare:
   %w.at = mul nuw i64 %w, {WATCH * WORD}
@@ -268,18 +291,29 @@ target.from:
 {_collect("ports_out", "outputs", "targets", WRITEABLE, "target", "run", "%read")}
 run:
 {_word("work")}
-{_word("returns", "i64")}
+{_word("return_count", "i64")}
 {_word("returned")}
   %refused = call i32 %work(ptr %pointers)
   %done = icmp eq i32 %refused, 0
-  br i1 %done, label %answer, label %slow
+  br i1 %done, label %finished, label %slow
+finished:
+{_word("condition", "i64")}
+  %unconditional = icmp eq i64 %condition, 0
+  br i1 %unconditional, label %answer, label %examine
+examine:
+  %condition.k = sub nuw i64 %condition, 1
+  %condition.p2 = getelementptr ptr, ptr %pointers, i64 %condition.k
+  %condition.at = load ptr, ptr %condition.p2
+  %condition.value = load double, ptr %condition.at
+  %holds = fcmp ogt double %condition.value, 0.0
+  br i1 %holds, label %answer, label %slow
 answer:
-  switch i64 %returns, label %several [ i64 0, label %nothing
+  switch i64 %return_count, label %several [ i64 0, label %nothing
                                         i64 1, label %single ]
 nothing:
 {_word("none")}
-{_word("own")}
-  call void %own(ptr %none)
+{_word("incref")}
+  call void %incref(ptr %none)
   ret ptr %none
 single:
 {_word("holder")}
@@ -305,14 +339,24 @@ python.bool:
 truth:
 {_word("true")}
 {_word("false")}
-{_word("own").replace("%own", "%own.it")}
+{_word("incref").replace("%incref", "%incref.it")}
   %is.true = fcmp une double %value, 0.0
   %bool = select i1 %is.true, ptr %true, ptr %false
-  call void %own.it(ptr %bool)
+  call void %incref.it(ptr %bool)
   ret ptr %bool
 array:
-  %one = call ptr @copied(ptr %plan, ptr %returned, ptr %pointers)
   %is.bare = icmp eq ptr %holder, null
+{_word("pool")}
+  %no.pool = icmp eq ptr %pool, null
+  br i1 %no.pool, label %new, label %old
+old:
+  %again = call ptr @reused(ptr %plan, ptr %pool, ptr %pointers)
+  %is.again = icmp ne ptr %again, null
+  br i1 %is.again, label %reuse, label %new
+reuse:
+  ret ptr %again
+new:
+  %one = call ptr @copied(ptr %plan, ptr %returned, ptr %pointers)
   %no.one = icmp eq ptr %one, null
   %is.done = or i1 %is.bare, %no.one
   br i1 %is.done, label %alone, label %hold
@@ -326,10 +370,23 @@ hold:
 fill:
   %slot = getelementptr i8, ptr %held, i64 {VALUE}
   store ptr %one, ptr %slot
+  br i1 %no.pool, label %filled.it, label %remember
+remember:
+{_word("incref").replace("%incref", "%incref.held")}
+{_word("decref")}
+  %first.held = load ptr, ptr %pool
+  %last.p = getelementptr ptr, ptr %pool, i64 1
+  %last.held = load ptr, ptr %last.p
+  call void %incref.held(ptr %held)
+  store ptr %held, ptr %pool
+  store ptr %first.held, ptr %last.p
+  call void %decref(ptr %last.held)
+  br label %filled.it
+filled.it:
   ret ptr %held
 several:
 {_word("tuple_new")}
-  %tuple = call ptr %tuple_new(i64 %returns)
+  %tuple = call ptr %tuple_new(i64 %return_count)
   %no.tuple = icmp eq ptr %tuple, null
   br i1 %no.tuple, label %failed, label %item
 item:
@@ -344,7 +401,7 @@ filled:
   %r.to = getelementptr ptr, ptr %r.place, i64 %r
   store ptr %r.copy, ptr %r.to
   %r.next = add nuw i64 %r, 1
-  %r.more = icmp ult i64 %r.next, %returns
+  %r.more = icmp ult i64 %r.next, %return_count
   br i1 %r.more, label %item, label %full
 full:
   ret ptr %tuple
@@ -405,12 +462,20 @@ entry:
 {load_at("place", "source", 2 * WORD, "i64")}
   %from.p = getelementptr ptr, ptr %pointers, i64 %place
   %from = load ptr, ptr %from.p
+  %scalar = icmp eq i64 %axes, 0
+  br i1 %scalar, label %number, label %whole
+number:
+{_word("scalar_new")}
+{_word("descriptor")}
+  %value = call ptr %scalar_new(ptr %from, ptr %descriptor, ptr null)
+  ret ptr %value
+whole:
 {load_at("bytes", "source", 3 * WORD, "i64")}
 {_word("array_type")}
 {_word("array_new")}
-{_word("number", "i64")}
+{_word("type_number", "i64")}
   %axes.32 = trunc i64 %axes to i32
-  %number.32 = trunc i64 %number to i32
+  %number.32 = trunc i64 %type_number to i32
   %array = call ptr %array_new(ptr %array_type, i32 %axes.32, ptr %lengths, i32 %number.32,
                                ptr null, ptr null, i32 0, i32 0, ptr null)
   %bad = icmp eq ptr %array, null
@@ -418,13 +483,6 @@ entry:
 made:
 {load_at("data", "array", DATA)}
   call void @llvm.memcpy.p0.p0.i64(ptr %data, ptr %from, i64 %bytes, i1 false)
-  %scalar = icmp eq i64 %axes, 0
-  br i1 %scalar, label %number.from, label %end
-number.from:
-{_word("array_return")}
-  %value = call ptr %array_return(ptr %array)
-  ret ptr %value
-end:
   ret ptr %array
 failed:
   ret ptr null
@@ -432,5 +490,73 @@ failed:
 declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)
 """
 
-FAST_CALL_IR = {"with_out": _TAKE + _GIVEN, "bound": _TAKE + _DIFFER + _COPIED + _BOUND}
+_REUSED = f"""
+; One of the last instances, filled anew, if nobody else refers to it or to its array, which is as it was made; or null.
+define internal ptr @reused(ptr %plan, ptr %pool, ptr %pointers) nounwind {{
+entry:
+{_word("holder")}
+{_word("returned")}
+{_word("array_type")}
+{load_at("place", "returned", 2 * WORD, "i64")}
+{load_at("bytes", "returned", 3 * WORD, "i64")}
+{_word("inputs", "i64")}
+{_word("givens", "i64")}
+{_word("ports_out")}
+  %first = add nuw i64 %inputs, %givens
+  %number = sub nuw i64 %place, %first
+  %at = mul nuw i64 %number, {PORT * WORD}
+  %port = getelementptr i8, ptr %ports_out, i64 %at
+  br label %next
+next:
+  %k = phi i64 [ 0, %entry ], [ %k.next, %other ]
+  %more = icmp ult i64 %k, {REUSED}
+  br i1 %more, label %one, label %none.left
+one:
+  %held.p = getelementptr ptr, ptr %pool, i64 %k
+  %held = load ptr, ptr %held.p
+{load_at("kind", "held", TYPE)}
+  %references = load i32, ptr %held
+  %kind.ok = icmp eq ptr %kind, %holder
+  %alone = icmp eq i32 %references, 1
+  %free = and i1 %kind.ok, %alone
+  br i1 %free, label %content, label %other
+content:
+{load_at("array", "held", VALUE)}
+  %empty = icmp eq ptr %array, null
+  br i1 %empty, label %other, label %inner
+inner:
+{load_at("array.kind", "array", TYPE)}
+  %array.references = load i32, ptr %array
+  %array.ok = icmp eq ptr %array.kind, %array_type
+  %array.alone = icmp eq i32 %array.references, 1
+  %array.free = and i1 %array.ok, %array.alone
+  br i1 %array.free, label %fields, label %other
+fields:
+{load_at("flags", "array", FLAGS, "i32")}
+{load_at("weak", "array", WEAK_REFERENCES)}
+  %owned = and i32 %flags, {OWNED}
+  %flags.ok = icmp eq i32 %owned, {OWNED}
+  %weak.ok = icmp eq ptr %weak, null
+  %usable = and i1 %flags.ok, %weak.ok
+  br i1 %usable, label %shape, label %other
+shape:
+  %data = call ptr @take(ptr %plan, ptr %port, ptr %array, i32 {WRITEABLE})
+  %changed = icmp eq ptr %data, null
+  br i1 %changed, label %other, label %fill
+other:
+  %k.next = add nuw i64 %k, 1
+  br label %next
+fill:
+{_word("incref")}
+  %from.p = getelementptr ptr, ptr %pointers, i64 %place
+  %from = load ptr, ptr %from.p
+  call void @llvm.memcpy.p0.p0.i64(ptr %data, ptr %from, i64 %bytes, i1 false)
+  call void %incref(ptr %held)
+  ret ptr %held
+none.left:
+  ret ptr null
+}}
+"""
+
+FAST_CALL_IR = {"with_out": _TAKE + _GIVEN, "bound": _TAKE + _DIFFER + _COPIED + _REUSED + _BOUND}
 """By the name of the call. The first kernel of a process waits for `with_out`, so it comes without the other."""

@@ -42,16 +42,16 @@ def reject_tables(port: Port, value: Any) -> None:
     Raises:
         InputError: If the value is one.
     """
-    if _library(value) not in _TABLES or is_deferred(value):
+    if package_of(value) not in _TABLES or is_deferred(value):
         return
     name = type(value).__name__
     advice = "Take its columns in the order of the joints: q[list(robot.joint_names)].to_numpy()."
-    if _library(value).startswith("dask"):
+    if package_of(value).startswith("dask"):
         advice = "Take its columns in the order of the joints: q[list(robot.joint_names)].to_dask_array(lengths=True)."
     elif name != "DataFrame":
         advice = "Take its numbers: q.to_numpy()."
     raise InputError(
-        f"`{port.name}` is a {name} of {_library(value)}; expected an array {batched_shape(port.shape)}. "
+        f"`{port.name}` is a {name} of {package_of(value)}; expected an array {batched_shape(port.shape)}. "
         + advice.replace("q[", f"{port.name}[").replace("q.", f"{port.name}.")
     )
 
@@ -69,7 +69,7 @@ def readable(port: Port, value: Any) -> Any:
     Raises:
         InputError: If the tensor records derivatives, is on a GPU, or stands for one in a transformation.
     """
-    library = _library(value)
+    library = package_of(value)
     if library not in _TENSORS:
         return value
     try:
@@ -81,6 +81,6 @@ def readable(port: Port, value: Any) -> Any:
         ) from None
 
 
-def _library(value: Any) -> str:
+def package_of(value: Any) -> str:
     """The package that the type of a value comes from."""
     return type(value).__module__.partition(".")[0]

@@ -12,9 +12,9 @@ import platform
 import sys
 import weakref
 from array import array
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from typing import Any, final
+from typing import Any, NamedTuple, final
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from ulna.compiler.codegen.ir_text import DType
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ports import Port
 from ulna.compiler.runtime import entry_point, jit, object_layout
-from ulna.compiler.runtime.fast_call import FAST_CALL_IR, FIELDS
+from ulna.compiler.runtime.fast_call import FAST_CALL_IR, FIELDS, REUSED
 from ulna.compiler.runtime.object_layout import (
     TYPE_NUMBER,
     array_function,
@@ -67,41 +67,51 @@ class _Spec(ctypes.Structure):
     )
 
 
+_OFFSET, _OBJECT = 19, 6  # kinds of members: Py_ssize_t, a Python object
 _KEEP: list[Any] = []  # what CPython and NumPy keep pointers to
 
 
-def make_type(base: type, name: str) -> type | None:
+def make_type(
+    base: type, name: str, flags: int = 0, descriptor: int = 0, members: Mapping[str, int] | None = None
+) -> type | None:
     """A subtype of `base` (which has no fields) whose instances are called through a pointer in each instance.
 
     Args:
         base: The base class, which has no fields.
         name: Name of the new type.
+        flags: Further flags of the type.
+        descriptor: Address of what `__get__` is to be; 0 for none.
+        members: Attributes that are objects, each in a word of the instance: its offset [byte].
 
     Returns:
         The type, or None where `fast_call_works()` is False.
     """
     if not fast_call_works():
         return None
-    members = (_MemberDef * 4)(
-        _MemberDef(
-            b"__vectorcalloffset__", 19, entry_point.VECTORCALL, 1, None
-        ),  # 19: Py_ssize_t, 1: read only
-        _MemberDef(b"__dictoffset__", 19, entry_point.DICT, 1, None),
-        _MemberDef(b"__weaklistoffset__", 19, entry_point.WEAKREFS, 1, None),
-        _MemberDef(),
-    )
+    rows = [
+        ("__vectorcalloffset__", _OFFSET, entry_point.VECTORCALL),
+        ("__dictoffset__", _OFFSET, entry_point.DICT),
+        ("__weaklistoffset__", _OFFSET, entry_point.WEAKREFS),
+        *((name, _OBJECT, offset) for name, offset in (members or {}).items()),
+    ]
+    names = [row[0].encode() for row in rows]
+    fields = (_MemberDef * (len(rows) + 1))()
+    for field, text, (_, sort, offset) in zip(fields, names, rows, strict=False):
+        field.name, field.type, field.offset, field.flags = text, sort, offset, 1  # 1: read only
     get, put = c_function("PyObject_GenericGetDict"), c_function("PyObject_GenericSetDict")
     properties = (_GetSetDef * 2)(_GetSetDef(b"__dict__", get, put, None, None), _GetSetDef())
-    slots = (_Slot * 4)(
+    slots = (_Slot * 5)(
         _Slot(50, c_function("PyVectorcall_Call")),  # Py_tp_call
-        _Slot(72, ctypes.addressof(members)),  # Py_tp_members
+        _Slot(72, ctypes.addressof(fields)),  # Py_tp_members
         _Slot(73, ctypes.addressof(properties)),  # Py_tp_getset
+        _Slot(54, descriptor) if descriptor else _Slot(0, None),  # Py_tp_descr_get
         _Slot(0, None),
     )
-    flags = (1 << 18) | (1 << 11) | (1 << 7)  # DEFAULT, HAVE_VECTORCALL, DISALLOW_INSTANTIATION
+    # HAVE_VERSION_TAG (no effect since 3.10), HAVE_VECTORCALL, DISALLOW_INSTANTIATION
+    flags |= (1 << 18) | (1 << 11) | (1 << 7)
     called = f"{base.__module__}.{name}".encode()
     spec = _Spec(called, entry_point.END, 0, flags, slots)
-    _KEEP.extend((members, properties, slots, called, spec))
+    _KEEP.extend((fields, names, properties, slots, called, spec))
     factory = ctypes.pythonapi.PyType_FromSpecWithBases
     factory.restype, factory.argtypes = ctypes.py_object, [ctypes.POINTER(_Spec), ctypes.py_object]
     return factory(ctypes.byref(spec), (base,))
@@ -148,7 +158,7 @@ def make_kernel(kind: type, code: int, plan: Plan, slow: Callable[..., Any], ele
         entry_point.DESCRIPTOR: id(object_layout.NUMPY_TYPE[element]),
         entry_point.NEW: array_function(object_layout.ARRAY_NEW),
         entry_point.TUPLE_NEW: c_function("PyTuple_New"),
-        entry_point.RETURN: array_function(object_layout.ARRAY_RETURN),
+        entry_point.SCALAR_NEW: array_function(object_layout.SCALAR_NEW),
         entry_point.FLOAT: id(float),
         entry_point.FLOAT64: id(np.float64),
     }
@@ -197,6 +207,33 @@ def _fast_call(name: str) -> int:
     return code.address(name)
 
 
+class Binding(NamedTuple):
+    """What a kernel is bound to.
+
+    Attributes:
+        targets: Arrays that take the outputs, each contiguous and of the shape of its output (...).
+        watched: Pairs (live array, reference copy); the kernel does not apply once they differ.
+        returned: Indices of the outputs that a call returns.
+        trailing_inputs: Arrays for the last inputs, each of the shape of its input (...), read at every call as they
+            then are.
+        holder: A class with one slot, of which one instance holds the result; see `holder_slot`. Or float, or bool.
+        input_holders: For each input that calls pass, from the first on, a class of which an instance is passed in
+            place of the array that it holds, or None.
+        condition: The output, one float64, that must be above zero, or None.
+    """
+
+    targets: Sequence[AnyArray] = ()
+    watched: Sequence[tuple[AnyArray, AnyArray]] = ()
+    returned: Sequence[int] = ()
+    trailing_inputs: Sequence[AnyArray] = ()
+    holder: type | None = None
+    input_holders: Sequence[type | None] = ()
+    condition: int | None = None
+
+
+_UNBOUND = Binding()
+
+
 @final
 class Plan:
     """The words that the code of `fast_call` reads: ports and code of a kernel, and the arrays it is bound to.
@@ -204,64 +241,69 @@ class Plan:
     Args:
         f: The function.
         element: Its type of numbers.
-        work: Bytes of memory that its code needs.
-        targets: The arrays that it is bound to.
-        watched: Arrays whose changes matter, each with a copy of what it held.
-        returned: Which of `targets` are returned.
-        last_inputs: Copies of the inputs of the last call.
-        holder: The class of which one instance holds the result; see `holder_slot`. Or float, or bool.
+        work: Address of the kernel's machine code (`work`).
+        bound: What it is bound to.
     """
 
-    def __init__(
-        self,
-        f: Function,
-        element: DType,
-        work: int,
-        targets: Sequence[AnyArray] = (),
-        watched: Sequence[tuple[AnyArray, AnyArray]] = (),
-        returned: Sequence[int] = (),
-        last_inputs: Sequence[AnyArray] = (),
-        holder: type | None = None,
-    ) -> None:
-        self._references: list[Any] = [tuple(targets), tuple(watched), tuple(last_inputs), holder]
-        number, first = element == "double", len(f.inputs)
-        inputs = [self._port(p.shape, object_layout.NUMPY_TYPE[element], number) for p in f.inputs]
-        outputs = [self._port(p.shape, object_layout.NUMPY_TYPE[element]) for p in f.outputs]
+    def __init__(self, f: Function, element: DType, work: int, bound: Binding = _UNBOUND) -> None:
+        targets, watched, returned, trailing_inputs, holder, _, condition = bound
+        self._references: list[Any] = [*bound]
+        accepts_float, first = element == "double", len(f.inputs)
+        dtype = object_layout.NUMPY_TYPE[element]
+        holders = [*bound.input_holders, *[None] * (first - len(bound.input_holders))]
+        inputs = [
+            self._port(p.shape, dtype, accepts_float, of) for p, of in zip(f.inputs, holders, strict=True)
+        ]
+        outputs = [self._port(p.shape, dtype) for p in f.outputs]
         pairs = [
             (id(live), id(reference), live.nbytes // 8, *self._array_port(live), *self._array_port(reference))
             for live, reference in watched
         ]
         words = {
-            "inputs": first - len(last_inputs),
-            "givens": len(last_inputs),
+            "inputs": first - len(trailing_inputs),
+            "givens": len(trailing_inputs),
             "outputs": len(f.outputs),
             "work": work,
-            "whole": int(not f.single),
+            "returns_tuple": int(not f.single),
             "ports_in": self._table(inputs),
-            "ports_given": self._table([self._array_port(x) for x in last_inputs]),
+            "ports_given": self._table([self._array_port(x) for x in trailing_inputs]),
             "ports_out": self._table([self._array_port(x) for x in targets] or outputs),
-            "given_arrays": self._table([[id(x) for x in last_inputs]]),
+            "given_arrays": self._table([[id(x) for x in trailing_inputs]]),
             "targets": self._table([[id(x) for x in targets]]),
-            "watches": len(watched),
+            "watch_count": len(watched),
             "watched": self._table(pairs),
-            "returns": len(returned),
+            "return_count": len(returned),
             "returned": self._table([(*outputs[k][:2], first + k, targets[k].nbytes) for k in returned]),
-            "number": TYPE_NUMBER[element],
+            "type_number": TYPE_NUMBER[element],
+            "descriptor": id(object_layout.NUMPY_TYPE[element]),
             "holder": 0 if holder is None else id(holder),
+            "condition": 0 if condition is None else 1 + first + condition,
+            "pool": self._pool() if holder not in (None, float, bool) else 0,
             **_common_words(),
         }
         self.address = self._table([[words[field] for field in FIELDS]])
 
     def _port(
-        self, shape: tuple[int, ...], dtype: np.dtype[Any], may_be_number: bool = False
-    ) -> tuple[int, int, int, int]:
-        """What `take` compares an array with."""
-        self._references.append(dtype)
-        return len(shape), self._table([shape]), int(may_be_number and not shape), id(dtype)
+        self,
+        shape: tuple[int, ...],
+        dtype: np.dtype[Any],
+        accepts_float: bool = False,
+        holder: type | None = None,
+    ) -> tuple[int, ...]:
+        """The port table entry that the IR function `@take` (fast_call.py) compares an array with."""
+        self._references += dtype, holder
+        held = 0 if holder is None else id(holder)
+        return len(shape), self._table([shape]), int(accepts_float and not shape), id(dtype), held
 
-    def _array_port(self, array: AnyArray) -> tuple[int, int, int, int]:
+    def _array_port(self, array: AnyArray) -> tuple[int, ...]:
         """The port that takes an array as it is now."""
         return self._port(array.shape, array.dtype)
+
+    def _pool(self) -> int:
+        """Places for the last instances that were returned."""
+        pool = [None] * REUSED
+        self._references.append(pool)
+        return object_layout.items_of(pool)
 
     def _table(self, rows: Sequence[Sequence[int]]) -> int:
         """The address of some words in memory."""
@@ -281,9 +323,10 @@ def _common_words() -> dict[str, int]:
         "out": id(sys.intern("out")),
         "none": id(None),
         "array_new": array_function(object_layout.ARRAY_NEW),
-        "array_return": array_function(object_layout.ARRAY_RETURN),
+        "scalar_new": array_function(object_layout.SCALAR_NEW),
         "tuple_new": c_function("PyTuple_New"),
-        "own": c_function("Py_IncRef"),
+        "incref": c_function("Py_IncRef"),
+        "decref": c_function("Py_DecRef"),
         "call": c_function("PyObject_Vectorcall"),
         "allocate": c_function("PyType_GenericAlloc"),
         "float_new": c_function("PyFloat_FromDouble"),

@@ -19,7 +19,7 @@ def interruptible(work: Callable[[], T]) -> T:
 
     Python handles signals in the main thread, between its own instructions: while native code runs there, it waits. So
     `work` runs in a separate thread. After an interruption it goes on there and keeps its locks until it is done; its
-    result is dropped.
+    result is dropped. Where no thread can be started, it runs in the main one.
     """
     if threading.current_thread() is not threading.main_thread():
         return work()
@@ -37,12 +37,15 @@ def interruptible(work: Callable[[], T]) -> T:
 
     thread = threading.Thread(target=copy_context().run, args=(run,), name="ulna compiler", daemon=True)
     try:
-        thread.start()
-        while not done.wait(0.1):  # a signal that comes just before the wait does not end it
+        with suppress(RuntimeError):  # no more threads can be started, or the process ends
+            thread.start()
+        while thread.ident is not None and not done.wait(0.1):  # a signal before it does not end it
             pass
     except BaseException:
         _abandoned.append(thread)
         raise
+    if thread.ident is None:
+        return work()
     if errors:
         raise errors[0]
     return result[0]

@@ -23,7 +23,7 @@ from ulna.system import forks
 from ulna.system.collector import paused_collection
 
 # Part of the cache's key: change it with `optimised` and `_machine`.
-_RECIPE = "inlining or level 1, codegen 2 or 1"
+_RECIPE = "inlining or level 1 of short loops, codegen 2 or 1"
 # How much IR text of one call and of a batch LLVM compiles, about [byte/s].
 _SPEED = {"entry": 4e6, "batch": 2e6, "kernel": 2e6, "xla": 2e6, "f.all": 2e6}
 _LOOPS_SPEED = 3e5  # the same of procedures, whose loops are optimised [byte/s]
@@ -35,6 +35,10 @@ _LARGE = 200_000
 """Characters of IR without loops from which on instructions are scheduled once, before registers are allocated.
 
 To schedule them again takes a fifth of LLVM's time. It makes small code up to 1.5 % faster, and large code not."""
+_LONG_LOOPS = 500_000
+"""Characters of IR with loops from which on LLVM does not optimise these.
+
+Most of an iteration is then arithmetic that is folded and shared already, and to look at it takes half of the time."""
 _library_numbers = itertools.count()
 # What LLVM keeps of an object file that was dropped, 10 kB, goes with the engine; making one takes 1.5 ms.
 _GROUP = 16
@@ -114,7 +118,7 @@ def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
     Returns:
         The loaded code; it must live as long as it is called.
     """
-    return _load(_key(ir), lambda: ir, names, f.has_loops, partial(_announced, f, names[0]))
+    return _load(_key(ir), lambda: ir, names, _has_loops(f, ir), partial(_announced, f, names[0]))
 
 
 def load_text(ir: str, names: tuple[str, ...], has_loops: bool = True) -> Code:
@@ -129,6 +133,11 @@ def load_text(ir: str, names: tuple[str, ...], has_loops: bool = True) -> Code:
         The loaded code; it must live as long as it is called.
     """
     return _load(_key(ir), lambda: ir, names, has_loops, lambda size: contextlib.nullcontext())
+
+
+def is_stored(ir: str) -> bool:
+    """Whether the code of a text is in the cache."""
+    return _cached_object(_key(ir)) is not None
 
 
 def load_known(digest: str, text: Callable[[], str], names: tuple[str, ...], title: str) -> Code:
@@ -195,7 +204,7 @@ def _linked(content: bytes, names: tuple[str, ...], seconds: float) -> Code:
 
 @lru_cache(maxsize=1)
 def _engine(group: int) -> Any:
-    """What the code of a group of object files is linked by; it lives as long as one of them.
+    """What the code of a group of object files is linked by; it is freed with the last of them.
 
     JITLink takes one block of memory for an object file. LLVM's other linker takes one for each section, and ends the
     process where the gaps of the address space leave them more than 2 GB apart, as large libraries do (PyTorch).
@@ -218,6 +227,12 @@ def _object(key: str, ir: str, has_loops: bool) -> bytes:
             content = machine.emit_object(optimised(ir, has_loops, machine))
             disk_cache.write(key, content)
         return content
+
+
+def _has_loops(f: Function, ir: str) -> bool:
+    """Whether LLVM is to optimise loops; not in second forms, of which only the graph's, untraced yet, are known."""
+    is_long = len(ir) > _LONG_LOOPS
+    return not is_long and getattr(f, "untraced_operations", None) is None and f.has_loops
 
 
 def _announced(f: Function, what: str, size: int) -> Any:
@@ -340,8 +355,8 @@ def assembly(f: Function, ir: str) -> str:
         The text of the assembly.
     """
     with _lock:
-        machine = _machine(ir, f.has_loops)
-        return machine.emit_assembly(optimised(ir, f.has_loops, machine))
+        machine = _machine(ir, _has_loops(f, ir))
+        return machine.emit_assembly(optimised(ir, _has_loops(f, ir), machine))
 
 
 @dataclass(frozen=True)
@@ -378,7 +393,7 @@ def examined(f: Function, ir: str) -> Examined:
     state = "off" if disk_cache.folder() is None else "not stored" if content is None else "stored"
     with _lock:
         if content is None:
-            machine = _machine(ir, f.has_loops)
-            content = machine.emit_object(optimised(ir, f.has_loops, machine))
+            machine = _machine(ir, _has_loops(f, ir))
+            content = machine.emit_object(optimised(ir, _has_loops(f, ir), machine))
         sections = llvm_library().ObjectFileRef.from_data(content).sections()
         return Examined(text, sum(s.size() for s in sections if s.is_text()), seconds, state)

@@ -15,7 +15,7 @@ from ulna.compiler.language.graph import Graph
 from ulna.compiler.runtime import bound_call, entry_point, gufunc, jit
 from ulna.compiler.runtime.array_call import ELEMENT, ArrayCall, Unit
 from ulna.compiler.runtime.differentiate import differentiated
-from ulna.errors import DtypeError, MissingExtra
+from ulna.errors import DtypeError, InputError, needed
 from ulna.idioms import unknown_attribute
 from ulna.lazy import is_deferred
 from ulna.system import forks
@@ -97,7 +97,7 @@ class KernelBase:
             >>> report.operations, report.bytes_moved, report.limit
             (147, 184, 'arithmetic')
         """
-        from ulna.compiler.runtime.report import report  # with what it imports, for few
+        from ulna.compiler.runtime.report import report  # imported here: slow to import, rarely needed
 
         return report(self, batch)
 
@@ -183,7 +183,8 @@ class KernelBase:
 
     def _derived(self, what: str, *wrt: str | int) -> Any:
         function = differentiated(self.function, what, *wrt)
-        return compile(function, dtype=self.dtype, checked=self._array_call.checked)
+        call = self._array_call  # the inputs of the kernel come first among those of its derivative
+        return compile(function, self.dtype, call.checked, call.unit, call.labels)
 
     def into(
         self,
@@ -191,9 +192,12 @@ class KernelBase:
         returns: Sequence[int] = (),
         watch: Sequence[tuple[Array, Array]] = (),
         otherwise: Callable[..., Any] | None = None,
+        trailing_inputs: Sequence[Array] = (),
         last_inputs: Sequence[Array] = (),
         given: Sequence[Array] = (),
         holder: type | None = None,
+        input_holders: Sequence[type | None] = (),
+        condition: int | None = None,
     ) -> Any:
         """A callable of the inputs that writes the outputs into arrays chosen once: where nanoseconds count.
 
@@ -201,20 +205,26 @@ class KernelBase:
             *targets: An array for each output, of its shape (...) and of the kernel's type, C-contiguous and
                 writeable. They are kept alive, and may be inputs of the calls. Every call examines them, at 1 to
                 2 ns each, and raises if one was resized, made read-only or given another shape or type since.
-            returns: Numbers of the outputs of which every call returns a copy: one as it is, several in a tuple, in
+            returns: Indices of the outputs of which every call returns a copy: one as it is, several in a tuple, in
                 this order. Without any, calls return None.
             watch: Pairs of arrays (...) of whole 8-byte words. A call works while both of each pair hold the same
                 bits.
             otherwise: Called with the arguments, and its result returned, where these are not exactly arrays of the
                 right type and shape, or what is watched differs or has another shape or type than at first. Without it,
                 arguments are converted as the kernel does, and one sample is computed. It must not hold the bound
-                kernel: such a reference cycle is never freed.
-            last_inputs: Arrays that are the last inputs (...), read at every call as they then are; calls pass the
+                kernel: such a reference cycle is never freed. The arrays are examined before it is called, which takes
+                2 us, unless it has an attribute `examines_arrays`, since it calls a kernel bound to the same ones.
+            trailing_inputs: Arrays that are the last inputs (...), read at every call as they then are; calls pass the
                 others.
-            given: The former name of `last_inputs`, (...) each.
+            last_inputs: A former name of `trailing_inputs`, (...) each.
+            given: A former name of `trailing_inputs`, (...) each.
             holder: A class with one slot and nothing else. A call returns a new instance, made without `__init__`,
-                whose slot is the one array that `returns` names. Or float or bool, for a single number (nan is
-                no truth: that call goes to `otherwise`).
+                whose slot is the one array that `returns` names. Or float or bool, for a single number. NaN has
+                no truth value: such a call goes to `otherwise`, and raises NonFiniteError without it.
+            input_holders: For each input that calls pass, from the first on, such a class, or None. Instances of
+                exactly that class are passed then, in place of the arrays that they hold.
+            condition: The index of an output, one float64. Where it is not above zero, `otherwise` is called after the
+                kernel, and its result returned: for what has no solution.
 
         Returns:
             A `Bound` kernel. It is called with positional arguments, holds the GIL while it works, and cannot be
@@ -222,22 +232,21 @@ class KernelBase:
 
         Raises:
             InputError: If there are not as many arrays as outputs, or they share memory, cannot be written to or
-                compared, or `watch` is given without `otherwise`.
+                compared, or `watch` is given without `otherwise`, or the trailing inputs under two names.
             ShapeError: If an array has another shape than its output.
             DtypeError: If an array has another type than the kernel. All three come at once, and from later
                 calls.
         """
-        inputs = last_inputs or given
-        return bound_call.bind(
-            self, self._array_call, self._work, targets, returns, watch, otherwise, inputs, holder
-        )
+        inputs = _trailing_inputs(trailing_inputs=trailing_inputs, last_inputs=last_inputs, given=given)
+        bound = gufunc.Binding(targets, watch, returns, inputs, holder, input_holders, condition)
+        return bound_call.bind(self, self._array_call, self._work, bound, otherwise)
 
     def draw(self, path: str | None = None) -> str:
         """The graph as an SVG picture; written to `path` when one is given."""
         return self.function.draw(path)
 
     def dask(self, *args: Any) -> Any:
-        """The kernel on arrays of which none need be a Dask array, lazily; Dask arrays can be passed to any call.
+        """Evaluates the kernel lazily and returns Dask arrays, even if no argument is one.
 
         Example:
             >>> fk = ulna.load("panda").kernel("fk")
@@ -245,10 +254,8 @@ class KernelBase:
             >>> poses.shape, poses[:5].compute().shape
             ((1000, 4, 4), (5, 4, 4))
         """
-        try:
+        with needed("dask", "cluster", "Applying a kernel to Dask arrays"):
             import dask.array as da  # pyright: ignore[reportMissingImports]
-        except ImportError:
-            raise MissingExtra("dask", "cluster", "Applying a kernel to Dask arrays") from None
         lazy = args if any(is_deferred(a) for a in args) else (*map(da.asarray, args[:1]), *args[1:])
         return self._array_call(*lazy)
 
@@ -291,6 +298,17 @@ class SlowKernel(KernelBase):
         return self._array_call(*args, **options)
 
 
+def _trailing_inputs(**arrays: Sequence[Array]) -> Sequence[Array]:
+    """The arrays that were passed under one of several names; refuses those under two."""
+    passed = [name for name, value in arrays.items() if len(value)]
+    if len(passed) > 1:
+        raise InputError(
+            f"into() was given `{passed[0]}` and `{passed[1]}`, which are names of the same; expected all arrays in "
+            "`trailing_inputs`."
+        )
+    return arrays[passed[0]] if passed else ()
+
+
 def _doc(f: Function) -> str:
     """What help() says of a kernel."""
     return f"{f.name}({', '.join(p.name for p in f.inputs)}): {f.signature}\n\n{f.doc}".rstrip()
@@ -301,7 +319,8 @@ _native_made = False
 _native_lock = forks.lock(forks.KERNEL)
 
 
-def _native_type() -> Any:
+def native_type() -> Any:
+    """The type of kernels whose single calls are machine code; None where there can be none."""
     global _NATIVE, _native_made
     with _native_lock:
         if not _native_made:
@@ -366,10 +385,10 @@ def compile(
     elif shapes:
         raise TypeError("Shapes are given for a function that is traced already.")
     array_call = ArrayCall(f, element_of(dtype), checked, unit_entries, labels)
-    native_type = _native_type()
+    own_type = native_type()
     if "graph" in os.environ.get("ULNA_DEBUG", ""):
         print(f"[ulna] {f.name}{f.signature}: {f.operations} operations {f.operation_counts}")
-    if native_type is None or not f.outputs:
+    if own_type is None or not f.outputs:
         return SlowKernel(array_call)
     ir = _entry_ir(array_call)
     if "ir" in os.environ.get("ULNA_DEBUG", "").split(","):
@@ -379,7 +398,7 @@ def compile(
     if has_batch:
         array_call.batch_code = code
     plan = gufunc.Plan(f, array_call.element, code.address("work"))
-    instance = gufunc.make_kernel(native_type, code.address("entry"), plan, array_call, array_call.element)
+    instance = gufunc.make_kernel(own_type, code.address("entry"), plan, array_call, array_call.element)
     instance.__dict__.update(__doc__=_doc(f), _array_call=array_call, _work=code.address("work"))
     gufunc.keep(instance, array_call, plan, code)
     if "asm" in os.environ.get("ULNA_DEBUG", ""):

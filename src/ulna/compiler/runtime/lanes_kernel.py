@@ -19,7 +19,8 @@ from ulna.errors import DtypeError, InputError, ShapeError
 class LanesKernel:
     """A traced function of as many samples as there are lanes: `kernel(inputs, outputs)`.
 
-    `inputs` has shape (numbers in, lanes), `outputs` (numbers out, lanes); column j is sample j.
+    `inputs` has shape (numbers in, lanes), `outputs` (numbers out, lanes); column j is sample j. They may
+    overlap: all inputs are read before any output is written.
 
     Attributes:
         function: The traced function.

@@ -15,10 +15,13 @@ WORD = 8
 HEAD = object.__basicsize__
 """The size of what every object begins with [byte]: 16, 32 in free-threaded builds; its type is the last word of it."""
 TYPE = HEAD - WORD
-# PyArrayObject: data, number of axes, lengths, descriptor, flags.
-DATA, NDIM, LENGTHS, ARRAY_DESCRIPTOR, FLAGS = (HEAD + offset for offset in (0, 8, 16, 40, 48))
+# PyArrayObject: data, number of axes, lengths, descriptor, flags, weak references.
+DATA, NDIM, LENGTHS, ARRAY_DESCRIPTOR, FLAGS, WEAK_REFERENCES = (
+    HEAD + offset for offset in (0, 8, 16, 40, 48, 56)
+)
 READABLE = 0x0101  # C-contiguous, aligned
 WRITEABLE = READABLE | 0x0400
+OWNED = 0x0004  # the array frees its data
 VALUE = HEAD  # of a Python float and of a NumPy float64
 TUPLE_SIZE, TUPLE_ITEMS = HEAD, tuple.__basicsize__  # CPython 3.14 keeps a hash before the items
 TYPE_NUMBER = {"double": 12, "float": 11}
@@ -77,9 +80,63 @@ def holder_slot(holder: type) -> str:
     return slots[0] if address == id(value) else ""
 
 
+def slot_offset(kind: type, name: str) -> int:
+    """Where instances of a class, and of classes that derive from it, have what is in a slot [byte].
+
+    Args:
+        kind: A class with slots.
+        name: The name of one.
+
+    Returns:
+        The offset behind the beginning of an instance; 0 where compiled code cannot read it.
+    """
+    if not fast_call_works():
+        return 0
+    probe, value = object.__new__(kind), object()
+    setattr(probe, name, value)
+    places = range(HEAD, kind.__basicsize__, WORD)
+    fitting = [
+        place for place in places if ctypes.c_void_p.from_address(id(probe) + place).value == id(value)
+    ]
+    return fitting[0] if fitting else 0
+
+
 def c_function(name: str) -> int:
     """The address of a function of CPython."""
     return ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0
+
+
+def has_gil() -> bool:
+    """Whether one thread at a time always runs Python, so that borrowed references stay valid.
+
+    A free-threaded build, known by its longer heads, turns the lock on while a thread loads an extension module, and
+    off again: what it says at one moment (`sys._is_gil_enabled`) does not hold later.
+    """
+    return HEAD == 2 * WORD
+
+
+def items_of(entries: list[Any]) -> int:
+    """The address of the entries of a list, whose length must not change; 0 where reference counts are not plain.
+
+    Args:
+        entries: The list.
+
+    Returns:
+        The address.
+    """
+    if not fast_call_works() or not has_gil():
+        return 0
+    address = ctypes.c_void_p.from_address(id(entries) + HEAD + WORD).value or 0
+    probe = object()
+    counted = ctypes.c_int32.from_address(id(probe)).value
+    more = (probe, probe)
+    if ctypes.c_int32.from_address(id(probe)).value != counted + len(more):
+        return 0
+    length = ctypes.c_ssize_t.from_address(id(entries) + HEAD).value
+    if length != len(entries) or not address:
+        return 0
+    items = (ctypes.c_void_p * length).from_address(address)
+    return address if list(items) == [id(entry) for entry in entries] else 0
 
 
 @cache
@@ -100,5 +157,5 @@ def ufunc_function(number: int) -> int:
     return _capsule("_UFUNC_API")[number]
 
 
-ARRAY_NEW, ARRAY_RETURN, UFUNC_FROM_SIGNATURE = 93, 76, 31
-"""Numbers of PyArray_New, PyArray_Return and PyUFunc_FromFuncAndDataAndSignature."""
+ARRAY_NEW, SCALAR_NEW, UFUNC_FROM_SIGNATURE = 93, 60, 31
+"""Numbers of PyArray_New, PyArray_Scalar and PyUFunc_FromFuncAndDataAndSignature."""

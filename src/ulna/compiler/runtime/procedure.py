@@ -84,8 +84,9 @@ class Procedure(Definition):
         self._instances: tuple[t.Instance, ...] = ()
         self._writes: frozenset[str] = frozenset()
         self._functions: set[Callable[..., Any]] = set()
+        self._outside: dict[tuple[str, str], Any] = {}
         self._entries: dict[bool, Any] = {}
-        self._kept: dict[bool, Compiled] = {}
+        self._compiled_code: dict[bool, Compiled] = {}
 
     def __repr__(self) -> str:
         return f"<procedure {self.__name__}({', '.join(self.parameters)})>"
@@ -164,7 +165,7 @@ class Procedure(Definition):
         if not self._instances:
             reader = ProgramReader(self.constants)
             self._writes = written(reader.entry(self))
-            self._functions = {key[0] for key in reader.instances}
+            self._functions, self._outside = {key[0] for key in reader.instances}, reader.outside
             self._instances = tuple(reader.instances.values())
         return self._instances
 
@@ -192,8 +193,8 @@ class Procedure(Definition):
 
     def _compiled(self, is_checked: bool) -> Compiled:
         """What calls need to know, from the disk where it is there."""
-        if is_checked in self._kept:
-            return self._kept[is_checked]
+        if is_checked in self._compiled_code:
+            return self._compiled_code[is_checked]
         width = target().register_bytes
         key = procedure_cache.key_of(
             self.function, sorted(self.constants.items()), self.contract, is_checked, width
@@ -203,11 +204,11 @@ class Procedure(Definition):
             instance, text = self.instance, self.ir(is_checked)
             compiled = Compiled(
                 instance.parameters, instance.results, self._writes, tuple(i.file for i in self.instances),
-                procedure_cache.numbers_of(self._functions), disk_cache.key("procedure", text),
+                procedure_cache.texts_of(self._outside), disk_cache.key("procedure", text),
             )  # fmt: skip
             if key is not None and all(map(procedure_cache.is_from_package, self._functions)):
                 procedure_cache.write(key, compiled)
-        self._kept[is_checked] = compiled
+        self._compiled_code[is_checked] = compiled
         return compiled
 
     def _entry(self, is_checked: bool) -> Any:
@@ -217,7 +218,7 @@ class Procedure(Definition):
             function = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(
                 code.address("entry")
             )
-            function.code = code  # type: ignore[attr-defined]  # it lives as long as the function
+            function.code = code  # type: ignore[attr-defined]  # it is freed with the function
             self._entries[is_checked] = function
         return self._entries[is_checked]
 

@@ -18,6 +18,7 @@ from ulna.compiler.imperative.types import (
     RecordType,
     Type,
 )
+from ulna.compiler.language.ports import wrong_count
 from ulna.compiler.runtime.lanes_kernel import LanesKernel
 from ulna.errors import DtypeError, InputError, ShapeError
 
@@ -40,9 +41,7 @@ def check_count(procedure: str, parameters: Sequence[tuple[str, Type]], argument
     """
     names = [name for name, _ in parameters]
     if len(arguments) != len(names):
-        raise TypeError(
-            f"{procedure}({', '.join(names)}) takes {len(names)} arguments; {len(arguments)} were given."
-        )
+        raise wrong_count(procedure, names, arguments)
 
 
 def words_of(name: str, type_: Type, value: Any, is_written: bool) -> tuple[list[int], list[Any]]:
@@ -121,13 +120,13 @@ def interpreted(type_: Type, value: Any) -> Any:
         value: The argument.
 
     Returns:
-        The number, record, array or function.
+        The number, record, array or kernel.
     """
     if isinstance(type_, Number):
         return type_.dtype.type(value)
     if isinstance(type_, RecordType):
         return type(value)(*(interpreted(kind, getattr(value, field)) for field, kind in type_.fields))
-    return value.interpret if isinstance(type_, KernelType) else value
+    return value
 
 
 def result_from(type_: Number | Lanes, words: Any) -> Any:

@@ -2,21 +2,25 @@
 
 Only procedures of modules that a package holds, with no variables of an enclosing function, are kept: what they do is
 decided by files. The key holds the procedure, its constants, and names, sizes and times of the files of the compiler.
-The record says the same of the folders from whose files the procedure was read, and the numbers of modules that it
-names; it counts only while these are as they were.
+The record says the same of the folders from whose files the procedure was read, and what the names of modules stood for
+that it uses: numbers, functions, procedures and types. It counts only while these are as they were.
 """
 
 from __future__ import annotations
 
+import builtins
 import functools
 import json
 import os
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ulna import disk_cache
+from ulna.compiler.imperative.source import Definition
 from ulna.compiler.imperative.types import ArrayType, KernelType, Lanes, Number, RecordType, Type
 from ulna.data_classes import dataclass
 
@@ -32,7 +36,7 @@ class Compiled:
         results: The types of what it returns.
         writes: The parameters whose arrays it may write to.
         files: The file of each instance, for errors.
-        numbers: Module, name and value of the numbers of modules that were read.
+        names: Module, dotted name and text of what names of modules stood for; see `texts_of`.
         digest: The hash of its LLVM IR, under which its machine code is kept.
     """
 
@@ -40,7 +44,7 @@ class Compiled:
     results: tuple[Number | Lanes, ...]
     writes: frozenset[str]
     files: tuple[str, ...]
-    numbers: tuple[tuple[str, str, float], ...]
+    names: tuple[tuple[str, str, str], ...]
     digest: str
 
 
@@ -58,7 +62,7 @@ def key_of(function: Any, *options: Any) -> str | None:
         return None
     code = function.__code__
     name = f"{function.__module__}.{function.__qualname__}:{code.co_firstlineno}"
-    return disk_cache.key("procedure 2", name, code.co_code, repr(options), sys.version, _compiler_state())
+    return disk_cache.key("procedure 3", name, code.co_code, repr(options), sys.version, _compiler_state())
 
 
 def is_from_package(function: Callable[..., Any]) -> bool:
@@ -84,13 +88,13 @@ def read(key: str) -> Compiled | None:
     record = json.loads(content)
     if any(_state(folder) != state for folder, state in record["folders"].items()):
         return None
-    numbers = tuple((module, name, value) for module, name, value in record["numbers"])
-    if any(vars(sys.modules.get(module, sys)).get(name) != value for module, name, value in numbers):
+    names = tuple((module, name, text) for module, name, text in record["names"])
+    if any(_text_of(_stands_for(module, name)) != text for module, name, text in names):
         return None
     return Compiled(
         tuple((name, _type(t)) for name, t in record["parameters"]),
         tuple(_type(t) for t in record["results"]),
-        frozenset(record["writes"]), tuple(record["files"]), numbers, record["digest"],
+        frozenset(record["writes"]), tuple(record["files"]), names, record["digest"],
     )  # fmt: skip
 
 
@@ -106,29 +110,44 @@ def write(key: str, compiled: Compiled) -> None:
         "folders": {folder: _state(folder) for folder in folders},
         "parameters": [[name, _text(t)] for name, t in compiled.parameters],
         "results": [_text(t) for t in compiled.results],
-        "writes": sorted(compiled.writes), "files": compiled.files, "numbers": compiled.numbers,
+        "writes": sorted(compiled.writes), "files": compiled.files, "names": compiled.names,
         "digest": compiled.digest,
     }  # fmt: skip
     disk_cache.write(key, json.dumps(record).encode())
 
 
-def numbers_of(functions: Iterable[Callable[..., Any]]) -> tuple[tuple[str, str, float], ...]:
-    """The numbers of modules that functions name, which a change elsewhere may change.
+def texts_of(outside: Mapping[tuple[str, str], Any]) -> tuple[tuple[str, str, str], ...]:
+    """What names of modules stood for when a procedure was read, which a change elsewhere may change.
 
     Args:
-        functions: Python functions that were read.
+        outside: The objects, by module and dotted name.
 
     Returns:
-        Module, name and value of each.
+        Module, dotted name, and a text that is another for another number, function, procedure or record.
     """
-    return tuple(
-        sorted(
-            (function.__module__, name, value)
-            for function in functions
-            for name in function.__code__.co_names
-            if isinstance(value := function.__globals__.get(name), bool | int | float)
-        )
-    )
+    return tuple(sorted((module, name, _text_of(value)) for (module, name), value in outside.items()))
+
+
+def _text_of(value: Any) -> str:
+    if isinstance(value, bool | int | float | np.generic):
+        return f"{type(value).__name__} {value!r}"
+    options = ""
+    if isinstance(value, Definition):
+        value, options = value.function, f"{value.contract} {sorted(value.constants)}"
+    elif hasattr(value, "_fields"):
+        options = repr(vars(value).get("__annotations__"))
+    name = getattr(value, "__qualname__", None) or getattr(value, "__name__", type(value).__name__)
+    return f"{getattr(value, '__module__', '')} {name} {options}"
+
+
+def _stands_for(module: str, name: str) -> Any:
+    """What a dotted name of a module stands for; None where it stands for nothing."""
+    first, *others = name.split(".")
+    names = vars(sys.modules[module]) if module in sys.modules else {}
+    value = names.get(first, vars(builtins).get(first))
+    for other in others:
+        value = getattr(value, other, None)
+    return value
 
 
 def _state(*folders: Path | str) -> str:

@@ -1,18 +1,18 @@
-"""Functions that hand calls with the same first arguments to a bound kernel, without running Python.
+"""Functions that pass calls with the same first arguments to a bound kernel, without running Python: an inline cache.
 
-A function whose bound kernels belong to objects (a model, its data, the index of a frame) is called through a table:
-its rows hold the addresses of first arguments, and the kernel that is bound for them. Machine code looks the row up and
-calls the kernel with the other arguments. Where there is no row, or the kernel answers NotImplemented, the function
-itself is called; it fills the rows.
+A function whose bound kernels belong to objects (a model, its data, the index of a frame) is called through a hash
+table. A row is keyed by the addresses of the first arguments, and holds the kernel that is bound for them. Machine code
+looks the row up and calls the kernel with the remaining arguments. The argument of the kernel may also stand between
+the keys (a placement before the reference frame). Where there is no row, or the kernel answers NotImplemented, the
+function itself is called; it adds rows.
 
-Addresses stay valid: rows own their kernels and their other first arguments, and those of an object that is
-referred to weakly are emptied before its memory is given back.
+Addresses stay valid: rows hold references to their kernels and keys, but for keys that are referred to weakly; the rows
+of such an object are cleared before its memory is freed.
 """
 
 from __future__ import annotations
 
 import functools
-import sys
 import weakref
 from array import array
 from collections.abc import Callable
@@ -21,20 +21,24 @@ from typing import Any, TypeVar, final
 from ulna.compiler.runtime import entry_point, gufunc, jit
 from ulna.compiler.runtime.bound_call import bound_type
 from ulna.compiler.runtime.fast_call import load_at
-from ulna.compiler.runtime.object_layout import WORD, c_function
+from ulna.compiler.runtime.object_layout import WORD, c_function, has_gil
 from ulna.system import forks
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 MOST_FIRST_ARGUMENTS = 4
-_ROW = MOST_FIRST_ARGUMENTS + 2  # number of all arguments, addresses of the first, that of the kernel
+_ROW = MOST_FIRST_ARGUMENTS + 2  # one more than all arguments, addresses of the first, that of the kernel
 _BITS = 8
 _LARGEST_SHARED = 256  # CPython has one object for each number up to this one
-_LEFT_OUT = 15  # kernels that are not noted after one that took the row of another
+_SKIPPED = (
+    15  # kernels that are not added after one that replaced another: rows in use by both would never hit
+)
 _MULTIPLIER = (
     0x9E3779B97F4A7C15  # 2^64 / golden ratio: spreads addresses over the rows [Knuth, TAOCP 3, section 6.4]
 )
 _WORD_MASK = 2**64 - 1
-_FIELDS = ("first_arguments", "rows", "not_implemented", "call", "own", "release")
+_FIELDS = (
+    "first_arguments", "rows", "not_implemented", "call", "incref", "decref", "kernel_argument", "has_kernel_argument",
+)  # fmt: skip
 
 
 def _word(name: str, kind: str = "ptr") -> str:
@@ -47,11 +51,14 @@ entry:
 {load_at("plan", "self", entry_point.PLAN)}
 {_word("first_arguments", "i64")}
 {_word("rows")}
+{_word("kernel_argument", "i64")}
+{_word("has_kernel_argument", "i64")}
   %count = and i64 %flagged, 9223372036854775807
   %plain = icmp eq ptr %keywords, null
-  %few = icmp ult i64 %count, %first_arguments
-  %n = select i1 %few, i64 %count, i64 %first_arguments
-  %some = icmp ne i64 %count, 0  ; a row that is empty has 0 arguments
+  %some = icmp uge i64 %count, %has_kernel_argument
+  %keys = sub i64 %count, %has_kernel_argument
+  %few = icmp ult i64 %keys, %first_arguments
+  %n = select i1 %few, i64 %keys, i64 %first_arguments
   %begin = and i1 %plain, %some
   br i1 %begin, label %hash, label %slow
 hash:
@@ -60,7 +67,10 @@ hash:
   %more = icmp ult i64 %k, %n
   br i1 %more, label %mix, label %find
 mix:
-  %object.p = getelementptr ptr, ptr %args, i64 %k
+  %k.after = icmp uge i64 %k, %kernel_argument
+  %k.gap = zext i1 %k.after to i64
+  %k.at = add nuw i64 %k, %k.gap
+  %object.p = getelementptr ptr, ptr %args, i64 %k.at
   %object = load i64, ptr %object.p
   %place = lshr i64 %object, 4
   %mixed = xor i64 %sum, %place
@@ -72,14 +82,18 @@ find:
   %offset = mul nuw i64 %number, {_ROW * WORD}
   %row = getelementptr i8, ptr %rows, i64 %offset
   %counted = load i64, ptr %row
-  %count.ok = icmp eq i64 %counted, %count
+  %count.wanted = add nuw i64 %count, 1  ; a row that is empty has 0
+  %count.ok = icmp eq i64 %counted, %count.wanted
   br i1 %count.ok, label %compare, label %slow
 compare:
   %j = phi i64 [ 0, %find ], [ %j.next, %one ]
   %left = icmp ult i64 %j, %n
   br i1 %left, label %one, label %known
 one:
-  %given.p = getelementptr ptr, ptr %args, i64 %j
+  %j.after = icmp uge i64 %j, %kernel_argument
+  %j.gap = zext i1 %j.after to i64
+  %j.at = add nuw i64 %j, %j.gap
+  %given.p = getelementptr ptr, ptr %args, i64 %j.at
   %given = load i64, ptr %given.p
   %j.next = add nuw i64 %j, 1
   %kept.p = getelementptr i64, ptr %row, i64 %j.next
@@ -89,28 +103,30 @@ one:
 known:
   %kernel.p = getelementptr i8, ptr %row, i64 {(_ROW - 1) * WORD}
   %kernel = load ptr, ptr %kernel.p
-{_word("own")}
-{_word("release")}
+{_word("incref")}
+{_word("decref")}
 {_word("not_implemented")}
 {load_at("code", "kernel", entry_point.VECTORCALL)}
-  %rest = getelementptr ptr, ptr %args, i64 %n
+  %first.remaining = call i64 @llvm.umin.i64(i64 %n, i64 %kernel_argument)
+  %rest = getelementptr ptr, ptr %args, i64 %first.remaining
   %rest.count = sub nuw i64 %count, %n
-  call void %own(ptr %kernel)
+  call void %incref(ptr %kernel)
   %result = call ptr %code(ptr %kernel, ptr %rest, i64 %rest.count, ptr null)
-  call void %release(ptr %kernel)
+  call void %decref(ptr %kernel)
   %refused = icmp eq ptr %result, %not_implemented
   br i1 %refused, label %again, label %done
 done:
   ret ptr %result
 again:
-  call void %release(ptr %result)
+  call void %decref(ptr %result)
   br label %slow
 slow:
 {_word("call")}
 {load_at("callable", "self", entry_point.SLOW)}
-  %found = call ptr %call(ptr %callable, ptr %args, i64 %flagged, ptr %keywords)
-  ret ptr %found
+  %result.slowly = call ptr %call(ptr %callable, ptr %args, i64 %flagged, ptr %keywords)
+  ret ptr %result.slowly
 }}
+declare i64 @llvm.umin.i64(i64, i64)
 """
 
 
@@ -135,34 +151,35 @@ class RepeatedCalls:
 class _Table:
     """The rows of one function, and what they keep alive."""
 
-    def __init__(self, first_arguments: int) -> None:
-        self._left_out = 0
+    def __init__(self, first_arguments: int, kernel_argument: int | None) -> None:
+        self._to_skip = 0
         self._words = array("Q", bytes(WORD * _ROW << _BITS))
-        self._kept: list[Any] = [None] * (1 << _BITS)
+        self._references: list[Any] = [None] * (1 << _BITS)
         self.plan = array("Q", [first_arguments, self._words.buffer_info()[0], id(NotImplemented)])
         self.plan.extend(c_function(f) for f in ("PyObject_Vectorcall", "Py_IncRef", "Py_DecRef"))
+        self.plan.extend((_WORD_MASK, 0) if kernel_argument is None else (kernel_argument, 1))
 
-    def put(self, arguments: tuple[Any, ...], others: int, kernel: Any, weakly: int) -> None:
-        """Has the kernel called for these first arguments; seldom, where rows would often change hands."""
-        if self._left_out:
-            self._left_out -= 1
+    def put(self, arguments: tuple[Any, ...], remaining: int, kernel: Any, weak: int) -> None:
+        """Has the kernel called for these first arguments, unless a row was replaced a few calls ago."""
+        if self._to_skip:
+            self._to_skip -= 1
             return
-        if any(type(x) is int and not x <= _LARGEST_SHARED for x in arguments[weakly:]):
+        if any(type(x) is int and not x <= _LARGEST_SHARED for x in arguments[weak:]):
             return
-        total = len(arguments) + others  # calls with other numbers of arguments have other rows
+        total = len(arguments) + remaining  # calls with other numbers of arguments have other rows
         for x in arguments:
             total = (total ^ id(x) >> 4) * _MULTIPLIER & _WORD_MASK
         row = total >> 64 - _BITS
         first = row * _ROW
         addresses = [id(x) for x in arguments] + [0] * (MOST_FIRST_ARGUMENTS - len(arguments))
-        values = array("Q", [len(arguments) + others, *addresses, id(kernel)])
+        values = array("Q", [len(arguments) + remaining + 1, *addresses, id(kernel)])
         with _lock:
             known = self._words[first : first + _ROW - 1]
-            self._left_out = _LEFT_OUT if known[0] and known != values[:-1] else 0
+            self._to_skip = _SKIPPED if known[0] and known != values[:-1] else 0
             self._words[first : first + _ROW] = _EMPTY
-            self._kept[row] = (arguments[weakly:], kernel)
-            for x in arguments[:weakly]:
-                _watch(x).add((self, row))
+            self._references[row] = (arguments[weak:], kernel)
+            for x in arguments[:weak]:
+                _rows_with(x).add((self, row))
             self._words[first : first + _ROW] = values
 
     def clear(self, row: int, address: int) -> None:
@@ -170,7 +187,7 @@ class _Table:
         first = row * _ROW
         if address in self._words[first + 1 : first + _ROW - 1]:
             self._words[first : first + _ROW] = _EMPTY
-            self._kept[row] = None
+            self._references[row] = None
 
 
 _EMPTY = array("Q", bytes(WORD * _ROW))
@@ -178,16 +195,17 @@ _lock = forks.lock(forks.KERNEL)
 _rows_of: dict[int, set[tuple[_Table, int]]] = {}  # for the address of an object that is referred to weakly
 
 
-def _watch(owner: Any) -> set[tuple[_Table, int]]:
+def _rows_with(owner: Any) -> set[tuple[_Table, int]]:
+    """The rows that have an object as a key; they are cleared when it is freed."""
     address = id(owner)
     rows = _rows_of.get(address)
     if rows is None:
         rows = _rows_of[address] = set()
-        weakref.finalize(owner, _gone, address).atexit = False
+        weakref.finalize(owner, _clear_rows_of, address).atexit = False
     return rows
 
 
-def _gone(address: int) -> None:
+def _clear_rows_of(address: int) -> None:
     with _lock:
         rows = _rows_of.pop(address, ())
         for table, row in rows:
@@ -195,7 +213,7 @@ def _gone(address: int) -> None:
 
 
 def forget(owner: Any) -> None:
-    """Has no call with this first argument answered by the kernels that are known so far."""
+    """Removes the kernels of calls with this first argument from all caches."""
     rows = _rows_of.get(id(owner))
     if rows:
         with _lock:
@@ -205,34 +223,34 @@ def forget(owner: Any) -> None:
 
 
 @final
-class Memory:
-    """Where a function notes kernels that answer calls with the same first arguments; see `repeated_calls`.
+class CallCache:
+    """The kernels that answer calls with the same first arguments, of one function; see `repeated_calls`.
 
     Args:
         table: The table, or None where machine code cannot be called in this way.
-        weakly: How many of the first arguments are referred to weakly.
+        weak: How many of the first arguments are referred to weakly.
     """
 
-    __slots__ = ("_table", "_weakly")
+    __slots__ = ("_table", "_weak")
 
-    def __init__(self, table: _Table | None, weakly: int) -> None:
-        self._table, self._weakly = table, weakly
+    def __init__(self, table: _Table | None, weak: int) -> None:
+        self._table, self._weak = table, weak
 
-    def __call__(self, kernel: Any, others: int, *arguments: Any) -> None:
-        """Has a bound kernel called, with the other arguments, where these are the first ones.
+    def add(self, kernel: Any, remaining: int, *arguments: Any) -> None:
+        """Has calls with these first arguments answered by a bound kernel.
 
         Args:
             kernel: What `into` returned.
-            others: How many other arguments there are.
+            remaining: How many arguments such a call has besides: those that the kernel is called with.
             *arguments: The first arguments.
         """
         if self._table is not None and type(kernel) is bound_type():
-            self._table.put(arguments, others, kernel, self._weakly)
+            self._table.put(arguments, remaining, kernel, self._weak)
 
 
 @functools.cache
 def _own_type() -> type | None:
-    if not getattr(sys, "_is_gil_enabled", lambda: True)():  # rows are read without a lock
+    if not has_gil():  # rows are read without a lock
         return None
     return gufunc.make_type(RepeatedCalls, "RepeatedCalls")
 
@@ -243,45 +261,55 @@ def _code() -> tuple[Any, int]:
     return code, code.address("repeated")
 
 
-def memory(first_arguments: int, weakly: int) -> Memory:
-    """What a function of `repeated_calls` notes its kernels in.
+def call_cache(first_arguments: int, weak: int, kernel_argument: int | None = None) -> CallCache:
+    """A new cache for a function of `repeated_calls`.
 
     Args:
-        first_arguments: How many arguments, where there are as many, tell which kernel is called: at most 4.
-        weakly: How many of them are objects whose life is not prolonged; the others are numbers and such.
+        first_arguments: How many arguments are keys, at most 4; in shorter calls all of them.
+        weak: How many of the keys, from the first on, are referred to weakly.
+        kernel_argument: Position among the keys of the one argument of the kernel; None where the kernel is called with
+            all arguments after the keys.
 
     Returns:
-        It.
+        The cache.
     """
-    return Memory(None if _own_type() is None else _Table(first_arguments), weakly)
+    return CallCache(None if _own_type() is None else _Table(first_arguments, kernel_argument), weak)
 
 
 _KEEP: list[Any] = []
 
 
-def repeated_calls(noted: Memory) -> Callable[[_Function], _Function]:
-    """Has a function called through the table in which it notes kernels.
+def repeated_calls(*caches: CallCache) -> Callable[[_Function], _Function]:
+    """Has calls of a function answered by the kernels in its caches.
 
     Args:
-        noted: Its table. The function calls `noted(kernel, others, *first_arguments)` for a kernel that may answer the
-            same call the next time; with NotImplemented as answer the function is called again.
+        *caches: The caches, which are looked up in this order. The function calls `cache.add(kernel, remaining,
+            *first_arguments)` for a kernel that may answer the same call the next time; where that answers
+            NotImplemented, the next cache is looked up, and last the function is called.
 
     Returns:
-        A decorator: what it makes has the function's name, signature and documentation. It is the function where there
-        is no table.
+        A decorator: what it makes has the function's name, signature and documentation. It is the function where
+        machine code cannot be called in this way.
     """
 
     def decorate(function: Any) -> Any:
-        kind, table = _own_type(), noted._table
-        if kind is None or table is None:
-            return function
-        words = {
-            entry_point.VECTORCALL: _code()[1],
-            entry_point.SLOW: id(function),
-            entry_point.PLAN: table.plan.buffer_info()[0],
-        }
-        made = gufunc.make_instance(kind, words)
-        _KEEP.append((made, function, table))
-        return functools.update_wrapper(made, function)
+        for cache in reversed(caches):
+            function = _looked_up(function, cache._table)
+        return function
 
     return decorate
+
+
+def _looked_up(function: Any, table: _Table | None) -> Any:
+    """A function that looks calls up in a table first, in machine code."""
+    kind = _own_type()
+    if kind is None or table is None:
+        return function
+    words = {
+        entry_point.VECTORCALL: _code()[1],
+        entry_point.SLOW: id(function),
+        entry_point.PLAN: table.plan.buffer_info()[0],
+    }
+    made = gufunc.make_instance(kind, words)
+    _KEEP.append((made, function, table))
+    return functools.update_wrapper(made, function)

@@ -9,15 +9,13 @@ from typing import Any, final
 
 from ulna.compiler.language.ops import TABLE
 from ulna.compiler.runtime import jit
-from ulna.errors import InputError
+from ulna.errors import InputError, TooLargeError
 
 _INSTRUCTION_CACHE = 32 * 2**10
 # Rough figures of one core of today's processors, per cycle.
 _VECTOR_INSTRUCTIONS = 2.0
 _BYTES_OF_MEMORY = 4.0
 _BYTES_OF_CODE = 8.0  # beyond the instruction cache
-_SLOW = {"div": 8.0, "sqrt": 10.0}  # vector instructions for an operation, 1 for others
-_FUNCTION = 20.0  # for sines, logarithms and the like
 _FRAMES = (r"^\s+sub[lq]?\s+\$(\d+), %[er]sp", r"^\s+sub\s+sp, sp, #(\d+)$")
 _SPILLS = (r"^\s+v?mov\w*\s+%\w+, -?\d*\(%rsp\)", r"^\s+st[rp]u?\s+.*\[sp")
 
@@ -33,7 +31,7 @@ class KernelReport:
         dtype: The type computed in.
         batch: Whether this is the loop over a batch; else the single call.
         lanes: How many samples, or numbers of one, an instruction computes.
-        operations: Scalar operations for one sample; None where the kernel loops over joints, which is not traced.
+        operations: Scalar operations for one sample; None for loops over joints whose function is not traced.
         counts: How often each of them occurs.
         code_bytes: Size of the machine code [byte].
         stack_bytes: Size of the largest stack frame [byte].
@@ -126,19 +124,18 @@ def report(kernel: Any, batch: bool = False) -> KernelReport:
 
 
 def _operations(kernel: Any) -> tuple[dict[str, int], int | None]:
-    """By kind, and all; a kernel that loops over joints has no graph to count in."""
+    """By kind, and all; a kernel that loops over joints has no graph to count in, another one too large a graph."""
     try:
         return kernel.operation_counts, kernel.operations
-    except InputError:
+    except (InputError, TooLargeError):
         return {}, None
 
 
 def _limit(counts: Mapping[str, int], lanes: int, code: int, moved: int) -> str:
     """What takes most cycles of one sample."""
-    functions = {row.op.name.lower() for row in TABLE if row.kind == "function"}
-    weights = [_SLOW.get(kind, _FUNCTION if kind in functions else 1.0) * n for kind, n in counts.items()]
+    costs = {row.op.name.lower(): row.cost for row in TABLE}
     cycles = {
-        "arithmetic": sum(weights) / lanes / _VECTOR_INSTRUCTIONS,
+        "arithmetic": sum(costs[kind] * n for kind, n in counts.items()) / lanes / _VECTOR_INSTRUCTIONS,
         "memory": moved / _BYTES_OF_MEMORY,
         "code": (code / lanes / _BYTES_OF_CODE) if code > _INSTRUCTION_CACHE else 0.0,
     }

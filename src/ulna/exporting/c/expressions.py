@@ -24,6 +24,7 @@ _INFIX = {Op.ADD: "+", Op.SUB: "-", Op.MUL: "*", Op.DIV: "/"}
 _COMPARE = {Op.LT: "<", Op.LE: "<=", Op.EQ: "=="}
 _LOGIC = {Op.AND: "&&", Op.OR: "||"}
 _CALLS = {row.op: row.c for row in TABLE if row.c}
+_TAKEN = {*_RESERVED_WORDS.split(), *(name + suffix for name in _CALLS.values() for suffix in ("", "f"))}
 
 
 def expression(op: int, x: Sequence[str], real: str, prefix: str) -> str:
@@ -82,7 +83,7 @@ def number(value: float, real: str) -> str:
 
 
 def argument_names(names: Iterable[str]) -> list[str]:
-    """Names of arguments that are no words of C or C++, and differ from each other and from those of values.
+    """Names of arguments that are no words of C or C++, and differ from each other, from values and functions called.
 
     Args:
         names: The names as in Python.
@@ -94,7 +95,7 @@ def argument_names(names: Iterable[str]) -> list[str]:
     for name in names:
         plain = "".join(c if c.isascii() and (c.isalnum() or c == "_") else "_" for c in name)
         is_value = re.fullmatch(r"[vcask]\d+|[win]", plain) is not None
-        if plain in _RESERVED_WORDS.split() or is_value or not plain[:1].isalpha():
+        if plain in _TAKEN or is_value or not plain[:1].isalpha():
             plain = f"arg_{plain}"
         while plain in made:
             plain += "_"

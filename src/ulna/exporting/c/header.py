@@ -23,6 +23,11 @@ def real_of(export: Export) -> DType:
     return "float" if export.dtype.name == "float32" else "double"
 
 
+def plain(text: str) -> str:
+    """Text as it may stand in a comment: ASCII, without the beginning or end of one."""
+    return text.replace("*/", "* /").replace("/*", "/ *").encode("ascii", "replace").decode()
+
+
 def comment(paragraphs: Sequence[str]) -> str:
     """A comment; lines that begin with a blank stay as they are.
 
@@ -34,8 +39,8 @@ def comment(paragraphs: Sequence[str]) -> str:
     """
     lines: list[str] = []
     for paragraph in paragraphs:
-        plain = paragraph.replace("*/", "* /").replace("/*", "/ *").encode("ascii", "replace").decode()
-        lines += [plain] if plain.startswith(" ") else textwrap.wrap(plain, 106) or [""]
+        text = plain(paragraph)
+        lines += [text] if text.startswith(" ") else textwrap.wrap(text, 106) or [""]
     if len(lines) == 1:
         return f"/* {lines[0]} */"
     return "\n".join([f"/* {lines[0]}", *(f" * {line}".rstrip() for line in lines[1:]), " */"])

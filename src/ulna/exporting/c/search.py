@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ulna.exporting.c.expressions import number, wrapped
-from ulna.exporting.c.header import comment, real_of
+from ulna.exporting.c.header import comment, plain, real_of
 from ulna.exporting.c.source import definition
 from ulna.exporting.record import Export, ExportedSearch
 from ulna.ik.goal import squared_tolerances
@@ -78,7 +78,7 @@ def _filled(template: str, export: Export, search: ExportedSearch) -> str:
         "name": f"{export.name}_{search.name}",
         "NAME": f"{export.name}_{search.name}".upper(),
         "real": real,
-        "frames": f"{'frames' if k > 1 else 'frame'} {frames}{order}.{counts}",
+        "frames": plain(f"{'frames' if k > 1 else 'frame'} {frames}{order}.{counts}"),
         "k": k,
         "nq": nq,
         "goal": 16 * k,

@@ -6,8 +6,8 @@ import itertools
 from collections.abc import Sequence
 
 from ulna.compiler import Function, Port
+from ulna.compiler.codegen.scheduling import Step, Store, parts, scratch_places, used
 from ulna.compiler.language.ops import Op
-from ulna.compiler.language.scheduling import Step, Store, parts, scratch_places, used
 from ulna.exporting.c.expressions import argument_names
 from ulna.exporting.c.writer import PACK, Writer
 from ulna.exporting.record import Argument

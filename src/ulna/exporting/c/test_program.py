@@ -109,10 +109,10 @@ static int differ(const @real@ *x, const @real@ *expected, int n, @real@ toleran
     @real@ scale = 1;
     int i, wrong = 0;
     for (i = 0; i < n; i++) {
-        scale = @fabs@(expected[i]) > scale ? @fabs@(expected[i]) : scale;
+        scale = @fabs@(expected[i]) > scale && !isinf(expected[i]) ? @fabs@(expected[i]) : scale;
     }
     for (i = 0; i < n; i++) {
-        const @real@ difference = @fabs@(x[i] - expected[i]) / scale;
+        const @real@ difference = isinf(x[i]) && x[i] == expected[i] ? 0 : @fabs@(x[i] - expected[i]) / scale;
         wrong |= !(difference <= tolerance) && !(isnan(x[i]) && isnan(expected[i]));
         *largest = difference > *largest ? difference : *largest;
     }

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from ulna.compiler.codegen.scheduling import Sines, Step, Store, made, ordered, used
 from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.ops import TABLE, Op
-from ulna.compiler.language.scheduling import Sines, Step, Store, made, ordered, used
 from ulna.exporting.c.expressions import expression, number
 
 PACK = 8
@@ -83,9 +83,9 @@ class Writer:
             elif isinstance(step, Store):
                 for k, value in enumerate(step.values):
                     self.write(f"{outputs[step.port]}[{step.start + k}] = {self.name_of(value)};")
-            elif step not in self.names:
-                self.node(step)
             for index in made(self.graph, step):
+                if index not in self.names:
+                    self.node(index)
                 if index in slots:
                     self.write(f"w[{slots[index]}] = {self.name_of(index)};")
 
@@ -123,7 +123,7 @@ class Writer:
             self.names[node] = f"{s if op == Op.SIN else c}[{k}]"
 
     def loop(self, index: int, loop: Loop, args: Sequence[int]) -> None:
-        """Writes a loop; its state are the variables `L<index>_x<number>`, its record the array `L<index>_r`.
+        """Writes a loop; its state are the variables `L<index>_x<number>`, its tape the array `L<index>_r`.
 
         Args:
             index: The LOOP node.
@@ -137,8 +137,9 @@ class Writer:
         state = [f"{tag}x{k}" for k in range(loop.size)]
         for name, node in zip(state, args, strict=False):
             self.write(f"{self.real} {name} = {self.name_of(node)};")
-        if loop.is_recorded:
-            self.write(f"{self.real} {tag}r[{loop.limit * loop.size}];")
+        if loop.is_taped:
+            self.write(f"{self.real} {tag}r[{loop.limit * len(loop.following)}];")
+            self.write(f"(void){tag}r;")  # where the derivatives need nothing of it
         self.write(f"long {tag}n;")
         outside = args[loop.size : len(args) - loop.reads]
         for node, other in zip(loop.graph.inputs[loop.size :], outside, strict=False):
@@ -152,9 +153,12 @@ class Writer:
                 inner.assign(node, name)
             else:
                 inner.write(f"(void){name};")
-        self._begin_round(inner, tag, loop, args)
+        number = self._begin_round(inner, tag, loop, args)
         inner.steps(self._without_inputs(loop.graph, [loop.condition, *loop.following]), {})
-        for name, node in zip(state, loop.following, strict=True):
+        if loop.is_taped:
+            for k, node in enumerate(loop.following[loop.size :], loop.size):
+                inner.write(f"{tag}r[{number} * {len(loop.following)} + {k}] = {inner.name_of(node)};")
+        for name, node in zip(state, loop.following, strict=False):
             if inner.name_of(node) != name:
                 inner.write(f"{name} = {inner.name_of(node)};")
         self.lines += inner.lines
@@ -166,8 +170,8 @@ class Writer:
         """How often a loop iterates at most."""
         return self._iterations[args[len(args) - loop.reads]] if loop.reads else f"{loop.limit}L"
 
-    def _begin_round(self, inner: Writer, tag: str, loop: Loop, args: Sequence[int]) -> None:
-        """Ends the loop, or reads and keeps the states before this iteration."""
+    def _begin_round(self, inner: Writer, tag: str, loop: Loop, args: Sequence[int]) -> str:
+        """Ends the loop, or reads and keeps the states before this iteration; returns its number."""
         number = f"{tag}n"
         if not loop.reads:
             inner.steps(self._without_inputs(loop.graph, [loop.condition]), {})
@@ -176,17 +180,18 @@ class Writer:
             inner.write("}")
         elif loop.is_backward:
             number = f"({self._rounds(loop, args)} - 1 - {number})"
-        if loop.is_recorded:
+        if loop.is_taped:
             for k in range(loop.size):
-                inner.write(f"{tag}r[{number} * {loop.size} + {k}] = {tag}x{k};")
+                inner.write(f"{tag}r[{number} * {len(loop.following)} + {k}] = {tag}x{k};")
         read = args[len(args) - loop.reads :]
-        sizes = [self.graph.data[owner].size for owner in read]
+        sizes = [len(self.graph.data[owner].following) for owner in read]
         nodes = iter(loop.graph.inputs[len(loop.graph.inputs) - sum(sizes) :])
         live = set(loop.graph.live(loop.following))
         for owner, size in zip(read, sizes, strict=True):
             for k in range(size):
                 if (node := next(nodes)) in live:
                     inner.assign(node, f"{self.names[owner]}r[{number} * {size} + {k}]")
+        return number
 
     @staticmethod
     def _without_inputs(graph: Graph, results: Sequence[int]) -> list[Step]:

@@ -46,7 +46,7 @@ def _kernels(export: Export) -> _Kernels:
     kernels: dict[str, tuple[Function, dict[str, Any]]] = {}
     for f in export.functions:
         text = {"summary": f.summary, "choices": dict(f.choices)}
-        kernels[f"{export.name}_{f.name}"] = (f.function, text | _ports(f.inputs, f.outputs))
+        kernels[f"{export.name}_{f.name}"] = (f.function, text | _described_arguments(f.inputs, f.outputs))
     for s in export.searches:
         function = s.function(1)
         kernels[f"{export.name}_{s.name}"] = (function, _of_search(s, function))
@@ -58,16 +58,19 @@ def _of_search(s: ExportedSearch, function: Function) -> dict[str, Any]:
     outputs = [Argument(p.name, p.shape) for p in function.outputs]
     frames = len(s.choices["frame"].split(", "))
     summary = (
-        "Inverse kinematics. settings: squared tolerances of position [m^2] and rotation, 1 to stay near q0 else 0, "
-        f"greatest number of steps. The result: q ({len(s.start)}), whether it meets the goals, steps, number of the "
-        f"starting point, errors of position [m] and rotation [rad] of {frames} frames. "
-        "Tolerances of 1e-6 suit float64, of 1e-4 float32."
+        "Inverse kinematics. settings: position_tolerance^2 [m^2], (2 sin(rotation_tolerance / 2))^2 [rad^2], 1 to "
+        "stay near q0 else 0, greatest number of steps. "
+        f"The result: q ({len(s.start)}), 1 if it meets the goals, 0 if not, -1 if a goal is no rotation, steps, "
+        f"index of the starting point, errors of position [m] and rotation [rad] of {frames} frames. "
+        "Tolerances of 1e-6 m and rad (settings 1e-12) suit float64, of 1e-4 (1e-8) float32."
     )
     starts = {"q0": [float(x) for x in s.start], "shift": [float(x) for x in s.shift]}
-    return {"summary": summary, "choices": dict(s.choices), "starts": starts} | _ports(inputs, outputs)
+    return {"summary": summary, "choices": dict(s.choices), "starts": starts} | _described_arguments(
+        inputs, outputs
+    )
 
 
-def _ports(inputs: Any, outputs: Any) -> dict[str, Any]:
+def _described_arguments(inputs: Any, outputs: Any) -> dict[str, Any]:
     def listed(arguments: Any) -> list[dict[str, Any]]:
         return [{"name": a.name, "shape": list(a.shape), "unit": a.unit, "text": a.text} for a in arguments]
 
@@ -78,10 +81,10 @@ _TOP = """// Kernels of {name} for the CUDA driver (cuModuleLoadData, cuModuleGe
 // Written by Ulna; do not edit.
 //
 // Arguments: the number of samples, and for each input and output its address in the GPU's memory and two strides, in
-// numbers of {dtype}: from sample to sample, and from number to number inside a sample. Row after row they are
-// (size, 1); number after number, which a GPU reads and writes fastest, (1, count). An input that is the same for all
-// samples has (0, 1). Matrices are flattened row after row. Blocks of 128 threads serve well; threads beyond the count
-// do nothing.
+// numbers of {dtype}: from sample to sample, and from number to number inside a sample. An array of structures
+// (samples contiguous) has (size, 1); a structure of arrays, whose access is coalesced and fastest, (1, count). An
+// input that is the same for all samples has (0, 1). Matrices are in row-major order. Blocks of 128 threads serve well;
+// threads beyond the count do nothing.
 #pragma once
 #include <cstdint>
 """

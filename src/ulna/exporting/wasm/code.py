@@ -88,5 +88,5 @@ def module(export: Export, functions: dict[str, Function], data_size: int) -> Li
     ir = emit_library([(f"ulna_{name}", f) for name, f in functions.items()], TARGET, element)
     has_loops = any(f.has_loops for f in functions.values())
     content = cross_compile(ir, TARGET, has_loops, position_independent=False)
-    scratch = 8 * max(f.operations + f.recorded_numbers for f in functions.values())
+    scratch = 8 * max(f.operations + f.tape_size for f in functions.values())
     return linked(content, names, _STACK + scratch, data_size)

@@ -206,7 +206,7 @@ def _number(value: int) -> bytes:
 
 
 def _signed(value: int) -> bytes:
-    """A number, not negative, in signed LEB128: its last byte has room for the sign."""
+    """A number, not negative, in signed LEB128: its last byte has a bit for the sign."""
     plain = _number(value)
     return plain if plain[-1] < 64 else plain[:-1] + bytes([plain[-1] | 128, 0])
 

@@ -13,10 +13,10 @@ from ulna.algorithms.multibody.tree import chain
 from ulna.compiler import compile
 from ulna.errors import InputError, UnknownName
 from ulna.ik.analytic import general
-from ulna.ik.analytic.certify import certificate, periods
 from ulna.ik.analytic.chain import Arm, arm_of, usual
 from ulna.ik.analytic.closed import branch_numbers, closed_form
-from ulna.ik.analytic.geometry import EXACT, Plan, plans, remaining
+from ulna.ik.analytic.evaluation import candidate_evaluator, periods
+from ulna.ik.analytic.geometry import EXACT, ArmGeometry, arm_geometries, remaining
 from ulna.ik.analytic.refine import refined
 from ulna.model import Model
 from ulna.spatial import SE3
@@ -26,7 +26,8 @@ from ulna.typing import Floats
 _STARTS = 256
 _STEPS = 60
 _FEW_STEPS = 20
-_WELL = 1e9  # condition number up to which elimination is trusted to have found every solution
+_MAX_CONDITION = 1e9
+"""Condition number up to which elimination is trusted to have found every solution."""
 
 
 class Source(ABC):
@@ -39,8 +40,8 @@ class Source(ABC):
         periods: By how much each may change without a change of pose, (n,) [rad]; inf where by nothing.
         lower, upper: Their limits, (n,).
         centre: Where they are wanted if nothing is said: at 0, or the limit next to it, (n,).
-        near: Misses up to this are worth leading nearer by Newton's method [m and rad].
-        certify: The kernel (q, T, centre) to (q, worth); see certify.py.
+        refine_threshold: Errors up to which Newton's method is tried on a candidate [m and rad].
+        evaluate: The kernel (q, T, centre) to (q, evaluation); see evaluation.py.
 
     Args:
         model: The robot.
@@ -49,11 +50,11 @@ class Source(ABC):
         free: The joint of a redundant arm that values are passed for, as an index into the arm's axes; None for none.
     """
 
-    near = 1e-3  # errors below which Newton may still reach the goal [m, rad]
+    refine_threshold = 1e-3
 
     def __init__(self, model: Model, frame: str, arm: Arm, free: int | None) -> None:
         self.arm, self.free = arm, free
-        self._certified = certificate(model, model.frame(frame), arm)
+        self._evaluator = candidate_evaluator(model, model.frame(frame), arm)
         self._model, self._frame = model, frame
         self.index = list(arm.indices)
         self.periods = periods(arm)
@@ -70,30 +71,31 @@ class Source(ABC):
 
     @property
     @abstractmethod
-    def most(self) -> int:
+    def max_candidates(self) -> int:
         """The largest number of candidates for a pose and a value of the free joint."""
 
     @abstractmethod
-    def rows(
+    def candidates(
         self, T: Floats, base: Floats, centre: Floats, free_values: Floats, seed: int
     ) -> tuple[Floats, Floats, bool]:
-        """Candidates (m, groups, k, nq) for m goals, what each is worth, and whether all branches are among them.
+        """Candidates (m, groups, k, nq) for m goals, their evaluations, and whether all branches are among them.
 
         Args:
             T: The goals, (m, 4, 4).
-            base: Configurations (m, nq) of the other joints; those of the arm are what continua are resolved by.
+            base: Configurations (m, nq) of the other joints; the entries of the arm choose among infinitely many
+                solutions, as there are in singular configurations.
             centre: Where the arm's coordinates are wanted, (m, n).
             free_values: Values of the free coordinate, (groups,); (1,) where there is none.
             seed: For what is drawn at random.
 
         Returns:
-            q (m, groups, k, nq); worth (m, groups, k, 3) as in certify.py; whether all branches are among them.
+            q (m, groups, k, nq); evaluation (m, groups, k, 3) as in evaluation.py; whether all branches are among them.
         """
 
     @cached_property
-    def certify(self) -> Any:
-        """The kernel (q, T, centre) to (q, worth)."""
-        return compile(self._certified, q=(self._model.nq,), T=(4, 4), centre=(len(self.arm.indices),))
+    def evaluate(self) -> Any:
+        """The kernel (q, T, centre) to (q, evaluation)."""
+        return compile(self._evaluator, q=(self._model.nq,), T=(4, 4), centre=(len(self.arm.indices),))
 
     @cached_property
     def _kernels(self) -> tuple[Any, Any]:
@@ -125,47 +127,51 @@ class ClosedForm(Source):
         model: The robot.
         frame: Name of the frame.
         arm: The joints that move.
-        plan: How the closed form is computed.
+        geometry: The relations that the closed form uses.
     """
 
-    def __init__(self, model: Model, frame: str, arm: Arm, plan: Plan) -> None:
-        super().__init__(model, frame, arm, plan.free)
-        self.plan = plan
-        if plan.off <= EXACT:
-            self.near = 1e-6  # what misses by more has no solution
-        self.kernel = closed_form(plan, arm, self._certified, model.nq)
-        self.numbers = branch_numbers(plan)
+    def __init__(self, model: Model, frame: str, arm: Arm, geometry: ArmGeometry) -> None:
+        super().__init__(model, frame, arm, geometry.free)
+        self.geometry = geometry
+        if geometry.deviation <= EXACT:
+            self.refine_threshold = 1e-6  # what is off by more has no solution
+        self.kernel = closed_form(geometry, arm, self._evaluator, model.nq)
+        self.numbers = branch_numbers(geometry)
         self._base = np.array(arm.base(np.array(model.neutral)).matrix())
 
     def base(self, q: Floats) -> Floats:
-        """T_world_base, (..., 4, 4), for configurations (..., nq)."""
+        """T_world_base for configurations (..., nq): (..., 4, 4), or (4, 4) where no joint is before the arm."""
         return self.arm.base(q).matrix() if self.arm.before else self._base
 
     @cached_property
     def method(self) -> str:
         """The method, as text."""
-        words = self.plan.describe(self.arm.names)
-        return words if self.plan.off <= EXACT else f"{words}, axes off by {self.plan.off:.1g}, refined"
+        method = self.geometry.describe(self.arm.names)
+        return (
+            method
+            if self.geometry.deviation <= EXACT
+            else f"{method}, axes off by {self.geometry.deviation:.1g}, refined"
+        )
 
     @property
-    def most(self) -> int:
-        """The largest number of candidates; see `Source.most`."""
+    def max_candidates(self) -> int:
+        """The largest number of candidates; see `Source.max_candidates`."""
         return len(self.numbers)
 
-    def rows(
+    def candidates(
         self, T: Floats, base: Floats, centre: Floats, free_values: Floats, seed: int
     ) -> tuple[Floats, Floats, bool]:
-        """Candidates; see `Source.rows`."""
+        """Candidates; see `Source.candidates`."""
         goals, base, centre = T[:, None, None], base[:, None, None], centre[:, None, None]
-        q, worth = self.kernel.gufunc(
+        q, evaluation = self.kernel.gufunc(
             goals, self.base(base), free_values[:, None, None], self.numbers, base, centre
         )
-        return q, worth, self.plan.off <= EXACT
+        return q, evaluation, self.geometry.deviation <= EXACT
 
 
 @final
 class Elimination(Source):
-    """Branches of any six turning joints, from eigenvalues; see general.py."""
+    """Branches of six revolute joints in general positions, from eigenvalues; see general.py. A seventh is held."""
 
     @cached_property
     def method(self) -> str:
@@ -173,14 +179,14 @@ class Elimination(Source):
         return "six general axes: elimination to an eigenvalue problem, refined by Newton's method"
 
     @property
-    def most(self) -> int:
-        """The largest number of candidates; see `Source.most`."""
+    def max_candidates(self) -> int:
+        """The largest number of candidates; see `Source.max_candidates`."""
         return 32  # 16 solutions [Raghavan & Roth 1993], each at most twice where two nearly meet
 
-    def rows(
+    def candidates(
         self, T: Floats, base: Floats, centre: Floats, free_values: Floats, seed: int
     ) -> tuple[Floats, Floats, bool]:
-        """Candidates; see `Source.rows`."""
+        """Candidates; see `Source.candidates`."""
         SE3.from_matrix(T)  # eigenvalues want finite numbers
         starts: dict[tuple[int, int], Floats] = {}
         complete = True
@@ -191,7 +197,7 @@ class Elimination(Source):
                 x = 0.0 if free is None else value * free.scale + free.offset
                 G = local if free is None else local @ free.move(-x)
                 starts[i, j], condition = general.starts(remaining(self.arm, self.free, x), G)
-                complete &= condition < _WELL
+                complete &= condition < _MAX_CONDITION
         most = max((len(start) for start in starts.values()), default=0)
         q = np.full((len(T), len(free_values), max(most, 1), base.shape[-1]), np.nan)
         for (i, j), start in starts.items():
@@ -204,12 +210,12 @@ class Elimination(Source):
         goals = np.broadcast_to(T[:, None, None], (*q.shape[:-1], 4, 4))
         known = np.isfinite(q).all(axis=-1)
         q[known] = self.refine(q[known], goals[known], _FEW_STEPS)
-        return *self.certify(q, goals, centre[:, None, None]), complete
+        return *self.evaluate(q, goals, centre[:, None, None]), complete
 
 
 @final
 class ManyStarts(Source):
-    """What Newton's method finds from random starts: for arms with slides, few joints, or joints that follow others.
+    """What Newton's method finds from random starts: for prismatic joints, few joints, or joints that mimic others.
 
     Args:
         model: The robot.
@@ -233,22 +239,22 @@ class ManyStarts(Source):
         return f"Newton's method from {_STARTS} random starts"
 
     @property
-    def most(self) -> int:
-        """The largest number of candidates; see `Source.most`."""
+    def max_candidates(self) -> int:
+        """The largest number of candidates; see `Source.max_candidates`."""
         return _STARTS
 
-    def rows(
+    def candidates(
         self, T: Floats, base: Floats, centre: Floats, free_values: Floats, seed: int
     ) -> tuple[Floats, Floats, bool]:
-        """Candidates; see `Source.rows`."""
+        """Candidates; see `Source.candidates`."""
         SE3.from_matrix(T)
         drawn = np.random.default_rng(seed).uniform(self._low, self._high, (_STARTS, len(self._low)))
         q = np.repeat(base[:, None], _STARTS, axis=1)
         q[..., self.index] = drawn
         goals = np.broadcast_to(T[:, None], (*q.shape[:-1], 4, 4))
         q = self.refine(q.reshape(-1, q.shape[-1]), goals.reshape(-1, 4, 4), _STEPS).reshape(q.shape)
-        q, worth = self.certify(q, goals, centre[:, None])
-        return q[:, None], worth[:, None], False
+        q, evaluation = self.evaluate(q, goals, centre[:, None])
+        return q[:, None], evaluation[:, None], False
 
 
 @lru_cache(maxsize=128)
@@ -273,9 +279,9 @@ def source_of(
     """
     end = model.frame(frame)
     names = joints if joints is not None else usual(model, end)
-    still = np.array(model.neutral)
-    still[list(between(model, frame, joints))] = fixed
-    arm = arm_of(model, end, names, still)
+    q_fixed = np.array(model.neutral)
+    q_fixed[list(between(model, frame, joints))] = fixed
+    arm = arm_of(model, end, names, q_fixed)
     count = len(arm.axes)
     chosen = None
     if free is not None:
@@ -287,16 +293,21 @@ def source_of(
             )
         chosen = arm.names.index(free)
     if arm.is_independent:
-        fitting = plans(arm, chosen)
+        fitting = arm_geometries(arm, chosen)
         if fitting:
             return ClosedForm(model, frame, arm, fitting[0])
-        turning = [axis.motion == "turn" for axis in arm.axes]
-        if count == 6 and all(turning):
+        is_revolute = [axis.motion == "turn" for axis in arm.axes]
+        if count == 6 and all(is_revolute):
             return Elimination(model, frame, arm, None)
-        if count == 7 and sum(turning) >= 6:
-            hold = chosen if chosen is not None else (2 if all(turning) else turning.index(False))
-            if all(turning) or not turning[hold]:
+        if count == 7 and sum(is_revolute) >= 6:
+            hold = chosen if chosen is not None else (2 if all(is_revolute) else is_revolute.index(False))
+            if all(is_revolute) or not is_revolute[hold]:
                 return Elimination(model, frame, arm, hold)
+    if free is not None:
+        raise InputError(
+            f"`free` is {free!r}, which cannot be held: the other six joints have no closed form, and are not six "
+            "revolute joints that move by themselves. Leave `free` out, or lock the joint: robot.lock([...])."
+        )
     return ManyStarts(model, frame, arm)
 
 

@@ -12,7 +12,7 @@ The pose of the frame is base(q) E_1(x_1) ... E_n(x_n) M (Brockett's product of 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -58,7 +58,6 @@ class Arm:
         axes: The joints, from the base to the frame; two may share a coordinate.
         end: M.
         before: The steps that carry the arm, held still; they count by their pose.
-        placement: T, from the last of them to the arm's base.
     """
 
     axes: tuple[Axis, ...]
@@ -105,26 +104,37 @@ def movable(model: Model, frame: Frame) -> tuple[str, ...]:
 
 
 def usual(model: Model, frame: Frame) -> tuple[str, ...]:
-    """Names of the joints that are meant when none are named: the last seven that move the frame.
+    """Names of the joints that are meant when none are named: the last ones that move the frame by seven coordinates.
 
-    Of more than seven those that turn come first, so that the finger of a gripper does not count among them.
+    Of more than seven those that turn come first, so that the finger of a gripper does not count among them. A joint
+    that mimics another one of them has no coordinate, and comes on top.
 
     Args:
         model: The robot.
         frame: The frame.
 
     Returns:
-        At most seven names, from the world outwards.
+        The names, from the world outwards.
     """
-    names = movable(model, frame)
-    turning = tuple(s.joint.name for s in chain(model, frame) if isinstance(s.kind, Revolute))
-    if len(names) > _MAX_JOINTS and len(turning) >= _MAX_JOINTS:
-        names = tuple(dict.fromkeys(turning))
-    return names[-_MAX_JOINTS:]
+    parts = [s for s in chain(model, frame) if s.kind.nq == s.kind.nv == 1]
+    turning = [s for s in parts if isinstance(s.kind, Revolute)]
+    if len(_places(parts)) > _MAX_JOINTS and len(_places(turning)) >= _MAX_JOINTS:
+        parts = turning
+    names: list[str] = []
+    for name in reversed(dict.fromkeys(s.joint.name for s in parts)):
+        if names and len(_places(s for s in parts if s.joint.name in (name, *names))) > _MAX_JOINTS:
+            break
+        names.append(name)
+    return tuple(reversed(names))
+
+
+def _places(parts: Iterable[Step]) -> set[int]:
+    """Where the coordinates of steps that have one each stand in q."""
+    return {s.joint.idx_q + s.start_q for s in parts}
 
 
 def arm_of(model: Model, frame: Frame, joints: Sequence[str], q_fixed: Floats) -> Arm:
-    """The arm of those joints that carries the frame; joints between them are held as in `held`, (nq,).
+    """The arm of those joints that carries the frame; joints between them are held as in `q_fixed`.
 
     Args:
         model: The robot.
@@ -162,7 +172,6 @@ def arm_of(model: Model, frame: Frame, joints: Sequence[str], q_fixed: Floats) -
         direction = np.array([0.0, 0.0, 1.0])
         if isinstance(kind, (Revolute, Prismatic)):
             motion, direction = ("turn" if isinstance(kind, Revolute) else "slide"), np.array(kind.axis)
-        mimic = step.joint.mimic
         axes.append(
             Axis(
                 step.joint.name,
@@ -171,7 +180,7 @@ def arm_of(model: Model, frame: Frame, joints: Sequence[str], q_fixed: Floats) -
                 step.joint.idx_q + step.start_q,
                 step.joint.idx_v + step.start_v,
                 step.multiplier,
-                step.offset + (0.0 if mimic is None else mimic.offset),
+                step.shift,
             )
         )
     return Arm(tuple(axes), T @ frame.placement, tuple(steps[:first]))

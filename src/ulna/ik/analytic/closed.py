@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from ulna.compiler import compile
-from ulna.ik.analytic.certify import Certificate
 from ulna.ik.analytic.chain import Arm
-from ulna.ik.analytic.geometry import EXACT, Plan, remaining
+from ulna.ik.analytic.evaluation import Evaluator
+from ulna.ik.analytic.geometry import EXACT, ArmGeometry, remaining
 from ulna.ik.analytic.lines import Line, turn_about
 from ulna.ik.analytic.pieper import solve
 from ulna.linalg import solve_spd
@@ -29,24 +29,24 @@ from ulna.typing import Array, Floats
 _DAMPING = 1e-12
 
 
-def closed_form(plan: Plan, arm: Arm, certified: Certificate, nq: int) -> Any:
-    """The kernel of a plan: (T, T_base, free_value, branch, base, centre) to a candidate (q, worth).
+def closed_form(geometry: ArmGeometry, arm: Arm, evaluate: Evaluator, nq: int) -> Any:
+    """The kernel of a geometry: (T, T_base, free_value, branch, base, centre) to a candidate (q, evaluation).
 
-    These are as `certificate` has them. T is the goal, T_base the pose of the arm's base, both in the world;
-    `free_value` (1,) the position of the joint that the plan leaves free (anything where there is none); `branch` a row
-    of `branch_numbers(plan)`; `base` (nq,) the other joints, and angles to take where any would do; `centre` (n,) where
-    the arm's coordinates are wanted.
+    Both are those of `candidate_evaluator`. T is the goal, T_base the pose of the arm's base, both in the world;
+    `free_value` (1,) the position of the joint that it leaves free (anything where there is none); `branch` a row
+    of `branch_numbers(geometry)`; `base` (nq,) the other joints, and angles to take where any would do; `centre` (n,)
+    where the arm's coordinates are wanted.
 
     Args:
-        plan: The closed form.
+        geometry: The relations that the closed form uses.
         arm: The arm.
-        certified: The function from `certificate`.
+        evaluate: The function of `candidate_evaluator`.
         nq: Number of entries of a configuration.
 
     Returns:
         The kernel.
     """
-    others = [axis for i, axis in enumerate(arm.axes) if i != plan.free]
+    others = [axis for i, axis in enumerate(arm.axes) if i != geometry.free]
 
     def candidate(
         T: Array, T_base: Array, free_value: Array, branch: Array, base: Array, centre: Array
@@ -55,13 +55,13 @@ def closed_form(plan: Plan, arm: Arm, certified: Certificate, nq: int) -> Any:
         near = vector(*(base[axis.index] * axis.scale + axis.offset for axis in others))
         q = [base[i] for i in range(nq)]
         x = free_value[0]
-        if plan.free is not None:
-            free = arm.axes[plan.free]
+        if geometry.free is not None:
+            free = arm.axes[geometry.free]
             q[free.index], x = x, x * free.scale + free.offset
-        angles = branch_of(plan, arm, local, x, branch, near)
+        angles = branch_of(geometry, arm, local, x, branch, near)
         for axis, angle in zip(others, angles, strict=True):
             q[axis.index] = (angle - axis.offset) / axis.scale
-        return certified(vector(*q), T, centre)
+        return evaluate(vector(*q), T, centre)
 
     shapes = {
         "T": (4, 4),
@@ -74,33 +74,33 @@ def closed_form(plan: Plan, arm: Arm, certified: Certificate, nq: int) -> Any:
     return compile(candidate, **shapes)
 
 
-def branch_of(plan: Plan, arm: Arm, T: SE3, free_value: Any, branch: Array, near: Array) -> Array:
+def branch_of(geometry: ArmGeometry, arm: Arm, T: SE3, free_value: Any, branch: Array, near: Array) -> Array:
     """Own positions (6,) of the other joints, for one branch.
 
     Args:
-        plan: The closed form.
+        geometry: The relations that the closed form uses.
         arm: The arm.
         T: The goal in the arm's base.
         free_value: Own position of the joint whose value is chosen.
-        branch: A row of `branch_numbers(plan)`, (3,).
+        branch: A row of `branch_numbers(geometry)`, (3,).
         near: Own positions (6,) to take where any would do.
 
     Returns:
         Positions (6,) [rad].
     """
-    lines = remaining(arm, plan.free, free_value)
+    lines = remaining(arm, geometry.free, free_value)
     G = T @ arm.end.inverse()
-    if plan.free is not None:
-        G = G @ arm.axes[plan.free].move(-free_value)
-    q = solve(plan, lines, G, branch, near)
-    for _ in range(1 if plan.off <= EXACT else 3):
+    if geometry.free is not None:
+        G = G @ arm.axes[geometry.free].move(-free_value)
+    q = solve(geometry, lines, G, branch, near)
+    for _ in range(1 if geometry.deviation <= EXACT else 3):
         q = _polished(lines, G, q)
     return q
 
 
-def branch_numbers(plan: Plan) -> Floats:
-    """Every branch of a plan, (8, 3): which of its solutions each equation takes."""
-    return np.array(list(product(*map(range, plan.counts))), dtype=float)
+def branch_numbers(geometry: ArmGeometry) -> Floats:
+    """Every branch of a closed form, (8, 3): which of its solutions each equation takes."""
+    return np.array(list(product(*map(range, geometry.solution_counts))), dtype=float)
 
 
 def _polished(lines: list[Line], G: SE3, q: Array) -> Array:

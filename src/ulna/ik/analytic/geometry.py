@@ -33,16 +33,16 @@ Pair = Literal["parallel", "intersecting", "general"]
 
 
 @dataclass(frozen=True)
-class Plan:
-    """A way to solve an arm.
+class ArmGeometry:
+    """The relations between the axes of an arm that a closed form uses.
 
     Attributes:
-        free: Index of the joint that is held at given values (a seven-joint arm's); None where there is none.
-        first: Which of the remaining six is the first of W.
-        triple: What W is.
+        free: Index of the joint that is held at chosen values (a seven-joint arm's); None where there is none.
+        first: Index of the first axis of W among the remaining six.
+        triple: Whether the axes of W meet in a point or are parallel.
         reverse: Whether a, b, c are Z, Y, X.
-        pair: How a and b lie.
-        off: How far the axes are off the relations [rad, or arm lengths].
+        pair: The relation of a and b.
+        deviation: How far the axes are off the relations [rad, or arm lengths].
     """
 
     free: int | None
@@ -50,26 +50,26 @@ class Plan:
     triple: Triple
     reverse: bool
     pair: Pair
-    off: float
+    deviation: float
 
     @property
-    def counts(self) -> tuple[int, int, int]:
+    def solution_counts(self) -> tuple[int, int, int]:
         """How many solutions the three equations have that have several."""
         return (4, 1, 2) if self.pair == "general" else (2, 2, 2)
 
     def describe(self, names: Sequence[str]) -> str:
-        """The method as text; `names` are those of all joints of the arm."""
+        """The closed form as text; `names` are those of all joints of the arm."""
         used = [n for i, n in enumerate(names) if i != self.free][self.first : self.first + 3]
-        what = (
+        relation = (
             "intersecting axes (a spherical wrist or shoulder)"
             if self.triple == "spherical"
             else "parallel axes"
         )
-        how = "closed form" if self.pair != "general" else "closed form with a quartic"
-        return f"three {what}: {', '.join(used)}; {how}"
+        method = "closed form" if self.pair != "general" else "closed form with a quartic"
+        return f"three {relation}: {', '.join(used)}; {method}"
 
 
-def plans(arm: Arm, free: int | None = None) -> list[Plan]:
+def arm_geometries(arm: Arm, free: int | None = None) -> list[ArmGeometry]:
     """The closed forms that fit an arm of six or seven joints, the simplest first.
 
     Args:
@@ -77,7 +77,7 @@ def plans(arm: Arm, free: int | None = None) -> list[Plan]:
         free: Which of seven joints to hold; None for any.
 
     Returns:
-        The plans; empty where none fits.
+        The geometries; empty where none fits.
     """
     count = len(arm.axes)
     turning = [axis.motion == "turn" for axis in arm.axes]
@@ -88,8 +88,10 @@ def plans(arm: Arm, free: int | None = None) -> list[Plan]:
         holds = [h for h in holds if not sliding or sliding == [h]]
     elif count != 6 or not all(turning):
         return []
-    candidates = [plan for hold in holds for plan in _of_six(arm, hold)]
-    return sorted(candidates, key=lambda p: (p.pair == "general", p.off > EXACT, _moves_inside(p)))
+    candidates = [geometry for hold in holds for geometry in _of_six_joints(arm, hold)]
+    return sorted(
+        candidates, key=lambda g: (g.pair == "general", g.deviation > EXACT, _held_joint_is_inner(g))
+    )
 
 
 def remaining(arm: Arm, free: int | None, x: float = 0.0) -> list[Line]:
@@ -114,33 +116,36 @@ def loop_order(first: int) -> list[int]:
     return [(first + 3 + i) % 6 for i in range(3)]
 
 
-def _moves_inside(plan: Plan) -> bool:
+def _held_joint_is_inner(geometry: ArmGeometry) -> bool:
     """Whether the held joint stands between others, so that axes depend on its position."""
-    return plan.free is not None and 0 < plan.free < 6
+    return geometry.free is not None and 0 < geometry.free < 6
 
 
-def _of_six(arm: Arm, free: int | None) -> list[Plan]:
+def _of_six_joints(arm: Arm, free: int | None) -> list[ArmGeometry]:
     probes = [0.0] if free in (None, 0, len(arm.axes) - 1) else [0.3, 1.1, -2.0]
     sets = [remaining(arm, free, x) for x in probes]
     size = max(_reach(arm), 1e-9)
     candidates = []
     for first in range(4):
         triples: list[tuple[Triple, float]] = [
-            ("spherical", max(_meet([*lines[first : first + 3]], size) for lines in sets)),
-            ("parallel", max(_parallel(lines[first : first + 3]) for lines in sets)),
+            (
+                "spherical",
+                max(_deviation_from_one_point([*lines[first : first + 3]], size) for lines in sets),
+            ),
+            ("parallel", max(_deviation_from_parallel(lines[first : first + 3]) for lines in sets)),
         ]
         order = loop_order(first)
-        for triple, off in triples:
-            if off > TOLERANCE:
+        for triple, deviation in triples:
+            if deviation > TOLERANCE:
                 continue
             for reverse in (False, True):
                 a, b, _ = order[::-1] if reverse else order
                 if abs(a - b) != 1:
                     continue  # neighbours across the goal: their relation changes with it
                 candidates.append(
-                    _with_pair(free, first, triple, reverse, off, [(s[a], s[b]) for s in sets], size)
+                    _with_pair(free, first, triple, reverse, deviation, [(s[a], s[b]) for s in sets], size)
                 )
-    return [plan for plan in candidates if plan is not None]
+    return [geometry for geometry in candidates if geometry is not None]
 
 
 def _with_pair(
@@ -148,33 +153,35 @@ def _with_pair(
     first: int,
     triple: Triple,
     reverse: bool,
-    off: float,
+    deviation: float,
     pairs: list[tuple[Line, Line]],
     size: float,
-) -> Plan | None:
-    parallel = max(_parallel(pair) for pair in pairs)
+) -> ArmGeometry | None:
+    parallel = max(_deviation_from_parallel(pair) for pair in pairs)
     if parallel <= TOLERANCE:
         apart = min(_distance(a, b) for a, b in pairs) / size
         return (
-            Plan(free, first, triple, reverse, "parallel", max(off, parallel)) if apart > TOLERANCE else None
+            ArmGeometry(free, first, triple, reverse, "parallel", max(deviation, parallel))
+            if apart > TOLERANCE
+            else None
         )
-    meet = max(_meet(pair, size) for pair in pairs)
+    meet = max(_deviation_from_one_point(pair, size) for pair in pairs)
     if meet <= TOLERANCE:
-        return Plan(free, first, triple, reverse, "intersecting", max(off, meet))
-    if min(_parallel(pair) for pair in pairs) <= TOLERANCE:
+        return ArmGeometry(free, first, triple, reverse, "intersecting", max(deviation, meet))
+    if min(_deviation_from_parallel(pair) for pair in pairs) <= TOLERANCE:
         return None  # parallel for some positions of the held joint only
-    return Plan(free, first, triple, reverse, "general", off)
+    return ArmGeometry(free, first, triple, reverse, "general", deviation)
 
 
-def _parallel(lines: Sequence[Line]) -> float:
+def _deviation_from_parallel(lines: Sequence[Line]) -> float:
     """How far lines are off being parallel: the sine of the largest angle to the first."""
     return max(float(np.linalg.norm(np.cross(lines[0].direction, line.direction))) for line in lines[1:])
 
 
-def _meet(lines: Sequence[Line], size: float) -> float:
+def _deviation_from_one_point(lines: Sequence[Line], size: float) -> float:
     """How far lines are off meeting in one point, in arm lengths; infinite where two are parallel."""
     for first, second in pairwise(lines):
-        if _parallel((first, second)) < 1e-3:
+        if _deviation_from_parallel((first, second)) < 1e-3:
             return np.inf
     point = meeting_point(lines)
     return max(_distance_to(point, line) for line in lines) / size
@@ -195,7 +202,7 @@ def _distance_to(point: np.ndarray, line: Line) -> float:
 
 def _distance(a: Line, b: Line) -> float:
     """The distance of two lines, parallel ones included [m]."""
-    if _parallel((a, b)) < TOLERANCE:
+    if _deviation_from_parallel((a, b)) < TOLERANCE:
         return _distance_to(b.point, a)
     on_a, on_b = nearest_points(a, b)
     return float(np.linalg.norm(on_b - on_a))
@@ -207,4 +214,4 @@ def _reach(arm: Arm) -> float:
     return float(sum(np.linalg.norm(b - a) for a, b in pairwise(points)))
 
 
-__all__ = ["EXACT", "TOLERANCE", "Plan", "loop_order", "meeting_point", "plans", "remaining"]
+__all__ = ["EXACT", "TOLERANCE", "ArmGeometry", "arm_geometries", "loop_order", "meeting_point", "remaining"]

@@ -29,7 +29,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ulna.ik.analytic.geometry import Pair, Plan, loop_order, meeting_point
+from ulna.ik.analytic.geometry import ArmGeometry, Pair, loop_order, meeting_point
 from ulna.ik.analytic.lines import Line, across, nearest_points, perpendicular, swing, turn, turn_about
 from ulna.ik.analytic.subproblems import Affine, angle_between, four_angles, square, two_angles
 from ulna.numeric import cross, dot, vector
@@ -54,47 +54,47 @@ class _Equations(NamedTuple):
     k2: Affine
 
 
-def solve(plan: Plan, lines: list[Line], G: SE3, branch: Array, near: Array) -> Array:
+def solve(geometry: ArmGeometry, lines: list[Line], G: SE3, branch: Array, near: Array) -> Array:
     """The angles (6,) of one branch; far from the goal where that branch has no solution.
 
     Args:
-        plan: What is special about the arm.
+        geometry: The relations of its axes.
         lines: The six axes, with all angles at 0.
         G: The motion to make.
-        branch: Which solutions to take, (3,): numbers from 0, below `plan.counts`.
+        branch: Which solutions to take, (3,): numbers from 0, below `geometry.solution_counts`.
         near: Angles (6,) to take where any would do.
 
     Returns:
         Angles (6,) [rad].
     """
-    W = lines[plan.first : plan.first + 3]
+    W = lines[geometry.first : geometry.first + 3]
     back = G.inverse()
-    order = loop_order(plan.first)
-    others = [lines[i] if i > plan.first else lines[i].moved(back) for i in order]
-    centre, source, target = _invariants(plan, W, G, back)
-    if plan.reverse:
+    order = loop_order(geometry.first)
+    others = [lines[i] if i > geometry.first else lines[i].moved(back) for i in order]
+    centre, source, target = _invariants(geometry, W, G, back)
+    if geometry.reverse:
         others = [line.reversed() for line in others[::-1]]
         order = order[::-1]
         source, target = target, source
-    angles = _three_others(plan.pair, others, source, target, branch, [near[i] for i in order])
+    angles = _three_others(geometry.pair, others, source, target, branch, [near[i] for i in order])
     motion = SE3.identity()
     for line, angle in zip(others, angles, strict=True):
         motion = motion @ turn_about(line, angle)
-    remaining = G @ motion if plan.reverse else G @ motion.inverse()
-    sign, nearby = 1.0 - 2.0 * branch[2], near[plan.first : plan.first + 3]
-    if plan.triple == "spherical":
+    remaining = G @ motion if geometry.reverse else G @ motion.inverse()
+    sign, nearby = 1.0 - 2.0 * branch[2], near[geometry.first : geometry.first + 3]
+    if geometry.triple == "spherical":
         wrist = _rotation(W, remaining.rotation, sign, nearby)
     else:
         wrist = _planar(W, centre, remaining, sign, nearby)
     q: list[Any] = [None] * 6
-    for i, angle in zip([*order, *range(plan.first, plan.first + 3)], [*angles, *wrist], strict=True):
+    for i, angle in zip([*order, *range(geometry.first, geometry.first + 3)], [*angles, *wrist], strict=True):
         q[i] = angle
     return vector(*q)
 
 
-def _invariants(plan: Plan, W: list[Line], G: SE3, back: SE3) -> tuple[Array, Any, Any]:
-    if plan.triple == "spherical":
-        p = _meeting(W[0], W[1]) if plan.free is not None else meeting_point(W)
+def _invariants(geometry: ArmGeometry, W: list[Line], G: SE3, back: SE3) -> tuple[Array, Any, Any]:
+    if geometry.triple == "spherical":
+        p = _meeting(W[0], W[1]) if geometry.free is not None else meeting_point(W)
         return p, _Point(back @ p), _Point(p)
     h = W[0].direction
     return W[0].point, _Plane(G.rotation.T @ h, 0.0), _Plane(h, dot(h, G.translation))

@@ -68,19 +68,19 @@ def _no_solution(
     program: Program, q: Floats, dt: Floats, values: Mapping[str, Floats], where: str
 ) -> InfeasibleError:
     """Rows and bounds leave nothing: those without any one of which there would be a solution."""
-    guilty = []
+    conflicting = []
     for k, limit in enumerate(program.limits):
         if _feasible(replace(program, limits=_without(program.limits, k)), q, dt, values):
-            guilty.append(limit.label)
+            conflicting.append(limit.label)
     for k, task in enumerate(program.constraints):
         if len(program.constraints) + len(program.tasks) > 1 and _feasible(
             replace(program, constraints=_without(program.constraints, k)), q, dt, values
         ):
-            guilty.append(task.label)
+            conflicting.append(task.label)
     everything = [part.label for part in (*program.limits, *program.constraints)]
-    names = tuple(guilty or everything)
+    names = tuple(conflicting or everything)
     joined = ", ".join(names)
-    why = f"without any one of these there is: {joined}" if guilty else f"among: {joined}"
+    why = f"without any one of these there is: {joined}" if conflicting else f"among: {joined}"
     text = f"No velocity keeps all limits and constraints{where}; {why}. Change what is asked, or take a longer step."
     return InfeasibleError(names, text)
 

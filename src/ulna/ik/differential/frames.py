@@ -61,6 +61,11 @@ class _OfFrame(Task):
     def _measured(self, model: Model, q: Array) -> Array:
         """What is to become equal to the target, at a configuration."""
 
+    def _three_costs(self, model: Model, cost: ArrayLike) -> Floats:
+        """The costs of three rows, of a frame that the model has."""
+        model.frame(self.frame)
+        return cost_of(cost, 3, f"{self.label}: `cost`")
+
     def inputs(self, model: Model) -> Shapes:
         """The target."""
         return {self.label: self._shape}
@@ -187,8 +192,7 @@ class PositionTask(_OfFrame):
 
     def costs(self, model: Model) -> Floats:
         """Three numbers."""
-        model.frame(self.frame)
-        return cost_of(self.cost, 3, f"{self.label}: `cost`")
+        return self._three_costs(model, self.cost)
 
     def rows(self, model: Model, q: Array, *inputs: Array) -> Rows:
         """Three rows."""
@@ -225,8 +229,7 @@ class OrientationTask(_OfFrame):
 
     def costs(self, model: Model) -> Floats:
         """Three numbers."""
-        model.frame(self.frame)
-        return cost_of(self.cost, 3, f"{self.label}: `cost`")
+        return self._three_costs(model, self.cost)
 
     def rows(self, model: Model, q: Array, *inputs: Array) -> Rows:
         """Three rows."""

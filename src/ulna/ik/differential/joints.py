@@ -3,7 +3,7 @@
 | symbol | meaning | shape, unit | equation |
 |---|---|---|---|
 | q, q* | configuration, and its target | (nq,) | |
-| J_0 | derivative of q* (-) q by q on the tangent space; -1 for plain joints | (nv, nv) | Sola et al. 2018, IV |
+| J_0 | derivative of q* (-) q with respect to q, tangent; -1 for plain joints | (nv, nv) | Sola et al. 2018, IV |
 | posture | | (nv,) | e = q* (-) q, J = -J_0 |
 | calm | | (nv,) | e = 0, J = 1: what moves, costs |
 | linear | A (q (-) q_0) = b | (k,) | e = b - A (q (-) q_0), J = A d(q (-) q_0)/dq |

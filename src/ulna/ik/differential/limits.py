@@ -29,7 +29,7 @@ from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.ik.differential.task import Shapes
 from ulna.model import Composite, JointKind, Model
-from ulna.model.joints.base import VectorKind
+from ulna.model.joints.joint_kind import VectorKind
 from ulna.numeric import ceil, clip, maximum, sqrt
 from ulna.typing import Array, Floats
 

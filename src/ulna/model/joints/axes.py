@@ -24,6 +24,14 @@ SNAP = 1e-15
 """Components closer than this to 0, 1 or -1 become exactly that; a tenth of what the tests could ever see."""
 
 
+def axis_name(axis: Axis) -> str:
+    """``"x"``, ``"-z"``, or the rounded components ``"(0.6, 0, 0.8)"``."""
+    for i, letter in enumerate("xyz"):
+        if abs(axis[i]) == 1.0 and sum(map(abs, axis)) == 1.0:
+            return letter if axis[i] > 0 else f"-{letter}"
+    return "(" + ", ".join(f"{c:.3g}" for c in axis) + ")"
+
+
 def snap(x: float) -> float:
     """`x`, or the exact 0, 1 or -1 it is within `SNAP` of; never -0.0."""
     nearest = round(x) if abs(x) < 1.5 else math.inf

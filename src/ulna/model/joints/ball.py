@@ -8,7 +8,7 @@ import numpy as np
 
 from ulna.data_classes import dataclass
 from ulna.model.joints.axes import EYE, ZERO
-from ulna.model.joints.base import (
+from ulna.model.joints.joint_kind import (
     Coordinate,
     JointKind,
     angle,
@@ -51,7 +51,7 @@ class Spherical(JointKind):
     rates: ClassVar[tuple[Coordinate, ...]] = _TURNS
 
     def describe(self) -> str:
-        """A few words for tables."""
+        """A short label for tables."""
         return "spherical"
 
     def transform(self, q: Array) -> SE3:
@@ -118,7 +118,7 @@ class FreeFlyer(JointKind):
     )
 
     def describe(self) -> str:
-        """A few words for tables."""
+        """A short label for tables."""
         return "free flyer"
 
     def transform(self, q: Array) -> SE3:

@@ -16,10 +16,9 @@ from typing import ClassVar
 import numpy as np
 
 from ulna.data_classes import dataclass
-from ulna.model.joints.axes import ZERO, Axis, rotation_of, unit, unit_axis
-from ulna.model.joints.base import Coordinate, JointKind, angle, identity, length
+from ulna.model.joints.axes import ZERO, Axis, axis_name, rotation_of, unit, unit_axis
+from ulna.model.joints.joint_kind import Coordinate, JointKind, angle, identity, length
 from ulna.model.joints.planar import Planar
-from ulna.model.joints.words import axis_name
 from ulna.numeric import arctan2, sincos, sqrt, vector
 from ulna.spatial import SE3, Motion
 from ulna.typing import Array, Floats
@@ -45,7 +44,7 @@ class Circle(JointKind):
         object.__setattr__(self, "axis", unit_axis(self.axis))
 
     def describe(self) -> str:
-        """A few words for tables."""
+        """A short label for tables."""
         return f"continuous {axis_name(self.axis)} (cos, sin)"
 
     def transform(self, q: Array) -> SE3:
@@ -123,7 +122,7 @@ class PlanarCircle(JointKind):
         return Planar(self.normal)
 
     def describe(self) -> str:
-        """A few words for tables."""
+        """A short label for tables."""
         return f"{self._planar.describe()} (cos, sin)"
 
     def transform(self, q: Array) -> SE3:

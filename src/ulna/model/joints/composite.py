@@ -10,7 +10,7 @@ import numpy as np
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model.joints.axes import snap_pose
-from ulna.model.joints.base import Coordinate, ElementaryJoint, JointKind
+from ulna.model.joints.joint_kind import Coordinate, ElementaryJoint, JointKind
 from ulna.numeric import is_symbolic
 from ulna.spatial import SE3, Motion
 from ulna.spatial.batched import column
@@ -64,7 +64,7 @@ class Composite(JointKind):
         return _numbered([kind.rates for kind in self.kinds])
 
     def describe(self) -> str:
-        """A few words for tables."""
+        """A short label for tables."""
         return " + ".join(kind.describe() for kind in self.kinds)
 
     def transform(self, q: Array) -> SE3:

@@ -20,38 +20,24 @@ Source: Seth, Sherman, Eastman & Delp, Minimal formulation of joint motion for b
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
+from ulna.checks.values import number
 from ulna.data_classes import dataclass
-from ulna.errors import InputError
-from ulna.model.joints.axes import ZERO, rotation_about, unit
-from ulna.model.joints.base import Coordinate, ElementaryJoint, VectorKind, angle
+from ulna.model.joints.axes import rotation_about
+from ulna.model.joints.joint_kind import Coordinate, angle
+from ulna.model.joints.turn_chain import Turn, TurnChain
 from ulna.model.joints.turning import Revolute
 from ulna.numeric import vector
-from ulna.spatial import SE3, Motion
-from ulna.spatial.batched import column
+from ulna.spatial import SE3
 from ulna.typing import Array
 
 _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
-class Turn(NamedTuple):
-    """A turn of the chain: by a multiple of one of the joint's angles, after a slide along z."""
-
-    slide: float
-    """How far its fixed frame lies along the z axis of the frame before [m]."""
-    kind: Revolute
-    """The axis."""
-    coordinate: int
-    """Which of the joint's angles turns it."""
-    ratio: float
-    """By how many times that angle it turns."""
-
-
 @dataclass(frozen=True)
-class Ellipsoid(VectorKind):
+class Ellipsoid(TurnChain):
     """Rolls and spins on an ellipsoid; q is three angles, x then y then z [rad].
 
     Args:
@@ -69,10 +55,7 @@ class Ellipsoid(VectorKind):
 
     def __post_init__(self) -> None:
         for name in ("radius_x", "radius_y", "radius_z"):
-            value = float(getattr(self, name))
-            if not math.isfinite(value):
-                raise InputError(f"Ellipsoid: `{name}` is {value}; expected a finite number [m].")
-            object.__setattr__(self, name, value)
+            object.__setattr__(self, name, number(name, getattr(self, name), "a finite number [m]"))
 
     @property
     def radii(self) -> tuple[float, float, float]:
@@ -80,7 +63,7 @@ class Ellipsoid(VectorKind):
         return self.radius_x, self.radius_y, self.radius_z
 
     def describe(self) -> str:
-        """A few words for tables."""
+        """A short label for tables."""
         return "ellipsoid {:g} x {:g} x {:g} m".format(*self.radii)
 
     @property
@@ -93,42 +76,6 @@ class Ellipsoid(VectorKind):
         x, y, z = (rotation_about(axis, q[..., k]) for k, axis in enumerate((_X, _Y, _Z)))
         R = x @ y @ z
         return SE3(R, vector(*(radius * R[..., k, 2] for k, radius in enumerate(self.radii))))
-
-    def motion_subspace(self, q: Array) -> tuple[Motion, ...]:
-        """The sums of the turns' columns by angle, in the moving frame."""
-        columns = [Motion.zero()] * 3
-        for turn, T in zip(self.turns, self._poses(q), strict=True):
-            columns = [T.act_inverse(c) for c in columns]
-            columns[turn.coordinate] = columns[turn.coordinate] + _column(turn)
-        return tuple(columns)
-
-    def bias(self, q: Array, v: Array) -> Motion:
-        """(dS/dt) v, by the recursion a' = X a + V x (S v) along the turns (Featherstone, eq. 5.8)."""
-        velocity, total = Motion.zero(), Motion.zero()
-        for turn, T in zip(self.turns, self._poses(q), strict=True):
-            rate, s = column(v[..., turn.coordinate]), _column(turn)
-            twist = Motion(rate * s.linear, rate * s.angular)
-            velocity = T.act_inverse(velocity) + twist
-            total = T.act_inverse(total) + velocity.cross(twist)
-        return total
-
-    def elementary_joints(self, placement: SE3) -> tuple[ElementaryJoint, ...]:
-        """The turns."""
-        parts = []
-        for turn in self.turns:
-            place, placement = placement @ SE3.trans(0.0, 0.0, turn.slide), SE3.identity()
-            parts.append(ElementaryJoint(place, turn.kind, turn.coordinate, turn.coordinate, turn.ratio))
-        return tuple(parts)
-
-    def _poses(self, q: Array) -> Iterator[SE3]:
-        """The pose of the moving frame of each turn in that of the turn before."""
-        for turn in self.turns:
-            R = rotation_about(turn.kind.axis, turn.ratio * q[..., turn.coordinate])
-            yield SE3(R, vector(0.0, 0.0, turn.slide))
-
-
-def _column(turn: Turn) -> Motion:
-    return Motion(ZERO, turn.ratio * unit(turn.kind.axis))
 
 
 def _chain(a: float, b: float, c: float) -> Iterator[Turn]:

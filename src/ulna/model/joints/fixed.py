@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from ulna.data_classes import dataclass
 from ulna.model.joints.axes import EYE, ZERO
-from ulna.model.joints.base import Coordinate, VectorKind
+from ulna.model.joints.joint_kind import Coordinate, VectorKind
 from ulna.spatial import SE3, Motion
 from ulna.typing import Array
 
@@ -20,7 +20,7 @@ class Fixed(VectorKind):
     coordinates: ClassVar[tuple[Coordinate, ...]] = ()
 
     def describe(self) -> str:
-        """A few words for tables."""
+        """A short label for tables."""
         return "fixed"
 
     def transform(self, q: Array) -> SE3:

@@ -7,10 +7,9 @@ from typing import ClassVar
 import numpy as np
 
 from ulna.data_classes import dataclass
-from ulna.model.joints.axes import ZERO, Axis, constant, rotation_about, snap, unit, unit_axis
-from ulna.model.joints.base import Coordinate, JointKind, angle, length
+from ulna.model.joints.axes import ZERO, Axis, axis_name, constant, rotation_about, snap, unit, unit_axis
+from ulna.model.joints.joint_kind import Coordinate, JointKind, angle, length
 from ulna.model.joints.turning import wrap
-from ulna.model.joints.words import axis_name
 from ulna.numeric import matrix, sincos, vector
 from ulna.spatial import (
     SE3,
@@ -56,7 +55,7 @@ class Planar(JointKind):
         return first, (x, y, z)
 
     def describe(self) -> str:
-        """A few words for tables."""
+        """A short label for tables."""
         return f"planar {axis_name(self.normal)}"
 
     def transform(self, q: Array) -> SE3:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from ulna.data_classes import dataclass
-from ulna.model.joints.axes import EYE, ZERO, Axis, scaled_axis, unit, unit_axis
-from ulna.model.joints.base import Coordinate, VectorKind, length
-from ulna.model.joints.words import axis_name
+from ulna.model.joints.axes import EYE, ZERO, Axis, axis_name, scaled_axis, unit, unit_axis
+from ulna.model.joints.joint_kind import Coordinate, VectorKind, length
 from ulna.spatial import SE3, Motion
 from ulna.typing import Array
 
@@ -29,7 +28,7 @@ class Prismatic(VectorKind):
         object.__setattr__(self, "axis", unit_axis(self.axis))
 
     def describe(self) -> str:
-        """A few words for tables."""
+        """A short label for tables."""
         return f"prismatic {axis_name(self.axis)}"
 
     def transform(self, q: Array) -> SE3:
@@ -50,7 +49,7 @@ class Translation(VectorKind):
     coordinates: ClassVar[tuple[Coordinate, ...]] = (length("x"), length("y"), length("z"))
 
     def describe(self) -> str:
-        """A few words for tables."""
+        """A short label for tables."""
         return "translation"
 
     def transform(self, q: Array) -> SE3:

@@ -1,4 +1,4 @@
-"""Joints that turn about fixed axes: revolute, continuous, the screw, cylindrical and universal."""
+"""Joint kinds with axes of rotation: revolute, continuous, helical, cylindrical and universal."""
 
 from __future__ import annotations
 
@@ -7,12 +7,21 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ulna.checks.values import number
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
-from ulna.model.joints.axes import ZERO, Axis, rotate_about, rotation_about, scaled_axis, unit, unit_axis
-from ulna.model.joints.base import Coordinate, ElementaryJoint, VectorKind, angle, length
+from ulna.model.joints.axes import (
+    ZERO,
+    Axis,
+    axis_name,
+    rotate_about,
+    rotation_about,
+    scaled_axis,
+    unit,
+    unit_axis,
+)
+from ulna.model.joints.joint_kind import Coordinate, ElementaryJoint, VectorKind, angle, length
 from ulna.model.joints.sliding import Prismatic
-from ulna.model.joints.words import axis_name
 from ulna.numeric import ceil, cross
 from ulna.spatial import SE3, Motion
 from ulna.spatial.batched import column
@@ -20,13 +29,13 @@ from ulna.typing import Array
 
 
 def wrap(x: Any) -> Any:
-    """The angle in (-pi, pi] that differs from `x` by whole turns; numbers already there keep their bits."""
+    """The angle in (-pi, pi] equal to `x` modulo 2 pi; values already in that interval are returned unchanged."""
     return x - 2.0 * math.pi * ceil((x - math.pi) / (2.0 * math.pi))
 
 
 @dataclass(frozen=True)
 class Revolute(VectorKind):
-    """Turns about an axis, mostly between limits; q is the angle [rad].
+    """Turns about an axis, usually between limits; q is the angle [rad].
 
     Args:
         axis: Axis in the fixed frame; scaled to length 1.
@@ -49,7 +58,7 @@ class Revolute(VectorKind):
         object.__setattr__(self, "axis", unit_axis(self.axis))
 
     def describe(self) -> str:
-        """A few words for tables."""
+        """A short label for tables."""
         return f"{self.name} {axis_name(self.axis)}"
 
     def transform(self, q: Array) -> SE3:
@@ -63,7 +72,7 @@ class Revolute(VectorKind):
 
 @dataclass(frozen=True)
 class Continuous(Revolute):
-    """Turns about an axis without end; q is the angle [rad], one number, and q + 2 pi is the same place.
+    """Turns about an axis without limits; q is the angle [rad], and q and q + 2 pi are the same pose.
 
     Args:
         axis: Axis in the fixed frame; scaled to length 1.
@@ -72,17 +81,17 @@ class Continuous(Revolute):
     name: ClassVar[str] = "continuous"
 
     def difference(self, q0: Array, q1: Array) -> Array:
-        """The shorter way round, in (-pi, pi]."""
+        """The shortest signed angle from q0 to q1, in (-pi, pi]."""
         return wrap(q1 - q0)
 
     def normalize(self, q: Array) -> Array:
-        """The same place with q in (-pi, pi]."""
+        """The same pose with q in (-pi, pi]."""
         return wrap(q)
 
 
 @dataclass(frozen=True)
 class Helical(VectorKind):
-    """A screw: turns about an axis and slides along it in proportion; q is the angle [rad].
+    """Helical (screw) joint: a rotation about an axis and a proportional translation along it; q is the angle [rad].
 
     Args:
         axis: Axis in the fixed frame; scaled to length 1.
@@ -97,12 +106,10 @@ class Helical(VectorKind):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "axis", unit_axis(self.axis))
-        object.__setattr__(self, "pitch", float(self.pitch))
-        if not math.isfinite(self.pitch):
-            raise InputError(f"Helical: `pitch` is {self.pitch}; expected a finite number [m/rad].")
+        object.__setattr__(self, "pitch", number("pitch", self.pitch, "a finite number [m/rad]"))
 
     def describe(self) -> str:
-        """A few words for tables."""
+        """A short label for tables."""
         return f"helical {axis_name(self.axis)}, {self.pitch:g} m/rad"
 
     def transform(self, q: Array) -> SE3:
@@ -121,7 +128,7 @@ class Helical(VectorKind):
 
 @dataclass(frozen=True)
 class Cylindrical(VectorKind):
-    """Slides along an axis and turns about it, each by itself; q is the distance [m] and the angle [rad].
+    """Slides along an axis and turns about it, independently; q is the distance [m] and the angle [rad].
 
     Args:
         axis: Axis in the fixed frame; scaled to length 1.
@@ -136,7 +143,7 @@ class Cylindrical(VectorKind):
         object.__setattr__(self, "axis", unit_axis(self.axis))
 
     def describe(self) -> str:
-        """A few words for tables."""
+        """A short label for tables."""
         return f"cylindrical {axis_name(self.axis)}"
 
     def transform(self, q: Array) -> SE3:
@@ -148,7 +155,7 @@ class Cylindrical(VectorKind):
         return Motion(unit(self.axis), ZERO), Motion(ZERO, unit(self.axis))
 
     def elementary_joints(self, placement: SE3) -> tuple[ElementaryJoint, ...]:
-        """A prismatic and a revolute joint, whose link frames and inertias can be chosen to save operations."""
+        """A prismatic and a revolute joint, whose frames and regrouped inertias take fewer operations."""
         return (
             ElementaryJoint(placement, Prismatic(self.axis), 0, 0, 1.0),
             ElementaryJoint(SE3.identity(), Revolute(self.axis), 1, 1, 1.0),
@@ -180,7 +187,7 @@ class Universal(VectorKind):
             )
 
     def describe(self) -> str:
-        """A few words for tables."""
+        """A short label for tables."""
         return f"universal {axis_name(self.axis1)}, {axis_name(self.axis2)}"
 
     def transform(self, q: Array) -> SE3:

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ulna.compiler.procedures import Array2, Array3, broadcast, f64, procedure
+from ulna.recursions._procedures.declaration import recursion
 from ulna.recursions._procedures.external_forces import subtract_wrenches
 from ulna.recursions._procedures.frame_table import Frames
 from ulna.recursions._procedures.newton_euler import (
@@ -27,7 +28,6 @@ from ulna.recursions._procedures.newton_euler import (
 )
 from ulna.recursions._procedures.placements import Placements, place
 from ulna.recursions._procedures.vectors import add, add_wrench_out, cross, put, rotate, three, twist_into
-from ulna.recursions.tree_table import TreeTable
 
 
 class Articulated(NamedTuple):
@@ -47,18 +47,18 @@ class Articulated(NamedTuple):
 
 
 @procedure
-def _start_inertia(tree, G, i, W):
-    """The inertia of a body as M, H and J."""
+def spread_inertia(inertias, row, G, i, W):
+    """The inertia in a row as M, H and J of step i."""
     for j in range(27):
         G[i, j, 0:W] = broadcast(0.0, W)
-    m, x, y, z = tree.inertias[i, 0], tree.inertias[i, 1], tree.inertias[i, 2], tree.inertias[i, 3]
+    m, x, y, z = inertias[row, 0], inertias[row, 1], inertias[row, 2], inertias[row, 3]
     for j in range(3):
         G[i, 4 * j, 0:W] = broadcast(m, W)
     put(G, i, 9, broadcast(0.0, W), broadcast(z, W), broadcast(-y, W), W)
     put(G, i, 12, broadcast(-z, W), broadcast(0.0, W), broadcast(x, W), W)
     put(G, i, 15, broadcast(y, W), broadcast(-x, W), broadcast(0.0, W), W)
-    xx, xy, xz = tree.inertias[i, 4], tree.inertias[i, 5], tree.inertias[i, 6]
-    yy, yz, zz = tree.inertias[i, 7], tree.inertias[i, 8], tree.inertias[i, 9]
+    xx, xy, xz = inertias[row, 4], inertias[row, 5], inertias[row, 6]
+    yy, yz, zz = inertias[row, 7], inertias[row, 8], inertias[row, 9]
     put(G, i, 18, broadcast(xx, W), broadcast(xy, W), broadcast(xz, W), W)
     put(G, i, 21, broadcast(xy, W), broadcast(yy, W), broadcast(yz, W), W)
     put(G, i, 24, broadcast(xz, W), broadcast(yz, W), broadcast(zz, W), W)
@@ -90,16 +90,16 @@ def dot_six(S, k, fx, fy, fz, nx, ny, nz):
 
 
 @procedure
-def eliminate(tree, work, i, k, W):
-    """U and 1 / d of a column of a step; takes U U^T / d from G."""
+def eliminate_column(S, armature, work, i, k, W):
+    """U and 1 / d of column k of a step, in row k of S; takes U U^T / d from G."""
     none = broadcast(0.0, W)
     ux, uy, uz, wx, wy, wz = _times(
-        work.G, i, none + tree.S[k, 0], none + tree.S[k, 1], none + tree.S[k, 2],
-        none + tree.S[k, 3], none + tree.S[k, 4], none + tree.S[k, 5], W,
+        work.G, i, none + S[k, 0], none + S[k, 1], none + S[k, 2],
+        none + S[k, 3], none + S[k, 4], none + S[k, 5], W,
     )  # fmt: skip
     put(work.U, k, 0, ux, uy, uz, W)
     put(work.U, k, 3, wx, wy, wz, W)
-    d = dot_six(tree.S, k, ux, uy, uz, wx, wy, wz) + tree.armature[tree.entries[k]]
+    d = dot_six(S, k, ux, uy, uz, wx, wy, wz) + armature
     inverse = 1.0 / d
     work.inverses[k, 0:W] = inverse
     for r in range(3):
@@ -150,7 +150,7 @@ def add_articulated_out(X, i, G, p, C, W):
 def start_inertias(tree, G, W):
     """G of every step, of its body alone."""
     for i in range(len(tree.parents)):
-        _start_inertia(tree, G, i, W)
+        spread_inertia(tree.inertias, i, G, i, W)
 
 
 @procedure
@@ -174,7 +174,7 @@ def _inward(tree, places, moves, work, tau, C, W):
     """Eliminates the columns of every step, the leaves first."""
     for i in range(len(tree.parents) - 1, 0, -1):
         for k in range(tree.columns[i], tree.columns[i + 1]):
-            eliminate(tree, work, i, k, W)
+            eliminate_column(tree.S, tree.armature[tree.entries[k]], work, i, k, W)
             fx, fy, fz = three(moves.F, i, 0, W)
             nx, ny, nz = three(moves.F, i, 3, W)
             u = tau[tree.entries[k], 0:W] - dot_six(tree.S, k, fx, fy, fz, nx, ny, nz)
@@ -213,19 +213,8 @@ def _accelerate(tree, places, moves, work, a, W):
                 moves.A[i, j, 0:W] = moves.A[i, j, 0:W] + gain * tree.S[k, j]
 
 
-@procedure(constants={"W": 1}, contract=True)
-def forward_dynamics(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    work: Articulated,
-    q: Array3[f64],
-    v: Array3[f64],
-    tau: Array3[f64],
-    a: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions, work=Articulated)
+def forward_dynamics(tree, places, moves, work, q, v, tau, a, blocks, W):
     """Joint accelerations, (blocks, nv, W), of torques (blocks, nv, W); see `newton_euler.inverse_dynamics`."""
     C = np.zeros((1, 27, W), f64)
     for b in range(blocks):
@@ -234,21 +223,8 @@ def forward_dynamics(
         _accelerate(tree, places, moves, work, a[b], W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def loaded_forward_dynamics(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    work: Articulated,
-    frames: Frames,
-    q: Array3[f64],
-    v: Array3[f64],
-    tau: Array3[f64],
-    wrenches: Array3[f64],
-    a: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions, work=Articulated, frames=Frames)
+def loaded_forward_dynamics(tree, places, moves, work, frames, q, v, tau, wrenches, a, blocks, W):
     """Joint accelerations under external forces as well; see `newton_euler.loaded_inverse_dynamics`."""
     C = np.zeros((1, 27, W), f64)
     for b in range(blocks):

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ulna.compiler.procedures import Array1, Array2, Array3, f64, procedure
+from ulna.compiler.procedures import Array1, Array2, f64, procedure
 from ulna.recursions._procedures.composite import add_inertia, column_wrenches
+from ulna.recursions._procedures.declaration import recursion
 from ulna.recursions._procedures.placements import Placements, place_in_world
 from ulna.recursions._procedures.vectors import cross, rotate
-from ulna.recursions.tree_table import TreeTable
 
 
 class Columns(NamedTuple):
@@ -69,26 +69,14 @@ def _clear(M):
             M[r, c] = 0.0
 
 
-@procedure(constants={"W": 8}, contract=True)
-def centroidal_matrix(
-    tree: TreeTable,
-    places: Placements,
-    work: Columns,
-    q: Array3[f64],
-    out: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=8, places=Placements, work=Columns)
+def centroidal_matrix(tree, places, work, q, out, blocks, W):
     """Matrices from v to the momentum about the centre of mass, (blocks, 6, nv).
 
     Args:
-        tree: The table.
         places: Storage for one sample, with the world's frames.
-        work: Storage.
         q: Configurations, (blocks, nq, 1) [rad, m].
         out: Matrices that are written.
-        blocks: How many are computed.
-        W: Of no effect.
     """
     for b in range(blocks):
         _composites(tree, places, work, q[b])
@@ -96,16 +84,8 @@ def centroidal_matrix(
         _momentum_columns(tree, places.T, work, out[b])
 
 
-@procedure(constants={"W": 8}, contract=True)
-def center_of_mass_jacobian(
-    tree: TreeTable,
-    places: Placements,
-    work: Columns,
-    q: Array3[f64],
-    out: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=8, places=Placements, work=Columns)
+def center_of_mass_jacobian(tree, places, work, q, out, blocks, W):
     """Jacobians of the centre of mass, (blocks, 3, nv); see `centroidal_matrix`."""
     for b in range(blocks):
         _composites(tree, places, work, q[b])
@@ -116,16 +96,8 @@ def center_of_mass_jacobian(
                 out[b, r, c] /= work.mass[0]
 
 
-@procedure(constants={"W": 8}, contract=True)
-def centroidal_inertia(
-    tree: TreeTable,
-    places: Placements,
-    work: Columns,
-    q: Array3[f64],
-    out: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=8, places=Placements, work=Columns)
+def centroidal_inertia(tree, places, work, q, out, blocks, W):
     """Inertias about the centre of mass, all joints held, (blocks, 3, 3) [kg m^2]; see `centroidal_matrix`."""
     for b in range(blocks):
         _composites(tree, places, work, q[b])

@@ -9,20 +9,20 @@ Source: Orin, Goswami & Lee 2013; Carpentier & Mansard 2018. All observers rest 
 
 from __future__ import annotations
 
-from ulna.compiler.procedures import Array1, Array2, Array3, f64, procedure
+from ulna.compiler.procedures import Array1, Array2, f64, procedure
 from ulna.recursions._procedures.columns import all_wrenches_out, fill_row
+from ulna.recursions._procedures.declaration import recursion
 from ulna.recursions._procedures.derivatives import (
-    Pairs,
-    add_turned_force,
-    bodies_to_parent,
+    DerivativeWorkspace,
+    add_bodies_to_parent,
+    add_motion_cross_force,
     column_derivatives,
-    force_by,
     states_of_bodies,
+    write_force_column,
 )
 from ulna.recursions._procedures.newton_euler import Motions
 from ulna.recursions._procedures.placements import Placements, chain_placements
 from ulna.recursions._procedures.vectors import cross
-from ulna.recursions.tree_table import TreeTable
 
 
 @procedure
@@ -32,17 +32,17 @@ def _columns_in_world(tree, places, moves, work, d, W):
         first, after = tree.columns[i], tree.columns[i + 1]
         for k in range(first, after):
             column_derivatives(tree, places.X, moves, work, i, k, True)
-            force_by(tree, work, work.r, tree.S, tree.S, i, k, 0.0, False)
-            force_by(tree, work, work.y, work.phi, tree.S, i, k, 1.0, True)
-            force_by(tree, work, work.z, work.chi, work.psi, i, k, 1.0, True)
-            force_by(tree, work, d, work.psi, work.psi, i, k, 0.0, False)
-            add_turned_force(tree, moves.F, work.z, i, k)
-            add_turned_force(tree, work.h, d, i, k)
+            write_force_column(tree, work, work.r, tree.S, tree.S, i, k, 0.0, False)
+            write_force_column(tree, work, work.y, work.phi, tree.S, i, k, 1.0, True)
+            write_force_column(tree, work, work.z, work.chi, work.psi, i, k, 1.0, True)
+            write_force_column(tree, work, d, work.psi, work.psi, i, k, 0.0, False)
+            add_motion_cross_force(tree, moves.F, work.z, i, k)
+            add_motion_cross_force(tree, work.h, d, i, k)
         all_wrenches_out(places.T, i, work.r, first, after, W)
         all_wrenches_out(places.T, i, work.y, first, after, W)
         all_wrenches_out(places.T, i, work.z, first, after, W)
         all_wrenches_out(places.T, i, d, first, after, W)
-        bodies_to_parent(tree, places.X, moves, work, i, True)
+        add_bodies_to_parent(tree, places.X, moves, work, i, True)
 
 
 @procedure
@@ -76,31 +76,15 @@ def _about_centre(tree, A, total, r, work, mass, out, WITH_TOTAL):
         out[5, e] += nz
 
 
-@procedure(constants={"W": 8}, contract=True)
+@recursion(W=8, places=Placements, moves=Motions, work=DerivativeWorkspace, d=Array2[f64], mass=Array1[f64])
 def centroidal_derivatives(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    work: Pairs,
-    d: Array2[f64],
-    mass: Array1[f64],
-    q: Array3[f64],
-    v: Array3[f64],
-    a: Array3[f64],
-    dh_dq: Array3[f64],
-    dF_dq: Array3[f64],
-    dF_dv: Array3[f64],
-    dF_da: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+    tree, places, moves, work, d, mass, q, v, a, dh_dq, dF_dq, dF_dv, dF_da, blocks, W
+):
     """The derivatives of the momentum about the centre of mass, and of its rate.
 
     Args:
         tree: The table, without gravity.
         places: Storage for one sample, with the world's frames.
-        moves: Storage for one sample.
-        work: Storage.
         d: Storage, (6, columns).
         mass: That of all that moves, (1,) [kg].
         q: Configurations, (blocks, nq, 1) [rad, m].
@@ -110,8 +94,6 @@ def centroidal_derivatives(
         dF_dq: Likewise.
         dF_dv: Likewise.
         dF_da: Likewise.
-        blocks: How many are computed.
-        W: Columns at once, a constant.
     """
     for b in range(blocks):
         states_of_bodies(tree, places, moves, work, q[b], v[b], a[b], True)

@@ -30,16 +30,6 @@ def _rotated(X, i, x, y, z):
 
 
 @procedure
-def _rotated_back(X, i, x, y, z):
-    """R^T (x, y, z) of lanes, where R is of numbers."""
-    return (
-        x * X[i, 0, 0] + y * X[i, 3, 0] + z * X[i, 6, 0],
-        x * X[i, 1, 0] + y * X[i, 4, 0] + z * X[i, 7, 0],
-        x * X[i, 2, 0] + y * X[i, 5, 0] + z * X[i, 8, 0],
-    )
-
-
-@procedure
 def _lever(X, i, x, y, z):
     """p x (x, y, z) of lanes, p being the translation in row i of X."""
     px, py, pz = X[i, 9, 0], X[i, 10, 0], X[i, 11, 0]
@@ -88,22 +78,6 @@ def turn_columns(X, i, t, start, stop, W):
     while n < stop:
         _turned(X, i, t, n, 1)
         n += 1
-
-
-@procedure
-def twists_in(X, i, A, p, B, c, n, W):
-    """Takes W twists A[p] of the frame of the parent of row i to the moving frame: to B[c]."""
-    lx, ly, lz = A[p, 0, n : n + W], A[p, 1, n : n + W], A[p, 2, n : n + W]
-    rx, ry, rz = A[p, 3, n : n + W], A[p, 4, n : n + W], A[p, 5, n : n + W]
-    cx, cy, cz = _lever(X, i, rx, ry, rz)
-    lx, ly, lz = _rotated_back(X, i, lx - cx, ly - cy, lz - cz)
-    rx, ry, rz = _rotated_back(X, i, rx, ry, rz)
-    B[c, 0, n : n + W] = lx
-    B[c, 1, n : n + W] = ly
-    B[c, 2, n : n + W] = lz
-    B[c, 3, n : n + W] = rx
-    B[c, 4, n : n + W] = ry
-    B[c, 5, n : n + W] = rz
 
 
 @procedure

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ulna.compiler.procedures import Array2, Array3, f64, procedure
+from ulna.compiler.procedures import Array2, f64, procedure
 from ulna.recursions._procedures.columns import all_wrenches_out, dot_rows, fill_row, mirror
+from ulna.recursions._procedures.declaration import recursion
 from ulna.recursions._procedures.placements import Placements, place
 from ulna.recursions._procedures.vectors import momentum, rotate
-from ulna.recursions.tree_table import TreeTable
 
 
 class Composite(NamedTuple):
@@ -117,26 +117,13 @@ def _by_entries(tree, work, M):
                 M[other, e] += work.M[k, n]
 
 
-@procedure(constants={"W": 8}, contract=True)
-def mass_matrix(
-    tree: TreeTable,
-    places: Placements,
-    work: Composite,
-    q: Array3[f64],
-    M: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=8, places=Placements, work=Composite)
+def mass_matrix(tree, places, work, q, M, blocks, W):
     """Mass matrices.
 
     Args:
-        tree: The table.
-        places: Storage for one sample.
-        work: Storage.
         q: Configurations, (blocks, nq, 1) [rad, m].
         M: Matrices that are written, (blocks, nv, nv) [kg, kg m, kg m^2].
-        blocks: How many are computed.
-        W: Columns at once, a constant.
     """
     for b in range(blocks):
         if len(work.M) == 0:

@@ -8,8 +8,8 @@
 | t | the moment B^T s of a column, half of it for the Coriolis matrix | (3, columns) |
 
 All columns of what a step moves are one range, as joints are depth first: they go to the parent together, W at once.
-All observers rest in the world. Source: Carpentier & Mansard 2018; Singh, Russell & Wensing 2022; Echeandia & Wensing
-2021 for the Coriolis matrix.
+All velocities and accelerations are those relative to the world. Source: Carpentier & Mansard 2018; Singh, Russell &
+Wensing 2022; Echeandia & Wensing 2021 for the Coriolis matrix.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from ulna.recursions._procedures.columns import (
     turn_columns,
 )
 from ulna.recursions._procedures.composite import add_inertia
+from ulna.recursions._procedures.declaration import recursion
 from ulna.recursions._procedures.external_forces import subtract_wrenches
 from ulna.recursions._procedures.frame_table import Frames
 from ulna.recursions._procedures.moving_bodies import (
@@ -45,11 +46,13 @@ from ulna.recursions._procedures.newton_euler import (
 )
 from ulna.recursions._procedures.placements import Placements, place
 from ulna.recursions._procedures.vectors import add_wrench_out, cross, momentum, put, three, twist_into
-from ulna.recursions.tree_table import TreeTable
 
 
-class Pairs(NamedTuple):
-    """Storage; see the module. Row 0 and 1 of `line` hold a row of what belongs below the diagonal, (2, columns)."""
+class DerivativeWorkspace(NamedTuple):
+    """Arrays that the recursion writes; see the module for the symbols.
+
+    Rows 0 and 1 of `line` hold entries that belong below the diagonal, (2, columns).
+    """
 
     inertias: Array2[f64]
     h: Array3[f64]
@@ -110,8 +113,8 @@ def column_derivatives(tree, X, moves, work, i, k, HAS_A):
 
 
 @procedure
-def force_by(tree, work, A, motion, B, i, k, scale, HAS_B):
-    """Writes column k of A: I motion, and `scale` times B of what row k of B holds."""
+def write_force_column(tree, work, A, motion, B, i, k, scale, HAS_B):
+    """Writes column k of the forces A: I motion, and `scale` times B of what row k of B holds."""
     fx, fy, fz, nx, ny, nz = momentum(
         work.inertias, i, motion[k, 0], motion[k, 1], motion[k, 2], motion[k, 3], motion[k, 4], motion[k, 5]
     )
@@ -123,7 +126,7 @@ def force_by(tree, work, A, motion, B, i, k, scale, HAS_B):
 
 
 @procedure
-def _moment_of(tree, work, i, k, scale):
+def _write_moment(tree, work, i, k, scale):
     """Writes t of column k."""
     tx, ty, tz = coriolis_transposed(
         work.h, work.D, i, tree.S[k, 0], tree.S[k, 1], tree.S[k, 2], tree.S[k, 3], tree.S[k, 4], tree.S[k, 5]
@@ -134,7 +137,7 @@ def _moment_of(tree, work, i, k, scale):
 
 
 @procedure
-def add_turned_force(tree, F, A, i, k):
+def add_motion_cross_force(tree, F, A, i, k):
     """Adds s x* F to column k of A, of the bodies from step i outward."""
     fx, fy, fz = three(F, i, 0, 1)
     nx, ny, nz = three(F, i, 3, 1)
@@ -150,8 +153,8 @@ def add_turned_force(tree, F, A, i, k):
 
 
 @procedure
-def _row(S, k, F, M, start, stop, W):
-    """M[k, n] = row k of S times columns of F."""
+def _write_upper_row(S, k, F, M, start, stop, W):
+    """M[k, n] = row k of S times column n of F, for all columns n."""
     n = start
     while n + W <= stop:
         M[k, n : n + W] = dot_rows(S, k, F, n, W)
@@ -162,7 +165,7 @@ def _row(S, k, F, M, start, stop, W):
 
 
 @procedure
-def _below(A, B, c, work, row, M, start, stop, W):
+def _write_lower_column(A, B, c, work, row, M, start, stop, W):
     """M[n, c] = A_c . r_n + (angular part of B_c) . t_n, for all columns n."""
     n = start
     while n + W <= stop:
@@ -179,7 +182,7 @@ def _below(A, B, c, work, row, M, start, stop, W):
 
 
 @procedure
-def bodies_to_parent(tree, X, moves, work, i, HAS_A):
+def add_bodies_to_parent(tree, X, moves, work, i, HAS_A):
     """Adds inertia, momentum, rate and force of what a step moves to those of its parent."""
     parent = tree.parents[i]
     add_inertia(X, i, work.inertias, parent)
@@ -190,7 +193,7 @@ def bodies_to_parent(tree, X, moves, work, i, HAS_A):
 
 
 @procedure
-def _to_parent(tree, X, moves, work, i, HAS_A, W):
+def _add_to_parent(tree, X, moves, work, i, HAS_A, W):
     """Takes all of a step to its parent: the columns of what it moves, inertia, momentum, rate, force."""
     start, stop = tree.columns[i], tree.ends[i]
     all_wrenches_out(X, i, work.r, start, stop, W)
@@ -198,12 +201,12 @@ def _to_parent(tree, X, moves, work, i, HAS_A, W):
     turn_columns(X, i, work.t, start, stop, W)
     if HAS_A:
         all_wrenches_out(X, i, work.z, start, stop, W)
-    bodies_to_parent(tree, X, moves, work, i, HAS_A)
+    add_bodies_to_parent(tree, X, moves, work, i, HAS_A)
 
 
 @procedure
 def _derivatives(tree, places, moves, work, by_q, by_v, M, W):
-    """The three matrices of one sample, of its states; what is below the diagonal of M is left."""
+    """The three matrices of one sample, of its states; entries of M below the diagonal are not written."""
     for k in range(len(tree.armature)):
         fill_row(by_q, k, 0, 0.0, W)
         fill_row(by_v, k, 0, 0.0, W)
@@ -212,20 +215,20 @@ def _derivatives(tree, places, moves, work, by_q, by_v, M, W):
         first, after, stop = tree.columns[i], tree.columns[i + 1], tree.ends[i]
         for k in range(first, after):
             column_derivatives(tree, places.X, moves, work, i, k, True)
-            force_by(tree, work, work.r, tree.S, tree.S, i, k, 0.0, False)
-            force_by(tree, work, work.y, work.phi, tree.S, i, k, 1.0, True)
-            force_by(tree, work, work.z, work.chi, work.psi, i, k, 1.0, True)
-            _moment_of(tree, work, i, k, 1.0)
+            write_force_column(tree, work, work.r, tree.S, tree.S, i, k, 0.0, False)
+            write_force_column(tree, work, work.y, work.phi, tree.S, i, k, 1.0, True)
+            write_force_column(tree, work, work.z, work.chi, work.psi, i, k, 1.0, True)
+            _write_moment(tree, work, i, k, 1.0)
         for k in range(first, after):
-            _row(tree.S, k, work.r, M, k, stop, W)
-            _row(tree.S, k, work.y, by_v, first, stop, W)
-            _row(tree.S, k, work.z, by_q, first, stop, W)
-            _below(work.phi, tree.S, k, work, 0, by_v, after, stop, W)
-            _below(work.chi, work.psi, k, work, 1, by_q, after, stop, W)
+            _write_upper_row(tree.S, k, work.r, M, k, stop, W)
+            _write_upper_row(tree.S, k, work.y, by_v, first, stop, W)
+            _write_upper_row(tree.S, k, work.z, by_q, first, stop, W)
+            _write_lower_column(work.phi, tree.S, k, work, 0, by_v, after, stop, W)
+            _write_lower_column(work.chi, work.psi, k, work, 1, by_q, after, stop, W)
         for k in range(first, after):
-            add_turned_force(tree, moves.F, work.z, i, k)
+            add_motion_cross_force(tree, moves.F, work.z, i, k)
         if tree.parents[i] > 0:
-            _to_parent(tree, places.X, moves, work, i, True, W)
+            _add_to_parent(tree, places.X, moves, work, i, True, W)
     mirror(M)
     for k in range(len(tree.armature)):
         M[k, k] += tree.armature[k]
@@ -239,88 +242,46 @@ def _coriolis(tree, places, moves, work, q, v, C, W):
         first, after, stop = tree.columns[i], tree.columns[i + 1], tree.ends[i]
         for k in range(first, after):
             column_derivatives(tree, places.X, moves, work, i, k, False)
-            force_by(tree, work, work.r, tree.S, tree.S, i, k, 0.0, False)
-            force_by(tree, work, work.y, work.phi, tree.S, i, k, 0.5, True)
-            _moment_of(tree, work, i, k, 0.5)
+            write_force_column(tree, work, work.r, tree.S, tree.S, i, k, 0.0, False)
+            write_force_column(tree, work, work.y, work.phi, tree.S, i, k, 0.5, True)
+            _write_moment(tree, work, i, k, 0.5)
         for k in range(first, after):
-            _row(tree.S, k, work.y, C, first, stop, W)
-            _below(work.phi, tree.S, k, work, 0, C, after, stop, W)
+            _write_upper_row(tree.S, k, work.y, C, first, stop, W)
+            _write_lower_column(work.phi, tree.S, k, work, 0, C, after, stop, W)
         if tree.parents[i] > 0:
-            _to_parent(tree, places.X, moves, work, i, False, W)
+            _add_to_parent(tree, places.X, moves, work, i, False, W)
 
 
-@procedure(constants={"W": 8}, contract=True)
-def inverse_dynamics_derivatives(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    work: Pairs,
-    q: Array3[f64],
-    v: Array3[f64],
-    a: Array3[f64],
-    by_q: Array3[f64],
-    by_v: Array3[f64],
-    by_a: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=8, places=Placements, moves=Motions, work=DerivativeWorkspace)
+def inverse_dynamics_derivatives(tree, places, moves, work, q, v, a, by_q, by_v, by_a, blocks, W):
     """Derivatives of the torques of inverse dynamics; no joint mimics another.
 
     Args:
-        tree: The table.
-        places: Storage for one sample.
-        moves: Storage for one sample.
-        work: Storage.
         q: Configurations, (blocks, nq, 1) [rad, m].
         v: Velocities, (blocks, nv, 1) [rad/s, m/s].
         a: Accelerations, (blocks, nv, 1) [rad/s^2, m/s^2].
         by_q: Matrices that are written, (blocks, nv, nv).
         by_v: Likewise.
         by_a: Likewise; the mass matrices.
-        blocks: How many are computed.
-        W: Columns at once, a constant.
     """
     for b in range(blocks):
         states_of_bodies(tree, places, moves, work, q[b], v[b], a[b], True)
         _derivatives(tree, places, moves, work, by_q[b], by_v[b], by_a[b], W)
 
 
-@procedure(constants={"W": 8}, contract=True)
+@recursion(W=8, places=Placements, moves=Motions, work=DerivativeWorkspace, frames=Frames)
 def loaded_inverse_dynamics_derivatives(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    work: Pairs,
-    frames: Frames,
-    q: Array3[f64],
-    v: Array3[f64],
-    a: Array3[f64],
-    wrenches: Array3[f64],
-    by_q: Array3[f64],
-    by_v: Array3[f64],
-    by_a: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
-    """The same under forces that turn with their frames, (blocks, 6 k, 1); see `inverse_dynamics_derivatives`."""
+    tree, places, moves, work, frames, q, v, a, wrenches, by_q, by_v, by_a, blocks, W
+):
+    """The same with external forces, in axes of frames, (blocks, 6 k, 1); see `inverse_dynamics_derivatives`."""
     for b in range(blocks):
         states_of_bodies(tree, places, moves, work, q[b], v[b], a[b], True)
         subtract_wrenches(tree, places, frames, wrenches[b], moves.F, 1)
         _derivatives(tree, places, moves, work, by_q[b], by_v[b], by_a[b], W)
 
 
-@procedure(constants={"W": 8}, contract=True)
-def coriolis_matrix(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    work: Pairs,
-    q: Array3[f64],
-    v: Array3[f64],
-    C: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=8, places=Placements, moves=Motions, work=DerivativeWorkspace)
+def coriolis_matrix(tree, places, moves, work, q, v, C, blocks, W):
     """Coriolis matrices of the Christoffel symbols, (blocks, nv, nv); see `inverse_dynamics_derivatives`."""
     for b in range(blocks):
         for k in range(len(tree.armature)):

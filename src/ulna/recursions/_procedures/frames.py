@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ulna.compiler.procedures import Array1, Array3, broadcast, f64, procedure
+from ulna.compiler.procedures import Array1, broadcast, f64, procedure
+from ulna.recursions._procedures.declaration import recursion
 from ulna.recursions._procedures.frame_table import INT, Frames
 from ulna.recursions._procedures.newton_euler import (
     Motions,
@@ -17,7 +18,6 @@ from ulna.recursions._procedures.newton_euler import (
 )
 from ulna.recursions._procedures.placements import Placements, place_in_world
 from ulna.recursions._procedures.vectors import cross, rotate, rotate_back, three, twist_out
-from ulna.recursions.tree_table import TreeTable
 
 
 @procedure
@@ -44,16 +44,8 @@ def _poses(tree, places, frames, q, out, C, W):
         out[16 * k + 15, 0:W] = broadcast(1.0, W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def frame_poses(
-    tree: TreeTable,
-    places: Placements,
-    frames: Frames,
-    q: Array3[f64],
-    out: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, frames=Frames)
+def frame_poses(tree, places, frames, q, out, blocks, W):
     """Poses of frames in the world.
 
     Args:
@@ -62,8 +54,6 @@ def frame_poses(
         frames: The frames.
         q: Configurations, one a lane, (blocks, nq, W) [rad, m].
         out: Matrices by rows that are written, (blocks, 16 k, W) [m].
-        blocks: How many blocks are computed.
-        W: Lanes, a constant.
     """
     C = np.zeros((1, 12, W), f64)
     for b in range(blocks):
@@ -107,16 +97,8 @@ def _jacobian(tree, places, frames, q, J, C, W):
             J[5 * n + e, 0:W] = J[5 * n + e, 0:W] + rz
 
 
-@procedure(constants={"W": 1}, contract=True)
-def frame_jacobian(
-    tree: TreeTable,
-    places: Placements,
-    frames: Frames,
-    q: Array3[f64],
-    J: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, frames=Frames)
+def frame_jacobian(tree, places, frames, q, J, blocks, W):
     """Jacobians of one frame.
 
     Args:
@@ -125,8 +107,6 @@ def frame_jacobian(
         frames: The frame.
         q: Configurations, one a lane, (blocks, nq, W) [rad, m].
         J: Jacobians by rows that are written, (blocks, 6 nv, W); zero where no joint of the table writes.
-        blocks: How many blocks are computed.
-        W: Lanes, a constant.
     """
     C = np.zeros((1, 12, W), f64)
     for b in range(blocks):
@@ -222,38 +202,16 @@ def _velocity(tree, places, moves, frames, q, v, out, C, W):
     _in_reference(C, frames.reference[0], out, W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def frame_velocity(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    frames: Frames,
-    q: Array3[f64],
-    v: Array3[f64],
-    out: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions, frames=Frames)
+def frame_velocity(tree, places, moves, frames, q, v, out, blocks, W):
     """Twists of one frame, (blocks, 6, W); see `frame_jacobian`."""
     C = np.zeros((1, 12, W), f64)
     for b in range(blocks):
         _velocity(tree, places, moves, frames, q[b], v[b], out[b], C, W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def frame_acceleration(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    frames: Frames,
-    classical: Array1[INT],
-    q: Array3[f64],
-    v: Array3[f64],
-    a: Array3[f64],
-    out: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions, frames=Frames, classical=Array1[INT])
+def frame_acceleration(tree, places, moves, frames, classical, q, v, a, out, blocks, W):
     """Accelerations of one frame, (blocks, 6, W); of its origin if `classical` holds 1. See `frame_jacobian`."""
     C = np.zeros((1, 12, W), f64)
     twist = np.zeros((6, W), f64)

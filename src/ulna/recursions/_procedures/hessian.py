@@ -3,7 +3,7 @@
 | symbol | meaning | shape |
 |---|---|---|
 | J | columns of the Jacobian | (6, columns) |
-| H | H[6 k + r, j]: row r of the derivative of column j by the coordinate of column k | (6 columns, columns) |
+| H | H[6 k + r, j]: row r of column j's derivative with respect to column k's coordinate | (6 columns, columns) |
 
 Columns after those of a step are one range, as the joints that carry a frame are a chain: W at once.
 """
@@ -12,18 +12,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from ulna.compiler.procedures import Array2, Array3, broadcast, f64, procedure
+from ulna.compiler.procedures import Array2, broadcast, f64, procedure
 from ulna.recursions._procedures.columns import put_column
+from ulna.recursions._procedures.declaration import recursion
 from ulna.recursions._procedures.frame_table import Frames
 from ulna.recursions._procedures.frames import constant_pose, jacobian_column
 from ulna.recursions._procedures.placements import Placements, place_in_world
 from ulna.recursions._procedures.vectors import cross
-from ulna.recursions.tree_table import TreeTable
 
 
 @procedure
 def _put(H, k, j, lx, ly, lz, rx, ry, rz, W):
-    """Writes the derivatives of W columns by the coordinate of column k."""
+    """Writes the derivatives of W columns with respect to the coordinate of column k."""
     H[6 * k, j : j + W] = lx
     H[6 * k + 1, j : j + W] = ly
     H[6 * k + 2, j : j + W] = lz
@@ -94,17 +94,8 @@ def _hessian(tree, places, frames, J, q, H, C, W):
                 j += 1
 
 
-@procedure(constants={"W": 8}, contract=True)
-def frame_hessian(
-    tree: TreeTable,
-    places: Placements,
-    frames: Frames,
-    J: Array2[f64],
-    q: Array3[f64],
-    H: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=8, places=Placements, frames=Frames, J=Array2[f64])
+def frame_hessian(tree, places, frames, J, q, H, blocks, W):
     """Hessians of one frame.
 
     Args:
@@ -114,8 +105,6 @@ def frame_hessian(
         J: Storage, (6, columns).
         q: Configurations, (blocks, nq, 1) [rad, m].
         H: Hessians that are written, (blocks, 6 columns, columns).
-        blocks: How many are computed.
-        W: Columns at once, a constant.
     """
     C = np.zeros((1, 12, 1), f64)
     for b in range(blocks):

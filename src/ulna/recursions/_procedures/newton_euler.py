@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ulna.compiler.procedures import Array3, broadcast, f64, procedure
+from ulna.recursions._procedures.declaration import recursion
 from ulna.recursions._procedures.external_forces import subtract_wrenches
 from ulna.recursions._procedures.frame_table import Frames
 from ulna.recursions._procedures.placements import Placements, place
 from ulna.recursions._procedures.vectors import add_wrench_out, cross, momentum, put, three, twist_into
-from ulna.recursions.tree_table import TreeTable
 
 
 class Motions(NamedTuple):
@@ -169,129 +169,60 @@ def _loaded_torques(tree, places, moves, frames, q, v, a, wrenches, tau, HAS_V, 
     _of_forces(tree, places, moves, a, tau, HAS_A, W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def inverse_dynamics(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    q: Array3[f64],
-    v: Array3[f64],
-    a: Array3[f64],
-    tau: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions)
+def inverse_dynamics(tree, places, moves, q, v, a, tau, blocks, W):
     """The joint torques of accelerations.
 
     Args:
-        tree: The table.
-        places: Storage.
-        moves: Storage.
         q: Configurations, one a lane, (blocks, nq, W) [rad, m].
         v: Velocities, (blocks, nv, W) [rad/s, m/s].
         a: Accelerations, (blocks, nv, W) [rad/s^2, m/s^2].
         tau: Torques that are written, (blocks, nv, W) [N m, N].
-        blocks: How many blocks are computed.
-        W: Lanes, a constant.
     """
     for b in range(blocks):
         _torques(tree, places, moves, q[b], v[b], a[b], tau[b], True, True, W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def bias_forces(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    q: Array3[f64],
-    v: Array3[f64],
-    tau: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions)
+def bias_forces(tree, places, moves, q, v, tau, blocks, W):
     """The joint torques of velocities and gravity; see `inverse_dynamics`."""
     for b in range(blocks):
         _torques(tree, places, moves, q[b], v[b], v[b], tau[b], True, False, W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def gravity_forces(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    q: Array3[f64],
-    tau: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions)
+def gravity_forces(tree, places, moves, q, tau, blocks, W):
     """The joint torques of gravity; see `inverse_dynamics`."""
     for b in range(blocks):
         _torques(tree, places, moves, q[b], q[b], q[b], tau[b], False, False, W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def loaded_inverse_dynamics(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    frames: Frames,
-    q: Array3[f64],
-    v: Array3[f64],
-    a: Array3[f64],
-    wrenches: Array3[f64],
-    tau: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions, frames=Frames)
+def loaded_inverse_dynamics(tree, places, moves, frames, q, v, a, wrenches, tau, blocks, W):
     """The joint torques of accelerations under external forces; see `inverse_dynamics`.
 
     Args:
-        tree: The table.
         places: Storage, with the world's frames.
-        moves: Storage.
         frames: The frames that forces act on, and how these are written.
         q: Configurations, one a lane, (blocks, nq, W) [rad, m].
         v: Velocities, (blocks, nv, W) [rad/s, m/s].
         a: Accelerations, (blocks, nv, W) [rad/s^2, m/s^2].
         wrenches: What the surroundings exert at the frames, (blocks, 6 k, W) [N, N m].
         tau: Torques that are written, (blocks, nv, W) [N m, N].
-        blocks: How many blocks are computed.
-        W: Lanes, a constant.
     """
     for b in range(blocks):
         _loaded_torques(tree, places, moves, frames, q[b], v[b], a[b], wrenches[b], tau[b], True, True, W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def loaded_bias_forces(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    frames: Frames,
-    q: Array3[f64],
-    v: Array3[f64],
-    wrenches: Array3[f64],
-    tau: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions, frames=Frames)
+def loaded_bias_forces(tree, places, moves, frames, q, v, wrenches, tau, blocks, W):
     """The joint torques of velocities, gravity and external forces; see `loaded_inverse_dynamics`."""
     for b in range(blocks):
         _loaded_torques(tree, places, moves, frames, q[b], v[b], v[b], wrenches[b], tau[b], True, False, W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def loaded_gravity_forces(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    frames: Frames,
-    q: Array3[f64],
-    wrenches: Array3[f64],
-    tau: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions, frames=Frames)
+def loaded_gravity_forces(tree, places, moves, frames, q, wrenches, tau, blocks, W):
     """The joint torques of gravity and external forces; see `loaded_inverse_dynamics`."""
     for b in range(blocks):
         _loaded_torques(tree, places, moves, frames, q[b], q[b], q[b], wrenches[b], tau[b], False, False, W)

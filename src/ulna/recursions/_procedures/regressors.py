@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ulna.compiler.procedures import Array1, Array2, Array3, f64, procedure
+from ulna.compiler.procedures import Array1, Array2, f64, procedure
 from ulna.recursions._procedures.columns import all_wrenches_out, dot_rows, fill_row, put_column
+from ulna.recursions._procedures.declaration import recursion
 from ulna.recursions._procedures.newton_euler import (
     Motions,
     acceleration_of,
@@ -21,7 +22,6 @@ from ulna.recursions._procedures.newton_euler import (
 )
 from ulna.recursions._procedures.placements import Placements, place
 from ulna.recursions._procedures.vectors import cross, three
-from ulna.recursions.tree_table import TreeTable
 
 INT = np.int64
 
@@ -106,48 +106,22 @@ def _regressor(tree, places, moves, bodies, q, v, a, Y, HAS_V, W):
             all_wrenches_out(places.X, i, bodies.wrenches, start, stop, W)
 
 
-@procedure(constants={"W": 8}, contract=True)
-def joint_torque_regressor(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    bodies: Bodies,
-    q: Array3[f64],
-    v: Array3[f64],
-    a: Array3[f64],
-    Y: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=8, places=Placements, moves=Motions, bodies=Bodies)
+def joint_torque_regressor(tree, places, moves, bodies, q, v, a, Y, blocks, W):
     """The regressors of inverse dynamics.
 
     Args:
-        tree: The table.
-        places: Storage for one sample.
-        moves: Storage for one sample.
-        bodies: Storage.
         q: Configurations, (blocks, nq, 1) [rad, m].
         v: Velocities, (blocks, nv, 1) [rad/s, m/s].
         a: Accelerations, (blocks, nv, 1) [rad/s^2, m/s^2].
         Y: Matrices that are written, (blocks, nv, 10 nbodies).
-        blocks: How many are computed.
-        W: Columns at once, a constant.
     """
     for b in range(blocks):
         _regressor(tree, places, moves, bodies, q[b], v[b], a[b], Y[b], True, W)
 
 
-@procedure(constants={"W": 8}, contract=True)
-def gravity_regressor(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    bodies: Bodies,
-    q: Array3[f64],
-    Y: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=8, places=Placements, moves=Motions, bodies=Bodies)
+def gravity_regressor(tree, places, moves, bodies, q, Y, blocks, W):
     """The regressors at rest; see `joint_torque_regressor`."""
     for b in range(blocks):
         _regressor(tree, places, moves, bodies, q[b], q[b], q[b], Y[b], False, W)

@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ulna.compiler.procedures import Array1, Array3, broadcast, f64, procedure
+from ulna.recursions._procedures.declaration import recursion
 from ulna.recursions._procedures.newton_euler import (
     Motions,
     acceleration_of,
@@ -23,7 +24,6 @@ from ulna.recursions._procedures.newton_euler import (
 )
 from ulna.recursions._procedures.placements import Placements, place_in_world
 from ulna.recursions._procedures.vectors import add, cross, momentum, rotate, three
-from ulna.recursions.tree_table import TreeTable
 
 
 class Sums(NamedTuple):
@@ -139,140 +139,70 @@ def _potential(tree, sums, W):
     return -(x * tree.gravity[0] + y * tree.gravity[1] + z * tree.gravity[2])
 
 
-@procedure(constants={"W": 1}, contract=True)
-def center_of_mass(
-    tree: TreeTable, places: Placements, sums: Sums, q: Array3[f64], out: Array3[f64], blocks: int, W: int
-) -> None:
+@recursion(W=1, places=Placements, sums=Sums)
+def center_of_mass(tree, places, sums, q, out, blocks, W):
     """Positions of the centre of mass in the world, (blocks, 3, W) [m]; arguments as of the others here.
 
     Args:
-        tree: The table.
         places: Storage, with the world's frames.
-        sums: Storage.
         q: Configurations, one a lane, (blocks, nq, W) [rad, m].
         out: What is written.
-        blocks: How many blocks are computed.
-        W: Lanes, a constant.
     """
     for b in range(blocks):
         _first_moments(tree, places, sums, q[b], W)
         _over_mass(sums, 0, out[b], W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def potential_energy(
-    tree: TreeTable, places: Placements, sums: Sums, q: Array3[f64], out: Array3[f64], blocks: int, W: int
-) -> None:
+@recursion(W=1, places=Placements, sums=Sums)
+def potential_energy(tree, places, sums, q, out, blocks, W):
     """Potential energies, (blocks, 1, W) [J]; see `center_of_mass`."""
     for b in range(blocks):
         _first_moments(tree, places, sums, q[b], W)
         out[b, 0, 0:W] = _potential(tree, sums, W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def center_of_mass_velocity(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    sums: Sums,
-    q: Array3[f64],
-    v: Array3[f64],
-    out: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions, sums=Sums)
+def center_of_mass_velocity(tree, places, moves, sums, q, v, out, blocks, W):
     """Velocities of the centre of mass in the world, (blocks, 3, W) [m/s]; see `center_of_mass`."""
     for b in range(blocks):
         _momenta(tree, places, moves, sums, q[b], v[b], W)
         _over_mass(sums, 3, out[b], W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def centroidal_momentum(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    sums: Sums,
-    q: Array3[f64],
-    v: Array3[f64],
-    out: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions, sums=Sums)
+def centroidal_momentum(tree, places, moves, sums, q, v, out, blocks, W):
     """Momenta about the centre of mass, (blocks, 6, W) [N s, N m s]; see `center_of_mass`."""
     for b in range(blocks):
         _momenta(tree, places, moves, sums, q[b], v[b], W)
         _about_center(sums, out[b], W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def kinetic_energy(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    sums: Sums,
-    q: Array3[f64],
-    v: Array3[f64],
-    out: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions, sums=Sums)
+def kinetic_energy(tree, places, moves, sums, q, v, out, blocks, W):
     """Kinetic energies, (blocks, 1, W) [J]; see `center_of_mass`."""
     for b in range(blocks):
         _momenta(tree, places, moves, sums, q[b], v[b], W)
         out[b, 0, 0:W] = sums.total[0, 9, 0:W]
 
 
-@procedure(constants={"W": 1}, contract=True)
-def mechanical_energy(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    sums: Sums,
-    q: Array3[f64],
-    v: Array3[f64],
-    out: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions, sums=Sums)
+def mechanical_energy(tree, places, moves, sums, q, v, out, blocks, W):
     """Kinetic and potential energies together, (blocks, 1, W) [J]; see `center_of_mass`."""
     for b in range(blocks):
         _momenta(tree, places, moves, sums, q[b], v[b], W)
         out[b, 0, 0:W] = sums.total[0, 9, 0:W] + _potential(tree, sums, W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def center_of_mass_acceleration(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    sums: Sums,
-    q: Array3[f64],
-    v: Array3[f64],
-    a: Array3[f64],
-    out: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions, sums=Sums)
+def center_of_mass_acceleration(tree, places, moves, sums, q, v, a, out, blocks, W):
     """Accelerations of the centre of mass in the world, (blocks, 3, W) [m/s^2]; see `center_of_mass`."""
     for b in range(blocks):
         _rates(tree, places, moves, sums, q[b], v[b], a[b], W)
         _over_mass(sums, 3, out[b], W)
 
 
-@procedure(constants={"W": 1}, contract=True)
-def centroidal_momentum_rate(
-    tree: TreeTable,
-    places: Placements,
-    moves: Motions,
-    sums: Sums,
-    q: Array3[f64],
-    v: Array3[f64],
-    a: Array3[f64],
-    out: Array3[f64],
-    blocks: int,
-    W: int,
-) -> None:
+@recursion(W=1, places=Placements, moves=Motions, sums=Sums)
+def centroidal_momentum_rate(tree, places, moves, sums, q, v, a, out, blocks, W):
     """Rates of the momentum about the centre of mass, (blocks, 6, W) [N, N m]; see `center_of_mass`."""
     for b in range(blocks):
         _rates(tree, places, moves, sums, q[b], v[b], a[b], W)

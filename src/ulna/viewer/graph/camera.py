@@ -9,6 +9,7 @@ import numpy as np
 from ulna.checks.arrays import length_array
 from ulna.checks.values import number, short_repr
 from ulna.errors import InputError
+from ulna.numeric.arrays import triple
 from ulna.typing import Floats
 from ulna.viewer.graph.scene_graph import SceneGraph
 
@@ -44,7 +45,7 @@ class Camera:
 
     def __post_init__(self) -> None:
         for name in ("position", "target", "up"):
-            object.__setattr__(self, name, _triple(length_array(name, getattr(self, name), 3)))
+            object.__setattr__(self, name, triple(length_array(name, getattr(self, name), 3)))
         fov = number("fov", self.fov, "an angle above 0 and below pi [rad]", above=0.0, most=np.pi - 1e-6)
         object.__setattr__(self, "fov", fov)
         if not np.any(self.up):
@@ -110,13 +111,9 @@ def camera_for(
     for _ in range(4):  # perspective moves the middle of the picture a little; a few rounds settle it
         x, y, z = ((points - target) @ rotation).T
         distance = max(float(np.max(z + np.maximum(np.abs(y) / slope, np.abs(x) / (slope * aspect)))), 0.2)
-        seen_x, seen_y = x / (distance - z), y / (distance - z)
-        middle = np.array([seen_x.min() + seen_x.max(), seen_y.min() + seen_y.max(), 0.0]) / 2
+        screen_x, screen_y = x / (distance - z), y / (distance - z)
+        middle = np.array([screen_x.min() + screen_x.max(), screen_y.min() + screen_y.max(), 0.0]) / 2
         target = target + rotation @ (middle * distance)
     target = target + rotation[:, 0] * (aside * 2 * np.tan(fov / 2) * aspect * distance)
     position = target + distance * rotation[:, 2]
-    return Camera(_triple(position), _triple(target), fov)
-
-
-def _triple(v: Floats) -> tuple[float, float, float]:
-    return float(v[0]), float(v[1]), float(v[2])
+    return Camera(triple(position), triple(target), fov)

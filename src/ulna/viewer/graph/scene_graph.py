@@ -195,7 +195,7 @@ class SceneGraph:
 
     def _append(self, name: str, parent: int) -> None:
         row = self._rows[name] = len(self._nodes)
-        if row == len(self._parent_row):  # room for twice as many, so that adding many stays cheap
+        if row == len(self._parent_row):  # twice as many rows, so that adding many stays cheap
             more = max(row, 16)
             self._parent_row = np.concatenate([self._parent_row, np.full(more, -1, dtype=np.intp)])
             for key, (value, kind) in _COLUMNS.items():

@@ -79,12 +79,12 @@ def _named(model: Model, names: Sequence[str]) -> list[Frame]:
 
 
 def _ends(model: Model) -> list[Frame]:
-    """The last frame of each limb that can be turned, else of each that can be moved; the tool, where it is on it.
+    """The last frame of each chain that can be turned, else of each that can be moved; the tool, where it is on it.
 
     They are in the order of how much their names are like the tool's: both hands come before both feet.
     """
     tool = model.frame(model.tool)
-    rows = _limbs(model)
+    rows = _unbranched_chains(model)
     rows = [row for row in rows if len(row) >= _POSE] or rows
     if not rows:
         carrying = [j for j in model.support(tool.joint) if _is_simple(model, j)]
@@ -93,7 +93,7 @@ def _ends(model: Model) -> list[Frame]:
     return sorted(ends, key=lambda frame: -SequenceMatcher(None, tool.name, frame.name).ratio())[:_MAX_FRAMES]
 
 
-def _limbs(model: Model) -> list[list[int]]:
+def _unbranched_chains(model: Model) -> list[list[int]]:
     """Rows of joints without branches that are long enough, and end where nothing or several joints follow."""
     rows = []
     for joint in range(len(model.joints)):

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ulna.checks.paths import checked_path
 from ulna.checks.values import checked_robot, flag, one_of, text
 from ulna.errors import InputError
 from ulna.typing import ArrayLike
@@ -14,7 +15,7 @@ from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.live.draggable import draggable_frames
 from ulna.viewer.live.motion import motion_rows
 from ulna.viewer.live.page import document, live_page, script
-from ulna.viewer.output.atomic_file import atomic_write, checked_path
+from ulna.viewer.output.atomic_file import atomic_write
 from ulna.viewer.output.page_file import PageFile
 from ulna.viewer.page.html_file import checked_html_path
 from ulna.viewer.progress import progress

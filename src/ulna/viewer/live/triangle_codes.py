@@ -33,7 +33,7 @@ class Walk(NamedTuple):
     codes: list[int]
     """What is behind each edge that was taken."""
     names: list[int]
-    """Vertices that codes do not tell: 0 for a new one, else how many numbers ago it was met, from 1."""
+    """Vertices that do not follow from the codes: 0 for a new one, else how many numbers ago it was met, from 1."""
     order: list[int]
     """The vertices in the order in which they are met."""
     predictors: list[tuple[int, int, int]]
@@ -92,18 +92,18 @@ class _Walker:
         self._done[k] = True
         triangle = self._triangles[k]
         w = triangle[(triangle.index(v) + 1) % 3]
-        self._tell(u, v, w, opposite)
+        self._write_code(u, v, w, opposite)
         for a, b, third in ((w, u, v), (v, w, u)):
             if self._next[a] == b:
                 self._close(a, b)
             else:
                 self._open_edge(b, a, third)
 
-    def _tell(self, u: int, v: int, w: int, opposite: int) -> None:
+    def _write_code(self, u: int, v: int, w: int, opposite: int) -> None:
         codes, number = self.result.codes, self._number
         if number[w] < 0:
             codes.append(NEW)
-            self._meet(w, (number[u], number[v], number[opposite]))
+            self._number_vertex(w, (number[u], number[v], number[opposite]))
         elif self._next[v] == w:
             codes.append(NEXT)
         elif self._previous[u] == w:
@@ -116,9 +116,9 @@ class _Walker:
         number = self._number[vertex]
         self.result.names.append(0 if number < 0 else len(self.result.order) - number)
         if number < 0:
-            self._meet(vertex, predictor)
+            self._number_vertex(vertex, predictor)
 
-    def _meet(self, vertex: int, predictor: tuple[int, int, int]) -> None:
+    def _number_vertex(self, vertex: int, predictor: tuple[int, int, int]) -> None:
         self._number[vertex] = len(self.result.order)
         self.result.order.append(vertex)
         self.result.predictors.append(predictor)

@@ -3,39 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
-from ulna.checks.values import short_repr
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError
 from ulna.system.storage import replacing
-
-
-def checked_path(path: Any, what: str, suffixes: Sequence[str]) -> Path:
-    """The path of a file with one of some suffixes.
-
-    Args:
-        path: What was passed.
-        what: What kind of file it is, for messages.
-        suffixes: Suffixes that it may have, such as ".png".
-
-    Returns:
-        The path.
-
-    Raises:
-        InputError: It is no path.
-        UnknownName: It ends otherwise.
-    """
-    if not isinstance(path, str | os.PathLike) or not isinstance(os.fspath(path), str):
-        raise InputError(
-            f"`path` is {short_repr(path)}; expected the path of a {what} ({', '.join(suffixes)})."
-        )
-    target = Path(path)
-    if target.suffix.lower() not in suffixes:
-        raise UnknownName(f"kind of {what}", target.suffix, suffixes, f"The path is {str(path)!r}.")
-    return target
 
 
 @contextmanager

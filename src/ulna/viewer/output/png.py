@@ -9,9 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ulna.checks.paths import checked_path
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Array
-from ulna.viewer.output.atomic_file import atomic_write, checked_path
+from ulna.viewer.output.atomic_file import atomic_write
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 

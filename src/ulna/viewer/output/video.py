@@ -12,10 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
+from ulna.checks.paths import checked_path
 from ulna.checks.values import number
 from ulna.errors import InputError, MissingExtra
 from ulna.typing import Array
-from ulna.viewer.output.atomic_file import atomic_write, checked_path
+from ulna.viewer.output.atomic_file import atomic_write
 
 SUFFIXES = (".mp4", ".gif")
 _MAX_FRAMES = 10**7

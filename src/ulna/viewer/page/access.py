@@ -29,7 +29,7 @@ def checked_host(host: str) -> str:
 def is_allowed(host: str | None, origin: str | None, any_host: bool = False) -> bool:
     """Whether a request may be answered.
 
-    A browser states in `Origin` which page speaks, and in `Host` which name it was sent to. A page of
+    A browser states in `Origin` which page sent the request, and in `Host` which name it was sent to. A page of
     another site has another origin; a site that lets its own name point here (DNS rebinding) has another
     host. Ports may differ from ours (an SSH tunnel), so origin and host are compared with each other.
     Programs state no origin.

@@ -6,10 +6,11 @@ import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+from ulna.checks.paths import checked_path
 from ulna.viewer.graph.camera import Camera
 from ulna.viewer.graph.scene_graph import SceneGraph
 from ulna.viewer.graph.theme import LIGHT, Theme
-from ulna.viewer.output.atomic_file import atomic_write, checked_path
+from ulna.viewer.output.atomic_file import atomic_write
 from ulna.viewer.output.page_file import PageFile
 from ulna.viewer.page import Page
 from ulna.viewer.page.server import start_recording

@@ -1,4 +1,4 @@
-"""Closes in a forked child the sockets of a page, which would else stay open for as long as the child lives."""
+"""Closes in a forked child the sockets of a page, which would else stay open until the child ends."""
 
 from __future__ import annotations
 

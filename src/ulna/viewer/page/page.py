@@ -80,14 +80,11 @@ class Page:
         self.scene, self.title, self._live = scene, title, live
         checked_camera(camera)
         self._owned = server is None
-        host = host if server is None else server.get_host()
-        exposed = self._owned and guard.checked_host(host) not in guard.LOOPBACK
-        # a hub forwards requests under its own name, and maybe those of its other users: the token distinguishes them
-        is_forwarded = self._owned and place_of_kernel() == "proxied hub"
-        self._token = secrets.token_urlsafe(24) if exposed or is_forwarded else ""
+        self._token = _token(host) if server is None else ""
         self.server = serve(host, port, title, self._token) if server is None else server
+        host = self.server.get_host()
         self._host = "localhost" if host in (*guard.LOOPBACK, "0.0.0.0", "::") else host
-        if exposed:
+        if self._owned and host not in guard.LOOPBACK:
             warnings.warn(_open_to_network(host, self.port), UlnaWarning, stacklevel=2)
         channel = PoseChannel(self.server, f"{title} · Ulna" if title != "Ulna" else title, self._owned)
         self._publisher = Publisher(scene, self.server, channel, live, theme)
@@ -97,24 +94,22 @@ class Page:
         self._event_count = itertools.count(1)
         self._tick_lock = forks.lock()
         self._ticks: list[Callable[[], None]] = []
-        self._stop = threading.Event()
-        self._last_error = ""
-        self._floor, self._grid = floor, True
+        self._stop, self._last_error = threading.Event(), ""
+        self._floor, self._grid, self._theme = floor, True, theme
         self._camera_chosen, self._framing_requested, self._framed_at = camera is not None, False, 0.0
-        self._theme = theme
         self.visited = False
         """Whether any tab has looked at it so far."""
         self._thread = threading.Thread(target=self._run, name="ulna-page", daemon=True)
         self._notifications = ProgressNotifications(self.server)
         self.play_out: Callable[[], None] = lambda: None
         """Called before the whole motion is sent to tabs: adds what a motion that is being played has left."""
-        atexit.register(self._close_at_exit)
-        forks.in_child(self._leave)
         self._framing = Framing(scene, self.server)
         self._show(camera)
 
     def _show(self, camera: Camera | None) -> None:
         """Sends the scene to the server, and what changes later if the page is live."""
+        atexit.register(self._close_at_exit)
+        forks.in_child(self._leave)
         if self._owned:
             configure_scene(self.server, self._theme, self._viser_shadows)
             add_floor(self.server, self._theme, self.scene.floor() if self._floor is None else self._floor)
@@ -302,6 +297,13 @@ class Page:
         if self._framing_requested and now - self._framed_at > _FRAMING_INTERVAL:
             self._frame_scene(now)
         self._publisher.publish(now)
+
+
+def _token(host: str) -> str:
+    """A token for the addresses of a page, if others than this user can reach it; else an empty string."""
+    exposed = guard.checked_host(host) not in guard.LOOPBACK
+    # a hub forwards requests under its own name, and maybe those of its other users: the token distinguishes them
+    return secrets.token_urlsafe(24) if exposed or place_of_kernel() == "proxied hub" else ""
 
 
 def _open_to_network(host: str, port: int) -> str:

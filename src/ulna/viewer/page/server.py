@@ -16,7 +16,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ulna.errors import MissingExtra, ViewerError
+from ulna.errors import ViewerError, needed
 from ulna.extras import install_command
 from ulna.system import forks
 from ulna.viewer.page import access as guard
@@ -49,7 +49,7 @@ def _answer(
     if not guard.is_allowed(headers.get("Host"), headers.get("Origin"), any_host):
         return connection.respond(403, "This page answers its own machine only.\n")
     if not guard.has_token(token, request.path, headers.get("Cookie")):
-        return connection.respond(403, "This page answers those who know its token only.\n")
+        return connection.respond(403, "This page answers requests with its token only.\n")
     visits.note_request(request)
     response = client.response_to(files, request) or answer(connection, request)
     if response is not None:
@@ -78,11 +78,9 @@ def serve(host: str, port: int | None, title: str, token: str = "") -> Any:
         InputError: The port is none.
         ViewerError: The socket cannot be guarded.
     """
-    try:
+    with needed("viser", "viewer", "The page in the browser"):
         import viser
         import websockets.asyncio.server as sockets
-    except ImportError as error:
-        raise MissingExtra("viser", "viewer", "The page in the browser") from error
     port = checked_port(port)
     _check_address(host)
     any_host = host not in guard.LOOPBACK or bool(token)

@@ -230,10 +230,10 @@ def bilinear(image: Array, x: Array, y: Array) -> Array:
 
 def _ggx(half: Array, facing: Array, falling: Array, turned: Array) -> Array:
     alpha = _ROUGHNESS**2
-    spread = alpha**2 / (np.pi * (half**2 * (alpha**2 - 1) + 1) ** 2)
+    distribution = alpha**2 / (np.pi * (half**2 * (alpha**2 - 1) + 1) ** 2)
     k = alpha / 2
     visible = 0.25 / ((facing * (1 - k) + k) * (falling * (1 - k) + k))
-    return spread * visible * (_REFLECTANCE + (1 - _REFLECTANCE) * (1 - turned) ** 5)
+    return distribution * visible * (_REFLECTANCE + (1 - _REFLECTANCE) * (1 - turned) ** 5)
 
 
 def _environment_reflection(normals: Array, towards_eye: Array, facing: Array) -> Array:

@@ -269,12 +269,12 @@ def _texture(
     for number in np.unique(textures[textures >= 0]):
         on = np.flatnonzero(textures == number)
         uv = triangles.uv[triangle_of[on]]
-        spread_1, spread_2 = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+        uv_edge_1, uv_edge_2 = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
         # a pixel's share of the texture: that of the triangle in it, times that of the pixel in the triangle
-        texture = np.abs(spread_1[:, 0] * spread_2[:, 1] - spread_1[:, 1] * spread_2[:, 0])
+        texture = np.abs(uv_edge_1[:, 0] * uv_edge_2[:, 1] - uv_edge_1[:, 1] * uv_edge_2[:, 0])
         colours = texels.sample_texture(
             triangles.textures[number].image,
-            uv[:, 0] + u[on] * spread_1 + v[on] * spread_2,
+            uv[:, 0] + u[on] * uv_edge_1 + v[on] * uv_edge_2,
             texture * footprint[on],
         )
         if colours is not None:

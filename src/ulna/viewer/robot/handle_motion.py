@@ -13,8 +13,8 @@ from ulna.checks.values import short_repr
 from ulna.errors import InputError, ShapeError
 from ulna.sim import Recording
 from ulna.trajectory import Samples, Trajectory
-from ulna.trajectory.base import SamplesWithJerk
 from ulna.trajectory.space import Poses, require_configurations
+from ulna.trajectory.trajectory import SamplesWithJerk
 from ulna.typing import Floats
 from ulna.viewer.graph.handles import Handle
 from ulna.viewer.robot.robot_handle import RobotHandle

@@ -9,7 +9,7 @@ import numpy as np
 
 from ulna.checks.arrays import finite_array
 from ulna.checks.values import checked_robot, flag, fraction, short_repr
-from ulna.errors import InputError, MissingExtra
+from ulna.errors import InputError, needed
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour, colour
 from ulna.viewer.robot.configuration import checked_configuration
@@ -81,10 +81,8 @@ def stick_figure(
 
 
 def _new_axes() -> Any:
-    try:
+    with needed("matplotlib", "plot", "Drawing stick figures"):
         import matplotlib.pyplot as plt
-    except ImportError:
-        raise MissingExtra("matplotlib", "plot", "Drawing stick figures") from None
     return plt.figure(figsize=(6, 6)).add_subplot(projection="3d")
 
 

@@ -236,8 +236,9 @@ class AnnotationMethods(HandleRegistry):
         """
         origin = transforms([length_array("position", position, 3)])[0]
         rgba = None if color is None else colour(color)
+        alpha = fraction("opacity", opacity) * (1.0 if rgba is None else rgba[3])
         out = self._add_node(
-            name, "text", content=Text(text, height), pose=origin, opacity=opacity, kind_of=Label
+            name, "text", content=Text(text, height), pose=origin, opacity=alpha, kind_of=Label
         )
         out.color = rgba
         return out

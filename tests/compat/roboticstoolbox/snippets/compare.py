@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import subprocess
 import sys
@@ -12,22 +11,22 @@ from typing import Any
 
 import numpy as np
 
-from ulna.compat.packages import FOLDERS, environment
+from support.two_pythons import variables
+from ulna.compat.packages import FOLDERS
 
 RUNNER = Path(__file__).parent / "run_snippets.py"
 
 
 def run_both(snippets: dict[str, str]) -> tuple[dict[str, Any], dict[str, Any]]:
     """The outcomes in the compatibility package, and in the Toolbox."""
-    plain = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"} | {"MPLBACKEND": "agg"}
     with tempfile.TemporaryDirectory() as folder:
         asked = Path(folder) / "asked"
         asked.write_bytes(pickle.dumps(snippets))
         jobs = []
-        for name, variables in (("ulna", environment(["roboticstoolbox"], plain)), ("toolbox", plain)):
+        for name, package in (("ulna", "roboticstoolbox"), ("toolbox", None)):
             target = Path(folder) / name
             command = [sys.executable, str(RUNNER), str(asked), str(target)]
-            jobs.append((target, subprocess.Popen(command, env=variables)))
+            jobs.append((target, subprocess.Popen(command, env=variables(package, MPLBACKEND="agg"))))
         results = []
         for target, job in jobs:
             assert job.wait(timeout=600) == 0

@@ -8,9 +8,9 @@ import pytest
 import ulna
 from support.random_arms import CLOSED, GENERAL, model_of, redundant
 from ulna.errors import InputError, UnknownName
-from ulna.ik.analytic import Arm, arm_of, plans
+from ulna.ik.analytic import Arm, arm_geometries, arm_of
 from ulna.ik.analytic.chain import movable, usual
-from ulna.model import Model, ModelBuilder, Revolute
+from ulna.model import Composite, Model, ModelBuilder, Revolute
 from ulna.spatial import SE3
 
 
@@ -22,7 +22,7 @@ def _arm(model: Model) -> Arm:
 @pytest.mark.parametrize("name", CLOSED)
 def test_special_axes_are_seen_wherever_they_stand(name: str) -> None:
     rng = np.random.default_rng(1)
-    best = plans(_arm(model_of(CLOSED[name](rng), rng)))[0]
+    best = arm_geometries(_arm(model_of(CLOSED[name](rng), rng)))[0]
     assert best.triple in name
     easy = any(word in name for word in ("meets", "2 parallel 3", "1 parallel 2"))
     assert (best.pair != "general") == easy
@@ -31,7 +31,7 @@ def test_special_axes_are_seen_wherever_they_stand(name: str) -> None:
 @pytest.mark.parametrize("name", [n for n in GENERAL if n != "quarter turns"])
 def test_no_closed_form_is_seen_where_there_is_none(name: str) -> None:
     rng = np.random.default_rng(2)
-    assert plans(_arm(model_of(GENERAL[name](rng), rng))) == []
+    assert arm_geometries(_arm(model_of(GENERAL[name](rng), rng))) == []
 
 
 def test_the_pose_is_the_product_of_exponentials() -> None:
@@ -47,29 +47,29 @@ def test_the_pose_is_the_product_of_exponentials() -> None:
 def test_methods_of_known_arms() -> None:
     ur5, panda = ulna.load("ur5"), ulna.load("panda")
     assert (
-        plans(_arm(ur5.model))[0]
+        arm_geometries(_arm(ur5.model))[0]
         .describe(_arm(ur5.model).names)
         .startswith("three parallel axes: shoulder_lift")
     )
-    best = plans(_arm(panda.model))[0]
+    best = arm_geometries(_arm(panda.model))[0]
     assert (best.free, best.triple, best.pair) == (6, "spherical", "intersecting")
-    assert {plan.free for plan in plans(_arm(panda.model), 3)} == {3}
+    assert {geometry.free for geometry in arm_geometries(_arm(panda.model), 3)} == {3}
 
 
 def test_a_slide_among_seven_joints_is_the_one_to_hold() -> None:
     arm = _arm(redundant("PRRRRRR", np.random.default_rng(0)))
-    assert {plan.free for plan in plans(arm)} == {0}
-    assert plans(_arm(redundant("PPRRRRR", np.random.default_rng(0)))) == []
+    assert {geometry.free for geometry in arm_geometries(arm)} == {0}
+    assert arm_geometries(_arm(redundant("PPRRRRR", np.random.default_rng(0)))) == []
 
 
 def test_axes_that_are_nearly_special_are_used_and_say_how_far_they_are_off() -> None:
     rng = np.random.default_rng(4)
     lines = CLOSED["spherical wrist, 2 parallel 3"](rng)
     lines[4] = (lines[4][0], lines[4][1] + 3e-6)
-    best = plans(_arm(model_of(lines, rng)))[0]
-    assert 1e-8 < best.off < 1e-5
+    best = arm_geometries(_arm(model_of(lines, rng)))[0]
+    assert 1e-8 < best.deviation < 1e-5
     lines[4] = (lines[4][0], lines[4][1] + 1e-3)
-    assert plans(_arm(model_of(lines, rng))) == []
+    assert arm_geometries(_arm(model_of(lines, rng))) == []
 
 
 def test_joints_that_do_not_move_the_frame_are_refused_by_name() -> None:
@@ -86,6 +86,30 @@ def test_the_finger_of_a_gripper_is_not_among_the_usual_joints() -> None:
     assert usual(model, model.frame("tip")) == tuple(f"joint{i}" for i in range(1, 8))
     model = redundant("PRRRRRR", np.random.default_rng(0))
     assert usual(model, model.frame("tip")) == tuple(f"joint{i}" for i in range(1, 8))
+
+
+def test_usual_joints_are_counted_by_coordinates() -> None:
+    """Two joints that mimic others come on top of six."""
+    b = ModelBuilder("m").add_link("base")
+    for k in range(8):
+        b.add_link(f"link{k}")
+        mimic = {2: ("1", 0.5, 0.0), 4: ("3", 1.0, 0.0)}.get(k)
+        parent = f"link{k - 1}" if k else "base"
+        b.add_joint(
+            str(k), Revolute((k % 2, 1.0, 0.3 * k)), parent, f"link{k}", SE3.trans(0.1, 0.0, 0.2), mimic=mimic
+        )
+    robot = ulna.Robot(b.set_tool("link7").build())
+    assert usual(robot.model, robot.model.frame("link7")) == tuple("01234567")
+    q = np.array([0.3, -0.4, 0.5, 0.2, -0.6, 0.1])
+    assert np.abs(robot.ik_all(robot.fk(q)).q - q).max(axis=1).min() < 1e-6
+    two = Composite((Revolute(), Revolute((1.0, 0.0, 0.0))))
+    b = ModelBuilder("c").add_link("base")
+    for k in range(7):
+        b.add_link(f"link{k}")
+        parent = f"link{k - 1}" if k else "base"
+        b.add_joint(str(k), Revolute() if k else two, parent, f"link{k}", SE3.trans(0.1, 0.0, 0.2))
+    model = b.build()
+    assert usual(model, model.frame("link6")) == tuple("123456")
 
 
 def test_mimic_joints_follow_in_the_chain() -> None:

@@ -74,7 +74,7 @@ def readParamsFromSrdf(
 
 
 class RobotLoader:
-    """Loads a robot: `PandaLoader().robot`. A class of one's own says by its attributes where the files are.
+    """Loads a robot: `PandaLoader().robot`. A subclass states with its class attributes where the files are.
 
     Args:
         verbose: Whether to print which folder the files are in.

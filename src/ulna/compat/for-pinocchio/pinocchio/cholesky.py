@@ -12,12 +12,17 @@ from pinocchio._containers.arrays import not_applicable, numbers
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
+from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.system.cached import cached_property
 from ulna.typing import Floats
 
 __all__ = ["computeMinv", "decompose", "solve"]
 
 
+_decompose_calls, _solve_calls = (call_cache(2, weak=2) for _ in range(2))
+
+
+@repeated_calls(_decompose_calls)
 @by_name("Model Data", "model data")
 @checks_itself
 def decompose(model: Model, data: Data) -> Floats:
@@ -33,12 +38,13 @@ def decompose(model: Model, data: Data) -> Floats:
     factors = _known(model, data)
     if factors is not None:
         U = factors.decompose()
-        if U is not NotImplemented and factors.flag[0]:
-            factors.outdated = False
+        if U is not NotImplemented:
+            _decompose_calls.add(factors.decompose, 0, model, data)
             return U
     return _factored(model, data, anew=True).upper()
 
 
+@repeated_calls(_solve_calls)
 @by_name("Model Data v", "model data v")
 @checks_itself
 def solve(model: Model, data: Data, v: Any) -> Floats:
@@ -53,9 +59,10 @@ def solve(model: Model, data: Data, v: Any) -> Floats:
         M^-1 v, (nv,) or (nv, n).
     """
     factors = _known(model, data)
-    if factors is not None and not factors.outdated:
+    if factors is not None:
         x = factors.solve_vector(v)
         if x is not NotImplemented:
+            _solve_calls.add(factors.solve_vector, 1, model, data)
             return x
     if type(v) is not np.ndarray:
         v = numbers(v, "v")
@@ -75,7 +82,7 @@ def computeMinv(model: Model, data: Data) -> Floats:
         The inverse, (nv, nv).
     """
     factors = _known(model, data)
-    if factors is None or factors.outdated:
+    if factors is None or factors.outdated[0]:
         factors = _factored(model, data)
     data._marks[_MINV] = 0.0
     return factors.fill_inverse()
@@ -102,8 +109,8 @@ class _BoundFactors(Factorization):
     @cached_property
     def fill_inverse(self) -> Any:
         """A function without arguments that fills Minv, and returns a copy."""
-        last_inputs = self.entries, self.r
-        return self.kernels.inverse_mass.into(self._Minv, returns=(0,), last_inputs=last_inputs)
+        trailing_inputs = self.entries, self.r
+        return self.kernels.inverse.into(self._Minv, returns=(0,), trailing_inputs=trailing_inputs)
 
 
 def _known(model: Model, data: Data) -> _BoundFactors | None:
@@ -117,12 +124,12 @@ def _known(model: Model, data: Data) -> _BoundFactors | None:
 @checked
 def _factored(model: Model, data: Data, anew: bool = False) -> _BoundFactors:
     factors = _known(model, data)
-    if anew or factors is None or factors.outdated:
+    if anew or factors is None or factors.outdated[0]:
         M = data._arrays["M"]
         if factors is None or factors.factor(M, *factors.no_rows) is NotImplemented:
             factors = data._bound_at["cholesky"] = _BoundFactors(model, data)
             factors.factor(M, *factors.no_rows)
-        factors.outdated = False
+        factors.outdated[0] = 0.0
         if not factors.unique:
             raise no_factors_error(M, factors.no_rows[0])
     return factors

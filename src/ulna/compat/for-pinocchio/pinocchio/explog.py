@@ -13,7 +13,7 @@ from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.rotations import Quaternion
-from pinocchio._spatial.se3 import SE3
+from pinocchio._spatial.se3 import SE3, as_placement
 from ulna import spatial
 from ulna.compiler import compile as compile_function
 from ulna.compiler import trace
@@ -201,4 +201,5 @@ def _six(v: Any) -> Floats:
 
 
 def _placement(M: Any) -> SE3:
+    M = as_placement(M)
     return M if isinstance(M, SE3) else SE3(matrix(M, (4, 4), "M"))

@@ -51,8 +51,8 @@ class SceneNode:
 
     Args:
         pose: T_parent_node, an SE3 or an array (4, 4).
-        scene_parent: The frame it hangs on; anything with a world pose `_wT` serves, such as a robot's link.
-        scene_children: Frames that hang on it.
+        scene_parent: The frame it is attached to; anything with a world pose `_wT` serves, such as a robot's link.
+        scene_children: Frames that are attached to it.
     """
 
     def __init__(
@@ -100,7 +100,7 @@ class SceneNode:
 
     @property
     def scene_parent(self) -> Any:
-        """The frame it hangs on; None for the world. Assigning leaves its `T` as it is."""
+        """The frame it is attached to; None for the world. Assigning leaves its `T` as it is."""
         return self._parent
 
     @scene_parent.setter
@@ -111,7 +111,7 @@ class SceneNode:
 
     @property
     def scene_children(self) -> list[Any]:
-        """The frames that hang on it, as a new list."""
+        """The frames that are attached to it, as a new list."""
         return list(self._children)
 
     @scene_children.setter
@@ -123,7 +123,7 @@ class SceneNode:
 
     @property
     def attached(self) -> bool:
-        """Whether it hangs on another frame."""
+        """Whether it is attached to another frame."""
         return self._parent is not None
 
     def attach(self, object: SceneNode) -> None:
@@ -134,7 +134,7 @@ class SceneNode:
         """Hang this frame on another one; `T` is from now on in that frame.
 
         Raises:
-            InputError: It is no frame, or hangs on this one already.
+            InputError: It is no frame, or is attached to this one already.
         """
         if not hasattr(object, "_wT"):
             raise InputError(f"Cannot attach to {object!r}; expected a shape, a SceneNode or a robot's link.")
@@ -142,7 +142,7 @@ class SceneNode:
         while above is not None:
             if above is self:
                 raise InputError(
-                    f"{_called(object)} hangs on {_called(self)} already; a tree has no circles."
+                    f"{_called(object)} is attached to {_called(self)} already; a tree has no circles."
                 )
             above = getattr(above, "scene_parent", None)
         self._detach()
@@ -168,7 +168,7 @@ class SceneNode:
         return "\n".join(_lines(top, 0, self))
 
     def tree_children(self) -> str:
-        """This frame and what hangs on it, a line for each."""
+        """This frame and what is attached to it, a line for each."""
         return "\n".join(_lines(self, 0, self))
 
 

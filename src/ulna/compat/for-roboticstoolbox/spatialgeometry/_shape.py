@@ -157,7 +157,7 @@ class Shape(SceneNode, abc.ABC):
         raise NotImplementedError(f"{type(self).__name__} has no box around it; solids and meshes have.")
 
     def copy(self) -> Self:
-        """The same shape in the same place, hanging on nothing, with nothing on it."""
+        """The same shape in the same place, attached to nothing, with nothing on it."""
         out = copy.copy(self)
         out._pose, out._parent, out._children = self._wT.copy(), None, []
         out._v = self._v.copy()

@@ -21,10 +21,22 @@ class UnknownObject(UnknownName, KeyError, IndexError, ValueError):
 class Elements(dict[int, SwiftElement]):
     """Controls by their number, which may be text, as Swift's keys are."""
 
-    def __missing__(self, number: Any) -> SwiftElement:
-        if isinstance(number, str) and number.isdecimal() and int(number) in self:
-            return self[int(number)]
-        raise UnknownObject("control", number, map(str, self))
+    def __missing__(self, key: Any) -> SwiftElement:
+        if key in self:
+            return self[_number(key)]
+        raise UnknownObject("control", key, map(str, self))
+
+    def __contains__(self, key: Any) -> bool:
+        return super().__contains__(_number(key))
+
+    def get(self, key: Any, default: Any = None) -> Any:
+        """The control of that number, or `default` where there is none."""
+        return super().get(_number(key), default)
+
+
+def _number(key: Any) -> Any:
+    """The number that a text says, else the key itself."""
+    return int(key) if isinstance(key, str) and key.isdecimal() else key
 
 
 def not_open_error() -> ViewerError:
@@ -45,6 +57,8 @@ class Controls:
         self._panel, self._count = panel, 0
         self.named: dict[str, SwiftElement] = {}
         """Those with a name."""
+        self.values: dict[str, Any] = {}
+        """What named sliders and menus show, kept up to date."""
         self.events: deque[tuple[SwiftElement, Any]] = deque()
         """Changes that no step has handled yet."""
         self._immediate = threading.Event()
@@ -71,6 +85,7 @@ class Controls:
         self._count += 1
         if name is not None:
             self.named[name] = element
+            element.share(self.values, name)
 
     def remove(self, element: SwiftElement) -> None:
         """Take a control out of the panel; it can be added again.
@@ -85,17 +100,13 @@ class Controls:
             )
         del self.elements[element.id]
         self.named = {name: e for name, e in self.named.items() if e is not element}
+        element.share(None)
         element.remove()
 
     def clear(self) -> None:
         """Take all of them out; they can be added to another panel."""
         for element in list(self.elements.values()):
             self.remove(element)
-
-    @property
-    def values(self) -> dict[str, Any]:
-        """What the named ones show."""
-        return {name: element.state for name, element in self.named.items()} if self.named else {}
 
     def handle(self, events: Mapping[Any, Any] | None = None) -> None:
         """Call the functions of changes in the page, and of `events`: values by the number of the control.

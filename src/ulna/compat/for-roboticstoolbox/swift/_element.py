@@ -53,11 +53,14 @@ class SwiftElement(abc.ABC):
     ) -> None:
         self._controls: list[Any] = []
         self._panel: Any = None
+        self._shared: tuple[dict[str, Any], str] | None = None
         self.id: int | None = None
         self.cb = cb
         if desc is not None:
+            # one level for each `__init__` on the way here, that of `object` standing for the call itself
+            level = sum("__init__" in kind.__dict__ for kind in type(self).__mro__)
             warnings.warn(
-                "`desc` of a control is the former name of `label`", DeprecationWarning, stacklevel=3
+                "`desc` of a control is the former name of `label`", DeprecationWarning, stacklevel=level
             )
         self.label = label if desc is None else desc
 
@@ -86,10 +89,22 @@ class SwiftElement(abc.ABC):
         """Whether it is in a panel."""
         return self.id is not None
 
-    @property
-    def state(self) -> Any:
-        """What it shows, for `env.values`."""
-        return None
+    def share(self, values: dict[str, Any] | None, name: str = "") -> None:
+        """Keeps an entry of a dict up to date from now on, if the element has a `value`.
+
+        Args:
+            values: The dict; None to take the entry out.
+            name: The key.
+        """
+        if self._shared is not None:
+            self._shared[0].pop(self._shared[1], None)
+        self._shared = None if values is None or not hasattr(type(self), "value") else (values, name)
+        self._share()
+
+    def _share(self) -> None:
+        if self._shared is not None:
+            values, name = self._shared
+            values[name] = self.value
 
     def show(self, panel: Any, number: int, notice: Notice) -> None:
         """Adds the control to a panel of `ulna.Viewer`.

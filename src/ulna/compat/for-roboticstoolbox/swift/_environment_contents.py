@@ -13,6 +13,7 @@ from swift._handles import AssemblyHandle, PartsHandle
 from swift._launch import LaunchedEnvironment
 from swift._robot import RobotHandle
 from swift._scene_items import Callback, ShapeHandle
+from ulna.checks.values import fraction
 from ulna.errors import InputError
 
 
@@ -82,11 +83,8 @@ class Contents(LaunchedEnvironment):
         Raises:
             InputError: An opacity is out of range.
         """
-        for what, alpha in (("robot_alpha", robot_alpha), ("collision_alpha", collision_alpha)):
-            if not 0.0 <= alpha <= 1.0:
-                raise InputError(f"`{what}` is {alpha}; expected a number from 0 to 1.")
+        alphas = fraction("robot_alpha", robot_alpha), fraction("collision_alpha", collision_alpha)
         has_separate_state = self.has(robot)
-        alphas = float(robot_alpha), float(collision_alpha)
         more = self._item_options(name, callback)
         return self._register(RobotHandle(self.viewer, robot, alphas, readonly, has_separate_state, **more))
 
@@ -117,7 +115,7 @@ class Contents(LaunchedEnvironment):
         )
 
     def add_shape(self, shape: Any, callback: Callback | None = None, name: str | None = None) -> int:
-        """Add a shape; one that is there already keeps its number.
+        """Add a shape; one that is there already keeps its number, and takes a callback and a name that are passed.
 
         Args:
             shape: The shape.
@@ -127,11 +125,18 @@ class Contents(LaunchedEnvironment):
 
         Returns:
             Its number.
+
+        Raises:
+            InputError: Something else has that name.
         """
-        for item in self._items.values():
-            if item.thing is shape:
-                return item.id
-        return self._register(ShapeHandle(self.viewer, shape, **self._item_options(name, callback))).id
+        item = next((item for item in self._items.values() if item.thing is shape), None)
+        if item is None:
+            return self._register(ShapeHandle(self.viewer, shape, **self._item_options(name, callback))).id
+        if name not in (None, item.name):
+            item.name = self._item_options(name, callback)["name"]
+        if callback is not None:
+            item.callback = callback
+        return item.id
 
     def add_ui(self, element: SwiftElement, name: str | None = None) -> SwiftElement:
         """Add a control to the panel.
@@ -153,12 +158,12 @@ class Contents(LaunchedEnvironment):
     def _item_options(self, name: str | None, callback: Callback | None) -> dict[str, Any]:
         if name is not None and any(item.name == name for item in self._items.values()):
             raise InputError(f"There is something named {name!r} already.")
-        return {"id": self._number, "name": name, "callback": callback}
+        return {"id": self._next_id, "name": name, "callback": callback}
 
     def _register(self, item: Any) -> Any:
         self._items[item.id] = item
         self._in_order = tuple(self._items.values())
-        self._number += 1
+        self._next_id += 1
         self.viewer.keep_frame()  # where it stands before the first step
         return item
 
@@ -172,10 +177,12 @@ class Contents(LaunchedEnvironment):
             self._controls.remove(id)
             return
         matching = [
-            i for i in self._items.values() if i is id or i.thing is id or (i.id == id and _is_number(id))
+            i for i in self._items.values() if i is id or i.thing is id or (_is_number(id) and i.id == id)
         ]
         if not matching:
-            raise UnknownObject("object in the environment", id, (str(i) for i in self._items))
+            are_several = isinstance(id, list | tuple | set | np.ndarray)
+            fix = "env.remove takes one: call it for each of them." if are_several else ""
+            raise UnknownObject("object in the environment", id, map(str, self._items), fix)
         for item in matching:
             bodies = [figure.body for figure in item.figures if figure.body is not None]
             item.remove()
@@ -191,14 +198,14 @@ class Contents(LaunchedEnvironment):
     def __getitem__(self, key: str | int) -> Any:
         """The handle of a robot or the shape of that name or number."""
         for item in self._items.values():
-            if item.name == key if isinstance(key, str) else item.id == key:
+            if item.name == key if isinstance(key, str) else _is_number(key) and item.id == key:
                 return item.thing if isinstance(item, ShapeHandle) else item
         names = [i.name for i in self._items.values() if i.name]
         raise UnknownObject("object in the environment", key, names or (str(i) for i in self._items))
 
     @property
     def values(self) -> dict[str, Any]:
-        """The values of named controls."""
+        """The values of named sliders and menus: one dict, which is kept up to date."""
         return self._controls.values
 
     @property

@@ -108,9 +108,15 @@ class PartsHandle(AssemblyHandle):
         super().__init__(SimpleNamespace(q=q, qd=np.zeros(len(q)), control_mode="v"), readonly, **more)
         self._fk, self._parts = fk, list(parts)
         label = self.name or f"assembly {self.id}"
-        self._drawn = [DrawnShape(viewer, part, f"{label} · {k}") for k, part in enumerate(self._parts)]
-        if len(q):
-            self.show()
+        self._drawn: list[DrawnShape] = []
+        try:
+            for k, part in enumerate(self._parts):
+                self._drawn.append(DrawnShape(viewer, part, f"{label} · {k}"))
+            if len(q):
+                self.show()
+        except BaseException:
+            self.remove()
+            raise
 
     @property
     def thing(self) -> Any:

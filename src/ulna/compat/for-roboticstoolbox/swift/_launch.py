@@ -131,7 +131,7 @@ class LaunchedEnvironment:
             if page
             else Simulation(realtime, speed)
         )
-        self._items, self._in_order, self._number = {}, (), 0
+        self._items, self._in_order, self._next_id = {}, (), 0
         self._controls = Controls(self._viewer.panel)
         self._axes = axes
         if axes:

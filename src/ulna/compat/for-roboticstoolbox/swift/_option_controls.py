@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,20 +31,29 @@ class _OptionControl(SwiftElement):
         if len(set(self.options)) != len(self.options):
             raise InputError(f"{self.label!r} has the options {self.options}; expected each once.")
 
-    def _number(self, value: Any) -> int:
+    def _index_of(self, value: Any) -> int:
         """The index of an option, given by its index or its name."""
         if isinstance(value, str):
             if value not in self.options:
                 raise UnknownName(f"option of {self.label!r}", value, self.options)
             return self.options.index(value)
-        number = int(value)
-        if not 0 <= number < max(len(self.options), 1):
+        index = int(value)
+        if not 0 <= index < max(len(self.options), 1):
             raise InputError(
                 f"{self.label!r} has {len(self.options)} options; there is none of index {value}."
             )
-        return number
+        return index
 
-    def _ticks(self, ticks: Sequence[Any]) -> list[bool]:
+    def _ticks(self, ticks: Any) -> list[bool]:
+        """Which options are ticked, given by a list, or the index or the name of one."""
+        if isinstance(ticks, int | str | np.integer):
+            index = self._index_of(ticks)
+            return [k == index for k in range(len(self.options))]
+        if not isinstance(ticks, Iterable):
+            raise InputError(
+                f"{self.label!r} was given {ticks!r}; expected a list of which options are ticked, or the index or the "
+                "name of one."
+            )
         out = [bool(t) for t in ticks]
         if len(out) > len(self.options):
             raise InputError(f"{self.label!r} has {len(self.options)} options; got {len(out)} values.")
@@ -63,12 +72,13 @@ class _SingleChoice(_OptionControl):
     def _check(self) -> None:
         super()._check()
         self._value = min(self._value, max(len(self.options) - 1, 0))
+        self._share()
 
     def _chosen(self) -> str | None:
         return self.options[self._value] if self.options else None
 
     def _pressed(self, option: str) -> None:
-        self._on_change(self._number(option))
+        self._on_change(self._index_of(option))
 
     def _synchronize(self, *controls: Any) -> None:
         (choice,) = controls
@@ -101,7 +111,7 @@ class Select(_SingleChoice):
         desc: str | None = None,
     ) -> None:
         super().__init__(cb, label, options, desc)
-        self._value = self._number(value)
+        self._value = self._index_of(value)
 
     @property
     def value(self) -> int:
@@ -113,17 +123,13 @@ class Select(_SingleChoice):
         self.update(value)
         self._refresh()
 
-    @property
-    def state(self) -> int:
-        """What it shows, for `env.values`."""
-        return self._value
-
     def _build(self, panel: Any) -> list[Any]:
         return [panel.select(self.label or self.kind, self.options, self._chosen(), self._pressed)]
 
     def update(self, e: Any) -> None:
         """Take over a value; calls nothing."""
-        self._value = self._number(e)
+        self._value = self._index_of(e)
+        self._share()
 
     def to_dict(self) -> dict[str, Any]:
         """What it is, in plain values."""
@@ -167,25 +173,24 @@ class Radio(_SingleChoice):
         self.update(checked)
         self._refresh()
 
-    @property
-    def state(self) -> list[bool]:
-        """What it shows, for `env.values`."""
-        return self.checked
-
     def _build(self, panel: Any) -> list[Any]:
         return [panel.radio(self.label or self.kind, self.options, self._chosen(), self._pressed)]
 
     def update(self, e: Any) -> None:
         """Take over a value; calls nothing."""
-        if isinstance(e, int | str | np.integer):
-            self._value = self._number(e)
-        else:
-            ticks = self._ticks(e)
-            self._value = ticks.index(True) if any(ticks) else 0
+        ticks = self._ticks(e)
+        self._value = ticks.index(True) if any(ticks) else 0
 
     def to_dict(self) -> dict[str, Any]:
         """What it is, in plain values."""
         return {**super().to_dict(), "checked": self.checked}
+
+
+class Tick(NamedTuple):
+    """One box that was clicked in the page."""
+
+    place: int
+    on: bool
 
 
 class Checkbox(_OptionControl):
@@ -195,11 +200,11 @@ class Checkbox(_OptionControl):
         cb: Called with a list of which are ticked.
         label: The text above them.
         options: The texts beside them.
-        checked: Which are ticked at first.
+        checked: Which are ticked at first, a list, or the index of the only one.
         desc: An older name of `label`.
 
     Raises:
-        InputError: There are more ticks than boxes, or two boxes of one name.
+        InputError: There is no such index, there are more ticks than boxes, or two boxes of one name.
     """
 
     kind = "checkbox"
@@ -210,7 +215,7 @@ class Checkbox(_OptionControl):
         cb: Callable[[list[bool]], Any] | None = None,
         label: str = "",
         options: Iterable[str] = (),
-        checked: Sequence[bool] = (),
+        checked: int | Sequence[bool] = (),
         desc: str | None = None,
     ) -> None:
         super().__init__(cb, label, options, desc)
@@ -222,7 +227,7 @@ class Checkbox(_OptionControl):
 
     @property
     def checked(self) -> list[bool]:
-        """Which are ticked; assigning ticks them and calls nothing."""
+        """Which are ticked; a list, or the index of the only one, can be assigned, which calls nothing."""
         return list(self._checked)
 
     @checked.setter
@@ -230,14 +235,9 @@ class Checkbox(_OptionControl):
         self.update(checked)
         self._refresh()
 
-    @property
-    def state(self) -> list[bool]:
-        """What it shows, for `env.values`."""
-        return self.checked
-
     def _build(self, panel: Any) -> list[Any]:
         def ticked(k: int) -> Callable[[bool], None]:
-            return lambda on: self._on_change((k, on))
+            return lambda on: self._on_change(Tick(k, on))
 
         self._built = list(self.options)
         with panel.folder(self.label or self.kind) as folder:
@@ -259,10 +259,9 @@ class Checkbox(_OptionControl):
         self._checked = self._ticks(e)
 
     def choose(self, e: Any) -> None:
-        """Take over which are ticked, or one box (index, ticked) that was clicked, and call `cb`."""
-        if isinstance(e, tuple):
-            k, on = e
-            e = [on if i == k else was for i, was in enumerate(self._checked)]
+        """Take over which are ticked, or a `Tick`, and call `cb`."""
+        if isinstance(e, Tick):
+            e = [e.on if k == e.place else was for k, was in enumerate(self._checked)]
         super().choose(e)
 
     def to_dict(self) -> dict[str, Any]:

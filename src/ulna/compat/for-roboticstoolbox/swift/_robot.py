@@ -77,7 +77,7 @@ class RobotHandle(AssemblyHandle):
         return self._complete(self._joints())
 
     def _base_pose(self) -> Floats:
-        if hasattr(self.robot, "_wT"):  # it may hang on another robot's link
+        if hasattr(self.robot, "_wT"):  # it may be attached to another robot's link
             return self.robot._wT
         return pose_of(getattr(self.robot, "base", np.eye(4)))
 

@@ -69,11 +69,6 @@ class Slider(SwiftElement):
         self.update(value)
         self._refresh()
 
-    @property
-    def state(self) -> float:
-        """What it shows, for `env.values`."""
-        return self._value
-
     def _build(self, panel: Any) -> list[Any]:
         label, changed = self.label or "slider", self._on_change
         return [panel.slider(label, self.min, self.max, self._value, changed, step=self.step, unit=self.unit)]
@@ -89,6 +84,7 @@ class Slider(SwiftElement):
         if not math.isfinite(float(e)):
             raise InputError(f"The slider {self.label!r} is set to {e}; expected a finite number.")
         self._value = float(e)
+        self._share()
 
     def to_dict(self) -> dict[str, Any]:
         """What it is, in plain values."""

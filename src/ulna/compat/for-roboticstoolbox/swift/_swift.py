@@ -58,7 +58,7 @@ class Swift(Contents):
             controls.handle()
         items = self._in_order
         if dt > 0.0:
-            t, values = simulation.t + dt, controls.values if controls.named else {}
+            t, values = simulation.t + dt, controls.values
             for item in items:
                 item.advance(t, dt, values)
         if len(items) == 1:  # which shows itself at once
@@ -152,7 +152,7 @@ class Swift(Contents):
     def set_lights(self, lights: Any) -> None:
         """Not offered: the lights are those of the viewer's theme."""
         raise NotImplementedError(
-            "Lamps are not set one by one; see `env.viewer.theme`: 'light', 'dark' or a Theme."
+            "Lights are not set one by one; see `env.viewer.theme`: 'light', 'dark' or a Theme."
         )
 
     def screenshot(self, file_name: str = "swift_snap") -> None:

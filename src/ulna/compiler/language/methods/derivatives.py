@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ulna.compiler.language.differentiation import copy_of, forward, reverse
+from ulna.compiler.language.loop_derivatives import SHORT_TAPE
 from ulna.compiler.language.ports import Port
 from ulna.errors import InputError, ShapeError, UnknownName
 
@@ -93,7 +94,7 @@ class Differentiable:
             UnknownName: If there is no such input.
         """
         port, entries = self._input_and_entries(wrt)
-        g, inputs, results = copy_of(self.graph, self.results)
+        g, inputs, results = copy_of(self.graph, self.results, SHORT_TAPE)
         chosen = [inputs[k] for k in entries]
         nodes: list[int] = []
         for y in results:

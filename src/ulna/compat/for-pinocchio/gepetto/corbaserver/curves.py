@@ -29,11 +29,7 @@ class Curves(Shapes, abc.ABC):
         self._roadmaps: dict[str, tuple[Rgba, float, float, Rgba]] = {}
 
     def addLine(self, lineName: str, pos1: Sequence[float], pos2: Sequence[float], RGBAcolor: Rgba) -> bool:
-        """Adds a line between two points.
-
-        Returns:
-            True.
-        """
+        """Adds a line between two points."""
         return self.addCurve(lineName, [pos1, pos2], RGBAcolor)
 
     def addCurve(self, curveName: str, pos: Any, RGBAcolor: Rgba) -> bool:
@@ -41,9 +37,6 @@ class Curves(Shapes, abc.ABC):
 
         Args:
             pos: Points, (n, 3) [m].
-
-        Returns:
-            True.
         """
         points, rgba = np.array(pos, dtype=float), colour(RGBAcolor)
         place = self._new(curveName)
@@ -58,27 +51,15 @@ class Curves(Shapes, abc.ABC):
         return place
 
     def setLineStartPoint(self, lineName: str, pos1: Sequence[float]) -> bool:
-        """Moves the start of a line.
-
-        Returns:
-            True.
-        """
+        """Moves the start of a line."""
         return self.setCurvePoints(lineName, [pos1, self._curves[self._curve(lineName)][-1]])
 
     def setLineEndPoint(self, lineName: str, pos2: Sequence[float]) -> bool:
-        """Moves the end of a line.
-
-        Returns:
-            True.
-        """
+        """Moves the end of a line."""
         return self.setCurvePoints(lineName, [self._curves[self._curve(lineName)][0], pos2])
 
     def setLineExtremalPoints(self, lineName: str, pos1: Sequence[float], pos2: Sequence[float]) -> bool:
-        """Moves both ends of a line.
-
-        Returns:
-            True.
-        """
+        """Moves both ends of a line."""
         return self.setCurvePoints(lineName, [pos1, pos2])
 
     def setCurvePoints(self, curveName: str, pos: Any) -> bool:
@@ -86,9 +67,6 @@ class Curves(Shapes, abc.ABC):
 
         Args:
             pos: Points, (n, 3) [m].
-
-        Returns:
-            True.
         """
         place = self._curve(curveName)
         points = np.array(pos, dtype=float)
@@ -102,9 +80,6 @@ class Curves(Shapes, abc.ABC):
         Args:
             first: Number of the first point.
             count: Number of points, 2 or more.
-
-        Returns:
-            True.
 
         Raises:
             InputError: The curve has no such points.
@@ -123,9 +98,6 @@ class Curves(Shapes, abc.ABC):
 
         Args:
             width: Thickness [pixels].
-
-        Returns:
-            True.
         """
         place = self._curve(curveName)
         old = self.scene.node(place).content
@@ -143,9 +115,6 @@ class Curves(Shapes, abc.ABC):
             radius: Radius of the nodes [m].
             sizeAxis: Length of their axes [m].
             RGBAcolorEdge: Colour of the edges.
-
-        Returns:
-            True.
         """
         self._roadmaps[self._new(name)] = (RGBAcolorNode, radius, sizeAxis, RGBAcolorEdge)
         return self.createGroup(name)
@@ -161,9 +130,6 @@ class Curves(Shapes, abc.ABC):
         Args:
             nameRoadmap: Name of the roadmap.
             configuration: x, y, z [m] and a quaternion, (7,); see `applyConfiguration`.
-
-        Returns:
-            True.
         """
         rgba, radius, size, _ = self._roadmap(nameRoadmap)
         pose, name = pose_of(configuration), f"{nameRoadmap}/node{len(self.getGroupNodeList(nameRoadmap))}"
@@ -178,9 +144,6 @@ class Curves(Shapes, abc.ABC):
             nameRoadmap: Name of the roadmap.
             posFrom: A point, (3,) [m].
             posTo: Another point, (3,) [m].
-
-        Returns:
-            True.
         """
         rgba = self._roadmap(nameRoadmap)[3]
         return self.addLine(

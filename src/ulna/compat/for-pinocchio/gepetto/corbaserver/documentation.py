@@ -16,6 +16,12 @@ ARGUMENTS = {
     "pos2": "The end, (3,) [m].",
     "urdfFilePath": "The file.",
     "packagePath": "Folder to look for packages in, or None.",
+    **dict.fromkeys(("sphereName", "boxName", "cylinderName", "capsuleName"), "Name of the node."),
+    **dict.fromkeys(("meshName", "faceName"), "Name of the node."),
+    "robotName": "Name of the group.",
+    "groupName": "Name of the group.",
+    "length": "Length [m].",
+    "return": "True.",
 }
 """For each name what is written in `Args:` where a docstring has no entry of that name."""
 describe_arguments = documented(ARGUMENTS)

@@ -31,9 +31,6 @@ class Looks(Tree, abc.ABC):
         Args:
             visibility: "ON", "ALWAYS_ON_TOP" (the same here) or "OFF".
 
-        Returns:
-            True.
-
         Raises:
             UnknownName: Another `visibility`, or no such node.
         """
@@ -47,9 +44,6 @@ class Looks(Tree, abc.ABC):
 
         Args:
             color: Red, green, blue, opacity from 0 to 1.
-
-        Returns:
-            True.
         """
         rgba, place = colour(color), self.known(nodeName)
         with self.scene.atomic():
@@ -64,9 +58,6 @@ class Looks(Tree, abc.ABC):
 
         Args:
             scale: Factors, (3,).
-
-        Returns:
-            True.
         """
         self._handle(nodeName).scale = np.asarray(scale, dtype=float)
         return True
@@ -168,9 +159,6 @@ class Looks(Tree, abc.ABC):
 
         Args:
             color: Red, green, blue, opacity from 0 to 1, (n, 4) or (4,).
-
-        Returns:
-            True.
         """
         return self.setColor(
             curveName, np.array(color, dtype=float).reshape(-1, np.shape(color)[-1]).mean(axis=0)

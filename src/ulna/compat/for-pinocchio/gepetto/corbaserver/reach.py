@@ -1,4 +1,4 @@
-"""Which poses a viewer can draw: those of programs that diverge reach beyond any number a picture has room for."""
+"""Which poses a viewer can draw: programs that diverge yield numbers beyond those that a picture can hold."""
 
 from __future__ import annotations
 

@@ -41,14 +41,7 @@ class Shapes(Tree, abc.ABC):
         return True
 
     def addSphere(self, sphereName: str, radius: float, RGBAcolor: Rgba) -> bool:
-        """Adds a sphere.
-
-        Args:
-            sphereName: Name of the node.
-
-        Returns:
-            True.
-        """
+        """Adds a sphere."""
         return self._add(sphereName, Sphere(radius), RGBAcolor)
 
     def addBox(
@@ -57,13 +50,9 @@ class Shapes(Tree, abc.ABC):
         """Adds a box, centred.
 
         Args:
-            boxName: Name of the node.
             boxSize1: Edge along x [m].
             boxSize2: Edge along y [m].
             boxSize3: Edge along z [m].
-
-        Returns:
-            True.
         """
         return self._add(boxName, Box((boxSize1, boxSize2, boxSize3)), RGBAcolor)
 
@@ -71,11 +60,7 @@ class Shapes(Tree, abc.ABC):
         """Adds a cylinder about z, centred.
 
         Args:
-            cylinderName: Name of the node.
             height: Height [m].
-
-        Returns:
-            True.
         """
         return self._add(cylinderName, Cylinder(radius, height), RGBAcolor)
 
@@ -85,9 +70,6 @@ class Shapes(Tree, abc.ABC):
         Args:
             name: Name of the node.
             height: Height of the cylinder [m].
-
-        Returns:
-            True.
         """
         return self._add(name, Capsule(radius, height), RGBAcolor)
 
@@ -97,9 +79,6 @@ class Shapes(Tree, abc.ABC):
         Args:
             name: Name of the node.
             height: Height [m].
-
-        Returns:
-            True.
         """
         return self._add(name, Cone(radius, height), RGBAcolor)
 
@@ -107,11 +86,7 @@ class Shapes(Tree, abc.ABC):
         """Changes the height of a capsule.
 
         Args:
-            capsuleName: Name of the node.
             height: Height of its cylinder [m].
-
-        Returns:
-            True.
 
         Raises:
             UnknownName: There is no such capsule.
@@ -133,10 +108,6 @@ class Shapes(Tree, abc.ABC):
         Args:
             name: Name of the node.
             radius: Radius of the shaft [m].
-            length: Length [m].
-
-        Returns:
-            True.
         """
         place = self._new(name)
         if place in self.scene:
@@ -150,12 +121,7 @@ class Shapes(Tree, abc.ABC):
         """Changes the size of an arrow.
 
         Args:
-            capsuleName: Name of the node.
             radius: Radius of the shaft [m].
-            length: Length [m].
-
-        Returns:
-            True.
 
         Raises:
             UnknownName: There is no such arrow.
@@ -177,9 +143,6 @@ class Shapes(Tree, abc.ABC):
             RGBAcolor: Red, green, blue, opacity from 0 to 1 of the sphere.
             radius: Radius of the sphere [m].
             sizeAxis: Length of the arrows [m].
-
-        Returns:
-            True.
         """
         place = self._new(nodeName)
         self.viewer.group(place).opacity = colour(RGBAcolor)[3]
@@ -192,9 +155,6 @@ class Shapes(Tree, abc.ABC):
 
         Args:
             size: Length of an axis [m].
-
-        Returns:
-            True.
         """
         self.viewer.axes(size, name=f"{self.known(nodeName)}/{PARTS}landmark")
         return True
@@ -222,35 +182,17 @@ class Shapes(Tree, abc.ABC):
         """Adds a mesh file: dae, stl, obj, glb ...
 
         Args:
-            meshName: Name of the node.
             meshPath: The file; it may begin with "file://".
-
-        Returns:
-            True.
         """
         self.viewer.mesh(str(meshPath).removeprefix("file://"), name=self._new(meshName))
         return True
 
     def addURDF(self, robotName: str, urdfFilePath: str, packagePath: str | None = None) -> bool:
-        """Adds the visual geometries of a robot in its usual configuration, as nodes `robotName/link`.
-
-        Args:
-            robotName: Name of the group.
-
-        Returns:
-            True.
-        """
+        """Adds the visual geometries of a robot in its usual configuration, as nodes `robotName/link`."""
         return self.addUrdfObjects(robotName, urdfFilePath, True, packagePath)
 
     def addUrdfCollision(self, robotName: str, urdfFilePath: str, packagePath: str | None = None) -> bool:
-        """Adds the collision geometries of a robot, as nodes `robotName/link`.
-
-        Args:
-            robotName: Name of the group.
-
-        Returns:
-            True.
-        """
+        """Adds the collision geometries of a robot, as nodes `robotName/link`."""
         return self.addUrdfObjects(robotName, urdfFilePath, False, packagePath)
 
     def addUrdfObjects(
@@ -260,9 +202,6 @@ class Shapes(Tree, abc.ABC):
 
         Args:
             visual: Whether to show the visual geometries.
-
-        Returns:
-            True.
         """
         import ulna
 
@@ -276,13 +215,9 @@ class Shapes(Tree, abc.ABC):
         """Adds a triangle that is seen from both sides.
 
         Args:
-            faceName: Name of the node.
             pos1: A corner, (3,) [m].
             pos2: A corner, (3,) [m].
             pos3: A corner, (3,) [m].
-
-        Returns:
-            True.
         """
         return self._add(faceName, _face([pos1, pos2, pos3]), RGBAcolor)
 
@@ -292,14 +227,10 @@ class Shapes(Tree, abc.ABC):
         """Adds a plane face with four corners, in their order around it, that is seen from both sides.
 
         Args:
-            faceName: Name of the node.
             pos1: A corner, (3,) [m].
             pos2: A corner, (3,) [m].
             pos3: A corner, (3,) [m].
             pos4: A corner, (3,) [m].
-
-        Returns:
-            True.
         """
         return self._add(faceName, _face([pos1, pos2, pos3, pos4]), RGBAcolor)
 

@@ -21,7 +21,7 @@ PARTS = "·"
 
 @describe_arguments
 class Tree(abc.ABC):
-    """Nodes of a viewer by their names, in the groups that their names tell or that they were put into."""
+    """Nodes of a viewer by their names, in the groups of their paths or those they were added to."""
 
     def __init__(self, viewer: Viewer) -> None:
         self.viewer = viewer
@@ -98,12 +98,6 @@ class Tree(abc.ABC):
         """Moves a node into a group, whose pose, visibility and colour hold for it from now on; its name remains
         valid.
 
-        Args:
-            groupName: Name of the group.
-
-        Returns:
-            True.
-
         Raises:
             InputError: The group is in the node, or has a node of that name.
         """
@@ -122,9 +116,6 @@ class Tree(abc.ABC):
 
     def removeFromGroup(self, nodeName: str, groupName: str) -> bool:
         """Hides a node of a group, until it is added to another.
-
-        Args:
-            groupName: Name of the group.
 
         Returns:
             Whether the node is in that group.
@@ -178,9 +169,6 @@ class Tree(abc.ABC):
         """Places a node in its group. It takes effect at `refresh`.
 
         The quaternion stands as `gepetto.corbaserver.quaternion_order` says: xyzw, unless set otherwise.
-
-        Returns:
-            True.
         """
         place = self.known(nodeName)
         self._waiting[place] = pose_of(configuration)
@@ -194,9 +182,6 @@ class Tree(abc.ABC):
         Args:
             nodeNames: Names of the nodes.
             configurations: x, y, z [m] and a quaternion of each, (n, 7).
-
-        Returns:
-            True.
 
         Raises:
             InputError: Not as many configurations as nodes.
@@ -242,11 +227,7 @@ class Tree(abc.ABC):
         return configuration_of(self._static.get(self.known(nodeName), np.eye(4)))
 
     def setStaticTransform(self, nodeName: str, configuration: Sequence[float]) -> bool:
-        """Places a node in the frame that its configuration places. It takes effect at `refresh`.
-
-        Returns:
-            True.
-        """
+        """Places a node in the frame that its configuration places. It takes effect at `refresh`."""
         place = self.known(nodeName)
         self._static[place] = pose_of(configuration)
         self._waiting.setdefault(place, self._placed.get(place, np.eye(4)))

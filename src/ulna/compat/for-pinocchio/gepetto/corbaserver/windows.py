@@ -14,6 +14,7 @@ from gepetto.corbaserver.documentation import describe_arguments
 from gepetto.corbaserver.placement import configuration_of, pose_of
 from gepetto.corbaserver.tree import Tree
 from ulna.errors import InputError, UnknownName
+from ulna.numeric.arrays import triple
 from ulna.viewer.colours import colour
 from ulna.viewer.graph.camera import Camera
 
@@ -49,9 +50,6 @@ class Windows(Tree, abc.ABC):
 
         Args:
             sceneName: Name of the scene.
-
-        Returns:
-            True.
         """
         self.known(sceneName)
         self._window(wid)
@@ -67,9 +65,6 @@ class Windows(Tree, abc.ABC):
 
         Args:
             RGBAcolor: Red, green, blue, opacity from 0 to 1; the opacity is ignored.
-
-        Returns:
-            True.
         """
         return self._set_background(wid, "top", RGBAcolor)
 
@@ -78,9 +73,6 @@ class Windows(Tree, abc.ABC):
 
         Args:
             RGBAcolor: Red, green, blue, opacity from 0 to 1; the opacity is ignored.
-
-        Returns:
-            True.
         """
         return self._set_background(wid, "horizon", RGBAcolor)
 
@@ -100,16 +92,12 @@ class Windows(Tree, abc.ABC):
         return configuration_of(pose)
 
     def setCameraTransform(self, wid: str, configuration: Sequence[float]) -> bool:
-        """Places the camera; its axes are right, up and backwards of the picture.
-
-        Returns:
-            True.
-        """
+        """Places the camera; its axes are right, up and backwards of the picture."""
         self._window(wid)
         pose, old = pose_of(configuration), self.viewer.camera
         away = max(float(np.linalg.norm(np.subtract(old.position, old.target))), 0.1)
         eye, up, target = pose[:3, 3], pose[:3, 1], pose[:3, 3] - away * pose[:3, 2]
-        self.viewer.camera = Camera(_triple(eye), _triple(target), old.fov, _triple(up))
+        self.viewer.camera = Camera(triple(eye), triple(target), old.fov, triple(up))
         return True
 
     def setCameraToBestFit(self, wid: str) -> bool:
@@ -131,9 +119,6 @@ class Windows(Tree, abc.ABC):
         Args:
             imageFilename: Name of the file, .png.
 
-        Returns:
-            True.
-
         Raises:
             InputError: Another kind of file.
         """
@@ -149,9 +134,6 @@ class Windows(Tree, abc.ABC):
         Args:
             filename: How the names begin.
             extension: "png".
-
-        Returns:
-            True.
 
         Raises:
             InputError: Another kind of file.
@@ -183,9 +165,6 @@ class Windows(Tree, abc.ABC):
         Args:
             nodeName: Name of a node, which is checked only.
             filename: Name of the file.
-
-        Returns:
-            True.
         """
         self.known(nodeName)
         return self._html(filename)
@@ -195,9 +174,6 @@ class Windows(Tree, abc.ABC):
 
         Args:
             filename: Name of the file.
-
-        Returns:
-            True.
         """
         self._window(wid)
         return self._html(filename)
@@ -207,7 +183,3 @@ class Windows(Tree, abc.ABC):
             raise InputError(f"Scenes are written as .html here; {filename!r} is none.")
         self.viewer.html(filename)
         return True
-
-
-def _triple(v: Any) -> tuple[float, float, float]:
-    return float(v[0]), float(v[1]), float(v[2])

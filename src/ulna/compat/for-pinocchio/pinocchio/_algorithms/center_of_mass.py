@@ -27,13 +27,15 @@ from pinocchio._data.deferred_fields import (
     rows,
     stacked,
 )
-from pinocchio._data.evaluated_model import NUMBER_CALLS, kernels_for
+from pinocchio._data.evaluated_model import NUMBER_CALLS
+from pinocchio._data.first_evaluation import loaded_evaluator
 from pinocchio._data.functions import algorithm, fast_path
 from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Force
+from pinocchio._tables.world_sums import WorldSums
 from ulna import algorithms
-from ulna.compiler.runtime.repeated_calls import memory, repeated_calls
+from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.model import Model as CoreModel
 from ulna.numeric import cross
 from ulna.typing import Array, Floats
@@ -89,9 +91,17 @@ def _center_jacobian(model: CoreModel) -> Any:
 _WITH_VELOCITY = JOINTS | VELOCITIES_IN_WORLD | CENTERS_AND_VELOCITIES
 _CENTER_FIELDS = ("com[0]", "oMi")
 _VELOCITY_FIELDS = (*_CENTER_FIELDS, "vcom[0]", "v")
-_POSITION = Algorithm("center", "q", _CENTER_FIELDS, _center, (0,), deferred=JOINTS | CENTERS)
+_POSITION = Algorithm(
+    "center", "q", _CENTER_FIELDS, _center, (0,), deferred=JOINTS | CENTERS, depends_on="masses"
+)
 _VELOCITY = Algorithm(
-    "center_velocity", "qv", _VELOCITY_FIELDS, _center_velocity, (0,), deferred=_WITH_VELOCITY
+    "center_velocity",
+    "qv",
+    _VELOCITY_FIELDS,
+    _center_velocity,
+    (0,),
+    deferred=_WITH_VELOCITY,
+    depends_on="masses",
 )
 _ACCELERATION = Algorithm(
     "center_acceleration",
@@ -100,6 +110,7 @@ _ACCELERATION = Algorithm(
     _center_acceleration,
     (0,),
     deferred=JOINTS | VELOCITIES_IN_WORLD | ACCELERATIONS_IN_WORLD | CENTERS_TO_ACCELERATIONS,
+    depends_on="masses",
 )
 
 
@@ -153,6 +164,7 @@ def _stored_motion(data: Data, level: Any) -> list[Floats]:
     kernel=_center_jacobian,
     returns=(0,),
     deferred=JOINTS | CENTERS,
+    depends_on="masses",
     default_state=("_q", "forwardKinematics(model, data, q)"),
     calls=("model data compute_subtree_coms:bool?", "model data q compute_subtree_coms:bool?"),
 )
@@ -176,6 +188,7 @@ _SUBTREE = Algorithm(
     ("com[0]", *JACOBIANS),
     _center_and_columns,
     deferred=JOINTS | CENTERS,
+    depends_on="masses",
     invalidates=("Jcom",),
     title="jacobianSubtreeCenterOfMass",
 )
@@ -222,13 +235,18 @@ def getJacobianSubtreeCenterOfMass(model: Model, data: Data, subtree_root_joint_
 def _of_subtree(model: Model, data: Data, root: int, q: Floats) -> Floats:
     joint = index(root, model.njoints, "joint", "model.getJointId(name) returns one.")
     subtree = None if joint == 0 else model.names[joint]
-    return kernels_for(model, data, "subtree Jacobian").kernel("center_of_mass_jacobian", subtree=subtree)(q)
+    if evaluator := loaded_evaluator(model, data, "subtree Jacobian"):
+        sums = WorldSums(evaluator, q)
+        J = sums.subtree_center_jacobian(joint) if joint else sums.center_jacobian
+        if np.isfinite(J).all():  # else what moves has no mass, which is left to the compiled function
+            return J
+    return data._attach(model).kernel("center_of_mass_jacobian", subtree=subtree)(q)
 
 
-_total_mass_noted = memory(1, weakly=1)
+_total_mass_calls = call_cache(1, weak=1)
 
 
-@repeated_calls(_total_mass_noted)
+@repeated_calls(_total_mass_calls)
 @checks_itself
 def computeTotalMass(model: Model, data: Data = OMITTED) -> float:
     """The mass of all that moves [kg]; kept in `data.mass[0]`.
@@ -251,7 +269,7 @@ def computeTotalMass(model: Model, data: Data = OMITTED) -> float:
         raise wrong_model("computeTotalMass", model) from None
     if mass is NotImplemented:
         return _first_total_mass(model)
-    _total_mass_noted(model._total_mass, 0, model)
+    _total_mass_calls.add(model._total_mass, 0, model)
     return mass
 
 
@@ -265,11 +283,11 @@ def _first_total_mass(model: Model) -> float:
         lambda _: lambda inertias: sum(inertias[1:, 0], 0.0) + 0.0,
         inertias=blocks[0].shape,
     )
-    model._total_mass = BoundKernel(kernel, last_inputs=blocks, holder=float).call
+    model._total_mass = BoundKernel(kernel, trailing_inputs=blocks, holder=float).call
     return model._total_mass()
 
 
-@algorithm(fills=(), kernel=lambda _: lambda: (), deferred=MASSES)
+@algorithm(fills=(), kernel=lambda _: lambda: (), deferred=MASSES, depends_on="inertias")
 def computeSubtreeMasses(model: Model, data: Data) -> None:
     """Fills `data.mass` with the mass of what each joint moves; the universe, first, counts all that moves."""
     ...
@@ -348,6 +366,7 @@ def _momentum_rate(model: CoreModel) -> Any:
     kernel=_map_and_momentum,
     returns=(0,),
     deferred=JOINTS | CENTERS,
+    depends_on="masses",
 )
 def ccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """The centroidal matrix (6, nv); fills `data.Ag`, `data.hg` and `data.Ig`.
@@ -368,7 +387,13 @@ def dccrba(model: Model, data: Data, q: Any, v: Any) -> Floats:
     return computeCentroidalMapTimeVariation(model, data, q, v)
 
 
-@algorithm(fills=("Ag", "com[0]", *JACOBIANS), kernel=_map, returns=(0,), deferred=JOINTS | CENTERS)
+@algorithm(
+    fills=("Ag", "com[0]", *JACOBIANS),
+    kernel=_map,
+    returns=(0,),
+    deferred=JOINTS | CENTERS,
+    depends_on="masses",
+)
 def computeCentroidalMap(model: Model, data: Data, q: Any) -> Floats:
     """The centroidal matrix (6, nv); kept in `data.Ag`.
 
@@ -379,7 +404,11 @@ def computeCentroidalMap(model: Model, data: Data, q: Any) -> Floats:
 
 
 @algorithm(
-    fills=("dAg", "Ag", "dJ", *_VELOCITY_FIELDS, "J"), kernel=_map_rate, returns=(0,), deferred=_WITH_VELOCITY
+    fills=("dAg", "Ag", "dJ", *_VELOCITY_FIELDS, "J"),
+    kernel=_map_rate,
+    returns=(0,),
+    deferred=_WITH_VELOCITY,
+    depends_on="masses",
 )
 def computeCentroidalMapTimeVariation(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """The time derivative (6, nv) of the centroidal matrix; kept in `data.dAg`.
@@ -394,6 +423,7 @@ def computeCentroidalMapTimeVariation(model: Model, data: Data, q: Any, v: Any) 
     fills=("hg", "Ig", "h[0]", *_VELOCITY_FIELDS),
     kernel=_momentum,
     deferred=_WITH_VELOCITY | SUBTREE_MOMENTA,
+    depends_on="masses",
     default_state=("_qv", "forwardKinematics(model, data, q, v)"),
     returns_field="hg",
 )
@@ -413,6 +443,7 @@ def computeCentroidalMomentum(model: Model, data: Data, q: Any = None, v: Any = 
     fills=("dhg", "f[0]", "hg", "Ig", "h[0]", *_VELOCITY_FIELDS, "a"),
     kernel=_momentum_rate,
     deferred=_WITH_VELOCITY | ACCELERATIONS_IN_WORLD | SUBTREE_MOMENTA_AND_RATES,
+    depends_on="masses",
     default_state=("_qva", "forwardKinematics(model, data, q, v, a)"),
     returns_field="dhg",
 )

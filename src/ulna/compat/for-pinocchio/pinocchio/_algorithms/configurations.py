@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import functools
 import itertools
+import math
 from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import OMITTED, ArgumentError, checked, checks_itself, wrong_model
-from pinocchio._containers.arrays import StdVec, exact, numbers, vector
+from pinocchio._containers.arguments import (
+    OMITTED,
+    ArgumentError,
+    checked,
+    checks_itself,
+    wrong_model,
+)
+from pinocchio._containers.arrays import StdVec, exact, rows_of, vector
 from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.live_parameters import FREE
@@ -18,10 +25,10 @@ from pinocchio._model.quaternion_signs import quaternion_starts, with_continuous
 from pinocchio._spatial.random_numbers import STATE, drawn, normal_deviates
 from ulna import algorithms
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
-from ulna.compiler.runtime.repeated_calls import memory, repeated_calls
+from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.errors import InputError
 from ulna.model import Model as CoreModel
-from ulna.model.joints.base import Coordinate
+from ulna.model.joints.joint_kind import Coordinate
 from ulna.numeric import less, minimum, where
 from ulna.typing import Array, Floats
 
@@ -59,10 +66,10 @@ def neutral(model: Model) -> Floats:
     return q.copy()
 
 
-_random_noted = memory(1, weakly=1)
+_random_calls = call_cache(1, weak=1)
 
 
-@repeated_calls(_random_noted)
+@repeated_calls(_random_calls)
 @checks_itself
 def randomConfiguration(model: Model, lower_bound: Any = OMITTED, upper_bound: Any = OMITTED) -> Floats:
     """A configuration (nq,) drawn evenly within the limits; where there is none, from [-pi, pi] or [-1, 1] m.
@@ -90,13 +97,11 @@ def randomConfiguration(model: Model, lower_bound: Any = OMITTED, upper_bound: A
             )
         q = model._random(lower_bound, upper_bound)
     if q is NotImplemented:
-        q = _random_bound_anew(model, lower_bound, upper_bound)
-    if not model._narrowest[0] >= 0.0:
-        raise InputError(
-            "randomConfiguration: a lower limit is above the upper one; expected lower_bound <= upper_bound."
-        )
+        return _random_bound_anew(model, lower_bound, upper_bound)
     if own_limits:
-        _random_noted(model._random_within_own_limits, 0, model)
+        _random_calls.add(model._random_within_own_limits, 0, model)
+    else:
+        _random_calls.add(model._random, 2, model)
     return q
 
 
@@ -104,27 +109,26 @@ def _random_bound_anew(model: Model, low: Any, high: Any) -> Floats:
     """A random configuration where the bound kernel did not apply: converts the limits, and binds it."""
     sizes: dict[str, Any] = dict.fromkeys(("low", "high"), model.nq)
     kernel = model._compiled_structure().compile("random", _within, **sizes, state=STATE.shape)
-    narrowest = np.frombuffer(model._narrowest).reshape(())
+    others = [np.zeros(()), STATE]
     if low is OMITTED:
-        limits = model.lowerPositionLimit, model.upperPositionLimit
-        step = BoundKernel(
-            kernel,
-            [(limit, limit.copy()) for limit in limits],  # so that `narrowest` holds for all its calls
-            others=[narrowest, STATE],
-            last_inputs=[*limits, STATE],
+        read = model.lowerPositionLimit, model.upperPositionLimit, STATE
+        step = model._random_within_own_limits = BoundKernel(
+            kernel, others=others, trailing_inputs=read, condition=1
         ).call
-        model._random_within_own_limits = step
-        return step()
-    low, high = exact(low, model.nq, "lower_bound"), exact(high, model.nq, "upper_bound")
-    q = model._random(low, high)
+        q = step()
+    else:
+        low, high = exact(low, model.nq, "lower_bound"), exact(high, model.nq, "upper_bound")
+        step = model._random = BoundKernel(kernel, others=others, trailing_inputs=[STATE], condition=1).call
+        q = step(low, high)
     if q is NotImplemented:
-        model._random = BoundKernel(kernel, others=[narrowest, STATE], last_inputs=[STATE]).call
-        q = model._random(low, high)
+        raise InputError(
+            "randomConfiguration: a lower limit is above the upper one; expected lower_bound <= upper_bound."
+        )
     return q
 
 
 def _within(model: CoreModel) -> Any:
-    """What evenly drawn numbers make within limits, the narrowest of these, and the generator's state afterwards.
+    """What evenly drawn numbers make within limits, 1 where there is room in all of them, and the generator's state.
 
     Normal deviates, scaled to unit length, are even over all rotations.
     """
@@ -141,7 +145,8 @@ def _within(model: CoreModel) -> Any:
         q = batch_zeros((model.nq,), low)
         for k, c in coordinates:
             q[k] = next(deviates) if c.unit == "" else _drawn(c, next(parts), low[k], high[k])
-        return normalized(q), functools.reduce(minimum, high - low, np.inf), state
+        narrowest = functools.reduce(minimum, high - low, np.inf)
+        return normalized(q), where(less(-_SMALLEST, narrowest), 1.0, 0.0), state
 
     def normalized(q: Array) -> Array:
         unit = algorithms.normalize(model, q)
@@ -293,19 +298,27 @@ def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
     """Whether quaternions, and pairs of cosine and sine, have unit length.
 
     Args:
-        prec: Largest difference of an entry [-].
+        prec: What each length differs from 1 by less than [-].
 
     Returns:
         Whether they are.
+
+    Raises:
+        InputError: `prec` is below zero, or nan.
     """
     entries = vector(q, model.nq, "q")
-    return bool(np.abs(normalize(model, entries) - entries).max(initial=0.0) <= prec)
+    if not prec >= 0.0:
+        raise InputError(f"isNormalized: `prec` is {prec}; expected 0 or more.")
+    if model._unit_parts is None:
+        model._unit_parts = [slice(*place) for *place, is_unit in _compared_together(model) if is_unit]
+    units = [entries[part] for part in model._unit_parts]
+    return all([abs(math.sqrt(unit @ unit) - 1.0) < prec for unit in units])
 
 
-_same_noted = memory(1, weakly=1)
+_same_calls = call_cache(1, weak=1)
 
 
-@repeated_calls(_same_noted)
+@repeated_calls(_same_calls)
 @checked
 def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float) -> bool:
     """Whether two configurations are the same place.
@@ -318,9 +331,9 @@ def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float) -> bool:
         Whether they are.
 
     Raises:
-        InputError: `prec` is below zero.
+        InputError: `prec` is below zero, or nan.
     """
-    if prec < 0.0:
+    if not prec >= 0.0:
         raise InputError(f"isSameConfiguration: `prec` is {prec}; expected 0 or more.")
     try:
         result = model._is_same(q1, q2, prec)
@@ -329,7 +342,7 @@ def isSameConfiguration(model: Model, q1: Any, q2: Any, prec: float) -> bool:
     if result is NotImplemented:
         result = _is_same_bound_anew(model, *_exact_pair(model, q1, q2), float(prec))
     else:
-        _same_noted(model._is_same, 3, model)
+        _same_calls.add(model._is_same, 3, model)
     return result
 
 
@@ -347,7 +360,7 @@ def _is_same_bound_anew(model: Model, *arguments: Any) -> bool:
 
 
 def _compared_together(model: Model) -> tuple[tuple[int, int, bool], ...]:
-    """Which entries of q are compared together: the first, the one behind the last, and whether it is a quaternion."""
+    """Which entries of q are compared together: the first, the one behind the last, and whether of unit length."""
     groups: list[tuple[int, int, bool]] = []
     for joint in model.joints[1:]:
         k = joint.idx_q
@@ -355,7 +368,7 @@ def _compared_together(model: Model) -> tuple[tuple[int, int, bool], ...]:
             kind: Any = part.kind
             for is_unit, row in itertools.groupby(kind.coordinates, lambda c: c.unit == ""):
                 count = len(list(row))
-                groups.append((k, k + count, is_unit and count == 4))
+                groups.append((k, k + count, is_unit))
                 k += count
     return tuple(groups)
 
@@ -365,10 +378,10 @@ def _agreement(parts: tuple[tuple[int, int, bool], ...]) -> Any:
 
     def run(q1: Array, q2: Array, prec: Array) -> Array:
         same = 1.0 + 0.0 * prec
-        for first, end, is_quaternion in parts:
+        for first, end, is_unit in parts:
             a, b = q1[first:end], q2[first:end]
             gap = (a - b) @ (a - b)
-            if is_quaternion:  # the other sign is the same rotation
+            if is_unit and end - first == 4:  # a quaternion: the other sign is the same rotation
                 gap = minimum(gap, (a + b) @ (a + b))
             excess = gap - prec * prec * minimum(a @ a, b @ b)
             same = where(less(excess, _SMALLEST), same, 0.0)
@@ -426,7 +439,7 @@ def dIntegrateTransport(model: Model, q: Any, v: Any, Jin: Any, argument_positio
     """
     if argument_position is None:
         raise ArgumentError("dIntegrateTransport: `argument_position` is None; expected ARG0 or ARG1.")
-    return dIntegrate(model, q, v, argument_position) @ numbers(Jin, "Jin")
+    return dIntegrate(model, q, v, argument_position) @ rows_of(Jin, model.nv, "Jin")
 
 
 def tangentMap(model: Model, q: Any) -> Floats:
@@ -453,7 +466,7 @@ def tangentMapProduct(model: Model, q: Any, mat_in: Any) -> Floats:
     Returns:
         Array (nq,) or (nq, n).
     """
-    return tangentMap(model, q) @ numbers(mat_in, "mat_in")
+    return tangentMap(model, q) @ rows_of(mat_in, model.nv, "mat_in")
 
 
 def tangentMapTransposeProduct(model: Model, q: Any, mat_in: Any) -> Floats:
@@ -465,22 +478,23 @@ def tangentMapTransposeProduct(model: Model, q: Any, mat_in: Any) -> Floats:
     Returns:
         Array (nv,) or (nv, n).
     """
-    return tangentMap(model, q).T @ numbers(mat_in, "mat_in")
+    return tangentMap(model, q).T @ rows_of(mat_in, model.nq, "mat_in")
 
 
-_MAX_MATRIX_SIZE = 6
-"""The most velocities of a joint."""
+_LEAST_COLUMNS = 6
+"""The most velocities of a joint that is not composite."""
 
 
 def compactTangentMap(model: Model, q: Any) -> Floats:
-    """`tangentMap` without its zeros (nq, widest joint): row i begins at the velocity that segment i names.
+    """`tangentMap` without most of its zeros: row i begins at the velocity that segment i names.
 
     Returns:
-        Matrix (nq, k), k the greatest nv of a joint.
+        Matrix (nq, k), zero beyond the velocities of a row's joint; k is 6, or more for composite joints of more.
     """
     whole = tangentMap(model, q)
-    out = np.zeros((model.nq, _MAX_MATRIX_SIZE))
-    for i, (size, start) in enumerate(zip(*getTangentToConfigurationSparsitySegment(model), strict=True)):
+    sizes, starts = getTangentToConfigurationSparsitySegment(model)
+    out = np.zeros((model.nq, max([_LEAST_COLUMNS, *sizes])))
+    for i, (size, start) in enumerate(zip(sizes, starts, strict=True)):
         out[i, :size] = whole[i, start : start + size]
     return out
 

@@ -9,10 +9,12 @@ import numpy as np
 
 from pinocchio._algorithms.jacobians import JACOBIAN_RATES, JACOBIANS, columns, computeJointJacobians, rates
 from pinocchio._containers.arguments import check_model_and_data, checks_itself
+from pinocchio._containers.arrays import not_applicable
 from pinocchio._containers.enums import Convention
 from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run
+from pinocchio._data.compiled_fields import split_forces
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import (
     ACCELERATIONS,
@@ -24,8 +26,8 @@ from pinocchio._data.deferred_fields import (
     CENTERS,
     JOINTS,
     VELOCITIES_IN_WORLD,
-    split_forces,
 )
+from pinocchio._data.derivative_columns import COMPOSITE_FORCES, CORIOLIS_COLUMNS
 from pinocchio._data.evaluated_model import EvaluatedModel
 from pinocchio._data.functions import algorithm, fast_path
 from pinocchio._model.compiled_model import CompiledModel
@@ -248,9 +250,15 @@ def aba(
     return ddq
 
 
-_CRBA = Algorithm("crba", "q", ("M",), _mass, (0,), deferred=JOINTS)
+_CRBA = Algorithm("crba", "q", ("M",), _mass, (0,), deferred=JOINTS | COMPOSITE_FORCES, depends_on="masses")
 _CRBA_IN_WORLD = Algorithm(
-    "crba_in_world", "q", ("M", "Ag", "com[0]", *JACOBIANS), _mass_in_world, (0,), deferred=JOINTS | CENTERS
+    "crba_in_world",
+    "q",
+    ("M", "Ag", "com[0]", *JACOBIANS),
+    _mass_in_world,
+    (0,),
+    deferred=JOINTS | CENTERS,
+    depends_on="masses",
 )
 
 
@@ -273,6 +281,8 @@ def crba(model: Model, data: Data, q: Any, convention: Convention = Convention.L
     kernel=with_mass(_inverse_mass),
     returns=(0,),
     deferred=JOINTS,
+    depends_on="masses",
+    invalidates=("Fcrb",),
     default_state=("_q_of_joints", "aba(model, data, q, v, tau)"),
 )
 def computeMinverse(model: Model, data: Data, q: Any = None) -> Floats:
@@ -291,8 +301,9 @@ def computeMinverse(model: Model, data: Data, q: Any = None) -> Floats:
     fills=("C", *JACOBIAN_RATES),
     kernel=_coriolis,
     returns=(0,),
-    deferred=JOINTS | VELOCITIES_IN_WORLD | BODY_MOMENTA_IN_WORLD,
-    invalidates=("Ag", "dFdv"),
+    deferred=JOINTS | VELOCITIES_IN_WORLD | BODY_MOMENTA_IN_WORLD | CORIOLIS_COLUMNS,
+    depends_on="masses",
+    invalidates=("Ag",),
 )
 def computeCoriolisMatrix(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """The Coriolis matrix (nv, nv) of the Christoffel symbols; kept in `data.C`.
@@ -303,6 +314,11 @@ def computeCoriolisMatrix(model: Model, data: Data, q: Any, v: Any) -> Floats:
     ...
 
 
+_CORIOLIS_AFTER_DERIVATIVES = Algorithm(
+    "coriolis_after_derivatives", "", (), not_applicable, invalidates=("dFdv",), title="getCoriolisMatrix"
+)
+
+
 def getCoriolisMatrix(model: Model, data: Data) -> Floats:
     """The Coriolis matrix of the last derivatives of inverse dynamics.
 
@@ -310,4 +326,6 @@ def getCoriolisMatrix(model: Model, data: Data) -> Floats:
         Matrix (nv, nv).
     """
     state = data._require(data._state_of_derivatives, "computeRNEADerivatives(model, data, q, v, a)")
-    return computeCoriolisMatrix(model, data, *state[:2])
+    C = computeCoriolisMatrix(model, data, *state[:2])
+    data._invalidate(_CORIOLIS_AFTER_DERIVATIVES)
+    return C

@@ -19,6 +19,7 @@ from pinocchio._containers.arrays import not_applicable, vector
 from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run
+from pinocchio._data.compiled_fields import split_forces
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import (
     ACCELERATIONS_IN_WORLD,
@@ -31,12 +32,19 @@ from pinocchio._data.deferred_fields import (
     TORQUE_DERIVATIVES_UNDER_FORCES,
     VELOCITIES_IN_WORLD,
     rows,
-    split_forces,
 )
-from pinocchio._data.evaluated_model import kernels_for
+from pinocchio._data.derivative_columns import (
+    ACCELERATION_COLUMNS,
+    DERIVATIVE_COLUMNS,
+    DERIVATIVE_COLUMNS_UNDER_FORCES,
+)
+from pinocchio._data.evaluated_model import EvaluatedModel
+from pinocchio._data.first_evaluation import loaded_evaluator
 from pinocchio._data.functions import algorithm, fast_path
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import checked_forces
+from pinocchio._tables.recursions import DYNAMICS
+from pinocchio._tables.world_derivatives import WorldDerivatives
 from ulna import algorithms
 from ulna.model import Model as CoreModel
 from ulna.quantities.mass import with_mass
@@ -96,7 +104,6 @@ def _centroidal(model: CoreModel) -> Any:
     return run
 
 
-_INTERMEDIATE = ("dFda", "dFdq", "dFdv")
 _MOTION = JOINTS | VELOCITIES_IN_WORLD | ACCELERATIONS_IN_WORLD
 _WORLD_FIELDS = ("oa_gf", "of", "oh")
 _IN_WORLD = {name: BODIES[name] for name in _WORLD_FIELDS}
@@ -106,20 +113,19 @@ _RNEA: dict[str, Any] = {
     "kernel": _inverse,
     "returns": (0, 1, 2),
     "states": ("derivatives",),
-    "invalidates": _INTERMEDIATE,
 }
 _ABA_FIELDS = ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq")
 _ABA: dict[str, Any] = {
     "kernel": with_mass(_forward),
     "returns": (0, 1, 2),
-    "invalidates": _INTERMEDIATE,
+    "invalidates": ("Fcrb",),
     "title": "computeABADerivatives",
 }
 _RNEA_UNDER_FORCES = Algorithm(
     "rnea_derivatives_under_forces",
     "qvaf",
     **_RNEA,
-    deferred=_MOTION | _IN_WORLD_UNDER_FORCES,
+    deferred=_MOTION | _IN_WORLD_UNDER_FORCES | DERIVATIVE_COLUMNS_UNDER_FORCES,
     title="computeRNEADerivatives",
 )
 _ABA_ALONE = Algorithm(
@@ -127,18 +133,21 @@ _ABA_ALONE = Algorithm(
     "qvt",
     (*_ABA_FIELDS, "aba_derivatives a", *JACOBIAN_RATES),
     **_ABA,
-    deferred=_MOTION | _IN_WORLD | TORQUE_DERIVATIVES,
+    deferred=_MOTION | _IN_WORLD | TORQUE_DERIVATIVES | DERIVATIVE_COLUMNS,
 )
 _ABA_UNDER_FORCES = Algorithm(
     "aba_derivatives_under_forces",
     "qvtf",
     (*_ABA_FIELDS, "aba_derivatives_under_forces a", *JACOBIAN_RATES),
     **_ABA,
-    deferred=_MOTION | _IN_WORLD_UNDER_FORCES | TORQUE_DERIVATIVES_UNDER_FORCES,
+    deferred=_MOTION
+    | _IN_WORLD_UNDER_FORCES
+    | TORQUE_DERIVATIVES_UNDER_FORCES
+    | DERIVATIVE_COLUMNS_UNDER_FORCES,
 )
 
 
-@algorithm(**_RNEA, deferred=_MOTION | _IN_WORLD, forces=_RNEA_UNDER_FORCES)
+@algorithm(**_RNEA, deferred=_MOTION | _IN_WORLD | DERIVATIVE_COLUMNS, forces=_RNEA_UNDER_FORCES)
 def computeRNEADerivatives(
     model: Model, data: Data, q: Any, v: Any, a: Any, fext: Any = None
 ) -> tuple[Floats, Floats, Floats]:
@@ -207,12 +216,19 @@ def computeStaticTorqueDerivatives(model: Model, data: Data, q: Any, fext: Any) 
         Matrix (nv, nv).
     """
     q, rest, F = vector(q, model.nq, "q"), np.zeros(model.nv), external(fext, model.njoints)
+    model._check_gravity()
     computeJointJacobians(model, data, q)
-    compiled = kernels_for(model, data, "static torque derivatives")
-    data.tau = under_forces(compiled, algorithms.static_torque, q, F)
+    evaluator = loaded_evaluator(model, data, "static torque derivatives")
+    compiled: Any = EvaluatedModel(model) if evaluator else data._attach(model)
+    if evaluator:
+        data.tau = evaluator.run(DYNAMICS, q, None, None, F).tau
+    else:
+        data.tau = under_forces(compiled, algorithms.static_torque, q, F)
     data._arrays["oa_gf"][0] = -model.gravity.vector
     data._defer(BODIES["of"], ("of",), compiled, q.copy(), rest, rest, F)
     data._invalidate(_STATIC)
+    if evaluator:
+        return WorldDerivatives(evaluator, q, F=F).torques_by_configuration()
     return under_forces(compiled, algorithms.inverse_dynamics_derivatives, q, rest, rest, F)[0]
 
 
@@ -223,7 +239,7 @@ def computeStaticTorqueDerivatives(model: Model, data: Data, q: Any, fext: Any) 
     ),
     kernel=_centroidal,
     returns=(0, 1, 2, 3),
-    deferred=_MOTION | CENTERS | SUBTREE_MOMENTA_IN_WORLD,
+    deferred=_MOTION | CENTERS | SUBTREE_MOMENTA_IN_WORLD | ACCELERATION_COLUMNS,
     invalidates=("tau",),
 )
 def computeCentroidalDynamicsDerivatives(

@@ -51,7 +51,9 @@ _WITH_VELOCITY: dict[str, Any] = {
 }
 
 
-@algorithm(fills=("energy K", "oMi", "v"), kernel=_kinetic, returns=(0,), **_WITH_VELOCITY)
+@algorithm(
+    fills=("energy K", "oMi", "v"), kernel=_kinetic, returns=(0,), depends_on="masses", **_WITH_VELOCITY
+)
 def computeKineticEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:
     """The kinetic energy [J]; kept in `data.kinetic_energy`.
 

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import functools
-import inspect
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeVar
 
-from pinocchio._containers.arguments import OMITTED, ArgumentError
+from pinocchio._containers.arguments import OMITTED, ArgumentError, checked
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame
 from pinocchio._containers.keywords import general_case, overloads
 from pinocchio._model.model import Model
-from pinocchio._spatial.se3 import SE3
+from pinocchio._spatial.se3 import SE3, as_placement
 from pinocchio._spatial.small_kernels import pose
 from ulna import spatial
-from ulna.compiler.runtime.repeated_calls import memory, repeated_calls
+from ulna.compiler.runtime.repeated_calls import CallCache, call_cache, repeated_calls
 from ulna.model import Frame
 from ulna.typing import Array, Floats
 
@@ -118,54 +117,105 @@ def at_placement(model: Model, joint_id: Any, placement: Any) -> tuple[int, SE3]
     Raises:
         ArgumentError: The placement is no SE3.
     """
+    placement = as_placement(placement)
     if not isinstance(placement, SE3):
         raise ArgumentError(f"The placement is {placement!r}; expected an SE3.")
     return index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one."), placement
 
 
 def repeated_call(kind: str, has_default: bool = True) -> Callable[[Function], Function]:
-    """Repeats a call with the same arguments by one native call, and leaves all others to the function.
+    """Has calls answered by the kernels in `data._bound_at`, and all others by the function.
 
     Args:
-        kind: The third of the key in `data._bound_at`, after the index and the reference frame.
+        kind: The third of the key in `data._bound_at`, after the index and the reference frame; "placed ..." there
+            where a placement on a joint is given.
         has_default: Whether the reference frame may be left out.
 
     Returns:
-        The decorator.
+        The decorator, for functions of (model, data, index, reference frame), and those that `at_frame_or_joint` or
+        `at_frame_or_joint_by_default_local` has decorated.
     """
+    default = LOCAL if has_default else None
 
     def decorate(function: Any) -> Any:
-        name = function.__name__
-        place, reference, *rest = list(inspect.signature(function).parameters)[2:]
-        names = [place, reference, *rest]
-        defaults = dict.fromkeys(names, "omitted") if rest else {reference: "LOCAL"} if has_default else {}
-        source = _TEMPLATE.format(
-            name=name,
-            parameters=", ".join(f"{x}={defaults[x]}" if x in defaults else x for x in names),
-            others=" or ".join(f"{other} is not omitted" for other in rest) or "False",
-            call=", ".join(names),
-            place=place,
-            reference=f"LOCAL if {reference} is omitted else {reference}"
-            if rest and has_default
-            else reference,
-            kind=kind,
-            reference_given=reference,
-            placed_reference=f"LOCAL if {rest[0]} is omitted else {rest[0]}" if rest else "None",
-            no_more=f"{rest[1]} is omitted" if rest else "False",
-        )
-        noted = memory(4, weakly=2)
-        scope: dict[str, Any] = {
-            "general": general_case(function),
-            "omitted": OMITTED,
-            "LOCAL": LOCAL,
-            "noted": noted,
-        }
-        exec(compile(source, f"<repeated call of {name}>", "exec"), scope)
-        made: Any = functools.update_wrapper(scope[name], function)
-        made.arguments_checked = True
-        return repeated_calls(noted)(made)
+        takes_placement = len(getattr(function, "orders", [()])) == 2
+        return (_at_frame_or_joint if takes_placement else _at_index)(function, kind, default)
 
     return decorate
+
+
+def _at_index(function: Any, kind: str, default: Any) -> Any:
+    general, calls = checked(function), call_cache(4, weak=2)
+
+    @functools.wraps(function)
+    def called(model: Any, data: Any, joint_id: Any, reference_frame: Any = OMITTED) -> Any:
+        result = _call_bound(calls, kind, default, model, data, joint_id, reference_frame)
+        if result is not NotImplemented:
+            return result
+        if reference_frame is OMITTED:
+            return general(model, data, joint_id)
+        return general(model, data, joint_id, reference_frame)
+
+    if default is None:  # so that messages of Python count the reference frame among the needed arguments
+        called.__defaults__ = None  # type: ignore[attr-defined]
+    called.arguments_checked = True  # type: ignore[attr-defined]
+    return repeated_calls(calls)(called)
+
+
+def _at_frame_or_joint(function: Any, kind: str, default: Any) -> Any:
+    general, placed_kind = general_case(function), f"placed {kind}"
+    calls, placed_calls = call_cache(4, weak=2), call_cache(4, weak=2, kernel_argument=3)
+
+    @functools.wraps(function)
+    def called(
+        model: Any,
+        data: Any,
+        frame_id: Any = OMITTED,
+        placement: Any = OMITTED,
+        reference_frame: Any = OMITTED,
+        joint_id: Any = OMITTED,
+    ) -> Any:
+        result = NotImplemented
+        if joint_id is OMITTED:
+            if type(placement) is SE3:  # by position, `frame_id` is the joint
+                rest = frame_id, reference_frame, placement
+                result = _call_bound(placed_calls, placed_kind, default, model, data, *rest)
+            elif reference_frame is OMITTED:  # by position, `placement` is the reference frame
+                result = _call_bound(calls, kind, default, model, data, frame_id, placement)
+        if result is not NotImplemented:
+            return result
+        return general(model, data, frame_id, placement, reference_frame, joint_id)
+
+    return repeated_calls(calls, placed_calls)(called)
+
+
+def _call_bound(
+    calls: CallCache, kind: str, default: Any, model: Any, data: Any, index: Any, reference: Any, *inputs: Any
+) -> Any:
+    """The result of the kernel that is bound for an index and a reference frame, which is added to the cache.
+
+    Args:
+        calls: The cache.
+        kind: The third of the key in `data._bound_at`.
+        default: The reference frame if `reference` is OMITTED.
+        model, data, index, reference: The keys of the call.
+        *inputs: What the kernel is called with.
+
+    Returns:
+        The result; NotImplemented where no kernel is bound, or it does not apply.
+    """
+    frame = default if reference is OMITTED else reference
+    try:
+        step, bound_frame = data._bound_at[index, frame, kind]
+        if bound_frame is not frame or data._model is not model:  # 0 == WORLD, but a plain number raises
+            return NotImplemented
+        result = step(*inputs)
+    except (KeyError, TypeError, AttributeError):  # not bound yet, or arguments of other types
+        return NotImplemented
+    if result is not NotImplemented:
+        keys = (model, data, index) if reference is OMITTED else (model, data, index, reference)
+        calls.add(step, len(inputs), *keys)
+    return result
 
 
 at_frame_or_joint = overloads(
@@ -178,34 +228,3 @@ at_frame_or_joint_by_default_local = overloads(
     "model data joint_id:int placement:SE3 reference_frame:ReferenceFrame?",
 )
 """The same, where the reference frame may be left out."""
-
-
-_TEMPLATE = """
-def {name}(model, data, {parameters}):
-    if {others}:
-        try:
-            reference = {placed_reference}
-            step, bound_reference = data._bound_at[{place}, reference, "placed {kind}"]
-            if bound_reference is reference and data._model is model and {no_more}:
-                result = step({reference_given}._m)
-                if result is not NotImplemented:
-                    return result
-        except (KeyError, TypeError, AttributeError):  # not bound yet, or no placement on a joint
-            pass
-        return general(model, data, {call})
-    reference = {reference}
-    try:
-        step, bound_reference = data._bound_at[{place}, reference, {kind!r}]
-    except (KeyError, TypeError, AttributeError):
-        pass
-    else:
-        if bound_reference is reference and data._model is model:  # 0 == WORLD, but a plain number raises
-            result = step()
-            if result is not NotImplemented:
-                if {reference_given} is omitted:
-                    noted(step, 0, model, data, {place})
-                else:
-                    noted(step, 0, model, data, {place}, reference)
-                return result
-    return general(model, data, {call})
-"""

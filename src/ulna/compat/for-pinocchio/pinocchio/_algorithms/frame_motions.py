@@ -22,6 +22,7 @@ from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
+from pinocchio._spatial.small_kernels import pose
 from ulna import spatial
 from ulna.algorithms.multibody.references import Reference
 from ulna.compiler import compile as compile_function
@@ -36,8 +37,6 @@ __all__ = [
     "getFrameVelocity",
     "getVelocity",
 ]
-
-_IDENTITY = np.eye(4)
 
 
 @repeated_call("joint velocity")
@@ -153,7 +152,7 @@ def getFrameClassicalAcceleration(
 
 def _joint_motion(model: Model, data: Data, joint_id: int, rf: Any, kind: str) -> Motion:
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
-    return _motion(model, data, kind, reference_of(rf), joint, _IDENTITY, (joint_id, rf, f"joint {kind}"))
+    return _motion(model, data, kind, reference_of(rf), joint, None, (joint_id, rf, f"joint {kind}"))
 
 
 def _frame_motion(model: Model, data: Data, place: Any, rf: Any, kind: str) -> Motion:
@@ -171,17 +170,20 @@ def _placed_motion(model: Model, data: Data, kind: str, rf: Any, joint: int, pla
     place = joint, rf, f"placed {kind}"
     step, bound_reference = data._bound_at.get(place, (not_applicable, rf))
     if data._model is model and bound_reference is rf:
-        motion = step(placement._m)
+        motion = step(placement)
         if motion is not NotImplemented:
             return motion
-    motion = _motion(model, data, kind, reference_of(rf), joint, placement._m)  # deferred fields are filled
-    fields = ("v",) if kind == "velocity" else ("v", "a")
-    watch = model._watched("structure")
-    watch += [(data._mark_of(field), np.zeros(())) for field in fields]
+    reference = reference_of(rf)
+    motion = _motion(model, data, kind, reference, joint, placement._m)  # deferred fields are filled
     if data._model is model:
-        arrays = [data._arrays[x][joint] for x in ("oMi", *fields)]
-        kernel = _frame_motion_at(kind, reference_of(rf))
-        data._bound_at[place] = BoundKernel(kernel, watch, last_inputs=arrays, holder=Motion).call, rf
+        watch = [*model._watched("structure"), *_marks(data, kind)]
+        kernel, read = _frame_motion_at(kind, reference, True), _read(data, kind, reference, joint)
+
+        def bind(otherwise: Any) -> Any:
+            held = {"holder": Motion, "input_holders": [SE3]}
+            return BoundKernel(kernel, watch, trailing_inputs=read, otherwise=otherwise, **held).call
+
+        data._bound_at[place] = data._bound_after_reads(_fields(kind), bind), rf
     return motion
 
 
@@ -191,50 +193,76 @@ def _motion(
     kind: str,
     reference: Reference,
     joint: int,
-    placement: Floats,
+    placement: Floats | None,
     place: Any = None,
 ) -> Motion:
-    """The motion of a frame out of what the Data holds of its joint; bound at `place` for the next time."""
-    watch = model._watched_frames()
+    """The motion of a frame out of what the Data holds of its joint; bound at `place` for the next time.
+
+    Args:
+        placement: The placement of the frame on the joint (4, 4); None for that of the joint.
+    """
+    watch = model._watched("structure") if placement is None else model._watched_frames()
     if data._layout is not model._layout:
         compiled_for(model, data)
     if kind == "velocity":
         data._require(data._qv, "forwardKinematics(model, data, q, v)")
     else:
         data._require(data._qva, "forwardKinematics(model, data, q, v, a)")
+    for field in _fields(kind):
+        data._read(field)
     step = data._bound_at.get(place, (not_applicable,))[0] if data._model is model else not_applicable
-    motion = step()  # deferred fields may be filled now
+    motion = step()  # deferred fields are filled now
     if motion is not NotImplemented:
         return motion
-    fields = ("v",) if kind == "velocity" else ("v", "a")
-    arrays = [np.ascontiguousarray(placement), *(data._arrays[x][joint] for x in ("oMi", *fields))]
-    kernel = _frame_motion_at(kind, reference)
+    placements = [] if placement is None else [np.ascontiguousarray(placement)]
+    arrays = [*placements, *_read(data, kind, reference, joint)]
+    kernel = _frame_motion_at(kind, reference, bool(placements))
     if place is not None and data._model is model:
-        watch += [(data._mark_of(field), np.zeros(())) for field in fields]
-        step = BoundKernel(kernel, watch, last_inputs=arrays, holder=Motion).call
-        data._bound_at[place] = step, place[1]
+        watch += _marks(data, kind)
+
+        def bind(otherwise: Any) -> Any:
+            return BoundKernel(kernel, watch, trailing_inputs=arrays, holder=Motion, otherwise=otherwise).call
+
+        data._bound_at[place] = data._bound_after_reads(_fields(kind), bind), place[1]
     return Motion._of(kernel(*arrays))
 
 
-@cache
-def _frame_motion_at(kind: str, reference: Reference) -> Any:
-    """The compiled motion of a frame at a placement in its joint's frame, in a reference."""
+def _fields(kind: str) -> tuple[str, ...]:
+    return ("v",) if kind == "velocity" else ("v", "a")
 
-    def run(placement: Array, oMi: Array, v: Array, a: Array | None = None) -> Array:
-        T, M = (spatial.SE3(m[:3, :3], m[:3, 3]) for m in (oMi, placement))
+
+def _marks(data: Data, kind: str) -> list[tuple[Floats, Floats]]:
+    """Pairs of arrays that are equal while the fields of a motion hold what the last algorithm left."""
+    return [(data._mark_of(field), np.zeros(())) for field in _fields(kind)]
+
+
+def _read(data: Data, kind: str, reference: Reference, joint: int) -> list[Floats]:
+    """What a kernel of `_frame_motion_at` reads of a Data: the pose of the joint where it counts, and its motions."""
+    fields = _fields(kind) if reference == "local" else ("oMi", *_fields(kind))
+    return [data._arrays[field][joint] for field in fields]
+
+
+@cache
+def _frame_motion_at(kind: str, reference: Reference, is_placed: bool) -> Any:
+    """The compiled motion of a frame in a reference, at a placement in its joint's frame or where that is."""
+
+    def run(*arrays: Array) -> Array:
+        inputs = iter(arrays)
+        M = pose(next(inputs)) if is_placed else spatial.SE3.identity()
         into = M.inverse()
-        if reference == "world":
-            into = T
-        elif reference == "local_world_aligned":
-            into = spatial.SE3.from_rotation(T.rotation @ M.rotation, np.zeros(3)) @ into
-        velocity = into.act(spatial.Motion(v[:3], v[3:]))
+        if reference != "local":
+            T = pose(next(inputs))
+            turned = spatial.SE3.from_rotation(T.rotation @ M.rotation, np.zeros(3))
+            into = T if reference == "world" else turned @ into
+        velocity, *gains = (into.act(spatial.Motion(x[:3], x[3:])) for x in inputs)
         if kind == "velocity":
             return velocity.vector()
-        assert a is not None
-        gain = into.act(spatial.Motion(a[:3], a[3:]))
+        (gain,) = gains
         if kind == "classical":
             gain = spatial.Motion(gain.linear + cross(velocity.angular, velocity.linear), gain.angular)
         return gain.vector()
 
-    motions: dict[str, Any] = {"v": (6,)} if kind == "velocity" else {"v": (6,), "a": (6,)}
-    return compile_function(run, placement=(4, 4), oMi=(4, 4), **motions)
+    places = is_placed + (reference != "local")
+    shapes = [(4, 4)] * places + [(6,)] * len(_fields(kind))
+    sizes: dict[str, Any] = {f"x{k}": shape for k, shape in enumerate(shapes)}
+    return compile_function(run, **sizes)

@@ -18,14 +18,14 @@ from pinocchio._algorithms.frame_arguments import (
     repeated_call,
 )
 from pinocchio._algorithms.kinematics import updateFramePlacement, updateFramePlacements
-from pinocchio._containers.arguments import check_model_and_data
+from pinocchio._containers.arguments import check_model_and_data, checks_itself
 from pinocchio._containers.arrays import exact, index, not_applicable
 from pinocchio._containers.enums import reference_of
 from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run_at_frame
 from pinocchio._data.data import Data
-from pinocchio._data.deferred_fields import JOINTS, VELOCITIES_IN_WORLD, rows, stacked
+from pinocchio._data.deferred_fields import JOINTS_AFTER_KINEMATICS, VELOCITIES_IN_WORLD, rows, stacked
 from pinocchio._data.evaluated_model import kernels_for
 from pinocchio._data.first_evaluation import loaded_evaluator, store
 from pinocchio._data.functions import algorithm
@@ -37,6 +37,7 @@ from pinocchio._spatial.small_kernels import pose
 from pinocchio._tables.frame_jacobians import frame_jacobian, frame_jacobian_rate
 from ulna import algorithms, spatial
 from ulna.algorithms.multibody.references import Reference
+from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.model import Frame
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
@@ -74,9 +75,23 @@ def rates(model: CoreModel) -> Any:
 
 JACOBIANS = ("J", "oMi")
 JACOBIAN_RATES = ("dJ", *JACOBIANS, "v")
-_JACOBIAN = Algorithm("jacobian", "q", (), not_applicable, (0,), depends_on="placements", deferred=JOINTS)
+_JACOBIAN = Algorithm(
+    "jacobian",
+    "q",
+    (),
+    not_applicable,
+    (0,),
+    depends_on="placements",
+    deferred=JOINTS_AFTER_KINEMATICS,
+)
 _JACOBIAN_AND_PLACEMENTS = Algorithm(
-    "jacobian_and_placements", "q", ("oMi",), not_applicable, (0,), depends_on="placements", deferred=JOINTS
+    "jacobian_and_placements",
+    "q",
+    ("oMi",),
+    not_applicable,
+    (0,),
+    depends_on="placements",
+    deferred=JOINTS_AFTER_KINEMATICS,
 )
 """Of a joint or frame; all reference frames but LOCAL need the placements of all joints, too."""
 
@@ -86,7 +101,7 @@ _JACOBIAN_AND_PLACEMENTS = Algorithm(
     kernel=columns,
     returns=(0,),
     depends_on="placements",
-    deferred=JOINTS,
+    deferred=JOINTS_AFTER_KINEMATICS,
     default_state=("_q", "forwardKinematics(model, data, q)"),
 )
 def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
@@ -115,6 +130,11 @@ def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: A
     return _bind_at(model, data, (joint_id, reference_frame, "joint J"), ("joint", joint), at_joint(joint))
 
 
+_joint_calls, _frame_calls = (call_cache(4, weak=2, kernel_argument=2) for _ in range(2))
+
+
+@repeated_calls(_joint_calls)
+@checks_itself
 def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Floats:
     """The Jacobian (6, nv) of a joint in LOCAL.
 
@@ -123,10 +143,12 @@ def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Flo
     """
     binding_key = (joint_id, LOCAL, "joint at q")
     try:
-        result = data._bound_at[binding_key][0](q) if data._model is model else NotImplemented
+        step = data._bound_at[binding_key][0] if data._model is model else not_applicable
     except (KeyError, TypeError, AttributeError):
-        result = NotImplemented
+        step = not_applicable
+    result = step(q)
     if result is not NotImplemented:
+        _joint_calls.add(step, 1, model, data, joint_id)
         return result
     check_model_and_data("computeJointJacobian", model, data)
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
@@ -171,9 +193,9 @@ def _placed_jacobian(model: Model, data: Data, joint: int, placement: SE3, rf: A
         return _placed_kernel(compiled, joint, reference, q=(model.nq,))(placement._m, q)
     live = compiled.live(_placed_kernel(compiled, joint, reference, J=(6, model.nv), T=(4, 4)))
     read = data._arrays["J"], data._arrays["oMi"][joint]
-    step = BoundKernel(live, not_read(live, watch), last_inputs=read).call
+    step = BoundKernel(live, not_read(live, watch), trailing_inputs=read, input_holders=[SE3]).call
     data._bound_at[joint, rf, "placed J"] = step, rf
-    return step(placement._m)
+    return step(placement)
 
 
 def _placed_kernel(compiled: CompiledModel, joint: int, reference: Reference, **shapes: Any) -> Any:
@@ -235,6 +257,8 @@ def _bind_at(
     return step()
 
 
+@repeated_calls(_frame_calls)
+@checks_itself
 def computeFrameJacobian(
     model: Model, data: Data, q: Any, frame_id: int, reference_frame: Any = LOCAL
 ) -> Floats:
@@ -251,6 +275,9 @@ def computeFrameJacobian(
     if bound_reference is reference_frame and data._model is model:  # 0 == WORLD, but a plain number raises
         result = step(q)
         if result is not NotImplemented:
+            _frame_calls.add(step, 1, model, data, frame_id, reference_frame)
+            if reference_frame is LOCAL:  # where it is left out, too
+                _frame_calls.add(step, 1, model, data, frame_id)
             return result
     check_model_and_data("computeFrameJacobian", model, data)
     return _at(model, data, binding_key, at_frame(model, frame_id), None, q)
@@ -306,7 +333,7 @@ def _jacobian(model: Model, data: Data, reference: Reference, key: Any, fixed_fr
     kernel=rates,
     returns=(0,),
     depends_on="placements",
-    deferred=JOINTS | VELOCITIES_IN_WORLD,
+    deferred=JOINTS_AFTER_KINEMATICS | VELOCITIES_IN_WORLD,
 )
 def computeJointJacobiansTimeVariation(model: Model, data: Data, q: Any, v: Any) -> Floats:
     """Fills `data.dJ` (columns in WORLD) and `data.J`; returns dJ (6, nv).
@@ -382,7 +409,7 @@ def _bind_dot(
 
     shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,)}
     kernel = compiled.live(compiled.compile_at_frames(("dJ", key, reference), build, **shapes))
-    step = BoundKernel(kernel, not_read(kernel, watch), last_inputs=read).call
+    step = BoundKernel(kernel, not_read(kernel, watch), trailing_inputs=read).call
     data._bound_at[binding_key] = step, binding_key[1]
     return step()
 

@@ -12,7 +12,13 @@ from pinocchio._containers.arrays import index, not_applicable
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run
 from pinocchio._data.data import Data
-from pinocchio._data.deferred_fields import ACCELERATIONS_IN_WORLD, JOINTS, VELOCITIES_IN_WORLD, rows, stacked
+from pinocchio._data.deferred_fields import (
+    ACCELERATIONS_IN_WORLD,
+    JOINTS_AFTER_KINEMATICS,
+    VELOCITIES_IN_WORLD,
+    rows,
+    stacked,
+)
 from pinocchio._data.first_evaluation import TABLE_CALLS
 from pinocchio._data.functions import fast_path
 from pinocchio._data.states import check_frames
@@ -22,7 +28,7 @@ from pinocchio._spatial.se3 import SE3, se3_kernel
 from pinocchio._spatial.small_kernels import pose
 from pinocchio._tables.fields import frames_at
 from ulna import algorithms, spatial
-from ulna.compiler.runtime.repeated_calls import memory, repeated_calls
+from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.model import Frame
 from ulna.model import Model as CoreModel
 from ulna.typing import Array
@@ -55,14 +61,21 @@ def _frame_placements(model: CoreModel, frames: Sequence[Frame]) -> Any:
     return lambda q: (_placements(model)(q), stacked(algorithms.frame_poses(model, q, frames)))
 
 
-_POSITION = Algorithm("position", "q", ("oMi",), _placements, depends_on="placements", deferred=JOINTS)
+_POSITION = Algorithm(
+    "position",
+    "q",
+    ("oMi",),
+    _placements,
+    depends_on="placements",
+    deferred=JOINTS_AFTER_KINEMATICS,
+)
 _VELOCITY = Algorithm(
     "velocity",
     "qv",
     ("oMi", "v"),
     _velocities,
     depends_on="placements",
-    deferred=JOINTS | VELOCITIES_IN_WORLD,
+    deferred=JOINTS_AFTER_KINEMATICS | VELOCITIES_IN_WORLD,
 )
 _ACCELERATION = Algorithm(
     "acceleration",
@@ -70,9 +83,11 @@ _ACCELERATION = Algorithm(
     ("oMi", "v", "a"),
     _accelerations,
     depends_on="placements",
-    deferred=JOINTS | VELOCITIES_IN_WORLD | ACCELERATIONS_IN_WORLD,
+    deferred=JOINTS_AFTER_KINEMATICS | VELOCITIES_IN_WORLD | ACCELERATIONS_IN_WORLD,
 )
-_FRAMES = Algorithm("frames", "q", ("oMi", "oMf"), _frame_placements, depends_on="frames", deferred=JOINTS)
+_FRAMES = Algorithm(
+    "frames", "q", ("oMi", "oMf"), _frame_placements, depends_on="frames", deferred=JOINTS_AFTER_KINEMATICS
+)
 
 
 @fast_path(_POSITION, _VELOCITY, _ACCELERATION)
@@ -106,10 +121,10 @@ def _moved_frames(model: CoreModel, frames: Sequence[Frame]) -> Any:
     return run
 
 
-_frames_noted, _global_noted = memory(2, weakly=2), memory(2, weakly=2)
+_frames_calls, _global_calls = call_cache(2, weak=2), call_cache(2, weak=2)
 
 
-@repeated_calls(_frames_noted)
+@repeated_calls(_frames_calls)
 @checks_itself
 def updateFramePlacements(model: Model, data: Data) -> None:
     """Fills `data.oMf` from `data.oMi`."""
@@ -119,7 +134,7 @@ def updateFramePlacements(model: Model, data: Data) -> None:
     except AttributeError:
         applies = False
     if applies:
-        _frames_noted(step, 0, model, data)
+        _frames_calls.add(step, 0, model, data)
     else:
         check_model_and_data("updateFramePlacements", model, data)
         check_frames(model, data)
@@ -127,11 +142,13 @@ def updateFramePlacements(model: Model, data: Data) -> None:
         if model.first_calls.includes("oMf", TABLE_CALLS):
             data._arrays["oMf"][...] = frames_at(model, data._arrays["oMi"])
             return
-        watch = model._watched("frames")  # first: see `run`
+        watch = model._watched("frames on joints")  # first: see `run`
         compiled = data._attach(model)
         kernel = compiled.live(compiled.compile_at_frames("frames", _moved_frames, oMi=(model.njoints, 4, 4)))
         oMi, oMf = data._arrays["oMi"], data._arrays["oMf"]
-        step = kernel.into(oMf, watch=not_read(kernel, watch), otherwise=not_applicable, last_inputs=[oMi])
+        step = kernel.into(
+            oMf, watch=not_read(kernel, watch), otherwise=not_applicable, trailing_inputs=[oMi]
+        )
         data._bound_at["frames"] = step
         step()
 
@@ -161,31 +178,31 @@ def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
         returns=(0,),
         watch=watch,
         otherwise=not_applicable,
-        last_inputs=factors,
+        trailing_inputs=factors,
         holder=SE3,
     )
     data._bound_at["frames", frame_id] = step
     return step()
 
 
-@repeated_calls(_global_noted)
+@repeated_calls(_global_calls)
 @checked
 def updateGlobalPlacements(model: Model, data: Data) -> None:
     """Fills `data.oMi` from `data.liMi`."""
-    data._read("liMi")
     step = data._bound_at.get("global placements", not_applicable) if data._model is model else not_applicable
     if step() is not NotImplemented:
-        _global_noted(step, 0, model, data)
+        _global_calls.add(step, 0, model, data)
         return
+    data._read("liMi")
     parents, liMi = tuple(model.parents), data._arrays["liMi"]
     key = "global placements", parents
     kernel = model._compiled_structure().compile(key, _global_placements(parents), liMi=liMi.shape)
-    step = kernel.into(
-        data._arrays["oMi"][1:],
-        watch=[*model._watched("structure"), (data._mark_of("liMi"), np.zeros(()))],
-        otherwise=not_applicable,
-        last_inputs=[liMi],
-    )
+    watch = [*model._watched("structure"), (data._mark_of("liMi"), np.zeros(()))]
+
+    def bind(otherwise: Any) -> Any:
+        return kernel.into(data._arrays["oMi"][1:], watch=watch, otherwise=otherwise, trailing_inputs=[liMi])
+
+    step = data._bound_after_reads(("liMi",), bind)
     if data._model is model:
         data._bound_at["global placements"] = step
     step()

@@ -20,8 +20,10 @@ from pinocchio._containers.arrays import index, not_applicable
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._data.data import Data
 from pinocchio._data.evaluated_model import EvaluatedModel, kernels_for
+from pinocchio._data.first_evaluation import loaded_evaluator
 from pinocchio._model.bound_kernels import not_read
 from pinocchio._model.model import Model
+from pinocchio._tables.world_derivatives import WorldDerivatives
 from ulna import algorithms
 from ulna.model import Frame
 from ulna.model import Model as CoreModel
@@ -174,7 +176,7 @@ def _motions(
         returns=tuple(range(len(outputs))),
         watch=[*not_read(live, watch), (data._mark_of("a"), np.zeros(()))],
         otherwise=not_applicable,
-        last_inputs=state,
+        trailing_inputs=state,
     )
     data._bound_at[binding_key] = step, binding_key[1]
     return step(*place.inputs)
@@ -245,4 +247,7 @@ def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:
         Matrix (3, nv).
     """
     q, v = data._require(data._qv, "computeForwardKinematicsDerivatives(model, data, q, v)")
-    return kernels_for(model, data, "com derivatives").kernel("com_velocity_derivatives")(q, v)[0]
+    if evaluator := loaded_evaluator(model, data, "com derivatives"):
+        derivatives = WorldDerivatives(evaluator, q, v)
+        return evaluator.by_entries(derivatives.momenta_by_configuration())[:3] / derivatives.mass
+    return data._attach(model).kernel("com_velocity_derivatives")(q, v)[0]

@@ -94,7 +94,8 @@ def add_like(
 def _moved_geometry(geometry: Any, moved: Moved) -> Any:
     out = geometry.copy()
     for shape in out.geometryObjects:
-        carrier, M = moved[shape.parentJoint]
+        joint = index(shape.parentJoint, len(moved), "joint", "The geometries are those of another robot.")
+        carrier, M = moved[joint]
         shape.parentJoint = carrier
         if M is not None:
             shape.placement = M * shape.placement
@@ -182,7 +183,7 @@ class Part:
         return added
 
     def tie_frames(self) -> None:
-        """Tells its frames which ones they hang on, once all are there; those of joints hang on the new universe."""
+        """Sets the parents of its frames, once all exist; those of joints have the new universe as parent."""
         for k, new in self.frames.items():
             frame = self.model.frames[k]
             if k and (frame.parentFrame or frame.parentJoint == 0):

@@ -127,6 +127,7 @@ def _many(name: str, threads: int, pool: ModelPool, columns: tuple[Any, ...], in
             "ModelPool(model, n) has more."
         )
     model = pool.getModel(0)
+    model._check_gravity()
     count = getattr(columns[0], "shape", (0, 0))[-1]
     sizes = (model.nq, model.nv, model.nv)
     rows = [matrix(c, (n, count), "columns").T for c, n in zip(columns, sizes, strict=True)]

@@ -1,21 +1,24 @@
-"""A model with some of its joints locked, made in one pass over the joints."""
+"""A model with some of its joints locked: what of its structure remains, then its numbers at a configuration."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 
-from pinocchio._containers.arrays import StdVec, vector
+from pinocchio._containers.arrays import vector
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.named_configurations import StdMap_String_VectorXd
-from pinocchio._model.live_parameters import PER_Q
 from pinocchio._model.model import Model
+from pinocchio._model.skeleton import Attributes, Skeleton, gathered
+from pinocchio._spatial.bound_functions import BoundFunctions
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
+from pinocchio._spatial.small_kernels import pose
+from ulna import spatial
 from ulna.errors import InputError
-from ulna.typing import Floats
+from ulna.model import Prismatic, Revolute
+from ulna.typing import Array, Floats
 
 Moved = list[tuple[int, SE3 | None]]
 """For each joint of a model, the joint of the reduced one that carries it, and its frame there; None for the same."""
@@ -25,7 +28,6 @@ def reduced_model(model: Model, locked: list[int], reference: Any) -> tuple[Mode
     """The model with some joints locked, and where each of its joints is in it.
 
     Args:
-        model: The model.
         locked: Indices of the joints that are locked.
         reference: The configuration (nq,) at which they are.
 
@@ -33,88 +35,226 @@ def reduced_model(model: Model, locked: list[int], reference: Any) -> tuple[Mode
         The reduced model, and where the joints are.
 
     Raises:
-        InputError: The universe is to be locked, or a joint without the one that follows it.
+        InputError: The universe is to be locked, a joint twice, or a joint without the one that follows it.
     """
-    q, fixed = vector(reference, model.nq, "reference_configuration"), set(locked)
-    _check(model, fixed)
-    placements, inertias = model._rows_of("placements"), model._rows_of("inertias")
-    remaining: list[int] = [0]
-    moved: Moved = [(0, None)]
-    joints, parents = StdVec([model.joints[0].copy()]), StdVec([0])
-    nq = nv = extended = 0
-    for i in range(1, model.njoints):
-        joint, (carrier, M) = model.joints[i], moved[model.parents[i]]
-        if M is not None:
-            placements[i] = M._m @ placements[i]
-        if i in fixed:
-            placed = SE3._of(placements[i] @ _pose_at(joint, q))
-            carried = Inertia._of(inertias[i]).se3Action(placed)
-            inertias[remaining[carrier]] = (Inertia._of(inertias[remaining[carrier]]) + carried)._p
-            moved.append((carrier, placed))
-            continue
-        copied = joint.copy()
-        at = nq, nv
-        if joint.mimic is not None:
-            leader = moved[joint.mimic[0]][0]
-            copied.mimic, at = (leader, *joint.mimic[1:]), (joints[leader].idx_q, joints[leader].idx_v)
-        copied.setIndexes(len(remaining), *at, extended)
-        nq, nv, extended = nq + joint.nq, nv + joint.nv, extended + joint.nvExtended
-        moved.append((len(remaining), None))
-        remaining.append(i)
-        joints.append(copied)
-        parents.append(carrier)
-    out = object.__new__(Model)
-    out.name, out.names = model.name, StdVec([model.names[i] for i in remaining])
-    out.joints, out.parents = joints, parents
-    out.nq, out.nv, out.nvExtended, out.nbodies = nq, nv, extended, len(remaining)
-    _take_entries(out, model, remaining)
-    blocks = {"placements": placements[remaining], "inertias": inertias[remaining]}
-    facts, blocks["frames"] = _frames(model, fixed, moved)
-    out._gravity = model.gravity.copy()
-    out._adopt_rows(blocks, facts)
-    return out, moved
+    q = vector(reference, model.nq, "reference_configuration")
+    skeleton, numbers = model._state_now()
+    structure = _structure_of(skeleton, locked)
+    placed = structure.lock(numbers, q)
+    out = Model._made_of(structure.skeleton_with(numbers), numbers.take(structure.index), structure.layout)
+    out.name, out.nbodies, out.nvExtended = model.name, len(structure.kept), structure.nvExtended
+    if model.referenceConfigurations:
+        references = {name: x[structure.of_q] for name, x in model.referenceConfigurations.items()}
+        out._configurations = StdMap_String_VectorXd(references)
+    return out, [(carrier, placed.get(i)) for i, carrier in enumerate(structure.carriers)]
 
 
-def _check(model: Model, locked: set[int]) -> None:
+_KNOWN: dict[Any, _Structure] = {}
+_MOST_KNOWN = 16
+"""How many structures are kept for models with the same joints and frames, the newest last."""
+
+
+def _structure_of(skeleton: Skeleton, locked: list[int]) -> _Structure:
+    key = tuple(locked), skeleton.names, skeleton.parents
+    known = _KNOWN.get(key)
+    if (
+        known is not None
+        and known.source.joints is skeleton.joints
+        and known.source.frames is skeleton.frames
+    ):
+        return known
+    _check(skeleton, locked)
+    _KNOWN.pop(key, None)
+    made = _KNOWN[key] = _Structure(skeleton, set(locked))
+    for oldest in list(_KNOWN)[:-_MOST_KNOWN]:
+        _KNOWN.pop(oldest, None)
+    return made
+
+
+@final
+class _Structure:
+    """What remains of a model without some joints, whatever its numbers.
+
+    Attributes:
+        source: The joints and frames of the model.
+        kept: The joints that are kept.
+        carriers: For each joint of the model, the new index of the joint that carries it.
+        of_q: Which entries of q are kept.
+        index: Which of the model's numbers, once changed by `lock`, are those of the reduced one (n,).
+        layout: See `KernelCache._layout`.
+    """
+
+    def __init__(self, source: Skeleton, locked: set[int]) -> None:
+        self.source, self.kept, self.carriers = source, list[int](), list[int]()
+        for i, parent in enumerate(source.parents):
+            self.carriers.append(self.carriers[parent] if i in locked else len(self.kept))
+            if i not in locked:
+                self.kept.append(i)
+        self._steps = [
+            (i, parent in locked, i in locked)
+            for i, parent in enumerate(source.parents)
+            if i in locked or parent in locked
+        ]
+        self._axes = {
+            i: (_ALONG[type(kind).transform], np.array(kind.axis))
+            for i, kind in ((i, source.joints[i][1]["kind"]) for i in locked)
+            if type(kind).transform in _ALONG
+        }
+        self.of_q, self._of_v = _entries(source, locked)
+        self.index = self._index()
+        joints, self.layout, self.nvExtended = self._renumbered()
+        moved = [(k, facts[2]) for k, facts in enumerate(source.frames) if facts[2] in locked]
+        self._bodies = [(k, joint) for k, joint in moved if source.frames[k][1] == FrameType.JOINT]
+        self._moved_frames = _ranges(moved)
+        frames = tuple([(*facts[:2], self.carriers[facts[2]], *facts[3:]) for facts in source.frames])
+        self._skeleton = Skeleton(
+            tuple([source.names[i] for i in self.kept]),
+            tuple([self.carriers[source.parents[i]] for i in self.kept]),
+            joints,
+            frames,
+            len(self.of_q),
+            len(self._of_v),
+        )
+
+    def _index(self) -> Array:
+        joints, frames, source = len(self.source.joints), len(self.source.frames), self.source
+        places: Any = np.arange(29 * joints + 16 * frames + 3 * source.nq + 10 * source.nv + 6)
+        placements, inertias, of_frames = source.row_blocks(places)
+        per_q, per_v = source.array_blocks(places)
+        rows = placements[self.kept], inertias[self.kept], of_frames
+        return gathered(rows, (per_q[:, self.of_q], per_v[:, self._of_v]), places[-6:])
+
+    def _renumbered(self) -> tuple[tuple[Attributes, ...], tuple[Any, ...], int]:
+        """The joints that are kept with their new indices, their layout, and how many velocities they have."""
+        joints, layouts = [self.source.joints[0]], [_layout(self.source.joints[0][1])]
+        nq = nv = extended = 0
+        for new, i in enumerate(self.kept[1:], start=1):
+            kind, joint = self.source.joints[i]
+            at, followed = (nq, nv), joint["mimic"]
+            if followed is not None:
+                leader = self.carriers[followed[0]]
+                followed, at = (leader, *followed[1:]), layouts[leader][1:]
+            changed = {
+                "id": new, "idx_q": at[0], "idx_v": at[1], "idx_vExtended": extended, "mimic": followed
+            }  # fmt: skip
+            joints.append((kind, joint | changed))
+            layouts.append(_layout(joints[-1][1]))
+            nq, nv, extended = nq + joint["nq"], nv + joint["nv"], extended + joint["kind"].nv
+        return tuple(joints), tuple(layouts), extended
+
+    def lock(self, numbers: Floats, q: Floats) -> dict[int, SE3]:
+        """Changes the numbers (n,) of the model to those at which `index` finds the reduced one's.
+
+        Args:
+            numbers: See `skeleton.gathered` [any].
+            q: The configuration (nq,) at which joints are locked.
+
+        Returns:
+            Where the locked joints are in the frames of the joints that carry them.
+        """
+        placements, inertias, frames = self.source.row_blocks(numbers)
+        placed: dict[int, SE3] = {}
+        for i, is_moved, is_locked in self._steps:
+            if is_moved:
+                placements[i] = (placed[self.source.parents[i]] * SE3._of(placements[i]))._m
+            if is_locked:
+                M = placed[i] = self._locked_at(i, placements[i], q)
+                whole = inertias[self.kept[self.carriers[i]]]
+                whole[...] = (Inertia._of(whole) + Inertia._of(inertias[i]).se3Action(M))._p
+        for joint, first, end in self._moved_frames:
+            part = frames[first:end]
+            part[...] = placed[joint]._m @ part
+        return placed
+
+    def _locked_at(self, i: int, placement: Floats, q: Floats) -> SE3:
+        """The frame of a joint whose placement is (4, 4), at a configuration (nq,) of the model."""
+        joint = self.source.joints[i][1]
+        if i in self._axes:
+            name, axis = self._axes[i]
+            return _MOVED[name](placement, axis, _position(joint, q).item())
+        return SE3._of(placement) * SE3._of(_pose_at(joint, q))
+
+    def skeleton_with(self, numbers: Floats) -> Skeleton:
+        """The joints and frames; the frame of a locked joint has its inertia among these numbers (n,), as a body."""
+        inertias, facts = self.source.row_blocks(numbers)[1], list(self._skeleton.frames)
+        for k, joint in self._bodies:
+            body = Inertia._of(inertias[joint].copy())
+            facts[k] = (facts[k][0], FrameType.FIXED_JOINT, facts[k][2], k, body)
+        names, parents, joints, _, nq, nv = self._skeleton
+        return Skeleton(names, parents, joints, tuple(facts), nq, nv)
+
+
+def _ranges(frames: list[tuple[int, int]]) -> list[tuple[int, int, int]]:
+    """Frames in a row on the same joint: the joint, the first frame, and that after the last one."""
+    out: list[tuple[int, int, int]] = []
+    for k, joint in frames:
+        if out and out[-1][0] == joint and out[-1][2] == k:
+            out[-1] = joint, out[-1][1], k + 1
+        else:
+            out.append((joint, k, k + 1))
+    return out
+
+
+def _layout(joint: dict[str, Any]) -> tuple[str, int, int]:
+    return joint["_shortname"], joint["idx_q"], joint["idx_v"]
+
+
+def _check(skeleton: Skeleton, locked: list[int]) -> None:
+    repeated = next((joint for joint in locked if locked.count(joint) > 1), None)
+    if repeated is not None:
+        raise InputError(f"The list of joints to lock has {repeated} more than once; name each joint once.")
     if 0 in locked:
         raise InputError(
             "Joint 0 is the universe, which does not move; take it off the list of joints to lock."
         )
-    for i, joint in enumerate(model.joints):
-        if joint.mimic and i not in locked and joint.mimic[0] in locked:
-            raise InputError(f"Joint {model.names[i]!r} follows a joint that is to be locked. Lock it, too.")
+    for i, (_, joint) in enumerate(skeleton.joints):
+        followed = joint["mimic"]
+        if followed is not None and i not in locked and followed[0] in locked:
+            raise InputError(
+                f"Joint {skeleton.names[i]!r} follows a joint that is to be locked. Lock it, too."
+            )
 
 
-def _pose_at(joint: Any, q: Floats) -> Floats:
-    """What a joint does at a configuration of its model, (4, 4)."""
-    if joint.mimic is None:
-        at = q[joint.idx_q : joint.idx_q + joint.nq]
-    else:
-        _, scaling, offset = joint.mimic
-        at = scaling * q[joint.idx_q : joint.idx_q + joint.kind.nq] + offset
-    return np.asarray(joint.kind.transform(at).matrix(), dtype=float)
+def _entries(skeleton: Skeleton, locked: set[int]) -> tuple[list[int], list[int]]:
+    """Which entries of q and of v are kept: joints have theirs in their own order."""
+    of_q, of_v = list(range(skeleton.nq)), list(range(skeleton.nv))
+    for i in sorted(locked, reverse=True):
+        joint = skeleton.joints[i][1]
+        if joint["mimic"] is None:
+            del of_q[joint["idx_q"] : joint["idx_q"] + joint["nq"]]
+            del of_v[joint["idx_v"] : joint["idx_v"] + joint["nv"]]
+    return of_q, of_v
 
 
-def _take_entries(out: Model, model: Model, remaining: Iterable[int]) -> None:
-    """The entries of q and v, and the named configurations, of the joints that are kept."""
-    joints = [model.joints[i] for i in remaining if i and model.joints[i].mimic is None]
-    of_q = [k for joint in joints for k in range(joint.idx_q, joint.idx_q + joint.nq)]
-    of_v = [k for joint in joints for k in range(joint.idx_v, joint.idx_v + joint.nv)]
-    out._arrays = {key: values[of_q if key in PER_Q else of_v] for key, values in model._arrays.items()}
-    references = {name: q[of_q] for name, q in model.referenceConfigurations.items()}
-    out._configurations = StdMap_String_VectorXd(references)
+def _pose_at(joint: dict[str, Any], q: Floats) -> Floats:
+    """What a joint of these attributes does at a configuration of its model, (4, 4)."""
+    return np.asarray(joint["kind"].transform(_position(joint, q)).matrix(), dtype=float)
 
 
-def _frames(model: Model, locked: set[int], moved: Moved) -> tuple[list[Any], Floats]:
-    """The facts and the placements (n, 4, 4) of all frames on the joints that carry them now."""
-    out, all_facts = [], model._facts_of_frames()
-    places = model._rows_of("frames")
-    for k, (name, kind, joint, *rest) in enumerate(all_facts):
-        carrier, M = moved[joint]
-        if M is not None:
-            places[k] = M._m @ places[k]
-        if M is not None and kind == FrameType.JOINT:  # it carries the body now
-            out.append((name, FrameType.FIXED_JOINT, carrier, k, model.inertias[joint].copy()))
-        else:
-            out.append((name, kind, carrier, *rest))
-    return out, places
+def _position(joint: dict[str, Any], q: Floats) -> Floats:
+    """Its own configuration, also where it follows another joint."""
+    start = joint["idx_q"]
+    at = q[start : start + joint["kind"].nq]
+    if joint["mimic"] is None:
+        return at
+    _, scaling, offset = joint["mimic"]
+    return scaling * at + offset
+
+
+_ALONG = {Revolute.transform: "turned", Prismatic.transform: "shifted"}
+"""The functions below by what kinds of joints do."""
+_MOVED = BoundFunctions(
+    {
+        "turned": (
+            lambda m, axis, angle: (
+                pose(m) @ spatial.SE3(spatial.angle_axis_to_matrix(angle, axis), np.zeros(3))
+            ).matrix(),
+            *((4, 4), (3,), ()),
+        ),
+        "shifted": (
+            lambda m, axis, way: (pose(m) @ spatial.SE3(np.eye(3), way * axis)).matrix(),
+            *((4, 4), (3,), ()),
+        ),
+    },
+    holder=SE3,
+)

@@ -20,7 +20,7 @@ from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.small_kernels import pose
 from ulna import algorithms, spatial
 from ulna.compiler import compile as compile_function
-from ulna.compiler.runtime.repeated_calls import Memory, memory, repeated_calls
+from ulna.compiler.runtime.repeated_calls import CallCache, call_cache, repeated_calls
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
 
@@ -145,10 +145,10 @@ def bodyRegressor(velocity: Motion, acceleration: Motion) -> Floats:
     return _REGRESSORS["body"](velocity._v, acceleration._v)
 
 
-_joint_noted, _frame_noted = memory(3, weakly=2), memory(3, weakly=2)
+_joint_calls, _frame_calls = call_cache(3, weak=2), call_cache(3, weak=2)
 
 
-@repeated_calls(_joint_noted)
+@repeated_calls(_joint_calls)
 @checks_itself
 def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
     """The regressor of the body of a joint, in the frame of the joint.
@@ -159,7 +159,7 @@ def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
     Returns:
         Matrix (6, 10).
     """
-    regressor = _repeated(model, data, (joint_id, "joint body regressor"), _joint_noted)
+    regressor = _repeated(model, data, (joint_id, "joint body regressor"), _joint_calls)
     if regressor is not NotImplemented:
         return regressor
     check_model_and_data("jointBodyRegressor", model, data)
@@ -167,7 +167,7 @@ def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Floats:
     return _bound(model, data, (joint_id, "joint body regressor"), joint, _AT_JOINT._m, ("structure",))
 
 
-@repeated_calls(_frame_noted)
+@repeated_calls(_frame_calls)
 @checks_itself
 def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
     """The regressor of the body that a frame is on, in that frame.
@@ -178,7 +178,7 @@ def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
     Returns:
         Matrix (6, 10).
     """
-    regressor = _repeated(model, data, (frame_id, "frame body regressor"), _frame_noted)
+    regressor = _repeated(model, data, (frame_id, "frame body regressor"), _frame_calls)
     if regressor is not NotImplemented:
         return regressor
     check_model_and_data("frameBodyRegressor", model, data)
@@ -189,7 +189,7 @@ def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
     )
 
 
-def _repeated(model: Model, data: Data, place: tuple[Any, str], noted: Memory) -> Any:
+def _repeated(model: Model, data: Data, place: tuple[Any, str], calls: CallCache) -> Any:
     """The regressor by the kernel that is bound at `place`; NotImplemented where it does not apply."""
     try:
         step = data._bound_at[place]
@@ -197,7 +197,7 @@ def _repeated(model: Model, data: Data, place: tuple[Any, str], noted: Memory) -
     except (KeyError, TypeError, AttributeError):  # not bound yet, or of no model or data
         return NotImplemented
     if regressor is not NotImplemented:
-        noted(step, 0, model, data, place[0])
+        calls.add(step, 0, model, data, place[0])
     return regressor
 
 
@@ -209,14 +209,21 @@ def _bound(
     compiled_for(model, data)
     data._require(data._qv, "rnea(model, data, q, v, a)")
     data._read("a_gf")
-    watch += [(data._mark_of(field), np.zeros(())) for field in ("v", "a_gf")]
-    step = _regressor_kernel().into(
-        data._arrays["bodyRegressor"],
-        returns=(0,),
-        watch=watch,
-        otherwise=not_applicable,
-        last_inputs=[placement, data._arrays["v"][joint], data._arrays["a_gf"][joint]],
-    )
+    step = data._bound_at.get(place, not_applicable) if data._model is model else not_applicable
+    regressor = step()  # what was deferred may be there now
+    if regressor is not NotImplemented:
+        return regressor
+    fields = ("v", "a_gf")
+    watch += [(data._mark_of(field), np.zeros(())) for field in fields]
+    read = [placement, *(data._arrays[field][joint] for field in fields)]
+
+    def bind(otherwise: Any) -> Any:
+        target = data._arrays["bodyRegressor"]
+        return _regressor_kernel().into(
+            target, returns=(0,), watch=watch, otherwise=otherwise, trailing_inputs=read
+        )
+
+    step = data._bound_after_reads(fields, bind)
     if data._model is model:
         data._bound_at[place] = step
     return step()

@@ -11,12 +11,12 @@ from pinocchio._spatial.se3 import SE3
 
 
 def computeSupportedInertiaByFrame(model: Model, data: Data, frame_id: int, with_subtree: bool) -> Inertia:
-    """The inertia of all that hangs on a frame, in its axes, where `data.oMi` has the joints.
+    """The inertia of all that is attached to a frame, in its axes, where `data.oMi` has the joints.
 
     Args:
         data: Its data, after `forwardKinematics`.
         frame_id: The frame.
-        with_subtree: Whether joints that hang on it count; else the frames on its own joint alone.
+        with_subtree: Whether joints that are attached to it count; else the frames on its own joint alone.
 
     Returns:
         The inertia.
@@ -50,7 +50,7 @@ def computeSupportedForceByFrame(model: Model, data: Data, frame_id: int) -> For
 
 
 def _behind(model: Model, frame_id: int) -> tuple[Inertia, list[int]]:
-    """The inertia of the frames on the same joint that hang on a frame, in its axes, and the joints that do."""
+    """The inertia of the frames on the same joint that are attached to a frame, in its axes, and the joints that do."""
     first = model.frames[index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")]
     joint, back = first.parentJoint, first.placement.inverse()
     carried = {int(frame_id)}

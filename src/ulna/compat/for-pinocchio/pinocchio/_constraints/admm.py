@@ -68,7 +68,6 @@ class ADMMConstraintSolver(IterativeSolver):
         """Whether impulses were found; they, or the best there are, are in the result.
 
         Args:
-            delassus: Delassus operator, or matrix (m, m).
             g: Velocities of the constraints without impulses (m,) [m/s].
             constraint_models: Contacts, anchors, loops, limits and frictions of joints.
             constraint_datas: Their data, after `calc`.

@@ -10,7 +10,7 @@ from pinocchio._constraints.cones import CoulombFrictionCone, FullSpaceCone
 from pinocchio._constraints.constraint_model import AnyConstraint, AnyConstraintData, wrong_model
 from pinocchio._constraints.frame_pair import ConstraintSelectionType, FramePair
 from pinocchio._constraints.kernels import core_constraints
-from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arguments import OMITTED, ArgumentError
 from pinocchio._containers.arrays import vector
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name
@@ -59,10 +59,12 @@ class _ConstraintState(AnyConstraintData):
         "oMc2",
     )
 
-    def __init__(self, constraint_model: Any) -> None:
-        if getattr(constraint_model, "_data", None) is not type(self):
+    _rows: ClassVar[int] = 3
+
+    def __init__(self, constraint_model: Any = OMITTED) -> None:
+        if constraint_model is not OMITTED and getattr(constraint_model, "_data", None) is not type(self):
             raise wrong_model(self, constraint_model)
-        m = constraint_model.residualSize()
+        m = self._rows
         self._J: Floats | None = None
         self._oMi: Floats | None = None
         self.constraint_acceleration_biais_term = np.zeros(m)
@@ -133,6 +135,7 @@ class FrameAnchorConstraintData(_ConstraintState):
     """Of a FrameAnchorConstraintModel."""
 
     __slots__ = ()
+    _rows = 6
 
 
 @final

@@ -8,9 +8,22 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._algorithms.jacobians import JACOBIANS
-from pinocchio._constraints.constraint_set import ConstraintSet, constraint_set_of
+from pinocchio._constraints.constraint_set import ConstraintSet, bound_run, constraint_set_of
 from pinocchio._constraints.deferred_state import DeferredConstraintState
-from pinocchio._constraints.kernels import core_constraints
+from pinocchio._constraints.derivative_fields import (
+    DERIVATIVES,
+    FORCES_AT_REST,
+    IMPACT_DERIVATIVES,
+    VELOCITY_DERIVATIVES,
+)
+from pinocchio._constraints.kernels import core_constraints, right_side
+from pinocchio._constraints.rigid_constraint import DYNAMICS_LEAVE
+from pinocchio._constraints.workspace import (
+    AUGMENTED,
+    IMPULSE,
+    SOLUTION,
+    inertias_of_constraints,
+)
 from pinocchio._containers.arrays import exact, not_applicable
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import side_outputs
@@ -26,10 +39,11 @@ from pinocchio._data.deferred_fields import (
     VELOCITIES_IN_WORLD,
     stacked,
 )
+from pinocchio._data.derivative_columns import ACCELERATION_COLUMNS, FORCES_BY_ACCELERATION
+from pinocchio._data.evaluated_model import EvaluatedModel, step_on_numbers
 from pinocchio._model.model import Model
 from ulna import algorithms
 from ulna.algorithms.constraints.damped_dynamics import Damped, damped_dynamics, damped_impact
-from ulna.algorithms.constraints.frame_errors import constraint_twists
 from ulna.errors import InputError
 from ulna.model import Model as CoreModel
 from ulna.quantities.mass import with_mass
@@ -74,19 +88,19 @@ class BoundConstraintDynamics:
                 "One data stands for two constraints; give each its own: constraint.createData()."
             )
         impact = limit == 0
-        self.datas, self.live, self.report = datas, constraint_set.live, np.zeros(3)
+        self.datas, self.report = datas, np.zeros(3)
         self.solved = solved = ConstraintSolution(model, constraint_set, impact)
         self.forces = np.zeros(len(solved.forces))
-        watch = model._watched("parameters")  # first: see `run`
+        watch = model._watched("masses" if impact else "parameters")  # first: see `run`
         compiled = data._attach(model)
         self.deferred_state = DeferredConstraintState(compiled, datas, shapes, *solved.state[:4])
         inputs = (solved.state[0], solved.a, *(() if impact else (solved.a,)), solved.settings)
-        inputs += (*((np.zeros(1),) if impact else ()), *constraint_set.live)
+        inputs += (*((np.zeros(()),) if impact else ()), *constraint_set.live)
         sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(inputs)}
         self.algorithm = IMPACT if impact else DYNAMICS
         side_targets, stored, marks = side_outputs(data, self.algorithm)
         build = with_side_outputs(_impact(shapes) if impact else _motion(shapes, limit), stored, marks)
-        kernel = compiled.compile(("constraint dynamics", shapes, limit), with_mass(build), **sizes)
+        key, build = ("constraint dynamics", shapes, limit), with_mass(build)
         results = [self.forces, self.report, *solved.state, solved.a, solved.forces, solved.settings]
         contact_forces = [known._views["contact_force"]._v for known in datas]
         targets = [
@@ -95,15 +109,44 @@ class BoundConstraintDynamics:
             *contact_forces,
             *side_targets,
         ]
-        self.step = kernel.into(*targets, returns=(int(not impact),), watch=watch, otherwise=not_applicable)
+        self.evaluated = model.first_calls.includes(key, 1)
+        if self.evaluated:
+            evaluate = step_on_numbers(build(EvaluatedModel(model).model), targets, [int(not impact)])
+            self.step = lambda *state: evaluate(*state, *constraint_set.live)
+        else:
+            kernel = compiled.compile(key, build, **sizes)
+            options = {"watch": watch, "otherwise": not_applicable, "trailing_inputs": constraint_set.live}
+            self.step = kernel.into(*targets, returns=(int(not impact),), **options)
 
     def run(self, *state: Any) -> Any:
         """The accelerations, or the velocity; NotImplemented where something is not what it was bound to."""
-        result = self.step(*state, *self.live)
+        result = self.step(*state)
         if result is not NotImplemented:
             for known in self.datas:
                 known._deferred = self.deferred_state
         return result
+
+
+def solve_directly(model: Any, data: Any, models: Any, datas: Any, limit: int, *args: Any) -> Any:
+    """As `solve`, of arrays and of constraints that are bound already; else NotImplemented.
+
+    Args:
+        model, data: Anything.
+        limit: 0 for an impact, else for accelerations.
+        *args: q, v, tau, settings; of an impact q, v, settings, restitution.
+
+    Returns:
+        The bound algorithm, and what it returned; or NotImplemented.
+
+    Raises:
+        AttributeError: The data is none.
+    """
+    session = bound_run(model, data, models, datas, limit)
+    result = session.run(*args) if session is not not_applicable else NotImplemented
+    if result is NotImplemented:
+        return NotImplemented
+    data._constraint_solution = session.solved
+    return session, result
 
 
 def solve(
@@ -129,11 +172,17 @@ def solve(
         if result is NotImplemented:
             data._attach(model)
             constraint_set = constraint_set_of(model, data, models, datas)
-            session = constraint_set.runs[limit] = BoundConstraintDynamics(model, data, constraint_set, limit)
+            session = BoundConstraintDynamics(model, data, constraint_set, limit)
+            if not session.evaluated:
+                constraint_set.runs[limit] = session
             result = session.run(*state, *args[count:])
             data._store_states(session.algorithm)
+            for known in datas if limit else ():
+                known._leave("constraintDynamics", DYNAMICS_LEAVE)
     assert session is not None
     data._constraint_solution = session.solved
+    if limit:
+        data._motion_solution = session.solved
     return session, result
 
 
@@ -146,8 +195,10 @@ DYNAMICS = Algorithm(
     not_applicable,
     deferred=_DEFERRED
     | BODY_MOMENTA_IN_WORLD
-    | {"oa": ACCELERATIONS_IN_WORLD["oa"], "oa_gf": BODIES["oa_gf"]},
-    invalidates=("dFda", "of"),
+    | {"oa": ACCELERATIONS_IN_WORLD["oa"], "oa_gf": BODIES["oa_gf"]}
+    | FORCES_BY_ACCELERATION
+    | FORCES_AT_REST
+    | SOLUTION,
     title="constraintDynamics",
 )
 IMPACT = Algorithm(
@@ -155,30 +206,40 @@ IMPACT = Algorithm(
     "qv",
     ("dq_after", *_FILLS),
     not_applicable,
-    deferred=_DEFERRED,
-    invalidates=("dFda",),
+    deferred=_DEFERRED | FORCES_BY_ACCELERATION | IMPULSE,
+    invalidates=("primal_rhs_contact",),
     title="impulseDynamics",
 )
 _MATRICES = ("ddq_dq", "ddq_dv", "dlambda_dq", "dlambda_dv", "osim")
-DERIVED = Algorithm(
-    "constraint_derivatives",
-    "qva",
-    (*_MATRICES, "ddq_dtau", "dlambda_dtau", "dac_da"),
-    not_applicable,
-    deferred=INVERSE_MASS | dict.fromkeys(("a", "oa"), ACCELERATIONS_IN_WORLD["oa"]) | {"oa_gf": BODIES["f"]},
-    invalidates=("of", "dFdq", "dFdv", "dtau_dq", "dtau_dv"),
-    title="computeConstraintDynamicsDerivatives",
+_DERIVED: dict[str, Any] = {
+    "inputs": "qva",
+    "fills": (*_MATRICES, "ddq_dtau", "dlambda_dtau", "dac_da"),
+    "kernel": not_applicable,
+    "title": "computeConstraintDynamicsDerivatives",
+}
+_DERIVED_FIELDS = (
+    INVERSE_MASS
+    | dict.fromkeys(("a", "oa"), ACCELERATIONS_IN_WORLD["oa"])
+    | {"oa_gf": BODIES["f"]}
+    | ACCELERATION_COLUMNS
+    | DERIVATIVES
 )
+DERIVED = Algorithm("constraint_derivatives", **_DERIVED, deferred=_DERIVED_FIELDS | VELOCITY_DERIVATIVES)
+DERIVED_ALONG_WORLD = Algorithm(
+    "constraint_derivatives_along_world", **_DERIVED, deferred=_DERIVED_FIELDS, invalidates=("dvc_dq",)
+)
+"""The same, where frames are bound along the world's axes: Pinocchio mixes two velocities there."""
 IMPACT_DERIVED = Algorithm(
     "impact_derivatives",
     "q",
     _MATRICES,
     not_applicable,
-    deferred=INVERSE_MASS,
-    invalidates=("oa", "of", "dFdq", "dtau_dq", "dlambda_dtau"),
+    deferred=INVERSE_MASS | IMPACT_DERIVATIVES,
+    invalidates=("dlambda_dtau", "dac_dq", "dac_dv", "dvc_dq"),
     title="computeImpulseDynamicsDerivatives",
 )
-_LCABA = Algorithm("lcaba", "", (), not_applicable, invalidates=("g", "of"), title="lcaba")
+_ELIMINATED = ("g", "of", "oYaba_augmented", "of_augmented")
+_LCABA = Algorithm("lcaba", "", (), not_applicable, invalidates=_ELIMINATED, title="lcaba")
 """What algorithms under constraints leave besides their results."""
 
 
@@ -190,6 +251,10 @@ def defer_after_elimination(model: Model, data: Data) -> None:
     data._defer(ACCELERATIONS_IN_WORLD["oa"], ("oa",), compiled, *state)
     data._defer(BODIES["f"], ("oa_gf",), compiled, *state)
     data._invalidate(_LCABA)
+    damping = solution.settings.item(0)
+    if damping > 0.0 and not any(second for _, _, _, second in solution.shapes):
+        added = inertias_of_constraints(model, solution.shapes, solution.state[2], damping)
+        data._defer(AUGMENTED, ("oYaba_augmented", "of_augmented"), compiled, state[0], added)
 
 
 def with_side_outputs(build: Any, stored: list[int], marks: list[float]) -> Any:
@@ -215,19 +280,6 @@ def with_side_outputs(build: Any, stored: list[int], marks: list[float]) -> Any:
     return traced
 
 
-def flat(wanted: Array, shapes: Any) -> Array:
-    """The rows that constraints have, out of six for each.
-
-    Args:
-        wanted: Values (c, 6) for c constraints.
-        shapes: For each constraint its number of rows, first.
-
-    Returns:
-        Values (m,).
-    """
-    return np.concatenate([wanted[k, : shape[0]] for k, shape in enumerate(shapes)])
-
-
 def _stacks(live: Sequence[Array]) -> tuple[Array, Array, Array]:
     """Placements, gains, and wanted accelerations, each in one array."""
     return np.stack(live[0::3]), np.stack(live[1::3]), np.stack(live[2::3])
@@ -243,16 +295,12 @@ def _common_outputs(core: CoreModel, q: Array, shapes: Any, forces: Array) -> tu
 
 
 def _motion(shapes: Any, limit: int) -> Any:
-    owner = [k for k, shape in enumerate(shapes) for _ in range(shape[0])]
-
     def build(core: CoreModel) -> Any:
         def run(q: Array, v: Array, tau: Array, settings: Array, *live: Array) -> tuple[Any, ...]:
             placements, gains, desired = _stacks(live)
-            twists = constraint_twists(core, q, v, core_constraints(shapes, placements))
-            pull = gains[owner, 1] * twists.velocity + gains[owner, 0] * twists.error
+            J, g = right_side(core, shapes, q, v, placements, gains, desired)
             damped = Damped(settings[0], settings[1], settings[2], limit)
-            g = twists.bias + pull - flat(desired, shapes)
-            a, forces, *report = damped_dynamics(core, q, v, tau, twists.J, g, damped)
+            a, forces, *report = damped_dynamics(core, q, v, tau, J, g, damped)
             common, contact_forces = _common_outputs(core, q, shapes, forces)
             state = q, v, placements, gains, desired, a, forces, settings
             nle = algorithms.bias_forces(core, q, v)
@@ -265,11 +313,11 @@ def _motion(shapes: Any, limit: int) -> Any:
 
 def _impact(shapes: Any) -> Any:
     def build(core: CoreModel) -> Any:
-        def run(q: Array, v: Array, settings: Array, part: Array, *live: Array) -> tuple[Any, ...]:
+        def run(q: Array, v: Array, settings: Array, part: Any, *live: Array) -> tuple[Any, ...]:
             placements, gains, desired = _stacks(live)
             constraints = core_constraints(shapes, placements)
             J = algorithms.constraint_jacobian(core, q, constraints)
-            jump = (1.0 + part[0]) * algorithms.constraint_velocity(core, q, v, constraints)
+            jump = (1.0 + part) * algorithms.constraint_velocity(core, q, v, constraints)
             a, forces, *report = damped_impact(core, q, J, jump, Damped(settings[0], 0.0, 0.0, 1))
             common, contact_forces = _common_outputs(core, q, shapes, forces)
             state = q, v, placements, gains, desired, a, forces, settings

@@ -10,9 +10,9 @@ from pinocchio._constraints.constraint_set import cached_constraint_set
 from pinocchio._constraints.delassus import diagonal, with_added_diagonal
 from pinocchio._constraints.delassus_of_cholesky import DelassusOperatorCholeskyExpression
 from pinocchio._constraints.factorization import Factorization, FactorKernels, kernels_for, no_factors_error
-from pinocchio._constraints.jacobians import getConstraintsJacobian, jacobian_here
+from pinocchio._constraints.jacobians import check_constraints, getConstraintsJacobian, jacobian_here
 from pinocchio._constraints.kernels import factor_kernels, jacobian_kernel
-from pinocchio._containers.arguments import WrongShape
+from pinocchio._containers.arguments import OMITTED, WrongShape
 from pinocchio._containers.arrays import numbers
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
@@ -30,9 +30,9 @@ class ConstraintCholeskyDecomposition:
     __slots__ = ("_J", "_M", "_U", "_constraint_set", "_factored", "_is_new", "_mu")
 
     @by_name("model data contact_models contact_datas", "model data constraint_models constraint_datas")
-    def __init__(self, model: Any = None, data: Any = None, models: Any = (), datas: Any = ()) -> None:
+    def __init__(self, model: Any = OMITTED, data: Any = None, models: Any = (), datas: Any = ()) -> None:
         self._make_room(0, 0)
-        if model is not None:
+        if model is not OMITTED:
             self.rebuild(model, data, models, datas)
 
     def _make_room(self, m: int, n: int) -> None:
@@ -53,12 +53,9 @@ class ConstraintCholeskyDecomposition:
         return self
 
     def rebuild(self, model: Model, data: Data, constraint_models: Any, constraint_datas: Any) -> None:
-        """Allocates the matrices of constraints, which are zero until `compute`.
-
-        Args:
-            constraint_datas: Their data.
-        """
+        """Allocates the matrices of constraints, which are zero until `compute`."""
         compiled_for(model, data)
+        check_constraints(constraint_models)
         self._make_room(sum(one.residualSize() for one in constraint_models), model.nv)
 
     @by_name(

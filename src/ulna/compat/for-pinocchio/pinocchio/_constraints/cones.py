@@ -35,11 +35,11 @@ class _Set:
         """The nearest vector of the set."""
         raise NotImplementedError
 
-    def isInside(self, f: Any, prec: float = 0.0) -> bool:
-        """Whether a vector belongs to it, up to `prec` of its length."""
+    def isInside(self, f: Any) -> bool:
+        """Whether a vector belongs to it."""
         force = _any(f)
         off = np.linalg.norm(force - self.project(force))
-        return bool(off <= max(float(prec), 1e-15) * np.linalg.norm(force))
+        return bool(off <= 1e-15 * np.linalg.norm(force))
 
     def copy(self) -> Any:
         """Itself; sets do not change."""
@@ -73,6 +73,10 @@ class _Friction(_Set):
 
     def __call__(self, constraint_data: Any) -> Any:
         """Itself, for contacts whose set is asked as `constraint.set(constraint_data)`."""
+        if not getattr(constraint_data, "_of_constraint", False):
+            raise ArgumentError(
+                f"The data of the contact is {constraint_data!r}; expected what its createData() returns."
+            )
         return self
 
     @property

@@ -8,7 +8,7 @@ import numpy as np
 
 from pinocchio._constraints.frame_pair import ConstraintSelectionType
 from pinocchio._containers.arguments import ArgumentError, WrongShape
-from pinocchio._containers.arrays import StdVec, index, numbers, vector
+from pinocchio._containers.arrays import StdVec, index, rows_of, vector
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.files import Saved, register
 from pinocchio._containers.keywords import by_name
@@ -145,7 +145,7 @@ class AnyConstraint(_NamedAndCompared):
         Returns:
             Array (residualSize, k) or (residualSize,).
         """
-        return self.jacobian(model, data, constraint_data) @ _rows_of(matrix, model.nv)
+        return self.jacobian(model, data, constraint_data) @ rows_of(matrix, model.nv, "matrix")
 
     def jacobianTransposeMatrixProduct(
         self, model: Model, data: Data, constraint_data: Any, matrix: Any
@@ -158,7 +158,7 @@ class AnyConstraint(_NamedAndCompared):
         Returns:
             Array (nv, k) or (nv,).
         """
-        return self.jacobian(model, data, constraint_data).T @ _rows_of(matrix, self.residualSize())
+        return self.jacobian(model, data, constraint_data).T @ rows_of(matrix, self.residualSize(), "matrix")
 
     def _ends(self, data: Data, constraint_data: Any, rf: Any) -> list[tuple[int, Floats]]:
         """The joints whose spatial velocities make its velocity, each with the matrix (rows, 6) that does so."""
@@ -233,29 +233,36 @@ class AnyConstraint(_NamedAndCompared):
         diagonal_constraint_inertia: Any,
         reference_frame: ReferenceFrame = ReferenceFrame.LOCAL,
     ) -> None:
-        """Not offered: the articulated inertias of the constrained recursion are not kept.
+        """Adds the inertia that its rows are at the joint it holds to `data.oYaba_augmented`, after `calc`.
+
+        Limits and frictions of joints add to no field. No algorithm here reads the field; it is for recursions of
+        users.
 
         Args:
             diagonal_constraint_inertia: Inertias of its rows (residualSize,) [kg].
             reference_frame: LOCAL, WORLD or LOCAL_WORLD_ALIGNED.
 
         Raises:
-            InputError: Always, where the arguments are right.
+            InputError: It holds two joints; what it couples them by is not kept.
         """
         self._check_data(constraint_data)
-        vector(diagonal_constraint_inertia, self.residualSize(), "diagonal_constraint_inertia")
+        weights = vector(diagonal_constraint_inertia, self.residualSize(), "diagonal_constraint_inertia")
         reference_of(reference_frame)
-        raise InputError(
-            "appendCouplingConstraintInertias adds to `data.oYaba_augmented`, a workspace of Pinocchio's recursions "
-            "that is not kept here. constraintDynamics, lcaba and computeDampedDelassusMatrixInverse take constraints "
-            "as they are; computeConstraintSpatialInertia returns the inertia itself."
-        )
+        ends = self._ends(data, constraint_data, reference_frame)
+        if len(ends) > 1:
+            raise InputError(
+                "appendCouplingConstraintInertias: the constraint holds two joints, and the inertia between them is a "
+                "workspace of Pinocchio's recursions that is not kept here. getA1 and getA2 return the matrices."
+            )
+        for joint, projection in ends:
+            data.oYaba_augmented[joint] += (projection.T * weights) @ projection
 
 
 class AnyConstraintData(_NamedAndCompared):
     """The data of a constraint."""
 
     __slots__ = ()
+    _of_constraint = True
 
 
 class _Variant(type):
@@ -311,15 +318,12 @@ def wrong_model(data: AnyConstraintData, given: Any) -> ArgumentError:
 
 def _check_count(name: str, entries: Any, model: Model) -> None:
     """Raises WrongShape where there is not an entry for each joint."""
+    if not hasattr(entries, "__len__"):
+        raise ArgumentError(
+            f"`{name}` is {excerpt(repr(entries))}; expected a list with an entry for each joint."
+        )
     if len(entries) != model.njoints:
         raise WrongShape(name, (len(entries),), f"({model.njoints},), one for each joint")
-
-
-def _rows_of(value: Any, rows: int) -> Floats:
-    array = numbers(value, "matrix")
-    if array.ndim not in (1, 2) or array.shape[0] != rows:
-        raise WrongShape("matrix", array.shape, f"({rows},) or ({rows}, k)")
-    return array
 
 
 def _equal(a: Any, b: Any) -> bool:

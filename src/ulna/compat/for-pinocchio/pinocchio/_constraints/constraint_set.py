@@ -6,6 +6,7 @@ from typing import Any, final
 
 from pinocchio._constraints.frame_pair import changes
 from pinocchio._constraints.rigid_constraint import checked_constraints, structures_of
+from pinocchio._containers.arrays import not_applicable
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
 
@@ -42,8 +43,8 @@ class ConstraintSet:
         return (
             self.model is model
             and self.version == changes[0]
-            and models == self.models
             and datas == self.datas
+            and models == self.models
         )
 
 
@@ -77,7 +78,30 @@ def cached_constraint_set(model: Model, data: Data, models: Any, datas: Any) -> 
     Returns:
         The set, or None.
     """
-    for constraint_set in data._constraint_sets:
-        if constraint_set.matches(model, models, datas):
-            return constraint_set
+    version = changes[0]
+    for known in data._constraint_sets:  # data first: they are compared by their identity
+        if (
+            known.version == version
+            and datas == known.datas
+            and models == known.models
+            and known.model is model
+        ):
+            return known
     return None
+
+
+def bound_run(model: Any, data: Any, models: Any, datas: Any, key: Any) -> Any:
+    """What is bound to constraints that a Data knows.
+
+    Args:
+        model, data: Anything; with what is no model and no data nothing is bound.
+        key: The key of the algorithm in `ConstraintSet.runs`.
+
+    Returns:
+        What is bound, or `not_applicable`.
+
+    Raises:
+        AttributeError: The data is none.
+    """
+    known = cached_constraint_set(model, data, models, datas)
+    return not_applicable if known is None else known.runs.get(key, not_applicable)

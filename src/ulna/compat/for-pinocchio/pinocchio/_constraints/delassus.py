@@ -61,11 +61,11 @@ def with_added_diagonal(G: Floats, by: Any) -> Floats:
     return out
 
 
-_ROWS = 24
+MOST_ROWS = 24
 """Larger matrices are left to LAPACK."""
 
 
-@lru_cache(_ROWS)
+@lru_cache(MOST_ROWS)
 def _solver(size: int) -> Any:
     """b, G, what is added to its diagonal: x, and what is above zero where it is the only one."""
 
@@ -76,18 +76,27 @@ def _solver(size: int) -> Any:
     return compile_function(run, b=size, G=(size, size), compliance=size, damping=size)
 
 
-@lru_cache(_ROWS)
+@lru_cache(MOST_ROWS)
 def _inverter(size: int) -> Any:
     """G, what is added to its diagonal: the inverse, and what is above zero where there is one."""
-
-    def run(G: Array, mu: Any) -> tuple[Any, Any]:
-        factors = damped_factors(G, numeric.vector(*[mu] * size))
-        return factors.inverse(), reduce(numeric.minimum, factors.reciprocals)
-
-    return compile_function(run, G=(size, size), mu=())
+    return compile_function(inverse_and_least_pivot, G=(size, size), mu=())
 
 
-@lru_cache(_ROWS)
+def inverse_and_least_pivot(G: Array, mu: Any) -> tuple[Any, Any]:
+    """The inverse of a symmetric matrix with a number on its diagonal, and what is above zero where there is one.
+
+    Args:
+        G: Symmetric semidefinite matrix (m, m), numbers or traced [1/kg].
+        mu: Number that is added to the diagonal [1/kg].
+
+    Returns:
+        Matrix (m, m), and a number.
+    """
+    factors = damped_factors(G, numeric.vector(*[mu] * len(G)))
+    return factors.inverse(), reduce(numeric.minimum, factors.reciprocals)
+
+
+@lru_cache(MOST_ROWS)
 def _inertial(size: int) -> Any:
     """G and an inertia: `with_inertia`."""
 
@@ -108,7 +117,7 @@ def with_inertia(G: Floats, mu: float) -> Floats:
     Returns:
         Matrix (m, m) [1/kg].
     """
-    if 0 < len(G) <= _ROWS:
+    if 0 < len(G) <= MOST_ROWS:
         return _inertial(len(G))(G, mu)
     return linalg.solve(np.eye(len(G)) + mu * G, G)
 
@@ -126,7 +135,7 @@ def damped_inverse(G: Floats, mu: float) -> Floats:
     Raises:
         InputError: it is singular.
     """
-    if not 0 < len(G) <= _ROWS:
+    if not 0 < len(G) <= MOST_ROWS:
         return linalg.inverse(with_added_diagonal(G, mu))
     result, unique = _inverter(len(G))(G, mu)
     if not unique > 0.0:
@@ -153,11 +162,11 @@ class DelassusOperator:
     def _bind(self) -> Any:
         """Binds what solves with one vector to the arrays of this operator."""
         self._solve_vector = not_applicable
-        if 0 < len(self._G) <= _ROWS:
-            last_inputs = np.ascontiguousarray(self._G), self._compliance, self._damping
+        if 0 < len(self._G) <= MOST_ROWS:
+            trailing_inputs = np.ascontiguousarray(self._G), self._compliance, self._damping
             others = (np.frombuffer(self._unique).reshape(()),)
             kernel = _solver(len(self._G))
-            self._solve_vector = BoundKernel(kernel, others=others, last_inputs=last_inputs).call
+            self._solve_vector = BoundKernel(kernel, others=others, trailing_inputs=trailing_inputs).call
         return self._solve_vector
 
     def size(self) -> int:
@@ -183,7 +192,7 @@ class DelassusOperator:
     def inverse(self) -> Any:
         """The inverse of the matrix with compliance and damping."""
         G = DelassusOperator.matrix(self)
-        if 0 < len(G) <= _ROWS:
+        if 0 < len(G) <= MOST_ROWS:
             result, unique = _inverter(len(G))(G, 0.0)
             if unique > 0.0:
                 return result
@@ -198,7 +207,7 @@ class DelassusOperator:
         right = mat if type(mat) is np.ndarray else numbers(mat, "mat")
         if right.ndim not in (1, 2) or len(right) != len(self._G):
             raise WrongShape("mat", right.shape, f"({self.size()},) or ({self.size()}, k)")
-        if right.ndim == 1 and 0 < len(right) <= _ROWS:
+        if right.ndim == 1 and 0 < len(right) <= MOST_ROWS:
             solution, unique = _solver(len(right))(right, self._G, self._compliance, self._damping)
             if unique > 0.0:
                 return solution

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.dynamics import aba, crba, nonLinearEffects
-from pinocchio._constraints.bound_dynamics import defer_after_elimination, solve
+from pinocchio._constraints.bound_dynamics import defer_after_elimination, solve, solve_directly
 from pinocchio._constraints.jacobian_dynamics import impact_directly, impact_with_jacobian
 from pinocchio._constraints.proximal_settings import ProximalSettings, settings_of
-from pinocchio._constraints.rigid_constraint import checked_constraints
+from pinocchio._constraints.rigid_constraint import RigidConstraint, checked_constraints
 from pinocchio._containers.arrays import vector
 from pinocchio._containers.enums import Convention
 from pinocchio._containers.keywords import overloads, without_overloads
@@ -34,12 +34,15 @@ def initConstraintDynamics(model: Model, data: Data, contact_models: Any, contac
     models = checked_constraints(model, contact_models, contact_datas)
     compiled_for(model, data)
     m, nv = sum(one.residualSize() for one in models), model.nv
-    blocks = data._arrays
-    for name in ("lambda_c", "impulse_c"):
-        blocks[name] = np.zeros(m)
-    for name in ("dlambda_dq", "dlambda_dv", "dlambda_dtau", "dac_da"):
-        blocks[name] = np.zeros((m, nv))
-    blocks["osim"] = np.zeros((m, m))
+    shapes: dict[str, Any] = dict.fromkeys(
+        ("lambda_c", "impulse_c", "lambda_c_prox", "primal_rhs_contact"), m
+    )
+    shapes |= {"primal_dual_contact_solution": m + nv, "osim": (m, m)}
+    shapes |= dict.fromkeys(("dlambda_dq", "dlambda_dv", "dlambda_dtau"), (m, nv))
+    shapes |= dict.fromkeys(("dac_da", "dac_dq", "dac_dv", "dvc_dq"), (m, nv))
+    for name, shape in shapes.items():
+        data._arrays[name] = np.zeros(shape)
+    data._mark_filled(*shapes)
 
 
 def constraintDynamics(
@@ -59,14 +62,13 @@ def constraintDynamics(
 
     Args:
         contact_models: Constraints.
-        prox_settings: How the forces are found; it receives the figures of that. None for one round without
-            damping.
+        prox_settings: How the forces are found; it receives the figures of that. One round without damping when
+            left out.
 
     Returns:
         Accelerations (nv,) [rad/s^2 or m/s^2].
     """
-    if not len(contact_models):
-        checked_constraints(model, contact_models, contact_datas)
+    if not _has_constraints(model, contact_models, contact_datas):
         crba(model, data, q, Convention.WORLD)
         nonLinearEffects(model, data, q, v)
         data._arrays["lambda_c"] = np.zeros(0)
@@ -81,6 +83,13 @@ def constraintDynamics(
     return a
 
 
+def _has_constraints(model: Model, models: Any, datas: Any) -> bool:
+    """Whether there are constraints; those that are there are checked where they are used."""
+    if isinstance(models, (list, tuple)) and models:
+        return True
+    return bool(checked_constraints(model, models, datas))
+
+
 _ONE_ROUND = ProximalSettings()
 """The settings that hold when none are given."""
 
@@ -88,7 +97,9 @@ _ONE_ROUND = ProximalSettings()
 def computeJointMinimalOrdering(model: Model, data: Data, constraint_models: Any) -> None:
     """Checks the constraints; `lcaba` needs no ordering here."""
     compiled_for(model, data)
-    checked_constraints(model, constraint_models, [one.createData() for one in constraint_models])
+    models = constraint_models if isinstance(constraint_models, (list, tuple)) else None
+    datas = [one.createData() if isinstance(one, RigidConstraint) else None for one in models or ()]
+    checked_constraints(model, constraint_models, datas)
 
 
 def lcaba(
@@ -104,7 +115,6 @@ def lcaba(
     """The accelerations that torques cause under constraints; as constraintDynamics.
 
     Args:
-        constraint_datas: Their data.
         prox_settings: Accuracy and damping of the forces; it receives the figures of the search.
 
     Returns:
@@ -118,7 +128,28 @@ def lcaba(
     return ddq
 
 
-@without_overloads(impact_directly)
+def _impact_directly(model: Any, data: Any, *args: Any) -> Any:
+    """impulseDynamics of arrays and constraints that are bound, or a Jacobian that is known; else NotImplemented."""
+    if len(args) < 4:
+        return impact_directly(model, data, *args)
+    q, v, models, datas, *rest = args
+    settings, part = _ONE_ROUND, 0.0
+    if rest:
+        part = rest[0]
+        if len(rest) == 2:
+            settings = rest[1]
+        if type(part) is not float or not 0.0 <= part <= 1.0 or type(settings) is not ProximalSettings:
+            return NotImplemented
+        if len(rest) > 2:
+            return NotImplemented
+    solved = solve_directly(model, data, models, datas, 0, q, v, settings._numbers, part)
+    if solved is NotImplemented:
+        return NotImplemented
+    data._arrays["impulse_c"] = solved[0].forces
+    return solved[1]
+
+
+@without_overloads(_impact_directly)
 @overloads(
     "model data q v contact_models:list contact_datas:list r_coeff? prox_settings:ProximalSettings?",
     "model data v_before constraint_jacobian:matrix restitution_coefficient? damping?",
@@ -174,11 +205,12 @@ def _impact(
     prox_settings: Any = None,
 ) -> Floats:
     settings = _ONE_ROUND if prox_settings is None else settings_of(prox_settings)
-    if not len(contact_models):
-        checked_constraints(model, contact_models, contact_datas)
+    part = restitution(r_coeff)
+    if not _has_constraints(model, contact_models, contact_datas):
+        vector(q, model.nq, "q")
         data._arrays["dq_after"][:] = after = vector(v, model.nv, "v")
+        data._arrays["impulse_c"] = np.zeros(0)
         return after.copy()
-    part = np.array([restitution(r_coeff)])
     session, after = solve(model, data, contact_models, contact_datas, 0, q, v, settings._numbers, part)
     data._arrays["impulse_c"] = session.forces
     return after

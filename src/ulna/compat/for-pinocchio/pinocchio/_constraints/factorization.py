@@ -85,11 +85,11 @@ class FactorKernels:
 
     @cached_property
     def factor_and_upper(self) -> Any:
-        """What `factor` makes of M, J and mu, and U."""
+        """What `factor` makes of M, J and mu, and U, and that they are not outdated."""
 
         def run(M: Array, J: Array, mu: Array) -> tuple[Any, ...]:
             entries, *others = self._factor(M, J, mu)
-            return entries, *others, self._upper(entries)
+            return entries, *others, self._upper(entries), np.zeros(1)
 
         return compile_function(run, M=self.mass.shape, J=self.rows.shape, mu=len(self.rows))
 
@@ -143,13 +143,8 @@ class FactorKernels:
         return compile_function(run, **self._input_sizes, J=self.rows.shape, v=len(self.mass), part=())
 
     @cached_property
-    def inverse_mass(self) -> Any:
-        """Entries and 1/D of M: its inverse."""
-        return compile_function(lambda entries, r: self._factors(entries, r).inverse(), **self._input_sizes)
-
-    @cached_property
     def inverse(self) -> Any:
-        """Entries and 1/D: the inverse of K."""
+        """Entries and 1/D: the inverse of K, or of M where there are no constraints."""
         return compile_function(lambda entries, r: self._factors(entries, r).inverse(), **self._input_sizes)
 
     @cached_property
@@ -194,13 +189,13 @@ class Factorization:
         flag: The same number, read more quickly.
         factor: Called with M, J and mu (m,), it fills them; NotImplemented where these are not exactly such arrays,
             or what is watched has changed.
-        outdated: Whether it must be called before the factors are used again.
+        outdated: Not zero when it must be called before the factors are used again (1,).
         no_rows: J and mu where there are none.
     """
 
     def __init__(self, kernels: FactorKernels, watch: Any = ()) -> None:
         m, n = kernels.rows.shape
-        self.kernels, self.no_rows, self.outdated = kernels, (np.zeros((0, n)), np.zeros(0)), False
+        self.kernels, self.no_rows, self.outdated = kernels, (np.zeros((0, n)), np.zeros(0)), np.zeros(1)
         self.entries, self.D, self.r = np.zeros(len(kernels.places[0])), np.zeros(m + n), np.zeros(m + n)
         self.flag = array("d", [0.0])
         self.G, self.unique = np.zeros((m, m)), np.frombuffer(self.flag).reshape(())
@@ -237,12 +232,16 @@ class Factorization:
     @cached_property
     def upper(self) -> Any:
         """A function without arguments: U (m + nv, m + nv)."""
-        return BoundKernel(self.kernels.upper, last_inputs=(self.entries,)).call
+        return BoundKernel(self.kernels.upper, trailing_inputs=(self.entries,)).call
 
     @cached_property
     def solve_vector(self) -> Any:
-        """A function of b (m + nv,): x with K x = b; NotImplemented where b is not exactly such an array."""
-        return BoundKernel(self.kernels.solve, last_inputs=(self.entries, self.r)).call
+        """A function of b (m + nv,): x with K x = b; NotImplemented where b is not exactly such an array.
+
+        So it is where the factors are outdated, too.
+        """
+        watch = [(self.outdated, np.zeros(1))]
+        return BoundKernel(self.kernels.solve, watch, trailing_inputs=(self.entries, self.r)).call
 
     def solve(self, b: Floats) -> Floats:
         """x with K x = b, (m + nv,) or (m + nv, k)."""
@@ -259,23 +258,31 @@ class Factorization:
             M: The array (nv, nv) that is read at every call.
 
         Returns:
-            The function; NotImplemented comes of it where what is watched has changed.
+            The function; NotImplemented comes of it where what is watched has changed, or M has no factors.
         """
         U = np.zeros(M.shape)
-        targets = self.entries, self.D, self.r, self.G, self.unique, U
+        targets = self.entries, self.D, self.r, self.G, self.unique, U, self.outdated
         return self.kernels.factor_and_upper.into(
             *targets,
             returns=(5,),
+            condition=4,
             watch=self._watch,
             otherwise=not_applicable,
-            last_inputs=(M, *self.no_rows),
+            trailing_inputs=(M, *self.no_rows),
         )
 
     def inverse_mass(self) -> Floats:
         """M^-1 (nv, nv)."""
         kernels = self.kernels.of_mass
         first = len(self.entries) - len(kernels.places[0])
-        return kernels.inverse_mass(self.entries[first:], self.r[len(self.G) :])
+        return kernels.inverse(self.entries[first:], self.r[len(self.G) :])
+
+    def mass(self) -> Floats:
+        """M (nv, nv), as it was when K was factored."""
+        m, U = len(self.G), np.eye(len(self.D))
+        U[self.kernels.places] = self.entries
+        joints = U[m:, m:]
+        return (joints * self.D[m:]).dot(joints.T)
 
     def minus_inverse_delassus(self, mu: Floats) -> Floats:
         """The opposite of the inverse of the Delassus matrix with the damping mu that was factored (m, m)."""

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, final
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import index
+from pinocchio._containers.arrays import index, real
 from pinocchio._containers.enums import _Named
 from pinocchio._containers.files import register
 from pinocchio._model.model import Model
@@ -53,7 +53,7 @@ class BaumgarteCorrectorParameters:
 
     @Kp.setter
     def Kp(self, value: float) -> None:
-        self._v[0] = value
+        self._v[0] = real(value, "Kp")
 
     @property
     def Kd(self) -> float:
@@ -62,7 +62,7 @@ class BaumgarteCorrectorParameters:
 
     @Kd.setter
     def Kd(self, value: float) -> None:
-        self._v[1] = value
+        self._v[1] = real(value, "Kd")
 
     @classmethod
     def _of(cls, gains: Any) -> BaumgarteCorrectorParameters:
@@ -158,7 +158,6 @@ class FramePair:
         """Sets the gains against drift.
 
         Args:
-            bp: The gains.
             sel: Accepted and ignored.
         """
         self.baumgarte_corrector_parameters = bp

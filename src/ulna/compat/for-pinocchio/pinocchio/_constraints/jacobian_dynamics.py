@@ -37,9 +37,19 @@ class BoundJacobianDynamics:
     def __init__(self, model: Model, data: Data, rows: int) -> None:
         self.kernels = kernels_for(data._attach(model), np.ones((rows, model.nv)))
         self.factored = known = Factorization(self.kernels, model._watched("structure"))
-        self.factor, self.entries, self.r, self.flag = known.factor, known.entries, known.r, known.flag
+        self.entries, self.r, self.flag = known.entries, known.r, known.flag
         self.blocks, self.M, self.nle = data._arrays, data._arrays["M"], data._arrays["nle"]
         self.mu, self.forces, self.impulses = np.zeros(rows), np.zeros(rows), np.zeros(rows)
+        self.damping = 0.0
+
+    def _factored(self, J: Any, damping: float, mass: Any = None) -> bool:
+        """Factors K, with `data.M` where no mass is passed; whether that applies, and its factors are unique."""
+        if damping != self.damping:
+            self.damping = damping
+            self.mu.fill(damping)
+        return (
+            self.factored.factor(self.M if mass is None else mass, J, self.mu) is None and self.flag[0] > 0.0
+        )
 
     def motion(self, J: Any, damping: float, tau: Any, drift: Any) -> Any:
         """Accelerations; their forces lie in `forces`.
@@ -50,33 +60,33 @@ class BoundJacobianDynamics:
         Returns:
             Accelerations (nv,); NotImplemented where it does not apply.
         """
-        self.mu.fill(damping)
-        if self.factor(self.M, J, self.mu) is None and self.flag[0]:
+        if self._factored(J, damping):
             return self._motion(self.entries, self.r, tau, self.nle, drift)
         return NotImplemented
 
-    def impact(self, J: Any, damping: float, v: Any, part: float) -> Any:
+    def impact(self, J: Any, damping: float, v: Any, restitution: float) -> Any:
         """The velocity after an impact; its impulses lie in `impulses`.
 
         Args:
-            part: Coefficient of restitution [-].
+            restitution: Coefficient of restitution [-].
 
         Returns:
             Velocity (nv,); NotImplemented where it does not apply.
         """
-        self.mu.fill(damping)
-        if self.factor(self.M, J, self.mu) is None and self.flag[0]:
-            return self._impact(self.entries, self.r, J, v, part)
+        if self._factored(J, damping):
+            return self._impact(self.entries, self.r, J, v, restitution)
         return NotImplemented
 
-    def inverse(self, J: Any, damping: float) -> Any:
+    def inverse(self, J: Any, damping: float, mass: Any) -> Any:
         """The inverse of [[M, J^T], [J, -damping 1]].
+
+        Args:
+            mass: M (nv, nv); None for `data.M`.
 
         Returns:
             Matrix (nv + m, nv + m); NotImplemented where it does not apply.
         """
-        self.mu.fill(damping)
-        if self.factor(self.M, J, self.mu) is None and self.flag[0]:
+        if self._factored(J, damping, mass):
             return self.factored.inverse(J, self.mu, joints_first=True)
         return NotImplemented
 
@@ -121,20 +131,22 @@ def _run(
             bound = bound_by_rows[len(J)] = BoundJacobianDynamics(model, data, len(J))
         result = getattr(bound, name)(J, mu, *arrays)
         if result is NotImplemented:
+            data._damped = None
             raise no_factors_error(bound.M, J)
-    data._damped = J.shape, mu
-    _outdate(data)
+    data._damped = bound, mu
+    _invalidate_factors(data)
     return bound, result
 
 
-def _outdate(data: Data) -> None:
-    """Has `pinocchio.cholesky` factor the mass matrix anew."""
-    if "cholesky" in data._bound_at:
-        data._bound_at["cholesky"].outdated = True
+def _invalidate_factors(data: Data) -> None:
+    """Has `pinocchio.cholesky` factor the mass matrix again before its factors are used."""
+    factors = data._bound_at.get("cholesky")
+    if factors is not None:
+        factors.outdated[0] = 1.0
 
 
-_STATE = {"motion": ("tau", "constraint_drift"), "impact": ("v_before", None), "inverse": ()}
-"""What methods of `BoundJacobianDynamics` take after J and its damping: names of vectors, None for a number."""
+_STATE = {"motion": ("tau", "constraint_drift"), "impact": ("v_before", None), "inverse": (None,)}
+"""What methods of `BoundJacobianDynamics` take after J and its damping: names of vectors, None for anything else."""
 
 
 def _motion_directly(model: Any, data: Any, *state: Any) -> Any:
@@ -147,8 +159,8 @@ def _motion_directly(model: Any, data: Any, *state: Any) -> Any:
         computeAllTerms(model, data, *configuration)
     a = bound.motion(J, 0.0, tau, drift)
     if a is not NotImplemented:
-        data._arrays["lambda_c"], data._damped = bound.forces, (J.shape, 0.0)
-        _outdate(data)
+        data._arrays["lambda_c"], data._damped = bound.forces, (bound, 0.0)
+        _invalidate_factors(data)
     return a
 
 
@@ -205,8 +217,8 @@ def impact_directly(model: Any, data: Any, *state: Any) -> Any:
         crba(model, data, configuration[0], Convention.WORLD)
     after = bound.impact(J, 0.0, v, 0.0)
     if after is not NotImplemented:
-        data._arrays["impulse_c"], data._damped = bound.impulses, (J.shape, 0.0)
-        _outdate(data)
+        data._arrays["impulse_c"], data._damped = bound.impulses, (bound, 0.0)
+        _invalidate_factors(data)
     return after
 
 
@@ -241,7 +253,7 @@ def computeKKTContactDynamicMatrixInverse(
         Matrix (nv + m, nv + m).
     """
     crba(model, data, q, Convention.WORLD)
-    return _run(model, data, "inverse", constraint_jacobian, damping)[1]
+    return _run(model, data, "inverse", constraint_jacobian, damping, None)[1]
 
 
 def getKKTContactDynamicMatrixInverse(model: Model, data: Data, constraint_jacobian: Any) -> Floats:
@@ -259,9 +271,10 @@ def getKKTContactDynamicMatrixInverse(model: Model, data: Data, constraint_jacob
     """
     if type(constraint_jacobian) is not np.ndarray or constraint_jacobian.dtype != float:
         constraint_jacobian = numbers(constraint_jacobian, "constraint_jacobian")
-    shape, damping = data._require(data._damped, "forwardDynamics or impulseDynamics with a Jacobian")
+    bound, damping = data._require(data._damped, "forwardDynamics or impulseDynamics with a Jacobian")
+    shape = bound.kernels.rows.shape
     if constraint_jacobian.shape != shape:
         raise InputError(
             f"The Jacobian is {constraint_jacobian.shape}; that of forwardDynamics or impulseDynamics was {shape}."
         )
-    return _run(model, data, "inverse", constraint_jacobian, damping)[1]
+    return _run(model, data, "inverse", constraint_jacobian, damping, bound.factored.mass())[1]

@@ -6,19 +6,40 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._algorithms.jacobians import computeJointJacobians
+from pinocchio._algorithms.jacobians import JACOBIANS, computeJointJacobians
+from pinocchio._constraints.bound_dynamics import with_side_outputs
 from pinocchio._constraints.constraint_model import AnyConstraint
-from pinocchio._constraints.constraint_set import ConstraintSet, cached_constraint_set, constraint_set_of
-from pinocchio._constraints.delassus import damped_inverse, with_inertia
+from pinocchio._constraints.constraint_set import (
+    ConstraintSet,
+    bound_run,
+    cached_constraint_set,
+    constraint_set_of,
+)
+from pinocchio._constraints.delassus import (
+    MOST_ROWS,
+    damped_inverse,
+    inverse_and_least_pivot,
+    with_added_diagonal,
+    with_inertia,
+)
 from pinocchio._constraints.kernels import core_constraints, jacobian_kernel, sizes_of
 from pinocchio._constraints.proximal_settings import damping_of
-from pinocchio._constraints.rigid_constraint import RigidConstraint
-from pinocchio._containers.arguments import ArgumentError
+from pinocchio._constraints.rigid_constraint import DELASSUS_LEAVES, RigidConstraint
+from pinocchio._constraints.workspace import PROPAGATORS
+from pinocchio._containers.arguments import ArgumentError, checked, checks_itself
 from pinocchio._containers.arrays import exact, not_applicable
+from pinocchio._containers.keywords import without_overloads
+from pinocchio._data.algorithm import Algorithm
+from pinocchio._data.binding import side_outputs
 from pinocchio._data.data import Data
+from pinocchio._data.deferred_fields import JOINTS, stacked
+from pinocchio._data.first_evaluation import loaded_evaluator, store
 from pinocchio._data.states import compiled_for
+from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.model import Model
-from ulna import algorithms
+from pinocchio._tables.constraint_jacobians import constraint_jacobian as table_jacobian
+from pinocchio._tables.fields import WORST_CONDITION, NotByTable, TableFields
+from ulna import algorithms, linalg
 from ulna.errors import excerpt
 from ulna.model import Model as CoreModel
 from ulna.quantities.mass import with_mass
@@ -32,27 +53,30 @@ __all__ = [
 ]
 
 
+def _jacobian_directly(model: Any, data: Any, models: Any, datas: Any) -> Any:
+    """getConstraintsJacobian of constraints that are bound already; else NotImplemented."""
+    return bound_run(model, data, models, datas, "jacobian here")()
+
+
+@checks_itself
+@without_overloads(_jacobian_directly)
+@checked
 def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, constraint_datas: Any) -> Floats:
     """The Jacobian (m, nv) of all constraints, at the configuration of the last kinematics or dynamics.
 
     Args:
         data: Its data, after kinematics or dynamics.
-        constraint_datas: Their data.
 
     Returns:
         Jacobian (m, nv).
     """
     constraint_set = cached_constraint_set(model, data, constraint_models, constraint_datas)
-    if constraint_set is not None and "jacobian here" in constraint_set.runs:
-        J = constraint_set.runs["jacobian here"]()
-        if J is not NotImplemented:
-            return J
     data._require(data._q, "forwardKinematics(model, data, q), or constraintDynamics,")
     if constraint_set is None:
         compiled_for(model, data)
         if not all(isinstance(one, RigidConstraint) for one in constraint_models):
             pairs = list(zip(constraint_models, constraint_datas, strict=True))
-            _check_constraints(constraint_models)
+            check_constraints(constraint_models)
             return np.vstack([one.jacobian(model, data, known) for one, known in pairs])
         constraint_set = constraint_set_of(model, data, constraint_models, constraint_datas)
     return jacobian_here(model, data, constraint_set)
@@ -70,17 +94,35 @@ def jacobian_here(model: Model, data: Data, constraint_set: ConstraintSet) -> Fl
     step = constraint_set.runs.get("jacobian here", not_applicable)
     J = step()
     if J is NotImplemented:
-        q = data._q
-        J = evaluate(model, data, constraint_set, "jacobian", q)
+        q, shapes = data._q, constraint_set.shapes
+        if evaluator := loaded_evaluator(model, data, ("constraint jacobian", shapes)):
+            return table_jacobian(evaluator, q, shapes, constraint_set.places) if shapes else _no_rows(model)
+        data._attach(model)
         constraint_set = constraint_set_of(model, data, constraint_set.models, constraint_set.datas)
-        if len(J):
-            constraint_set.runs["jacobian here"] = _bind(
-                model, data, constraint_set, "jacobian", len(J), (q,)
-            )
+        if not shapes:
+            return _no_rows(model)
+        step = constraint_set.runs["jacobian here"] = _bind_jacobian(model, data, constraint_set, q)
+        J = step()
     return J
 
 
-def _check_constraints(constraint_models: Any) -> None:
+def _no_rows(model: Model) -> Floats:
+    return np.zeros((0, model.nv))
+
+
+def _bind_jacobian(model: Model, data: Data, constraint_set: ConstraintSet, q: Floats) -> Any:
+    """Binds the Jacobian of constraints to their placements and to the array of q."""
+    watch = model._watched("placements")  # first: see `run`
+    kernel = jacobian_kernel(data._attach(model), constraint_set.shapes, model.nq)
+    return BoundKernel(kernel, watch, trailing_inputs=(q, *constraint_set.places)).call
+
+
+def check_constraints(constraint_models: Any) -> None:
+    """Checks that constraints are constraints.
+
+    Raises:
+        ArgumentError: One of them is none.
+    """
     for one in constraint_models:
         if not isinstance(one, (AnyConstraint, RigidConstraint)):
             raise ArgumentError(
@@ -112,9 +154,23 @@ def computeDelassusMatrix(
     Returns:
         Matrix (m, m) [1/kg].
     """
-    G = evaluate(model, data, constraint_set_of(model, data, contact_models, contact_datas), "delassus", q)
-    computeJointJacobians(model, data, q)
+    constraint_set = constraint_set_of(model, data, contact_models, contact_datas)
+    G = constraint_set.runs.get("delassus", not_applicable)(q)
+    if G is NotImplemented:
+        G = _delassus_matrix(model, data, q, constraint_set)
+    data._delassus = constraint_set.shapes, _copies(constraint_set), 1.0 / damping_of(mu) if mu else 0.0
     return with_inertia(G, damping_of(mu)) if mu else G
+
+
+_FILLS = ("M", *JACOBIANS)
+_DEFERRED = JOINTS | PROPAGATORS
+_DELASSUS, _DAMPED = (
+    Algorithm(name, "q", _FILLS, not_applicable, deferred=_DEFERRED, title=title)
+    for name, title in (
+        ("delassus", "computeDelassusMatrix"),
+        ("damped_inverse", "computeDampedDelassusMatrixInverse"),
+    )
+)
 
 
 def computeDampedDelassusMatrixInverse(
@@ -136,56 +192,115 @@ def computeDampedDelassusMatrixInverse(
         Matrix (m, m).
     """
     damping = damping_of(mu)
-    S = damped_inverse(computeDelassusMatrix(model, data, q, contact_models, contact_datas), damping)
+    constraint_set = constraint_set_of(model, data, contact_models, contact_datas)
+    S = constraint_set.runs.get("damped inverse", not_applicable)(q, damping)
+    if S is NotImplemented:
+        S = _damped_inverse(model, data, q, constraint_set, damping)
+    data._delassus = constraint_set.shapes, _copies(constraint_set), damping
+    for known in contact_datas:
+        known._left |= _LEFT
     return damping * S if scaled else S
 
 
-def evaluate(model: Model, data: Data, constraint_set: ConstraintSet, name: str, q: Any) -> Floats:
-    """Evaluates a quantity of constraints by a kernel bound to them and a Data.
+_LEFT = dict.fromkeys(DELASSUS_LEAVES, "computeDampedDelassusMatrixInverse")
 
-    Args:
-        constraint_set: The constraints.
-        name: "jacobian" or "delassus".
 
-    Returns:
-        Matrix (m, nv) or (m, m).
-    """
-    step = constraint_set.runs.get(name)
-    result = NotImplemented if step is None else step(q, *constraint_set.places)
-    if result is NotImplemented:
-        q = exact(q, model.nq, "q")
-        data._attach(model)
-        constraint_set = constraint_set_of(model, data, constraint_set.models, constraint_set.datas)
-        rows = sum(shape[0] for shape in constraint_set.shapes)
-        if not rows:
-            return np.zeros((0, model.nv if name == "jacobian" else 0))
-        step = constraint_set.runs[name] = _bind(model, data, constraint_set, name, rows)
-        result = step(q, *constraint_set.places)
-    return result
+def _copies(constraint_set: ConstraintSet) -> list[Floats]:
+    """The placements of constraints as they are now."""
+    return [place.copy() for place in constraint_set.places]
+
+
+def _delassus_matrix(model: Model, data: Data, q: Any, constraint_set: ConstraintSet) -> Floats:
+    """The Delassus matrix of constraints, computed by the joint table or bound to them for the next time."""
+    q, shapes = exact(q, model.nq, "q"), constraint_set.shapes
+    if not shapes:
+        computeJointJacobians(model, data, q)
+        return np.zeros((0, 0))
+    if "delassus" not in constraint_set.runs:
+        G = _by_table(model, data, q, constraint_set, _DELASSUS)
+        if G is not None:
+            return G
+    data._attach(model)
+    constraint_set = constraint_set_of(model, data, constraint_set.models, constraint_set.datas)
+    rows = sum(shape[0] for shape in shapes)
+    step = constraint_set.runs["delassus"] = _bind(
+        model, data, constraint_set, _DELASSUS, [np.zeros((rows, rows))]
+    )
+    return step(q)
+
+
+def _damped_inverse(
+    model: Model, data: Data, q: Any, constraint_set: ConstraintSet, damping: float
+) -> Floats:
+    """The damped inverse of the Delassus matrix, made of that or bound to the constraints for the next time."""
+    rows = sum(shape[0] for shape in constraint_set.shapes)
+    q = exact(q, model.nq, "q")
+    if 0 < rows <= MOST_ROWS and "damped inverse" not in constraint_set.runs:
+        G = _by_table(model, data, q, constraint_set, _DAMPED)
+        if G is not None and (damping > 0.0 or np.linalg.cond(G) < WORST_CONDITION):
+            return linalg.inverse(with_added_diagonal(G, damping))
+        if G is None:
+            data._attach(model)
+            constraint_set = constraint_set_of(model, data, constraint_set.models, constraint_set.datas)
+            targets = [np.zeros((rows, rows)), np.zeros(())]
+            constraint_set.runs["damped inverse"] = _bind(model, data, constraint_set, _DAMPED, targets)
+    S = constraint_set.runs.get("damped inverse", not_applicable)(q, damping)
+    if S is NotImplemented:
+        S = damped_inverse(_delassus_matrix(model, data, q, constraint_set), damping)
+    return S
+
+
+def _by_table(
+    model: Model, data: Data, q: Floats, constraint_set: ConstraintSet, record: Algorithm
+) -> Floats | None:
+    """The Delassus matrix at first calls, without compiling anything; None where that does not apply."""
+    shapes = constraint_set.shapes
+    evaluator = loaded_evaluator(model, data, (record.name, shapes))
+    if evaluator is None:
+        return None
+    fields = TableFields(evaluator, model, {"q": q})
+    try:
+        inverse = fields.inverse_mass
+    except NotByTable:
+        return None
+    J = table_jacobian(evaluator, q, shapes, constraint_set.places)
+    G = J @ inverse @ J.T
+    store(model, data, record, [q], *(fields.field(name) for name in _FILLS))
+    return 0.5 * (G + G.T)
 
 
 def _bind(
-    model: Model, data: Data, constraint_set: ConstraintSet, name: str, rows: int, last_inputs: Any = ()
+    model: Model, data: Data, constraint_set: ConstraintSet, record: Algorithm, results: list[Floats]
 ) -> Any:
-    """Binds a kernel of constraints; where `last_inputs` is the array of q, to it and to the placements, too."""
-    watch = model._watched("placements" if name == "jacobian" else "parameters")  # first: see `run`
+    """Binds a Delassus matrix, or its damped inverse, to constraints and a Data; it returns the first result."""
+    watch = model._watched("masses")  # first: see `run`
     compiled, shapes = data._attach(model), constraint_set.shapes
-    if name == "jacobian":
-        kernel, targets = jacobian_kernel(compiled, shapes, model.nq), [np.zeros((rows, model.nv))]
-    else:
-        build, sizes = with_mass(_delassus(shapes)), sizes_of(shapes)
-        kernel = compiled.compile(("constraint delassus", shapes), build, q=(model.nq,), **sizes)
-        targets = [np.zeros((rows, rows)), data._target("M"), data._target("joints q")]
-    if last_inputs:
-        last_inputs = *last_inputs, *constraint_set.places
-    return kernel.into(*targets, returns=(0,), watch=watch, otherwise=not_applicable, last_inputs=last_inputs)
+    side_targets, stored, marks = side_outputs(data, record)
+    build = with_mass(with_side_outputs(_delassus(shapes, record is _DAMPED), stored, marks))
+    damping: dict[str, Any] = {"damping": ()} if record is _DAMPED else {}
+    kernel = compiled.compile(
+        ("constraint", record.name, shapes), build, q=(model.nq,), **damping, **sizes_of(shapes)
+    )
+    targets = [*results, *(data._target(name) for name in _FILLS), *side_targets]
+    data._store_states(record)
+    return kernel.into(
+        *targets,
+        returns=(0,),
+        watch=watch,
+        otherwise=not_applicable,
+        trailing_inputs=constraint_set.places,
+        condition=1 if record is _DAMPED else None,
+    )
 
 
-def _delassus(shapes: Any) -> Any:
+def _delassus(shapes: Any, is_inverse: bool) -> Any:
     def build(core: CoreModel) -> Any:
-        def run(q: Array, *placements: Array) -> tuple[Array, ...]:
-            G = algorithms.delassus_matrix(core, q, core_constraints(shapes, np.stack(placements)))
-            return G, algorithms.mass_matrix(core, q), q
+        def run(q: Array, *others: Any) -> tuple[Any, ...]:
+            constraints = core_constraints(shapes, np.stack(others[is_inverse:]))
+            G = algorithms.delassus_matrix(core, q, constraints)
+            results = inverse_and_least_pivot(G, others[0]) if is_inverse else (G,)
+            places = stacked(algorithms.joint_poses(core, q))
+            return *results, algorithms.mass_matrix(core, q), algorithms.joint_jacobians(core, q), places
 
         return run
 

@@ -10,7 +10,7 @@ import numpy as np
 from pinocchio._constraints.cones import BoxSet, NonNegativeOrthantCone
 from pinocchio._constraints.constraint_model import AnyConstraint, AnyConstraintData, wrong_model
 from pinocchio._constraints.frame_pair import BaumgarteCorrectorParameters, ConstraintSelectionType
-from pinocchio._containers.arguments import ArgumentError, check_model_and_data
+from pinocchio._containers.arguments import OMITTED, ArgumentError, check_model_and_data
 from pinocchio._containers.arrays import StdVec, index, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
@@ -47,6 +47,15 @@ class _OfJoints(AnyConstraint):
             raise InputError(f"The joints are {self._joints}; expected indices from 1, each once.")
         self.name, self.nv, self._gains = "", model.nv, BaumgarteCorrectorParameters(0.0, 0.0)
 
+    def _fits(self, function: str, model: Any, data: Any, constraint_data: Any) -> None:
+        """Raises where a model, its data, or the data of the constraint are of others."""
+        check_model_and_data(function, model, data)
+        self._check_data(constraint_data)
+        if model.nv != self.nv:
+            raise InputError(
+                f"{self.shortname()} was made for a model of {self.nv} velocities, not {model.nv}."
+            )
+
     def copy(self) -> Any:
         """A copy."""
         other = object.__new__(type(self))
@@ -76,12 +85,7 @@ class _OfJoints(AnyConstraint):
 
     def jacobian(self, model: Model, data: Any, constraint_data: Any) -> Floats:
         """The Jacobian (residualSize, nv): one entry of one, or minus one, in each row."""
-        check_model_and_data("jacobian", model, data)
-        self._check_data(constraint_data)
-        if model.nv != self.nv:
-            raise InputError(
-                f"{self.shortname()} was made for a model of {self.nv} velocities, not {model.nv}."
-            )
+        self._fits("jacobian", model, data, constraint_data)
         rows = self._rows()
         J = np.zeros((len(rows), self.nv))
         for row, (k, sign) in enumerate(rows):
@@ -95,7 +99,10 @@ class JointFrictionConstraintData(AnyConstraintData):
 
     __slots__ = ("friction_impulse_lower_limit", "friction_impulse_upper_limit")
 
-    def __init__(self, constraint_model: JointFrictionConstraintModel) -> None:
+    def __init__(self, constraint_model: JointFrictionConstraintModel = OMITTED) -> None:
+        self.friction_impulse_lower_limit = self.friction_impulse_upper_limit = np.zeros(0)
+        if constraint_model is OMITTED:
+            return
         if not isinstance(constraint_model, JointFrictionConstraintModel):
             raise wrong_model(self, constraint_model)
         self.friction_impulse_lower_limit = constraint_model.getFrictionLowerLimit()
@@ -141,7 +148,6 @@ class JointFrictionConstraintModel(_OfJoints):
         """Not offered, as in Pinocchio: friction has no drift.
 
         Args:
-            bp: The gains.
             sel: Accepted and ignored.
 
         Raises:
@@ -155,7 +161,7 @@ class JointFrictionConstraintModel(_OfJoints):
 
     def calc(self, model: Model, data: Data, constraint_data: JointFrictionConstraintData) -> None:
         """Fills the bounds of the impulses of a time step."""
-        self._check_data(constraint_data)
+        self._fits("calc", model, data, constraint_data)
         constraint_data.friction_impulse_lower_limit = self._step * self._lb
         constraint_data.friction_impulse_upper_limit = self._step * self._ub
 
@@ -207,11 +213,14 @@ class JointLimitConstraintData(AnyConstraintData):
 
     __slots__ = ("_J", "constraint_residual")
 
-    def __init__(self, constraint_model: JointLimitConstraintModel) -> None:
+    def __init__(self, constraint_model: JointLimitConstraintModel = OMITTED) -> None:
+        self.constraint_residual = np.zeros(0)
+        self._J: Floats | None = None
+        if constraint_model is OMITTED:
+            return
         if not isinstance(constraint_model, JointLimitConstraintModel):
             raise wrong_model(self, constraint_model)
         self.constraint_residual = np.zeros(constraint_model.residualSize())
-        self._J: Floats | None = None
 
 
 @final
@@ -289,12 +298,7 @@ class JointLimitConstraintModel(_OfJoints):
         Raises:
             InputError: The model is another one, or `calc` was not called for a floating joint.
         """
-        check_model_and_data("jacobian", model, data)
-        self._check_data(constraint_data)
-        if model.nv != self.nv:
-            raise InputError(
-                f"{self.shortname()} was made for a model of {self.nv} velocities, not {model.nv}."
-            )
+        self._fits("jacobian", model, data, constraint_data)
         if constraint_data._J is not None and len(constraint_data._J) == len(self._active):
             return constraint_data._J.copy()
         joints = (model.joints[self._limits[i][1]] for i in self._active)
@@ -360,7 +364,6 @@ class JointLimitConstraintModel(_OfJoints):
         """Sets the gains against drift.
 
         Args:
-            bp: The gains.
             sel: Accepted and ignored.
         """
         self._gains = BaumgarteCorrectorParameters(bp.Kp, bp.Kd)
@@ -375,7 +378,7 @@ class JointLimitConstraintModel(_OfJoints):
         Args:
             data: Its data, after forwardKinematics.
         """
-        self._check_data(constraint_data)
+        self._fits("calc", model, data, constraint_data)
         q = data._require(data._q, "forwardKinematics(model, data, q)")
         left, constraint_data._J = self._left(q), self._rates(model, q)
         constraint_data.constraint_residual = np.array([left[i] for i in self._active])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, final
 
 import numpy as np
@@ -83,13 +84,11 @@ class ProximalSettings:
 
 
 def settings_of(settings: Any) -> ProximalSettings:
-    """The settings, or those that hold when none are given.
+    """The settings, checked.
 
     Raises:
-        InputError: it is something else.
+        ArgumentError: They are something else.
     """
-    if settings is None:
-        return ProximalSettings()
     if not isinstance(settings, ProximalSettings):
         raise ArgumentError(
             f"The settings are {settings!r}; expected ProximalSettings(accuracy, mu, max_iter)."
@@ -104,6 +103,6 @@ def damping_of(value: Any) -> float:
         InputError: it is below zero, or not finite.
     """
     damping = float(value)
-    if not (np.isfinite(damping) and damping >= 0.0):
+    if not 0.0 <= damping < math.inf:
         raise InputError(f"The damping is {value!r}; expected a number that is not below zero.")
     return damping

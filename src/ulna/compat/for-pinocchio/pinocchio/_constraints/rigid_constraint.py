@@ -14,13 +14,14 @@ from pinocchio._constraints.frame_pair import (
     FramePair,
 )
 from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arrays import StdVec
 from pinocchio._containers.enums import ReferenceFrame
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import Force, Motion
 from pinocchio._spatial.se3 import SE3
-from ulna.errors import InputError, nearest
+from ulna.errors import InputError, excerpt, nearest
 from ulna.typing import Floats
 
 __all__ = ["RigidConstraintData"]
@@ -34,6 +35,7 @@ class RigidConstraint(FramePair):
     """
 
     __slots__ = (
+        "_depths",
         "desired_contact_acceleration",
         "desired_contact_placement",
         "desired_contact_velocity",
@@ -64,6 +66,7 @@ class RigidConstraint(FramePair):
                 f"The reference frame is {self.reference_frame!r}; expected LOCAL or LOCAL_WORLD_ALIGNED."
             )
         self._attach(model, parts, {})
+        self._depths = tuple(len(model.supports[joint]) for joint in (self.joint1_id, self.joint2_id))
         self.desired_contact_placement = SE3()
         self.desired_contact_velocity, self.desired_contact_acceleration = Motion(), Motion()
 
@@ -80,7 +83,7 @@ class RigidConstraint(FramePair):
         self._places = other._places.copy()
         self.joint1_placement, self.joint2_placement = (SE3._of(m) for m in self._places)
         self._gains = BaumgarteCorrectorParameters(other._gains.Kp, other._gains.Kd)
-        for name in ("name", "joint1_id", "joint2_id", "type", "reference_frame"):
+        for name in ("name", "joint1_id", "joint2_id", "type", "reference_frame", "_depths"):
             setattr(self, name, getattr(other, name))
         for name in ("placement", "velocity", "acceleration"):
             setattr(self, f"desired_contact_{name}", getattr(other, f"desired_contact_{name}").copy())
@@ -140,6 +143,7 @@ class RigidConstraintData:
     __slots__ = (
         "_blocks",
         "_deferred",
+        "_left",
         "_size",
         "_views",
     )
@@ -149,10 +153,18 @@ class RigidConstraintData:
             raise ArgumentError(f"The constraint is {contact_model!r}; expected a RigidConstraintModel.")
         self._size = contact_model.residualSize()
         self._deferred: Any = None
+        self._left: dict[str, str] = {}
         self._blocks = {n: np.eye(4) for n in _PLACES} | {n: np.zeros(6) for n in _MOTIONS}
         self._views: dict[str, Any] = {n: SE3._of(self._blocks[n]) for n in _PLACES}
         self._views |= {n: Motion._of(self._blocks[n]) for n in _MOTIONS}
         self._views |= {"contact_force": Force(), "contact_acceleration_desired": Motion()}
+        self._views |= {n: Motion() for n in _DRIFTS}
+        depths = contact_model._depths[0], *contact_model._depths
+        self._views |= {n: StdVec(np.zeros((k, 6, 6))) for n, k in zip(_PER_SUPPORT, depths, strict=True)}
+
+    def _leave(self, function: str, fields: Sequence[str]) -> None:
+        """Notes that a function left intermediate results in fields, in Pinocchio, and nothing here."""
+        self._left |= dict.fromkeys(fields, function)
 
     def _place(self, model: RigidConstraint, data: Data) -> None:
         oMi, blocks = data._arrays["oMi"], self._blocks
@@ -164,11 +176,6 @@ class RigidConstraintData:
         blocks["c1Mc2"][:] = self._views["oMc1"].actInv(self._views["oMc2"])._m
 
     def __getattr__(self, name: str) -> Any:
-        if name in _NOT_KEPT:
-            raise AttributeError(
-                f"RigidConstraintData has no field {name!r}: intermediate results of recursions are not kept. Read "
-                "contact_acceleration_error, contact_velocity_error, contact1_velocity or contact2_velocity."
-            )
         near = nearest(name, _FIELDS, 1, 0.6)
         raise AttributeError(
             f"RigidConstraintData has no field {name!r}." + (f" Did you mean {near[0]!r}?" if near else "")
@@ -180,15 +187,17 @@ class RigidConstraintData:
 
 
 _FIELDS = (*_PLACES, *_MOTIONS, "contact_force", "contact_acceleration_desired")
-_NOT_KEPT = (
+_DRIFTS = (
     "contact1_acceleration_drift",
     "contact2_acceleration_drift",
     "contact_acceleration",
     "contact_acceleration_deviation",
-    "extended_motion_propagators_joint1",
-    "extended_motion_propagators_joint2",
-    "lambdas_joint1",
 )
+_PER_SUPPORT = ("lambdas_joint1", "extended_motion_propagators_joint1", "extended_motion_propagators_joint2")
+DYNAMICS_LEAVE = _DRIFTS[:3]
+"""Fields in which constraintDynamics leaves intermediate results in Pinocchio."""
+DELASSUS_LEAVES = _PER_SUPPORT[1:]
+"""Fields in which computeDampedDelassusMatrixInverse does."""
 
 
 def _field(name: str) -> property:
@@ -203,9 +212,24 @@ def _field(name: str) -> property:
     return property(get, put, doc=f"`{name}` as the last algorithm left it, live.")
 
 
+def _workspace(name: str) -> property:
+    def get(self: RigidConstraintData) -> Any:
+        if name in self._left:
+            raise InputError(
+                f"`{name}` was invalidated by {self._left[name]}, which leaves an intermediate result there in "
+                "Pinocchio, and nothing here. Read contact_acceleration_error, contact_velocity_error, "
+                "contact1_velocity or contact2_velocity."
+            )
+        return self._views[name]
+
+    return property(get, doc=f"`{name}`: zero until an algorithm of Pinocchio would use it.")
+
+
 _DEFERRED = frozenset((*_PLACES, *_MOTIONS))
 for _name in _FIELDS:
     setattr(RigidConstraintData, _name, _field(_name))
+for _name in (*_DRIFTS, *_PER_SUPPORT):
+    setattr(RigidConstraintData, _name, _workspace(_name))
 
 
 def checked_constraints(model: Model, models: Any, datas: Any) -> list[RigidConstraint]:
@@ -218,6 +242,9 @@ def checked_constraints(model: Model, models: Any, datas: Any) -> list[RigidCons
         ArgumentError: Something is no constraint, or no data of one.
         InputError: The data is of another constraint, or a joint is not one of the model.
     """
+    if not (isinstance(models, (list, tuple)) and isinstance(datas, (list, tuple))):
+        wrong = datas if isinstance(models, (list, tuple)) else models
+        raise ArgumentError(f"Constraints, or their data, are {excerpt(repr(wrong))}; expected a list.")
     if len(models) != len(datas):
         raise InputError(
             f"There are {len(models)} constraints and {len(datas)} data of constraints; expected as many."

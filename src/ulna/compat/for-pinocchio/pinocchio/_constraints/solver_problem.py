@@ -25,7 +25,6 @@ def delassus_matrix(delassus: Any, kinds: Sequence[Kind]) -> Floats:
     """The matrix of a Delassus operator, whose size is checked.
 
     Args:
-        delassus: Delassus operator, or matrix (m, m).
         kinds: The constraints.
 
     Returns:

@@ -70,12 +70,14 @@ def is_number(value: Any) -> bool:
     """Whether a value is one real number."""
     if type(value) in (float, int):
         return True
-    return hasattr(value, "__float__") and np.ndim(value) == 0 and not isinstance(value, str)
+    return hasattr(value, "__float__") and not isinstance(value, (str, type)) and np.ndim(value) == 0
 
 
 def is_index(value: Any) -> bool:
     """Whether a value is a whole number."""
-    return type(value) is int or (hasattr(value, "__index__") and np.ndim(value) == 0)
+    if type(value) is int:
+        return True
+    return hasattr(value, "__index__") and not isinstance(value, type) and np.ndim(value) == 0
 
 
 def _has_class(name: str) -> Callable[[Any], bool]:
@@ -111,6 +113,8 @@ _KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
     **{name: (_has_class(name), f"a pinocchio.{name}") for name in _NAMED_AS_THEY_ARE.split()},
 }
 """For annotations: what a value must be, and how a message says that."""
+CONVERSIONS: dict[str, Callable[[Any], Any]] = {}
+"""By names of classes: what makes an object of that class of another that counts as one; all else stays as it is."""
 _HINTS = {
     "RobotWrapper": "A RobotWrapper holds robot.model and robot.data.",
     "Data": "The order is (model, data, ...).",
@@ -177,11 +181,22 @@ def checked(function: Function) -> Function:
     body = f"""{absent}    if not ({" and ".join(conditions)}):
         check_all_({", ".join(by_type)})
     return original_({{arguments}})"""
+    converted = [check for check in checks if check.expected.endswith(".SE3")]
+    if converted:
+        body = body.replace(
+            "        check_all_(", f"        {_conversions(converted)}\n        check_all_(", 1
+        )
     scope = {"kind_of_": type, "accepted_": accepted, "check_all_": check_all, "original_": function}
+    scope |= {"conversions_": CONVERSIONS}
     scope |= {"given_": given, "omitted_": OMITTED}
     called = with_same_parameters(function, body, scope, dict.fromkeys(optional, OMITTED))
     called.arguments_checked = True
     return called
+
+
+def _conversions(checks: list[_Check]) -> str:
+    """The statement that converts the arguments of parameters that take a placement."""
+    return "; ".join(f"{check.name} = conversions_['SE3']({check.name})" for check in checks)
 
 
 def optional_parameters(function: Any) -> list[str]:
@@ -193,12 +208,15 @@ def optional_parameters(function: Any) -> list[str]:
 
 def written_in_cpp(function: Any) -> bool:
     """Whether Pinocchio has a function in C++, where None does not stand for an argument that is left out."""
-    return function.__module__.startswith(_IN_CPP)
+    return function.__module__.startswith(_IN_CPP) and function.__module__ not in _WITH_NONE
 
 
 _IN_CPP = tuple(
-    f"pinocchio.{name}" for name in ("_algorithms", "_geometry", "_model", "_spatial", "explog", "rpy")
+    f"pinocchio.{name}"
+    for name in ("_algorithms", "_constraints", "_geometry", "_model", "_spatial", "explog", "rpy")
 )
+_WITH_NONE = ("pinocchio._constraints.contact_inverse_dynamics",)
+"""Where Pinocchio takes None for an argument in C++, too."""
 
 
 def with_same_parameters(
@@ -271,6 +289,7 @@ def _checked_tuple(function: Any, checks: list[_Check]) -> Any:
     def called(*args: Any, **named: Any) -> Any:
         if not named and tuple(map(type, args)) in accepted:
             return function(*args)
+        args = tuple(map(CONVERSIONS["SE3"], args))
         count = len(args)
         for check in checks:
             if check.place < count:
@@ -330,7 +349,7 @@ def check_methods(classes: Iterable[Any]) -> None:
 
 CHECKING_THEMSELVES = {
     *("distance", "neutral", "normalize"),
-    *("integrate", "difference", "randomConfiguration", "computeJointJacobian", "computeFrameJacobian"),
+    *("integrate", "difference", "randomConfiguration"),
     *("updateFramePlacement", "updateFramePlacements", "exp3", "log3", "exp6", "log6", "checked_functions"),
 }
 """Functions called so often that they check their arguments only where the compiled kernel does not take them."""
@@ -429,5 +448,5 @@ def check_size(value: Any, name: str, most: int = 10**6) -> int:
 
 
 @final
-class SizeError(InputError, OverflowError):
-    """A count is below zero, or too large."""
+class SizeError(InputError, OverflowError, MemoryError):
+    """A count is below zero, or too large; Pinocchio raises an OverflowError or a MemoryError."""

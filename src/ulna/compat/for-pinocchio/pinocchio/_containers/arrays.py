@@ -89,6 +89,27 @@ def matrix(value: Any, shape: tuple[int, ...], name: str) -> Floats:
     return array
 
 
+def rows_of(value: Any, rows: int, name: str) -> Floats:
+    """A vector, or a matrix, of so many rows.
+
+    Args:
+        value: What was passed.
+        rows: Number of rows.
+        name: Name of the argument, for messages.
+
+    Returns:
+        Array (rows,) or (rows, k).
+
+    Raises:
+        WrongShape: it has another shape.
+        DtypeError: it holds no real numbers.
+    """
+    array = numbers(value, name)
+    if array.ndim not in (1, 2) or array.shape[0] != rows:
+        raise WrongShape(name, array.shape, f"({rows},) or ({rows}, k)")
+    return array
+
+
 def numbers(value: Any, name: str) -> Floats:
     """An array of floats.
 
@@ -145,7 +166,8 @@ def index(value: Any, count: int, what: str, fix: str) -> int:
         raise ArgumentError(f"The {what} is given as {excerpt(repr(value))}; expected an index. {fix}")
     number = known(value).__index__()
     if not 0 <= number < count:
-        raise IndexOutOfRange(f"There is no {what} {value!r}; expected 0 to {count - 1}. {fix}")
+        there = f"expected 0 to {count - 1}" if count else "there are none"
+        raise IndexOutOfRange(f"There is no {what} {value!r}; {there}. {fix}")
     return number
 
 
@@ -170,13 +192,12 @@ class StdVec(list[Item], Generic[Item]):
             check_size(parts[0], "size")
             super().__init__([copy.copy(parts[1]) for _ in range(parts[0])])
         else:
-            super().__init__(*parts)
-
-    def _of_values(self) -> StdVec[Item]:
-        """A copy with the same entries, for those that do not change: numbers, text."""
-        out: StdVec[Item] = StdVec.__new__(StdVec)
-        out += self
-        return out
+            try:
+                super().__init__(*parts)
+            except TypeError:
+                raise ArgumentError(
+                    f"A list was given {excerpt(repr(parts))}; expected its entries, or their number and one of them."
+                ) from None
 
     def copy(self) -> StdVec[Item]:
         """A copy, with copies of the entries."""
@@ -184,7 +205,13 @@ class StdVec(list[Item], Generic[Item]):
 
     def __setitem__(self, key: Any, value: Any) -> None:
         if isinstance(key, slice):
-            for place, entry in zip(range(*key.indices(len(self))), value, strict=True):
+            places = range(*key.indices(len(self)))
+            entries = list(value) if hasattr(value, "__iter__") else []
+            if len(entries) != len(places):
+                raise ArgumentError(
+                    f"A list was given {excerpt(repr(value))}; expected {len(places)} entries."
+                )
+            for place, entry in zip(places, entries, strict=True):
                 self[place] = entry
             return
         assign = getattr(self[key], "_assign", None)

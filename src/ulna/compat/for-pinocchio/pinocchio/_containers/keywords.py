@@ -1,4 +1,4 @@
-"""Arguments as Pinocchio's overloads take them: by names that differ, and in orders that the types tell apart."""
+"""Arguments as Pinocchio's overloads take them: by names that differ, and in orders that the types distinguish."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import functools
 import inspect
 import operator
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from pinocchio._containers.arguments import (
+    CONVERSIONS,
     OMITTED,
     ArgumentError,
     checked,
@@ -164,21 +164,8 @@ def overloads(*signatures: str) -> Callable[[Callable[..., Result]], Callable[..
         parameters = list(inspect.signature(function).parameters.values())
         method = parameters[0].name == "self"
         parameters = parameters[method:]
-        body, places, none_counts = checked(function), _Places(function, parameters), written_in_cpp(function)
-        known: dict[Any, _Chosen] = {}  # for types of arguments, which parameters they are
-        at_dimensions = sorted({k for way in ways for k, x in enumerate(way) if x.kind == "matrix"})
-
-        def choose(this: tuple[Any, ...], parts: tuple[Any, ...], named: dict[str, Any]) -> Result:
-            rest = named if none_counts else {name: x for name, x in named.items() if x is not None}
-            for k, way in enumerate(ways):
-                chosen = _fitting(way, parts, rest, none_counts)
-                if chosen is not None:
-                    if not named and _decided_by_types(ways[: k + 1], parts):
-                        picked = places.picked(way, chosen, parts, at_dimensions)
-                        if picked is not None and (len(known) < _MOST_TYPES or _types(parts) in known):
-                            known[_types(parts)] = picked
-                    return body(*this, **chosen)
-            raise ArgumentError(_no_overload(_title(function), parts, rest, ways))
+        resolution = _Resolution(function, parameters, ways)
+        body, known = resolution.body, resolution.known
 
         @functools.wraps(function)
         def called(*args: Any, **named: Any) -> Result:
@@ -191,7 +178,7 @@ def overloads(*signatures: str) -> Callable[[Callable[..., Result]], Callable[..
                             break
                     else:
                         return body(*args[:method], *picked.values(parts + picked.defaults))
-            return choose(args[:method], parts, named)
+            return body(*args[:method], **resolution.chosen(parts, named))
 
         def of_all_parameters(*args: Any) -> Result:
             positional, named = _non_default(parameters, args[method:])
@@ -222,9 +209,10 @@ def without_overloads(
         @functools.wraps(function)
         def called(*args: Any, **named: Any) -> Result:
             if not named:
-                result: Any = NotImplemented
-                with suppress(LookupError, TypeError, ValueError, AttributeError):
-                    result = direct(*args)
+                try:
+                    result: Any = direct(*args)
+                except (LookupError, TypeError, ValueError, AttributeError):
+                    result = NotImplemented
                 if result is not NotImplemented:
                     return result
             return function(*args, **named)
@@ -273,10 +261,10 @@ class _Places:
         """How other arguments of the same types are passed on; None where some are left out.
 
         Args:
-            way: The parameters of the way that was chosen.
+            way: The parameters of the overload that was chosen.
             chosen: The arguments by name.
             parts: The arguments.
-            at_dimensions: Places where a way tells arrays apart by their number of dimensions.
+            at_dimensions: Positions where an overload distinguishes arrays by their number of dimensions.
 
         Returns:
             What is remembered of these types.
@@ -295,6 +283,49 @@ class _Places:
         arrays = [k for k in at_dimensions if k < len(parts) and isinstance(parts[k], np.ndarray)]
         dimensions = tuple((k, parts[k].ndim) for k in arrays)
         return _Chosen(operator.itemgetter(*places), self._defaults, dimensions)
+
+
+class _Resolution:
+    """Finds the overload that arguments mean, once for all arguments of the same types where these decide.
+
+    Attributes:
+        body: The function, its arguments checked.
+        known: For types of arguments, which parameters they are.
+    """
+
+    def __init__(
+        self, function: Any, parameters: list[inspect.Parameter], ways: list[list[Parameter]]
+    ) -> None:
+        self.body = checked(function)
+        self.known: dict[Any, _Chosen] = {}
+        self._ways, self._title = ways, _title(function)
+        self._places, self._none_counts = _Places(function, parameters), written_in_cpp(function)
+        self._at_dimensions = sorted({k for way in ways for k, x in enumerate(way) if x.kind == "matrix"})
+
+    def chosen(self, parts: tuple[Any, ...], named: dict[str, Any]) -> dict[str, Any]:
+        """The arguments by the names of the function's parameters.
+
+        Args:
+            parts: The arguments by position.
+            named: Those by name.
+
+        Returns:
+            All of them.
+
+        Raises:
+            ArgumentError: No overload takes them.
+        """
+        parts = tuple(map(CONVERSIONS["SE3"], parts))
+        rest = named if self._none_counts else {name: x for name, x in named.items() if x is not None}
+        for k, way in enumerate(self._ways):
+            chosen = _fitting(way, parts, rest, self._none_counts)
+            if chosen is not None:
+                if not named and _decided_by_types(self._ways[: k + 1], parts):
+                    picked = self._places.picked(way, chosen, parts, self._at_dimensions)
+                    if picked is not None and (len(self.known) < _MOST_TYPES or _types(parts) in self.known):
+                        self.known[_types(parts)] = picked
+                return chosen
+        raise ArgumentError(_no_overload(self._title, parts, rest, self._ways))
 
 
 def _decided_by_types(ways: list[list[Parameter]], parts: tuple[Any, ...]) -> bool:

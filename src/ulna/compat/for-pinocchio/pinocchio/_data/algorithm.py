@@ -46,10 +46,13 @@ class Deferred:
     Attributes:
         inputs: A letter for each input: q, v, a, and at the end f for forces on the joints.
         fill: Called with a Data, compiled kernels, the names of the fields to fill, and the inputs.
+        bind: Called with the same and the number of the algorithm: makes a kernel without arguments that fills them and
+            their marks, and answers NotImplemented where not all of them were left by that algorithm; None for none.
     """
 
     inputs: str
     fill: Callable[..., None]
+    bind: Callable[..., Any] | None = None
 
 
 @final

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from pinocchio._containers.arrays import views
+from pinocchio._data.algorithm import Deferred
+from pinocchio._data.evaluated_model import EvaluatedModel, Numbers, numbers_of
+from pinocchio._data.states import FieldStates
 from pinocchio._model.building import KinematicTree
-from pinocchio._model.joint_data import JointData
+from pinocchio._model.joint_data import JointData, states
+from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
 from ulna.errors import InputError
 from ulna.typing import Floats
@@ -30,12 +34,32 @@ class ArticulatedBody(NamedTuple):
     Dinv: Floats
 
 
-def articulated_bodies(model: KinematicTree, joints: Sequence[JointData]) -> list[ArticulatedBody]:
+def is_articulated(model: KinematicTree) -> bool:
+    """Whether the algorithm knows every joint as one of its own: none follows another one."""
+    return model.nv == model.nvExtended
+
+
+def check_articulated(model: KinematicTree) -> None:
+    """Checks that the algorithm knows every joint as one of its own.
+
+    Raises:
+        InputError: A joint follows another one.
+    """
+    if not is_articulated(model):
+        raise InputError(
+            "The terms of the articulated-body algorithm are not defined for models with mimic joints."
+        )
+
+
+def articulated_bodies(
+    model: KinematicTree, numbers: Numbers, joints: Sequence[JointData], added: Floats | None = None
+) -> list[ArticulatedBody]:
     """The terms of all joints but the universe [Featherstone 2008, table 7.1].
 
     Args:
-        model: The model.
+        numbers: The numbers of the model at the time that counts.
         joints: The placements and subspaces of its joints, the universe first.
+        added: Further inertias in the frames of the joints, the universe first, (n, 6, 6).
 
     Returns:
         The terms, in the order of the joints.
@@ -43,53 +67,70 @@ def articulated_bodies(model: KinematicTree, joints: Sequence[JointData]) -> lis
     Raises:
         InputError: A joint follows another one: the algorithm does not know it as a joint of its own.
     """
-    if model.nv != model.nvExtended:
-        raise InputError(
-            "The terms of the articulated-body algorithm are not defined for models with mimic joints."
-        )
-    inertias = [inertia.matrix() for inertia in model.inertias]
+    check_articulated(model)
+    inertias = [inertia.matrix() for inertia in views(Inertia, numbers.inertias)]
+    placements = views(SE3, numbers.placements)
+    if added is not None:
+        inertias = [own + more for own, more in zip(inertias, added, strict=True)]
     out: list[ArticulatedBody] = []
     for i in range(model.njoints - 1, 0, -1):
-        S, own = joints[i]._subspace, inertias[i]
+        S, own = joints[i].subspace, inertias[i]
         rows = slice(model.joints[i].idx_v, model.joints[i].idx_v + model.joints[i].nv)
         U = own @ S
-        Dinv = np.linalg.inv(S.T @ U + np.diag(model._arrays["armature"][rows])).astype(float)
+        Dinv = _inverse(S.T @ U + np.diag(numbers.armature[rows]))
         parent = model.parents[i]
-        beyond = own - U @ Dinv @ U.T if parent else own
+        with np.errstate(invalid="ignore"):  # of a joint that moves no mass
+            beyond = own - U @ Dinv @ U.T if parent else own
         if parent:
-            to_child = (model.jointPlacements[i] * joints[i].M).toActionMatrixInverse()
+            to_child = (placements[i] * joints[i].M).toActionMatrixInverse()
             inertias[parent] = inertias[parent] + to_child.T @ beyond @ to_child
         out.insert(0, ArticulatedBody(beyond, U, Dinv))
     return out
 
 
-def placed(model: KinematicTree, joints: Sequence[JointData]) -> list[SE3]:
+def _inverse(D: Floats) -> Floats:
+    """The inverse (n, n) of what joints feel of inertia; infinite where they move no mass."""
+    try:
+        return np.linalg.inv(D).astype(float)
+    except np.linalg.LinAlgError:
+        return np.full(D.shape, np.inf)
+
+
+def placed(model: KinematicTree, numbers: Numbers, joints: Sequence[JointData]) -> list[SE3]:
     """The placements of joints in the world, the universe first.
 
     Args:
-        model: The model.
+        numbers: The numbers of the model at the time that counts.
         joints: The data of its joints, the universe first.
 
     Returns:
         The placements.
     """
-    out = [SE3()]
+    out, placements = [SE3()], views(SE3, numbers.placements)
     for i in range(1, model.njoints):
-        out.append(out[model.parents[i]] * model.jointPlacements[i] * joints[i].M)
+        out.append(out[model.parents[i]] * placements[i] * joints[i].M)
     return out
 
 
-def with_articulated_terms(model: KinematicTree, joints: Sequence[JointData]) -> None:
-    """Has U, Dinv and UDinv of joints' data computed when one of them is first read.
+def _fill(data: FieldStates, compiled: Any, _: tuple[str, ...], q: Floats) -> None:
+    """Nothing for models with mimic joints, where reading the terms is refused."""
+    model, numbers = data._model, numbers_of(compiled)
+    if not is_articulated(model):
+        return
+    joints, arrays = states(model.joints, q, None), data._arrays
+    places = placed(model, numbers, joints)
+    for i, body in enumerate(articulated_bodies(model, numbers, joints), start=1):
+        rows = slice(model.joints[i].idx_v, model.joints[i].idx_v + model.joints[i].nv)
+        X = places[i].toActionMatrixInverse()
+        arrays["Yaba"][i], arrays["oYaba"][i] = body.inertia, X.T @ body.inertia @ X
+        arrays["U of bodies"][:, rows], arrays["Dinv of bodies"][rows, rows] = body.U, body.Dinv
 
-    Args:
-        model: The model.
-        joints: The data of its joints, the universe first.
-    """
-    bodies = functools.cache(lambda: articulated_bodies(model, joints))
 
-    def of(k: int) -> Callable[[], tuple[Floats, Floats]]:
-        return lambda: bodies()[k][1:]
+def _fill_as_read(data: FieldStates, _: Any, fields: tuple[str, ...], q: Floats) -> None:
+    _fill(data, EvaluatedModel(data._model), fields, q)
 
-    for k, joint in enumerate(joints[1:]):
-        joint.set_terms(of(k))
+
+ARTICULATED = {"Yaba": Deferred("q", _fill)}
+"""Of the numbers that an algorithm was called with; `oYaba` and the terms of joints are computed with it."""
+ARTICULATED_AS_READ = {"Yaba": Deferred("q", _fill_as_read)}
+"""After kinematics, which know nothing of inertias: of the numbers that the model has when it is read."""

@@ -8,20 +8,32 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from pinocchio._containers.arrays import StdVec, matrix, views
+from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arrays import StdVec, matrix, real, views
 from pinocchio._containers.files import Saved, register
 from pinocchio._data.algorithm import ALGORITHMS
-from pinocchio._data.articulated_bodies import articulated_bodies, placed, with_articulated_terms
+from pinocchio._data.articulated_bodies import check_articulated
+from pinocchio._data.live_joints import live_joints
 from pinocchio._data.missing_fields import missing_field_message
 from pinocchio._data.states import BoundAlgorithms, Waiting
-from pinocchio._data.storage import CENTRES, FORCES, MATRICES, MOTIONS, UNUSED, FieldArrays
+from pinocchio._data.storage import (
+    ARTICULATED_TERMS,
+    CENTRES,
+    FORCES,
+    MATRICES,
+    MATRIX_LISTS,
+    MOTIONS,
+    UNUSED,
+    FieldArrays,
+)
 from pinocchio._data.tree_fields import TreeFields
 from pinocchio._model.building import KinematicTree
 from pinocchio._model.compiled_model import CompiledModel
-from pinocchio._model.joint_data import states
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.motion_force import Force, Motion
 from pinocchio._spatial.se3 import SE3
+from ulna.compiler.runtime.repeated_calls import forget
+from ulna.errors import excerpt
 from ulna.typing import Floats
 
 
@@ -50,8 +62,10 @@ _ENERGIES = {
     "mechanical_energy": "energy K + P",
 }
 _SINGLE = {"hg": Force, "dhg": Force, "Ig": Inertia}
-_LISTS = ("liMi", *MOTIONS, *FORCES, *CENTRES, "mass")
-_FIELDS = (*MATRICES, *_SINGLE, *_LISTS)
+_LISTS = ("liMi", *MOTIONS, *FORCES, *CENTRES, *MATRIX_LISTS, "mass")
+_ASKED_RARELY = ("Yaba",)
+"""Deferred fields that copies compute when they are read there, and that are not compared: they take the longest."""
+_FIELDS = (*MATRICES, *_SINGLE, *_LISTS, *_ASKED_RARELY)
 
 
 @final
@@ -69,6 +83,8 @@ class _Lists(dict[str, Any]):
             made = views(Inertia, data._arrays["composite inertias"])
         elif name in CENTRES:
             made = _PerJoint(data, name, data._arrays[name])
+        elif name in MATRIX_LISTS:
+            made = StdVec(data._arrays[name])
         elif name in _SINGLE:
             made = _SINGLE[name]._of(data._arrays[name])
         else:
@@ -117,6 +133,14 @@ class Data(Saved, TreeFields):
         dFdq: Floats
         dFdv: Floats
         dFda: Floats
+        dAdq: Floats
+        dAdv: Floats
+        B: StdVec[Floats]
+        Fcrb: StdVec[Floats]
+        oL: StdVec[Floats]
+        oK: StdVec[Floats]
+        oYaba_augmented: StdVec[Floats]
+        of_augmented: StdVec[Force]
         kineticEnergyRegressor: Floats
         potentialEnergyRegressor: Floats
         jointTorqueRegressor: Floats
@@ -164,6 +188,7 @@ class Data(Saved, TreeFields):
         self._waiting: dict[str, Waiting] = {}
         self._bound = BoundAlgorithms()
         self._bound_at: dict[Any, Any] = {}  # kernels of frames, by index and reference frame
+        self._bound_reads: dict[tuple[float, str], Any] = {}
         self._parameters_of: dict[int, CompiledModel] = {}
         self._constraint_sets: list[Any] = []
         self._lists = _Lists(self)
@@ -174,28 +199,28 @@ class Data(Saved, TreeFields):
 
     @property
     def joints(self) -> StdVec[Any]:
-        """For each joint its placement, motion subspace, velocity and bias, at the state of the last algorithm."""
-        joints = states(self._model.joints, self._q_of_joints, self._qv_of_joints)
-        if self._q_of_joints is not None:
-            with_articulated_terms(self._model, joints)
-        return joints
+        """For each joint its placement, subspace, velocity and bias at the state of the last algorithm; live."""
+        return live_joints(self)
 
     @property
     def Yaba(self) -> StdVec[Floats]:
         """For each joint its articulated inertia (6, 6) in its frame, at the configuration of the last algorithm.
 
-        For joints not on the universe it is that of the other side, which the joint's own motion does not feel.
+        It is of the numbers that the model had then, after kinematics of those it has when this is first read. For
+        joints not on the universe it is that of the other side, which the joint's own motion does not feel.
         """
-        self._require(self._q_of_joints, "aba(model, data, q, v, tau)")
-        bodies = articulated_bodies(self._model, self.joints)
-        return StdVec([np.zeros((6, 6)), *(body.inertia for body in bodies)])
+        return self._articulated("Yaba")
 
     @property
     def oYaba(self) -> StdVec[Floats]:
         """The same in the world; see `Yaba`."""
-        local, placements = self.Yaba, placed(self._model, self.joints)
-        matrices = [placement.toActionMatrixInverse() for placement in placements]
-        return StdVec([X.T @ Y @ X for X, Y in zip(matrices, local, strict=True)])
+        return self._articulated("oYaba")
+
+    def _articulated(self, name: str) -> StdVec[Floats]:
+        self._require(self._q_of_joints, "aba(model, data, q, v, tau)")
+        check_articulated(self._model)
+        self._read("Yaba")
+        return StdVec(self._arrays[name])
 
     def copy(self) -> Data:
         """A copy."""
@@ -205,7 +230,7 @@ class Data(Saved, TreeFields):
         raise AttributeError(missing_field_message(name, dir(type(self))), name=name, obj=None)
 
     def __deepcopy__(self, memo: Any) -> Data:
-        self._compute_deferred()
+        self._compute_deferred(but=_ASKED_RARELY)
         out = object.__new__(Data)
         out.__dict__.update({k: x for k, x in self.__dict__.items() if k not in ("oMi", "oMf")})
         out._arrays = self._arrays.copied()
@@ -214,6 +239,10 @@ class Data(Saved, TreeFields):
         out._constraint_solution = solution and solution.copied()
         out._bind_to_arrays()
         out._mark_array[...] = self._mark_array
+        for field in _ASKED_RARELY:
+            if self._marks[self._slots[field]]:
+                deferred, compiled, state = self._as_waiting(field)
+                out._defer(deferred, (field,), compiled, *state)
         list.__setitem__(out._lists["mass"], slice(None), list.__iter__(self._lists["mass"]))
         return out
 
@@ -229,11 +258,17 @@ class Data(Saved, TreeFields):
         }
         mass = list(list.__iter__(self._lists["mass"]))
         arrays = self._arrays.whole()
-        return {"model": self._model, "blocks": arrays, "mass": mass, "spoilt": invalid, **energies}
+        states = sorted(self._known_states)
+        return {
+            "model": self._model, "blocks": arrays, "mass": mass, "spoilt": invalid, "states": states, **energies
+        }  # fmt: skip
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         values = dict(state)
+        forget(self)  # kernels that are bound to the arrays before
+        self.__dict__.clear()
         self.__init__(values.pop("model"))
+        self._known_states = set(values.pop("states", ()))
         self._arrays.update(values.pop("blocks"))
         self._bind_to_arrays()
         list.__setitem__(self._lists["mass"], slice(None), values.pop("mass"))
@@ -246,8 +281,11 @@ class Data(Saved, TreeFields):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Data):
             return NotImplemented
-        mine, theirs = self.__getstate__()["blocks"], other.__getstate__()["blocks"]
-        same = all(np.array_equal(b, theirs[n]) for n, b in mine.items() if " " not in n)
+        for data in (self, other):
+            data._compute_deferred(but=_ASKED_RARELY)
+        mine, theirs = self._arrays.whole(), other._arrays.whole()
+        compared = [name for name in mine if " " not in name and name not in ARTICULATED_TERMS]
+        same = all(np.array_equal(mine[name], theirs[name]) for name in compared)
         return same and all(getattr(self, name) == getattr(other, name) for name in _ENERGIES)
 
     __hash__ = object.__hash__
@@ -290,18 +328,22 @@ def _unused(name: str, shape: str) -> property:
         return views(SE3, array) if shape == "n44" else StdVec(array) if shape == "n66" else array
 
     def put(self: Data, value: Any) -> None:
+        if not isinstance(value, (list, tuple, np.ndarray)):
+            raise ArgumentError(
+                f"`{name}` is {excerpt(repr(value))}; expected numbers, or an entry for each joint."
+            )
         rows = [x.homogeneous if isinstance(x, SE3) else x for x in value]
         self._arrays[name][...] = matrix(rows, self._arrays[name].shape, name)
 
     return property(get, put, doc=f"`{name}`: no algorithm reads or writes it; programs may.")
 
 
-def _number(name: str) -> property:
+def _number(name: str, block: str) -> property:
     def get(self: Data) -> float:
-        return float(self._arrays[name])
+        return float(self._arrays[block])
 
     def put(self: Data, value: float) -> None:
-        self._arrays[name][...] = value
+        self._arrays[block][...] = real(value, name)
 
     return property(get, put, doc=f"{name} as the last algorithm left it [J].")
 
@@ -312,7 +354,7 @@ for _name in MATRICES:
 for _name, _shape in UNUSED.items():
     setattr(Data, _name, _unused(_name, _shape))
 for _name, _block_name in _ENERGIES.items():
-    setattr(Data, _name, _number(_block_name))
+    setattr(Data, _name, _number(_name, _block_name))
 for _name in (*_SINGLE, *_LISTS):
     setattr(Data, _name, _entries(_name))
 

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 
 from pinocchio._data.algorithm import Deferred
-from pinocchio._data.evaluated_model import EvaluatedModel
+from pinocchio._data.articulated_bodies import ARTICULATED, ARTICULATED_AS_READ
+from pinocchio._data.compiled_fields import CompiledFields, table_of
 from pinocchio._data.states import FieldStates
 from pinocchio._model.compiled_model import CompiledModel
 from pinocchio._tables import deferred as by_table
-from pinocchio._tables.evaluation import TableEvaluator
-from pinocchio._tables.joint_table import UnknownKind
 from ulna import algorithms, spatial
 from ulna.model import Model as CoreModel
 from ulna.quantities.mass import with_mass
@@ -36,72 +35,13 @@ def rows(motions: Sequence[Any]) -> Array:
     return np.stack([m.vector() for m in motions]) if motions else np.zeros((0, 6))
 
 
-def split_forces(F: Array) -> list[spatial.Force | None]:
-    """Rows of an array as forces on joints."""
-    return [spatial.Force(F[k, :3], F[k, 3:]) for k in range(F.shape[0])]
-
-
 def _compiled(
     inputs: str,
     functions: Callable[..., dict[str, Any]],
     by_table: Callable[..., dict[str, Floats]] | None = None,
     universe_is_filled: bool = False,
 ) -> Deferred:
-    """Fields that `functions(model, *inputs, forces)` computes: a function without arguments for each field.
-
-    `by_table` computes them for a model that is evaluated. The first row, of the universe, is set here, unless an
-    algorithm fills it.
-    """
-    state_size = len(inputs.rstrip("f"))
-
-    def fill(
-        data: FieldStates, compiled: CompiledModel | EvaluatedModel, fields: tuple[str, ...], *state: Floats
-    ) -> None:
-        def build(core: CoreModel) -> Any:
-            def run(*args: Array) -> tuple[Array, ...]:
-                forces = split_forces(args[-1]) if len(args) > state_size else None
-                field_functions = functions(core, *args[:state_size], forces)
-                return tuple(field_functions[field]() for field in fields)
-
-            return run
-
-        evaluator = _evaluator(data, compiled) if by_table else None
-        if by_table and evaluator:
-            computed = by_table(evaluator, *state)
-            results = tuple(computed[field] for field in fields)
-        else:
-            shapes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(state)}
-            results = compiled.compile((functions, fields, len(state)), build, **shapes)(*state)
-        for field, values in zip(fields, results, strict=True):
-            data._target(field)[...] = values
-            if field in BODIES and not universe_is_filled:
-                data._arrays[field][0] = 0.0
-            if field in ("a_gf", "oa_gf"):
-                data._arrays[field][0, :3] = -compiled.gravity
-
-    return Deferred(inputs, fill)
-
-
-def _evaluator(data: FieldStates, compiled: Any) -> TableEvaluator | None:
-    """The evaluator for a model that is evaluated; None for others, and where a table does not have its joints."""
-    try:
-        return compiled.evaluator(data) if isinstance(compiled, EvaluatedModel) else None
-    except UnknownKind:
-        return None
-
-
-def defer_joint_placements(
-    data: FieldStates, compiled: CompiledModel, q: Floats, v: Floats | None = None
-) -> None:
-    """Defers the joints' placements in their parents, and stores the state of the joints.
-
-    Args:
-        v: Velocity (nv,) [rad/s or m/s]; None for none.
-    """
-    data._defer(JOINTS["liMi"], ("liMi",), compiled, q.copy())
-    data._q_of_joints = q
-    if v is not None:
-        data._qv_of_joints = q, v
+    return CompiledFields(inputs, functions, by_table, universe_is_filled).deferred()
 
 
 def _joint_placements(model: CoreModel, q: Array, _: Any) -> dict[str, Any]:
@@ -181,19 +121,47 @@ def _subtree_momenta(model: CoreModel, q: Array, v: Array, a: Array, _: Any) -> 
         for i, V, A, h in zip(model.inertias, velocities, accelerations, momenta, strict=True)
     ]
 
-    def subtree_sums(vectors: Sequence[Any], local: bool) -> Array:
-        sums = [T.act(one) for T, one in zip(poses, vectors, strict=True)]
-        for k in reversed(range(len(sums))):
-            if model.joints[k].parent >= 0:
-                sums[model.joints[k].parent] += sums[k]
-        return rows([T.act_inverse(one) for T, one in zip(poses, sums, strict=True)] if local else sums)
+    def in_world(vectors: Sequence[Any]) -> list[Any]:
+        return _subtree_sums(model, [T.act(one) for T, one in zip(poses, vectors, strict=True)])
+
+    def local(vectors: Sequence[Any]) -> Array:
+        return rows([T.act_inverse(one) for T, one in zip(poses, in_world(vectors), strict=True)])
 
     return {
-        "h": lambda: subtree_sums(momenta, True),
-        "f": lambda: subtree_sums(rates, True),
-        "oh": lambda: subtree_sums(momenta, False),
-        "of": lambda: subtree_sums(rates, False),
+        "h": lambda: local(momenta),
+        "f": lambda: local(rates),
+        "oh": lambda: rows(in_world(momenta)),
+        "of": lambda: rows(in_world(rates)),
     }
+
+
+def _subtree_sums(model: CoreModel, values: Sequence[Any]) -> list[Any]:
+    """For each joint the sum of the values of all bodies that it moves."""
+    sums = [*values]
+    for k in reversed(range(len(sums))):
+        parent = model.joints[k].parent
+        if parent >= 0:
+            sums[parent] = sums[parent] + sums[k]
+    return sums
+
+
+def _centers(model: CoreModel, q: Array, *rates: Any) -> dict[str, Any]:
+    """The centre of mass of what each joint moves, its velocity and acceleration, in the joint's frame."""
+    v, a, *_ = *rates[:-1], *np.zeros((2, model.nv))
+    masses = _subtree_sums(model, [inertia.mass for inertia in model.inertias])
+
+    def positions() -> Array:
+        poses = algorithms.joint_poses(model, q)
+        bodies = zip(model.inertias, poses, strict=True)
+        moments = [body.mass * (T.rotation @ body.com + T.translation) for body, T in bodies]
+        sums = zip(poses, _subtree_sums(model, moments), masses, strict=True)
+        return np.stack([T.rotation.T @ (moment / mass - T.translation) for T, moment, mass in sums])
+
+    def per_mass(field: str) -> Array:
+        momenta = _subtree_momenta(model, q, v, a, None)[field]()
+        return np.stack([momenta[k, :3] / mass for k, mass in enumerate(masses)])
+
+    return {"com": positions, "vcom": lambda: per_mass("h"), "acom": lambda: per_mass("f")}
 
 
 def _derivatives(model: CoreModel, q: Array, v: Array, a: Array, forces: Any) -> dict[str, Any]:
@@ -213,11 +181,11 @@ def _inverse_of(model: CoreModel) -> Any:
     return lambda q: algorithms.inverse_mass_matrix(model, q)
 
 
-def _subtree_centers(
+def _centers_with_mass(
     data: FieldStates, compiled: CompiledModel, fields: tuple[str, ...], *state: Floats
 ) -> None:
-    """The centre of mass of the subtree of each joint, its velocity and acceleration, in the joint's frame."""
-    if evaluator := _evaluator(data, compiled):
+    """The same, subtree by subtree; those without mass keep what they have."""
+    if evaluator := table_of(data, compiled):
         centers = by_table.subtree_centers(evaluator, *state)
         for field in fields:
             has_mass = by_table.subtree_masses(evaluator)[1:] > 0.0
@@ -233,9 +201,30 @@ def _subtree_centers(
                 data._arrays[field][i] = pose.rotation.T @ (x - pose.translation if field == "com" else x)
 
 
+def _subtree_centers(inputs: str) -> Deferred:
+    """Centres of mass: by one kernel, where every joint moves some mass."""
+    whole = _compiled(inputs, _centers)
+
+    def has_mass(compiled: Any) -> bool:
+        if not isinstance(compiled, CompiledModel):
+            return False
+        core = compiled.model
+        return min(_subtree_sums(core, [float(inertia.mass) for inertia in core.inertias]), default=0.0) > 0.0
+
+    def fill(data: FieldStates, compiled: Any, fields: tuple[str, ...], *state: Floats) -> None:
+        (whole.fill if has_mass(compiled) else _centers_with_mass)(data, compiled, fields, *state)
+
+    def bind(data: FieldStates, number: int, compiled: Any, *rest: Any) -> Any:
+        assert whole.bind is not None
+        constant = not getattr(compiled, "parameter_names", ())
+        return whole.bind(data, number, compiled, *rest) if constant and has_mass(compiled) else None
+
+    return Deferred(inputs, fill, bind)
+
+
 def _subtree_masses(data: FieldStates, compiled: CompiledModel, fields: tuple[str, ...]) -> None:
     """The mass of the subtree of each joint; that of the universe, first, leaves out its own body."""
-    if evaluator := _evaluator(data, compiled):
+    if evaluator := table_of(data, compiled):
         masses = evaluator.of_joints(evaluator.inertias[:, :1])[:, 0].tolist()
     else:
         masses = [float(inertia.mass) for inertia in compiled.model.inertias]
@@ -245,7 +234,9 @@ def _subtree_masses(data: FieldStates, compiled: CompiledModel, fields: tuple[st
     list.__setitem__(data.mass, slice(None), sums)
 
 
-JOINTS = {"liMi": _compiled("q", _joint_placements, by_table.joint_placements)}
+_PLACEMENTS = {"liMi": _compiled("q", _joint_placements, by_table.joint_placements)}
+JOINTS = _PLACEMENTS | ARTICULATED
+JOINTS_AFTER_KINEMATICS = _PLACEMENTS | ARTICULATED_AS_READ
 _BODY_DYNAMICS = _compiled("qva", _body_dynamics, by_table.dynamics)
 _ACCELERATIONS = _compiled("qva", _body_accelerations, by_table.accelerations)
 _VELOCITIES = _compiled("qv", _body_velocities, by_table.velocities)
@@ -276,6 +267,6 @@ TORQUE_DERIVATIVES_UNDER_FORCES = dict.fromkeys(TORQUE_DERIVATIVES, _compiled("q
 CENTROIDAL_MAP = {"Ag": _compiled("q", _map)}
 INVERSE_MASS = {"Minv": _compiled("q", _inverse_mass)}
 MASSES = {"mass": Deferred("", _subtree_masses)}
-CENTERS = {"com": Deferred("q", _subtree_centers), **MASSES}
-CENTERS_AND_VELOCITIES = {**CENTERS, "vcom": Deferred("qv", _subtree_centers)}
-CENTERS_TO_ACCELERATIONS = {**CENTERS_AND_VELOCITIES, "acom": Deferred("qva", _subtree_centers)}
+CENTERS = {"com": _subtree_centers("q"), **MASSES}
+CENTERS_AND_VELOCITIES = {**CENTERS, "vcom": _subtree_centers("qv")}
+CENTERS_TO_ACCELERATIONS = {**CENTERS_AND_VELOCITIES, "acom": _subtree_centers("qva")}

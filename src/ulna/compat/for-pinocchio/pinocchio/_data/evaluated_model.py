@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, final
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, final
 
 import numpy as np
 
@@ -82,7 +82,7 @@ class EvaluatedModel:
     @property
     def gravity(self) -> Floats:
         """The acceleration of free fall (3,)."""
-        return self._parameters[PARAMETERS.index("gravity")][0][:3]
+        return self._parameters[PARAMETERS.index("gravity")][0]
 
     def snapshot(self) -> EvaluatedModel:
         """Itself: nothing of it changes."""
@@ -136,7 +136,6 @@ def kernels_for(model: KinematicTree, data: FieldStates, function: object) -> Co
     """The kernels of a model's present parameters; evaluated on numbers at the first calls of a function.
 
     Args:
-        model: The model.
         data: Its data, whose model it becomes.
         function: The function, for counting its calls.
 
@@ -152,6 +151,89 @@ def kernels_for(model: KinematicTree, data: FieldStates, function: object) -> Co
     return data._attach(model)
 
 
+def loaded_with(compiled: CompiledModel | EvaluatedModel, data: FieldStates) -> TableEvaluator:
+    """The evaluator of a Data, with the parameters of kernels.
+
+    Args:
+        compiled: The kernels.
+
+    Returns:
+        The evaluator.
+
+    Raises:
+        UnknownKind: A joint is of a kind that tables do not have.
+    """
+    if isinstance(compiled, EvaluatedModel):
+        return compiled.evaluator(data)
+    evaluator = evaluator_of(data._model, data)
+    evaluator.load_parameters(*numbers_of(compiled))
+    return evaluator
+
+
+class Numbers(NamedTuple):
+    """The numbers of a model, as `TableEvaluator.load_parameters` takes them.
+
+    Attributes:
+        placements: Placements of joints, the universe included (njoints, 4, 4) [m].
+        inertias: Mass, lever and moments (njoints, 13) [kg, m, kg m^2].
+        gravity: The acceleration of free fall (3,) [m/s^2].
+        armature: The armature (nv,) [kg m^2].
+    """
+
+    placements: Floats
+    inertias: Floats
+    gravity: Floats
+    armature: Floats
+
+
+def numbers_of(compiled: CompiledModel | EvaluatedModel) -> Numbers:
+    """The numbers that kernels belong to.
+
+    Args:
+        compiled: The kernels.
+
+    Returns:
+        The numbers.
+    """
+    if isinstance(compiled, EvaluatedModel):
+        return Numbers(*map(np.concatenate, compiled._parameters))
+    core = compiled.model
+    bodies = (core.base_inertia, *core.inertias)
+    armature = np.zeros(core.nv)
+    for joint in core.joints:
+        armature[joint.idx_v : joint.idx_v + joint.nv] = joint.armature[: joint.nv]
+    return Numbers(
+        np.stack([np.eye(4), *(joint.placement.matrix() for joint in core.joints)]),
+        np.stack([np.concatenate([[Y.mass], Y.com, np.reshape(Y.inertia, 9)]) for Y in bodies]),
+        np.asarray(core.gravity),
+        armature,
+    )
+
+
+def step_on_numbers(
+    function: Callable[..., Any], targets: Sequence[Any], returned: Sequence[int]
+) -> Callable[..., Any]:
+    """What stands in place of a bound kernel at first calls: it evaluates a function and compiles nothing.
+
+    Args:
+        function: The function of arrays; its outputs are written into the targets.
+        targets: Arrays (...), one for each output.
+        returned: The indices of the outputs that a call returns copies of, in a tuple where there are several.
+
+    Returns:
+        The step.
+    """
+
+    def step(*arrays: Any) -> Any:
+        results = _quiet(function)(*arrays)
+        for target, value in zip(targets, results, strict=True):
+            target[...] = value
+        copies = tuple(np.array(targets[k]) for k in returned)
+        return copies[0] if len(copies) == 1 else copies or None
+
+    return step
+
+
 def _quiet(function: Callable[..., Any]) -> Callable[..., Any]:
     """A function without warnings of NumPy about values that it does not take in the end."""
 
@@ -164,10 +246,6 @@ def _quiet(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def evaluator_of(model: KinematicTree, data: FieldStates) -> TableEvaluator:
     """The evaluator of a Data, for the joints of a model.
-
-    Args:
-        model: The model.
-        data: Its data.
 
     Returns:
         The evaluator; its parameters are not loaded.

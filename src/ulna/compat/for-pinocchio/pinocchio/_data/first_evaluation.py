@@ -24,7 +24,6 @@ def evaluated(model: KinematicTree, data: FieldStates, algorithm: Algorithm, arr
     """The results of an algorithm without a kernel, at the first calls of a model.
 
     Args:
-        model: The model.
         data: Its data, which is filled.
         algorithm: The algorithm.
         arrays: Its inputs, converted: q (nq,), v (nv,) and so on.
@@ -33,12 +32,13 @@ def evaluated(model: KinematicTree, data: FieldStates, algorithm: Algorithm, arr
         What a call returns, or NotImplemented where it is to be compiled.
 
     Raises:
-        InputError: The Data does not fit the model.
+        InputError: The Data does not fit the model, or gravity has an angular part and counts.
     """
     by_table = algorithm.has_fields_in(FIELDS)
     if not model.first_calls.includes(algorithm.name, TABLE_CALLS if by_table else NUMBER_CALLS):
         return NotImplemented
     check_layout(model, data)
+    model._check_gravity(algorithm.depends_on)
     inputs = _inputs(algorithm, arrays)
     try:
         outputs = (_by_table if by_table else _on_numbers)(model, data, algorithm, inputs)
@@ -55,8 +55,6 @@ def loaded_evaluator(model: KinematicTree, data: FieldStates, function: object) 
     """The evaluator of a Data with the parameters of a model, at the first calls of a function; else None.
 
     Args:
-        model: The model.
-        data: Its data.
         function: The function, for counting its calls.
 
     Returns:
@@ -84,7 +82,6 @@ def store(
     """Writes the results of an algorithm and its state into a Data, and defers the fields that are computed when read.
 
     Args:
-        model: The model.
         data: Its data, which is filled.
         algorithm: The algorithm.
         arrays: Its inputs, converted: q (nq,), v (nv,) and so on.

@@ -19,7 +19,7 @@ from pinocchio._containers.keywords import general_case, overloads, with_names
 from pinocchio._data.algorithm import PARAMETER_NAMES, Algorithm
 from pinocchio._data.binding import run
 from pinocchio._spatial.motion_force import checked_forces
-from ulna.compiler.runtime.repeated_calls import memory, repeated_calls
+from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 _LETTERS = {name: letter for letter, name in PARAMETER_NAMES.items()}
@@ -117,19 +117,19 @@ def fast_path(
             f"data.{returns_field}" if returns_field else "float(result)" if returns_number else "result"
         )
         source = "\n".join(_source(name, parameters, records, forces, alternative, returned))
-        noted = memory(2, weakly=2)
+        calls = call_cache(2, weak=2)
         scope: dict[str, Any] = {
             "general": general_case(function),
             "alternative": (alternative or "  ")[1],
             "omitted": OMITTED,
-            "noted": noted,
+            "calls": calls,
         }
         defaults = {key: parameter.default for key, parameter in parameters.items()}
         scope |= {f"default_{k}": OMITTED if x is None else x for k, x in defaults.items()}
         exec(compile(source, f"<fast path of {name}>", "exec"), scope)
         made: Any = functools.update_wrapper(scope[name], function)
         made.arguments_checked = True
-        return repeated_calls(noted)(made)
+        return repeated_calls(calls)(made)
 
     return decorate
 
@@ -152,17 +152,12 @@ def _source(
         *(_usual(name, p.default) for name, p in parameters.items() if name not in ignored),
     ]
     calls = [f"data._bound.{r.name}({', '.join(args)})" for r, args in zip(records, inputs, strict=True)]
-    plain = [_noted(*x, returned) for x in zip(records, calls, strict=True)]
+    plain = [_call_lines(*x, returned) for x in zip(records, calls, strict=True)]
     lines = plain[0]
     for call, longer in zip(plain[1:], inputs[1:], strict=True):
         lines = [f"if {longer[-1]} is not omitted:", *_indented(call), "else:", *_indented(lines)]
     if forces:
-        arguments = ", ".join([*inputs[-1], "*[f._v for f in fext]"])
-        lines = [
-            *("if fext is omitted:", *_indented(lines), "else:", "    try:"),
-            f"        result = data._bound.{forces.name}({arguments})",
-            *("    except (AttributeError, TypeError):", "        result = NotImplemented"),
-        ]
+        lines = _with_forces(lines, forces, inputs[-1])
     if alternative:
         other = f"data._bound.{alternative[2].name}({', '.join(inputs[-1])})"
         lines = [
@@ -182,13 +177,23 @@ def _source(
     ]
 
 
-def _noted(record: Algorithm, call: str, returned: str) -> list[str]:
-    """The lines that call a bound kernel, and note it for calls with the same model and data."""
+def _with_forces(lines: list[str], forces: Algorithm, inputs: list[str]) -> list[str]:
+    """The lines, and before them a call of the algorithm under forces where `fext` is given."""
+    arguments = ", ".join([*inputs, "*[f._v for f in fext]"])
+    return [
+        *("if fext is omitted:", *_indented(lines), "else:", "    try:"),
+        f"        result = data._bound.{forces.name}({arguments})",
+        *("    except (AttributeError, TypeError):", "        result = NotImplemented"),
+    ]
+
+
+def _call_lines(record: Algorithm, call: str, returned: str) -> list[str]:
+    """The lines that call a bound kernel, and add it to the cache of calls with the same model and data."""
     if returned != "result":  # the result of the kernel is not what is returned
         return [f"result = {call}"]
     kernel = call.partition("(")[0]
-    noted = f"    noted({kernel}, {len(record.inputs)}, model, data)"
-    return [f"result = {call}", "if result is not NotImplemented:", noted]
+    add = f"    calls.add({kernel}, {len(record.inputs)}, model, data)"
+    return [f"result = {call}", "if result is not NotImplemented:", add]
 
 
 def _indented(lines: list[str], levels: int = 1) -> list[str]:

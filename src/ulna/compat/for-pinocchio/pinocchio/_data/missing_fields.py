@@ -1,4 +1,4 @@
-"""What is said of fields that a Data does not have: intermediate results of recursions that are compiled as a whole."""
+"""What is said of fields that a Data does not have."""
 
 from __future__ import annotations
 
@@ -6,20 +6,9 @@ from collections.abc import Iterable
 
 from ulna.errors import nearest
 
-_ALTERNATIVES = {
-    "B dAdq dAdv": "data.C after computeCoriolisMatrix, and the matrices of computeRNEADerivatives",
-    "Fcrb": "data.M after crba, and data.Ag after ccrba",
-    "oYaba_augmented of_augmented": "data.ddq after aba, data.Yaba, and data.Minv after computeMinverse",
-    "dac_dq dac_dv dvc_dq": "data.ddq_dq and data.ddq_dv after computeConstraintDynamicsDerivatives",
-    "oK oL": "data.oMi, data.oMf and the results of constraintDynamics",
-    "lambda_c_prox primal_dual_contact_solution primal_rhs_contact": "data.lambda_c and data.ddq after "
-    "constraintDynamics",
-}
-_READ = {name: instead for names, instead in _ALTERNATIVES.items() for name in names.split()}
-
 
 def missing_field_message(name: str, fields: Iterable[str]) -> str:
-    """What to read instead of a field that a Data does not have.
+    """The message for a field that a Data does not have, with the nearest one.
 
     Args:
         name: The name.
@@ -29,7 +18,5 @@ def missing_field_message(name: str, fields: Iterable[str]) -> str:
         The message.
     """
     text = f"Data has no field {name!r}"
-    if name in _READ:
-        return f"{text}: intermediate results of recursions are not kept. Read {_READ[name]}."
     near = nearest(name, fields, 1, 0.6)
     return f"{text}. Did you mean {near[0]!r}?" if near else f"{text}; dir(data) lists its fields."

@@ -6,16 +6,16 @@ invalidated it), -1 where it waits in `Data._waiting`. Bound algorithms write th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Sequence
 from typing import Any, ClassVar, NamedTuple, final
 
 from pinocchio._containers.arguments import check_layout
 from pinocchio._containers.arrays import not_applicable
 from pinocchio._data.algorithm import ALGORITHMS, STATES, Algorithm, Deferred
-from pinocchio._data.storage import FILLED_BY, PER_JOINT, FieldArrays
+from pinocchio._data.storage import FILLED_BY, PER_JOINT, READ_INSTEAD, FieldArrays
 from pinocchio._model.building import KinematicTree
 from pinocchio._model.compiled_model import CompiledModel
-from pinocchio._model.kernel_parameters import PARAMETERS
+from pinocchio._model.kernel_cache import parameters_of
 from ulna.compiler.runtime.repeated_calls import forget
 from ulna.errors import InputError
 from ulna.typing import Floats
@@ -35,7 +35,7 @@ class Waiting(NamedTuple):
     """Fields that are computed with the kernels of an earlier moment, or under forces."""
 
     deferred: Deferred
-    compiled: CompiledModel
+    compiled: CompiledModel | None
     state: tuple[Floats, ...]
 
 
@@ -62,9 +62,18 @@ class FieldStates:
     _evaluator: Any
     _bound: BoundAlgorithms
     _bound_at: dict[Any, Any]
+    _bound_reads: dict[tuple[float, str], Any]
+    """For the number of an algorithm and a field that it deferred, what computes the field; see `Deferred.bind`."""
     _parameters_of: dict[int, CompiledModel]
     _constraint_sets: list[Any]
     _constraint_solution: Any
+    _motion_solution: Any = None
+    """What constraintDynamics left last."""
+    _motion_derivatives: Any = None
+    """The derivatives of it that were computed last."""
+    _impact_derivatives: Any = None
+    """Those of an impact."""
+    _delassus: Any
     _known_states: set[str]
     _q: Any
     _qv: Any
@@ -98,7 +107,8 @@ class FieldStates:
             same_kernels = before is not None and compiled.cache is before.cache
             self._keep_deferred(self._parameters_of if same_kernels else ())
             if not same_kernels:
-                self._bound, self._bound_at, self._parameters_of = BoundAlgorithms(), {}, {}
+                self._bound, self._bound_at, self._bound_reads = BoundAlgorithms(), {}, {}
+                self._parameters_of = {}
             forget(self)
             self._compiled, self._model, self._constraint_sets = compiled, model, []
         return compiled
@@ -107,11 +117,18 @@ class FieldStates:
         """Stores, for each deferred field, its kernels and its state; not for those of algorithms in `but`."""
         for field, slot in self._slots.items():
             number = int(self._marks[slot])
-            if number > 0 and number not in but and (deferred := ALGORITHMS[number - 1].deferred.get(field)):
-                compiled = self._compiled_of(number)
-                state = (x.copy() for x in self._state_of(number, deferred))
-                fields = self._deferred_with(number, deferred)
-                self._defer(deferred, fields, compiled and compiled.snapshot(), *state)
+            if number > 0 and number not in but and field in ALGORITHMS[number - 1].deferred:
+                deferred, compiled, state = self._as_waiting(field)
+                self._defer(deferred, self._deferred_with(number, deferred), compiled, *state)
+
+    def _as_waiting(self, field: str) -> Waiting:
+        """A deferred field with its kernels and its state, which later calls do not change."""
+        number = int(self._marks[self._slots[field]])
+        if number == _WAITING:
+            return self._waiting[field]
+        deferred, compiled = ALGORITHMS[number - 1].deferred[field], self._compiled_of(number)
+        state = tuple(x.copy() for x in self._state_of(number, deferred))
+        return Waiting(deferred, compiled and compiled.snapshot(), state)
 
     def _parameters_stored_by(
         self, compiled: CompiledModel, algorithm: Algorithm
@@ -126,8 +143,7 @@ class FieldStates:
         Returns:
             The names, and arrays (...) for them.
         """
-        names = PARAMETERS if algorithm.depends_on == "parameters" else PARAMETERS[:1]
-        stored = names if algorithm.deferred else ()
+        stored = tuple(parameters_of(algorithm.depends_on)) if algorithm.deferred else ()
         if compiled.parameter_names and algorithm.number not in self._parameters_of:
             self._parameters_of[algorithm.number] = compiled.snapshot()
         return stored, self._parameters_of.get(algorithm.number, compiled).parameters_of(stored)
@@ -180,6 +196,9 @@ class FieldStates:
         number = self._marks[self._slots[field]]
         if number == 0.0:
             return
+        bound = self._bound_reads.get((number, field))
+        if bound is not None and bound() is not NotImplemented:
+            return
         if number == _WAITING:
             waiting = self._waiting[field]
             deferred, compiled, state = waiting
@@ -189,12 +208,14 @@ class FieldStates:
             algorithm = ALGORITHMS[int(number) - 1]
             deferred = algorithm.deferred.get(field)
             if deferred is None:
+                fix = f"Call {FILLED_BY[field]} first." if field in FILLED_BY else READ_INSTEAD[field]
                 raise InputError(
                     f"`data.{field}` was invalidated by {algorithm.title}, which leaves an intermediate result there "
-                    f"in Pinocchio, and nothing here. Call {FILLED_BY[field]} first."
+                    f"in Pinocchio, and nothing here. {fix}"
                 )
             compiled, fields = self._compiled_of(int(number)), self._deferred_with(number, deferred)
             state = self._state_of(number, deferred)
+            self._bind_read(int(number), deferred, compiled, fields, state)
         deferred.fill(self, compiled, fields, *state)
         for name in fields:
             self._marks[self._slots[name]] = 0.0
@@ -204,11 +225,51 @@ class FieldStates:
         if "a" in fields:
             self._qva = state[:3]
 
-    def _compute_deferred(self) -> None:
-        """Computes all deferred fields; those that are invalidated stay so."""
+    def _bind_read(
+        self, number: int, deferred: Deferred, compiled: Any, fields: tuple[str, ...], state: Any
+    ) -> None:
+        """Has fields that an algorithm left together computed by one native call from now on."""
+        of_algorithm = [name for name, other in ALGORITHMS[number - 1].deferred.items() if other is deferred]
+        if deferred.bind is not None and list(fields) == of_algorithm:
+            bound = deferred.bind(self, number, compiled, fields, *state)
+            if bound is None:
+                return
+            self._bound_reads.update({(float(number), field): bound for field in fields})
+
+    def _bound_after_reads(self, fields: Sequence[str], bind: Callable[[Callable[..., Any]], Any]) -> Any:
+        """A bound kernel that needs deferred fields, and computes them where they are not there yet.
+
+        Args:
+            fields: Their names.
+            bind: Binds the kernel, given what it calls where it does not apply; it watches the marks of these fields.
+
+        Returns:
+            The bound kernel.
+        """
+        again, marks, reads = bind(not_applicable), self._marks, self._bound_reads
+        slots = [(self._slots[field], field) for field in fields]
+
+        def read_first(*args: Any) -> Any:
+            for slot, field in slots:
+                number = marks[slot]
+                if number:
+                    read = reads.get((number, field))
+                    if read is None or read() is NotImplemented:
+                        return NotImplemented
+            return again(*args)
+
+        read_first.examines_arrays = True  # pyright: ignore[reportFunctionMemberAccess]
+        return bind(read_first)
+
+    def _compute_deferred(self, but: Container[str] = ()) -> None:
+        """Computes all deferred fields but some; those that are invalidated stay so."""
         for field, slot in self._slots.items():
             number = self._marks[slot]
-            if number and (number == _WAITING or field in ALGORITHMS[int(number) - 1].deferred):
+            if (
+                number
+                and field not in but
+                and (number == _WAITING or field in ALGORITHMS[int(number) - 1].deferred)
+            ):
                 self._read(field)
 
     def _require(self, state: Any, call: str) -> Any:

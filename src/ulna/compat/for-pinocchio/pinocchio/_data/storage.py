@@ -31,6 +31,8 @@ MATRICES = {
     "dFdq": "6v",
     "dFdv": "6v",
     "dFda": "6v",
+    "dAdq": "6v",
+    "dAdv": "6v",
     "kineticEnergyRegressor": "p",
     "potentialEnergyRegressor": "p",
     "jointTorqueRegressor": "vp",
@@ -44,11 +46,17 @@ MATRICES = {
     "dlambda_dv": "00",
     "dlambda_dtau": "00",
     "dac_da": "00",
+    **dict.fromkeys(("dac_dq", "dac_dv", "dvc_dq"), "00"),
+    **dict.fromkeys(("lambda_c_prox", "primal_dual_contact_solution", "primal_rhs_contact"), "0"),
 }
 """A letter for each size. Those of constraints are empty until an algorithm knows how many rows there are."""
-FORCES = ("f", "h", "of", "oh")
+FORCES = ("f", "h", "of", "oh", "of_augmented")
 MOTIONS = ("v", "a", "a_gf", "ov", "oa", "oa_gf")
 CENTRES = ("com", "vcom", "acom")
+MATRIX_LISTS = {"B": "n66", "Fcrb": "n6v", "oL": "n66", "oK": "n66", "oYaba_augmented": "n66"}
+"""Fields that have a matrix for each joint."""
+ARTICULATED_TERMS = {"Yaba": "n66", "oYaba": "n66", "U of bodies": "6v", "Dinv of bodies": "vv"}
+"""What is computed with `Yaba`, whose mark stands for all of them."""
 PER_JOINT = ("oMi", "liMi", *MOTIONS, *FORCES, *CENTRES)
 UNUSED = {
     **{"q_in": "q", "v_in": "v", "a_in": "v", "tau_in": "v"},
@@ -58,6 +66,8 @@ UNUSED = {
 _SHAPES = {
     **MATRICES,
     **UNUSED,
+    **MATRIX_LISTS,
+    **ARTICULATED_TERMS,
     **dict.fromkeys(("oMi", "liMi"), "n44"),
     "oMf": "f44",
     **dict.fromkeys((*MOTIONS, *FORCES), "n6"),
@@ -112,6 +122,8 @@ FILLED_BY = {
     "Ag": "computeCentroidalMap(model, data, q)",
     "Jcom": "jacobianCenterOfMass(model, data, q)",
     "Minv": "computeMinverse(model, data, q)",
+    "Fcrb": "crba(model, data, q)",
+    "dAdq": "computeRNEADerivatives(model, data, q, v, a)",
     "dFda": "computeCentroidalDynamicsDerivatives(model, data, q, v, a)",
     "dFdq": "computeCentroidalDynamicsDerivatives(model, data, q, v, a)",
     "dFdv": "computeCentroidalDynamicsDerivatives(model, data, q, v, a)",
@@ -124,3 +136,12 @@ FILLED_BY = {
     "tau": "rnea(model, data, q, v, a)",
 }
 """The call that fills a field that others invalidate."""
+_READ_DERIVATIVES = "Read data.ddq_dq, data.ddq_dv, data.dlambda_dq and data.dlambda_dv."
+READ_INSTEAD = {
+    **dict.fromkeys(("dac_dq", "dac_dv"), _READ_DERIVATIVES),
+    "dvc_dq": "Call computeForwardKinematicsDerivatives, then getFrameVelocityDerivatives.",
+    "primal_rhs_contact": "An impact has none.",
+    "oYaba_augmented": "Read data.ddq and the forces of the constraints.",
+    "of_augmented": "Read data.ddq and the forces of the constraints.",
+}
+"""What to read in place of a field that an algorithm invalidates and no other fills."""

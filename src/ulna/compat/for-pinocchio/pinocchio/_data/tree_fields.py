@@ -122,19 +122,22 @@ class TreeFields(FieldStates):
         if model.first_calls.includes("Ycrb", TABLE_CALLS):
             inertias[...] = self._composite_inertias()[0]
             return
-        watch = model._watched("parameters")
+        watch = model._watched("masses")
         compiled = self._attach(model)
         if compiled.parameter_names:  # where masses are inputs, bodies without mass need the table's cases
             inertias[...] = self._composite_inertias()[0]
             return
         kernel = compiled.compile("composite inertias", _composite, q=(model.nq,))
-        step = kernel.into(inertias, watch=watch, otherwise=not_applicable, last_inputs=[q])
+        step = kernel.into(inertias, watch=watch, otherwise=not_applicable, trailing_inputs=[q])
         computed_at = self._arrays["Ycrb q"]
         computed_at[...] = q
         nothing, unchanged = np.zeros(()), compile_function(lambda x: x, x=())
         self._bound_at["Ycrb"] = step
         self._bound_at["Ycrb as it is"] = unchanged.into(
-            np.zeros(()), watch=[(q, computed_at), *watch], otherwise=not_applicable, last_inputs=[nothing]
+            np.zeros(()),
+            watch=[(q, computed_at), *watch],
+            otherwise=not_applicable,
+            trailing_inputs=[nothing],
         )
         step()
 

@@ -62,10 +62,10 @@ class BroadPhaseManager(CollisionManager):
         if what is True or len(self._corners) != self._geometry.ngeoms:
             self._corners = [box_corners(g.geometry) for g in self._geometry.geometryObjects]
         self._objects = StdVec(self._object(i) for i in range(self._geometry.ngeoms))
-        places = [M.act(c.T) for M, c in zip(self._data.oMg, self._corners, strict=True)]
+        places = [M._pose() @ c for M, c in zip(self._data.oMg, self._corners, strict=True)]
         margin = self.getCollisionObjectInflation()[:, None]
-        self._low = np.array([p.min(axis=1) for p in places]).reshape(-1, 3) - margin
-        self._high = np.array([p.max(axis=1) for p in places]).reshape(-1, 3) + margin
+        self._low = np.array([p.min(axis=0) for p in places]).reshape(-1, 3) - margin
+        self._high = np.array([p.max(axis=0) for p in places]).reshape(-1, 3) + margin
         self._manager = None
 
     _corners: Any = ()

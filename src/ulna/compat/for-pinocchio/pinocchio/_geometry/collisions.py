@@ -15,7 +15,7 @@ from pinocchio._geometry.geometry_data import GeometryData
 from pinocchio._geometry.geometry_model import GeometryModel
 from pinocchio._geometry.geometry_pool import GeometryPool
 from pinocchio._geometry.pair_calls import calls_of
-from pinocchio._geometry.placements import updateGeometryPlacements
+from pinocchio._geometry.placements import check_geometries, updateGeometryPlacements
 from ulna.collision.narrow import coal
 from ulna.errors import InputError
 
@@ -40,7 +40,6 @@ def computeCollision(
     Args:
         geometry_model: The geometries and pairs.
         geometry_data: Their data, after updateGeometryPlacements.
-        pair_index: Number of the pair.
         collision_request: Options of coal; those of `geometry_data` by default.
 
     Returns:
@@ -58,7 +57,6 @@ def computeDistance(geometry_model: GeometryModel, geometry_data: GeometryData, 
     Args:
         geometry_model: The geometries and pairs.
         geometry_data: Their data, after updateGeometryPlacements.
-        pair_index: Number of the pair.
 
     Returns:
         Coal's DistanceResult.
@@ -127,11 +125,8 @@ def computeCollisions(*parts: Any) -> bool:
         raise ArgumentError(
             f"computeCollisions was given {rest[1:]!r} after stop_at_first; nothing more is expected."
         )
-    if rest and not is_flag(rest[0]):
-        raise ArgumentError(
-            f"computeCollisions: `stop_at_first_collision` is {rest[0]!r}; expected True or False."
-        )
-    _, contacts = _answers(geometry_model, geometry_data, "collision", bool(rest and rest[0]))
+    stop = bool(rest) and _flag("computeCollisions", "stop_at_first_collision", rest[0])
+    _, contacts = _answers(geometry_model, geometry_data, "collision", stop)
     return any(contacts)
 
 
@@ -155,7 +150,6 @@ def computeContactPatch(geometry_model: GeometryModel, geometry_data: GeometryDa
 
     Args:
         geometry_data: Their data, after updateGeometryPlacements.
-        pair_index: Number of the pair.
     """
     i, j = _pair(geometry_model, geometry_data, pair_index)
     at, objects = geometry_data._placed((i, j)), geometry_model.geometryObjects
@@ -188,11 +182,19 @@ def computeBodyRadius(model: Model, geometry_model: GeometryModel, geometry_data
     Args:
         geometry_model: The geometries and pairs.
         geometry_data: Their data, which is filled.
+
+    Raises:
+        InputError: A geometry is on a joint that the model has not.
     """
     radius = [0.0] * model.njoints
     for g in geometry_model.geometryObjects:
-        corners = g.placement.act(box_corners(g.geometry).T)
-        radius[g.parentJoint] = max(radius[g.parentJoint], float(np.linalg.norm(corners, axis=0).max()))
+        if not 0 <= g.parentJoint < model.njoints:
+            raise InputError(
+                f"The geometry {g.name!r} is on joint {g.parentJoint}; the model has {model.njoints} joints. "
+                "Pass the model of the geometries."
+            )
+        corners = g.placement._pose() @ box_corners(g.geometry)
+        radius[g.parentJoint] = max(radius[g.parentJoint], float(np.linalg.norm(corners, axis=1).max()))
     geometry_data.radius = StdVec(radius)
 
 
@@ -224,8 +226,11 @@ def computeCollisionsInParallel(num_thread: int, *parts: Any) -> Any:
 
     Raises:
         InputError: A pool without configurations; or `num_thread` is below zero.
+        ArgumentError: There are no arguments, or more than these, or one of the last is no flag.
     """
     check_size(num_thread, "num_thread")
+    if not parts:
+        raise ArgumentError("computeCollisionsInParallel needs a pool, or what computeCollisions takes.")
     pool = parts[0]
     if not isinstance(pool, GeometryPool):
         return computeCollisions(*parts)
@@ -233,15 +238,33 @@ def computeCollisionsInParallel(num_thread: int, *parts: Any) -> Any:
         raise InputError(
             "computeCollisionsInParallel needs configurations, in the columns of a matrix (nq, n)."
         )
-    if isinstance(parts[1], (list, tuple)):
-        stop = bool(parts[2]) if len(parts) > 2 else False
-        return StdVec(_each(pool, columns, True, stop) for columns in parts[1])
-    stops = [*(bool(p) for p in parts[2:]), False, False]
+    of_trajectories = isinstance(parts[1], (list, tuple))
+    names = ("trajectory",) if of_trajectories else ("configuration", "batch")
+    flags = parts[2:]
+    if len(flags) > len(names):
+        raise ArgumentError(
+            f"computeCollisionsInParallel was given {flags[len(names) :]!r} after all its arguments."
+        )
+    stops = [
+        _flag("computeCollisionsInParallel", f"stop_at_first_collision_in_{name}", value)
+        for name, value in zip(names, flags, strict=False)
+    ]
+    stops += [False] * (len(names) - len(stops))
+    if of_trajectories:
+        return StdVec(_each(pool, columns, True, stops[0]) for columns in parts[1])
     return _each(pool, parts[1], stops[0], stops[1])
+
+
+def _flag(function: str, name: str, value: Any) -> bool:
+    if not is_flag(value):
+        raise ArgumentError(f"{function}: `{name}` is {value!r}; expected True or False.")
+    return bool(value)
 
 
 def _each(pool: GeometryPool, columns: Any, stop_in_configuration: bool, stop_in_batch: bool) -> Any:
     configurations = numbers(columns, "q")
+    if configurations.ndim == 1:  # one column
+        configurations = configurations[:, None]
     if configurations.ndim != 2 or configurations.shape[0] != pool.getModel(0).nq:
         raise ArgumentError(
             f"Configurations have shape {configurations.shape}; expected ({pool.getModel(0).nq}, n)."
@@ -273,6 +296,7 @@ def _placed(parts: Any) -> tuple[GeometryModel, GeometryData, tuple[Any, ...]]:
 
 def _checked(geometry_model: GeometryModel, geometry_data: GeometryData) -> list[int]:
     objects, pairs = geometry_model.geometryObjects, geometry_model.collisionPairs
+    check_geometries(geometry_model, geometry_data)
     if len(pairs) != len(geometry_data.activeCollisionPairs):
         raise InputError(
             f"This GeometryData was made for {len(geometry_data.activeCollisionPairs)} pairs; now there are "
@@ -284,6 +308,7 @@ def _checked(geometry_model: GeometryModel, geometry_data: GeometryData) -> list
 
 
 def _pair(geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int) -> CollisionPair:
+    check_geometries(geometry_model, geometry_data)
     count = min(len(geometry_data.activeCollisionPairs), len(geometry_model.collisionPairs))
     k = index(pair_index, count, "collision pair", "Make new data after adding pairs.")
     return geometry_model.collisionPairs[k]

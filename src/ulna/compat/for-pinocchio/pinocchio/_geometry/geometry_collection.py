@@ -70,7 +70,6 @@ class GeometryCollection(Saved):
         """Adds a geometry; returns its index. With a model, its joint is that of its frame.
 
         Args:
-            geometry_object: The geometry.
             model: The model of its frame, whose joint it takes; None keeps its joint.
 
         Returns:

@@ -17,7 +17,7 @@ from pinocchio._containers.files import Saved, register
 from pinocchio._containers.former_names import replacement_message
 from pinocchio._containers.keywords import reads_names
 from pinocchio._geometry.materials import GeometryNoMaterial, PhysicsMaterial
-from pinocchio._spatial.se3 import SE3, Placed
+from pinocchio._spatial.se3 import SE3, HasPlacement, as_placement
 from ulna.errors import MissingExtra
 from ulna.files import special_kind
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
@@ -43,7 +43,8 @@ def _arguments(
     Raises:
         ArgumentError: They are not those of a GeometryObject.
     """
-    values, others = dict(named), list(parts)
+    values = {name: as_placement(value) for name, value in named.items()}
+    others = [as_placement(part) for part in parts]
     name = str(values.pop("name") if "name" in values else others.pop(0) if others else "")
     ints = [values.pop(key) for key in ("parent_joint", "parent_frame") if key in values]
     while others and hasattr(others[0], "__index__"):
@@ -61,7 +62,7 @@ def _arguments(
 
 
 @final
-class GeometryObject(Placed, Saved):
+class GeometryObject(HasPlacement, Saved):
     """One geometry on a joint.
 
     `GeometryObject(name, parent_joint, [parent_frame,] placement, geometry, mesh_path, mesh_scale,
@@ -197,7 +198,6 @@ class GeometryObject(Placed, Saved):
         """A capsule about z at the universe.
 
         Args:
-            radius: Radius [m].
             length: Length without its ends [m].
 
         Returns:

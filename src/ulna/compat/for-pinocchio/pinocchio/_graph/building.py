@@ -235,9 +235,7 @@ def buildGeometryModel(
 
     Args:
         g: The graph.
-        model: The model.
         type: Which geometries, VISUAL or COLLISION; those for both are among either.
-        mesh_loader: A coal.MeshLoader for the files of meshes.
 
     Returns:
         The geometries.

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, WrongShape, check_text, is_index
+from pinocchio._containers.arguments import ArgumentError, WrongShape, check_text
 from pinocchio._containers.arrays import index, numbers
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.keywords import by_name
-from pinocchio._containers.unknown_ids import UnknownId, known
+from pinocchio._containers.unknown_ids import UnknownId
 from pinocchio._model.frame import Frame
 from pinocchio._model.joint_model import JointModel
 from pinocchio._model.kernel_cache import KernelCache
@@ -111,8 +111,8 @@ class KinematicTree(KernelCache):
 
     @staticmethod
     def _frame_type(type: Any) -> int:
-        if type is not None and not is_index(type):
-            raise ArgumentError(f"`type` is {type!r}; expected one or several of FrameType, joined by |.")
+        if type is not None and not isinstance(type, FrameType):
+            raise ArgumentError(f"`type` is {type!r}; expected a FrameType, such as FrameType.BODY.")
         return 31 if type is None else int(type)
 
     # building -------------------------------------------------------------------------------------------
@@ -222,9 +222,7 @@ class KinematicTree(KernelCache):
             frame_id = self._index_of_frames().of_joint.get(self.parents[joint_id], 0)
         return self._add_new_frame(self.names[joint_id], joint_id, frame_id, _HERE, FrameType.JOINT)
 
-    def addBodyFrame(
-        self, body_name: str, parentJoint: int, body_placement: SE3, previous_frame: int = -1
-    ) -> int:
+    def addBodyFrame(self, body_name: str, parentJoint: int, body_placement: SE3, previous_frame: int) -> int:
         """Adds the frame of a body.
 
         Args:
@@ -237,8 +235,9 @@ class KinematicTree(KernelCache):
             Its index.
         """
         if previous_frame < 0:
+            index(parentJoint, self.njoints, "joint", "model.getJointId(name) returns one.")
             joints = int(FrameType.JOINT) | int(FrameType.FIXED_JOINT)
-            previous_frame = known(self.getFrameId(self.names[parentJoint], joints))
+            previous_frame = self._frames_named(self.names[parentJoint], joints)[0]
         return self._add_new_frame(body_name, parentJoint, previous_frame, body_placement, FrameType.BODY)
 
     def _add_new_frame(self, name: str, joint: int, frame: int, placement: SE3, type: FrameType) -> int:

@@ -73,7 +73,7 @@ class CompiledModel:
     @property
     def gravity(self) -> Array:
         """The acceleration of free fall (3,)."""
-        return self._by_name(self.parameters).get("gravity", self._core.gravity)[:3]
+        return self._by_name(self.parameters).get("gravity", self._core.gravity)
 
     def core_kernel(self, name: str) -> Any:
         """Ulna's kernel of that name, without options."""

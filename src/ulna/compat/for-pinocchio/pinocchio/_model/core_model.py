@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from pinocchio._model.joint_model import JointModel
 from pinocchio._model.live_parameters import LiveParameters
 from ulna import spatial
@@ -39,7 +37,7 @@ def core_model(source: LiveParameters) -> CoreModel:
         frames=tuple(frames),
         inertias=tuple(link.inertia for link in links[1:]),
         base_inertia=links[0].inertia,
-        gravity=np.array(source.gravity.linear),
+        gravity=source._parameter_blocks("gravity")[0].copy(),
         configurations={},
         tool=links[-1].name,
     )

@@ -10,7 +10,8 @@ from pinocchio._containers.enums import FrameType
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.inertia import Inertia
-from pinocchio._spatial.se3 import SE3, Placed
+from pinocchio._spatial.se3 import SE3, HasPlacement, as_placement
+from ulna.errors import excerpt
 from ulna.typing import Array
 
 Facts = tuple[str, FrameType, int, int, Inertia]
@@ -20,8 +21,13 @@ JOINT_FRAMES = (FrameType.JOINT, FrameType.FIXED_JOINT)
 """The types of frames that joints have."""
 
 
+def _index_of(value: Any, what: str) -> int:
+    """An index that a frame refers to; the model need not have it yet."""
+    return index(value, NO_INDEX + 1, what, f"model.get{what.capitalize()}Id(name) returns one.")
+
+
 @final
-class Frame(Placed):
+class Frame(HasPlacement):
     """`Frame(name, parentJoint, parentFrame, placement, type, inertia)`; parent frame and inertia may be left out."""
 
     __slots__ = ("_counters", "_facts", "_inertia", "_placement")
@@ -35,7 +41,7 @@ class Frame(Placed):
     def __init__(self, *parts: Any) -> None:
         if len(parts) == 1 and isinstance(parts[0], Frame):
             parts = parts[0]._parts()
-        values = list(parts)
+        values = [as_placement(part) for part in parts]
         if len(values) > 2 and isinstance(values[2], SE3):
             values.insert(2, 0)
         if len(values) > 6:
@@ -49,11 +55,12 @@ class Frame(Placed):
         if not isinstance(name, str):
             raise ArgumentError(f"The name of a frame is {name!r}; expected a string.")
         if not isinstance(type_, FrameType):
-            raise ArgumentError(f"The type of a frame is {type_!r}; expected a FrameType, such as OP_FRAME.")
+            raise ArgumentError(
+                f"The type of a frame is {excerpt(repr(type_))}; expected a FrameType, such as OP_FRAME."
+            )
         if not isinstance(placement, SE3):
             raise ArgumentError(f"The placement of a frame is {placement!r}; expected an SE3.")
-        joint = index(joint, NO_INDEX + 1, "joint", "model.getJointId(name) returns one.")
-        frame = index(frame, NO_INDEX + 1, "frame", "model.getFrameId(name) returns one.")
+        joint, frame = _index_of(joint, "joint"), _index_of(frame, "frame")
         self._placement = SE3(placement)
         as_made = Inertia() if inertia is None and len(values) < 6 else Inertia(inertia)
         self._facts: Facts = name, type_, joint, frame, as_made
@@ -90,6 +97,10 @@ class Frame(Placed):
     @type.setter
     def type(self, type_: FrameType) -> None:
         name, _, joint, frame, inertia = self._facts
+        if not isinstance(type_, (FrameType, int)):
+            raise ArgumentError(
+                f"The type of a frame is {excerpt(repr(type_))}; expected a FrameType, such as OP_FRAME."
+            )
         self._facts = name, FrameType(type_), joint, frame, inertia
         self._count_change()
 
@@ -101,7 +112,7 @@ class Frame(Placed):
     @parentJoint.setter
     def parentJoint(self, joint: int) -> None:
         name, type_, _, frame, inertia = self._facts
-        self._facts = name, type_, int(joint), frame, inertia
+        self._facts = name, type_, _index_of(joint, "joint"), frame, inertia
         self._count_change()
 
     @property
@@ -112,7 +123,8 @@ class Frame(Placed):
     @parentFrame.setter
     def parentFrame(self, frame: int) -> None:
         name, type_, joint, _, inertia = self._facts
-        self._facts = name, type_, joint, int(frame), inertia
+        self._facts = name, type_, joint, _index_of(frame, "frame"), inertia
+        self._count_change()
 
     parent, previousFrame = parentJoint, parentFrame
 
@@ -121,6 +133,7 @@ class Frame(Placed):
         """What it added to its joint's body, in its own frame, a live reference."""
         if self._inertia is None:  # copies of a frame share the other one, which nobody else sees
             self._inertia = self._facts[4].copy()
+            self._count_change()  # from now on it may change without being counted
         return self._inertia
 
     @inertia.setter

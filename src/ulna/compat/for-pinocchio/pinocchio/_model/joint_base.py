@@ -3,13 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import count
 from typing import Any, Self
 
 from pinocchio._containers.arrays import StdVec
 from ulna.model import JointKind
 
+LAST_CHANGE = [0]
+"""The number of the last change of an attribute of any joint."""
+_numbers_of_changes = count(1)
 NOWHERE = 2**64 - 1
 """The index of a joint that is in no model."""
+_UNIVERSE = {
+    "id": NOWHERE,
+    "idx_q": -1,
+    "idx_v": -1,
+    "idx_vExtended": -1,
+    "kind": None,
+    "nq": 1,
+    "nv": 1,
+    "mimic": None,
+    "_shortname": "JointModelRX",
+    "_wrapped": None,
+    "_mimic_shortname": "",
+}
+"""The attributes of a joint without a kind, in no model."""
 _FORMER_NAMES = {
     "_word": "_shortname",
     "_within": "_wrapped",
@@ -28,27 +46,48 @@ class JointBase:
 
     _limit_entries = 1
     """How many entries of `hasConfigurationLimit` there are for each of q."""
+    _has_parts = False
+    """Whether its attributes hold objects that change."""
+
+    id: int
+    """The index in its model."""
+    idx_q: int
+    """Where its entries of q begin."""
+    idx_v: int
+    """Where its entries of v begin."""
+    idx_vExtended: int
+    """Where its entries of v begin, with mimic joints counted."""
+    kind: JointKind | None
+    """Ulna's kind of joint; None for the universe."""
+    nq: int
+    """How many entries of q it has; 1 for the universe, as in Pinocchio, which has none."""
+    nv: int
+    """How many entries of v it has; 1 for the universe, as in Pinocchio, which has none."""
+    mimic: tuple[int, float, float] | None
+    """Of a mimic joint: the index of the joint it follows, the ratio, and the offset."""
+    _shortname: str
+    _wrapped: JointBase | None
+    _mimic_shortname: str
 
     def __init__(self, other: JointBase | None = None) -> None:
-        self.id = NOWHERE
-        """The index in its model."""
-        self.idx_q = self.idx_v = self.idx_vExtended = -1
-        """Where its entries of q, of v, and of v with mimic joints counted begin."""
-        self.kind: JointKind | None = None if other is None else other.kind
-        """Ulna's kind of joint; None for the universe."""
-        self.nq = 1 if self.kind is None else self.kind.nq
-        """How many entries of q it has; 1 for the universe, as in Pinocchio, which has none."""
-        self.nv = 1 if self.kind is None else self.kind.nv
-        """How many entries of v it has; 1 for the universe, as in Pinocchio, which has none."""
-        self._shortname = "JointModelRX" if other is None else other.shortname()
-        self._wrapped = other
-        self._mimic_shortname = ""
-        self.mimic: tuple[int, float, float] | None = None if other is None else other.mimic
-        """Of a mimic joint: the index of the joint it follows, the ratio, and the offset."""
+        if other is None:
+            self.__dict__.update(_UNIVERSE)
+            return
+        kind = other.kind
+        sizes = (1, 1) if kind is None else (kind.nq, kind.nv)
+        self.__dict__.update(
+            _UNIVERSE,
+            kind=kind,
+            nq=sizes[0],
+            nv=sizes[1],
+            _shortname=other.shortname(),
+            _wrapped=other,
+            mimic=other.mimic,
+        )
 
     def _set_kind(self, shortname: str, kind: JointKind) -> None:
-        JointBase.__init__(self)
-        self._shortname, self.kind, self.nq, self.nv = shortname, kind, kind.nq, kind.nv
+        """Makes a new joint one of a kind."""
+        self.__dict__.update(_UNIVERSE, _shortname=shortname, kind=kind, nq=kind.nq, nv=kind.nv)
 
     @property
     def nvExtended(self) -> int:
@@ -98,8 +137,9 @@ class JointBase:
             idx_v: Its first entry in v.
             idx_vExtended: Its first entry in a v with those of following joints; `idx_v` by default.
         """
-        self.id, self.idx_q, self.idx_v = joint_id, idx_q, idx_v
-        self.idx_vExtended = idx_v if idx_vExtended is None else idx_vExtended
+        extended = idx_v if idx_vExtended is None else idx_vExtended
+        self.__dict__.update(id=joint_id, idx_q=idx_q, idx_v=idx_v, idx_vExtended=extended)
+        LAST_CHANGE[0] = next(_numbers_of_changes)
 
     def hasSameIndexes(self, other: JointBase) -> bool:
         """Whether another joint stands at the same place."""
@@ -120,8 +160,13 @@ class JointBase:
         plain = self.kind.nq == self.kind.nv
         return StdVec(plain or c.unit == "m" for c in self.kind.rates * self._limit_entries)
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        super().__setattr__(name, value)
+        LAST_CHANGE[0] = next(_numbers_of_changes)
+
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(present_names(state))
+        LAST_CHANGE[0] = next(_numbers_of_changes)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, JointBase):
@@ -155,8 +200,13 @@ class JointBase:
 
     def copy(self) -> Self:
         """A copy, with the same indices."""
-        out = object.__new__(type(self))
-        out.__dict__.update(self.__dict__)
+        return self._of_attributes(self.__dict__)
+
+    @classmethod
+    def _of_attributes(cls, attributes: dict[str, Any]) -> Self:
+        """A joint of this class with a copy of the attributes of another."""
+        out = object.__new__(cls)
+        out.__dict__.update(attributes)
         return out
 
     __copy__ = copy

@@ -33,6 +33,8 @@ def _chain(kind: JointKind, place: Pose) -> tuple[tuple[JointKind, ...], tuple[P
 class JointModelComposite(JointModel):
     """Several joints in a row: `()`, `(joint)`, `(joint, placement, name)`; then `addJoint(joint, placement)`."""
 
+    _has_parts = True
+
     @by_name("joint_model joint_placement name", "size")
     def __init__(self, *parts: Any) -> None:
         JointModel.__init__(self)
@@ -47,6 +49,12 @@ class JointModelComposite(JointModel):
             check_size(parts[0], "size")
         elif parts:
             self.addJoint(*parts)
+
+    @classmethod
+    def _of_attributes(cls, attributes: dict[str, Any]) -> Self:
+        out = super()._of_attributes(attributes)
+        out.__dict__.update({key: attributes[key].copy() for key in ("joints", "jointPlacements")})
+        return out
 
     @property
     def parts(self) -> StdVec[JointModel]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -28,38 +28,80 @@ _KINDS = (
 )
 
 
+class LiveState(Protocol):
+    """The state of a joint in the Data of a model."""
+
+    @property
+    def has_terms(self) -> bool:
+        """Whether the terms of the articulated-body algorithm are defined."""
+        ...
+
+    def update(self) -> None:
+        """Writes the present state into the data of the joint."""
+        ...
+
+    def terms(self, joint_data: JointData) -> tuple[Floats, Floats] | None:
+        """U (6, nv) and Dinv (nv, nv) of the present state; None where there are none.
+
+        Args:
+            joint_data: The data of the joint, or of a part of it, which has none.
+
+        Returns:
+            The terms.
+        """
+        ...
+
+
 class JointData:
     """The state of one joint: `joint.createData()`, filled by `joint.calc(data, q, v)`; `data.joints` has those of all.
 
     U, Dinv and UDinv are the terms of the articulated-body algorithm [Featherstone 2008, table 7.1]. Those in
-    `data.joints` are computed when they are read, in the joint's own axes; others are zero, for nothing fills them.
+    `data.joints` are in the joint's own axes; others are zero, for nothing fills them. What is in `data.joints` is of
+    the last algorithm whenever it is read.
     """
 
+    if TYPE_CHECKING:  # made below, by their names
+        M: SE3
+        v: Motion
+        c: Motion
+        joint_q: Floats
+        joint_v: Floats
+        joints: StdVec[JointData]
+
     def __init__(self, other: JointData | None = None) -> None:
-        self.M = SE3()
-        """Where the moving frame is in the fixed frame."""
+        self._live: LiveState | None = None
+        self._M, self._v, self._c = SE3(), Motion(), Motion()
         self._subspace = np.zeros((6, 1))
-        self.v = Motion()
-        """The velocity of the moving frame, in its own axes."""
-        self.c = Motion()
-        """The bias (dS/dt) v."""
-        self.joint_q: Floats = np.zeros(0)
-        """The joint's entries of q."""
-        self.joint_v: Floats = np.zeros(0)
-        """The joint's entries of v."""
+        self._joint_q: Floats = np.zeros(0)
+        self._joint_v: Floats = np.zeros(0)
         self._shortname = type(self).__name__
         self._mimic_shortname = ""
-        self.joints: StdVec[JointData] = StdVec()
-        """Of a composite joint: the data of its parts."""
-        self._terms: Callable[[], tuple[Floats, Floats]] | tuple[Floats, Floats] | None = None
+        self._joints: StdVec[JointData] = StdVec()
+        self._terms: tuple[Floats, Floats] | None = None
         self._places: StdVec[SE3] = StdVec()
         if other is not None:
-            self.__dict__.update(other.__dict__)
+            self.__dict__.update(other.copy().__dict__)
+
+    def follow(self, live: LiveState) -> None:
+        """Has all attributes belong to the state that is there when they are read."""
+        self._live = live
+        for part in self._joints:
+            part.follow(live)
+
+    @property
+    def subspace(self) -> Floats:
+        """The motion subspace (6, nv), which nothing writes to."""
+        self._update()
+        return self._subspace
+
+    def _update(self) -> None:
+        if self._live is not None:
+            self._live.update()
 
     @property
     def S(self) -> Floats:
         """The motion subspace (6, nv), or (6,) for one column: the velocity is S times the rates."""
-        return self._subspace[:, 0].copy() if self._subspace.shape[1] == 1 else self._subspace.copy()
+        return self._single_column(self.subspace)
 
     @property
     def U(self) -> Floats:
@@ -75,26 +117,22 @@ class JointData:
     @property
     def UDinv(self) -> Floats:
         """U Dinv, (6, nv), or (6,) for one column."""
-        if self._terms is None and self._shortname == "JointDataFreeFlyer":
+        terms = self._known_terms()
+        if terms is None and self._shortname == "JointDataFreeFlyer":
             return np.eye(6)
-        U, inverse = self._of_recursion()
+        U, inverse = terms or self._of_recursion()
         return self._single_column(U @ inverse)
+
+    def _known_terms(self) -> tuple[Floats, Floats] | None:
+        return self._terms if self._live is None else self._live.terms(self)
 
     def _of_recursion(self) -> tuple[Floats, Floats]:
         """U (6, nv) and Dinv (nv, nv)."""
-        columns = self._subspace.shape[1]
-        if self._terms is None:
-            return np.zeros((6, columns)), np.zeros((columns, columns))
-        if callable(self._terms):
-            self._terms = self._terms()
-        return self._terms
+        columns = self.subspace.shape[1]
+        return self._known_terms() or (np.zeros((6, columns)), np.zeros((columns, columns)))
 
     def _single_column(self, matrix: Floats) -> Floats:
         return matrix[:, 0].copy() if matrix.shape[1] == 1 else matrix.copy()
-
-    def set_terms(self, terms: Callable[[], tuple[Floats, Floats]]) -> None:
-        """Sets how U (6, nv) and Dinv (nv, nv) are computed when they are read."""
-        self._terms = terms
 
     def shortname(self) -> str:
         """The name of its kind."""
@@ -115,42 +153,45 @@ class JointData:
         kind = joint.kind
         if kind is None:
             return
-        self.joint_q = vector(q, kind.nq, "q").copy()
-        scaling, at = 1.0, self.joint_q
+        self._joint_q = vector(q, kind.nq, "q").copy()
+        scaling, at = 1.0, self._joint_q
         if joint.mimic is not None:
             _, scaling, offset = joint.mimic
             at = scaling * at + offset
-        self.M._m[...] = kind.transform(at).matrix()
+        self._M = SE3._of(np.array(kind.transform(at).matrix(), dtype=float))
         columns = [s.vector() for s in kind.motion_subspace(at)]
         self._subspace = scaling * np.stack([np.asarray(c, dtype=float) for c in columns], axis=1)
         if v is not None:
-            self.joint_v = vector(v, kind.nv, "v").copy()
-            self.v._v[:] = self._subspace @ self.joint_v
-            self.c._v[:] = kind.bias(at, scaling * self.joint_v).vector()
+            self._joint_v = vector(v, kind.nv, "v").copy()
+            self._v = Motion._of(self._subspace @ self._joint_v)
+            self._c = Motion._of(np.array(kind.bias(at, scaling * self._joint_v).vector(), dtype=float))
         start = first = 0
         parts = joint.parts
-        for part, data in zip(parts, self.joints, strict=True):
+        for part, data in zip(parts, self._joints, strict=True):
             end, last = start + part.nq, first + part.nv
-            data.place(part, self.joint_q[start:end], None if v is None else self.joint_v[first:last])
+            data.place(part, self._joint_q[start:end], None if v is None else self._joint_v[first:last])
             start, first = end, last
 
     def copy(self) -> JointData:
-        """A copy."""
+        """A copy; it stays as it is."""
         out = object.__new__(type(self))
+        self._update()
         out.__dict__.update(self.__dict__)
-        out.M, out.v, out.c = self.M.copy(), self.v.copy(), self.c.copy()
-        out.joints = StdVec(part.copy() for part in self.joints)
+        out._terms = self._known_terms() if self._live is None or self._live.has_terms else None
+        out._live = None
+        out._M, out._v, out._c = self._M.copy(), self._v.copy(), self._c.copy()
+        out._joints = StdVec(part.copy() for part in self._joints)
         return out
 
     __copy__ = copy
 
     def __getstate__(self) -> dict[str, Any]:
-        if callable(self._terms):
-            self._of_recursion()
-        return self.__dict__
+        return self.copy().__dict__ if self._live is not None else self.__dict__
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(present_names(state))
+        self._live = None
+        names = {name: f"_{name}" for name in _ATTRIBUTES}  # of former versions
+        self.__dict__.update({names.get(name, name): value for name, value in present_names(state).items()})
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, JointData):
@@ -172,6 +213,30 @@ class JointData:
         )
 
     __repr__ = __str__
+
+
+def _attribute(name: str, doc: str) -> property:
+    def get(self: JointData) -> Any:
+        self._update()
+        return self.__dict__[f"_{name}"]
+
+    def put(self: JointData, value: Any) -> None:
+        self._update()
+        self.__dict__[f"_{name}"] = value
+
+    return property(get, put, doc=doc)
+
+
+_ATTRIBUTES = {
+    "M": "Where the moving frame is in the fixed frame.",
+    "v": "The velocity of the moving frame, in its own axes.",
+    "c": "The bias (dS/dt) v.",
+    "joint_q": "The joint's entries of q.",
+    "joint_v": "The joint's entries of v.",
+    "joints": "Of a composite joint: the data of its parts.",
+}
+for _name, _doc in _ATTRIBUTES.items():
+    setattr(JointData, _name, _attribute(_name, _doc))
 
 
 def _product(data: JointData) -> Floats:
@@ -248,7 +313,7 @@ def data_of(joint: JointBase) -> JointData:
         data._mimic_shortname = (joint._mimic_shortname or type(joint).__name__).replace(
             "JointModel", "JointData"
         )
-    data.joints = StdVec(data_of(part) for part in joint.parts)
+    data._joints = StdVec(data_of(part) for part in joint.parts)
     data._places = StdVec(getattr(joint, "jointPlacements", ()))
     if joint.kind is not None:
         data.place(joint, joint.kind.neutral(), np.zeros(joint.kind.nv))

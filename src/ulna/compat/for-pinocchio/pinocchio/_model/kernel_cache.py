@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from array import array
+from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -22,7 +22,30 @@ _MAX_STRUCTURES = 32
 """How many kinds of trees have their kernels kept for other models."""
 _STRUCTURES: dict[Any, CompiledModel] = {}
 
-Dependence = Literal["structure", "placements", "parameters", "frame", "frames"]
+Dependence = Literal[
+    "structure",
+    "placements",
+    "inertias",
+    "masses",
+    "parameters",
+    "frame",
+    "frames on joints",
+    "frames",
+]
+
+
+def parameters_of(on: Dependence) -> Sequence[str]:
+    """The names of the parameters, out of `PARAMETERS`, that something depends on, placements at least.
+
+    Args:
+        on: What it depends on.
+
+    Returns:
+        The names.
+    """
+    if on == "masses":
+        return [name for name in PARAMETERS if name != "gravity"]
+    return PARAMETERS if on == "parameters" else ("inertias",) if on == "inertias" else ("placements",)
 
 
 class KernelCache(LiveParameters):
@@ -37,12 +60,12 @@ class KernelCache(LiveParameters):
     _integrate = _difference = _distance = _normalize = _interpolate = staticmethod(not_applicable)
     _squared_distance = _is_same = _random = _random_within_own_limits = staticmethod(not_applicable)
     _total_mass: Any = staticmethod(not_applicable)
-    _narrowest: array[float]
-    """The least width of the limits of the last random configuration."""
     first_calls: FirstCalls
     """How often its functions were called before they were compiled."""
     _joint_table: Any = None
     """Its `JointTable`, made when first needed."""
+    _unit_parts: list[slice] | None = None
+    """Which entries of q are of unit length together, found when first needed."""
 
     def _changed(self) -> None:
         """Joints were added: kernels compiled before no longer apply, and Data made before do not fit."""
@@ -112,22 +135,31 @@ class KernelCache(LiveParameters):
         """Pairs of an array that kernels depend on and a copy of it.
 
         Args:
-            on: The kinds of joints ("structure"); these and placements, or all parameters; the kinds and one frame;
-                placements and all frames.
+            on: The kinds of joints ("structure"); these and placements, inertias, all parameters but gravity
+                ("masses"), or all; the kinds and one frame, or all frames; placements and all frames.
             frame: The index of that one frame.
 
         Returns:
             Pairs of arrays (...).
+
+        Raises:
+            InputError: They depend on gravity, which has an angular part.
         """
-        if on in ("frame", "frames"):
+        self._check_gravity(on)
+        if "frame" in on:
             self._frame_state()
         if on == "structure":
             live: list[Array] = [self._version]
+        elif on == "frames on joints":
+            live = [self._frame_changes, *self._parameter_blocks("frames")]
         elif on == "frame":
             live = [self._frame_changes, self.frames[frame].placement._m]
         else:
-            names = PARAMETERS if on == "parameters" else ("placements",)
-            live = [self._version, *(x for name in names for x in self._parameter_blocks(name))]
+            live = [self._version, *(x for name in parameters_of(on) for x in self._parameter_blocks(name))]
+        if on == "parameters":
+            live.append(
+                self._gravity._v[3:]
+            )  # kernels may read the others at every call; these must stay zero
         if on == "frames":
             live += [self._frame_changes, *self._parameter_blocks("frames")]
         return [(block, block.copy()) for block in live]
@@ -148,12 +180,12 @@ _BOUND = (
 """Kernels that are bound to a model when they are first called."""
 _OF_KERNELS = (
     *("_variants", "_with_inputs", "_compiled_for", "_newest", "_structure", "_neutral", "_joint_table"),
+    "_unit_parts",
     *_BOUND,
 )
 """What belongs to the kernels of a model."""
 KernelCache._made_when_needed = LiveParameters._made_when_needed | {
     "_variants": lambda _: {},
     "_version": lambda _: np.zeros(1, np.int64),
-    "_narrowest": lambda _: array("d", [0.0]),
     "first_calls": lambda _: FirstCalls(),
 }

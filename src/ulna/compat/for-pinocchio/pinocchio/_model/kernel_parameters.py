@@ -37,7 +37,7 @@ def with_parameters(model: CoreModel, values: Mapping[str, Array]) -> CoreModel:
         base, *bodies = map(_inertia_of, values["inertias"])
         model = replace(model, inertias=tuple(bodies), base_inertia=base)
     if "gravity" in values:
-        model = replace(model, gravity=values["gravity"][:3])
+        model = replace(model, gravity=values["gravity"])
     if "armature" in values:
         model = with_drive_values(model, "armature", values["armature"])
     return model

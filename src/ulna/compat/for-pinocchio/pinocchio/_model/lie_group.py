@@ -6,7 +6,7 @@ from typing import Any, final
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, WrongShape, is_index
+from pinocchio._containers.arguments import ArgumentError, WrongShape, check_size, is_index
 from pinocchio._containers.arrays import exact, not_applicable, numbers, vector
 from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel
@@ -27,6 +27,10 @@ class LieGroup:
     """A Lie group, or with `*` a product of several."""
 
     def __init__(self, blocks: tuple[_Block, ...] = ()) -> None:
+        if not all(isinstance(block, tuple) for block in blocks):
+            raise ArgumentError(
+                f"LieGroup was given {blocks!r}; expected nothing: pinocchio.liegroups.SE3() makes one."
+            )
         self._blocks = blocks
         self._name = " x ".join(name for name, _ in blocks)
         self._integrate = self._difference = self._squared_distance = not_applicable
@@ -266,6 +270,8 @@ class LieGroup:
         return self._kind
 
     def __mul__(self, other: LieGroup) -> LieGroup:
+        if not isinstance(other, LieGroup):
+            return NotImplemented
         return LieGroup((*self._blocks, *other._blocks))
 
     def __eq__(self, other: object) -> bool:
@@ -285,6 +291,7 @@ def _first_or_second(position: Any) -> int:
 
 def Rn(n: int) -> LieGroup:
     """Vectors of n numbers."""
+    n = check_size(n, "n")
     return LieGroup(((f"R^{n}", (Prismatic(),) * n),))
 
 

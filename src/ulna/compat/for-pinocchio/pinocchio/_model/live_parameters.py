@@ -12,16 +12,21 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import WrongShape
 from pinocchio._containers.arrays import StdVec, numbers
-from pinocchio._model.frame import JOINT_FRAMES, Frame
+from pinocchio._containers.named_configurations import StdMap_String_VectorXd
+from pinocchio._model.frame import JOINT_FRAMES, Facts, Frame
+from pinocchio._model.joint_base import LAST_CHANGE
 from pinocchio._model.joint_model import JointModel
+from pinocchio._model.row_storage import OwnerList, RowStorage
+from pinocchio._model.skeleton import SLOTS, Attributes, Skeleton, gathered, gravity_of, joints_with
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
+from ulna.errors import InputError
 from ulna.system import forks
 from ulna.typing import Array, Floats
 
-_BLOCK_ROWS = 64
 FREE = float(np.finfo(float).max)
 """What limits are where there is none."""
 PER_Q = {"lowerPositionLimit": -FREE, "upperPositionLimit": FREE, "positionLimitMargin": 0.0}
@@ -39,95 +44,6 @@ PER_V = {
 }
 USUAL = {key: [value] for key, value in (PER_Q | PER_V).items()}
 """The entries of a new joint, by the names of the arrays."""
-
-
-@final
-class RowStorage:
-    """Stores the arrays of objects as rows of blocks; `slot` is the attribute in which an object holds its array."""
-
-    __slots__ = ("_blocks", "_owners", "_slot", "count")
-
-    def __init__(self, slot: str) -> None:
-        self._slot = slot
-        self._owners: list[Any] = []
-        self._blocks: list[Floats] = []
-        self.count = 0
-        """How many rows are in use."""
-
-    def adopt(self, owners: list[Any]) -> bool:
-        """Moves the arrays of new objects into rows; returns whether there were any."""
-        known = len(self._owners)
-        made = known == self.count  # else these are not the objects of a copied storage
-        same = made and len(owners) >= known and all(map(is_, owners, self._owners))
-        if same and len(owners) == known:
-            return False
-        if not same:
-            self._owners, self._blocks, self.count = [], [], 0
-        for owner in owners[len(self._owners) :]:
-            self._append(owner)
-        return True
-
-    def adopt_last(self, owner: Any, count: int) -> bool:
-        """Moves the array of the last object into a row, where it alone is new.
-
-        Args:
-            owner: The last of the objects.
-            count: How many there are.
-
-        Returns:
-            Whether it alone was new; else nothing has changed.
-        """
-        if count != self.count + 1:
-            return False
-        self._append(owner)
-        return True
-
-    def _append(self, owner: Any) -> None:
-        values = getattr(owner, self._slot)
-        at = self.count % _BLOCK_ROWS
-        if at == 0:
-            self._blocks.append(np.zeros((_BLOCK_ROWS, *values.shape)))
-        row = self._blocks[-1][at]
-        row[...] = values
-        setattr(owner, self._slot, row)
-        self._owners.append(owner)
-        self.count += 1
-
-    def copied(self) -> RowStorage:
-        """A storage with copies of the rows, whose objects are not made yet; see `objects`."""
-        out = object.__new__(RowStorage)
-        out._slot, out._owners, out.count = self._slot, [], self.count
-        out._blocks = [block.copy() for block in self._blocks]
-        return out
-
-    @classmethod
-    def of_rows(cls, slot: str, rows: Floats) -> RowStorage:
-        """A storage of rows whose objects are not made yet; see `objects`.
-
-        Args:
-            slot: The attribute in which an object holds its array.
-            rows: The arrays (n, ...), one after the other; they are copied.
-
-        Returns:
-            The storage.
-        """
-        out = cls(slot)
-        out.count = len(rows)
-        for first in range(0, len(rows), _BLOCK_ROWS):
-            block = np.zeros((_BLOCK_ROWS, *rows.shape[1:]))
-            part = rows[first : first + _BLOCK_ROWS]
-            block[: len(part)] = part
-            out._blocks.append(block)
-        return out
-
-    def objects(self, make: Callable[[Floats], Any]) -> list[Any]:
-        """The objects of a copy, each made of its row by `make`."""
-        self._owners = [make(row) for block in self.blocks() for row in block]
-        return [*self._owners]
-
-    def blocks(self) -> list[Floats]:
-        """The rows in use."""
-        return [block[: self.count - k * _BLOCK_ROWS] for k, block in enumerate(self._blocks)]
 
 
 class FrameList(StdVec[Frame]):
@@ -235,19 +151,25 @@ class LiveParameters:
     joints: StdVec[JointModel]
     nq: int
     nv: int
-    _placements: StdVec[SE3]
-    _inertias: StdVec[Inertia]
+    _placements: OwnerList
+    _inertias: OwnerList
     _gravity: Motion
+    _configurations: StdMap_String_VectorXd
     _frames: FrameList
     _stored_arrays: dict[str, Floats]
     _array_blocks: list[Floats]
     """The arrays of `_arrays` as rows: those with entries for each q, and for each v."""
     _new_entries: list[Any]
     """What the arrays of joints are still without, for each new joint; see `_arrays`."""
-    _frames_of_copy: list[Any]
-    """What a copy knows of its frames, until these are made."""
-    _joints_of_copy: list[tuple[type, dict[str, Any]]]
-    """The class and the attributes of each joint of a copy, until these are made."""
+    _skeleton: Skeleton
+    """Of a copy: what lists of joints and frames are made of, when they are first asked for."""
+    _numbers: Floats
+    """Of a copy: all numbers (n,), of which rows and arrays are views; see `skeleton.gathered`."""
+    _rows: dict[str, RowStorage]
+    _known_facts: tuple[int, int, tuple[Facts, ...]] | None = None
+    """The count of changes and the number of frames, and what was known of each then."""
+    _known_joints: tuple[int, tuple[JointModel, ...], tuple[Attributes, ...]] | None = None
+    """The last change of a joint, the joints, and what their attributes were then."""
     _counted_changes = _indexed_changes = _stored_changes = -1
     _frame_owners: tuple[Any, ...] = ()
     _frame_index: FrameIndex
@@ -257,56 +179,89 @@ class LiveParameters:
 
     def _create_storage(self) -> None:
         self._frames = FrameList((), self._frame_changes)
-        self._rows = {
-            "placements": RowStorage("_m"),
-            "inertias": RowStorage("_p"),
-            "frames": RowStorage("_m"),
-        }
-
-    def _take_rows(self, rows: dict[str, Floats], facts: list[Any]) -> None:
-        """Takes placements, inertias and frames, whose objects are made when needed.
-
-        Args:
-            rows: The arrays (n, ...) of each, one after the other, by their names.
-            facts: What is known of each frame; see `Frame._facts_now`.
-        """
-        slots = {"placements": "_m", "inertias": "_p", "frames": "_m"}
-        self._rows = {name: RowStorage.of_rows(slots[name], rows[name]) for name in slots}
-        self._frames_of_copy = facts
+        self._rows = {name: RowStorage(slot) for name, slot in SLOTS.items()}
 
     def _store_all(self) -> None:
         """Moves the arrays of new joints and frames into rows, where their objects are made."""
-        if {"_placements", "_inertias"} <= self.__dict__.keys():
+        made = self.__dict__
+        if (
+            "_placements" in made
+            and "_inertias" in made
+            and (self._placements.is_new or self._inertias.is_new)
+        ):
             self._store_joints()
-        if "_frames" in self.__dict__:
+        if "_frames" in made:
             self._store_frames()
 
-    def _rows_of(self, name: str) -> Floats:
-        """A copy of all placements, inertias or frames, one after the other."""
-        with _MAKING:
-            self._store_all()
-            return np.concatenate(self._rows[name].blocks())
-
-    def _facts_of_frames(self) -> list[Any]:
+    def _facts_of_frames(self) -> tuple[Facts, ...]:
         """What is known of each frame; see `Frame._facts_now`."""
         frames: Any = self.__dict__.get("_frames")
         if frames is None:
-            return self._frames_of_copy[:]
-        return [frame._facts if frame._inertia is None else frame._facts_now() for frame in frames]
+            return self._skeleton.frames
+        changes, known = self._frame_changes.item(), self._known_facts
+        if known is not None and known[0] == changes and known[1] == len(frames):
+            return known[2]
+        facts = tuple([frame._facts_now() for frame in frames])
+        unchanged = all(frame._inertia is None for frame in frames)  # others may change without being counted
+        self._known_facts = (changes, len(frames), facts) if unchanged else None
+        return facts
 
-    def _copy_rows(self, other: LiveParameters) -> None:
-        """Copies joints, frames and their parameters of another model; their objects are made when needed."""
+    def _attributes_of_joints(self) -> tuple[Attributes, ...]:
+        """The class and the attributes of each joint."""
+        joints: Any = self.__dict__.get("joints")
+        if joints is None:
+            return self._skeleton.joints
+        change, known = LAST_CHANGE[0], self._known_joints
+        same = known is not None and known[0] == change and len(known[1]) == len(joints)
+        if known is not None and same and all(map(is_, known[1], joints)):
+            return known[2]
+        if any([joint._has_parts for joint in joints]):  # which may change without being counted
+            return tuple([(type(joint), joint.copy().__dict__) for joint in joints])
+        attributes = tuple([(type(joint), joint.__dict__.copy()) for joint in joints])
+        self._known_joints = change, tuple(joints), attributes
+        return attributes
+
+    def _skeleton_now(self) -> Skeleton:
+        """Its joints and frames as they are now, without their numbers."""
+        made = self.__dict__
+        known = made.get("_skeleton")
+        if known is not None and made.keys().isdisjoint(_OF_SKELETON):
+            return known
+        if known is not None and "_numbers" in made:
+            nq, nv = known.nq, known.nv
+        else:
+            nq, nv = (block.shape[1] for block in self._array_blocks)
+        parts = (
+            tuple(self.names) if known is None or "names" in made else known.names,
+            tuple(self.parents) if known is None or "parents" in made else known.parents,
+            self._attributes_of_joints(),
+            self._facts_of_frames(),
+            nq,
+            nv,
+        )
+        return _new_tuple(Skeleton, parts)  # a third of the time
+
+    def _numbers_now(self) -> Floats:
+        """All its numbers in a new array."""
+        numbers = self.__dict__.get("_numbers")
+        if numbers is not None:
+            return numbers.copy()
+        blocks = [block for part in self._rows.values() for block in part.blocks()]
+        return gathered(blocks, self._array_blocks, self._gravity._v)
+
+    def _leave_numbers(self) -> None:
+        """Some numbers of a copy no longer lie in the array of all of them."""
+        if "_numbers" in self.__dict__:
+            _ = self._rows, self._array_blocks, self._gravity  # views of it
+            del self._numbers
+
+    def _state_now(self) -> tuple[Skeleton, Floats]:
+        """Its joints and frames without their numbers, and all numbers in a new array (n,)."""
         with _MAKING:
-            other._store_all()
-            self._rows = {name: rows.copied() for name, rows in other._rows.items()}
-            self._frames_of_copy = other._facts_of_frames()
-            joints = other.__dict__.get("joints")
-            self._joints_of_copy = (
-                other._joints_of_copy if joints is None else [(type(j), j.__dict__.copy()) for j in joints]
-            )
-            if other._new_entries:
-                _ = other._arrays
-            self._array_blocks, self._new_entries = [block.copy() for block in other._array_blocks], []
+            self._store_all()
+            if self.__dict__.get("_new_entries"):
+                _ = self._arrays
+            return self._skeleton_now(), self._numbers_now()
 
     if not TYPE_CHECKING:  # for type checkers the attributes are there
 
@@ -323,14 +278,11 @@ class LiveParameters:
     def _made_frames(self) -> FrameList:
         """The frames of a copy."""
         places, counters = self._rows["frames"].objects(SE3._of), (self._frame_changes,)
+        known = self._skeleton.frames
         out = FrameList((), self._frame_changes.copy())
-        out.fill(
-            [
-                Frame._from_facts(facts, at, counters)
-                for facts, at in zip(self._frames_of_copy, places, strict=True)
-            ]
-        )
-        out.changes, self._frames_of_copy = self._frame_changes, []
+        out.fill([Frame._from_facts(facts, at, counters) for facts, at in zip(known, places, strict=True)])
+        out.changes = self._frame_changes
+        self._known_facts = out.changes.item(), len(known), known
         return out
 
     @property
@@ -344,6 +296,7 @@ class LiveParameters:
 
     @_arrays.setter
     def _arrays(self, arrays: dict[str, Floats]) -> None:
+        self._leave_numbers()
         self._array_blocks = [np.stack([arrays[key] for key in keys]) for keys in (PER_Q, PER_V)]
         self._stored_arrays, self._new_entries = _rows_by_name(self), []
 
@@ -356,7 +309,7 @@ class LiveParameters:
     def nframes(self) -> int:
         """How many frames there are."""
         frames: Any = self.__dict__.get("_frames")
-        return self._rows["frames"].count if frames is None else len(frames)
+        return len(self._skeleton.frames) if frames is None else len(frames)
 
     @property
     def frames(self) -> StdVec[Frame]:
@@ -396,30 +349,57 @@ class LiveParameters:
     @gravity.setter
     def gravity(self, value: Any) -> None:
         array = numbers(value.vector if isinstance(value, Motion) else value, "value")
-        self._gravity._assign(array if array.size == 6 else np.concatenate([array.reshape(3), np.zeros(3)]))
+        if array.size not in (3, 6):
+            raise WrongShape("gravity", array.shape, "a Motion, or 3 or 6 numbers")
+        self._gravity._assign(np.concatenate([array.reshape(-1), np.zeros(6 - array.size)]))
 
     def _parameter_blocks(self, name: str) -> list[Floats]:
-        """The blocks in which the parameters of that name, one of `PARAMETERS` or "frames", are stored."""
+        """The blocks in which the parameters of that name, one of `PARAMETERS` or "frames", are stored.
+
+        Of gravity that is the linear part; what depends on it calls `_check_gravity` first.
+        """
         if name == "gravity":
-            return [self._gravity._v]
+            return [self._gravity._v[:3]]
         if name == "armature":
             return [self._arrays["armature"]]
         return self._rows[name].blocks()
 
+    def _check_gravity(self, on: str = "parameters") -> None:
+        """Checks that gravity has no angular part, where it counts.
+
+        Args:
+            on: What a function depends on; see `KernelCache._watched`.
+
+        Raises:
+            InputError: It has one, and the function reads gravity.
+        """
+        angular = self._gravity._v[3:]
+        if on == "parameters" and angular.any():
+            raise InputError(
+                f"The angular part of model.gravity is {angular.tolist()}; expected zeros: gravity is a linear "
+                "acceleration (3,) [m/s^2] here. Set model.gravity.angular = np.zeros(3), and add accelerations of the "
+                "base as those of a joint."
+            )
+
     def _store_joints(self) -> None:
-        self._rows["placements"].adopt(self._placements)
-        self._rows["inertias"].adopt(self._inertias)
+        for name, owners in (("placements", self._placements), ("inertias", self._inertias)):
+            if self._rows[name].adopt(owners):
+                self._leave_numbers()
+            owners.is_new = False
 
     def _store_last_joint(self) -> None:
         """A joint was added at the end."""
         for name, owners in (("placements", self._placements), ("inertias", self._inertias)):
             if not self._rows[name].adopt_last(owners[-1], len(owners)):
                 self._rows[name].adopt(owners)
+            owners.is_new = False
+        self._leave_numbers()
 
     def _store_frames(self) -> None:
         changes = self._frame_changes.item()
         if self._stored_changes != changes or self._rows["frames"].count != len(self._frames):
-            self._rows["frames"].adopt([frame._placement for frame in self._frames])
+            if self._rows["frames"].adopt([frame._placement for frame in self._frames]):
+                self._leave_numbers()
             self._stored_changes = changes
 
     def _add_last_frame(self, frame: Frame) -> None:
@@ -428,7 +408,9 @@ class LiveParameters:
         self._frames.append(frame)
         index.add(frame, len(self._frames) - 1)
         self._indexed_changes = int(self._frame_changes[0])
-        if not self._rows["frames"].adopt_last(self._frames[-1]._placement, len(self._frames)):
+        if self._rows["frames"].adopt_last(self._frames[-1]._placement, len(self._frames)):
+            self._leave_numbers()
+        else:
             self._store_frames()
 
     def _count_joint(self) -> None:
@@ -491,22 +473,22 @@ def _rows_by_name(model: LiveParameters) -> dict[str, Floats]:
     return dict(zip(PER_Q, per_q, strict=True)) | dict(zip(PER_V, per_v, strict=True))
 
 
-def _made_joints(model: LiveParameters) -> StdVec[JointModel]:
-    """The joints of a copy."""
-    joints = []
-    for kind, attributes in model._joints_of_copy:
-        joints.append(object.__new__(kind))
-        joints[-1].__dict__.update(attributes)
-    model._joints_of_copy = []
-    return StdVec(joints)
-
-
 LiveParameters._made_when_needed = {
-    "joints": _made_joints,
-    "_placements": lambda model: StdVec(model._rows["placements"].objects(SE3._of)),
-    "_inertias": lambda model: StdVec(model._rows["inertias"].objects(Inertia._of)),
+    "names": lambda model: StdVec(model._skeleton.names),
+    "parents": lambda model: StdVec(model._skeleton.parents),
+    "joints": lambda model: joints_with(model._skeleton.joints),
+    "_rows": lambda model: model._skeleton.rows(model._numbers),
+    "_placements": lambda model: OwnerList(model._rows["placements"].objects(SE3._of)),
+    "_inertias": lambda model: OwnerList(model._rows["inertias"].objects(Inertia._of)),
     "_frames": LiveParameters._made_frames,
+    "_gravity": lambda model: Motion._of(gravity_of(model._numbers)),
+    "_array_blocks": lambda model: model._skeleton.array_blocks(model._numbers),
     "_stored_arrays": _rows_by_name,
+    "_new_entries": lambda _: [],
     "_frame_changes": lambda _: np.zeros(1, np.int64),
+    "_configurations": lambda _: StdMap_String_VectorXd(),
 }
+_new_tuple = tuple.__new__
+_OF_SKELETON = frozenset(("names", "parents", "joints", "_frames"))
+"""The attributes that a skeleton tells of."""
 _MAKING = forks.lock(forks.KERNEL)

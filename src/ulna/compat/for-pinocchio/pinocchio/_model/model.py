@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import StdVec, vector
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.files import Saved, register
@@ -17,10 +19,13 @@ from pinocchio._model.core_model import core_model
 from pinocchio._model.frame import Frame
 from pinocchio._model.joint_kinds import JointModel
 from pinocchio._model.live_parameters import PER_Q, PER_V
+from pinocchio._model.row_storage import OwnerList
+from pinocchio._model.skeleton import Skeleton
 from pinocchio._model.supports import Supports
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
+from ulna.errors import excerpt
 from ulna.typing import Floats
 
 
@@ -62,8 +67,7 @@ class Model(Saved, Supports, KinematicTree):
         """For each joint, the joint before it."""
         self.joints: StdVec[JointModel] = StdVec([JointModel()])
         """The joints."""
-        self._placements: StdVec[SE3] = StdVec([SE3()])
-        self._inertias: StdVec[Inertia] = StdVec([Inertia()])
+        self._placements, self._inertias = OwnerList([SE3()]), OwnerList([Inertia()])
         self.frames = [Frame("universe", 0, 0, SE3(), FrameType.FIXED_JOINT)]
         self._configurations = StdMap_String_VectorXd()
         self._gravity = Motion._of(np.concatenate([self.gravity981, np.zeros(3)]))
@@ -141,6 +145,10 @@ class Model(Saved, Supports, KinematicTree):
 
     @referenceConfigurations.setter
     def referenceConfigurations(self, values: Any) -> None:
+        if not isinstance(values, Mapping):
+            raise ArgumentError(
+                f"`referenceConfigurations` is {excerpt(repr(values))}; expected a dictionary of named configurations."
+            )
         self._configurations = StdMap_String_VectorXd(values)
 
     # data -----------------------------------------------------------------------------------------------
@@ -184,7 +192,8 @@ class Model(Saved, Supports, KinematicTree):
             self._create_storage()
         self.nq, self.nv, self.nvExtended, self.nbodies = values.pop("sizes")
         for key, value in values.items():
-            setattr(self, key, StdVec(value) if isinstance(value, list) else value)
+            kind = OwnerList if key in ("_placements", "_inertias") else StdVec
+            setattr(self, key, kind(value) if isinstance(value, list) else value)
         self._changed()
 
     def copy(self) -> Model:
@@ -194,17 +203,20 @@ class Model(Saved, Supports, KinematicTree):
         return out
 
     def _become_copy(self, other: Model) -> None:
-        self._copy_rows(other)
-        self.name, self.names, self.parents = other.name, other.names._of_values(), other.parents._of_values()
-        self._configurations = other._configurations._copied()
-        self._gravity = Motion._of(other._gravity._v.copy())
+        self._skeleton, self._numbers = other._state_now()
+        if other.__dict__.get("_configurations"):
+            self._configurations = other._configurations._copied()
+        self.name = other.name
         self.nq, self.nv, self.nvExtended, self.nbodies = other.nq, other.nv, other.nvExtended, other.nbodies
         self._layout = other._layout
 
-    def _adopt_rows(self, rows: dict[str, Floats], facts: list[Any]) -> None:
-        """Completes a model whose joints are there: takes placements, inertias and frames; see `_take_rows`."""
-        self._take_rows(rows, facts)
-        self._layout = tuple((j.shortname(), j.idx_q, j.idx_v) for j in self.joints)
+    @staticmethod
+    def _made_of(skeleton: Skeleton, numbers: Floats, layout: tuple[Any, ...]) -> Model:
+        """The model of these joints and frames, and of all its numbers (n,), which it takes."""
+        out = object.__new__(Model)
+        out._skeleton, out._numbers, out._layout = skeleton, numbers, layout
+        out.nq, out.nv = skeleton.nq, skeleton.nv
+        return out
 
     __copy__ = cast = copy
 
@@ -228,7 +240,12 @@ class Model(Saved, Supports, KinematicTree):
     __repr__ = __str__
 
     def ulna(self) -> Any:
-        """Ulna's model of the present parameters, for `ulna.Robot(model.ulna())`."""
+        """Ulna's model of the present parameters, for `ulna.Robot(model.ulna())`.
+
+        Raises:
+            InputError: Gravity has an angular part.
+        """
+        self._check_gravity()
         return core_model(self)
 
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
-
 from pinocchio._containers.enums import _Named
 from ulna.errors import InputError, UlnaError
+from ulna.system.processors import processor_count
 
 Exception = UlnaError
 ScalarType = float
@@ -32,4 +31,4 @@ def sharedMemory(value: bool | None = None) -> bool | None:
 
 def omp_get_max_threads() -> int:
     """How many threads calls with many configurations may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return processor_count()

@@ -157,7 +157,6 @@ def buildGeomFromUrdf(
     Args:
         model: The model of the same file.
         urdf_filename: The file.
-        geom_type: GeometryType.VISUAL or COLLISION.
         geometry_model: One to add to. Package folders may stand here, too.
         package_dirs: One or several folders to look for packages in. Those around the file and the installed
             example-robot-data are looked in anyway.
@@ -189,10 +188,8 @@ def buildGeomFromUrdfString(
     Args:
         model: The model of the same text.
         urdf_string: The text.
-        geom_type: GeometryType.VISUAL or COLLISION.
         geometry_model: A GeometryModel to add to; folders of packages may stand here, too.
         package_dirs: One or several folders to look for packages in.
-        mesh_loader: A coal.MeshLoader for the files of meshes.
 
     Returns:
         The GeometryModel.

@@ -43,7 +43,8 @@ def buildModelFromMJCF(
     Equalities of joints are not followed; keyframes are in `model.referenceConfigurations`, sites are frames.
 
     Args:
-        root_joint: How its root moves in the world, such as JointModelFreeFlyer(); as the file says without.
+        root_joint: How its root moves in the world, such as JointModelFreeFlyer(); as in Pinocchio it does not count
+            where the first body of the file has joints of its own.
         root_joint_name: The name of that joint.
 
     Returns:
@@ -178,7 +179,7 @@ def model_of(source: CoreModel, root: JointModel | None = None, root_name: str =
 
     Args:
         source: Ulna's model.
-        root: The joint of the root body; None for that of the model.
+        root: The joint that the world's bodies hang from, used as in Pinocchio only where the first one has no joint.
         root_name: Its name.
 
     Returns:
@@ -187,6 +188,8 @@ def model_of(source: CoreModel, root: JointModel | None = None, root_name: str =
     out = Model()
     out.name, out.gravity.linear = source.name, source.gravity
     top, ids, frames = source.links[0], {-1: 0}, {source.links[0].name: 0}
+    if any(link.joint >= 0 for link in source.links[1:2]):
+        root = None
     if root is not None:
         ids[-1] = out.addJoint(0, root, SE3(), root_name)
         frames[top.name] = out.addJointFrame(ids[-1], 0)
@@ -290,7 +293,9 @@ def _add_body(out: Model, link: TowerLink, carrier: int, at: SE3, before: int) -
     """The frame of a link, after that of the joint before it; returns its index."""
     if link.joint >= 0 and not any(f.parentJoint == carrier for f in out.frames):
         before = out.addJointFrame(carrier, before)
-    elif before > 0:  # as Pinocchio has it, a body that stands in the world has no frame of a joint
+    elif (
+        out.frames[before].type == FrameType.BODY
+    ):  # those of the world have no frame of a joint in Pinocchio
         name = link.parent_joint or f"{link.name}_fixed"
         before = out.addFrame(Frame(name, carrier, before, at, FrameType.FIXED_JOINT, Inertia()))
     return out.addBodyFrame(link.name, carrier, at, before)

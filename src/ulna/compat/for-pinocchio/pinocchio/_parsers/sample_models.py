@@ -128,7 +128,7 @@ def _limb(model: Model, parent: int, placement: SE3, prefix: str, mimic: bool = 
         named = "wrist1_mimic" if mimic and name == "wrist2" else name
         parent = _segment(model, parent, prefix + named, kind(), place, body)
         if extra:
-            model.addBodyFrame(f"{prefix}{extra}_body", parent, SE3())
+            model.addBodyFrame(f"{prefix}{extra}_body", parent, SE3(), -1)
     if mimic:
         model._make_mimic(parent - 1, parent, 1.0, 0.0)
     return parent
@@ -141,7 +141,7 @@ def _segment(
     joint = model.addJoint(parent, kind, placement, f"{name}_joint", *_LIMITS)
     _put(model, joint, body)
     model.addJointFrame(joint, -1)
-    model.addBodyFrame(f"{name}_body", joint, SE3())
+    model.addBodyFrame(f"{name}_body", joint, SE3(), -1)
     return joint
 
 
@@ -160,5 +160,5 @@ def _chain(model: Model, parent: int, names: list[str], axes: Any) -> int:
 
 
 def _add_body_frame(model: Model, joint: int, name: str) -> None:
-    model.addBodyFrame(f"{name}_body", joint, SE3())
+    model.addBodyFrame(f"{name}_body", joint, SE3(), -1)
     model.nbodies += 1

@@ -20,7 +20,6 @@ def loadReferenceConfigurations(model: Model, srdf_filename: Any, verbose: bool 
     """Fills `model.referenceConfigurations` from the named states of an SRDF file.
 
     Args:
-        srdf_filename: The file.
         verbose: Accepted and ignored.
 
     Raises:
@@ -61,7 +60,6 @@ def loadRotorParameters(model: Model, srdf_filename: Any, verbose: bool = False)
     """Fills `model.rotorInertia` and `model.rotorGearRatio` from an SRDF file.
 
     Args:
-        srdf_filename: The file.
         verbose: Accepted and ignored.
 
     Returns:
@@ -82,7 +80,6 @@ def removeCollisionPairs(
 
     Args:
         geom_model: Its geometries, whose pairs are removed.
-        srdf_filename: The file.
         verbose: Accepted and ignored.
     """
     _remove(model, geom_model, read_srdf(path_of(srdf_filename)))

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from pinocchio._algorithms import frame_motions, jacobians, kinematics
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import index as checked_index
 from pinocchio._containers.documentation import describe_arguments
 from pinocchio._containers.enums import ReferenceFrame
@@ -32,7 +33,7 @@ def _of_velocity(ask: Callable[..., Motion], of: str, doc: str) -> Callable[...,
     ) -> Motion:
         place = getattr(self, of)(index)
         if update_kinematics:
-            self.forwardKinematics(q, v)
+            self._moving(q, v)
         return ask(self.model, self.data, place, reference_frame)
 
     method.__doc__ = doc
@@ -53,7 +54,7 @@ def _of_acceleration(ask: Callable[..., Motion], of: str, doc: str) -> Callable[
     ) -> Motion:
         place = getattr(self, of)(index)
         if update_kinematics:
-            self.forwardKinematics(q, v, a)
+            self._moving(q, v, a)
         return ask(self.model, self.data, place, reference_frame)
 
     method.__doc__ = doc
@@ -74,8 +75,27 @@ class Kinematic:
         return checked_index(frame, self.model.nframes, "frame", _FRAME)
 
     def forwardKinematics(self, q: Any, v: Any = None, a: Any = None) -> None:
-        """Fills `data.oMi`; with v and a also `data.v` and `data.a`."""
+        """Fills `data.oMi`; with v also `data.v`, with v and a also `data.a`.
+
+        Args:
+            v: Velocities (nv,); None for positions alone.
+            a: Accelerations (nv,), with v.
+
+        Raises:
+            ArgumentError: There is an acceleration and no velocity.
+        """
+        if a is not None and v is None:
+            raise ArgumentError(
+                "`a` was passed without `v`; expected both: numpy.zeros(model.nv) for a robot at rest."
+            )
         kinematics.forwardKinematics(self.model, self.data, *(x for x in (q, v, a) if x is not None))
+
+    def _moving(self, *state: Any) -> None:
+        """Forward kinematics of q, v, and perhaps a, none of which may be missing."""
+        for name, value in zip("qva", state, strict=False):
+            if value is None:
+                raise ArgumentError(f"`{name}` is None; expected an array, or update_kinematics=False.")
+        kinematics.forwardKinematics(self.model, self.data, *state)
 
     def framesForwardKinematics(self, q: Any) -> None:
         """Fills `data.oMi` and `data.oMf`."""

@@ -104,10 +104,6 @@ class Viewed:
     def getViewerNodeName(self, geometry_object: GeometryObject, geometry_type: Any) -> str:
         """The name of a geometry's node in the viewer.
 
-        Args:
-            geometry_object: The geometry.
-            geometry_type: GeometryType.VISUAL or COLLISION.
-
         Returns:
             The name.
         """

@@ -45,7 +45,7 @@ class BoundFunctions(dict[str, Any]):
     def _random(self, entry: Random) -> Any:
         kernel = compile_function(entry.of_state, state=STATE.shape)
         result = np.zeros(kernel.function.outputs[0].shape)
-        return kernel.into(result, STATE, returns=(0,), last_inputs=[STATE], holder=self._holder)
+        return kernel.into(result, STATE, returns=(0,), trailing_inputs=[STATE], holder=self._holder)
 
 
 def without_gaps(function: Any, *arrays: Any) -> Any:

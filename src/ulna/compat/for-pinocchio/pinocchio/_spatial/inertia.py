@@ -17,6 +17,7 @@ from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.small_kernels import FORCES, INERTIAS, small_kernel
 from pinocchio._spatial.symmetric3 import Symmetric3
 from ulna import spatial
+from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.errors import InputError, excerpt
 from ulna.numeric import less, where
 from ulna.typing import Array, Floats
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 
 _new = object.__new__
+_random_calls = call_cache(0, weak=0)
 
 
 @final
@@ -51,7 +53,7 @@ class Inertia:
     @by_name("mass lever inertia", "clone")
     def __init__(self, *parts: Any) -> None:
         if len(parts) == 3 and type(parts[0]) is float:
-            numbers = without_gaps(_PARTS["parts"], *parts[1:])
+            numbers = without_gaps(_ARRAY_FUNCTIONS["parts"], *parts[1:])
             if numbers is not NotImplemented:
                 if numbers.item(0) != 1.0:
                     raise InvalidInertia.of(parts[2])
@@ -61,7 +63,7 @@ class Inertia:
         if len(parts) == 3:
             self._p[0] = real(parts[0], "mass")
             self.lever, self.inertia = parts[1], parts[2]
-            if _PARTS["parts"](self._p[1:4], self._p[4:].reshape(3, 3)).item(0) != 1.0:
+            if _ARRAY_FUNCTIONS["parts"](self._p[1:4], self._p[4:].reshape(3, 3)).item(0) != 1.0:
                 raise InvalidInertia.of(parts[2])
         elif len(parts) == 1:
             self._assign(parts[0])
@@ -114,17 +116,16 @@ class Inertia:
         return Inertia(1.0, np.zeros(3), np.eye(3))
 
     @staticmethod
+    @repeated_calls(_random_calls)
     def Random() -> Inertia:
         """That of a body that can exist, drawn at random."""
-        return _MADE["random"]()
+        draw = _INERTIA_FUNCTIONS["random"]
+        _random_calls.add(draw, 0)
+        return draw()
 
     @staticmethod
     def FromSphere(mass: float, radius: float) -> Inertia:
         """A solid sphere.
-
-        Args:
-            mass: Mass [kg].
-            radius: Radius [m].
 
         Returns:
             The inertia about its centre.
@@ -137,7 +138,6 @@ class Inertia:
         """A solid ellipsoid.
 
         Args:
-            mass: Mass [kg].
             length_x: Half axis along x [m].
             length_y: Half axis along y [m].
             length_z: Half axis along z [m].
@@ -153,8 +153,6 @@ class Inertia:
         """A solid cylinder along z.
 
         Args:
-            mass: Mass [kg].
-            radius: Radius [m].
             length: Length [m].
 
         Returns:
@@ -167,7 +165,6 @@ class Inertia:
         """A solid box.
 
         Args:
-            mass: Mass [kg].
             length_x: Side along x [m].
             length_y: Side along y [m].
             length_z: Side along z [m].
@@ -183,8 +180,6 @@ class Inertia:
         """A solid capsule along z: a cylinder with half spheres at its ends.
 
         Args:
-            mass: Mass [kg].
-            radius: Radius [m].
             height: Height of the cylinder [m].
 
         Returns:
@@ -219,7 +214,7 @@ class Inertia:
 
     @mass.setter
     def mass(self, value: float) -> None:
-        self._p[0] = value
+        self._p[0] = value if type(value) is float else real(value, "mass")
 
     @property
     def lever(self) -> Floats:
@@ -278,10 +273,10 @@ class Inertia:
         return self._moved_back(M)
 
     def _moved(self, M: SE3) -> Inertia:
-        return _MADE["moved"](M._m, self._p)
+        return _INERTIA_FUNCTIONS["moved"](M._m, self._p)
 
     def _moved_back(self, M: SE3) -> Inertia:
-        return _MADE["moved back"](M._m, self._p)
+        return _INERTIA_FUNCTIONS["moved back"](M._m, self._p)
 
     def vtiv(self, v: Motion) -> float:
         """Twice the kinetic energy at a velocity [J]."""
@@ -297,7 +292,7 @@ class Inertia:
 
     def vxiv(self, v: Motion) -> Force:
         """The force v x* I v."""
-        return _FORCES["rate"](self._p, v._v)
+        return _FORCE_FUNCTIONS["rate"](self._p, v._v)
 
     def variation(self, v: Motion) -> Floats:
         """The 6x6 rate of the inertia of a body that moves with v."""
@@ -347,19 +342,19 @@ class Inertia:
     def __add__(self, other: Inertia) -> Inertia:
         if not isinstance(other, Inertia):
             return NotImplemented
-        return _MADE["sum"](self._p, other._p)
+        return _INERTIA_FUNCTIONS["sum"](self._p, other._p)
 
     def __iadd__(self, other: Inertia) -> Inertia:
         self._assign(self + other)
         return self
 
     def __sub__(self, other: Inertia) -> Inertia:
-        return _MADE["difference"](self._p, other._p)
+        return _INERTIA_FUNCTIONS["difference"](self._p, other._p)
 
     def __mul__(self, motion: Any) -> Any:
         if not isinstance(motion, Motion):
             return self.matrix() @ vector(motion, 6, "motion")
-        return _FORCES["momentum"](self._p, motion._v)
+        return _FORCE_FUNCTIONS["momentum"](self._p, motion._v)
 
     def __eq__(self, other: object) -> bool:
         return self._p.tolist() == other._p.tolist() if isinstance(other, Inertia) else NotImplemented
@@ -383,9 +378,9 @@ def _is_inertia(I: Array) -> Any:
     return valid
 
 
-_MADE = BoundFunctions(INERTIAS, holder=Inertia)
-_FORCES = BoundFunctions(FORCES, holder=Force)
-_PARTS = BoundFunctions(
+_INERTIA_FUNCTIONS = BoundFunctions(INERTIAS, holder=Inertia)
+_FORCE_FUNCTIONS = BoundFunctions(FORCES, holder=Force)
+_ARRAY_FUNCTIONS = BoundFunctions(
     {"parts": (lambda lever, I: np.concatenate([[_is_inertia(I)], lever, I.reshape(9)]), (3,), (3, 3))},
     exact=True,
 )

@@ -15,9 +15,11 @@ from pinocchio._spatial.random_numbers import Random, generator
 from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.small_kernels import pose, small_kernel
 from ulna import numeric, spatial
+from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.typing import Array, Floats
 
 _new = object.__new__
+_random_motion_calls, _random_force_calls = call_cache(0, weak=0), call_cache(0, weak=0)
 
 
 class _Six:
@@ -60,11 +62,6 @@ class _Six:
     def Zero(cls) -> Self:
         """All zero."""
         return cls._of(np.zeros(6))
-
-    @classmethod
-    def Random(cls) -> Self:
-        """Entries drawn evenly from [-1, 1]."""
-        return cls._made["random"]()
 
     @property
     def linear(self) -> Floats:
@@ -203,6 +200,14 @@ class Motion(_Six):
     __slots__ = ()
     _tower = spatial.Motion
 
+    @staticmethod
+    @repeated_calls(_random_motion_calls)
+    def Random() -> Motion:
+        """Entries drawn evenly from [-1, 1]."""
+        draw = Motion._made["random"]
+        _random_motion_calls.add(draw, 0)
+        return draw()
+
     @reads_names("m", "f")
     def cross(self, other: Any = None, **named: Any) -> Any:
         """The cross product with a Motion, or with a Force.
@@ -255,6 +260,14 @@ class Force(_Six):
     _signs = ("f", "tau")
     _tower = spatial.Force
 
+    @staticmethod
+    @repeated_calls(_random_force_calls)
+    def Random() -> Force:
+        """Entries drawn evenly from [-1, 1]."""
+        draw = Force._made["random"]
+        _random_force_calls.add(draw, 0)
+        return draw()
+
     def dot(self, m: Any) -> float:
         """The power at a velocity [W]."""
         return float(self._v @ _entries(m, Motion, "m"))
@@ -286,7 +299,7 @@ def _functions(kind: Any) -> dict[str, tuple[Any, ...]]:
         return spatial.Motion(v[:3], v[3:]).cross(kind(w[:3], w[3:])).vector()
 
     return {
-        "random": Random(lambda _, even: 2.0 * even - 1.0, normal=0, even=6),
+        "random": Random(lambda even: 2.0 * even - 1.0, even=6),
         "moved": (lambda m, v: pose(m).act(kind(v[:3], v[3:])).vector(), _M, _V),
         "moved back": (lambda m, v: pose(m).act_inverse(kind(v[:3], v[3:])).vector(), _M, _V),
         "sum": (lambda v, w: v + w, _V, _V),
@@ -359,8 +372,12 @@ def checked_forces(fext: Any, count: int) -> list[Floats]:
         Forces (6,) each.
 
     Raises:
-        ArgumentError: There are not as many as joints.
+        ArgumentError: It is no list, or there are not as many as joints.
     """
+    if not hasattr(fext, "__len__"):
+        raise ArgumentError(
+            f"`fext` is {fext!r}; expected {count} forces, one for each joint, the universe included."
+        )
     if len(fext) != count:
         raise ArgumentError(
             f"`fext` holds {len(fext)} forces; expected {count}, one for each joint, the universe included."

@@ -40,13 +40,11 @@ class Random(NamedTuple):
     """A function of random numbers, for `BoundFunctions`.
 
     Attributes:
-        function: A function of normal deviates (normal,) and numbers from (0, 1), (even,); it can be traced.
-        normal: How many normal deviates it takes.
-        even: How many even numbers it takes.
+        function: A function of numbers from (0, 1), (even,); it can be traced.
+        even: How many numbers it takes.
     """
 
     function: Any
-    normal: int
     even: int
 
     def of_state(self, state: Array) -> tuple[Array, Array]:
@@ -58,9 +56,8 @@ class Random(NamedTuple):
         Returns:
             Its result, and the state afterwards (6,).
         """
-        draws, state = drawn(self.even + 2 * ((self.normal + 1) // 2), state)
-        normal = normal_deviates(draws[self.even :])[: self.normal]
-        return self.function(np.array(normal), np.stack(draws[: self.even])), state
+        draws, state = drawn(self.even, state)
+        return self.function(np.stack(draws)), state
 
 
 def drawn(count: int, state: Array) -> tuple[list[Any], Array]:

@@ -214,7 +214,7 @@ for _place, _letter in enumerate("xyzw"):
         _letter,
         property(
             lambda self, place=_place: float(self._c[place]),
-            lambda self, value, place=_place: self._c.__setitem__(place, value),
+            lambda self, value, place=_place, name=_letter: self._c.__setitem__(place, real(value, name)),
             doc=f"The coefficient {_letter}.",
         ),
     )

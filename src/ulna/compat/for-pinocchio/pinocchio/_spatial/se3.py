@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
+import numbers
 from functools import cache
 from typing import Any, final
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, WrongShape
-from pinocchio._containers.arrays import matrix, numbers, text, vector
+from pinocchio._containers.arguments import CONVERSIONS, ArgumentError, SizeError
+from pinocchio._containers.arrays import matrix, text, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
 from pinocchio._spatial.random_numbers import Random
 from pinocchio._spatial.rotations import coefficients_of, quaternion_of
-from pinocchio._spatial.small_kernels import random_pose, small_kernel
+from pinocchio._spatial.small_kernels import compiled, pose, random_pose, small_kernel
 from ulna import spatial
-from ulna.compiler import compile as compile_function
+from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.errors import InputError
 from ulna.typing import Array, Floats
-
-
-def _pose(m: Array) -> spatial.SE3:
-    return spatial.SE3(m[:3, :3], m[:3, 3])
 
 
 def _turned(quat: Array) -> Array:
@@ -31,16 +28,16 @@ def _turned(quat: Array) -> Array:
 
 _M, _V = (4, 4), (6,)
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
-    "product": (lambda a, b: (_pose(a) @ _pose(b)).matrix(), _M, _M),
-    "quotient": (lambda a, b: (_pose(a).inverse() @ _pose(b)).matrix(), _M, _M),
-    "inverse": (lambda a: _pose(a).inverse().matrix(), _M),
-    "action": (lambda a: _pose(a).adjoint(), _M),
-    "action back": (lambda a: _pose(a).inverse().adjoint(), _M),
-    "dual action": (lambda a: _pose(a).dual_adjoint(), _M),
-    "Motion": (lambda a, v: _pose(a).act(spatial.Motion(v[:3], v[3:])).vector(), _M, _V),
-    "Motion back": (lambda a, v: _pose(a).act_inverse(spatial.Motion(v[:3], v[3:])).vector(), _M, _V),
-    "Force": (lambda a, f: _pose(a).act(spatial.Force(f[:3], f[3:])).vector(), _M, _V),
-    "Force back": (lambda a, f: _pose(a).act_inverse(spatial.Force(f[:3], f[3:])).vector(), _M, _V),
+    "product": (lambda a, b: (pose(a) @ pose(b)).matrix(), _M, _M),
+    "quotient": (lambda a, b: (pose(a).inverse() @ pose(b)).matrix(), _M, _M),
+    "inverse": (lambda a: pose(a).inverse().matrix(), _M),
+    "action": (lambda a: pose(a).adjoint(), _M),
+    "action back": (lambda a: pose(a).inverse().adjoint(), _M),
+    "dual action": (lambda a: pose(a).dual_adjoint(), _M),
+    "Motion": (lambda a, v: pose(a).act(spatial.Motion(v[:3], v[3:])).vector(), _M, _V),
+    "Motion back": (lambda a, v: pose(a).act_inverse(spatial.Motion(v[:3], v[3:])).vector(), _M, _V),
+    "Force": (lambda a, f: pose(a).act(spatial.Force(f[:3], f[3:])).vector(), _M, _V),
+    "Force back": (lambda a, f: pose(a).act_inverse(spatial.Force(f[:3], f[3:])).vector(), _M, _V),
     "placed": (lambda x: spatial.SE3(_turned(x[3:]), x[:3]).matrix(), (7,)),
 }
 
@@ -48,9 +45,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
 @cache
 def se3_kernel(name: str) -> Any:
     """The compiled function of that name, of placements (4, 4)."""
-    function, *sizes = _FUNCTIONS[name]
-    shapes: dict[str, Any] = {f"x{k}": size for k, size in enumerate(sizes)}
-    return compile_function(function, **shapes)
+    return compiled(_FUNCTIONS, name)
 
 
 _ITEMS = ("M", "motion", "force", "inertia", "point")
@@ -58,7 +53,9 @@ _ITEMS = ("M", "motion", "force", "inertia", "point")
 
 
 _EYE = np.eye(4)
+_SHORTEST = 1e-150  # of a quaternion whose square is not rounded to zero
 _new = object.__new__
+_random_calls = call_cache(0, weak=0)
 
 
 @final
@@ -70,7 +67,7 @@ class SE3:
     @by_name("rotation translation", "quat translation", "array", "clone", "int")
     def __init__(self, *parts: Any) -> None:
         if len(parts) == 2:
-            placement = without_gaps(_PARTS["placement"], *parts)
+            placement = without_gaps(_ARRAY_FUNCTIONS["placement"], *parts)
             if placement is not NotImplemented:
                 self._m = placement
                 return
@@ -85,7 +82,12 @@ class SE3:
                 self._m[:] = one._m
             elif hasattr(one, "getRotation"):  # a transform of coal
                 self._m[:3, :3], self._m[:3, 3] = one.getRotation(), one.getTranslation()
-            elif not isinstance(one, int):
+            elif isinstance(one, int):
+                if abs(one) >= 2**31:
+                    raise SizeError(
+                        f"SE3 was given {one}; expected a whole number of 32 bits: SE3(1) is the identity."
+                    )
+            else:
                 self._m[:3] = matrix(one, (4, 4), "homogeneous")[:3]
         elif parts:
             raise ArgumentError(
@@ -99,10 +101,12 @@ class SE3:
         return self
 
     def _assign(self, other: Any) -> None:
+        if isinstance(other, numbers.Number):  # SE3(1) is the identity
+            raise ArgumentError(f"A placement was given {other!r}; expected an SE3.")
         self._m[:] = other._m if isinstance(other, SE3) else SE3(other)._m
 
     def _pose(self) -> spatial.SE3:
-        return _pose(self._m)
+        return pose(self._m)
 
     @staticmethod
     def Identity() -> SE3:
@@ -110,9 +114,12 @@ class SE3:
         return SE3._of(_EYE.copy())
 
     @staticmethod
+    @repeated_calls(_random_calls)
     def Random() -> SE3:
-        """A rotation drawn evenly over all, a translation from [-1, 1] m."""
-        return _MADE["random"]()
+        """A rotation uniform on SO(3), a translation uniform in [-1, 1] m along each axis."""
+        draw = _SE3_FUNCTIONS["random"]
+        _random_calls.add(draw, 0)
+        return draw()
 
     @staticmethod
     def Interpolate(A: SE3, B: SE3, alpha: float) -> SE3:
@@ -125,7 +132,7 @@ class SE3:
         Returns:
             The placement.
         """
-        return _MADE["interpolation"](A._m, B._m, float(alpha))
+        return _SE3_FUNCTIONS["interpolation"](A._m, B._m, float(alpha))
 
     @property
     def rotation(self) -> Floats:
@@ -153,21 +160,21 @@ class SE3:
     np = homogeneous
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Floats:
-        return np.array(self._m, dtype=dtype)
+        return np.array(self._m, dtype=dtype, copy=copy is not False)
 
     @property
     def action(self) -> Floats:
-        """The 6x6 matrix that carries motions along."""
+        """The 6x6 matrix that transforms motions: the adjoint."""
         return se3_kernel("action")(self._m)
 
     @property
     def actionInverse(self) -> Floats:
-        """The 6x6 matrix that carries motions back."""
+        """The 6x6 matrix that transforms motions by the inverse displacement."""
         return se3_kernel("action back")(self._m)
 
     @property
     def dualAction(self) -> Floats:
-        """The 6x6 matrix that carries forces along."""
+        """The 6x6 matrix that transforms forces."""
         return se3_kernel("dual action")(self._m)
 
     def toActionMatrix(self) -> Floats:
@@ -183,8 +190,8 @@ class SE3:
         return self.dualAction
 
     def inverse(self) -> SE3:
-        """The displacement back."""
-        return _MADE["inverse"](self._m)
+        """The inverse displacement."""
+        return _SE3_FUNCTIONS["inverse"](self._m)
 
     __invert__ = inverse
 
@@ -193,20 +200,22 @@ class SE3:
         """Applies the displacement to an object.
 
         Args:
-            item: SE3, Motion, Force, Inertia, point (3,) or points (3, N) [m].
+            item: SE3, Motion, Force, Inertia, or point (3,) [m].
             **named: The same by one of its names in Pinocchio.
 
         Returns:
             An object of the same kind.
         """
+        if item is None or named:
+            item = self._only("act", item, named)
         if isinstance(item, SE3):
-            return _MADE["product"](self._m, item._m)
+            return _SE3_FUNCTIONS["product"](self._m, item._m)
         if hasattr(item, "_moved"):
             return item._moved(self)
         if type(item) is np.ndarray and item.shape == (3,) and item.dtype == float:
             return small_kernel("pose point")(self._m, item)
-        if item is None:
-            return self.act(the_one("SE3.act", named, _ITEMS))
+        if hasattr(item, "getRotation"):
+            return self.act(SE3(item))
         return self._point(item, self._m[:3, :3], self._m[:3, 3])
 
     @reads_names(*_ITEMS)
@@ -214,24 +223,26 @@ class SE3:
         """Applies the inverse displacement to an object.
 
         Args:
-            item: SE3, Motion, Force, Inertia, point (3,) or points (3, N) [m].
+            item: SE3, Motion, Force, Inertia, or point (3,) [m].
             **named: The same by one of its names in Pinocchio.
 
         Returns:
             An object of the same kind.
         """
+        if item is None or named:
+            item = self._only("actInv", item, named)
         if isinstance(item, SE3):
-            return _MADE["quotient"](self._m, item._m)
+            return _SE3_FUNCTIONS["quotient"](self._m, item._m)
         if hasattr(item, "_moved_back"):
             return item._moved_back(self)
-        if item is None:
-            return self.actInv(the_one("SE3.actInv", named, _ITEMS))
+        if hasattr(item, "getRotation"):
+            return self.actInv(SE3(item))
         back = self.inverse()
         return self._point(item, back._m[:3, :3], back._m[:3, 3])
 
     def __mul__(self, item: Any) -> Any:
         if isinstance(item, SE3):
-            return _MADE["product"](self._m, item._m)
+            return _SE3_FUNCTIONS["product"](self._m, item._m)
         if type(item) is np.ndarray and item.shape == (3,) and item.dtype == float:
             return small_kernel("pose point")(self._m, item)
         return self.act(item)
@@ -240,11 +251,17 @@ class SE3:
     __array_ufunc__ = None  # so that NumPy leaves products to this class
 
     @staticmethod
+    def _only(function: str, item: Any, named: dict[str, Any]) -> Any:
+        """The argument by its name, where there is no other."""
+        if item is not None:
+            raise ArgumentError(
+                f"SE3.{function} was given two arguments, one as {', '.join(named)}; expected one."
+            )
+        return the_one(f"SE3.{function}", named, _ITEMS)
+
+    @staticmethod
     def _point(item: Any, rotation: Floats, translation: Floats) -> Floats:
-        points = item if type(item) is np.ndarray and item.dtype == float else numbers(item, "point")
-        if points.shape[:1] != (3,) or points.ndim > 2:
-            raise WrongShape("point", points.shape, "(3,) or (3, N)")
-        return rotation @ points + (translation if points.ndim == 1 else translation[:, None])
+        return rotation @ vector(item, 3, "point") + translation
 
     def isApprox(self, other: SE3, prec: float = 1e-12) -> bool:
         """Whether rotation and translation agree.
@@ -260,11 +277,11 @@ class SE3:
 
     def isIdentity(self, prec: float = 1e-12) -> bool:
         """Whether it is the identity, within `prec`."""
-        return bool(np.abs(self._m - np.eye(4)).max() <= prec)
+        return bool(np.abs(self._m - _EYE).max() <= prec)
 
     def setIdentity(self) -> None:
         """Makes it the identity."""
-        self._m[:] = np.eye(4)
+        self._m[:] = _EYE
 
     def setRandom(self) -> None:
         """Draws it anew; see `Random`."""
@@ -296,16 +313,16 @@ class SE3:
         return f"  R =\n{text(self._m[:3, :3])}\n  p = {text(self._m[:3, 3])}\n"
 
 
-_MADE = BoundFunctions(
+_SE3_FUNCTIONS = BoundFunctions(
     _FUNCTIONS
     | {
-        "random": Random(random_pose, normal=4, even=3),
-        "interpolation": (lambda a, b, t: _pose(a).interpolate(_pose(b), t).matrix(), _M, _M, ()),
+        "random": Random(random_pose, even=6),
+        "interpolation": (lambda a, b, t: pose(a).interpolate(pose(b), t).matrix(), _M, _M, ()),
     },
     holder=SE3,
 )
-_PLACED = BoundFunctions({"placed": _FUNCTIONS["placed"]}, holder=SE3, exact=True)
-_PARTS = BoundFunctions(
+_XYZQUAT_FUNCTIONS = BoundFunctions({"placed": _FUNCTIONS["placed"]}, holder=SE3, exact=True)
+_ARRAY_FUNCTIONS = BoundFunctions(
     {
         "placement": (lambda R, p: spatial.SE3(R, p).matrix(), (3, 3), (3,)),
         "coefficients": (lambda m: np.concatenate([m[:3, 3], quaternion_of(m[:3, :3])]), _M),
@@ -317,22 +334,22 @@ _PARTS = BoundFunctions(
 @by_name("array", "xyzquat", "tuple", "list")
 def XYZQUATToSE3(xyzquat: Any) -> SE3:
     """The placement of a position and a quaternion xyzw in one array (7,)."""
-    placed = _PLACED["placed"](xyzquat)
+    placed = _XYZQUAT_FUNCTIONS["placed"](xyzquat)
     if placed is not NotImplemented and placed._m.item(0) == placed._m.item(
         0
     ):  # nan of a quaternion of zeros
         return placed
     values = vector(xyzquat, 7, "xyzquat")
-    if not values[3:].any():
+    if np.linalg.norm(values[3:]) < _SHORTEST:
         raise InputError(
-            "XYZQUATToSE3 was given a quaternion (x, y, z, w) that is all zero; expected unit length."
+            f"XYZQUATToSE3 was given a quaternion (x, y, z, w) of {values[3:]}; expected unit length."
         )
     return SE3._of(se3_kernel("placed")(values))
 
 
 def SE3ToXYZQUAT(M: SE3) -> Floats:
     """Position and quaternion xyzw (7,) of a placement."""
-    values = _PARTS["coefficients"](M._m)
+    values = _ARRAY_FUNCTIONS["coefficients"](M._m)
     if values is NotImplemented:
         values = np.concatenate([M.translation, coefficients_of(M.rotation)])
     return values
@@ -343,8 +360,16 @@ def SE3ToXYZQUATtuple(M: SE3) -> tuple[float, ...]:
     return tuple(SE3ToXYZQUAT(M).tolist())
 
 
-class Placed:
-    """What has a placement on a joint."""
+def as_placement(value: Any) -> Any:
+    """The placement that a transform of coal is; all else as it is."""
+    return SE3(value) if hasattr(value, "getRotation") else value
+
+
+CONVERSIONS["SE3"] = as_placement
+
+
+class HasPlacement:
+    """Mixin of classes with a placement on a joint."""
 
     __slots__ = ()
     _placement: SE3

@@ -5,6 +5,7 @@ An inertia is one array (13,): mass, lever, and the moments about the centre of 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache, reduce
 from typing import Any
 
@@ -13,7 +14,7 @@ import numpy as np
 from pinocchio._spatial.random_numbers import Random
 from ulna import spatial
 from ulna.compiler import compile as compile_function
-from ulna.numeric import less, matrix, maximum, minimum, skew, sqrt, vector, where
+from ulna.numeric import less, matrix, maximum, minimum, sincos, skew, sqrt, vector, where
 from ulna.typing import Array
 
 
@@ -90,30 +91,25 @@ def _inverse(p: Array) -> Array:
     )
 
 
-def _random_rotation(normal: Array) -> Array:
-    return spatial.quat_xyzw_to_matrix(spatial.quat_normalize(normal))
+def _random_rotation(even: Array) -> Array:
+    """Even on SO(3), of three even numbers [Shoemake 1992, Uniform random rotations, Graphics Gems III]."""
+    long, short = sqrt(1.0 - even[0]), sqrt(even[0])
+    (s, c), (t, d) = (sincos(2.0 * np.pi * x) for x in (even[1], even[2]))
+    return spatial.quat_xyzw_to_matrix(vector(long * s, long * c, short * t, short * d))
 
 
-def random_pose(normal: Array, even: Array) -> Array:
-    """A placement drawn at random.
-
-    Args:
-        normal: Normal deviates (4,), which turn it [-].
-        even: Numbers (3,) from [0, 1), of its place [m].
-
-    Returns:
-        Matrix (4, 4).
-    """
-    return spatial.SE3(_random_rotation(normal), 2.0 * even - 1.0).matrix()
+def random_pose(even: Array) -> Array:
+    """A placement drawn at random, (4, 4), by even numbers (6,): of its rotation, then of its place [m]."""
+    return spatial.SE3(_random_rotation(even[:3]), 2.0 * even[3:] - 1.0).matrix()
 
 
-def _random_inertia(normal: Array, draws: Array) -> Array:
+def _random_inertia(draws: Array) -> Array:
     a, b, c = ((0.1 + 0.9 * x) ** 2 for x in draws[:3])
     even = draws[3:]
     mass = 0.1 + 0.9 * even[0]
     moments = (mass / 12.0) * matrix([[b + c, 0.0, 0.0], [0.0, a + c, 0.0], [0.0, 0.0, a + b]])
-    R = _random_rotation(normal)
-    return _numbers(spatial.Inertia(mass, 2.0 * even[1:] - 1.0, R @ moments @ R.T))
+    R = _random_rotation(even[4:])
+    return _numbers(spatial.Inertia(mass, 2.0 * even[1:4] - 1.0, R @ moments @ R.T))
 
 
 def _norm(x: Array) -> Any:
@@ -143,7 +139,7 @@ INERTIAS: dict[str, tuple[Any, ...]] = {
     "difference": (_difference, _P, _P),
     "moved": (lambda m, p: _numbers(pose(m).act(_body(p))), _M, _P),
     "moved back": (lambda m, p: _numbers(pose(m).act_inverse(_body(p))), _M, _P),
-    "random": Random(_random_inertia, normal=4, even=7),
+    "random": Random(_random_inertia, even=10),
 }
 """What makes inertias."""
 FORCES: dict[str, tuple[Any, ...]] = {
@@ -178,9 +174,22 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
 }
 
 
+def compiled(functions: Mapping[str, tuple[Any, ...]], name: str) -> Any:
+    """Compiles one function of a table.
+
+    Args:
+        functions: Functions by name, each with the shapes of its arguments.
+        name: The name.
+
+    Returns:
+        The kernel.
+    """
+    function, *sizes = functions[name]
+    shapes: dict[str, Any] = {f"x{k}": size for k, size in enumerate(sizes)}
+    return compile_function(function, **shapes)
+
+
 @cache
 def small_kernel(name: str) -> Any:
     """The compiled function of that name."""
-    function, *sizes = _FUNCTIONS[name]
-    shapes: dict[str, Any] = {f"x{k}": size for k, size in enumerate(sizes)}
-    return compile_function(function, **shapes)
+    return compiled(_FUNCTIONS, name)

@@ -67,14 +67,10 @@ class Symmetric3:
         xx, xy, yy, xz, yz, zz = self._d
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
-    def inverse(self, res: Floats | None = None) -> Floats | None:
-        """The inverse matrix (3, 3); where `res` is given, it is written there, and None returned."""
-        inverted = np.asarray(np.linalg.inv(self.matrix()), dtype=float)
-        if res is None:
-            return inverted
+    def inverse(self, res: Floats) -> None:
+        """Writes the inverse matrix (3, 3) into `res`."""
         matrix(res, (3, 3), "res")
-        res[:] = inverted
-        return None
+        res[:] = np.linalg.inv(self.matrix())
 
     def rotate(self, R: Any) -> Symmetric3:
         """R S R^T."""

@@ -24,10 +24,6 @@ Fields = dict[str, Floats]
 def joint_placements(evaluator: TableEvaluator, q: Floats) -> Fields:
     """`liMi` (njoints - 1, 4, 4).
 
-    Args:
-        evaluator: The evaluator.
-        q: Configuration (nq,) [rad or m].
-
     Returns:
         The field.
     """
@@ -43,11 +39,6 @@ def joint_placements(evaluator: TableEvaluator, q: Floats) -> Fields:
 def velocities(evaluator: TableEvaluator, q: Floats, v: Floats) -> Fields:
     """`v`, `ov` and `oh` (njoints - 1, 6).
 
-    Args:
-        evaluator: The evaluator.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-
     Returns:
         The fields.
     """
@@ -57,12 +48,6 @@ def velocities(evaluator: TableEvaluator, q: Floats, v: Floats) -> Fields:
 
 def accelerations(evaluator: TableEvaluator, q: Floats, v: Floats, a: Floats) -> Fields:
     """`a` and `oa` (njoints - 1, 6).
-
-    Args:
-        evaluator: The evaluator.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-        a: Acceleration (nv,) [rad/s^2 or m/s^2].
 
     Returns:
         The fields.
@@ -78,10 +63,6 @@ def dynamics(
     """Velocities, momenta, accelerations relative to free fall and forces of joints (njoints - 1, 6).
 
     Args:
-        evaluator: The evaluator.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-        a: Acceleration (nv,) [rad/s^2 or m/s^2].
         F: Forces on the joints (njoints - 1, 6) [N, N m].
 
     Returns:
@@ -101,8 +82,6 @@ def statics(evaluator: TableEvaluator, q: Floats, F: Floats) -> Fields:
     """Accelerations relative to free fall and forces of joints at rest (njoints - 1, 6); see `dynamics`.
 
     Args:
-        evaluator: The evaluator.
-        q: Configuration (nq,) [rad or m].
         F: Forces on the joints (njoints - 1, 6) [N, N m].
 
     Returns:
@@ -113,12 +92,6 @@ def statics(evaluator: TableEvaluator, q: Floats, F: Floats) -> Fields:
 
 def subtree_momenta(evaluator: TableEvaluator, q: Floats, v: Floats, a: Floats) -> Fields:
     """Momenta and their rates of all that each joint moves: `h`, `f`, `oh`, `of` (njoints - 1, 6).
-
-    Args:
-        evaluator: The evaluator.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
-        a: Acceleration (nv,) [rad/s^2 or m/s^2].
 
     Returns:
         The fields.
@@ -144,7 +117,7 @@ def subtree_centers(evaluator: TableEvaluator, *state: Floats) -> Fields:
     """`com`, `vcom` and `acom` of what each joint moves, in its frame (njoints - 1, 3); nan without mass.
 
     Args:
-        evaluator: The evaluator.
+        evaluator: The evaluator, whose parameters are loaded.
         *state: q (nq,), then v (nv,), then a (nv,), as far as they are known.
 
     Returns:

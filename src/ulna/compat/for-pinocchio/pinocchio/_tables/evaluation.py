@@ -9,13 +9,13 @@ import numpy as np
 from pinocchio._model.building import KinematicTree
 from pinocchio._model.kernel_parameters import PARAMETERS
 from pinocchio._tables import recursions as r
-from pinocchio._tables.joint_table import JointTable, matrices_of, rows_of
+from pinocchio._tables.joint_table import JointTable, matrices_of
 from ulna.typing import Floats
 
 
 @final
 class TableEvaluator:
-    """A joint table with room for numbers and results; for one thread at a time.
+    """A joint table with storage for numbers and results; for one thread at a time.
 
     Attributes:
         steps: The joint table.
@@ -23,19 +23,18 @@ class TableEvaluator:
     """
 
     def __init__(self, steps: JointTable, nq: int, nv: int) -> None:
-        n, m = len(steps.table.parents), len(steps.table.entries)
+        n, m = len(steps.tree.parents), len(steps.tree.entries)
         self.steps = steps
         self._nv = nv
-        self._numbers = r.Numbers(
-            steps.inner.copy(),
-            np.zeros((n, 10)),
-            *(np.zeros(nv), np.zeros(3), np.zeros(nq), np.zeros(nv), np.zeros(nv)),
-            np.zeros((n, 6)),
-            np.zeros(6, np.int64),
+        tree = steps.tree
+        self._tree = tree._replace(
+            **{name: getattr(tree, name).copy() for name in ("fixed", "inertias", "armature", "gravity")}
         )
-        shapes = [(n, 12)] * 2 + [(n, 6)] * 4 + [(n, 10), (nv,), (nv, nv), (m, 6), (m, 6)]
-        self.out = r.Results(*map(np.zeros, shapes))
-        self._evaluate = r.evaluate.bind(steps.table, self._numbers, self.out).unguarded
+        arrays = map(np.zeros, ((nq, 1), (nv, 1), (nv, 1), (n, 6)))
+        self._state = r.State._make([*arrays, np.zeros(6, r.INT)])
+        storage = r.new_storage(n, m, nv)
+        self.out = storage.results()
+        self._evaluate = r.evaluate.bind(self._tree, self._state, *storage).unguarded
 
     def load(self, model: KinematicTree) -> None:
         """Reads the parameters of a model."""
@@ -49,17 +48,17 @@ class TableEvaluator:
         Args:
             placements: Placements of joints, the universe included (njoints, 4, 4) [m].
             inertias: Mass, lever and moments (njoints, 13) [kg, m, kg m^2].
-            gravity: The acceleration of free fall (6,) [m/s^2].
+            gravity: The acceleration of free fall (3,) [m/s^2].
             armature: The armature (nv,) [kg m^2].
         """
         placements = placements[1:].copy()
         for k, place in self.steps.leading.items():
             placements[k] = placements[k] @ place
-        numbers = self._numbers
-        numbers.P[self.steps.first] = rows_of(placements)
-        numbers.B[self.steps.of_joint] = about_origin(inertias[1:])
-        numbers.gravity[...] = gravity[:3]
-        numbers.armature[...] = armature
+        tree = self._tree
+        tree.fixed[...] = self.steps.placed(placements)
+        tree.inertias[self.steps.of_joint + 1] = about_origin(inertias[1:])
+        tree.gravity[...] = gravity
+        tree.armature[...] = armature
 
     def run(
         self, tasks: r.Tasks, q: Floats, v: Floats | None = None, a: Floats | None = None, F: Any = None
@@ -68,7 +67,6 @@ class TableEvaluator:
 
         Args:
             tasks: What.
-            q: Configuration (nq,) [rad or m].
             v: Velocity (nv,) [rad/s or m/s]; None for rest.
             a: Acceleration (nv,) [rad/s^2 or m/s^2]; None for none.
             F: Forces on the joints (njoints - 1, 6) [N, N m]; None for none.
@@ -76,29 +74,29 @@ class TableEvaluator:
         Returns:
             The results, which the next run overwrites.
         """
-        numbers = self._numbers
-        numbers.q[...] = q
-        numbers.v[...] = 0.0 if v is None else v
-        numbers.a[...] = 0.0 if a is None else a
-        numbers.forces[self.steps.of_joint] = 0.0 if F is None else F
-        numbers.tasks[:] = tasks
+        state = self._state
+        state.q[:, 0] = q
+        state.v[:, 0] = 0.0 if v is None else v
+        state.a[:, 0] = 0.0 if a is None else a
+        state.forces[self.steps.of_joint + 1] = 0.0 if F is None else F
+        state.tasks[:] = tasks
         self._evaluate()
         return self.out
 
     @property
     def inertias(self) -> Floats:
         """Mass, mass times centre and moments about the frame's origin of each step, (steps, 10)."""
-        return self._numbers.B
+        return self._tree.inertias[1:]
 
     @property
     def gravity(self) -> Floats:
         """The acceleration of free fall (3,)."""
-        return self._numbers.gravity
+        return self._tree.gravity
 
     @property
     def armature(self) -> Floats:
         """The armature (nv,)."""
-        return self._numbers.armature
+        return self._tree.armature
 
     def placements(self) -> Floats:
         """The placements of the joints in the world, (njoints - 1, 4, 4)."""
@@ -124,6 +122,15 @@ class TableEvaluator:
             out[table.columns[step] : table.columns[step + 1]] = 1.0
             step = table.parents[step]
         return out
+
+    def beyond(self, joint: int) -> Floats:
+        """1 for columns of a joint and of those that it moves, 0 for others, (columns,)."""
+        steps, parents = self.steps, self.steps.table.parents.tolist()
+        moved = np.zeros(len(parents))
+        for step in range(steps.first[joint - 1], len(parents)):
+            own = steps.first[joint - 1] <= step <= steps.of_joint[joint - 1]
+            moved[step] = 1.0 if own or (parents[step] >= 0 and moved[parents[step]]) else 0.0
+        return np.repeat(moved, np.diff(steps.table.columns))
 
     def by_entries(self, columns: Floats) -> Floats:
         """Columns of the world, one a row, summed over what each entry of v moves: (6, nv)."""

@@ -10,6 +10,7 @@ import numpy as np
 from pinocchio._model.building import KinematicTree
 from pinocchio._tables import recursions as r
 from pinocchio._tables.evaluation import TableEvaluator
+from pinocchio._tables.world_derivatives import WorldDerivatives
 from pinocchio._tables.world_sums import WorldSums
 from ulna.system.cached import cached_property
 from ulna.typing import Floats
@@ -111,6 +112,32 @@ class TableFields:
         """Their rates (6, nv)."""
         return self._evaluator.by_entries(self._evaluator.run(r.RATES, self._q, self._v).dJ)
 
+    @cached_property
+    def derivatives(self) -> WorldDerivatives:
+        """Derivatives by the state; where torques are given, at the accelerations that they cause."""
+        a = self.accelerations if "t" in self._inputs else self._a
+        return WorldDerivatives(self._evaluator, self._q, self._v, a, self._forces)
+
+    def accelerations_by(self, torques: Floats) -> Floats:
+        """Derivatives of forward dynamics (nv, nv), of those of the torques that the accelerations need."""
+        return -self.inverse_mass @ torques
+
+    def about_center(self, columns: Floats, total: Floats | None = None) -> Floats:
+        """Changes of momenta or forces about the origin, about the centre of mass, (6, nv).
+
+        Args:
+            columns: The changes (columns, 6).
+            total: What moves with the centre of mass, about it (6,), where it is changed, too; None where it is not.
+
+        Returns:
+            The changes (6, nv), by entries of v.
+        """
+        out = self._evaluator.by_entries(columns)
+        out[3:] -= np.cross(self.sums.center, out[:3], axisb=0, axisc=0)
+        if total is not None:
+            out[3:] -= np.cross(self.sums.center_jacobian, total[:3], axisa=0, axisc=0)
+        return out
+
     def frames(self) -> Floats:
         """The placements of all frames in the world (nframes, 4, 4)."""
         poses = np.concatenate([np.eye(4)[None], self.motion[0]])
@@ -121,7 +148,6 @@ def frames_at(model: KinematicTree, placements: Floats) -> Floats:
     """The placements of a model's frames.
 
     Args:
-        model: The model.
         placements: Those of the joints, the universe included (njoints, 4, 4).
 
     Returns:
@@ -145,6 +171,18 @@ FIELDS: dict[str, Callable[[TableFields], Any]] = {
     "M": lambda f: f.mass_matrix,
     "Minv": lambda f: f.inverse_mass,
     "ddq": lambda f: f.accelerations,
+    "dtau_dq": lambda f: f.derivatives.torques_by_configuration(),
+    "dtau_dv": lambda f: f.derivatives.torques_by_velocity(),
+    "ddq_dq": lambda f: f.accelerations_by(f.derivatives.torques_by_configuration()),
+    "ddq_dv": lambda f: f.accelerations_by(f.derivatives.torques_by_velocity()),
+    "ddq_dtau": lambda f: f.inverse_mass,
+    "C": lambda f: f.derivatives.coriolis(),
+    "gravity by q": lambda f: f.derivatives.torques_by_configuration(),
+    "oa_gf[0]": lambda f: np.concatenate([-f._evaluator.gravity, np.zeros(3)]),
+    "dHdq": lambda f: f.about_center(f.derivatives.momenta_by_configuration(), f.sums.momentum),
+    "dFdq": lambda f: f.about_center(f.derivatives.forces_by_configuration(False), f.sums.momentum_rate),
+    "dFdv": lambda f: f.about_center(f.derivatives.forces_by_velocity()),
+    "dFda": lambda f: f.about_center(f.derivatives.by_acceleration),
     "com[0]": lambda f: f.sums.center,
     "vcom[0]": lambda f: f.sums.center_velocity,
     "acom[0]": lambda f: f.sums.center_acceleration,
@@ -153,6 +191,8 @@ FIELDS: dict[str, Callable[[TableFields], Any]] = {
     "dAg": lambda f: f.sums.centroidal_map_rate,
     "hg": lambda f: f.sums.momentum,
     "dhg": lambda f: f.sums.momentum_rate,
+    "oh[0]": lambda f: f.sums.about_origin(f.sums.momentum),
+    "of[0]": lambda f: f.sums.about_origin(f.sums.momentum_rate),
     "h[0]": lambda f: f.sums.about_origin(f.sums.momentum),
     "f[0]": lambda f: f.sums.about_origin(f.sums.momentum_rate),
     "Ig": lambda f: f.sums.one_body,

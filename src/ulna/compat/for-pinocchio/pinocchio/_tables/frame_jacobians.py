@@ -18,8 +18,6 @@ def frame_jacobian(
     """The Jacobian of a frame.
 
     Args:
-        evaluator: The evaluator, whose parameters are loaded.
-        q: Configuration (nq,) [rad or m].
         joint: The joint that carries the frame, 0 for the universe.
         placement: The frame in the frame of the joint (4, 4) [m].
         reference: Where the Jacobian is expressed.
@@ -29,7 +27,7 @@ def frame_jacobian(
     """
     out = evaluator.run(r.COLUMNS, q)
     J = evaluator.by_entries(out.J * evaluator.supports(joint)[:, None])
-    T = _frame(evaluator, joint, placement)
+    T = frame_of(evaluator, joint, placement)
     return _in_frame(J, T, reference), evaluator.placements(), T
 
 
@@ -39,9 +37,6 @@ def frame_jacobian_rate(
     """The time derivative of the Jacobian of a frame.
 
     Args:
-        evaluator: The evaluator, whose parameters are loaded.
-        q: Configuration (nq,) [rad or m].
-        v: Velocity (nv,) [rad/s or m/s].
         joint: The joint that carries the frame, 0 for the universe.
         placement: The frame in the frame of the joint (4, 4) [m].
         reference: Where the Jacobian is expressed.
@@ -51,7 +46,7 @@ def frame_jacobian_rate(
     """
     out, carried = evaluator.run(r.RATES, q, v), evaluator.supports(joint)[:, None]
     J, dJ = evaluator.by_entries(out.J * carried), evaluator.by_entries(out.dJ * carried)
-    T, (linear, turn) = _frame(evaluator, joint, placement), (J @ v).reshape(2, 3)
+    T, (linear, turn) = frame_of(evaluator, joint, placement), (J @ v).reshape(2, 3)
     if reference == "local":
         dJ[:3] -= _cross(turn, J[:3]) + _cross(linear, J[3:])
         dJ[3:] -= _cross(turn, J[3:])
@@ -61,7 +56,17 @@ def frame_jacobian_rate(
     return in_frame
 
 
-def _frame(evaluator: TableEvaluator, joint: int, placement: Floats) -> Floats:
+def frame_of(evaluator: TableEvaluator, joint: int, placement: Floats) -> Floats:
+    """Where a frame is after a run.
+
+    Args:
+        evaluator: The evaluator.
+        joint: The joint that carries the frame, 0 for the universe.
+        placement: The frame in the frame of the joint (4, 4) [m].
+
+    Returns:
+        Its placement in the world (4, 4).
+    """
     return placement.copy() if joint == 0 else evaluator.placements()[joint - 1] @ placement
 
 
@@ -69,9 +74,23 @@ def _in_frame(J: Floats, T: Floats, reference: Reference) -> Floats:
     """Columns in the world, moved to the origin of a frame at T, and turned into its axes for "local"."""
     if reference == "world":
         return J
-    out = J.copy()
-    out[:3] -= _cross(T[:3, 3], J[3:])
+    out = moved_to(J, T[:3, 3])
     return out if reference != "local" else np.concatenate([T[:3, :3].T @ out[:3], T[:3, :3].T @ out[3:]])
+
+
+def moved_to(J: Floats, point: Floats) -> Floats:
+    """Columns in the world, at a point instead of the origin.
+
+    Args:
+        J: The columns (6, nv).
+        point: The point (3,) [m].
+
+    Returns:
+        New columns (6, nv).
+    """
+    out = J.copy()
+    out[:3] -= _cross(point, J[3:])
+    return out
 
 
 def _cross(vector: Floats, columns: Any) -> Floats:

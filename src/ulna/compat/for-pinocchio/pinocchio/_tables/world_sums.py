@@ -107,6 +107,17 @@ class WorldSums:
         with np.errstate(all="ignore"):
             return self.map_about_origin[:3] / self.mass
 
+    def subtree_center_jacobian(self, joint: int) -> Floats:
+        """The Jacobian (3, nv) of the centre of mass of what a joint, not the universe, moves."""
+        evaluator = self._evaluator
+        whole = evaluator.subtree_sums(self._Y)[evaluator.steps.of_joint[joint - 1]]
+        own = evaluator.beyond(joint)
+        before = np.maximum(evaluator.supports(joint) - own, 0.0)
+        momenta = own[:, None] * _times(self._Yc[self._step_of_column], self._J)
+        momenta += before[:, None] * (self._J @ whole.T)
+        with np.errstate(all="ignore"):
+            return self._by_entries(momenta)[:3] / whole[0, 0]
+
     @cached_property
     def centroidal_map(self) -> Floats:
         """The momentum about the centre of mass by velocities, (6, nv)."""

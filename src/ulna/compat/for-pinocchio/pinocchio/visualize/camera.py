@@ -11,6 +11,7 @@ import numpy as np
 
 from pinocchio.visualize.base_visualizer import BaseVisualizer
 from ulna.errors import UnknownName
+from ulna.numeric.arrays import triple
 from ulna.viewer.colours import colour
 
 
@@ -41,11 +42,11 @@ class CameraVisualizer(BaseVisualizer, abc.ABC):
 
     def setCameraTarget(self, target: Sequence[float]) -> None:
         """Has the camera look at a point [m]."""
-        self._look(target=_triple(target))
+        self._look(target=triple(target))
 
     def setCameraPosition(self, position: Sequence[float]) -> None:
         """Puts the camera at a point [m]."""
-        self._look(position=_triple(position))
+        self._look(position=triple(position))
 
     def setCameraZoom(self, zoom: float) -> None:
         """Makes things appear so many times as large as with the usual lens."""
@@ -58,16 +59,16 @@ class CameraVisualizer(BaseVisualizer, abc.ABC):
         M = np.asarray(getattr(pose, "homogeneous", pose), dtype=float)
         old = self._gui.viewer.camera
         away = float(np.linalg.norm(np.subtract(old.position, old.target)))
-        self._look(
-            position=_triple(M[:3, 3]), target=_triple(M[:3, 3] - away * M[:3, 2]), up=_triple(M[:3, 1])
-        )
+        self._look(position=triple(M[:3, 3]), target=triple(M[:3, 3] - away * M[:3, 2]), up=triple(M[:3, 1]))
 
     def setCameraPreset(self, preset_key: str) -> None:
         """Places the camera as one of `CAMERA_PRESETS` says: "preset1", "cam_ur", "talos", ..."""
         if preset_key not in self.CAMERA_PRESETS:
             raise UnknownName("camera preset", preset_key, self.CAMERA_PRESETS)
-        target, position = map(_triple, self.CAMERA_PRESETS[preset_key])
-        self._look(position=position, target=target, up=(0.0, 0.0, 1.0))
+        target, position = self.CAMERA_PRESETS[preset_key]
+        self._look(up=(0.0, 0.0, 1.0))
+        self.setCameraTarget(target)
+        self.setCameraPosition(position)
 
     def enableCameraControl(self) -> None:
         """Lets the mouse move the camera, as it always may."""
@@ -99,8 +100,3 @@ class CameraVisualizer(BaseVisualizer, abc.ABC):
         viewer = self._gui.viewer
         top8, low8 = (tuple(round(255 * c) for c in rgba[:3]) for rgba in (top, low))
         viewer.theme = dataclasses.replace(viewer.theme, top=top8, horizon=low8)
-
-
-def _triple(v: Any) -> tuple[float, float, float]:
-    x, y, z = (float(c) for c in v)
-    return x, y, z

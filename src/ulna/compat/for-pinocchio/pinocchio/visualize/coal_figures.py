@@ -43,6 +43,15 @@ def vertices_of(geometry: Any) -> Floats:
     return np.array(geometry.vertices(), dtype=float).reshape(-1, 3)
 
 
+def _with_triangles(hull: Any) -> Any:
+    """The convex hull of a hull that was made without triangles."""
+    from ulna.collision.narrow import coal
+
+    points = coal().StdVec_Vec3s()
+    points.extend(list(hull.points()))
+    return coal().Convex.convexHull(points, True, "")
+
+
 def triangles_of(geometry: Any) -> tuple[Floats, Array]:
     """Vertices (n, 3) [m] and triangles (m, 3) of an object of coal.
 
@@ -60,6 +69,7 @@ def triangles_of(geometry: Any) -> tuple[Floats, Array]:
         faces = (geometry.tri_indices(i) for i in range(geometry.num_tris))
         return vertices_of(geometry), np.array([[int(t[k]) for k in range(3)] for t in faces])
     if kind.startswith("Convex"):
+        geometry = geometry if hasattr(geometry, "num_polygons") else _with_triangles(geometry)
         faces = (geometry.polygons(i) for i in range(geometry.num_polygons))
         return np.array(geometry.points(), dtype=float), np.array(
             [[int(t[k]) for k in range(3)] for t in faces]

@@ -57,6 +57,18 @@ class MeshcatVisualizer(CameraVisualizer):
     def _draw_into(self, gui: Gui) -> None:
         self._gui_or_none, self._viewer = gui, Visualizer(window=ViewerWindow(gui))
 
+    def setCameraTarget(self, target: Sequence[float]) -> None:
+        """Has the camera look at a point of its frame, "/Cameras/default" [m]."""
+        self.viewer.set_cam_target(target)
+
+    def setCameraPosition(self, position: Sequence[float]) -> None:
+        """Puts the camera at a point of its frame, "/Cameras/default" [m]."""
+        self.viewer.set_cam_pos(position)
+
+    def setCameraZoom(self, zoom: float) -> None:
+        """Makes things appear so many times as large as with the camera's field of view."""
+        self.viewer["/Cameras/default"].set_property("zoom", zoom)
+
     @property
     def viewerRootNodeName(self) -> str:
         """The path of the robot."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numpy.linalg import LinAlgError
 
-from ulna.errors import FormatError, InputError, ModelError, ShapeError, UnknownName
+from ulna.errors import FormatError, InputError, ShapeError, UnknownName
 
 
 class UnknownOption(UnknownName, ValueError):
@@ -29,10 +29,6 @@ class SingularInertia(InputError, LinAlgError):
 
 class MissingFile(FormatError, FileNotFoundError):
     """There is no such file."""
-
-
-class WrongLinks(ModelError, TypeError):
-    """A robot cannot be made of these links."""
 
 
 class UnknownKey(UnknownName, KeyError, ValueError):

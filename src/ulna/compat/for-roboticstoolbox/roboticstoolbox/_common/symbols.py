@@ -67,12 +67,14 @@ def is_nothing(value: Any, rotation: bool) -> bool:
 
 
 def quarter_turns(angle: Any) -> int | None:
-    """How many quarter turns an angle is, 0 to 3; None when it is no whole number of them."""
+    """How many quarter turns an angle is, 0 to 3; None when it is no known whole number of them."""
     if is_symbol(angle):
         import sympy
 
         count = sympy.simplify(2 * angle / sympy.pi)
-        return int(count) % 4 if count.is_integer else None
+        return int(count) % 4 if count.is_integer and count.is_number else None
+    if not math.isfinite(angle):
+        return None
     turns = angle / (math.pi / 2)
     quarters = round(turns)
     return quarters % 4 if abs(turns - quarters) * math.pi / 2 < 1e-9 else None

@@ -22,6 +22,7 @@ from roboticstoolbox._common.symbols import has_symbols
 from roboticstoolbox._dynamics.symbolic_torques import symbolic_torques
 from roboticstoolbox._links.link import Link
 from roboticstoolbox._links.ulna_model import model_of
+from ulna.checks.arrays import check_finite
 from ulna.compiler import compile
 from ulna.errors import InputError, ShapeError
 from ulna.model import parameters
@@ -138,12 +139,12 @@ class Dynamics:
             Torques (n,) or (m, n) [N m or N].
 
         Raises:
-            InputError: `symbolic` is True.
+            InputError: Symbols are asked of a robot that is no serial arm, or numbers of one that has no masses.
         """
         if symbolic or self.symbolic:
             return self._symbolic_torques(q, qd, qdd, gravity)
         try:
-            v = np.zeros(self.n) if qd is None else np.asarray(qd, dtype=float)
+            v = np.zeros(self.n) if qd is None else numbers("qd", qd)
             return self._torques(q, v, qdd, gravity)
         except TypeError:
             if not any(has_symbols(x) for x in (q, qd, qdd) if x is not None):
@@ -214,7 +215,8 @@ class Dynamics:
         Returns:
             Torques (n,) or (m, n) [N m or N].
         """
-        return _of_one_row(np.squeeze(self.inertia(q) @ numbers("qdd", qdd)[..., None], axis=-1), 1)
+        rates = self._of_joints("qdd", qdd)
+        return _of_one_row(np.squeeze(self.inertia(q) @ rates[..., None], axis=-1), 1)
 
     def accel(self, q: Any, qd: Any, torque: Any, gravity: Any = None) -> Floats:
         """The accelerations under torques and friction.
@@ -232,7 +234,7 @@ class Dynamics:
             SingularInertia: A joint moves no mass.
         """
         self._current_dynamic_arrays()
-        net_torque = numbers("torque", torque) - self._friction_torques(numbers("qd", qd))
+        net_torque = self._of_joints("torque", torque) - self._friction_torques(self._of_joints("qd", qd))
         acceleration = self._evaluate("forward_dynamics", (q, qd, net_torque), gravity)
         flat = acceleration.ravel()
         if not math.isfinite(flat.dot(flat)) and not np.isfinite(flat).all():
@@ -244,10 +246,17 @@ class Dynamics:
 
     def friction(self, qd: Any) -> Floats:
         """The torques of friction, against the motion, (n,) or (m, n)."""
-        rates = numbers("qd", qd)
-        if rates.shape[-1:] != (self.n,):
-            raise WrongShape("qd", rates.shape, f"({self.n},) or (m, {self.n})")
+        rates = self._of_joints("qd", qd)
         return -self._friction_torques(rates) if self.hasdynamics else -0.0 * rates
+
+    def _of_joints(self, name: str, value: Any) -> Floats:
+        """The finite numbers of an argument that has one for each joint, (n,) or (m, n); a number for one joint."""
+        out = numbers(name, value)
+        out = out.reshape(1) if out.ndim == 0 and self.n == 1 else out
+        if out.shape[-1:] != (self.n,):
+            raise WrongShape(name, out.shape, f"({self.n},) or (m, {self.n})")
+        check_finite(name, out)
+        return out
 
 
 def _of_one_row(result: Floats, dimensions: int) -> Floats:
@@ -256,8 +265,7 @@ def _of_one_row(result: Floats, dimensions: int) -> Floats:
 
 
 def vector3(gravity: Any) -> Floats:
-    g = np.ravel(gravity)
-    g = g if has_symbols(g) else g.astype(float)
+    g = np.ravel(gravity if has_symbols(gravity) else numbers("gravity", gravity))
     if g.shape != (3,):
         raise WrongShape("gravity", np.shape(gravity), "(3,)")
     return g

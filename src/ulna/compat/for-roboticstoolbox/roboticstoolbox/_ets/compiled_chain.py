@@ -184,7 +184,6 @@ class Chain:
         """A derivative of the pose in the axes of the start: 1 the Jacobian, 2 the Hessian, and so on.
 
         Args:
-            q: Joint coordinates (n,) or (m, n) [rad or m].
             order: Order of the derivative.
 
         Returns:

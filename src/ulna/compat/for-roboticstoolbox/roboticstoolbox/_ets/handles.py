@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -129,38 +130,23 @@ def IK_LM_c(
     return _five(handle.ik_LM(Tep, q0, ilimit, slimit, tol, mask, joint_limits, k, method))
 
 
-@describe_arguments
-def IK_NR_c(
-    handle: Any, Tep: Any, q0: Any, ilimit: int, slimit: int, tol: float, joint_limits: bool, mask: Any,
-    pinv: bool, pinv_damping: float,
-) -> tuple[Any, ...]:  # fmt: skip
-    """Inverse kinematics by Newton and Raphson's method.
+def _ik_by_inversion(kind: str, method: str) -> Callable[..., tuple[Any, ...]]:
+    """The function of a method that inverts the Jacobian."""
 
-    Args:
-        Tep: Pose of the end, (4, 4).
-        q0: Where the search begins, (n,) [rad or m].
+    def ik(
+        handle: Any, Tep: Any, q0: Any, ilimit: int, slimit: int, tol: float, joint_limits: bool, mask: Any,
+        pinv: bool, pinv_damping: float,
+    ) -> tuple[Any, ...]:  # fmt: skip
+        search = (ilimit, slimit, tol, mask, joint_limits, pinv, pinv_damping)
+        return _five(getattr(handle, f"ik_{kind}")(Tep, q0, *search))
 
-    Returns:
-        Configuration (n,), success, iterations, searches and residual.
-    """
-    return _five(handle.ik_NR(Tep, q0, ilimit, slimit, tol, mask, joint_limits, pinv, pinv_damping))
+    ik.__name__ = ik.__qualname__ = f"IK_{kind}_c"
+    ik.__doc__ = (IK_LM_c.__doc__ or "").replace("Levenberg and Marquardt's", method)
+    return describe_arguments(ik)
 
 
-@describe_arguments
-def IK_GN_c(
-    handle: Any, Tep: Any, q0: Any, ilimit: int, slimit: int, tol: float, joint_limits: bool, mask: Any,
-    pinv: bool, pinv_damping: float,
-) -> tuple[Any, ...]:  # fmt: skip
-    """Inverse kinematics by Gauss and Newton's method.
-
-    Args:
-        Tep: Pose of the end, (4, 4).
-        q0: Where the search begins, (n,) [rad or m].
-
-    Returns:
-        Configuration (n,), success, iterations, searches and residual.
-    """
-    return _five(handle.ik_GN(Tep, q0, ilimit, slimit, tol, mask, joint_limits, pinv, pinv_damping))
+IK_NR_c = _ik_by_inversion("NR", "Newton and Raphson's")
+IK_GN_c = _ik_by_inversion("GN", "Gauss and Newton's")
 
 
 def Angle_Axis(T: Any, Td: Any) -> Floats:

@@ -6,12 +6,71 @@ find nothing for chains whose Jacobian is not square; `ik_NR` and `ik_GN` take t
 
 from __future__ import annotations
 
-from typing import Any, final
+from collections.abc import Callable
+from typing import Any, TypeVar, final
 
 from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._ets.compiled_chain import Chain
 from roboticstoolbox._ets.ik_solution import IKSolution
-from roboticstoolbox._ets.inverse_kinematics import REACHED, one_row, solve
+from roboticstoolbox._ets.inverse_kinematics import REACHED, Kind, one_row, solve
+
+Method = TypeVar("Method", bound=Callable[..., IKSolution])  # so that type checkers see its arguments
+_METHODS: dict[Kind, str] = {"NR": "Newton and Raphson's method", "GN": "Gauss and Newton's method"}
+
+
+def _ik_by_inversion(kind: Kind, doc: str | None):
+    """The method that inverts the Jacobian, from one start; `doc` is that of `ik_LM`."""
+
+    def ik(
+        self: ChainSolvers,
+        Tep: Any,
+        q0: Any = None,
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        pinv: int = True,
+        pinv_damping: float = 0.0,
+    ) -> IKSolution:
+        search: Any = (ilimit, slimit, tol, mask, joint_limits)
+        return self._from_one_start(kind, Tep, q0, search, pinv_damping=pinv_damping)
+
+    return _named(ik, f"ik_{kind}", kind, doc)
+
+
+def _ikine_by_inversion(kind: Kind, doc: str | None):
+    """The method that inverts the Jacobian, from several starts; `doc` is that of `ikine_LM`."""
+
+    def ikine(
+        self: ChainSolvers,
+        Tep: Any,
+        q0: Any = None,
+        ilimit: int = 30,
+        slimit: int = 100,
+        tol: float = 1e-6,
+        mask: Any = None,
+        joint_limits: bool = True,
+        seed: int | None = None,
+        pinv: bool = False,
+        kq: float = 0.0,
+        km: float = 0.0,
+        ps: float = 0.0,
+        pi: Any = 0.3,
+        **more: Any,
+    ) -> IKSolution:
+        search: Any = (ilimit, slimit, tol, mask, joint_limits)
+        null_motion = {"kq": kq, "km": km, "ps": ps, "pi": pi}
+        return self._from_several_starts(kind, Tep, q0, search, seed, null_motion, pinv=bool(pinv), **more)
+
+    return _named(ikine, f"ikine_{kind}", kind, doc)
+
+
+def _named(method: Method, name: str, kind: Kind, doc: str | None) -> Method:
+    """The method under its name, with the docstring of that of Levenberg and Marquardt, rewritten."""
+    method.__name__, method.__qualname__ = name, f"ChainSolvers.{name}"
+    method.__doc__ = (doc or "").replace("Levenberg and Marquardt's method", _METHODS[kind])
+    return method
 
 
 @describe_arguments
@@ -19,6 +78,16 @@ class ChainSolvers:
     """Inverse kinematics of a chain of transforms."""
 
     _compiled: Any
+
+    def _from_one_start(self, kind: Kind, Tep: Any, q0: Any, search: Any, **settings: Any) -> IKSolution:
+        chain = self._compiled(None)
+        return solve(chain, Tep, kind, one_row(q0, chain.n), *search, **settings)
+
+    def _from_several_starts(
+        self, kind: Kind, Tep: Any, q0: Any, search: Any, seed: Any, null_motion: Any, **settings: Any
+    ) -> IKSolution:
+        chain = self._compiled(None)
+        return solve(chain, Tep, kind, q0, *search, seed=seed, reason=REACHED, **null_motion, **settings)
 
     def ik_LM(
         self,
@@ -40,57 +109,10 @@ class ChainSolvers:
         Returns:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
-        chain = self._compiled(None)
         search: Any = (ilimit, slimit, tol, mask, joint_limits)
-        return solve(chain, Tep, "LM", one_row(q0, chain.n), *search, k=k, method=method)
+        return self._from_one_start("LM", Tep, q0, search, k=k, method=method)
 
-    def ik_NR(
-        self,
-        Tep: Any,
-        q0: Any = None,
-        ilimit: int = 30,
-        slimit: int = 100,
-        tol: float = 1e-6,
-        mask: Any = None,
-        joint_limits: bool = True,
-        pinv: int = True,
-        pinv_damping: float = 0.0,
-    ) -> IKSolution:
-        """The joint coordinates for a pose of the end, by Newton and Raphson's method.
-
-        Args:
-            q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
-
-        Returns:
-            Joint coordinates (n,) or (m, n), success, and figures of the search.
-        """
-        chain = self._compiled(None)
-        search: Any = (ilimit, slimit, tol, mask, joint_limits)
-        return solve(chain, Tep, "NR", one_row(q0, chain.n), *search, pinv_damping=pinv_damping)
-
-    def ik_GN(
-        self,
-        Tep: Any,
-        q0: Any = None,
-        ilimit: int = 30,
-        slimit: int = 100,
-        tol: float = 1e-6,
-        mask: Any = None,
-        joint_limits: bool = True,
-        pinv: int = True,
-        pinv_damping: float = 0.0,
-    ) -> IKSolution:
-        """The joint coordinates for a pose of the end, by Gauss and Newton's method.
-
-        Args:
-            q0: Where the search begins, (n,) [rad or m]; None for the neutral configuration.
-
-        Returns:
-            Joint coordinates (n,) or (m, n), success, and figures of the search.
-        """
-        chain = self._compiled(None)
-        search: Any = (ilimit, slimit, tol, mask, joint_limits)
-        return solve(chain, Tep, "GN", one_row(q0, chain.n), *search, pinv_damping=pinv_damping)
+    ik_NR, ik_GN = _ik_by_inversion("NR", ik_LM.__doc__), _ik_by_inversion("GN", ik_LM.__doc__)
 
     def ikine_LM(
         self,
@@ -119,85 +141,11 @@ class ChainSolvers:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
         search: Any = (ilimit, slimit, tol, mask, joint_limits)
-        null_motion: dict[str, Any] = {"kq": kq, "km": km, "ps": ps, "pi": pi}
-        chain = self._compiled(None)
-        return solve(
-            chain,
-            Tep,
-            "LM",
-            q0,
-            *search,
-            k=k,
-            method=method,
-            seed=seed,
-            reason=REACHED,
-            **null_motion,
-            **more,
-        )
+        null_motion = {"kq": kq, "km": km, "ps": ps, "pi": pi}
+        return self._from_several_starts("LM", Tep, q0, search, seed, null_motion, k=k, method=method, **more)
 
-    def ikine_NR(
-        self,
-        Tep: Any,
-        q0: Any = None,
-        ilimit: int = 30,
-        slimit: int = 100,
-        tol: float = 1e-6,
-        mask: Any = None,
-        joint_limits: bool = True,
-        seed: int | None = None,
-        pinv: bool = False,
-        kq: float = 0.0,
-        km: float = 0.0,
-        ps: float = 0.0,
-        pi: Any = 0.3,
-        **more: Any,
-    ) -> IKSolution:
-        """The joint coordinates for a pose of the end, by Newton and Raphson's method and null-space motion.
-
-        Args:
-            **more: Other settings of `solve`.
-
-        Returns:
-            Joint coordinates (n,) or (m, n), success, and figures of the search.
-        """
-        search: Any = (ilimit, slimit, tol, mask, joint_limits)
-        null_motion: dict[str, Any] = {"kq": kq, "km": km, "ps": ps, "pi": pi}
-        chain = self._compiled(None)
-        return solve(
-            chain, Tep, "NR", q0, *search, pinv=bool(pinv), seed=seed, reason=REACHED, **null_motion, **more
-        )
-
-    def ikine_GN(
-        self,
-        Tep: Any,
-        q0: Any = None,
-        ilimit: int = 30,
-        slimit: int = 100,
-        tol: float = 1e-6,
-        mask: Any = None,
-        joint_limits: bool = True,
-        seed: int | None = None,
-        pinv: bool = False,
-        kq: float = 0.0,
-        km: float = 0.0,
-        ps: float = 0.0,
-        pi: Any = 0.3,
-        **more: Any,
-    ) -> IKSolution:
-        """The joint coordinates for a pose of the end, by Gauss and Newton's method and null-space motion.
-
-        Args:
-            **more: Other settings of `solve`.
-
-        Returns:
-            Joint coordinates (n,) or (m, n), success, and figures of the search.
-        """
-        search: Any = (ilimit, slimit, tol, mask, joint_limits)
-        null_motion: dict[str, Any] = {"kq": kq, "km": km, "ps": ps, "pi": pi}
-        chain = self._compiled(None)
-        return solve(
-            chain, Tep, "GN", q0, *search, pinv=bool(pinv), seed=seed, reason=REACHED, **null_motion, **more
-        )
+    ikine_NR = _ikine_by_inversion("NR", ikine_LM.__doc__)
+    ikine_GN = _ikine_by_inversion("GN", ikine_LM.__doc__)
 
     def ikine_QP(
         self,
@@ -226,11 +174,8 @@ class ChainSolvers:
             Joint coordinates (n,) or (m, n), success, and figures of the search.
         """
         search: Any = (ilimit, slimit, tol, mask, joint_limits)
-        null_motion: dict[str, Any] = {"kq": kq, "km": km, "ps": ps, "pi": pi}
-        chain = self._compiled(None)
-        return solve(
-            chain, Tep, "QP", q0, *search, kj=kj, ks=ks, seed=seed, reason=REACHED, **null_motion, **more
-        )
+        null_motion = {"kq": kq, "km": km, "ps": ps, "pi": pi}
+        return self._from_several_starts("QP", Tep, q0, search, seed, null_motion, kj=kj, ks=ks, **more)
 
 
 @final

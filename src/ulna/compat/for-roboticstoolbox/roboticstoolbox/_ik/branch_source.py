@@ -53,7 +53,7 @@ class _Language:
         comment: What begins a line of the head.
         line: A line, of its type (double or int), name and expression.
         operations: Expressions of operations, where they are not those of all languages.
-        result: The line that hands over number `i` of the results.
+        result: The line that returns number `i` of the results.
         truth: How truth values are written.
         pose: Entry `i` of the pose.
         special: How infinite constants and nan are written.
@@ -125,7 +125,7 @@ def closed_form_source(robot: Any, language: str, name: str) -> str:
     _check_name(name)
     kernel = robot._chain(None, None).unlimited.arm.branch_kernel()
     source: ClosedForm = kernel._source
-    if source.plan.off > EXACT or source.free is not None:
+    if source.geometry.deviation > EXACT or source.free is not None:
         raise InputError(f"{robot.name!r} has no exact closed form: {source.method}. Use `solve`.")
     written = _LANGUAGES[language]
     fields = {

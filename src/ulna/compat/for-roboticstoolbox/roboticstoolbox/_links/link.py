@@ -10,6 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from roboticstoolbox._common.errors import WrongType
+from roboticstoolbox._common.numbers import greatest
 from roboticstoolbox._common.poses import pose
 from roboticstoolbox._ets.elementary_transform import ET, ET2, BaseET
 from roboticstoolbox._ets.ets import ETS, ETS2
@@ -87,8 +88,26 @@ class Link(LinkNode, DynamicParameters):
         carried(self._drawn + self._solids, self)
 
     @property
+    def qdlim(self) -> float | None:
+        """The greatest speed of its joint [rad/s or m/s]; None for no limit."""
+        return self._qdlim
+
+    @qdlim.setter
+    def qdlim(self, speed: float | None) -> None:
+        self._qdlim = greatest("qdlim", speed)
+
+    @property
+    def tlim(self) -> float | None:
+        """The greatest torque of its joint [N m or N]; None for no limit."""
+        return self._tlim
+
+    @tlim.setter
+    def tlim(self, torque: float | None) -> None:
+        self._tlim = greatest("tlim", torque)
+
+    @property
     def geometry(self) -> list[Any]:
-        """Its shapes to draw, as those of spatialgeometry; they hang on it."""
+        """Its shapes to draw, as those of spatialgeometry; they are attached to it."""
         return as_shapes(self._drawn, self)
 
     @geometry.setter
@@ -98,7 +117,7 @@ class Link(LinkNode, DynamicParameters):
 
     @property
     def collision(self) -> list[Any]:
-        """Its shapes to check, as those of spatialgeometry; they hang on it."""
+        """Its shapes to check, as those of spatialgeometry; they are attached to it."""
         return as_shapes(self._solids, self)
 
     @collision.setter

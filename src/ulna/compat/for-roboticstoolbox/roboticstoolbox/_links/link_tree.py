@@ -14,7 +14,7 @@ from ulna.errors import ModelError
 def connect(links: Sequence[Link], robot: Any) -> None:
     """Sets the names, the numbers, the robot, the parents and the children of links.
 
-    Where no link has a parent, each one hangs on the one before it.
+    Where no link has a parent, each one is attached to the one before it.
 
     Args:
         links: The links.

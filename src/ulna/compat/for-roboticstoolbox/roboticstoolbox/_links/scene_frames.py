@@ -1,4 +1,4 @@
-"""Robots and links in the tree of frames: what hangs on them goes where they go.
+"""Robots and links in the tree of frames: what is attached to them goes where they go.
 
 Where a link is follows from its robot's `q`, whenever it is asked for; `update` has nothing to do.
 """
@@ -23,7 +23,7 @@ def scene_node() -> Any:
 
 
 class Node:
-    """A frame that shapes and robots can hang on."""
+    """A frame that shapes and robots can be attached to."""
 
     _children: list[Any]
 
@@ -43,12 +43,12 @@ class Node:
         return scene_node().tree(self)
 
     def tree_children(self) -> str:
-        """This frame and what hangs on it, a line for each."""
+        """This frame and what is attached to it, a line for each."""
         return scene_node().tree_children(self)
 
 
 class LinkNode(Node):
-    """A link as a frame: it hangs on the link before it, the first one on the robot."""
+    """A link as a frame: it is attached to the link before it, the first one on the robot."""
 
     robot: Any
 
@@ -72,7 +72,7 @@ class LinkNode(Node):
     def __getattr__(self, name: str) -> Any:
         if name == "attach_to":
             raise AttributeError(
-                "A link hangs on the link before it; attach its robot: robot.attach_to(frame)."
+                "A link is attached to the link before it; attach its robot: robot.attach_to(frame)."
             )
         if name in _OF_LINKS:
             raise AttributeError(f"`{name}` of a link is not offered; use {_OF_LINKS[name]}.")
@@ -90,7 +90,9 @@ class LinkNode(Node):
 
     def _within(self, shape: Any, within: float) -> list[Any]:
         if self.robot is None:
-            raise InputError(f"Link {self.name!r} belongs to no robot, so it is nowhere; make a Robot of it.")
+            raise InputError(
+                f"Link {self.name!r} belongs to no robot, so it has no pose; make a Robot of it."
+            )
         return self.robot._nearby_links(self.robot.q, shape, within, [self.name]) if self._solids else []
 
     def closest_point(

@@ -1,4 +1,4 @@
-"""A robot in the tree of frames: its base is a frame, which can hang on another one."""
+"""A robot in the tree of frames: its base is a frame, which can be attached to another one."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class RobotNode(Node, RobotMixin):
 
     @property
     def T(self) -> Floats:
-        """The base in the frame that the robot hangs on, (4, 4); the same as `base`."""
+        """The base in the frame that the robot is attached to, (4, 4); the same as `base`."""
         return np.eye(4) if self._base is None else to_spatial(self._base)
 
     @T.setter
@@ -41,7 +41,7 @@ class RobotNode(Node, RobotMixin):
 
     @property
     def scene_parent(self) -> Any:
-        """What the robot hangs on; None for the world."""
+        """What the robot is attached to; None for the world."""
         return self._parent
 
     @scene_parent.setter

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from roboticstoolbox._common.errors import UnknownOption, WrongShape
-from roboticstoolbox._common.numbers import numbers
+from roboticstoolbox._common.numbers import greatest, numbers, vector
 from roboticstoolbox._common.poses import array
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from ulna.errors import InputError
@@ -27,7 +27,7 @@ class State(RobotMixin):
 
     @q.setter
     def q(self, q: Any) -> None:
-        self._q = self._state("q", q)
+        self._q = vector("q", q, self.n)
 
     @property
     def qd(self) -> Floats:
@@ -36,7 +36,7 @@ class State(RobotMixin):
 
     @qd.setter
     def qd(self, qd: Any) -> None:
-        self._qd = self._state("qd", qd)
+        self._qd = vector("qd", qd, self.n)
 
     @property
     def qdd(self) -> Floats:
@@ -45,15 +45,7 @@ class State(RobotMixin):
 
     @qdd.setter
     def qdd(self, qdd: Any) -> None:
-        self._qdd = self._state("qdd", qdd)
-
-    def _state(self, name: str, value: Any) -> Floats:
-        out = np.array(numbers(name, value))
-        if out.shape != (self.n,):
-            out = out.ravel()
-            if out.shape != (self.n,):
-                raise WrongShape(name, np.shape(value), f"({self.n},)")
-        return out
+        self._qdd = vector("qdd", qdd, self.n)
 
     @property
     def control_mode(self) -> str:
@@ -76,7 +68,7 @@ class State(RobotMixin):
 
     @qdlim.setter
     def qdlim(self, speeds: Any) -> None:
-        self._qdlim = speeds
+        self._qdlim = greatest("qdlim", speeds)
 
     @property
     def configs(self) -> dict[str, Floats]:
@@ -90,7 +82,7 @@ class State(RobotMixin):
             name: Its name.
             q: The configuration (n,) [rad or m].
         """
-        self._configs[name] = self._state(name, q)
+        self._configs[name] = vector(name, q, self.n)
 
     def addconfiguration_attr(self, name: str, q: Any, unit: str = "rad") -> None:
         """Stores a named configuration in `configs` and as an attribute.
@@ -102,26 +94,36 @@ class State(RobotMixin):
 
         Raises:
             UnknownOption: Another unit.
+            InputError: The robot has another attribute of that name, such as a method.
         """
         if unit not in ("rad", "deg"):
             raise UnknownOption("unit", unit, ("rad", "deg"))
-        values = self._state(name, q)
+        present = getattr(self, name, None)
+        if callable(present) or isinstance(present, (str, int)):
+            raise InputError(f"The robot has another attribute {name!r}; expected a name that is free.")
+        values = vector(name, q, self.n)
         self._configs[name] = self.toradians(values) if unit == "deg" else values
         setattr(self, name, self._configs[name])
 
     def todegrees(self, q: Any) -> Floats:
         """Angles in degrees, lengths as they are."""
-        return np.where(self.revolutejoints, np.degrees(np.asarray(q, dtype=float)), q)
+        return self._converted(q, np.degrees)
 
     def toradians(self, q: Any) -> Floats:
         """Angles in radians, lengths as they are."""
-        return np.where(self.revolutejoints, np.radians(np.asarray(q, dtype=float)), q)
+        return self._converted(q, np.radians)
+
+    def _converted(self, q: Any, convert: Any) -> Floats:
+        values = numbers("q", q)
+        if values.shape[-1:] != (self.n,):
+            raise WrongShape("q", values.shape, f"(..., {self.n})")
+        return np.where(self.revolutejoints, convert(values), values)
 
     def jtraj(self, q0: Any, qf: Any, t: Any, qd0: Any = None, qd1: Any = None) -> Any:
         """A joint trajectory between two configurations, or between those of two poses; see `roboticstoolbox.jtraj`.
 
         Args:
-            q0: Start, (n,); or a pose of the end, solved by inverse kinematics.
+            q0: Start, (n,); or a pose of the end effector, for which inverse kinematics is solved.
             qf: End, likewise.
             t: How many, or times.
             qd0: Velocity at the start.
@@ -129,8 +131,19 @@ class State(RobotMixin):
 
         Returns:
             The trajectory.
+
+        Raises:
+            InputError: No configuration is found for a pose.
         """
         from roboticstoolbox.tools.trajectory import jtraj
 
-        ends = [self.ikine_LM(T).q if np.shape(array(T)) == (4, 4) else T for T in (q0, qf)]
-        return jtraj(ends[0], ends[1], t, qd0, qd1)
+        return jtraj(self._configuration("q0", q0), self._configuration("qf", qf), t, qd0, qd1)
+
+    def _configuration(self, name: str, value: Any) -> Any:
+        """A configuration, or that of a pose."""
+        if np.shape(array(value)) != (4, 4):
+            return value
+        solution = self.ikine_LM(value)
+        if not solution.success:
+            raise InputError(f"`{name}` is a pose for which no configuration is found: {solution.reason}.")
+        return solution.q

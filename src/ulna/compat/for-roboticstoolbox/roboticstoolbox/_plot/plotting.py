@@ -110,7 +110,7 @@ class Plotting(RobotMixin):
         """
         rows = _rows(q, self.n)
         _check_with_scene(env, limits=limits, fig=fig, ax=ax, notebook=notebook)
-        only_flat = _names_of_given(
+        only_flat = _names_of_arguments_set(
             limits=limits, vellipse=vellipse, fellipse=fellipse, fig=fig, ax=ax, view=view, movie=movie
         )
         chosen = self._backend_of(env) or self._backend_for(backend, here=bool(only_flat))
@@ -209,7 +209,7 @@ def _check_with_scene(env: Any, **fixed: Any) -> None:
         )
 
 
-def _names_of_given(**arguments: Any) -> list[str]:
+def _names_of_arguments_set(**arguments: Any) -> list[str]:
     """The names of arguments that are neither None nor False."""
     return [name for name, value in arguments.items() if value is not None and value is not False]
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from roboticstoolbox._common.errors import WrongShape
+from roboticstoolbox._common.numbers import vector
 from roboticstoolbox._common.poses import to_spatial
 from roboticstoolbox._mixins.robot_mixin import RobotMixin
 from roboticstoolbox._plot.figure import PyPlot, PyPlot2, pyplot
@@ -30,7 +30,7 @@ class Teaching(RobotMixin):
         """Shows the robot with a slider for each joint; `robot.q` follows them.
 
         Args:
-            q: Where they start, (n,); `robot.q` when not given.
+            q: Where they start, (n,), a row or a column; `robot.q` when not given.
             block: Whether to wait until the window or the page is closed; never where there is none.
             limits: Of the picture in matplotlib, x, y, z from and to [m].
             vellipse: Whether to draw the ellipsoid of velocities, in matplotlib.
@@ -44,9 +44,7 @@ class Teaching(RobotMixin):
         Raises:
             WrongShape: `q` has another shape.
         """
-        at = np.array(self.q if q is None else q, dtype=float)
-        if at.shape != (self.n,):
-            raise WrongShape("q", at.shape, f"({self.n},)")
+        at = self.q.copy() if q is None else vector("q", q, self.n)
         self.q = at
         if self._backend_for(backend) == "swift":
             return self._teach_in_viewer(at, block)

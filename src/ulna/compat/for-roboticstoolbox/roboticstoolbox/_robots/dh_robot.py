@@ -11,7 +11,7 @@ import numpy as np
 
 from roboticstoolbox._common.documentation import describe_arguments
 from roboticstoolbox._common.errors import WrongType
-from roboticstoolbox._common.numbers import numbers
+from roboticstoolbox._common.numbers import numbers, vector
 from roboticstoolbox._common.poses import matrix, pose
 from roboticstoolbox._dynamics.base_wrench import moved_wrench, wrench_on_base
 from roboticstoolbox._dynamics.dynamics import vector3
@@ -308,11 +308,12 @@ class DHRobot(DHText, Analytic, Robot):
             Torques (n,) or (m, n) [N m or N]; with `base_wrench` the wrench, (6,) or (m, 6) [N, N m], after them.
         """
         if qd is None and qdd is None and np.shape(q)[-1:] == (3 * self.n,) and self.n:
-            q, qd, qdd = np.split(np.asarray(q, dtype=float), 3, axis=-1)
+            q, qd, qdd = np.split(numbers("q", q), 3, axis=-1)
         tau = super().rne(q, qd, qdd, gravity=gravity)
         if fext is not None:
+            fext = vector("fext", fext, 6)
             J = self._chain(self._links[-1].name, None).jacobe(q)
-            tau = tau + np.swapaxes(J, -1, -2) @ np.asarray(fext, dtype=float)
+            tau = tau + np.swapaxes(J, -1, -2) @ fext
         return (tau, self._base_wrench(q, qd, qdd, gravity, fext)) if base_wrench else tau
 
     def _base_wrench(self, q: Any, qd: Any, qdd: Any, gravity: Any, fext: Any) -> Floats:

@@ -121,14 +121,17 @@ def _evaluated(
 ) -> tuple[Floats, tuple[TrChainToken, ...]]:
     if unit not in ("rad", "deg"):
         raise InputError(f"`unit` is {unit!r}; expected 'rad' or 'deg'.")
-    if not qvar.isidentifier():
+    if not (isinstance(qvar, str) and qvar.isidentifier()):
         raise InputError(f"`qvar` is {qvar!r}; expected a name such as 'q'.")
-    tokens = _parsed(chain, qvar) if isinstance(chain, str) else tuple(chain)
+    if not isinstance(variables, Mapping):
+        raise WrongType(
+            f"`variables` is {excerpt(repr(variables))}; expected a dictionary of numbers and functions."
+        )
+    listed = chain if hasattr(chain, "__iter__") else [chain]
+    tokens = _parsed(chain, qvar) if isinstance(chain, str) else tuple(listed)
     if not all(isinstance(token, TrChainToken) for token in tokens):
         raise WrongType("`chain` is neither text nor a sequence of TrChainToken.")
-    joints = np.ravel([] if q is None else np.asarray(q))
-    if not has_symbols(joints):
-        joints = numbers("q", joints)
+    joints = np.ravel(q if has_symbols(q) else numbers("q", [] if q is None else q))
     T = np.eye(4)
     for token in tokens:
         if token.op not in makers:
@@ -150,6 +153,7 @@ def _parsed(text: str, qvar: str) -> tuple[TrChainToken, ...]:
     joint = re.compile(rf"\b{re.escape(qvar)}([1-9][0-9]{{0,5}})\b")
     out, at = [], 0
     while match := re.compile(r"(R.?|T.)\(").search(text, at):
+        _check_separator(text[at : match.start()], text)
         depth, at = 1, match.end()
         while depth and at < len(text):
             depth += {"(": 1, ")": -1}.get(text[at], 0)
@@ -161,7 +165,16 @@ def _parsed(text: str, qvar: str) -> tuple[TrChainToken, ...]:
         if len(numbers) > 1:
             raise FormatError(f"{match[1]}({arg}) names {len(numbers)} joints; expected one at most")
         out.append(TrChainToken(match[1], arg, int(numbers[0]) if numbers else 0))
+    _check_separator(text[at:], text)
     return tuple(out)
+
+
+def _check_separator(between: str, text: str) -> None:
+    """Raises FormatError where what stands between two transforms is more than spaces and signs that separate."""
+    if not re.fullmatch(r"[\s*@,;.]*", between):
+        raise FormatError(
+            f"{excerpt(repr(between.strip()))} in {excerpt(repr(text))} is no transform; expected as in 'Rx(q1) Tz(2)'"
+        )
 
 
 def _value(text: str, names: Mapping[str, Any]) -> Any:

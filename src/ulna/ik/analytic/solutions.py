@@ -22,7 +22,7 @@ _EARLIER = np.tri(_PAIRWISE_CANDIDATES, k=-1, dtype=bool)
 
 
 @dataclass(frozen=True)
-class Sift:
+class SolutionFilter:
     """Picks the solutions among the candidates of a source.
 
     Attributes:
@@ -55,44 +55,45 @@ class Sift:
         """
         source = self.source
         centre = base[:, source.index] if self.near else source.centre[None]
-        q, worth, complete = source.rows(T, base, centre, values, seed)
-        at, close = self._is_at(worth)
+        q, evaluation, complete = source.candidates(T, base, centre, values, seed)
+        reached, close = self._reached(evaluation)
         if close.any():
             pose = np.nonzero(close)[0]
             wanted = np.broadcast_to(centre, (len(T), len(source.index)))[pose]
-            led = source.refine(q[close], T[pose], _STEPS)
-            q[close], worth[close] = source.certify(led, T[pose], wanted)
-            at, _ = self._is_at(worth)
-        at &= self._first(q, at)
-        good = at & (worth[..., 2] > 0.5) if self.limits else at
-        counts = at.sum(axis=(1, 2)).tolist()
-        if (
-            0 in counts or max(self.position, self.rotation) > _MAX_TOLERANCE
-        ):  # else every goal has been met: it is a pose
+            refined = source.refine(q[close], T[pose], _STEPS)
+            q[close], evaluation[close] = source.evaluate(refined, T[pose], wanted)
+            reached, _ = self._reached(evaluation)
+        reached &= self._is_first(q, reached)
+        accepted = reached & (evaluation[..., 2] > 0.5) if self.limits else reached
+        counts = reached.sum(axis=(1, 2)).tolist()
+        # A goal that was met to within a small tolerance is a pose; others may have inaccurate rotations.
+        if 0 in counts or max(self.position, self.rotation) > _MAX_TOLERANCE:
             exact = _orthogonal(T)
             if exact is not None:
                 return self(exact, base, values, seed)
         poses = []
         for i, count in enumerate(counts):
-            misses = worth[i][at[i]] if count else _nearest(worth[i])
-            poses.append((*self._ordered(q[i][good[i]], worth[i][good[i]], base[i]), count, misses[0, :2]))
+            misses = evaluation[i][reached[i]] if count else _nearest(evaluation[i])
+            chosen = accepted[i]
+            poses.append((*self._ordered(q[i][chosen], evaluation[i][chosen], base[i]), count, misses[0, :2]))
         return poses, complete
 
-    def _is_at(self, worth: Floats) -> tuple[Any, Any]:
+    def _reached(self, evaluation: Floats) -> tuple[Any, Any]:
         """Whether candidates are at their goals; whether they are not, but so near that Newton may bring them there."""
-        position, rotation = worth[..., 0], worth[..., 1]
-        at = (position <= self.position) & (rotation <= self.rotation)
-        return at, (position < self.source.near) & (rotation < self.source.near) & ~at
+        position, rotation = evaluation[..., 0], evaluation[..., 1]
+        reached = (position <= self.position) & (rotation <= self.rotation)
+        threshold = self.source.refine_threshold
+        return reached, (position < threshold) & (rotation < threshold) & ~reached
 
-    def _first(self, q: Floats, at: Any) -> Any:
+    def _is_first(self, q: Floats, reached: Any) -> Any:
         """Whether no earlier solution of the same group is the same configuration, turns apart."""
-        x = np.where(at[..., None], q[..., self.source.index], np.nan)
+        x = np.where(reached[..., None], q[..., self.source.index], np.nan)
         if x.shape[-2] <= _PAIRWISE_CANDIDATES:
             same = self._same(x[..., :, None, :], x[..., None, :, :])
             return ~(same & _EARLIER[: x.shape[-2], : x.shape[-2]]).any(axis=-1)
-        out = np.ones(at.shape, dtype=bool)
-        for place in np.ndindex(at.shape[:-1]):  # one by one
-            left = np.flatnonzero(at[place])
+        out = np.ones(reached.shape, dtype=bool)
+        for place in np.ndindex(reached.shape[:-1]):  # one by one
+            left = np.flatnonzero(reached[place])
             while len(left):
                 same = self._same(x[place][left[0]], x[place][left])
                 out[place][left[same][1:]] = False
@@ -101,14 +102,13 @@ class Sift:
 
     def _same(self, a: Floats, b: Floats) -> Any:
         gap = np.abs(a - b)
-        return (np.minimum(gap, np.abs(self.source.periods - gap)) < _DISTINCT).all(
-            axis=-1
-        )  # a turn apart at most
+        apart = np.minimum(gap, np.abs(self.source.periods - gap))  # they are a turn apart at most
+        return (apart < _DISTINCT).all(axis=-1)
 
-    def _ordered(self, q: Floats, worth: Floats, base: Floats) -> tuple[Floats, Floats, Floats]:
+    def _ordered(self, q: Floats, evaluation: Floats, base: Floats) -> tuple[Floats, Floats, Floats]:
         if self.turns and len(q):
             copies = [self._copies(row) for row in q]
-            worth = np.repeat(worth, [len(c) for c in copies], axis=0)
+            evaluation = np.repeat(evaluation, [len(c) for c in copies], axis=0)
             q = np.concatenate(copies)
         if self.near and len(q) > 1:
             order = (
@@ -116,8 +116,8 @@ class Sift:
                 .sum(axis=-1)
                 .argsort(kind="stable")
             )
-            q, worth = q[order], worth[order]
-        return q, worth[:, 0], worth[:, 1]
+            q, evaluation = q[order], evaluation[order]
+        return q, evaluation[:, 0], evaluation[:, 1]
 
     def _copies(self, q: Floats) -> Floats:
         """The same configuration with whole turns added wherever both limits allow them."""
@@ -144,9 +144,9 @@ def _orthogonal(T: Floats) -> Floats | None:
     return SE3(rotation, T[..., :3, 3]).matrix()
 
 
-def _nearest(worth: Floats) -> Floats:
-    """The worth of the candidate with the least errors, (1, 3)."""
-    rows = worth.reshape(-1, worth.shape[-1])
+def _nearest(evaluation: Floats) -> Floats:
+    """The evaluation of the candidate with the least errors, (1, 3)."""
+    rows = evaluation.reshape(-1, evaluation.shape[-1])
     if not len(rows):
         return np.full((1, 3), np.inf)
     total = rows[:, 0] + rows[:, 1]

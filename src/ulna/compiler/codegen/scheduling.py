@@ -8,7 +8,7 @@ pass values through a scratch buffer.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from itertools import accumulate, pairwise
 from typing import NamedTuple
 
@@ -16,8 +16,15 @@ from ulna.compiler.language.function import Function
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ops import Op
 
-_SIZES = {False: 400, True: 250}
+_SIZES = {False: 400, True: 450}
 """About how many instructions a part has, without and with SIMD lanes."""
+_LOOP_SIZES = {False: 800, True: 600}
+"""The same of parts of a loop's body, whose state passes through memory in every iteration as it is."""
+_MAX_WHOLE_BODY = {False: 4_000, True: 15_000}
+"""The same of a loop's body that stays in one function.
+
+In lanes the scratch of parts is eight times as large: inverse kinematics of humanoids took a tenth to two fifths longer
+in parts."""
 _SINES = frozenset({int(Op.SIN), int(Op.COS)})
 _MAX_SINGLE_PART = 1_500
 """How many instructions in SIMD lanes stay in one part: passing values between parts is costly."""
@@ -42,7 +49,7 @@ Step = int | Sines | Store
 
 
 def made(graph: Graph, step: Step) -> Sequence[int]:
-    """The nodes that a step computes.
+    """The nodes that a step computes; a loop comes with all that is read of its last state.
 
     Args:
         graph: The graph that is evaluated.
@@ -52,7 +59,8 @@ def made(graph: Graph, step: Step) -> Sequence[int]:
         The nodes; none for a store.
     """
     if isinstance(step, int):
-        return (step,)
+        loop = graph.data[step] if graph.op[step] == Op.LOOP else None
+        return (step,) if loop is None else range(step, step + 1 + loop.size)
     if isinstance(step, Store):
         return ()
     partners = (graph.find(op, argument) for argument in step.arguments for op in (Op.SIN, Op.COS))
@@ -81,7 +89,7 @@ def parts(f: Function, lanes: int, pack: int) -> list[list[Step]]:
     and nothing else, so that they can become a loop.
 
     Args:
-        f: The function; with a loop it stays one part.
+        f: The function; with a loop whose iterations are recorded it stays one part.
         lanes: How many samples are evaluated at once.
         pack: For one sample, how many sines are taken at once; 1 for SIMD lanes, where a node holds as many as
             fit.
@@ -90,7 +98,7 @@ def parts(f: Function, lanes: int, pack: int) -> list[list[Step]]:
         The steps of each part, in the order in which they are written.
     """
     order = list(_order(f, 1 if f.lanes > 1 else lanes, pack))
-    if f.has_loops or f.lanes > 1:
+    if f.tape_size or f.lanes > 1:  # a loop and what reads its tape are in one function
         return _cut(f, order, 1)
     size = sum(map(_instructions, order))
     if lanes == 1:
@@ -101,6 +109,42 @@ def parts(f: Function, lanes: int, pack: int) -> list[list[Step]]:
     last: list[Step] = [step for step in order if isinstance(step, Store)]
     rest = [step for step in order if not isinstance(step, Store)]
     return [*_cut(f, rest, round(size / _SIZES[True])), last]
+
+
+def loop_parts(
+    graph: Graph, results: Sequence[int], kept: Sequence[int], given: Container[int], lanes: int, pack: int
+) -> list[list[Step]]:
+    """The steps of the body of a large loop, in parts that compile in acceptable time.
+
+    Args:
+        graph: The body.
+        results: The nodes that are wanted.
+        kept: The nodes that are stored, each as soon as it is known.
+        given: The nodes that are computed already.
+        lanes: How many samples are evaluated at once.
+        pack: As for `parts`.
+
+    Returns:
+        The steps of each part; none of a body that stays whole, since it is small or has loops itself.
+    """
+    live = graph.live([*results, *kept])
+    if any(graph.op[index] == Op.LOOP for index in live):
+        return []
+    waiting: dict[int, list[Step]] = {}
+    for k, node in enumerate(kept):
+        waiting.setdefault(node, []).append(Store(0, k, (node,)))
+    done, order = {index for index in live if index in given}, list[Step]()
+    for index in done:
+        order += waiting.pop(index, ())
+    for step in ordered(graph, [*results, *kept], pack):
+        new = [index for index in made(graph, step) if index not in done]
+        if new:
+            order.append(step)
+            done.update(new)
+            for index in new:
+                order += waiting.pop(index, ())
+    size = sum(map(_instructions, order))
+    return [] if size < _MAX_WHOLE_BODY[lanes > 1] else _pieces(order, round(size / _LOOP_SIZES[lanes > 1]))
 
 
 def scratch_places(
@@ -129,7 +173,8 @@ def scratch_places(
     count = 0
     for number, steps in enumerate(pieces):
         for index in (index for step in steps for index in made(graph, step)):
-            if last.get(index, 0) > number and (graph.op[index] not in constant or index in handed):
+            is_late = index not in slots and last.get(index, 0) > number
+            if is_late and (graph.op[index] not in constant or index in handed):
                 if not free:
                     free.append(count)
                     count += 1
@@ -144,10 +189,15 @@ def _cut(f: Function, steps: Sequence[Step], count: int) -> list[list[Step]]:
     g = f.graph
     inputs: list[Step] = [index for index in g.live(f.results) if g.op[index] == Op.INPUT]
     order = [step for step in steps if not isinstance(step, int) or g.op[step] != Op.INPUT]
-    ends = list(accumulate(map(_instructions, order), initial=0))
-    cuts = [bisect_left(ends, ends[-1] * k / max(count, 1)) for k in range(max(count, 1))]
-    pieces = [order[start:end] for start, end in pairwise([*cuts, len(order)]) if start < end]
+    pieces = _pieces(order, max(count, 1))
     return [[*inputs, *piece] if k == 0 else piece for k, piece in enumerate(pieces or [[]])]
+
+
+def _pieces(order: Sequence[Step], count: int) -> list[list[Step]]:
+    """The steps in up to `count` parts that take equally long."""
+    ends = list(accumulate(map(_instructions, order), initial=0))
+    cuts = [bisect_left(ends, ends[-1] * k / count) for k in range(count)]
+    return [list(order[start:end]) for start, end in pairwise([*cuts, len(order)]) if start < end]
 
 
 def _instructions(step: Step) -> int:

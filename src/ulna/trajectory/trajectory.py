@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna.checks.arrays import finite_array
+from ulna.checks.values import count as checked_count
 from ulna.checks.values import duration as checked_duration
 from ulna.checks.values import number
 from ulna.errors import InputError
@@ -19,6 +20,7 @@ from ulna.trajectory.peaks import greatest
 from ulna.trajectory.space import Poses, Space
 from ulna.typing import ArrayLike, Floats
 
+_MOST_ROWS = 10**8  # more do not fit
 END_TOLERANCE = 1e-9
 """How far beyond its ends, in parts of the duration, a time still counts as that end: what summing steps may lose."""
 
@@ -40,7 +42,7 @@ _BOUND_TOLERANCE = 1e-9  # how close the bound of a peak is to it, in parts of i
 
 
 class Samples(NamedTuple):
-    """Rows of a trajectory: times (m,) [s], points (m, ...), and their derivatives by time (m, n)."""
+    """Rows of a trajectory: times (m,) [s], points (m, ...), and their derivatives with respect to time (m, n)."""
 
     t: Floats
     q: Floats
@@ -88,7 +90,7 @@ class Trajectory(ABC):
     @property
     @abstractmethod
     def order(self) -> int:
-        """How many derivatives it knows: 3 with jerk, else 2."""
+        """How many derivatives it has: 3 with jerk, else 2."""
 
     @abstractmethod
     def _at(self, t: Floats, order: int) -> tuple[Floats, ...]:
@@ -151,7 +153,7 @@ class Trajectory(ABC):
             `(t, q, v, a)` or `(t, q, v, a, jerk)`, a named tuple.
 
         Raises:
-            InputError: Both or neither of `rate` and `n`, or one that is too small.
+            InputError: Both or neither of `rate` and `n`, or one that is too small or too large.
 
         Example:
             >>> move = ulna.trajectory.quintic([0.0], [1.0], duration=2.0)
@@ -163,14 +165,20 @@ class Trajectory(ABC):
             raise InputError(f"sample(rate={rate}, n={n}): expected one of both: rate=1000 or n=200.")
         if rate is not None:
             per_second = number("rate", rate, "rows a second, above zero [1/s]", above=0.0)
-            count = int(np.ceil(self.duration * per_second * (1.0 - END_TOLERANCE)))
+            rows = np.ceil(self.duration * per_second * (1.0 - END_TOLERANCE))
+            if not rows <= _MOST_ROWS:
+                raise InputError(
+                    f"`rate` is {per_second:g}, {rows:.3g} rows; expected at most {_MOST_ROWS:.0e}."
+                )
+            count = int(rows)
             t = np.append(np.arange(count) / per_second, self.duration)
         else:
             if not isinstance(n, (int, np.integer)) or n < 2:
                 raise InputError(f"`n` is {n!r}; expected a count of at least 2 rows.")
+            checked_count("n", n, 2, _MOST_ROWS)
             t = np.linspace(0.0, self.duration, int(n))
-        rows = self._checked_at(t, 3 if jerk else 2)
-        return SamplesWithJerk(t, *rows) if jerk else Samples(t, *rows)
+        parts = self._checked_at(t, 3 if jerk else 2)
+        return SamplesWithJerk(t, *parts) if jerk else Samples(t, *parts)
 
     @property
     def start(self) -> Floats:

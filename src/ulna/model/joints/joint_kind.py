@@ -107,7 +107,7 @@ class JointKind(abc.ABC):
 
     @abc.abstractmethod
     def describe(self) -> str:
-        """A few words for tables, for example ``"revolute z"``."""
+        """A short label for tables, such as ``"revolute z"``."""
 
     # the mechanism -----------------------------------------------------------------------------------------
 
@@ -177,7 +177,7 @@ class JointKind(abc.ABC):
 
     @abc.abstractmethod
     def coordinate_rates(self, q: Array, v: Array) -> Array:
-        """The rates of the coordinates: the derivative of `integrate(q, t v)` by t at 0.
+        """The rates of the coordinates: the derivative of `integrate(q, t v)` with respect to t at 0.
 
         Args:
             q: Position of the joint, shape (..., nq) [rad, m].
@@ -189,7 +189,7 @@ class JointKind(abc.ABC):
 
     @abc.abstractmethod
     def integrate_derivatives(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """The derivatives of `integrate` by q and by v, on the tangent spaces.
+        """The derivatives of `integrate` with respect to q and v, on the tangent spaces.
 
         Args:
             q: Position of the joint, shape (..., nq) [rad, m].
@@ -201,7 +201,7 @@ class JointKind(abc.ABC):
 
     @abc.abstractmethod
     def difference_derivatives(self, q0: Array, q1: Array) -> tuple[Array, Array]:
-        """The derivatives of `difference` by q0 and by q1, on the tangent spaces.
+        """The derivatives of `difference` with respect to q0 and q1, on the tangent spaces.
 
         Args:
             q0: Position of the joint, shape (..., nq) [rad, m].
@@ -213,7 +213,10 @@ class JointKind(abc.ABC):
 
     @abc.abstractmethod
     def neutral(self) -> Floats:
-        """The position at which the moving frame lies on the fixed frame, shape (nq,)."""
+        """The position from which others are counted, shape (nq,): no angle, no length, no rotation.
+
+        The moving frame then lies on the fixed frame, but for kinds that begin at a distance, such as `Ellipsoid`.
+        """
 
     @abc.abstractmethod
     def normalize(self, q: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Evaluation of candidates, compiled: angles moved into the limits, errors by the robot's own forward kinematics."""
+"""Evaluator of candidates, compiled: angles moved into the limits, errors by the robot's own forward kinematics."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from ulna.typing import Array, Floats
 RIM = 1e-9
 """How far outside its limits a joint may come out; it is then set on them [rad or m]."""
 
-Certificate = Callable[[Array, Array, Array], tuple[Array, Array]]
+Evaluator = Callable[[Array, Array, Array], tuple[Array, Array]]
 
 
-def certificate(model: Model, frame: Frame, arm: Arm) -> Certificate:
-    """The function (q, T, centre) to (q, worth), generic in the scalar.
+def candidate_evaluator(model: Model, frame: Frame, arm: Arm) -> Evaluator:
+    """The function (q, T, centre) to (q, evaluation), generic in the scalar.
 
     `q` (nq,) is a candidate, `T` (4, 4) its goal, `centre` (n,) where the arm's coordinates are wanted: a joint that
     turns comes out within half a turn of it, or, if that is outside its limits and a turn more or less is not, there.
-    `worth` (3,) is the distance [m] and the angle [rad] to the goal, and 1 within the limits, else 0; both are
+    `evaluation` (3,) is the distance [m] and the angle [rad] to the goal, and 1 within the limits, else 0; both are
     large for what is no pose, whatever the candidate.
 
     Args:
@@ -39,7 +39,7 @@ def certificate(model: Model, frame: Frame, arm: Arm) -> Certificate:
     turns = periods(arm)
     lower, upper = model.lower_position[list(places)], model.upper_position[list(places)]
 
-    def certified(q: Array, T: Array, centre: Array) -> tuple[Array, Array]:
+    def evaluate(q: Array, T: Array, centre: Array) -> tuple[Array, Array]:
         entries = [q[i] for i in range(model.nq)]
         inside: Any = 1.0
         for k, place in enumerate(places):
@@ -53,7 +53,7 @@ def certificate(model: Model, frame: Frame, arm: Arm) -> Certificate:
         angle = 2.0 * arctan2(sqrt(chord), sqrt(1.0 - minimum(chord, 1.0)))
         return out, vector(sqrt((gap * gap).sum()), angle, inside)
 
-    return certified
+    return evaluate
 
 
 def periods(arm: Arm) -> Floats:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from ulna.algorithms import Proximal
-from ulna.algorithms.multibody.references import Reference
+from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.errors import InputError, ShapeError
 from ulna.model import Constraint
 from ulna.model.constraint import listed
@@ -16,7 +16,7 @@ from ulna.numeric import is_symbolic
 from ulna.quantities import _constraint_kernels as kernels
 from ulna.quantities.constraint_arguments import anchor_poses, checked_solver, one_each, stabilisation_arrays
 from ulna.quantities.deferred_algorithms import algorithms
-from ulna.quantities.forces import FORCES, Forces, stacked
+from ulna.quantities.forces import FORCE_OPTIONS, Forces, checked_forces, stacked_wrenches
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import quantity
 from ulna.typing import ArrayLike, Floats
@@ -50,10 +50,11 @@ class Constraints(Part):
     @quantity(
         kernels.constrained_dynamics,
         "(nv,), (m,), (), ()",
-        options={**_OF, **FORCES, "friction": False, "stabilised": False, "solver": _DEFAULT},
+        options={**_OF, **FORCE_OPTIONS, "friction": False, "stabilised": False, "solver": _DEFAULT},
         more=kernels.motion_arguments,
         nodes=(148, 40, 1),
         inverts_mass=True,
+        stages=kernels.stages_of_motion,
     )
     def forward_dynamics(
         self,
@@ -101,9 +102,11 @@ class Constraints(Part):
         Reference: Featherstone 2008, section 8.4; Carpentier, Budhiraja & Mansard 2021; Baumgarte 1972.
         """
         listing, arrays, frames = listed(constraints), [q, v, tau], ()
+        forces = checked_forces(forces)
+        check_reference(reference)
         if forces:
             frames = tuple(forces)
-            arrays.append(stacked(forces))
+            arrays.append(stacked_wrenches(forces))
         stabilised = kp is not None or kd is not None
         if stabilised:
             arrays += stabilisation_arrays(listing, anchors, kp, kd)
@@ -111,7 +114,7 @@ class Constraints(Part):
             raise InputError(
                 "`anchors` pull nothing without a gain; give `kp` too, such as kp=100.0 [1/s^2]."
             )
-        written = reference if forces else FORCES["reference"]
+        written = reference if forces else FORCE_OPTIONS["reference"]
         options = (frames, written, friction, stabilised, checked_solver(solver))
         return algorithms.ConstrainedMotion(*self._kernel("constrained_dynamics", listing, *options)(*arrays))
 
@@ -122,6 +125,8 @@ class Constraints(Part):
         nodes=(900, 400, 30),
         inverts_mass=True,
         columns=kernels.of_frame_pairs(algorithms.columns_of_constrained_derivatives),
+        stages=kernels.of_frame_pairs(algorithms.stages_of_constrained_derivatives),
+        stages_from=12,
     )
     def forward_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, constraints: AnyConstraints
@@ -132,7 +137,8 @@ class Constraints(Part):
             q: Configuration, (..., nq) [rad or m].
             v: Velocity, (..., nv) [rad/s or m/s].
             tau: Joint torques, (..., nv) [N m or N].
-            constraints: The constraints. Where one depends on others, forces are not unique, and all results are nan.
+            constraints: The constraints. Where one depends on others, forces are not unique, and all that depends on
+                them is nan. Entries that no force changes hold, such as those of another arm on a fixed base.
 
         Returns:
             `a_q`, `a_v` and `a_tau` (..., nv, nv), `forces_q`, `forces_v` and `forces_tau` (..., m, nv); those by `q`
@@ -203,6 +209,7 @@ class Constraints(Part):
         more=kernels.impact_arguments,
         nodes=(100, 40, 1),
         inverts_mass=True,
+        stages=kernels.stages_of_impact,
     )
     def impulse_dynamics(
         self,

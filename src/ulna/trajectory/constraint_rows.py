@@ -2,7 +2,7 @@
 
 | symbol | meaning | shape | unit |
 |---|---|---|---|
-| p, p', p'' | path and its derivatives by its parameter s | (n,) | [rad] |
+| p, p', p'' | path and its derivatives with respect to its parameter s | (n,) | [rad] |
 | x, u | s'^2 and s'', rates of s by time | () | [1/s^2] |
 | a, b, c | low <= a u + b x + c <= high; acceleration: p', p'', 0 | (n,) | |
 | | torque: M p', M p'' + C(p, p') p', g | (nv,) | [N m] |
@@ -111,7 +111,7 @@ def bounds_of(name: str, value: ArrayLike | None, n: int) -> Bounds:
         high = bound if bound.shape else np.full(n, float(bound))
         low = -high
         if high.min() > 0.0 and high.max() < np.inf:
-            return Bounds(low, high, _yes(n), True, True)
+            return Bounds(low, high, _all_true(n), True, True)
     else:
         raise ShapeError(name, bound.shape, f"one number, ({n},), or (2, {n}): least and greatest")
     if high.min() > 0.0 and low.max() < 0.0:
@@ -131,7 +131,7 @@ def _unlimited(n: int) -> Bounds:
 
 
 @lru_cache(maxsize=32)
-def _yes(n: int) -> Any:
+def _all_true(n: int) -> Any:
     return np.ones(n, dtype=bool)
 
 

@@ -1,4 +1,4 @@
-"""Recursions of matrices of pairs of columns with velocities: derivatives of inverse dynamics, the Coriolis matrix."""
+"""Recursions of matrices that depend on velocities: derivatives of inverse dynamics, the Coriolis matrix."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ulna.model import Model
 from ulna.recursions._procedures import derivatives
 from ulna.recursions._procedures.newton_euler import new_motions
 from ulna.recursions._procedures.placements import new_placements
-from ulna.recursions.composition import OfColumns
+from ulna.recursions.composition import MimicMatrices
 from ulna.recursions.frame_rows import loaded_frames
 from ulna.recursions.recursion import Recursion
 from ulna.recursions.tree_table import free_columns, has_mimics, tree_table
@@ -21,8 +21,8 @@ _DERIVATIVES = derivatives.inverse_dynamics_derivatives
 _LOADED_DERIVATIVES = derivatives.loaded_inverse_dynamics_derivatives
 
 
-def new_pairs(rows: int, columns: int) -> derivatives.Pairs:
-    """Storage for pairs of columns.
+def new_workspace(rows: int, columns: int) -> derivatives.DerivativeWorkspace:
+    """The arrays that the recursion of derivatives writes.
 
     Args:
         rows: How many rows the table has.
@@ -32,15 +32,15 @@ def new_pairs(rows: int, columns: int) -> derivatives.Pairs:
         The storage.
     """
     shapes = (rows, 10), (rows, 6, 1), (rows, 6, 1), *[(columns, 6)] * 3, *[(6, columns)] * 3
-    return derivatives.Pairs(*map(np.zeros, (*shapes, (3, columns), (2, columns))))
+    return derivatives.DerivativeWorkspace(*map(np.zeros, (*shapes, (3, columns), (2, columns))))
 
 
 def _matrices(
     procedure: Any, loaded: Any, count: int, *sizes: str
-) -> Callable[[Model, Options], Recursion | OfColumns]:
-    """So many matrices (nv, nv), the last of which is the mass matrix if there are three."""
+) -> Callable[[Model, Options], Recursion | MimicMatrices]:
+    """A maker of recursions of `count` matrices (nv, nv), the last of which is the mass matrix if there are three."""
 
-    def make(model: Model, options: Options) -> Recursion | OfColumns:
+    def make(model: Model, options: Options) -> Recursion | MimicMatrices:
         whole, frames = tree_table(model), loaded_frames(model, options)
         tree = free_columns(whole) if has_mimics(model, whole) else whole
         rows, columns = len(tree.parents), len(tree.entries)
@@ -48,7 +48,7 @@ def _matrices(
         def storage(lanes: int) -> Sequence[Any]:
             places = new_placements(rows, 1, frames is not None)
             last = () if frames is None else (frames,)
-            return tree, places, new_motions(rows, 1), new_pairs(rows, columns), *last
+            return tree, places, new_motions(rows, 1), new_workspace(rows, columns), *last
 
         inputs = [(model.nq if size == "nq" else columns,) for size in sizes]
         inputs += [] if frames is None else [(len(frames.rows), 6)]
@@ -57,7 +57,7 @@ def _matrices(
         made = Recursion(chosen, storage, tuple(inputs), outputs, rows, is_matrix=True)
         if tree is whole:
             return made
-        return OfColumns(made, whole.entries, whole.armature if count == 3 else None, model.nv)
+        return MimicMatrices(made, whole.entries, whole.armature if count == 3 else None, model.nv)
 
     return make
 

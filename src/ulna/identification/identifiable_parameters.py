@@ -19,6 +19,9 @@ from typing import Any
 import numpy as np
 
 from ulna.algorithms.dynamics.regressors import PARAMETERS
+from ulna.checks.arrays import finite_array
+from ulna.checks.values import checked_robot, flag, generator
+from ulna.checks.values import count as checked_count
 from ulna.errors import InputError, ShapeError
 from ulna.model import Model
 from ulna.typing import ArrayLike, Floats
@@ -90,14 +93,21 @@ def base_parameters(
     Returns:
         The base parameters.
 
+    Raises:
+        InputError: An argument is no robot, flag, count or seed.
+
     Example:
         >>> ulna.identification.base_parameters(ulna.load("ur5")).count
         36
     """
-    model: Model = robot.model
-    rng = np.random.default_rng(seed)
+    model: Model = checked_robot(robot).model
+    for name, counts in {"armature": armature, "damping": damping, "friction": friction}.items():
+        flag(name, counts)
+    rng = generator("seed", seed)
     names = parameter_names(model, armature=armature, damping=damping, friction=friction)
-    count = max(50, 3 * len(names) // max(model.nv, 1)) if samples is None else samples
+    count = (
+        max(50, 3 * len(names) // max(model.nv, 1)) if samples is None else checked_count("samples", samples)
+    )
     q = robot.random_configuration(count, rng)
     v, a = rng.standard_normal((2, count, model.nv))
     W = extended_regressor(robot, q, v, a, armature=armature, damping=damping, friction=friction)
@@ -124,7 +134,7 @@ def base_parameters_of(
         ShapeError: `W` is not a matrix.
         InputError: there are not as many names as columns.
     """
-    stack = np.asarray(W, dtype=float)
+    stack = finite_array("W", W)
     if stack.ndim != 2:
         raise ShapeError("W", stack.shape, "(rows, n)")
     n = stack.shape[1]

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from ulna.ik.analytic.certify import RIM, _within
+from ulna.ik.analytic.evaluation import RIM, _within
 
 TURN = 2.0 * math.pi
 

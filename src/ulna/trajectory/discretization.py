@@ -1,4 +1,4 @@
-"""The task of time-optimal parameterisation on a grid: samples, constraints at nodes, greatest rates."""
+"""The task of time-optimal parameterisation on a grid: samples, constraints at nodes, largest rates."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
-from ulna.trajectory.base import Trajectory
 from ulna.trajectory.certificate import misfit
-from ulna.trajectory.constraints import Bounds, Rows
+from ulna.trajectory.constraint_rows import Bounds, Rows
 from ulna.trajectory.grids import Sampled, at_nodes, graded, halved, sampled
 from ulna.trajectory.quartics import NODES, PROBES
 from ulna.trajectory.reach import HUGE
 from ulna.trajectory.survey import TINY, Survey, corners, surveyed
+from ulna.trajectory.trajectory import Trajectory
 from ulna.typing import Floats
 
 MOST = 20_000
@@ -29,7 +29,7 @@ _NOISE = 1e-3  # errors below this that halving twice does not reduce are those 
 _SHORTEST = 1e-5  # how long a segment lasts at least, in parts of about the whole: else times lose digits
 
 MakeRows = Callable[[Floats, Floats, Floats], Rows]
-Four = tuple[Floats, Floats, Floats, Floats]
+RowArrays = tuple[Floats, Floats, Floats, Floats]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class Task:
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
+class DiscretizedTask:
     """The task on one grid: samples, rows, those at the start and the end of segments, and greatest squared rates.
 
     `top` are greatest squared rates of grid points, (N + 1,); `rests` are the segments at one of whose ends the path is
@@ -58,14 +58,14 @@ class Ground:
 
     at: Sampled
     rows: Rows
-    start: Four
-    end: Four
+    start: RowArrays
+    end: RowArrays
     survey: Survey
     top: Floats
     rests: Any
 
 
-def fitted(task: Task, s: Floats) -> Ground:
+def refined(task: Task, s: Floats) -> DiscretizedTask:
     """The task on a grid on whose segments quartics are good enough.
 
     Args:
@@ -82,20 +82,20 @@ def fitted(task: Task, s: Floats) -> Ground:
     rows = task.rows(at.q, at.tangent, at.curvature)
     before, stuck = np.inf, 0
     for _ in range(0 if task.exact else _FITS):
-        misses = _misses(task, at, rows)
-        poor, worst = misses > _FIT, float(misses.max())
+        errors = _fit_errors(task, at, rows)
+        poor, worst = errors > _FIT, float(errors.max())
         stuck = stuck + 1 if 0.5 * before < worst < _NOISE else 0
         if not poor.any() or at.s.size > MOST or stuck == 2:
             break
         before = worst
         at, survey = sampled(task.path, halved(at.s, poor)), None
         rows = task.rows(at.q, at.tangent, at.curvature)
-        if worst < 16.0 * _FIT:  # halves miss 32 times less
+        if worst < 16.0 * _FIT:  # halving reduces the error by a factor of 32
             break
-    return ground_of(task, at, rows, survey)
+    return discretized(task, at, rows, survey)
 
 
-def ground_of(task: Task, at: Sampled, rows: Rows, survey: Survey | None = None) -> Ground:
+def discretized(task: Task, at: Sampled, rows: Rows, survey: Survey | None = None) -> DiscretizedTask:
     """The task on a grid, from its samples.
 
     Args:
@@ -118,38 +118,38 @@ def ground_of(task: Task, at: Sampled, rows: Rows, survey: Survey | None = None)
     rests = first | last
     top = np.full(at.s.size, HUGE)
     if rests.any() or max(survey.start.max(), survey.end.max()) > 1e-3 * HUGE:
-        fast = _usual(at, rows) * (at.D / (2.0 * _SHORTEST * at.s[-1])) ** 2
+        fast = _typical_squared_rate(at, rows) * (at.D / (2.0 * _SHORTEST * at.s[-1])) ** 2
         top[0], top[-1], top[1:-1] = fast[0], fast[-1], np.minimum(fast[:-1], fast[1:])
     stops = corners(task.path, at, size)
     if stops.size:
         top[stops] = 0.0
     starts, ends = _at_node(at, rows, 0, first, 0.5), _at_node(at, rows, -1, last, -0.5)
-    return Ground(at, rows, starts, ends, survey, top, rests)
+    return DiscretizedTask(at, rows, starts, ends, survey, top, rests)
 
 
-def _at_node(at: Sampled, rows: Rows, node: int, rest: Any, step: float) -> Four:
+def _at_node(at: Sampled, rows: Rows, node: int, rest: Any, step: float) -> RowArrays:
     """The rows at the first or the last node of each segment; those at its middle where the path rests at that node.
 
     At rest all factors are zero, so that nothing would be limited. The middle is half of D away: with `step` 0.5, or
     -0.5 seen from the end, its x is x + step D u.
     """
-    four = _four(rows, node)
+    four = _rows_at(rows, node)
     if not rest.any():
         return four
     a, b, low, high = (np.array(part) for part in np.broadcast_arrays(*four))
-    a1, b1, low1, high1 = np.broadcast_arrays(*_four(rows, 2))
+    a1, b1, low1, high1 = np.broadcast_arrays(*_rows_at(rows, 2))
     a[rest] = a1[rest] + step * at.D[rest, None] * b1[rest]
     b[rest], low[rest], high[rest] = b1[rest], low1[rest], high1[rest]
     return a, b, low, high
 
 
-def _four(rows: Rows, node: int) -> Four:
+def _rows_at(rows: Rows, node: int) -> RowArrays:
     if rows.low.ndim == 2:
         return rows.a[:, node], rows.b[:, node], rows.low[0], rows.high[0]
     return rows.a[:, node], rows.b[:, node], rows.low[:, node], rows.high[:, node]
 
 
-def _misses(task: Task, at: Sampled, rows: Rows) -> Floats:
+def _fit_errors(task: Task, at: Sampled, rows: Rows) -> Floats:
     """How far quartics through the samples are from the constraints, in parts of the greatest ones, (N,)."""
     q, tangent, curvature = at_nodes(task.path, at.s, PROBES)
     truth = task.rows(q, tangent, curvature)
@@ -161,13 +161,13 @@ def _misses(task: Task, at: Sampled, rows: Rows) -> Floats:
     return worst
 
 
-def holds_still(ground: Ground) -> bool:
+def holds_still(grid: DiscretizedTask) -> bool:
     """Whether a robot at rest is within all limits everywhere: then going slower is always possible."""
-    return float(ground.rows.low.max()) < 0.0 < float(ground.rows.high.min())
+    return float(grid.rows.low.max()) < 0.0 < float(grid.rows.high.min())
 
 
-def _usual(at: Sampled, rows: Rows) -> float:
-    """A squared rate that is usual on the path, by its constraints.
+def _typical_squared_rate(at: Sampled, rows: Rows) -> float:
+    """The median over the path of the squared rates that constraints allow.
 
     Raises:
         InputError: The path does not move.
@@ -183,24 +183,24 @@ def _usual(at: Sampled, rows: Rows) -> float:
     return float(np.median(1.0 / hard))
 
 
-def static_violation(task: Task, ground: Ground) -> str:
+def static_violation(task: Task, grid: DiscretizedTask) -> str:
     """A sentence on the limit that a robot at rest exceeds most.
 
     Args:
         task: Path, limits and rates at the ends.
-        ground: The task on a grid.
+        grid: The task on a grid.
 
     Returns:
         The sentence; "" where the robot can rest anywhere on the path.
     """
-    if holds_still(ground):
+    if holds_still(grid):
         return ""
-    rows = ground.rows
+    rows = grid.rows
     low, high = rows.limits
     span = high - low
     over = np.maximum(rows.low, -rows.high) / span
     k, node, j = np.unravel_index(int(np.argmax(over)), over.shape)
     value = high[j] - rows.high[k, node, j]
     limit = high[j] if value >= high[j] else low[j]
-    place = ground.at.s[k] + 0.5 * ground.at.D[k] * NODES[node]
+    place = grid.at.s[k] + 0.5 * grid.at.D[k] * NODES[node]
     return f"At rest at s = {place:.6g} the {rows.labels(task.names)[j]} is {value:.6g}, beyond its limit {limit:.6g}. "

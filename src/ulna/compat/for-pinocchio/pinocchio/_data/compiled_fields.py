@@ -1,0 +1,155 @@
+"""Fields of a Data that one kernel computes when they are read, out of the state of the algorithm that left them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import not_applicable
+from pinocchio._data.algorithm import STATES, Deferred
+from pinocchio._data.evaluated_model import EvaluatedModel
+from pinocchio._data.states import FieldStates
+from pinocchio._model.compiled_model import CompiledModel
+from pinocchio._tables.evaluation import TableEvaluator
+from pinocchio._tables.joint_table import UnknownKind
+from ulna import spatial
+from ulna.model import Model as CoreModel
+from ulna.typing import Array, Floats
+
+_OF_BODIES = ("v", "ov", "h", "oh", "a_gf", "f", "oa_gf", "of")
+"""Fields whose first row, of the universe, is set with the others."""
+
+
+def split_forces(F: Array) -> list[spatial.Force | None]:
+    """Rows of an array as forces on joints."""
+    return [spatial.Force(F[k, :3], F[k, 3:]) for k in range(F.shape[0])]
+
+
+@final
+class CompiledFields:
+    """Fields that `functions(model, *inputs, forces)` computes: a function without arguments for each field.
+
+    `by_table` computes them for a model that is evaluated. The row of the universe is set here, unless an algorithm
+    fills it.
+    """
+
+    def __init__(
+        self,
+        inputs: str,
+        functions: Callable[..., dict[str, Any]],
+        by_table: Callable[..., dict[str, Floats]] | None = None,
+        universe_is_filled: bool = False,
+    ) -> None:
+        self._inputs, self._functions, self._by_table = inputs, functions, by_table
+        self._universe_is_filled = universe_is_filled
+
+    def deferred(self) -> Deferred:
+        """How they are computed when they are read."""
+        return Deferred(self._inputs, self.fill, self.bind)
+
+    def fill(
+        self,
+        data: FieldStates,
+        compiled: CompiledModel | EvaluatedModel,
+        fields: tuple[str, ...],
+        *state: Floats,
+    ) -> None:
+        """Computes fields.
+
+        Args:
+            data: Its data, which is filled.
+            compiled: The kernels of the model.
+            fields: Their names.
+            *state: The arrays (...) that they are computed from.
+        """
+        evaluator = table_of(data, compiled) if self._by_table else None
+        if self._by_table and evaluator:
+            computed = self._by_table(evaluator, *state)
+            results = tuple(computed[field] for field in fields)
+        else:
+            results = self._kernel(compiled, fields, state)(*state)
+        for field, values in zip(fields, results, strict=False):  # what follows is for `bind`
+            data._target(field)[...] = values
+        for field in self._with_universe(fields):
+            data._arrays[field][0] = _of_universe(compiled, field)
+
+    def bind(
+        self, data: FieldStates, number: int, compiled: CompiledModel, fields: tuple[str, ...], *state: Floats
+    ) -> Any:
+        """Makes a kernel of no arguments that computes fields, see `Deferred.bind`.
+
+        Args:
+            data: Its data, which is filled.
+            number: That of the algorithm that left the fields.
+            compiled: The kernels of the model.
+            fields: Their names.
+            *state: The arrays (...) that they are computed from, which are read at every call.
+
+        Returns:
+            The bound kernel.
+        """
+        marks = [data._mark_of(field) for field in fields]
+        return self._kernel(compiled, fields, state).into(
+            *(data._target(field) for field in fields),
+            *(data._arrays[field][0] for field in self._with_universe(fields)),
+            *marks,
+            *(data._arrays[name] for name, _ in _states_of(fields)),
+            watch=[(mark, np.array(float(number))) for mark in marks],
+            otherwise=not_applicable,
+            trailing_inputs=state,
+        )
+
+    def _kernel(
+        self, compiled: CompiledModel | EvaluatedModel, fields: tuple[str, ...], state: Sequence[Floats]
+    ) -> Any:
+        """Of a state: the fields, rows of the universe, zeros for marks, and the state that `v` or `a` is of."""
+        state_size = len(self._inputs.rstrip("f"))
+        with_universe, states = self._with_universe(fields), _states_of(fields)
+
+        def build(core: CoreModel) -> Any:
+            def run(*args: Array) -> tuple[Any, ...]:
+                forces = split_forces(args[-1]) if len(args) > state_size else None
+                functions = self._functions(core, *args[:state_size], forces)
+                computed = [functions[field]() for field in fields]
+                universe = [_of_universe(core, field) for field in with_universe]
+                return *computed, *universe, *([0.0] * len(fields)), *(args[k] for _, k in states)
+
+            return run
+
+        shapes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(state)}
+        key = self._functions, self._universe_is_filled, fields, len(state)
+        return compiled.compile(key, build, **shapes)
+
+    def _with_universe(self, fields: tuple[str, ...]) -> list[str]:
+        """The fields whose row of the universe is set here."""
+        return [] if self._universe_is_filled else [field for field in fields if field in _OF_BODIES]
+
+
+def _of_universe(model: Any, field: str) -> Array:
+    """That row, (6,): what does not move accelerates upwards relative to free fall."""
+    lift = -np.asarray(model.gravity) if field in ("a_gf", "oa_gf") else np.zeros(3)
+    return np.concatenate([lift, np.zeros(3)])
+
+
+def _states_of(fields: tuple[str, ...]) -> list[tuple[str, int]]:
+    """The names of states that are known once these fields are filled, and which inputs they are."""
+    names = [name for name, field in (("velocities", "v"), ("accelerations", "a")) if field in fields]
+    return [(f"{name} {letter}", k) for name in names for k, letter in enumerate(STATES[name])]
+
+
+def table_of(data: FieldStates, compiled: Any) -> TableEvaluator | None:
+    """The evaluator for a model that is evaluated; None for others, and where a table does not have its joints.
+
+    Args:
+        data: Its data.
+        compiled: The kernels of the model.
+
+    Returns:
+        The evaluator, or None.
+    """
+    try:
+        return compiled.evaluator(data) if isinstance(compiled, EvaluatedModel) else None
+    except UnknownKind:
+        return None

@@ -1,0 +1,69 @@
+"""Data of a model's joints that show the state of the last algorithm whenever they are read."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+from pinocchio._containers.arrays import StdVec
+from pinocchio._data.articulated_bodies import check_articulated, is_articulated
+from pinocchio._data.states import FieldStates
+from pinocchio._model.joint_data import JointData, data_of
+from ulna.typing import Floats
+
+
+@final
+class LiveJoint:
+    """The state of one joint in a Data; see `LiveState`."""
+
+    __slots__ = ("_data", "_joint", "_seen", "_target")
+
+    def __init__(self, data: FieldStates, joint: Any, target: JointData) -> None:
+        self._data, self._joint, self._target = data, joint, target
+        self._seen: Any = None
+
+    def update(self) -> None:
+        """Writes the present state into the data of the joint, where it has changed."""
+        q, velocity_state = self._data._q_of_joints, self._data._qv_of_joints
+        present = [None if x is None else x.tobytes() for x in (q, *(velocity_state or ()))]
+        if present == self._seen:
+            return
+        self._seen = present
+        if velocity_state is not None:
+            self._joint.calc(self._target, *velocity_state)
+        if q is not None:
+            self._joint.calc(self._target, q)
+
+    @property
+    def has_terms(self) -> bool:
+        """Whether the terms of the articulated-body algorithm are defined."""
+        return is_articulated(self._data._model)
+
+    def terms(self, joint_data: JointData) -> tuple[Floats, Floats] | None:
+        """U (6, nv) and Dinv (nv, nv) of the present state.
+
+        Args:
+            joint_data: The data of the joint, or of a part of it, which has none.
+
+        Returns:
+            The terms; None before the first algorithm.
+        """
+        data = self._data
+        if joint_data is not self._target or data._q_of_joints is None:
+            return None
+        check_articulated(data._model)
+        data._read("Yaba")
+        rows = slice(self._joint.idx_v, self._joint.idx_v + self._joint.nv)
+        return data._arrays["U of bodies"][:, rows].copy(), data._arrays["Dinv of bodies"][rows, rows].copy()
+
+
+def live_joints(data: FieldStates) -> StdVec[JointData]:
+    """The data of the joints of the model of a Data, the universe first.
+
+    Returns:
+        The data; each shows the state of the last algorithm whenever it is read.
+    """
+    joints = data._model.joints
+    out = StdVec(data_of(joint) for joint in joints)
+    for joint, made in zip(joints[1:], out[1:], strict=True):
+        made.follow(LiveJoint(data, joint, made))
+    return out
