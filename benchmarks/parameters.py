@@ -1,8 +1,8 @@
-"""Kernels whose masses and placements are inputs: their price beside baked kernels, and many robots at once.
+"""Kernels whose masses and placements are inputs: their cost beside kernels with constants, and many robots at once.
 
     python benchmarks/parameters.py [--models 10000]
 
-Needs `pin`. Its inertias, and its models, are made before the clock starts; the loop over baked kernels makes one for
+Needs `pin`. Its inertias, and its models, are made before the clock starts; the loop over kernels with constants makes one for
 each robot, without the disk cache.
 """
 
@@ -28,20 +28,20 @@ CASES = ((), ("gravity",), ("offset",), ("inertia",), ("shift",), ("placement",)
 BATCH = 1000
 
 
-def price(name: str, recipe: str) -> list[list[str]]:
+def cost_of(name: str, quantity: str) -> list[list[str]]:
     """Operations, one call and one of a batch for each choice of parameters."""
     model = ulna.load(name).model
     rng = np.random.default_rng(0)
     single: list[Callable[[], object]] = []
     batched: list[Callable[[], object]] = []
     made = []
-    for told in CASES:
+    for names in CASES:
         start = time.perf_counter()
-        kernel = kernels.kernel(model, recipe, parameters=told)
+        kernel = kernels.kernel(model, quantity, parameters=names)
         took = time.perf_counter() - start
-        count = len(kernel.function.inputs) - len(told)
+        count = len(kernel.function.inputs) - len(names)
         one = [rng.uniform(-1.0, 1.0, port.shape) for port in kernel.function.inputs[:count]]
-        own = [np.ascontiguousarray(parameters(model, key)) for key in told]
+        own = [np.ascontiguousarray(parameters(model, key)) for key in names]
         many = [np.tile(x, (BATCH, *[1] * x.ndim)) for x in (*one, *own)]
         single.append(lambda kernel=kernel, args=(*one, *own): kernel(*args))
         batched.append(lambda kernel=kernel, args=many: kernel(*args))
@@ -49,14 +49,14 @@ def price(name: str, recipe: str) -> list[list[str]]:
     calls, batches = medians(single), medians(batched)
     return [
         [
-            f"{name} {recipe}",
-            ", ".join(told) or "none, baked",
+            f"{name} {quantity}",
+            ", ".join(names) or "none, constants",
             str(operations),
             shown(took),
             f"{shown(one)} ({one / calls[0]:.1f})",
             f"{shown(batch / BATCH)} ({batch / batches[0]:.1f})",
         ]
-        for told, (operations, took), one, batch in zip(CASES, made, calls, batches, strict=True)
+        for names, (operations, took), one, batch in zip(CASES, made, calls, batches, strict=True)
     ]
 
 
@@ -98,7 +98,7 @@ def randomised(count: int) -> list[list[str]]:
     start = time.perf_counter()
     for row in inertia[:5]:
         kernels.kernel(with_parameters(robot.model, {"inertia": row}), "forward_dynamics")(q, v, tau)
-    baked = (time.perf_counter() - start) / 5
+    constant = (time.perf_counter() - start) / 5
     ours = together / count
     print(f"largest difference from Pinocchio: {error:.1e} rad/s^2\n")
     return [
@@ -107,7 +107,7 @@ def randomised(count: int) -> list[list[str]]:
             [way, shown(t / len(few)), "", f"{t / len(few) / ours:.0f}"]
             for way, t in zip(ways, theirs, strict=True)
         ),
-        ["a baked kernel for each", shown(baked), "", f"{baked / ours:.0f}"],
+        ["a kernel with constants for each", shown(constant), "", f"{constant / ours:.0f}"],
     ]
 
 
@@ -119,18 +119,18 @@ def main() -> None:
     rows = [
         row
         for name in ("panda", "ur5")
-        for recipe in ("fk", "inverse_dynamics", "forward_dynamics", "mass_matrix")
-        for row in price(name, recipe)
+        for quantity in ("fk", "inverse_dynamics", "forward_dynamics", "mass_matrix")
+        for row in cost_of(name, quantity)
     ]
     header = [
         "kernel",
         "parameters",
         "operations",
         "made in",
-        "one call (baked: 1)",
-        f"one of {BATCH} (baked: 1)",
+        "one call (constants: 1)",
+        f"one of {BATCH} (constants: 1)",
     ]
-    print(table("The price of parameters", header, rows))
+    print(table("The cost of parameters", header, rows))
     header = ["forward dynamics", "one robot", f"{count} robots", "ratio"]
     print(table(f"{count} Pandas with different masses, one core", header, randomised(count)))
 

@@ -76,12 +76,12 @@ def test_kernels_with_the_models_parameters_as_inputs_are_the_constant_ones(quan
         options = {"damping": 0.1}
     if "constraints" in kernels.QUANTITIES[quantity].options:
         options = {"constraints": [PointContact("tip")]}
-    baked = kernels.function(model, quantity, **options)
+    constant = kernels.function(model, quantity, **options)
     varying = kernels.function(model, quantity, parameters=EVERY, **options)
-    assert [port.name for port in varying.inputs[len(baked.inputs) :]] == list(EVERY)
-    own = inputs(baked, model)
+    assert [port.name for port in varying.inputs[len(constant.inputs) :]] == list(EVERY)
+    arrays = inputs(constant, model)
     with np.errstate(invalid="ignore"):
-        close(varying(*own, *(parameters(model, name) for name in EVERY)), baked(*own), 1e-9)
+        close(varying(*arrays, *(parameters(model, name) for name in EVERY)), constant(*arrays), 1e-9)
 
 
 @pytest.mark.parametrize(

@@ -102,7 +102,7 @@ def test_a_robot_with_nothing_to_offset() -> None:
 
 
 def test_operation_counts_of_parameters() -> None:
-    """Scalar operations of the Panda's inverse dynamics; the baked kernel has 624."""
+    """Scalar operations of the Panda's inverse dynamics; the kernel with constants has 624."""
     model = ulna.load("panda").model
     for names, budget in {
         "inertia": 720,

@@ -22,11 +22,12 @@ from ulna.viewer.page.viser_nodes import (
 from ulna.viewer.page.viser_paths import ViserPaths
 
 _DEFAULT_APPEARANCE = (-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0)
-_CONTENT_TIME_FRACTION = (
-    1 / 8
-)  # of its time that the page's thread may spend on contents that change all the time
-_MAX_CONTENT_DELAY = 0.25  # s that they wait at most
-_IDLE_TIME = 0.3  # s without a motion after which all is at rest
+_CONTENT_TIME_FRACTION = 1 / 8
+"""Part of its time that the page's thread may spend on contents that change all the time [-]."""
+_MAX_CONTENT_DELAY = 0.25
+"""How long such contents wait at most [s]."""
+_IDLE_TIME = 0.3
+"""How long no pose must have changed for the scene to count as at rest [s]."""
 
 
 @final
@@ -46,7 +47,7 @@ class Publisher:
     ) -> None:
         self._scene, self._server, self._channel = scene, server, channel
         self._theme = theme
-        self._baked = not (live and channel.is_supported)
+        self._has_fixed_appearance = not (live and channel.is_supported)
         self.shown: dict[str, ViserNode] = {}
         """The nodes of the scene as the page has them."""
         self._paths = ViserPaths()
@@ -55,7 +56,7 @@ class Publisher:
         self._label_texts: dict[str, str] = {}  # of the texts that a file contains
         self._content_pending = False  # whether some have not been sent yet
         self._sent = (-1, -1, -1)
-        self._settled = True
+        self._is_at_rest = True
         self._moved_at = 0.0
         self.motion = MotionLog()
         """The motion that the page can play after its program has ended."""
@@ -77,7 +78,7 @@ class Publisher:
 
     def publish(self, now: float) -> None:
         """Send what is new at this time [s, monotonic]."""
-        unchanged = self._settled and self._scene.version == self._sent
+        unchanged = self._is_at_rest and self._scene.version == self._sent
         if unchanged and now >= self.resend_until and not self._content_pending:
             return
         snapshot = self._scene.snapshot()
@@ -89,10 +90,10 @@ class Publisher:
         t = None
         if snapshot[:3] != self._sent:
             t = self.motion.add_published(snapshot) if self._logs else None
-            self._sent, self._settled, self._moved_at = snapshot[:3], False, now
-        elif not self._settled and now - self._moved_at > _IDLE_TIME:
+            self._sent, self._is_at_rest, self._moved_at = snapshot[:3], False, now
+        elif not self._is_at_rest and now - self._moved_at > _IDLE_TIME:
             # at rest: leave the poses in viser's own state, too, which new tabs and recordings start from
-            self._settled = True
+            self._is_at_rest = True
             self._set_each(snapshot)
         elif now >= self.resend_until:
             return
@@ -133,7 +134,9 @@ class Publisher:
             )
 
     def _add_node(self, path: str, snapshot: Snapshot, i: int) -> ViserNode:
-        return add_node(self._server, path, snapshot, i, self._baked, self._channel.is_supported)
+        return add_node(
+            self._server, path, snapshot, i, self._has_fixed_appearance, self._channel.is_supported
+        )
 
     def _remove_node(self, name: str) -> None:
         shown = self.shown.pop(name)
@@ -167,7 +170,7 @@ class Publisher:
                 paths.append(shown.path)
                 appearances.append(appearance)
         rows = appearance_rows(appearances, [p in texts for p in paths])
-        if not self._baked:
+        if not self._has_fixed_appearance:
             self._channel.send_appearances(paths, rows, texts)
         elif texts and texts != self._label_texts:
             self._label_texts = texts

@@ -151,7 +151,7 @@ def appearance_rows(appearances: list[tuple[Any, ...]], flat: list[bool]) -> Any
 
 
 def add_node(
-    server: Any, path: str, snapshot: Snapshot, i: int, baked: bool, is_ulnas_page: bool = False
+    server: Any, path: str, snapshot: Snapshot, i: int, fixed_appearance: bool, is_ulnas_page: bool = False
 ) -> ViserNode:
     """Add node `i` to the page.
 
@@ -160,7 +160,8 @@ def add_node(
         path: Its path there.
         snapshot: The scene.
         i: The node's row.
-        baked: Whether colours, opacity and scale are made part of it, for a page that cannot change them later.
+        fixed_appearance: Whether colours, opacity and scale are part of its content, for a page that cannot change
+            them later.
         is_ulnas_page: Whether the page is Ulna's: it draws labels in any colour, and takes surfaces as they are.
 
     Returns:
@@ -175,7 +176,7 @@ def add_node(
     content = node.content
     if node.surfaces:
         surfaces = node.surfaces
-        if baked:
+        if fixed_appearance:
             opacity, tint = snapshot.opacity[i], snapshot.tint[i]
             surfaces = [
                 replace(
@@ -197,7 +198,7 @@ def add_node(
         handles.append(server.scene.add_glb(path, label_glb(content.height), cast_shadow=False, **options))
     elif content is not None and not node.surfaces:
         handles += _ADDERS[type(content)](server, path, content, snapshot, i, options | {"scale": scale})
-    return ViserNode(node, path, handles, written or (not baked and content is None), appearance)
+    return ViserNode(node, path, handles, written or (not fixed_appearance and content is None), appearance)
 
 
 def _glb_content(surfaces: Sequence[Surface], is_ulnas_page: bool) -> Any:

@@ -47,8 +47,10 @@ def server() -> Iterator[Any]:
         yield page.server
 
 
-def shown(server: Any, content: Any, *, surfaces: Any = (), baked: bool = False, **looks: Any) -> ViserNode:
-    return add_node(server, "thing", snapshot_of(content, surfaces, **looks), 0, baked)
+def shown(
+    server: Any, content: Any, *, surfaces: Any = (), fixed_appearance: bool = False, **looks: Any
+) -> ViserNode:
+    return add_node(server, "thing", snapshot_of(content, surfaces, **looks), 0, fixed_appearance)
 
 
 def snapshot_of(content: Any, surfaces: Any = (), shadow: bool = True, **looks: Any) -> Snapshot:
@@ -159,7 +161,7 @@ def test_surfaces_are_meshes_that_cast_shadows_where_they_are_opaque(server: Any
         assert node.is_mesh
         assert node.handles[0].cast_shadow is casts
         np.testing.assert_allclose(node.handles[0].scale, 1.0)  # the page applies it
-    node = shown(server, None, surfaces=(BALL,), scale=3.0, baked=True)
+    node = shown(server, None, surfaces=(BALL,), scale=3.0, fixed_appearance=True)
     assert not node.is_mesh
     np.testing.assert_allclose(node.handles[0].scale, 3.0)
 
