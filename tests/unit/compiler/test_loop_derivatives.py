@@ -280,3 +280,54 @@ def test_third_and_fourth_derivatives_of_loops_whose_cotangents_read_kept_values
     fourth = np.ravel(third.jacobian()(x))
     difference = (np.ravel(third(x + h)) - np.ravel(third(x - h))) / (2.0 * h)
     np.testing.assert_allclose(fourth, difference, rtol=1e-5)
+
+
+def _twice(f):
+    return lambda x: nm.loop(lambda i, y: i < 2.0, lambda i, y: (i + 1.0, f(y)), (0.0, x), 3)[1]
+
+
+def _two_states(x):
+    def body(i, a, b):
+        return i + 1.0, np.log(a), np.sqrt(b) + a
+
+    _, a, b = nm.loop(lambda i, a, b: i < 2.0, body, (0.0, x, x - 2.0), 3)
+    return nm.where(x > 1.5, a, x * x) + nm.where(x > 4.0, b, 2.0 * x)
+
+
+BESIDE_A_WHERE = {
+    "the side that is not taken": (lambda x: nm.where(x > 1.5, _twice(np.log)(x), x * x), (-1.0, 0.0, 2.0)),
+    "different conditions for two states": (_two_states, (-1.0, 2.0, 7.0)),
+    "a state that nothing depends on": (
+        lambda x: nm.loop(
+            lambda i, y, z: i < 2.0, lambda i, y, z: (i + 1.0, y * y, np.log(y)), (0.0, x, x), 3
+        )[1],
+        (0.0, 1.5, 0.0),
+    ),
+    "a captured value": (
+        lambda x: nm.where(x > 0.0, _twice(lambda y: y + np.sqrt(x))(x), 3.0 * x * x),
+        (-1.0, 0.0, 2.0),
+    ),
+    "a loop in a loop": (
+        lambda x: nm.where(x > 1.5, _twice(lambda y: _twice(np.sqrt)(y) + np.log(x))(x), x * x),
+        (-1.0, 0.0, 2.0),
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BESIDE_A_WHERE)
+def test_cotangents_that_do_not_count_never_become_nan(case):
+    """The sweep back multiplied their zeros by partials that are infinite or nan there."""
+    f, points = BESIDE_A_WHERE[case]
+    f, x = trace(f, x=()), np.array(points)
+    slope, tangent = f.vjp(), f.jvp()
+    np.testing.assert_allclose(slope(x, 1.0), tangent(x, 1.0), rtol=1e-14)
+    np.testing.assert_array_equal(np.isnan(slope(x, 1.0)), np.zeros(3, dtype=bool))
+    kernel = compile(f.value_and_gradient())
+    for got in (kernel(x), tuple(zip(*(kernel(number) for number in x), strict=True))):
+        np.testing.assert_allclose(got[0], f(x), rtol=1e-14)
+        np.testing.assert_allclose(got[1], tangent(x, 1.0), rtol=1e-14)
+    h = 1e-5
+    second = (tangent(x + h, 1.0) - tangent(x - h, 1.0)) / (2.0 * h)
+    smooth = np.isfinite(second) & (np.abs(second) < 1e3)
+    assert smooth.sum() >= 2
+    np.testing.assert_allclose(compile(f.hvp())(x, 1.0)[smooth], second[smooth], rtol=1e-6, atol=1e-6)

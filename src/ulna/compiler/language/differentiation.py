@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ulna.compiler.language.graph import Graph
-from ulna.compiler.language.loop_derivatives import LONG_TAPE, copied, forward_loop, reverse_loop
+from ulna.compiler.language.loop_derivatives import LONG_TAPE, copied, either, forward_loop, reverse_loop
 from ulna.compiler.language.ops import TABLE, Op
 from ulna.compiler.language.scalar import Condition, Scalar, index_in
 from ulna.errors import TraceError
@@ -105,10 +105,10 @@ class _Cotangents:
         if _same(condition, its_condition):
             self._of[index] = other + value, condition
             return
-        either = None if condition is None or its_condition is None else its_condition | condition
-        if either is not None and self._graph.op[either.index] == Op.BOOL:  # c or not c
-            either = None
-        self._of[index] = _where(its_condition, other) + _where(condition, value), either
+        self._of[index] = (
+            _where(its_condition, other) + _where(condition, value),
+            either(its_condition, condition),
+        )
 
     def total(self, index: int) -> int:
         """The node of the sum, zero where nothing arrived."""
@@ -122,33 +122,33 @@ def _where(condition: Condition | None, value: Any) -> Any:
     return value if condition is None else condition._where_(value, 0.0)
 
 
-def reverse(g: Graph, seeds: Sequence[tuple[int, int]], inputs: Sequence[int]) -> list[int]:
+def reverse(g: Graph, seeds: Sequence[tuple[Any, ...]], inputs: Sequence[int]) -> list[int]:
     """One sweep that adds the cotangents of `inputs` to a graph.
 
     Args:
         g: The graph, which takes the new nodes.
-        seeds: Pairs of an output and its cotangent.
+        seeds: Pairs of an output and its cotangent, or triples with the condition under which that counts.
         inputs: Nodes.
 
     Returns:
         The nodes of the cotangents of `inputs`.
     """
-    order, cotangents = g.live([y for y, _ in seeds]), _Cotangents(g)
-    for y, seed in seeds:
-        cotangents.add(y, Scalar(g, seed), None)
+    order, cotangents = g.live([y for y, *_ in seeds]), _Cotangents(g)
+    for y, seed, *condition in seeds:
+        cotangents.add(y, Scalar(g, seed), *(condition or [None]))
     reached = set(inputs)
     for index in order:  # only nodes that depend on the inputs carry a cotangent
         if any(a in reached for a in g.args[index]):
             reached.add(index)
-    loop_cotangents: dict[int, dict[int, int]] = {}  # cotangents of the final states of loops
+    loop_cotangents: dict[int, dict[int, Any]] = {}  # cotangents of the final states of loops
     for index in reversed(order):
         if index in loop_cotangents:
-            for a, item in reverse_loop(g, index, loop_cotangents[index], reached, reverse):
-                cotangents.add(a, Scalar(g, item), None)
+            for a, item, condition in reverse_loop(g, index, loop_cotangents[index], reached, reverse):
+                cotangents.add(a, Scalar(g, item), condition)
         if index not in cotangents or index not in reached or g.op[index] == Op.INPUT:
             continue
         if g.op[index] == Op.ITEM:
-            loop_cotangents.setdefault(g.args[index][0], {})[g.data[index]] = cotangents.total(index)
+            loop_cotangents.setdefault(g.args[index][0], {})[g.data[index]] = cotangents[index]
         else:
             _add_to_arguments(g, index, cotangents, reached)
     return [cotangents.total(x) for x in inputs]

@@ -12,13 +12,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
-from functools import partial
+from functools import partial, reduce
 from math import isqrt
+from typing import Any
 
 from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.interpreter import copy_into
 from ulna.compiler.language.kept_values import values_to_keep
 from ulna.compiler.language.ops import Op
+from ulna.compiler.language.scalar import Condition, index_in
 from ulna.errors import TraceError
 
 SHORT_TAPE = 4096
@@ -26,6 +28,7 @@ SHORT_TAPE = 4096
 LONG_TAPE = 12288
 """The same where there are few, and with other values of the iterations."""
 
+Cotangent = tuple[Any, Condition | None]
 Sweep = Callable[..., list[int]]
 
 
@@ -123,20 +126,20 @@ def forward_loop(
 
 
 def reverse_loop(
-    g: Graph, index: int, cotangents: Mapping[int, int], reached: Iterable[int], sweep: Sweep
-) -> list[tuple[int, int]]:
+    g: Graph, index: int, cotangents: Mapping[int, Cotangent], reached: Iterable[int], sweep: Sweep
+) -> list[tuple[int, int, Condition | None]]:
     """Adds the loop of the cotangents of a loop's arguments.
 
     Args:
         g: The graph, which takes the new loop.
         index: The LOOP node.
-        cotangents: Nodes of the cotangents of the final state, by number of the state.
+        cotangents: Cotangents of the final state, by number of the state, and where they count (None: everywhere).
         reached: The nodes that depend on what the derivative is taken by.
-        sweep: The reverse sweep: graph, pairs of a node and its cotangent, inputs; returns nodes of the cotangents of
-            the inputs.
+        sweep: The reverse sweep: graph, triples of a node, its cotangent and where it counts, inputs; returns nodes
+            of the cotangents of the inputs.
 
     Returns:
-        Arguments of the loop, and the nodes of what they add to their cotangents.
+        Arguments of the loop, the nodes of what they add to their cotangents, and where these count.
 
     Raises:
         TraceError: If the loop repeats another: it belongs to a derivative.
@@ -150,29 +153,93 @@ def reverse_loop(
     state, captured, _ = _arguments(loop, g.args[index])
     chosen = [k for k, node in enumerate(captured) if node in reached]
     active_inputs = {loop.graph.inputs[loop.size + k] for k in chosen}
-    active = _active_states(loop, [k for k, node in enumerate(state) if node in reached], active_inputs)
+    depends = _active_states(loop, [k for k, node in enumerate(state) if node in reached], active_inputs)
+    counts = _where_states_count(loop, {k: condition for k, (_, condition) in cotangents.items()})
+    active = [k for k in depends if k in counts]
+    conditions = list({_key(counts[k]): counts[k] for k in active}.values())
     inner = Graph(relaxed=g.relaxed, parent=g)
     state_cotangents = [inner.input() for _ in active]
     captured_cotangents = [inner.input() for _ in chosen]  # those of the iterations so far
-    outside, before = [inner.input() for _ in captured], [inner.input() for _ in state]
+    outside = [inner.input() for _ in captured]
+    masks = [c.index for c in conditions if c is not None] if len(conditions) > 1 else []
+    masks_inside = {index: Condition(inner, inner.input()) for index in masks}
+    before = [inner.input() for _ in state]
     source = loop.graph.live([loop.following[k] for k in active])
     values = dict(zip(source, copied(inner, loop.graph, source, [*before, *outside]), strict=True))
     nodes = [values[loop.following[k]] for k in active]
+    where = [masks_inside.get(_key(counts[k])) for k in active]
     wanted = [*(before[k] for k in active), *(outside[k] for k in chosen)]
-    swept = sweep(inner, list(zip(nodes, state_cotangents, strict=True)), wanted)
-    totals = [
-        inner.node(Op.ADD, a, b) for a, b in zip(captured_cotangents, swept[len(active) :], strict=True)
-    ]
+    swept = sweep(inner, list(zip(nodes, state_cotangents, where, strict=True)), wanted)
+    sums = zip(captured_cotangents, swept[len(active) :], strict=True)
+    following = [*swept[: len(active)], *(inner.node(Op.ADD, a, b) for a, b in sums)]
     zero = g.constant(0.0)
-    args = [*(cotangents.get(k, zero) for k in active), *(zero for _ in chosen), *captured]
-    following = [*swept[: len(active)], *totals]
+    begin = [_total(g, *cotangents[k]) if k in cotangents else zero for k in active]
+    made = _backward(g, index, inner, values, following)
+    items = _add(g, made, [*begin, *(zero for _ in chosen), *captured, *masks], [index])
+    anywhere = reduce(either, conditions) if conditions else None
+    where_items = [*(counts[k] for k in active), *(anywhere for _ in chosen)]
+    nodes = [*(state[k] for k in active), *(captured[k] for k in chosen)]
+    return list(zip(nodes, items, where_items, strict=True))
+
+
+def _backward(
+    g: Graph, index: int, inner: Graph, values: Mapping[int, int], following: Sequence[int]
+) -> Loop:
+    """The loop of the cotangents, with other values on the tape of the loop where these are cheaper to read."""
+    loop = g.data[index]
     taped = _tape_values(g, index, inner, values, following)
     made = _loop(inner, following, loop, 1, not loop.is_backward)
-    if taped:
-        reading, following = _as_inputs(inner, following, taped)
-        made = replace(_loop(reading, following, loop, 1, not loop.is_backward), plain=made)
-    items = _add(g, made, args, [index])
-    return list(zip([*(state[k] for k in active), *(captured[k] for k in chosen)], items, strict=True))
+    if not taped:
+        return made
+    reading, following = _as_inputs(inner, following, taped)
+    return replace(_loop(reading, following, loop, 1, not loop.is_backward), plain=made)
+
+
+def either(a: Condition | None, b: Condition | None) -> Condition | None:
+    """Where a sum of two cotangents counts: where one of them does; None stands for everywhere.
+
+    Args:
+        a: Where the first one counts.
+        b: Where the second one counts.
+
+    Returns:
+        The condition of the same graph, or None.
+    """
+    both = None if a is None or b is None else a | b
+    return None if both is None or both.graph.op[both.index] == Op.BOOL else both  # c or not c
+
+
+def _where_states_count(loop: Loop, ends: Mapping[int, Condition | None]) -> dict[int, Condition | None]:
+    """Where the cotangents of the states count, after any iteration, given that of final states.
+
+    A state on which none of these depends has no cotangent: as zero, multiplied by partials that are infinite, it could
+    become nan.
+    """
+    g, following = loop.graph, loop.following[: loop.size]
+    reads = dict.fromkeys(g.live(following), 0)  # for nodes the states that they depend on, one bit each
+    for index in reads:
+        for a in g.args[index]:
+            reads[index] |= reads[a]
+        if g.op[index] == Op.INPUT and g.data[index] < loop.size:
+            reads[index] = 1 << g.data[index]
+    found: dict[int, dict[int, Condition | None]] = {k: {_key(c): c} for k, c in ends.items()}
+    waiting = list(found)
+    while waiting:
+        k = waiting.pop()
+        for j in range(loop.size):
+            if reads[following[k]] >> j & 1 and not found[k].keys() <= found.setdefault(j, {}).keys():
+                found[j] |= found[k]
+                waiting.append(j)
+    return {k: reduce(either, conditions.values()) for k, conditions in found.items()}
+
+
+def _key(condition: Condition | None) -> int:
+    return -1 if condition is None else condition.index
+
+
+def _total(g: Graph, value: Any, condition: Condition | None) -> int:
+    """The node of a cotangent that is zero where it does not count."""
+    return index_in(g, value if condition is None else condition._where_(value, 0.0))
 
 
 def _arguments(loop: Loop, args: Sequence[int]) -> tuple[Sequence[int], Sequence[int], Sequence[int]]:
