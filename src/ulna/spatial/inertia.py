@@ -16,6 +16,9 @@ from ulna.spatial.vectors import Force, Motion
 from ulna.typing import Array, ArrayLike
 
 _SYMMETRIC = 1e-9  # relative asymmetry that passes for rounding
+_ROUNDING = 64.0 * float(
+    np.finfo(float).eps
+)  # of moments about the origin, relative to mass times distance squared
 
 
 @final
@@ -321,10 +324,12 @@ class Inertia(Batched):
         """Whether some body of positive mass density has this inertia (...).
 
         The mass is not negative and the principal moments obey the triangle inequality, within `tolerance`
-        relative to the largest.
+        relative to the largest, and within rounding of the moments about the frame's origin, from which those of a
+        point mass are never exactly zero.
         """
         moments = np.linalg.eigvalsh(self.inertia)
-        slack = tolerance * np.abs(moments).max(axis=-1)
+        to_origin = np.abs(self.mass) * (self.com * self.com).sum(axis=-1)
+        slack = tolerance * np.abs(moments).max(axis=-1) + _ROUNDING * to_origin
         sums = moments[..., 0] + moments[..., 1] - moments[..., 2]
         return (np.asarray(self.mass) >= 0.0) & (moments[..., 0] >= -slack) & (sums >= -slack)
 

@@ -97,6 +97,17 @@ def test_physical_bodies_obey_the_triangle_inequality(
     assert bool(Inertia(mass, np.zeros(3), np.diag(np.array(moments, float))).is_physical()) is physical
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_point_masses_stay_physical_as_ten_parameters(seed: int) -> None:
+    """Moments about the origin leave some 1e-17 kg m^2 of either sign about the centre of mass."""
+    points = Inertia.from_point(np.full(50, 2.0), np.random.default_rng(seed).normal(size=(50, 3)))
+    again = Inertia.from_parameters(1.1 * points.parameters())
+    assert (np.linalg.eigvalsh(again.inertia) < 0.0).any()
+    assert again.is_physical().all()
+    hollow = Inertia(2.0, np.ones(3), np.diag([1.0, 1.0, -1e-9]))
+    assert not hollow.is_physical(tolerance=0.0)
+
+
 @pytest.mark.parametrize(
     ("name", "call"),
     [
