@@ -248,8 +248,13 @@ def _with_offsets(model: Model, value: Array) -> Model:
                 'to q, or ask a kernel with parameters=("offset",).'
             )
         ratio = 1.0 if joint.mimic is None else joint.mimic.multiplier
-        displacements.append(joint.kind.transform(ratio * zero) if zero.any() else SE3.identity())
+        displacements.append(_offset_pose(joint.kind, ratio * zero) if zero.any() else SE3.identity())
     return _moved_joints(model, displacements)
+
+
+def _offset_pose(kind: JointKind, zero: Array) -> SE3:
+    """J(zero) as a pose before the joint; the only kind of a composite has a placement, which stays before it."""
+    return kind.transform(zero) @ kind.transform(0.0 * zero).inverse()
 
 
 @final

@@ -12,7 +12,18 @@ from support.random_models import random_model
 from support.small_robots import arm
 from ulna import kernels
 from ulna.errors import DtypeError, InputError, ModelError, NonFiniteError, ShapeError, UnknownName
-from ulna.model import Spherical, parameter_names, parameters, with_parameters, with_root_joint
+from ulna.model import (
+    Composite,
+    Helical,
+    JointKind,
+    Revolute,
+    Spherical,
+    Translation,
+    parameter_names,
+    parameters,
+    with_parameters,
+    with_root_joint,
+)
 from ulna.robot import Robot
 from ulna.spatial import SE3
 
@@ -66,6 +77,17 @@ def test_unknown_parameters_are_refused() -> None:
     with pytest.raises(InputError, match=r"'joint0'.*parameters=\(\"offset\",\)"):
         with_parameters(composite, {"offset": np.ones(4)})
     assert with_parameters(composite, {"offset": np.zeros(4)}) == composite
+
+
+@pytest.mark.parametrize("kind", [Revolute((0, 1, 0)), Helical((1, 2, 0), 0.3), Translation()])
+def test_an_offset_of_a_composite_of_one_kind_is_part_of_the_model(kind: JointKind) -> None:
+    """The kind has a placement of its own, on which the offset comes."""
+    builder = ulna.ModelBuilder("one").add_link("base").add_link("arm")
+    place = SE3.from_rpy((0.3, -0.4, 0.5), (0.1, 0.2, 0.3))
+    model = builder.add_joint("j", Composite((kind,), (place,)), "base", "arm", place).build()
+    offset, q = np.full(kind.nq, 0.7), np.full(kind.nq, 0.2)
+    changed = Robot(with_parameters(model, {"offset": offset}))
+    np.testing.assert_allclose(changed.function("fk")(q), Robot(model).function("fk")(q + offset), atol=1e-15)
 
 
 def test_links_and_limits_follow() -> None:
