@@ -180,20 +180,20 @@ def parameter_names(model: Model, parameters: str | Sequence[str]) -> tuple[str,
     return names
 
 
-def quaternion_entries(model: Model, quantity: Quantity) -> tuple[tuple[int, tuple[int, ...]], ...]:
-    """Where configurations among the arguments hold quaternions; nowhere for `normalize`, which normalises them.
+def unit_vector_entries(model: Model, quantity: Quantity) -> tuple[tuple[int, tuple[int, ...]], ...]:
+    """Where configurations among the arguments hold unit vectors; nowhere for `normalize`, which normalises them.
 
     Args:
         model: The robot.
         quantity: The quantity.
 
     Returns:
-        For each quaternion the number of the argument, and the entries of it.
+        For each quaternion, or cosine and sine, the number of the argument, and the entries of it.
     """
     if quantity.name == "normalize":
         return ()
     inputs = [number for number, array in enumerate(quantity.arrays) if ARRAYS[array].size == "nq"]
-    return tuple((number, entries) for number in inputs for entries in model.quaternions)
+    return tuple((number, entries) for number in inputs for entries in model.unit_vectors)
 
 
 def shapes_for(model: Model, names: Sequence[str], known: Mapping[str, Any]) -> dict[str, Any]:

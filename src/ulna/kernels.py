@@ -25,9 +25,9 @@ from ulna.kernel_options import (
     labels,
     named_options,
     parameter_names,
-    quaternion_entries,
     shapes_for,
     shapes_of,
+    unit_vector_entries,
 )
 from ulna.model import Model
 from ulna.quantities import QUANTITIES, Quantity
@@ -224,7 +224,7 @@ def kernel(
     with _lock:
         compiled = _made.get(key)
         if compiled is None:
-            unit = quaternion_entries(model, quantity) if checked else ()
+            unit = unit_vector_entries(model, quantity) if checked else ()
             if quantity.inverts_mass and not MASS_PARAMETERS & set(names):
                 check_mass(model, compiler.element_of(dtype).name)
             is_long = device == "cpu" and not names and _is_long(model, quantity, chosen)

@@ -1,4 +1,4 @@
-"""Checks of the unit quaternions in arrays."""
+"""Checks of the unit quaternions, and of the cosines and sines of angles, in arrays."""
 
 from __future__ import annotations
 
@@ -14,17 +14,19 @@ from ulna.typing import Array, Floats
 UNIT_TOLERANCE = 1e-5
 """How far the squared length of a unit quaternion may be from one."""
 
+_EXPECTED = {4: "a unit quaternion (xyzw)", 2: "cosine and sine of an angle, a unit vector"}
+
 # A tenth below that of the fast call of kernels, so that what the fast call sends here is refused and never sent back.
 _TOLERANCE = 0.9 * UNIT_TOLERANCE
 
 
 def check_unit(name: str, array: Array, parts: Iterable[Sequence[int]]) -> None:
-    """Check that parts of arrays are unit quaternions.
+    """Check that parts of arrays are unit quaternions, or cosine and sine of an angle.
 
     Args:
         name: The name of the argument, for the message.
         array: Numbers, shape (..., n).
-        parts: Which entries of the last axis form quaternions, four each.
+        parts: Which entries of the last axis form quaternions, four each, or cosine and sine, two each.
 
     Raises:
         InputError: One is not of unit length.
@@ -36,8 +38,8 @@ def check_unit(name: str, array: Array, parts: Iterable[Sequence[int]]) -> None:
         if np.any(wrong):
             length = float(np.sqrt(squares[wrong].reshape(-1)[0]))
             raise InputError(
-                f"`{name}[..., {entries[0]}:{entries[-1] + 1}]` has length {length:.6g}; expected a unit quaternion "
-                "(xyzw). robot.configuration_space.normalize(q) makes it one."
+                f"`{name}[..., {entries[0]}:{entries[-1] + 1}]` has length {length:.6g}; expected "
+                f"{_EXPECTED[len(entries)]}. robot.configuration_space.normalize(q) makes it one."
             )
 
 
@@ -54,10 +56,10 @@ def checked_configuration(name: str, q: Any, model: Any) -> Floats:
 
     Raises:
         ShapeError, NonFiniteError, DtypeError: It does not fit the model.
-        InputError: A quaternion is not of unit length.
+        InputError: A quaternion, or cosine and sine, are not of unit length.
     """
     out = shaped_array(name, q, model.nq)
-    check_unit(name, out, model.quaternions)
+    check_unit(name, out, model.unit_vectors)
     return out
 
 
@@ -74,9 +76,9 @@ def checked_configurations(name: str, q: Any, model: Any) -> Array:
 
     Raises:
         ShapeError, NonFiniteError, DtypeError: They do not fit the model.
-        InputError: A quaternion is not of unit length.
+        InputError: A quaternion, or cosine and sine, are not of unit length.
     """
     out = batched_array(name, q, (model.nq,))
     if out.dtype != object:
-        check_unit(name, out, model.quaternions)
+        check_unit(name, out, model.unit_vectors)
     return out

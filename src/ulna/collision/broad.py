@@ -47,7 +47,7 @@ def pose_kernel(model: Model, solids: Sequence[Solid]) -> Any:
             np.stack([h for _, h in around]),
         )
 
-    unit = tuple((0, entries) for entries in model.quaternions)
+    unit = tuple((0, entries) for entries in model.unit_vectors)
     return compile(trace(boxes, name="solids", q=(model.nq,)), checked=True, unit_entries=unit)
 
 

@@ -256,7 +256,7 @@ def _configurations(model: Model, count: int) -> Any:
     lower, upper = np.maximum(model.lower_position, -2.0), np.minimum(model.upper_position, 2.0)
     lower, upper = np.minimum(lower, model.upper_position), np.maximum(upper, model.lower_position)
     q = lower + (upper - lower) * rng.random((count, model.nq))
-    for places in model.quaternions:
+    for places in model.unit_vectors:
         x = rng.normal(size=(count, len(places)))
         q[:, list(places)] = x / np.linalg.norm(x, axis=1, keepdims=True)
     return q

@@ -256,7 +256,7 @@ class ClassicSolver:
         if not isinstance(method, str) or method not in DAMPING:
             raise UnknownName("method", method, DAMPING)
         self.problem = problem_of(model, frames, masks, joints, radian=1.0, by_angle=True)
-        unit = tuple((1, entries) for entries in model.quaternions)
+        unit = tuple((1, entries) for entries in model.unit_vectors)
         self._kernel = compile(
             classic(self.problem, method, has_null_motion), checked=True, unit_entries=unit
         )

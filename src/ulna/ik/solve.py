@@ -57,7 +57,7 @@ class Solver:
         """
         self._arguments = model, tuple(frames), masks, joints
         self.problem = problem_of(model, frames, masks, joints)
-        unit = tuple((1, entries) for entries in model.quaternions)
+        unit = tuple((1, entries) for entries in model.unit_vectors)
         self._multi_start = compile(search.multi_start(self.problem), checked=True, unit_entries=unit)
         self._settings: dict[Any, Floats] = {}
         self._shifts: dict[Any, Floats] = {}

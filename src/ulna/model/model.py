@@ -22,6 +22,8 @@ from ulna.system.cached import cached_property
 from ulna.typing import Floats
 
 _OF_JOINT = "joint:"
+_UNIT_VECTORS = {"qx": 4, "cos": 2}
+"""The entries of unit vectors of q, by the name of the first one."""
 _LOOKUP_ORDER: tuple[FrameKind, ...] = ("link", "tool", "user", "joint", "fixed_joint")
 
 
@@ -176,14 +178,19 @@ class Model(metaclass=Explained):
     @cached_property
     def quaternions(self) -> tuple[tuple[int, ...], ...]:
         """Which entries of q form unit quaternions (xyzw), four each."""
-        starts = [
-            joint.idx_q + place
-            for joint in self.joints
-            if joint.mimic is None
-            for place, coordinate in enumerate(joint.kind.coordinates)
-            if coordinate.name.endswith("qx")
-        ]
-        return tuple(tuple(range(start, start + 4)) for start in starts)
+        return tuple(entries for entries in self.unit_vectors if len(entries) == 4)
+
+    @cached_property
+    def unit_vectors(self) -> tuple[tuple[int, ...], ...]:
+        """Which entries of q have length one together: quaternions, and cosine and sine of an angle."""
+        found = []
+        for joint in self.joints:
+            for place, coordinate in enumerate(joint.kind.coordinates if joint.mimic is None else ()):
+                count = 0 if coordinate.unit else _UNIT_VECTORS.get(coordinate.name.rpartition(".")[2], 0)
+                if count:
+                    start = joint.idx_q + place
+                    found.append(tuple(range(start, start + count)))
+        return tuple(found)
 
     def joint(self, name: str) -> Joint:
         """The movable joint of that name. Raises UnknownName with the nearest one."""

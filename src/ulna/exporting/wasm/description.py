@@ -78,15 +78,15 @@ def _function(f: ExportedFunction, model: Model | None, at: list[int]) -> dict[s
 
 def _argument(a: Argument, model: Model | None) -> dict[str, Any]:
     is_configuration = model is not None and a.shape == (model.nq,) and a.name in ("q", "q0", "q1")
-    places: Sequence[Sequence[int]] = model.quaternions if model is not None and is_configuration else ()
-    quaternions = {"quaternions": [list(p) for p in places]} if places else {}
+    places: Sequence[Sequence[int]] = model.unit_vectors if model is not None and is_configuration else ()
+    units = {"unitVectors": [list(p) for p in places]} if places else {}
     return {
         "name": a.name,
         "shape": list(a.shape),
         "size": a.size,
         "unit": a.unit,
         "text": a.text,
-        **quaternions,
+        **units,
     }
 
 

@@ -4,7 +4,7 @@ export const description = __DESCRIPTION__;
 
 const BASE = __FREE__; // where arguments and results lie in the module's memory
 const Numbers = __NUMBERS__; // the type of arrays of numbers
-const UNIT_TOLERANCE = 1e-5; // on the squared length of quaternions
+const UNIT_TOLERANCE = 1e-5; // on the squared length of quaternions, and of cosine and sine
 const DESCENT = __DESCENT__; // steps of a descent to the nearest configuration
 
 function describeValue(value) {
@@ -38,12 +38,12 @@ function put(memory, at, value, argument, where) {
     }
     memory[at + k] = x;
   }
-  if (argument.quaternions === undefined) return;
-  for (const places of argument.quaternions) {
+  if (argument.unitVectors === undefined) return;
+  for (const places of argument.unitVectors) {
     let squared = 0;
     for (const k of places) squared += flat[k] * flat[k];
     if (Math.abs(squared - 1) > UNIT_TOLERANCE) {
-      throw new RangeError(`${where}: \`${argument.name}\`[${places[0]}] to [${places[3]}] is no unit quaternion x, y, z, w: its length is ${Math.sqrt(squared)}.`);
+      throw new RangeError(`${where}: \`${argument.name}\`[${places[0]}] to [${places[places.length - 1]}] is no ${places.length === 4 ? "unit quaternion x, y, z, w" : "cosine and sine"}: its length is ${Math.sqrt(squared)}.`);
     }
   }
 }

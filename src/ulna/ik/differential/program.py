@@ -140,14 +140,14 @@ class Program:
         shapes = {name: shape for task in self.objectives for name, shape in task.inputs(self.model).items()}
         return tuple(name for name, shape in shapes.items() if shape in ((4, 4), (3, 3)))
 
-    def quaternions(self, arguments: Sequence[str]) -> tuple[tuple[int, tuple[int, ...]], ...]:
-        """Where the arguments of a kernel hold unit quaternions: (number of the argument, entries), ..."""
+    def unit_vectors(self, arguments: Sequence[str]) -> tuple[tuple[int, tuple[int, ...]], ...]:
+        """Where the arguments of a kernel hold unit vectors of q: (number of the argument, entries), ..."""
         configurations = ["q", *(task.label for task in self.objectives if isinstance(task, PostureTask))]
         return tuple(
             (k, entries)
             for k, name in enumerate(arguments)
             if name in configurations
-            for entries in self.model.quaternions
+            for entries in self.model.unit_vectors
         )
 
     def of(self, part: Task | Limit, values: Mapping[str, Array]) -> list[Array]:

@@ -291,7 +291,7 @@ class DifferentialIK:
                 "move": {**q, "v": (program.model.nv,), **dt},
             }.get(name, {**q, **dt, **program.inputs})
             traced = trace(getattr(program, name), name=f"differential_ik_{name}", **shapes)
-            kernel = compile(traced, checked=True, unit_entries=program.quaternions(tuple(shapes)))
+            kernel = compile(traced, checked=True, unit_entries=program.unit_vectors(tuple(shapes)))
             self._kernels[name] = kernel
         return kernel
 
