@@ -17,6 +17,7 @@ import numpy as np
 from ulna.checks.arrays import shaped_array
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
+from ulna.model.joints.axes import constant
 from ulna.model.model import Model
 from ulna.spatial import SE3
 
@@ -74,7 +75,7 @@ class Constraint(ABC):
             if field.name.startswith("point"):
                 object.__setattr__(self, field.name, _point(field.name, value))
             if field.name.startswith("placement"):
-                _check_placement(field.name, value)
+                object.__setattr__(self, field.name, _placement(field.name, value))
         if self.axes not in get_args(Axes):
             raise UnknownName("axes of a constraint", self.axes, get_args(Axes))
         key = (type(self), *(getattr(self, field.name) for field in fields(self)))  # type: ignore[arg-type]
@@ -257,6 +258,8 @@ def _point(name: str, value: Any) -> tuple[float, ...]:
     return tuple(point.tolist())
 
 
-def _check_placement(name: str, value: Any) -> None:
+def _placement(name: str, value: Any) -> SE3:
+    """A read-only copy: constraints are keys of kernels."""
     if not isinstance(value, SE3) or value.batch_shape:
         raise InputError(f"`{name}` is {value!r}; expected one SE3, the pose in the frame.")
+    return SE3(constant(value.rotation), constant(value.translation))

@@ -108,3 +108,12 @@ def test_derivatives_of_tanh_are_finite_for_all_numbers() -> None:
         assert kernel([x]) == pytest.approx(np.tanh(x), abs=3e-16)
         assert derivative([x])[0] == pytest.approx(1.0 / np.cosh(min(abs(x), 300.0)) ** 2, abs=1e-15)
     assert np.isnan(kernel([np.nan]))
+
+
+def test_a_law_keeps_copies_of_the_arrays_it_is_given() -> None:
+    """The caller's array became read-only, and a law made of a view changed with what it is a view of."""
+    own, rows = np.full(2, 0.5), np.ones((3, 2))
+    law, of_view = Friction(viscous=own), Friction(viscous=rows[1])
+    own[:], rows[:] = 2.0, 3.0
+    np.testing.assert_array_equal(law.viscous, [0.5, 0.5])
+    np.testing.assert_array_equal(of_view.viscous, [1.0, 1.0])

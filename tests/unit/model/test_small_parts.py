@@ -126,6 +126,13 @@ def test_joints_and_constraints_are_checked_when_they_are_made(
         make()
 
 
+def test_constraints_keep_copies_of_poses() -> None:
+    T = np.eye(4)
+    contact = FrameContact("a", SE3(T))
+    T[:3, 3] = 0.5
+    assert contact == FrameContact("a") and not contact.placement.translation.flags.writeable
+
+
 def test_constraints_are_equal_by_value_and_name_what_they_hold() -> None:
     assert PointContact("a", (1, 2, 3)) == PointContact("a", (1.0, 2.0, 3.0))
     assert hash(PointContact("a")) == hash(PointContact("a"))

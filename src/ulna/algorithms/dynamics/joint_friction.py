@@ -58,7 +58,7 @@ class Friction:
             entry = getattr(self, name)
             if entry is None or is_symbolic(entry):
                 continue
-            value = np.asarray(entry, dtype=float)
+            value = np.array(entry, dtype=float)  # the caller's own array stays writeable, and may change
             least = "above" if name in ("stribeck", "width") else "not below"
             if (
                 not np.isfinite(value).all()
