@@ -331,3 +331,12 @@ def test_cotangents_that_do_not_count_never_become_nan(case):
     smooth = np.isfinite(second) & (np.abs(second) < 1e3)
     assert smooth.sum() >= 2
     np.testing.assert_allclose(compile(f.hvp())(x, 1.0)[smooth], second[smooth], rtol=1e-6, atol=1e-6)
+
+
+def test_a_loop_without_iterations_has_the_derivatives_of_its_start():
+    f = trace(lambda x: nm.loop(lambda y: y > 0.0, lambda y: (np.sin(y),), (x[0] * x[1],), 0)[0], x=(2,))
+    x = np.array([[2.0, 3.0], [-1.0, 0.5]])
+    np.testing.assert_array_equal(compile(f)(x), x[:, 0] * x[:, 1])
+    for name in ("jacobian", "value_and_gradient"):
+        np.testing.assert_array_equal(of(compile(getattr(f, name)())(x))[-1], x[:, ::-1])
+    np.testing.assert_array_equal(compile(f.hessian())(x[0]), [[0.0, 1.0], [1.0, 0.0]])

@@ -167,6 +167,8 @@ class Graph:
         Returns:
             The nodes of the final state, `loop.size` of them.
         """
+        if loop.limit < 1:  # no iteration, and no tape to divide
+            return list(args[: loop.size])
         index = self._append(Op.LOOP, tuple(args), loop)
         return [self._append(Op.ITEM, (index,), k) for k in range(loop.size)]
 
