@@ -347,13 +347,13 @@ class CheckedKernels:
         defaults = QUANTITIES[name].options
         values = options or tuple(defaults.values())
         made = kernel(self.model, name, checked=True, **dict(zip(defaults, values, strict=True)))
-        if values == tuple(defaults.values()):
-            setattr(self.by_name, name, made)
         *outer, last = (name, *values)
         table = self.by_options
         for key in outer:
             table = table.setdefault(key, {})
-        table[last] = made
+        made = table.setdefault(last, made)  # that of another thread stays: machine code may be calling it
+        if values == tuple(defaults.values()):
+            setattr(self.by_name, name, made)
         return made
 
     def __reduce__(self) -> tuple[Any, ...]:

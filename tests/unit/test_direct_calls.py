@@ -104,6 +104,16 @@ def test_two_robots_call_their_own_kernels(panda: ulna.Robot) -> None:
         assert other.fk(q, "wrist_1_link").tobytes() == other.kernel("fk", frame="wrist_1_link")(q).tobytes()
 
 
+def test_a_kernel_that_is_there_stays_when_another_thread_has_made_it_too() -> None:
+    """Machine code calls it without a reference of its own."""
+    robot = ulna.load("ur5", visuals="simple")
+    table: Any = robot._kernel_table
+    for options in ((), ("wrist_1_link",)):
+        first = table.make("fk", *options)
+        assert table.make("fk", *options) is first
+    assert robot._kernels.fk is table.make("fk") is table.by_options["fk"][None]
+
+
 def test_with_an_empty_cache_the_first_call_does_not_wait_for_it(tmp_path: Path) -> None:
     script = """
 import threading, numpy as np, ulna

@@ -7,6 +7,7 @@ import inspect
 import pickle
 import pydoc
 import sys
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -15,7 +16,7 @@ import pytest
 
 from ulna.compiler import compile
 from ulna.compiler.runtime.kernel import native_type
-from ulna.compiler.runtime.method_call import Parameters, Tables, _own_type, is_ready, method_call
+from ulna.compiler.runtime.method_call import Parameters, Tables, method_call
 
 pytestmark = pytest.mark.skipif(native_type() is None, reason="kernels are not called by machine code here")
 
@@ -211,9 +212,25 @@ def test_calls_keep_nothing_and_lose_nothing() -> None:
     assert all(abs(y - x) < 50 for x, y in zip(before, after, strict=True))
 
 
-def test_methods_without_a_global_lock_stay_functions(monkeypatch: pytest.MonkeyPatch) -> None:
-    """References out of dictionaries and slots are borrowed: another thread may free what they refer to."""
-    monkeypatch.setattr("ulna.compiler.runtime.object_layout.HEAD", 32)
-    for enabled in (False, True):  # the lock is on for a while where a thread loads an extension module
-        monkeypatch.setattr("sys._is_gil_enabled", lambda enabled=enabled: enabled, raising=False)
-        assert _own_type.__wrapped__() is None and is_ready()
+def test_kernels_may_be_added_while_threads_call_others() -> None:
+    """A dictionary moves its entries when it grows; without a global lock calls look into it meanwhile."""
+    things: Any = Things()
+    errors: list[BaseException] = []
+
+    def call() -> None:
+        try:
+            for _ in range(300):
+                np.testing.assert_array_equal(METHOD(things, A, B, 3.0, 2), 3.0 * A**2 + B)
+                np.testing.assert_array_equal(METHOD(things, A, B, power=2), A**2 + B)
+        except BaseException as error:
+            errors.append(error)
+
+    threads = [threading.Thread(target=call) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for k in range(2000):
+        things.by_options["total"].setdefault(5.0 + k, {}).setdefault(1, _TIMES[1.0, 1])
+        things.by_options["total"][3.0].setdefault(3 + k, _TIMES[3.0, 1])
+    for thread in threads:
+        thread.join()
+    assert not errors

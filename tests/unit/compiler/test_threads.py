@@ -21,6 +21,7 @@ import pytest
 import ulna
 from ulna import numeric as nm
 from ulna.compiler import compile, trace
+from ulna.compiler.runtime.repeated_calls import call_cache, forget, repeated_calls
 from ulna.errors import ShapeError
 
 THREADS, ROWS = 8, 37
@@ -196,6 +197,116 @@ def first_calls_of_a_robot() -> None:
     in_threads(work)
 
 
+class Held:
+    """Holds an array in its one slot."""
+
+    __slots__ = ("array",)
+    array: np.ndarray
+
+
+def _held(array: np.ndarray) -> Held:
+    held = object.__new__(Held)
+    held.array = array
+    return held
+
+
+def call_the_same_bound_kernels() -> None:
+    """Calls that write into the same arrays return what belongs to their own arguments."""
+    shared = Shared(_two, {"a": (3, 3), "b": (3,)})
+    step = shared.kernel.into(*(np.zeros_like(a) for a in shared.one[0]), returns=(0, 1))
+    product = compile(lambda x: x[0] * x[1], x=(2,)).into(np.zeros(()), returns=(0,), holder=float)
+    sys.setswitchinterval(1e-5)  # with a global lock
+
+    def work(seed: int) -> None:
+        for k in random.Random(seed).choices(range(ROWS), k=300):
+            _equal(step(*shared.row(k)), shared.one[k])
+            _equal(step(*(row.tolist() for row in shared.row(k))), shared.one[k])
+            assert product(np.array([float(k), seed])) == k * seed
+            assert product([float(k), seed]) == k * seed
+
+    in_threads(work)
+
+
+def replace_held_arrays() -> None:
+    """An argument holds another array from one moment to the next: a call reads one of them to the end."""
+    size = 64
+    double = compile(lambda x: 2.0 * x, x=(size,))
+    step = double.into(np.zeros(size), returns=(0,), holder=Held, input_holders=[Held], otherwise=lambda x: x)
+    common = _held(np.zeros(size))
+
+    def work(seed: int) -> None:
+        for k in range(2000):
+            common.array = np.full(size, float(seed + 8 * k))
+            doubled = step(common).array
+            assert doubled[0] % 2.0 == 0.0 and np.all(doubled == doubled[0])
+            assert step(None) is None
+
+    in_threads(work)
+
+
+_calls = call_cache(2, weak=1)
+
+
+@repeated_calls(_calls)
+def scaled(thing: Any, place: int, x: float) -> Any:
+    """A number times the factor of a thing."""
+    _calls.add(thing.kernel, 1, thing, place)
+    return thing.kernel(x)
+
+
+class Scale:
+    """A factor, with its kernel."""
+
+    def __init__(self, factor: float) -> None:
+        product = compile(lambda x, factor: x * factor, x=(), factor=())
+        self.kernel = product.into(
+            np.zeros(()),
+            returns=(0,),
+            trailing_inputs=[np.array(factor)],
+            otherwise=lambda *_: NotImplemented,
+        )
+
+
+def call_while_rows_change() -> None:
+    """Rows of a table of repeated calls are filled and emptied, and what they refer to is freed, during calls."""
+    known = [Scale(float(k)) for k in range(4)]
+
+    def work(seed: int) -> None:
+        chance = random.Random(seed)
+        for _ in range(60):
+            own, factor = Scale(seed + 0.5), seed + 0.5
+            for _ in range(30):
+                k, place = chance.randrange(len(known)), chance.randrange(5)
+                assert scaled(known[k], place, 2.0) == 2.0 * k
+                assert scaled(own, place, 2.0) == 2.0 * factor
+            forget(chance.choice(known))
+
+    in_threads(work)
+
+
+def drop_robots() -> None:
+    """Robots come and go, with the kernels that threads call, while one is called by all and gets new kernels."""
+    q = np.linspace(-1.0, 1.0, 6)
+    shared = ulna.load("ur5")
+    frames = [frame.name for frame in shared.model.frames]
+    alone = ulna.load("ur5")
+    expected = {frame: alone.fk(q, frame) for frame in frames}
+    mass = alone.mass_matrix(q)
+
+    def work(seed: int) -> None:
+        chance = random.Random(seed)
+        for _ in range(8):
+            own, pose = ulna.load("ur5"), np.empty((4, 4))
+            for frame in chance.choices(frames, k=12):
+                for robot in (own, shared):
+                    np.testing.assert_array_equal(robot.fk(q, frame), expected[frame])
+                    assert robot.fk(q, frame, out=pose) is pose
+                    np.testing.assert_array_equal(pose, expected[frame])
+                    np.testing.assert_array_equal(robot.mass_matrix(q), mass)
+
+    in_threads(work)
+
+
 _CHILD = """
 import sys, sysconfig
 sys.path.insert(0, sys.argv[1])
@@ -207,9 +318,15 @@ print("done")
 """
 
 
+TOGETHER = (
+    "call_and_compile(6)", "first_calls_of_a_robot()", "call_the_same_bound_kernels()", "replace_held_arrays()",
+    "call_while_rows_change()", "drop_robots()",
+)  # fmt: skip
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("fast", ["", "0"], ids=["fast calls", "general calls"])
-@pytest.mark.parametrize("what", ["call_and_compile(6)", "first_calls_of_a_robot()"])
+@pytest.mark.parametrize("what", TOGETHER)
 def test_each_thread_gets_the_values_of_a_single_thread(what: str, fast: str, tmp_path: Any) -> None:
     environment = os.environ | {"ULNA_CACHE": str(tmp_path), "ULNA_QUIET": "1"}
     environment |= {"ULNA_FAST": fast} if fast else {}

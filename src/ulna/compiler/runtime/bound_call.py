@@ -64,8 +64,9 @@ class CheckedBound(Bound):
             return self._checked_call(*args)
         if self._checked_call.fits(args) and _unchanged(self._pairs):
             try:
-                result = self._checked_call(*args)
-                if self._condition is None or self.targets[self._condition] > 0.0:
+                results = self._checked_call.results(*args)
+                result = self._checked_call.answer(results)
+                if self._condition is None or results[self._condition] > 0.0:
                     return result
             except (
                 InputError
@@ -88,15 +89,30 @@ class _CheckedCall:
         self._holder, self._slot, self._input_slots = bound.holder, slot, input_slots
         self.array_call, self.returns = array_call, bound.returned
         self.targets, self.trailing_inputs = tuple(bound.targets), tuple(bound.trailing_inputs)
-        targets = self.targets
-        self._out = targets[0] if len(targets) == 1 else targets
 
     def __call__(self, *args: Any) -> Any:
+        return self.answer(self.results(*args))
+
+    def results(self, *args: Any) -> tuple[Array, ...]:
+        """New arrays with the outputs, which are copied into the targets: another thread may write there, too.
+
+        Args:
+            *args: The arguments of a call.
+
+        Returns:
+            One array for each output, of its shape (...).
+        """
         self.check()
-        self.array_call(*self.unwrapped(args), *self.trailing_inputs, out=self._out)
-        copies = tuple(
-            self.targets[k].copy() if self.targets[k].ndim else self.targets[k][()] for k in self.returns
-        )
+        made = tuple(np.empty_like(target) for target in self.targets)
+        out = made[0] if len(made) == 1 else made
+        self.array_call(*self.unwrapped(args), *self.trailing_inputs, out=out)
+        for target, values in zip(self.targets, made, strict=True):
+            target[...] = values
+        return made
+
+    def answer(self, results: tuple[Array, ...]) -> Any:
+        """What a call with these results (...) returns."""
+        copies = tuple(results[k].copy() if results[k].ndim else results[k][()] for k in self.returns)
         result = copies[0] if len(copies) == 1 else copies or None
         if self._holder is None:
             return result

@@ -41,6 +41,7 @@ FIELDS = (
     "condition",  # 1 plus the number of the pointer to what must be above zero, or 0
     "pool", "decref",  # REUSED places for the last instances, or 0
     "float_new", "bool_type", "true", "false",
+    "holders", "get_member", "member", "clear", "mutex", "lock", "unlock",  # only of `free_threaded_call`
 )  # fmt: skip
 """The words of a plan."""
 PORT, RETURN = 5, 4
@@ -184,13 +185,14 @@ entry:
   %read = add nuw i64 %inputs, %givens
   %total = add nuw i64 %read, %outputs
   %pointers = alloca ptr, i64 %total"""
-_SLOW = f"""slow:
+SLOW_IR = f"""slow:
 {_word("call")}
 {load_at("callable", "self", SLOW)}
   %result.slowly = call ptr %call(ptr %callable, ptr %args, i64 %flagged, ptr %keywords)
   ret ptr %result.slowly
 }}
 """
+"""The block that passes a call on to the Python callable, and the end of a definition."""
 
 _GIVEN = f"""
 ; A kernel called otherwise than plainly: writes into `out`, one array or a tuple of arrays, where all is exact.
@@ -241,12 +243,9 @@ answer:
   %result = select i1 %is.whole, ptr %target, ptr %first
   call void %incref(ptr %result)
   ret ptr %result
-{_SLOW}"""
+{SLOW_IR}"""
 
 _BOUND = f"""
-; A kernel bound to arrays: compares what is watched, writes into the arrays, returns copies of some of them.
-; Nothing of Python runs between the examination of the arrays and their last use.
-define ptr @bound{_HEAD}
   %plain = icmp eq ptr %keywords, null
   %begin = and i1 %plain, %count.ok
   br i1 %begin, label %in.from, label %slow
@@ -407,7 +406,7 @@ full:
   ret ptr %tuple
 failed:
   ret ptr null
-{_SLOW}"""
+"""
 
 _DIFFER = """
 ; Whether two blocks differ in any bit.
@@ -558,5 +557,23 @@ none.left:
 }}
 """
 
-FAST_CALL_IR = {"with_out": _TAKE + _GIVEN, "bound": _TAKE + _DIFFER + _COPIED + _REUSED + _BOUND}
+
+def bound_ir(define: str, slow: str) -> str:
+    """IR of a kernel bound to arrays, with what it calls.
+
+    Args:
+        define: How its definition begins: linkage and name.
+        slow: The block `slow`, where calls end that it does not answer, and the end of the definition.
+
+    Returns:
+        The definitions.
+    """
+    bound = f"""
+; A kernel bound to arrays: compares what is watched, writes into the arrays, returns copies of some of them.
+; Nothing of Python runs between the examination of the arrays and their last use.
+{define}{_HEAD}{_BOUND}{slow}"""
+    return _TAKE + _DIFFER + _COPIED + _REUSED + bound
+
+
+FAST_CALL_IR = {"with_out": _TAKE + _GIVEN, "bound": bound_ir("define ptr @bound", SLOW_IR)}
 """By the name of the call. The first kernel of a process waits for `with_out`, so it comes without the other."""

@@ -23,11 +23,14 @@ from ulna.compiler.language.function import Function
 from ulna.compiler.language.ports import Port
 from ulna.compiler.runtime import entry_point, jit, object_layout
 from ulna.compiler.runtime.fast_call import FAST_CALL_IR, FIELDS, REUSED
+from ulna.compiler.runtime.free_threaded_call import GUARDED_BOUND_IR
 from ulna.compiler.runtime.object_layout import (
     TYPE_NUMBER,
+    VALUE,
     array_function,
     c_function,
     fast_call_works,
+    has_gil,
     ufunc_function,
 )
 from ulna.typing import Array as AnyArray
@@ -67,7 +70,8 @@ class _Spec(ctypes.Structure):
     )
 
 
-_OFFSET, _OBJECT = 19, 6  # kinds of members: Py_ssize_t, a Python object
+# Kinds of members: Py_ssize_t, a Python object, and one that need not be there.
+_OFFSET, _OBJECT, _SLOT_OBJECT = 19, 6, 16
 _KEEP: list[Any] = []  # what CPython and NumPy keep pointers to
 
 
@@ -202,7 +206,8 @@ def _release(*_: Any) -> None:
 @cache
 def _fast_call(name: str) -> int:
     """Address of code that all kernels share."""
-    code = jit.load_text(FAST_CALL_IR[name], (name,), has_loops=name == "bound")
+    text = FAST_CALL_IR[name] if has_gil() or name != "bound" else GUARDED_BOUND_IR
+    code = jit.load_text(text, (name,), has_loops=name == "bound")
     _KEEP.append(code)
     return code.address(name)
 
@@ -251,9 +256,9 @@ class Plan:
         accepts_float, first = element == "double", len(f.inputs)
         dtype = object_layout.NUMPY_TYPE[element]
         holders = [*bound.input_holders, *[None] * (first - len(bound.input_holders))]
-        inputs = [
-            self._port(p.shape, dtype, accepts_float, of) for p, of in zip(f.inputs, holders, strict=True)
-        ]
+        guard = {} if has_gil() else self._guard(holders)
+        held = holders if has_gil() else [None] * first  # the guard passes the arrays that they hold
+        inputs = [self._port(p.shape, dtype, accepts_float, of) for p, of in zip(f.inputs, held, strict=True)]
         outputs = [self._port(p.shape, dtype) for p in f.outputs]
         pairs = [
             (id(live), id(reference), live.nbytes // 8, *self._array_port(live), *self._array_port(reference))
@@ -281,7 +286,7 @@ class Plan:
             "pool": self._pool() if holder not in (None, float, bool) else 0,
             **_common_words(),
         }
-        self.address = self._table([[words[field] for field in FIELDS]])
+        self.address = self._table([[(words | guard).get(field, 0) for field in FIELDS]])
 
     def _port(
         self,
@@ -298,6 +303,16 @@ class Plan:
     def _array_port(self, array: AnyArray) -> tuple[int, ...]:
         """The port that takes an array as it is now."""
         return self._port(array.shape, array.dtype)
+
+    def _guard(self, holders: Sequence[type | None]) -> dict[str, int]:
+        """The words of `free_threaded_call`."""
+        self._references += holders
+        row = [0 if holder is None else id(holder) for holder in holders]
+        return {
+            "holders": self._table([row]) if any(row) else 0,
+            "mutex": self._table([[0]]),
+            **_guard_words(),
+        }
 
     def _pool(self) -> int:
         """Places for the last instances that were returned."""
@@ -333,6 +348,21 @@ def _common_words() -> dict[str, int]:
         "bool_type": id(bool),
         "true": id(True),
         "false": id(False),
+    }
+
+
+_SLOT = _MemberDef(b"value", _SLOT_OBJECT, VALUE, 0, None)
+
+
+@cache
+def _guard_words() -> dict[str, int]:
+    """The words of `free_threaded_call` that are the same in all plans."""
+    return {
+        "get_member": c_function("PyMember_GetOne"),
+        "member": ctypes.addressof(_SLOT),
+        "clear": c_function("PyErr_Clear"),
+        "lock": c_function("PyMutex_Lock"),
+        "unlock": c_function("PyMutex_Unlock"),
     }
 
 

@@ -227,8 +227,9 @@ class KernelBase:
                 kernel, and its result returned: for what has no solution.
 
         Returns:
-            A `Bound` kernel. It is called with positional arguments, holds the GIL while it works, and cannot be
-            pickled: what it is bound to would be other arrays elsewhere.
+            A `Bound` kernel. It is called with positional arguments, and cannot be pickled: what it is bound to would
+            be other arrays elsewhere. It holds the GIL while it works; on a free-threaded Python calls of the same one
+            wait for each other, so what a call returns belongs to its arguments.
 
         Raises:
             InputError: If there are not as many arrays as outputs, or they share memory, cannot be written to or

@@ -6,6 +6,10 @@ options with their default values, looks the kernel up, and calls it with the ar
 (a kernel that is not made yet, a missing argument, another class), the Python function is called, which gives the same
 answer.
 
+Machine code has no reference of its own to a kernel while that runs. So a kernel stays in the tables of its object once
+it is there, and nothing takes its place: other threads run meanwhile where there is no global lock, and in a batch
+where there is one.
+
 The object that does so stands for the function in its class only where a method is called: read as an attribute, of the
 class or of an instance, it is the function, with its signature and documentation. Programs that look into the class's
 dictionary, such as `unittest.mock`, take it for a function, and copies of it are the function.
@@ -24,7 +28,7 @@ from typing import Any, NamedTuple
 from ulna.compiler.runtime import entry_point, gufunc, jit
 from ulna.compiler.runtime.kernel import native_type
 from ulna.compiler.runtime.method_code import FIELDS, METHOD_IR
-from ulna.compiler.runtime.object_layout import c_function, has_gil, slot_offset
+from ulna.compiler.runtime.object_layout import c_function, slot_offset
 
 _METHOD_DESCRIPTOR = 1 << 17  # calls as a method pass the instance, and make no bound method
 _IMMUTABLE = 1 << 8  # Python specialises code only for descriptors of such types, which saves 20 ns a call
@@ -111,19 +115,14 @@ _KEEP: list[Any] = []
 
 def is_ready() -> bool:
     """Whether `method_call` takes a moment, since nothing has to be compiled: once on a machine that takes 20 ms."""
-    return (
-        native_type() is None
-        or not has_gil()
-        or bool(_own_type.cache_info().currsize)
-        or jit.is_stored(METHOD_IR)
-    )
+    return native_type() is None or bool(_own_type.cache_info().currsize) or jit.is_stored(METHOD_IR)
 
 
 @functools.cache
 def _own_type() -> tuple[type, int, dict[str, int]] | None:
     """The type of such methods, the address of their code, and the words that are the same in all plans."""
     kernel_type = native_type()
-    if kernel_type is None or not has_gil():  # references out of dictionaries and slots are borrowed
+    if kernel_type is None:
         return None
     code = jit.load_text(METHOD_IR, ("method", "bind"), has_loops=False)
     kind = gufunc.make_type(

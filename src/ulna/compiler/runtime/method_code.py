@@ -70,7 +70,7 @@ known:
 {load_at("kernel.is", "kernel.chosen", TYPE)}
   %is.native = icmp eq ptr %kernel.is, %kernel_type
   br i1 %is.native, label %run, label %slow
-run:  ; the object owns its kernels, and the caller the object
+run:  ; the object owns its kernels for as long as it lives, and the caller the object
 {load_at("code", "kernel.chosen", VECTORCALL)}
   %result = call ptr %code(ptr %kernel.chosen, ptr %source, i64 %arrays, ptr %named)
   ret ptr %result

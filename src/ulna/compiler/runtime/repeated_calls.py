@@ -7,11 +7,13 @@ the keys (a placement before the reference frame). Where there is no row, or the
 function itself is called; it adds rows.
 
 Addresses stay valid: rows hold references to their kernels and keys, but for keys that are referred to weakly; the rows
-of such an object are cleared before its memory is freed.
+of such an object are cleared before its memory is freed. Without a global lock each row has one of its own, until the
+call has a reference to the kernel.
 """
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import weakref
 from array import array
@@ -26,7 +28,9 @@ from ulna.system import forks
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 MOST_FIRST_ARGUMENTS = 4
-_ROW = MOST_FIRST_ARGUMENTS + 2  # one more than all arguments, addresses of the first, that of the kernel
+_ROW = (
+    MOST_FIRST_ARGUMENTS + 3
+)  # one more than all arguments, addresses of the first, that of the kernel, a mutex
 _BITS = 8
 _LARGEST_SHARED = 256  # CPython has one object for each number up to this one
 _SKIPPED = (
@@ -38,6 +42,7 @@ _MULTIPLIER = (
 _WORD_MASK = 2**64 - 1
 _FIELDS = (
     "first_arguments", "rows", "not_implemented", "call", "incref", "decref", "kernel_argument", "has_kernel_argument",
+    "lock", "unlock",  # 0 with a global lock
 )  # fmt: skip
 
 
@@ -45,6 +50,17 @@ def _word(name: str, kind: str = "ptr") -> str:
     return load_at(name, "plan", _FIELDS.index(name) * WORD, kind)
 
 
+_MUTEX = f"  %mutex = getelementptr i8, ptr %row, i64 {(_ROW - 1) * WORD}"
+_TAKE_ROW = (
+    ""
+    if has_gil()
+    else f"""{_MUTEX}
+{_word("lock")}
+{_word("unlock")}
+  call void %lock(ptr %mutex)
+"""
+)
+_LEAVE_ROW = "" if has_gil() else "  call void %unlock(ptr %mutex)\n"
 _IR = f"""
 define ptr @repeated(ptr %self, ptr %args, i64 %flagged, ptr %keywords) nounwind {{
 entry:
@@ -81,10 +97,10 @@ find:
   %number = lshr i64 %sum, {64 - _BITS}
   %offset = mul nuw i64 %number, {_ROW * WORD}
   %row = getelementptr i8, ptr %rows, i64 %offset
-  %counted = load i64, ptr %row
+{_TAKE_ROW}  %counted = load i64, ptr %row
   %count.wanted = add nuw i64 %count, 1  ; a row that is empty has 0
   %count.ok = icmp eq i64 %counted, %count.wanted
-  br i1 %count.ok, label %compare, label %slow
+  br i1 %count.ok, label %compare, label %other
 compare:
   %j = phi i64 [ 0, %find ], [ %j.next, %one ]
   %left = icmp ult i64 %j, %n
@@ -99,9 +115,11 @@ one:
   %kept.p = getelementptr i64, ptr %row, i64 %j.next
   %kept = load i64, ptr %kept.p
   %same = icmp eq i64 %given, %kept
-  br i1 %same, label %compare, label %slow
+  br i1 %same, label %compare, label %other
+other:
+{_LEAVE_ROW}  br label %slow
 known:
-  %kernel.p = getelementptr i8, ptr %row, i64 {(_ROW - 1) * WORD}
+  %kernel.p = getelementptr i8, ptr %row, i64 {(_ROW - 2) * WORD}
   %kernel = load ptr, ptr %kernel.p
 {_word("incref")}
 {_word("decref")}
@@ -111,7 +129,7 @@ known:
   %rest = getelementptr ptr, ptr %args, i64 %first.remaining
   %rest.count = sub nuw i64 %count, %n
   call void %incref(ptr %kernel)
-  %result = call ptr %code(ptr %kernel, ptr %rest, i64 %rest.count, ptr null)
+{_LEAVE_ROW}  %result = call ptr %code(ptr %kernel, ptr %rest, i64 %rest.count, ptr null)
   call void %decref(ptr %kernel)
   %refused = icmp eq ptr %result, %not_implemented
   br i1 %refused, label %again, label %done
@@ -127,6 +145,17 @@ slow:
   ret ptr %result.slowly
 }}
 declare i64 @llvm.umin.i64(i64, i64)
+"""
+_EXCHANGE_IR = f"""
+; Fills a row while no call looks at it.
+define void @exchange(ptr %row, ptr %words, ptr %lock, ptr %unlock) nounwind {{
+{_MUTEX}
+  call void %lock(ptr %mutex)
+  call void @llvm.memcpy.p0.p0.i64(ptr %row, ptr %words, i64 {(_ROW - 1) * WORD}, i1 false)
+  call void %unlock(ptr %mutex)
+  ret void
+}}
+declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)
 """
 
 
@@ -158,6 +187,7 @@ class _Table:
         self.plan = array("Q", [first_arguments, self._words.buffer_info()[0], id(NotImplemented)])
         self.plan.extend(c_function(f) for f in ("PyObject_Vectorcall", "Py_IncRef", "Py_DecRef"))
         self.plan.extend((_WORD_MASK, 0) if kernel_argument is None else (kernel_argument, 1))
+        self.plan.extend(_mutex_functions())
 
     def put(self, arguments: tuple[Any, ...], remaining: int, kernel: Any, weak: int) -> None:
         """Has the kernel called for these first arguments, unless a row was replaced a few calls ago."""
@@ -174,23 +204,31 @@ class _Table:
         addresses = [id(x) for x in arguments] + [0] * (MOST_FIRST_ARGUMENTS - len(arguments))
         values = array("Q", [len(arguments) + remaining + 1, *addresses, id(kernel)])
         with _lock:
-            known = self._words[first : first + _ROW - 1]
+            known = self._words[first : first + _ROW - 2]
             self._to_skip = _SKIPPED if known[0] and known != values[:-1] else 0
-            self._words[first : first + _ROW] = _EMPTY
+            self._fill(first, _EMPTY)
             self._references[row] = (arguments[weak:], kernel)
             for x in arguments[:weak]:
                 _rows_with(x).add((self, row))
-            self._words[first : first + _ROW] = values
+            self._fill(first, values)
 
     def clear(self, row: int, address: int) -> None:
         """Empties a row that has the address of an object."""
         first = row * _ROW
-        if address in self._words[first + 1 : first + _ROW - 1]:
-            self._words[first : first + _ROW] = _EMPTY
+        if address in self._words[first + 1 : first + _ROW - 2]:
+            self._fill(first, _EMPTY)
             self._references[row] = None
 
+    def _fill(self, first: int, values: array[int]) -> None:
+        """Changes the row that begins at a word."""
+        if has_gil():
+            self._words[first : first + _ROW - 1] = values
+            return
+        row = self._words.buffer_info()[0] + first * WORD
+        _exchange()[0](row, values.buffer_info()[0], *_mutex_functions())
 
-_EMPTY = array("Q", bytes(WORD * _ROW))
+
+_EMPTY = array("Q", bytes(WORD * (_ROW - 1)))
 _lock = forks.lock(forks.KERNEL)
 _rows_of: dict[int, set[tuple[_Table, int]]] = {}  # for the address of an object that is referred to weakly
 
@@ -250,8 +288,6 @@ class CallCache:
 
 @functools.cache
 def _own_type() -> type | None:
-    if not has_gil():  # rows are read without a lock
-        return None
     return gufunc.make_type(RepeatedCalls, "RepeatedCalls")
 
 
@@ -259,6 +295,19 @@ def _own_type() -> type | None:
 def _code() -> tuple[Any, int]:
     code = jit.load_text(_IR, ("repeated",), has_loops=False)
     return code, code.address("repeated")
+
+
+@functools.cache
+def _mutex_functions() -> tuple[int, int]:
+    """The addresses of what locks and unlocks a mutex; 0 with a global lock."""
+    return (0, 0) if has_gil() else (c_function("PyMutex_Lock"), c_function("PyMutex_Unlock"))
+
+
+@functools.cache
+def _exchange() -> tuple[Any, Any]:
+    """The function that fills a row, which nothing interrupts, and its code."""
+    code = jit.load_text(_EXCHANGE_IR, ("exchange",), has_loops=False)
+    return ctypes.PYFUNCTYPE(None, *[ctypes.c_void_p] * 4)(code.address("exchange")), code
 
 
 def call_cache(first_arguments: int, weak: int, kernel_argument: int | None = None) -> CallCache:
