@@ -39,6 +39,8 @@ NUMBER = r"A traced value has no number yet.*Use np\.sin and the like"
         (lambda x: [1.0, 2.0][x], NUMBER),
         (lambda x: np.linalg.inv(np.array([[x]])), "Traced values cannot do this: .* ulna.linalg solves small systems"),
         (lambda x: np.arcsinh(x), "Traced values cannot do this: .* no callable arcsinh method. They know .* np.sqrt, sin, "),
+        (lambda x: np.arctan2(1.0, x), "Traced values cannot do this: .*'arctan2'.* numeric.arctan2 any"),
+        (lambda x: np.hypot(2, x), "Traced values cannot do this: .*np.hypot takes traced values first"),
         (lambda x: np.isnan(np.array([x])), "Traced values cannot do this: .*'isnan' not supported"),
         (lambda x: x * 1j, "Traced values cannot do this: .*'Scalar' and 'complex'"),
         (lambda x: x.ndim, "Traced values cannot do this: .* no attribute .ndim.. They know"),
