@@ -312,3 +312,14 @@ def test_methods_write_into_out_by_name_and_by_place(panda: ulna.Robot) -> None:
     np.testing.assert_array_equal(J, panda.jacobian(q, "panda_hand"))
     many = panda.random_configuration((3000,), seed=1)
     np.testing.assert_array_equal(panda.fk(many, threads=2), panda.fk(many))
+
+
+def test_methods_that_look_at_their_results_can_be_part_of_functions() -> None:
+    robot = ulna.load("panda", root="free_flyer")
+    q = 2.0 * robot.random_configuration(seed=0)
+    kernel = ulna.compile(lambda q: robot.configuration_space.normalize(q), robot)
+    np.testing.assert_allclose(kernel(q), robot.configuration_space.normalize(q), atol=1e-15)
+    q = robot.configuration_space.normalize(q)
+    load = ulna.compile(lambda q: robot.payload_capacity(q), robot)  # the base has no limits
+    np.testing.assert_allclose(load(q), robot.payload_capacity(q), rtol=1e-12)
+    assert np.isinf(load(q)[:6]).all() and np.isfinite(load(q)[6:12]).all()

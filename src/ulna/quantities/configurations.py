@@ -8,6 +8,8 @@ import numpy as np
 
 from ulna.checks.values import generator, number
 from ulna.errors import InputError
+from ulna.lazy import Slot, apply, is_deferred
+from ulna.numeric import is_symbolic
 from ulna.quantities.deferred_algorithms import algorithms
 from ulna.quantities.part import Part
 from ulna.quantities.quantity import quantity
@@ -93,8 +95,12 @@ class ConfigurationSpace(Part):
     @quantity(algorithms.normalize, "(nq,) [rad or m]", options={})
     def normalize(self, q: ArrayLike) -> Floats:
         """The same pose with unit quaternions and free angles in (-pi, pi]; InputError where a quaternion is zero."""
+        if is_deferred(q):  # block by block, what is refused, too
+            shape = (self.model.nq,)
+            slot = Slot("q", shape, np.float64, self.model.position_names)
+            return apply(self.normalize, (q,), [slot], [Slot("", shape)])
         out = self._kernel("normalize")(q)
-        if np.isnan(out).any():
+        if not is_symbolic(out) and np.isnan(out).any():
             raise InputError(
                 "`q` holds a quaternion of length 0, which is no rotation and cannot be normalised."
             )

@@ -9,6 +9,7 @@ import numpy as np
 from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.checks.arrays import batched_array, check_core_shape, check_finite, real_array
 from ulna.model import Model
+from ulna.numeric import vector, where
 from ulna.quantities.deferred_algorithms import algorithms
 from ulna.quantities.forces import (
     FORCE_OPTIONS,
@@ -305,6 +306,10 @@ class Dynamics(Part):
         check_finite("effort", np.where(free, 0.0, limit))
         kernel = self._kernel("payload_multiples", frame, reference)
         load_limit = kernel(q, load, np.where(free, np.finfo(float).max, limit))
+        if type(load_limit) is np.ndarray and load_limit.dtype == object:  # inside of a trace
+            return vector(
+                *(where(x <= np.inf, np.inf, x) if f else x for f, x in zip(free, load_limit, strict=True))
+            )
         return np.where(free & ~np.isnan(load_limit), np.inf, load_limit)
 
 

@@ -294,3 +294,15 @@ def test_lengths_that_are_not_known_are_found_before_arrays_are_put_together(
 def test_the_argument_that_does_not_broadcast_is_named(robot: ulna.Robot, lazy: Any) -> None:
     with pytest.raises(ShapeError, match=r"`v` has shape \(3, 7\); expected leading axes that broadcast"):
         robot.inverse_dynamics(lazy, np.zeros((3, 7)), np.zeros(7))
+
+
+def test_normalized_configurations_are_lazy() -> None:
+    """They were computed at once, to look for quaternions of length zero."""
+    flying = ulna.load("panda", root="free_flyer")
+    q = np.stack([2.0 * flying.neutral] * 7)
+    space = flying.configuration_space
+    same(space.normalize(da.from_array(q, chunks=(3, 5))), space.normalize(q))
+    q[5, 3:7] = 0.0
+    later = space.normalize(da.from_array(q, chunks=(3, -1)))
+    with pytest.raises(InputError, match="quaternion of length 0"):
+        later.compute(scheduler="sync")
