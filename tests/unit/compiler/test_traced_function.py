@@ -318,6 +318,29 @@ def test_the_fingerprint_is_that_of_what_is_computed():
     assert made(loop(5, 1.0), x=()) != made(loop(5, 2.0), x=())
 
 
+def test_conditions_are_compared_by_what_they_say():
+    """As objects they always differed, and a `where` took its other side."""
+    same = {
+        "==": lambda a, b: a == b,
+        "!=": lambda a, b: a != b,
+        "^": lambda a, b: a ^ b,
+        "== True": lambda a, b: (a == True) & (np.True_ != b),  # noqa: E712
+        "^ False": lambda a, b: False ^ (a ^ b),
+    }
+    x = np.array([[a, b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
+    for name, f in same.items():
+        kernel = compile(trace(lambda x, f=f: nm.where(f(x[0] > 0.0, x[1] > 0.0), 1.0, 0.0), x=(2,)))
+        expected = [float(f(bool(a > 0.0), bool(b > 0.0))) for a, b in x]
+        assert kernel(x).tolist() == expected, name
+    for wrong in (
+        lambda x: (x > 0.0) == 1.0,
+        lambda x: {x > 0.0: 1.0}[x > 0.0],
+        lambda x: (x > 0.0) in [1, 2],
+    ):
+        with pytest.raises(TraceError, match="Condition"):
+            trace(wrong, x=())
+
+
 def test_comparisons_are_traced_as_conditions():
     kinds = []
     trace(lambda x: kinds.append(type(x < 1.0)) or x, x=())

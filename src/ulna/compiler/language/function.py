@@ -188,9 +188,7 @@ def _returned(f: Callable[..., Any], arguments: Sequence[Any]) -> Any:
         raise TraceError(f"Traced values cannot do this: {error}. {_KNOWN}") from error
 
 
-_OF_TRACED_VALUES = (
-    r"Scalar|Condition|dtype\('O'\)|not supported for the input types|to Python scalars|'(arctan2|hypot)'"
-)
+_OF_TRACED_VALUES = r"Scalar|Condition|dtype\('O'\)|for the input types|to Python scalars|'arctan2'|'hypot'"
 _METHODS = [name for name in vars(Scalar) if name[0] != "_"]
 _KNOWN = (
     f"They know + - * / // % **, comparisons, abs, np.{', '.join(n for n in _METHODS if hasattr(np, n))}, "

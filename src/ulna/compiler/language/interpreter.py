@@ -68,7 +68,9 @@ def interpret(graph: Graph, inputs: Sequence[Any], outputs: Sequence[int]) -> li
         The values in the order of `outputs`, numbers or arrays (...).
     """
     with np.errstate(all="ignore"):
-        return evaluate(graph, inputs, outputs, operation=_by_numpy, loop=_iterate, lane=_lane_numbers)
+        return evaluate(
+            graph, inputs, outputs, operation=_by_numpy, loop=_iterate, lane=lambda n: np.arange(float(n))
+        )
 
 
 def copy_into(
@@ -108,10 +110,6 @@ def _by_numpy(op: int, args: Sequence[Any]) -> Any:
     function = TABLE[op].numpy
     assert function is not None
     return function(*args)
-
-
-def _lane_numbers(count: int) -> Any:
-    return np.arange(float(count))
 
 
 class _LoopStates(list[Any]):

@@ -8,6 +8,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partialmethod
 from typing import Any, NoReturn
 
 import numpy as np
@@ -44,7 +45,7 @@ class Value:
         raise TraceError(
             "A traced value has no truth: `if`, `and`, `or`, `min()`, `max()`, np.minimum, np.sign and np.clip cannot "
             "branch on it, and `<` cannot compare an array of them. Use ulna.numeric.where, minimum, maximum, clip, "
-            "and less for arrays, and ulna.numeric.loop for `while`; combine conditions with & | ~."
+            "and less for arrays, and ulna.numeric.loop for `while`; combine conditions with & | ~ ^ ==."
         )
 
     def _loop_(self, condition: Any, body: Any, state: tuple[Any, ...], limit: int) -> tuple[Any, ...]:
@@ -76,7 +77,7 @@ class Value:
 
 
 class Condition(Value):
-    """A traced truth value; combine with `&`, `|`, `~`, use with `numeric.where`."""
+    """A traced truth value; combine with `&`, `|`, `^`, `~`, `==`, use with `numeric.where`."""
 
     __slots__ = ()
 
@@ -89,16 +90,20 @@ class Condition(Value):
             return NotImplemented
         return Condition(g, g.node(op, a, b))
 
-    def __and__(self, other: Any) -> Condition:
-        return self._and_or(Op.AND, other)
-
-    def __or__(self, other: Any) -> Condition:
-        return self._and_or(Op.OR, other)
-
-    __rand__, __ror__ = __and__, __or__
+    __and__ = __rand__ = partialmethod(_and_or, Op.AND)
+    __or__ = __ror__ = partialmethod(_and_or, Op.OR)
 
     def __invert__(self) -> Condition:
         return Condition(self.graph, self.graph.node(Op.NOT, self.index))
+
+    def __xor__(self, other: Any) -> Any:
+        return (self | other) & ~(self & other)
+
+    def __eq__(self, other: object) -> Any:
+        return ~(self ^ other)
+
+    __ne__ = __rxor__ = __xor__  # type: ignore[assignment]
+    __hash__ = None  # type: ignore[assignment]
 
     def _where_(self, a: Any, b: Any) -> Any:
         """`a` where this holds, else `b`: the hook of numeric.where."""
@@ -166,9 +171,6 @@ class Scalar(Value):
     def __ne__(self, other: object) -> Any:
         equal = self._equals(other)
         return equal if equal is NotImplemented else ~equal
-
-    def __pos__(self) -> Scalar:
-        return self
 
     def __mod__(self, other: Any) -> Any:
         """Remainder with the sign of the divisor, as np.mod."""
@@ -247,6 +249,8 @@ class Scalar(Value):
     def conjugate(self) -> Scalar:
         """The value itself, which is real."""
         return self
+
+    __pos__ = conjugate
 
 
 class _UnderTrace(threading.local):
