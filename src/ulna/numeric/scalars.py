@@ -271,7 +271,7 @@ def _ceil(x: Any) -> Any:
 
 
 def _where(condition: Any, a: Any, b: Any) -> Any:
-    if isinstance(condition, (bool, np.bool_)):
+    if isinstance(condition, (bool, int, float, np.generic)):  # numbers as NumPy takes them
         return a if condition else b
     hook = getattr(condition, "_where_", None)
     if hook is not None:

@@ -318,6 +318,12 @@ def test_the_fingerprint_is_that_of_what_is_computed():
     assert made(loop(5, 1.0), x=()) != made(loop(5, 2.0), x=())
 
 
+def test_numbers_are_conditions_as_for_numpy():
+    mask = np.array([1, 0, -2])
+    kernel = compile(trace(lambda x: nm.where(mask, x, 0.5) + nm.where(0.0, x[0], 1.0), x=(3,)))
+    assert kernel([4.0, 5.0, 6.0]).tolist() == [5.0, 1.5, 7.0]
+
+
 def test_conditions_are_compared_by_what_they_say():
     """As objects they always differed, and a `where` took its other side."""
     same = {
