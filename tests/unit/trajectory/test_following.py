@@ -74,6 +74,25 @@ def test_from_rest_to_rest_it_is_the_s_curve() -> None:
         assert slow.duration == pytest.approx(20.0)
 
 
+@pytest.mark.parametrize("length", [1e-8, 1.0, 1e3])
+@pytest.mark.parametrize("time", [1e-4, 1.0, 1e4])
+def test_tiny_and_huge_motions_end_where_they_should_within_limits(length: float, time: float) -> None:
+    """Ruckig fails, or misses the end or the limits, in units in which numbers are very small or large."""
+    pytest.importorskip("ruckig", reason="ruckig calculates jerk-limited motions")
+    rng = np.random.default_rng(7)
+    for _ in range(40):
+        q0, q1 = length * rng.normal(size=(2, 3))
+        v, a, j = (length / time**k * 10.0 ** rng.uniform(-1.0, 1.0, 3) for k in (1, 2, 3))
+        v0, v1 = v * rng.uniform(-0.9, 0.9, (2, 3))
+        t = trajectory.jerk_limited(q0, v0, None, q1, v1, None, v, a, j)
+        q, speed, change = t.state(t.duration)
+        assert (np.abs(q - q1) <= 1e-5 * length).all() and (np.abs(speed - v1) <= 1e-5 * v).all()
+        assert (np.abs(change) <= 1e-5 * a).all()
+        rows = t.sample(n=500, jerk=True)
+        for row, limit in ((rows.v, v), (rows.a, a), (rows.jerk, j)):
+            assert (np.abs(row).max(axis=0) <= (1.0 + 1e-5) * limit).all()
+
+
 def test_states_that_limits_forbid_are_refused() -> None:
     pytest.importorskip("ruckig", reason="ruckig calculates jerk-limited motions")
     with pytest.raises(InputError, match="Ruckig refuses the motion"):
