@@ -8,6 +8,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import kernels
+from ulna.checks.quaternions import checked_configurations
 from ulna.collision import broad
 from ulna.collision.narrow import Poses
 from ulna.collision.solids import Solid
@@ -18,6 +19,9 @@ from ulna.spatial import SE3
 from ulna.typing import Array, ArrayLike, Floats
 
 _CHUNK = 256  # configurations whose boxes are compared at once: what fits the second cache
+_PLACED = (
+    8192  # configurations whose solids are placed at once: some megabytes, and some hundredths of a second
+)
 
 
 @final
@@ -44,6 +48,7 @@ class BroadPhase:
         mask: Array,
         margins: Floats,
     ) -> None:
+        self._model = model
         self._world, self._obstacles, self._mask, self._count = world, obstacles, mask, len(mask)
         self._margins = margins if margins.any() else None
         self._kernel = broad.pose_kernel(model, links)
@@ -73,16 +78,39 @@ class BroadPhase:
         Returns:
             The shape of the batch, (...), and the number of the first row of each part with the solids of its rows.
         """
-        R, p, c, h = self._with_attached(q, *self._kernel(q))
         moving_poses = self._moved(moving or {})
-        batch = np.broadcast_shapes(p.shape[:-2], *(T.shape[:-2] for T in moving_poses.values()))
+        if getattr(q, "size", 0) > _PLACED * self._model.nq:
+            return self._chunks_of_many(checked_configurations("q", q, self._model), moving_poses)
+        placed = self._with_attached(q, *self._kernel(q))
+        core = placed[1].ndim - 2
+        batch = np.broadcast_shapes(placed[1].shape[:core], *(T.shape[:-2] for T in moving_poses.values()))
         total = int(np.prod(batch))
-        flat = [
-            np.broadcast_to(x, batch + x.shape[p.ndim - 2 :]).reshape(total, *x.shape[p.ndim - 2 :])
-            for x in (R, p, c, h)
-        ]
-        poses = {k: np.broadcast_to(T, (*batch, 4, 4)).reshape(total, 4, 4) for k, T in moving_poses.items()}
-        return batch, self._pieces(flat, poses, total)
+        flat = [np.broadcast_to(x, batch + x.shape[core:]).reshape(total, *x.shape[core:]) for x in placed]
+        return batch, self._pieces(flat, self._rows(moving_poses, batch, total), total)
+
+    def _chunks_of_many(
+        self, q: Array, moving_poses: Mapping[int, Floats]
+    ) -> tuple[tuple[int, ...], Iterator[tuple[int, Poses]]]:
+        """As `chunks`: solids are placed part by part, so that they fit into memory, and Ctrl-C is heard in between."""
+        batch = np.broadcast_shapes(q.shape[:-1], *(T.shape[:-2] for T in moving_poses.values()))
+        total = int(np.prod(batch))
+        rows = np.broadcast_to(q, (*batch, q.shape[-1])).reshape(total, -1)
+        poses = self._rows(moving_poses, batch, total)
+
+        def pieces() -> Iterator[tuple[int, Poses]]:
+            for first in range(0, total, _PLACED):
+                part = slice(first, min(first + _PLACED, total))
+                placed = self._with_attached(rows[part], *self._kernel(rows[part]))
+                count, of_part = part.stop - first, {k: T[part] for k, T in poses.items()}
+                yield from ((first + start, piece) for start, piece in self._pieces(placed, of_part, count))
+
+        return batch, pieces()
+
+    def _rows(
+        self, moving_poses: Mapping[int, Floats], batch: tuple[int, ...], total: int
+    ) -> dict[int, Floats]:
+        """Poses of moving obstacles, one for each row."""
+        return {k: np.broadcast_to(T, (*batch, 4, 4)).reshape(total, 4, 4) for k, T in moving_poses.items()}
 
     def _with_attached(self, q: ArrayLike, *placed: Floats) -> tuple[Floats, ...]:
         """R, p, c, h of the links' solids, followed by those of attached objects."""

@@ -10,6 +10,7 @@ from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.geometry import Shape
 from ulna.spatial import SE3
+from ulna.spatial.se3 import read_only
 from ulna.typing import ArrayLike, Floats
 
 
@@ -107,7 +108,7 @@ def checked_pose(what: str, pose: SE3 | ArrayLike | None) -> SE3:
             f"{what[0].upper()}{what[1:]}: `pose` is a batch of shape {matrix.shape[:-2]}; expected one pose."
         )
     check_finite(f"pose of {what}", matrix)
-    return checked
+    return read_only(checked)
 
 
 def _pose_of(what: str, array: Floats) -> SE3:

@@ -16,7 +16,7 @@ Adaptive dynamic collision checking, IEEE Transactions on Robotics 21 (2005), fo
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -50,8 +50,9 @@ def first_contact(
 ) -> Any:
     """When a motion from `q0` to `q1` at constant velocity first comes as near as `margin`; inf where it never does.
 
-    "Near" is within `NEAR` above the margin, so that a time is never late and a contact never missed; a motion that
-    passes by within a tenth of a millimetre counts as one that touches.
+    Continuous joints take the shorter way, as in `robot.difference(q0, q1)`. "Near" is within `NEAR` above the margin,
+    so that a time is never late and a contact never missed; a motion that passes by within a tenth of a millimetre
+    counts as one that touches.
 
     Args:
         checker: The robot and its world.
@@ -93,8 +94,39 @@ def first_contact(
     return times.reshape(v.shape[:-1])[()]
 
 
+def first_contact_along(
+    checker: Checker, q0: Floats, change: Floats, margin: float, should_stop: Callable[[], bool]
+) -> float:
+    """As `first_contact`, of one motion along a given change: whole turns of continuous joints count, too.
+
+    Args:
+        checker: The robot and its world.
+        q0: Where it begins, shape (nq,) [rad or m].
+        change: By how much coordinates of the tangent space change, shape (nv,) [rad or m].
+        margin: Not below 0 [m].
+        should_stop: Asked at each step, whether to give up.
+
+    Returns:
+        The time in [0, 1], or inf; where it gave up the time up to which nothing is touched.
+
+    Raises:
+        InputError: If the motion is absurdly long.
+    """
+    with checker.lock:
+        return _advance(checker, q0, change, margin, None, should_stop)
+
+
+def _never() -> bool:
+    return False
+
+
 def _advance(
-    checker: Checker, q0: Floats, v: Floats, margin: float, moving: Mapping[str, ArrayLike] | None
+    checker: Checker,
+    q0: Floats,
+    v: Floats,
+    margin: float,
+    moving: Mapping[str, ArrayLike] | None,
+    should_stop: Callable[[], bool] = _never,
 ) -> float:
     """Each pair is safe until some time; the least of them is where all is looked at again."""
     model = checker.model
@@ -109,6 +141,8 @@ def _advance(
     safe[~checker.mask] = np.inf
     with np.errstate(divide="ignore", invalid="ignore"):
         while (t := float(safe.min(initial=np.inf))) <= 1.0:
+            if should_stop():
+                return t
             solids = checker.posed(algorithms.integrate(model, q0, t * v), moving)
             due = safe <= t + _SOON
             ahead = np.where(solids.bounds > margin, (solids.bounds - margin) / speed, 0.0)

@@ -160,6 +160,8 @@ class Collision(Part):
     ) -> Any:
         """When the motion from `q0` to `q1` at constant velocity first touches; no contact between samples is missed.
 
+        Continuous joints take the shorter way.
+
         Args:
             q0: Configuration at the start, (..., nq) [rad or m].
             q1: Configuration at the end, (..., nq) [rad or m].

@@ -12,6 +12,8 @@ Transactions on Robotics 21 (2005).
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ulna.checks.arrays import finite_array
@@ -25,6 +27,8 @@ SMALLEST = 2e-6
 """Intervals on which nothing moves farther than this are not halved any more [m]."""
 
 _FIRST = 0.05  # intervals are this long at first [m]
+
+_AT_ONCE = 16_384  # intervals, for memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,10 +74,24 @@ def certify(scene: PlanningScene, points: Floats, margin: float = 0.0) -> Certif
     change = np.abs(np.diff(points, axis=0))
     speeds = [change @ bounds.T for bounds in scene.moving.bounds_of_motion if len(bounds)]
     mu = np.concatenate(speeds, axis=1).max(axis=1)
-    counts = np.maximum(np.ceil(mu / _FIRST), 1).astype(int)
-    edge = np.repeat(np.arange(len(mu)), counts)
-    start = np.concatenate([np.arange(n) / n for n in counts]) if len(counts) else np.zeros(0)
-    width = 1.0 / counts[edge]
+    ends = np.cumsum(np.maximum(np.ceil(mu / _FIRST), 1.0))
+    unproved: set[int] = set()
+    checks, first, last = 0, 0.0, float(ends[-1])
+    while first < last:  # as many intervals at once as fit
+        k = first + np.arange(min(_AT_ONCE, last - first))
+        edge = np.searchsorted(ends, k, side="right")
+        count = np.diff(ends, prepend=0.0)[edge]
+        start = (k - (ends[edge] - count)) / count
+        found, used = _unproved(scene, points, margin, mu, (edge, start, 1.0 / count))
+        unproved, checks, first = unproved | found, checks + used, first + len(k)
+    return Certificate(tuple(sorted(unproved)), margin, checks)
+
+
+def _unproved(
+    scene: PlanningScene, points: Floats, margin: float, mu: Floats, intervals: tuple[Any, Floats, Floats]
+) -> tuple[set[int], int]:
+    """Which edges are not proved on some intervals: their edges, where they begin, and widths; and how many checks."""
+    edge, start, width = intervals
     unproved: set[int] = set()
     checks = 0
     while len(edge):
@@ -90,4 +108,4 @@ def certify(scene: PlanningScene, points: Floats, margin: float = 0.0) -> Certif
         width = np.repeat(width[again] / 2.0, 2)
         start = np.repeat(start[again], 2)
         start[1::2] += width[1::2]
-    return Certificate(tuple(sorted(unproved)), margin, checks)
+    return unproved, checks

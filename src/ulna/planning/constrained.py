@@ -207,7 +207,7 @@ class ConstrainedSearch(Search):
     def _proved(self, run: Run, points: Floats) -> tuple[Floats, Certificate]:
         points, _ = super()._proved(run, self._refined(run, points))
         points = self._refined(run, points)
-        certificate = self._certificate(points, run.workspace.unproved(points))
+        certificate = self._certificate(points, self._unproved(run, points))
         leaving = self._constraints.unproved_edges(points) if len(points) > 1 else []
         unproved = tuple(sorted({*certificate.unproved, *leaving}))
         return points, Certificate(unproved, certificate.clearance, certificate.checks)

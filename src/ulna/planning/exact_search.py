@@ -13,9 +13,9 @@ from typing import final
 
 import numpy as np
 
-from ulna.collision import Checker, LinkPair, World, first_contact
+from ulna.collision import Checker, LinkPair, World
 from ulna.collision.lanes.moving import check_vector_joints
-from ulna.collision.segment import NEAR
+from ulna.collision.segment import NEAR, first_contact_along
 from ulna.model import Model
 from ulna.planning.certificate import Certificate
 from ulna.planning.joint_box import JointBox
@@ -116,12 +116,12 @@ class ExactSearch:
 
     # search -----------------------------------------------------------------------------------------------
 
-    def _contact(self, a: Floats, b: Floats) -> float:
+    def _contact(self, run: Run, a: Floats, b: Floats) -> float:
         """Up to which part of it a straight motion is proved free; inf for all of it."""
-        return float(first_contact(self._checker, a, b, self._margin))
+        return first_contact_along(self._checker, a, b - a, self._margin, run.should_stop)
 
-    def _is_free(self, a: Floats, b: Floats) -> bool:
-        return self._contact(a, b) == np.inf
+    def _is_free(self, run: Run, a: Floats, b: Floats) -> bool:
+        return self._contact(run, a, b) == np.inf
 
     def _direct(self, run: Run) -> tuple[Floats, int]:
         """The straight motion to the nearest goal that one leads to, and the number of the goal; else no points."""
@@ -131,7 +131,7 @@ class ExactSearch:
                 return run.q0[None], k
             if run.should_stop():
                 break
-            if self._is_free(run.q0, run.goals[k]):
+            if self._is_free(run, run.q0, run.goals[k]):
                 return np.stack([run.q0, run.goals[k]]), k
         return np.zeros((0, self._model.nq)), -1
 
@@ -145,7 +145,7 @@ class ExactSearch:
                 rounded = samples(run.samples_used, _BLOCK, run.options.seed, low, high)
                 block = np.clip(rounded.astype(float), low, high)
             k = run.samples_used % 2  # the trees take turns
-            node = self._extended(trees[k], block[run.samples_used % _BLOCK])
+            node = self._extended(run, trees[k], block[run.samples_used % _BLOCK])
             run.samples_used += 1
             if node is None:
                 continue
@@ -160,7 +160,7 @@ class ExactSearch:
             run.tree = _search_tree(*trees)
         return points, goal
 
-    def _extended(self, tree: _Tree, q: Floats) -> int | None:
+    def _extended(self, run: Run, tree: _Tree, q: Floats) -> int | None:
         """Grows a tree towards a configuration, by one edge at most; the new node, or None where nothing is free."""
         near = tree.nearest(q)
         a = tree.nodes[near]
@@ -168,7 +168,7 @@ class ExactSearch:
         if distance == 0.0:
             return near
         b = q if distance <= self._longest else a + (q - a) * (self._longest / distance)
-        contact = self._contact(a, b)
+        contact = self._contact(run, a, b)
         if contact == np.inf:
             return tree.add(b, near)
         part = _PART * contact
@@ -179,7 +179,7 @@ class ExactSearch:
     def _connected(self, run: Run, tree: _Tree, q: Floats) -> int | None:
         """Grows a tree towards a configuration until something is in the way; the node that reached it, or None."""
         while not run.should_stop():
-            node = self._extended(tree, q)
+            node = self._extended(run, tree, q)
             if node is None:
                 return None
             if (tree.nodes[node] == q).all():
@@ -201,7 +201,7 @@ class ExactSearch:
             ends = points[[i - 1, j - 1]] * (1.0 - part) + points[[i, j]] * part
             if run.options.fixed_coordinates is not None:
                 ends[:, run.options.fixed_coordinates] = run.q0[run.options.fixed_coordinates]
-            if self._is_free(*ends):
+            if self._is_free(run, *ends):
                 points = np.vstack([points[:i], ends, points[j:]])
         return self._joined(run, points)
 
@@ -211,7 +211,7 @@ class ExactSearch:
         while i < len(points) - 1:
             j = len(points) - 1
             while j > i + 1 and (
-                not run.options.shorten or run.should_stop() or not self._is_free(points[i], points[j])
+                not run.options.shorten or run.should_stop() or not self._is_free(run, points[i], points[j])
             ):
                 j -= 1
             rows.append(points[j])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, Literal, NamedTuple, final
 
 import numpy as np
@@ -14,7 +16,9 @@ from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.ik.arguments import raise_invalid_pose
 from ulna.ik.result import IKSolution
 from ulna.model import Model
+from ulna.planning.stop import STOP
 from ulna.spatial import SE3
+from ulna.spatial.se3 import read_only
 from ulna.typing import ArrayLike, Floats
 
 _ATTEMPTS = 12  # different starts from which a pose is solved
@@ -67,7 +71,8 @@ class Region:
         if turns not in _TURNS:
             raise UnknownName("value of `turns`", turns, _TURNS)
         goal_pose = SE3.from_translation(matrix) if matrix.shape == (3,) else SE3.from_matrix(matrix)
-        for name, value in (("pose", goal_pose), ("size", edges), ("turns", turns)):
+        edges.setflags(write=False)
+        for name, value in (("pose", read_only(goal_pose)), ("size", edges), ("turns", turns)):
             object.__setattr__(self, name, value)
 
     @property
@@ -104,11 +109,15 @@ class Goals(NamedTuple):
         configurations: Shape (n, nq) [rad, m].
         numbers: The number of the goal that each reaches, (n,).
         reason: What inverse kinematics says of a pose that it could not reach, where there are no configurations.
+        seconds: How long inverse kinematics took, but for first calls, which may compile it [s].
+        is_late: Whether it was ended before all starts were tried, because time was up.
     """
 
     configurations: Floats
     numbers: tuple[int, ...]
     reason: str = ""
+    seconds: float = 0.0
+    is_late: bool = False
 
 
 def goal_configurations(
@@ -118,6 +127,7 @@ def goal_configurations(
     q0: Floats,
     seed: int,
     joints: Sequence[str] | None = None,
+    timeout: float = np.inf,
 ) -> Goals:
     """The configurations that a goal allows.
 
@@ -130,6 +140,7 @@ def goal_configurations(
         q0: Where the motion begins, shape (nq,) [rad, m].
         seed: Seed of the starts from which poses are solved.
         joints: Names of the joints that may move; None for all.
+        timeout: How long inverse kinematics may take [s].
 
     Returns:
         The configurations, those of poses nearest to `q0` first; none where nothing can be reached.
@@ -140,16 +151,16 @@ def goal_configurations(
             that may not.
     """
     if isinstance(goal, np.ndarray):
-        return _of_array(robot, goal, frame, q0, seed, joints)
+        return _of_array(robot, goal, frame, q0, seed, joints, timeout)
     if isinstance(goal, Mapping):
         if frame is not None:
             raise InputError("`frame` and a goal that names its frames are given; expected one of them.")
-        return _solved(robot, [goal], None, q0, seed, joints)
+        return _solved(robot, [goal], None, q0, seed, joints, timeout)
     if isinstance(goal, (list, tuple)) and any(isinstance(item, SE3 | Region) for item in goal):
-        return _solved(robot, [_single(item) for item in goal], frame, q0, seed, joints)
+        return _solved(robot, [_single(item) for item in goal], frame, q0, seed, joints, timeout)
     if isinstance(goal, Region):
-        return _solved(robot, [goal], frame, q0, seed, joints)
-    return _of_array(robot, goal, frame, q0, seed, joints)
+        return _solved(robot, [goal], frame, q0, seed, joints, timeout)
+    return _of_array(robot, goal, frame, q0, seed, joints, timeout)
 
 
 def moving_columns(model: Model, joints: Sequence[str] | None) -> Any:
@@ -201,7 +212,13 @@ def _checked_poses(matrices: Floats) -> Floats:
 
 
 def _of_array(
-    robot: Any, goal: Any, frame: str | None, q0: Floats, seed: int, joints: Sequence[str] | None
+    robot: Any,
+    goal: Any,
+    frame: str | None,
+    q0: Floats,
+    seed: int,
+    joints: Sequence[str] | None,
+    timeout: float,
 ) -> Goals:
     """The configurations of a goal that is numbers."""
     nq = robot.model.nq
@@ -219,7 +236,7 @@ def _of_array(
             "for a pose; plan to the configurations one by one."
         )
     if is_pose:
-        return _solved(robot, list(_checked_poses(poses).reshape(-1, 4, 4)), frame, q0, seed, joints)
+        return _solved(robot, list(_checked_poses(poses).reshape(-1, 4, 4)), frame, q0, seed, joints, timeout)
     if poses.shape != (nq,) and not (poses.ndim == 2 and poses.shape[1] == nq and len(poses)):
         raise ShapeError(
             "goal",
@@ -271,30 +288,70 @@ def _solved(
     q0: Floats,
     seed: int,
     joints: Sequence[str] | None,
+    timeout: float,
 ) -> Goals:
     """Different configurations for poses, nearest to q0 first."""
     random = np.random.default_rng([seed, 2])
     model = robot.model
     moving = moving_columns(model, joints)
     lower, upper = np.maximum(model.lower_position, q0 - np.pi), np.minimum(model.upper_position, q0 + np.pi)
-    solutions: list[tuple[float, int, Floats]] = []
+    found, solutions = np.empty((len(goals) * _ATTEMPTS, model.nq)), list[tuple[float, int, Floats]]()
     nearest: tuple[float, IKSolution] | None = None
-    for number, goal in enumerate(goals):
-        free = moving & _carrying(model, goal, frame)
-        for k, (target, mask) in enumerate(_targets(goal, seed)):
-            start = q0 if k == 0 else np.where(free, random.uniform(lower, upper), q0)
-            options = {"seed": seed + k, "attempts": _SEARCHES, "mask": mask, "joints": joints}
+    free = moving
+    clock = _Clock(timeout)
+    for number, k, target, mask in _asked(goals, seed, clock):
+        if k == 0:
+            free = moving & _carrying(model, goals[number], frame)
+        start = q0 if k == 0 else np.where(free, random.uniform(lower, upper), q0)
+        options = {"seed": seed + k, "attempts": _SEARCHES, "mask": mask, "joints": joints}
+        with clock.running(mask):
             solution = robot.ik(target, start, frame, **options)
-            q = np.asarray(solution.q)
-            if not solution.success:
-                error = float(np.max(solution.position_error) + np.max(solution.rotation_error))
-                nearest = (error, solution) if nearest is None or error < nearest[0] else nearest
-            elif all(np.abs(q - other).max() > 1e-3 for _, _, other in solutions):
-                solutions.append((float(np.linalg.norm(q - q0)), number, q))
+        q = np.asarray(solution.q)
+        if not solution.success:
+            error = float(np.max(solution.position_error) + np.max(solution.rotation_error))
+            nearest = (error, solution) if nearest is None or error < nearest[0] else nearest
+        elif (np.abs(found[: len(solutions)] - q).max(axis=1) > 1e-3).all():
+            found[len(solutions)] = q
+            solutions.append((float(np.linalg.norm(q - q0)), number, q))
     solutions.sort(key=lambda item: item[:2])
     configurations = np.array([q for _, _, q in solutions]).reshape(-1, model.nq)
     reason = nearest[1].reason if nearest is not None and not solutions else ""
-    return Goals(configurations, tuple(number for _, number, _ in solutions), reason)
+    numbers = tuple(number for _, number, _ in solutions)
+    return Goals(configurations, numbers, reason, clock.seconds, clock.has_ended)
+
+
+class _Clock:
+    """How long inverse kinematics takes, but for the first call for each mask, which may compile it.
+
+    Args:
+        timeout: The longest time [s].
+    """
+
+    def __init__(self, timeout: float) -> None:
+        self._timeout, self._known, self.seconds, self.has_ended = timeout, set[str](), 0.0, False
+
+    def is_up(self) -> bool:
+        """Whether the time is over, or the search is to end for another reason."""
+        return self.seconds > self._timeout or (STOP.event is not None and STOP.event.is_set())
+
+    @contextmanager
+    def running(self, mask: Any) -> Iterator[None]:
+        """Within, the clock runs."""
+        begin, kind = time.perf_counter(), repr(mask)
+        yield
+        if kind in self._known:
+            self.seconds += time.perf_counter() - begin
+        self._known.add(kind)
+
+
+def _asked(goals: Sequence[Any], seed: int, clock: _Clock) -> Iterator[tuple[int, int, Any, Any]]:
+    """Each goal's number, for each start its number, what is asked for, and what of it counts; while there is time."""
+    for number, goal in enumerate(goals):
+        for k, (target, mask) in enumerate(_targets(goal, seed)):
+            if clock.is_up():
+                clock.has_ended = True
+                return
+            yield number, k, target, mask
 
 
 def _carrying(model: Model, goal: Any, frame: str | None) -> Any:

@@ -24,9 +24,10 @@ from ulna.lazy import is_deferred
 from ulna.planning import deferred
 from ulna.planning.goals import goal_configurations, moving_columns
 from ulna.planning.result import Plan
-from ulna.planning.run import STOP, Options
+from ulna.planning.run import Options
 from ulna.planning.scenes import PlanningScene
 from ulna.planning.search import Search
+from ulna.planning.stop import STOP
 from ulna.system.progress import progress
 from ulna.typing import ArrayLike, Floats
 
@@ -281,10 +282,12 @@ class Planner:
         options: Options,
     ) -> Plan:
         """The plan for any goal, not only configurations."""
-        q0 = finite_array("q0", q0)
+        q0 = np.array(finite_array("q0", q0))  # of its own: the caller's may change meanwhile
         if q0.shape != (self.model.nq,):
             raise ShapeError("q0", q0.shape, f"({self.model.nq},)")
-        goals = goal_configurations(self.robot, goal, frame, q0, options.seed, joints)
+        goals = goal_configurations(self.robot, goal, frame, q0, options.seed, joints, options.timeout)
+        allowed = options.timeout
+        options = options._replace(timeout=max(allowed - goals.seconds, 0.0))
         if joints is not None:
             moving = moving_columns(self.model, joints)
             options = options._replace(fixed_coordinates=None if moving.all() else ~moving)
@@ -293,6 +296,9 @@ class Planner:
             plan = search.run(q0, goals.configurations, options)
         else:
             plan = self._run_with_still_joints(search, constraints, q0, goals.configurations, options)
+        if plan.outcome == "unreachable" and goals.is_late:
+            reason = f"no configuration was found for the pose within {allowed:g} s. Allow more."
+            return replace(plan, outcome="time", reason=reason)
         if plan.outcome == "unreachable" and goals.reason:
             return replace(plan, reason=f"{plan.reason.rstrip('.')}: {goals.reason}.")
         is_renumbered = plan and goals.numbers[plan.goal] != plan.goal
@@ -355,13 +361,13 @@ class Planner:
                 raise InputError(
                     f"`constraints` holds {item!r}; expected PathConstraint(frame, Region(...)) or several."
                 )
-        if items not in self._constrained:
+        search = self._constrained.get(items)
+        if search is None:  # other threads may add and remove searches meanwhile
+            search = ConstrainedSearch(self.scene, *self._lengths, Constraints(self.model, items))
             if len(self._constrained) >= 8:
                 self._constrained.clear()
-            self._constrained[items] = ConstrainedSearch(
-                self.scene, *self._lengths, Constraints(self.model, items)
-            )
-        return self._constrained[items]
+            search = self._constrained.setdefault(items, search)
+        return search
 
     def plan_all(
         self, starts: ArrayLike, goals: Any, *, threads: int | None = None, **options: Any
@@ -382,7 +388,7 @@ class Planner:
             ShapeError: If there are not as many starts as goals.
             InputError: If `threads` makes no sense; what `plan` raises.
         """
-        q0, goal_list = finite_array("starts", starts), list(goals)
+        q0, goal_list = np.array(finite_array("starts", starts)), list(goals)
         if q0.shape not in ((self.model.nq,), (len(goal_list), self.model.nq)):
             raise ShapeError("starts", q0.shape, f"({len(goal_list)}, {self.model.nq}), one for each goal")
         start_of_each = np.broadcast_to(q0, (len(goal_list), self.model.nq))

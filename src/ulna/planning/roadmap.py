@@ -55,6 +55,9 @@ def which_edges_touch(
     return total
 
 
+_AT_ONCE = 1024  # motions that one call of machine code looks at: some hundredths of a second
+
+
 @dataclass(frozen=True, eq=False)
 class Roadmap:
     """Free configurations and free straight motions between them.
@@ -175,5 +178,8 @@ def _touching(workspace: Workspace, starts: Floats, ends: Floats) -> Any:
     """On which straight motions anything touches, truth values (n,)."""
     a, b = (np.ascontiguousarray(q, np.float32) for q in (starts, ends))
     touching = np.zeros(len(a), np.float32)
-    workspace.call(which_edges_touch, workspace.step, a, b, touching, len(a))
+    for first in range(0, len(a), _AT_ONCE):  # Ctrl-C is heard in between
+        part = slice(first, first + _AT_ONCE)
+        rows = a[part], b[part], touching[part]
+        workspace.call(which_edges_touch, workspace.step, *rows, len(rows[0]))
     return touching > 0.0

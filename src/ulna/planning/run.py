@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from typing import Any, NamedTuple, Self
 
 from ulna.planning.joint_box import JointBox
 from ulna.planning.result import Outcome
 from ulna.planning.search_tree import SearchTree
+from ulna.planning.stop import STOP
 from ulna.planning.workspace import COARSE
 from ulna.system.progress import Report, progress, silent
 from ulna.typing import Floats
@@ -19,15 +19,6 @@ Failure = tuple[Outcome, str]
 _SHORT = 0.1  # s; of a search that shows no progress
 
 _NO_SECONDS = {"prepare": 0.0, "search": 0.0, "shorten": 0.0, "improve": 0.0, "certify": 0.0}
-
-
-class Stop(threading.local):
-    """Of each thread: what ends its searches early when it is set, as Ctrl-C ends those of a batch."""
-
-    event: threading.Event | None = None
-
-
-STOP = Stop()
 
 
 class Options(NamedTuple):

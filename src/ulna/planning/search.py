@@ -11,6 +11,7 @@ import numpy as np
 
 from ulna.collision.touches import deepest_touch
 from ulna.planning.certificate import Certificate, certify
+from ulna.planning.goals import joint_of_column
 from ulna.planning.joint_box import JointBox
 from ulna.planning.result import Outcome, Plan
 from ulna.planning.run import Failure, Options, Run
@@ -23,6 +24,9 @@ from ulna.system.cached import cached_property
 from ulna.typing import Floats
 
 _SLICE_SECONDS = 0.01  # that the first samples may take, whatever the time limit
+
+MOST_STATES = 1_000_000
+"""How many states of a straight motion are checked at most: some tens of milliseconds, in which nothing interrupts."""
 
 
 class Search:
@@ -43,6 +47,9 @@ class Search:
         self._storage = threading.local()
         self._box = JointBox(self._model)
         self._wholly_certified = Certificate((), margin, 0)
+        low, high = scene.moving.range
+        is_limited = self._box.has_limit
+        self._range = np.where(is_limited, self._box.low, low), np.where(is_limited, self._box.high, high)
 
     def run(self, q0: Floats, goals: Floats, options: Options) -> Plan:
         """A path from a configuration to one of several.
@@ -112,7 +119,7 @@ class Search:
 
     def _examined(self, run: Run) -> int:
         """What `Workspace.examine` returns; the first samples are taken at once where that takes no time."""
-        if not len(run.goals):
+        if not len(run.goals) or not self._is_near(run.q0, run.goals).all():
             return NOT_ALL_FREE
         if not self._starts_at_once or run.options.timeout < _SLICE_SECONDS:
             return run.workspace.examine(run.q0, run.goals)
@@ -129,6 +136,10 @@ class Search:
         failure = run.check_limits(self._box)
         if failure is not None:
             return failure
+        is_near = self._is_near(run.q0, run.goals[run.goal_indices])
+        if not is_near.any():
+            return "goal", self._distance_reason(run)
+        run.goal_indices = np.array(run.goal_indices)[is_near].tolist()
         run.goals = run.goals[run.goal_indices]
         run.direct_goal = run.workspace.examine(run.q0, run.goals)
         if run.direct_goal != NOT_ALL_FREE:
@@ -142,6 +153,24 @@ class Search:
         ]
         run.direct_goal = run.workspace.examine(run.q0, run.goals)
         return None
+
+    def _is_near(self, q0: Floats, goals: Floats) -> Any:
+        """Which goals are so near that a straight motion to them can be checked: all, where all joints have limits."""
+        if self._box.is_bounded:
+            return np.ones(len(goals), dtype=bool)
+        travel = np.abs(goals - q0) @ self._scene.moving.bounds_of_motion[0].T
+        return travel.max(axis=1) <= MOST_STATES * self._step
+
+    def _distance_reason(self, run: Run) -> str:
+        """Which joint is to move so far that no motion can be checked."""
+        goal = run.goals[run.goal_indices[0]]
+        change = np.where(self._box.has_limit, 0.0, np.abs(goal - run.q0))
+        k = int(np.argmax(change))
+        joint = joint_of_column(self._model, k)
+        return (
+            f"joint {joint!r} is to move by {change[k]:.3g}, from {run.q0[k]:.6g} to {goal[k]:.6g}: too far to check "
+            f"the motion in steps of {self._step:g} m. A joint without limits turns to exactly the angle of the goal."
+        )
 
     def _workspace(self, coarse: float) -> Workspace:
         """This thread's storage for a search with steps of a length."""
@@ -174,7 +203,7 @@ class Search:
 
     def _wholly_proved(self, run: Run, points: Floats) -> Floats | None:
         """A path, where machine code proves it; None where it does not."""
-        return None if run.workspace.unproved(points) else points
+        return None if self._unproved(run, points) else points
 
     def _blocked(self, run: Run, free: Sequence[bool]) -> Failure:
         """What the start, or the nearest goal, touches."""
@@ -235,19 +264,26 @@ class Search:
 
     def _proved(self, run: Run, points: Floats) -> tuple[Floats, Certificate]:
         """A path with its certificate; edges that cannot be proved are replaced by detours where there are some."""
-        unproved = run.workspace.unproved(points)
+        unproved = self._unproved(run, points)
         for coarse in COARSE[1:]:
             if not unproved:
                 return points, self._wholly_certified
             points = self._with_detours(run, points, unproved, coarse)
-            unproved = run.workspace.unproved(points)
+            unproved = self._unproved(run, points)
         certificate = self._certificate(points, unproved)
         if certificate or run.should_stop():
             return points, certificate
         whole = self._detour(run, points[0], points[-1], COARSE[-1])
-        if whole is None or run.workspace.unproved(whole):
+        if whole is None or self._unproved(run, whole):
             return points, certificate
         return whole, self._wholly_certified
+
+    def _unproved(self, run: Run, points: Floats) -> list[int]:
+        """The edges of a path that machine code does not prove free; beyond the range of float32, float64."""
+        low, high = self._range
+        if self._box.is_bounded or bool(((low <= points) & (points <= high)).all()):
+            return run.workspace.unproved(points)
+        return list(certify(self._scene, points, self._margin).unproved)
 
     def _with_detours(self, run: Run, points: Floats, unproved: Sequence[int], coarse: float) -> Floats:
         """The path with other motions for edges that are not proved, where there are some."""

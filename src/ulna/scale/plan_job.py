@@ -168,11 +168,13 @@ class Plans(SampledJob):
     def _planner(self, world: World | None) -> Planner:
         """The planner of a world; the last ones are kept."""
         key = "" if world is None else world.fingerprint
-        if key not in self._planners:
+        planner = self._planners.get(key)
+        if planner is None:  # other threads may add and remove planners meanwhile
+            planner = Planner(self.robot, world, **self.lengths)
             if len(self._planners) >= _PLANNERS:
                 self._planners.clear()
-            self._planners[key] = Planner(self.robot, world, **self.lengths)
-        return self._planners[key]
+            planner = self._planners.setdefault(key, planner)
+        return planner
 
     def _drawn(self, world: World | None, seeds: np.random.SeedSequence) -> tuple[Floats, Floats]:
         """Two random configurations that touch nothing; where there are none, the planner says so of the last ones."""

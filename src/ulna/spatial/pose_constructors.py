@@ -19,6 +19,11 @@ from ulna.spatial.so3 import SO3, checked_quat
 from ulna.typing import Array, ArrayLike
 
 
+def _copied(name: str, value: ArrayLike, core: tuple[int, ...]) -> Array:
+    """An array (..., *core) of its own, which does not change when what was passed does."""
+    return np.array(batched_array(name, value, core))
+
+
 class PoseConstructors(Composed):
     """Constructors of poses.
 
@@ -60,7 +65,7 @@ class PoseConstructors(Composed):
         if not flag("check", check):
             m = as_array(matrix)
             return cls(m[..., :3, :3], m[..., :3, 3])
-        m = batched_array("matrix", matrix, (4, 4))
+        m = _copied("matrix", matrix, (4, 4))
         if m.dtype != object:
             error = np.abs(m[..., 3, :] - np.array([0.0, 0.0, 0.0, 1.0])).max(initial=0.0)
             if error > ROTATION_TOLERANCE:
@@ -73,7 +78,7 @@ class PoseConstructors(Composed):
     @classmethod
     def project(cls, matrix: ArrayLike) -> Self:
         """The pose with the rotation nearest to that of a matrix (..., 4, 4), and its translation."""
-        m = batched_array("matrix", matrix, (4, 4))
+        m = _copied("matrix", matrix, (4, 4))
         return cls(nearest_rotation(m[..., :3, :3]), m[..., :3, 3])
 
     @classmethod
@@ -96,7 +101,7 @@ class PoseConstructors(Composed):
         """
         return cls(
             quaternion.quat_xyzw_to_matrix(checked_quat(quat)),
-            batched_array("translation", translation, (3,)),
+            _copied("translation", translation, (3,)),
         )
 
     @classmethod
@@ -118,7 +123,7 @@ class PoseConstructors(Composed):
             array([0.1, 0.2, 0.3])
         """
         rotation = angles.rpy_to_matrix(batched_array("rpy", rpy, (3,)))
-        return cls(rotation, batched_array("translation", translation, (3,)))
+        return cls(rotation, _copied("translation", translation, (3,)))
 
     @classmethod
     def from_rotation(cls, rotation: ArrayLike | SO3, translation: ArrayLike = (0.0, 0.0, 0.0)) -> Self:
@@ -138,12 +143,12 @@ class PoseConstructors(Composed):
             r = rotation.matrix
         else:
             r = checked_rotation("rotation", rotation, "SO3.project(rotation)")
-        return cls(r, batched_array("translation", translation, (3,)))
+        return cls(r, _copied("translation", translation, (3,)))
 
     @classmethod
     def from_translation(cls, translation: ArrayLike) -> Self:
         """The translation by a vector (..., 3) [m]."""
-        return cls(np.eye(3), batched_array("translation", translation, (3,)))
+        return cls(np.eye(3), _copied("translation", translation, (3,)))
 
     @classmethod
     def trans(cls, x: Any, y: Any, z: Any) -> Self:
@@ -183,7 +188,7 @@ class PoseConstructors(Composed):
             >>> ulna.SE3.pointing((0.4, 0.0, 0.3), (1.0, 0.0, 0.0)).rotation[:, 2]
             array([1., 0., 0.])
         """
-        return cls(rotation_along(direction, x), batched_array("position", position, (3,)))
+        return cls(rotation_along(direction, x), _copied("position", position, (3,)))
 
     @classmethod
     def pointing_down(cls, position: ArrayLike, yaw: Any = 0.0) -> Self:
@@ -204,7 +209,7 @@ class PoseConstructors(Composed):
             array([ 0.,  0., -1.])
         """
         turned = angles.rotation_about(2, yaw) @ np.diag([1.0, -1.0, -1.0])
-        return cls(turned, batched_array("position", position, (3,)))
+        return cls(turned, _copied("position", position, (3,)))
 
     @classmethod
     def looking_at(cls, position: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) -> Self:
@@ -225,7 +230,7 @@ class PoseConstructors(Composed):
             >>> ulna.SE3.looking_at((1.0, 0.0, 0.0), (0.0, 0.0, 0.0)).rotation[:, 2]
             array([-1.,  0.,  0.])
         """
-        place = batched_array("position", position, (3,))
+        place = _copied("position", position, (3,))
         return cls(rotation_looking(batched_array("target", target, (3,)) - place, up), place)
 
     @classmethod

@@ -322,6 +322,21 @@ _CONSTRUCTORS = (
 )
 
 
+def read_only(pose: SE3) -> SE3:
+    """A pose that stays as it is, for what is frozen: with arrays of its own that cannot be written to.
+
+    Args:
+        pose: A pose.
+
+    Returns:
+        The same pose.
+    """
+    parts = np.array(pose.rotation), np.array(pose.translation)
+    for part in parts:
+        part.setflags(write=False)
+    return SE3(*parts)
+
+
 def _wrong_parts(rotation: Array, translation: Array) -> ShapeError:
     if rotation.shape[-2:] != (3, 3):
         return ShapeError("rotation", rotation.shape, "(..., 3, 3)", _CONSTRUCTORS)

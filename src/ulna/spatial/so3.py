@@ -48,7 +48,7 @@ class SO3(Composed, metaclass=Explained):
         Raises:
             InputError: wrong shape, nan or inf, or not a rotation within 1e-6.
         """
-        return cls(checked_rotation("matrix", matrix, "SO3.project(matrix)"))
+        return cls(np.array(checked_rotation("matrix", matrix, "SO3.project(matrix)")))
 
     @classmethod
     def project(cls, matrix: ArrayLike) -> SO3:

@@ -9,6 +9,7 @@ import numpy as np
 from ulna.checks.arrays import finite_array, number_or_array
 from ulna.errors import InputError, ShapeError
 from ulna.spatial import SE3
+from ulna.spatial.se3 import read_only
 from ulna.typing import ArrayLike, Floats
 
 
@@ -157,4 +158,4 @@ def pose(name: str, value: Any) -> SE3:
     checked = value if isinstance(value, SE3) else SE3.from_matrix(value)
     if checked.batch_shape != ():
         raise ShapeError(name, (*checked.batch_shape, 4, 4), "(4, 4), one pose")
-    return checked
+    return read_only(checked)

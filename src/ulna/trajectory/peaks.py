@@ -8,6 +8,7 @@ bound is above the best value found so far are cut in four, until the bounds are
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from ulna.trajectory.quartics import NODES, TO_HALVES
 from ulna.typing import Floats
 
 _END_OFFSET = 1e-9  # how far inside an interval its ends are sampled, in parts of its length
+_SAME = 1e-9  # how near to a knot a time is that knot, in parts of the whole
 _ROUNDS, _MOST = 12, 20_000  # rounds of cutting, and intervals in one of them
 
 
@@ -47,7 +49,8 @@ def greatest(f: Callable[[Floats], Floats], knots: Floats, samples: int, toleran
         Greatest values, their times, and bounds that no value exceeds.
     """
     even = np.linspace(knots[0], knots[-1], max(samples // (len(NODES) - 1), 1) + 1)
-    edges = np.unique(np.concatenate([knots, 0.5 * (knots[:-1] + knots[1:]), even]))
+    between = np.concatenate([0.5 * (knots[:-1] + knots[1:]), even])
+    edges = np.unique(np.concatenate([knots, between[_apart(between, knots)]]))
     begin, end = edges[:-1], edges[1:]
     value, time, settled = None, np.zeros(0), np.full(tolerance.shape, -np.inf)
     for round in range(_ROUNDS):
@@ -70,13 +73,20 @@ def greatest(f: Callable[[Floats], Floats], knots: Floats, samples: int, toleran
     return Peaks(value, np.maximum(value, settled), time)
 
 
+def _apart(times: Floats, knots: Floats) -> Any:
+    """Which times are no knots but for rounding: an interval from one to the other is too short to be sampled."""
+    after = np.clip(np.searchsorted(knots, times), 1, len(knots) - 1)
+    gap = np.minimum(np.abs(times - knots[after - 1]), np.abs(knots[after] - times))
+    return gap > _SAME * (knots[-1] - knots[0])
+
+
 def _inside(begin: Floats, end: Floats) -> Floats:
     """Five times in each interval, (m, 5): the ends from inside, since a derivative may jump there."""
     h = (end - begin)[:, None]
     t = begin[:, None] + h * NODES
     t[:, 0] += _END_OFFSET * h[:, 0]
-    t[:, -1] = np.minimum(end - _END_OFFSET * h[:, 0], np.nextafter(end, -np.inf))
-    return np.maximum(t, begin[:, None])
+    t[:, -1] = end - _END_OFFSET * h[:, 0]
+    return np.maximum(np.minimum(t, np.nextafter(end, -np.inf)[:, None]), begin[:, None])
 
 
 def _quartered(begin: Floats, end: Floats) -> tuple[Floats, Floats]:

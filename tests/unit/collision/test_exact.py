@@ -14,7 +14,7 @@ import pytest
 
 import ulna
 from support.scenes import table
-from ulna.collision import Checker, World, first_contact
+from ulna.collision import Checker, World, broad_phase, first_contact
 from ulna.collision.solids import link_solids
 from ulna.errors import (
     InputError,
@@ -329,3 +329,19 @@ def test_a_mesh_file_that_changes_or_goes_is_read_again(tmp_path: Path) -> None:
     for _ in range(2):
         with pytest.warns(ModelWarning, match="not found"):
             assert len(link_solids(skipped.build(), "skip")) == 1
+
+
+def test_large_batches_are_placed_in_parts(robot: ulna.Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+    world = table(count=4).add("ball", Sphere(0.1), moving=True)
+    checker = Checker(robot, world.attach("cup", "panda_hand", (0.0, 0.0, 0.1), shape=Cylinder(0.03, 0.1)))
+    q = robot.random_configuration(300, seed=1)
+    ball = SE3.random(np.random.default_rng(2), (300,)).matrix()
+    touching, distance = checker.collides(q, {"ball": ball}), checker.distance(q, {"ball": ball}).distance
+    monkeypatch.setattr(broad_phase, "_PLACED", 64)
+    np.testing.assert_array_equal(checker.collides(q, {"ball": ball}), touching)
+    np.testing.assert_array_equal(checker.distance(q, {"ball": ball}).distance, distance)
+    both = checker.collides(q[:, None], {"ball": ball[:2]})
+    assert both.shape == (300, 2) and (both[:, 1] == checker.collides(q, {"ball": ball[1]})).all()
+    q[299, 3] = np.nan
+    with pytest.raises(NonFiniteError, match=r"q\[299, 3\]` is nan"):
+        checker.collides(q, {"ball": ball})

@@ -169,3 +169,21 @@ def test_threads_that_add_to_one_world_get_their_own() -> None:
     for number, world in enumerate(worlds):
         assert world.names == ("a", *(f"{number}.{k}" for k in range(50)))
     assert start.names == ("a",)
+
+
+def test_obstacles_stay_when_the_array_they_were_placed_by_changes() -> None:
+    """As in a loop that writes one place after the other into one array."""
+    T, p, pose, world = np.eye(4), np.zeros(3), SE3.identity(), World()
+    for k in range(3):
+        T[0, 3] = p[1] = pose.translation[2] = k
+        world = (
+            world.add(f"a{k}", Sphere(0.1), T).add(f"b{k}", Sphere(0.1), p).add(f"c{k}", Sphere(0.1), pose)
+        )
+        world = world.attach(f"d{k}", "link0", T, shape=Sphere(0.1)).move("a0", T)
+    places = [world[f"{name}{k}"].pose.translation.tolist() for name in "abc" for k in range(1, 3)]
+    assert places == [[1, 0, 0], [2, 0, 0], [0, 1, 0], [0, 2, 0], [0, 0, 1], [0, 0, 2]]
+    assert [a.pose.translation[0] for a in world.attachments] == [0, 1, 2] and world["a0"].pose.translation[
+        0
+    ] == 2
+    with pytest.raises(ValueError, match="read-only"):
+        world["a1"].pose.translation[0] = 5.0

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 
 import ulna
-from ulna.collision import World
+from ulna.collision import Checker, World
+from ulna.collision.segment import first_contact_along
 from ulna.errors import InputError, UnknownName
 from ulna.geometry import Box, Geometry, Sphere
-from ulna.model import FreeFlyer, ModelBuilder, Revolute
+from ulna.model import Continuous, FreeFlyer, ModelBuilder, Revolute
 from ulna.planning import PathConstraint, Planner, Region, plan
 from ulna.typing import Floats
 
@@ -159,3 +160,27 @@ def test_free_flyers_are_refused() -> None:
     robot = ulna.Robot(builder.build())
     with pytest.raises(InputError, match="is FreeFlyer; planning takes joints whose positions are plain"):
         plan(robot, robot.random_configuration(seed=0), robot.random_configuration(seed=1), method="exact")
+
+
+def turntable() -> Any:
+    beam = Geometry("", Box((0.4, 0.05, 0.05)), ulna.SE3.trans(0.3, 0.0, 0.0))
+    b = ModelBuilder("turntable").add_link("base").add_link("beam", collisions=[beam])
+    return ulna.Robot(b.add_joint("turn", Continuous((0.0, 0.0, 1.0)), "base", "beam").build())
+
+
+def test_a_continuous_joint_turns_the_way_that_is_checked() -> None:
+    """The shorter way from 0 to 4 rad is free, the one that leads to exactly 4 rad is not."""
+    ball = World().add("ball", Sphere(0.1), (0.5 * np.cos(2.0), 0.5 * np.sin(2.0), 0.0))
+    assert not turntable().plan([0.0], [4.0], ball, method="exact", iterations=100)
+    there = turntable().plan([0.0], [4.0 - 2.0 * np.pi], ball, method="exact")
+    assert there.is_certified and there.points.shape == (2, 1)
+    around = turntable().plan([0.0], [20.0], method="exact")
+    assert around.is_certified and around.points[-1, 0] == 20.0
+
+
+def test_a_long_motion_is_given_up_when_time_is_up() -> None:
+    ball = World().add("ball", Sphere(0.1), (0.65, 0.0, 0.0))
+    asked = iter([False] * 5 + [True] * 5)
+    checker = Checker(turntable(), ball)
+    time = first_contact_along(checker, np.zeros(1) + 1.0, np.array([5e4]), 0.0, lambda: next(asked))
+    assert 0.0 < time < 1e-3 and next(asked)

@@ -12,7 +12,7 @@ import ulna
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.geometry import Box, Geometry, Sphere
 from ulna.model import ModelBuilder, Prismatic, Revolute
-from ulna.planning import Region, plan
+from ulna.planning import Region, plan, planner
 from ulna.planning.goals import goal_configurations
 from ulna.spatial import SE3
 
@@ -159,6 +159,41 @@ def test_many_joints_are_planned_for() -> None:
     t = np.linspace(0.0, 1.0, 30)[:, None]
     for x, y in zip(p.points, p.points[1:], strict=False):
         assert not robot.collides(x + t * (y - x), world).any()
+
+
+def test_the_limit_of_time_ends_inverse_kinematics_too() -> None:
+    robot = ulna.load("panda")
+    q, far = robot.configurations["ready"], [Region((3.0 + k, 0.0, 0.0), turns="any") for k in range(50)]
+    p = plan(robot, q, far, timeout=0.0)
+    assert p.outcome == "time" and "no configuration was found for the pose within 0 s" in p.reason
+    assert plan(robot, q, far[:1], timeout=np.inf).outcome == "unreachable"
+    near = [SE3.from_matrix(robot.fk(q)) @ SE3.trans(0.0, 0.0, 0.001 * k) for k in range(50)]
+    assert plan(robot, q, near, timeout=0.0).goal in (0, 1)  # those for which there was time
+    every, some = (goal_configurations(robot, near, None, q, 0, None, seconds) for seconds in (np.inf, 0.0))
+    assert len(some.numbers) < 10 < len(every.numbers) and some.is_late and not every.is_late
+
+
+def test_arrays_of_the_caller_may_change_meanwhile(monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = panda()
+    start = ready() + 0.01
+    given = start.copy()
+
+    def slow(*arguments: Any) -> Any:
+        given[:] += 0.1  # as a control loop does that writes the newest state into one array
+        return goal_configurations(*arguments)
+
+    monkeypatch.setattr(planner, "goal_configurations", slow)
+    p = plan(robot, given, Region((0.4, 0.2, 0.5), turns="any"))
+    assert p.is_certified and (p.points[0] == start).all()
+
+
+def test_regions_do_not_change_with_the_matrix_they_were_made_of() -> None:
+    T, pose, size = down(0.4, 0.1, 0.5), SE3.from_matrix(down(0.4, 0.1, 0.5)), np.ones(3)
+    regions = Region(T, size), Region(pose, size)
+    T[:3, 3], size[:] = 9.0, 9.0
+    pose.translation[:] = 9.0
+    for region in regions:
+        assert region.pose.translation.tolist() == [0.4, 0.1, 0.5] and (region.size == 1.0).all()
 
 
 def test_invalid_goals_are_refused() -> None:

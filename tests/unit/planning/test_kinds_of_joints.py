@@ -118,3 +118,24 @@ def test_joints_that_nothing_bounds_are_refused() -> None:
     limited.add_joint("slide", Translation(), "base", "body", lower=-np.ones(3), upper=np.ones(3))
     p = plan(ulna.Robot(limited.build()), np.zeros(3), [0.0, 0.0, 2.0])
     assert out.nq == 4 and p.outcome == "goal" and "joint 'slide' is at 2, its limits are [-1, 1]" in p.reason
+
+
+def test_joints_turn_the_whole_way_and_float64_proves_what_float32_cannot_tell() -> None:
+    robot = robot_of(Prismatic((1.0, 0.0, 0.0)), Continuous((0.0, 0.0, 1.0)))
+    start, goal = (
+        np.array([0.0, 1e7]),
+        np.array([0.0, 1e7 + 0.9]),
+    )  # of float32 numbers there are two between these
+    middle = 0.5 * (start + goal)[1]
+    post = World().add("post", Cylinder(0.02, 1.0), (0.35 * np.cos(middle), 0.35 * np.sin(middle), 0.0))
+    for ends in ((start, goal), (goal, start)):
+        assert not plan(robot, *ends, post, iterations=200).is_certified
+        assert plan(robot, *ends).is_certified
+
+
+def test_goals_so_far_away_that_no_motion_can_be_checked_are_left_out() -> None:
+    robot = robot_of(Prismatic((1.0, 0.0, 0.0)), Continuous((0.0, 0.0, 1.0)))
+    p = plan(robot, [0.0, 0.0], [0.0, 1e9])
+    assert p.outcome == "goal" and "joint 'second' is to move by 1e+09, from 0 to 1e+09: too far" in p.reason
+    p = plan(robot, [0.0, 0.0], [[1e12, 0.0], [0.0, 2e9], [0.1, 20.0]])
+    assert p.is_certified and p.goal == 2 and p.points[-1].tolist() == [0.1, 20.0]

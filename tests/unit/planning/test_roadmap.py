@@ -13,7 +13,7 @@ from ulna.collision import World
 from ulna.errors import InputError
 from ulna.geometry import Box, Geometry
 from ulna.model import Continuous, ModelBuilder
-from ulna.planning import Planner
+from ulna.planning import Planner, roadmap
 from ulna.planning.search import Search
 
 
@@ -101,3 +101,11 @@ def test_roadmaps_that_cannot_be_made() -> None:
     one = Planner(robot(), planner().scene.world, roadmap=1)
     q = free_configurations(2, 7)
     assert one.plan(q[0], q[1])
+
+
+def test_its_motions_are_looked_at_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = Planner(robot(), planner().scene.world, roadmap=60)._search.roadmap  # type: ignore[attr-defined]
+    monkeypatch.setattr(roadmap, "_AT_ONCE", 7)
+    parts = Planner(robot(), planner().scene.world, roadmap=60)._search.roadmap  # type: ignore[attr-defined]
+    np.testing.assert_array_equal(parts.nodes, whole.nodes)
+    np.testing.assert_array_equal(parts.edges, whole.edges)

@@ -119,3 +119,19 @@ def test_an_arm_reaches_down_to_a_point() -> None:
     solution = robot.ik(SE3.pointing_down((0.4, 0.2, 0.3)))
     assert solution.success
     np.testing.assert_allclose(robot.fk(solution.q)[:3, 2:], [[0, 0.4], [0, 0.2], [-1, 0.3]], atol=1e-5)
+
+
+def test_poses_stay_when_the_arrays_they_were_made_of_change() -> None:
+    T, p, turn = np.eye(4), np.zeros(3), [0.0, 0.0, 0.0, 1.0]
+    made = [
+        SE3(T),
+        SE3.from_matrix(T),
+        SE3.project(T),
+        SE3.from_translation(p),
+        SE3.from_rpy((0.0, 0.0, 0.0), p),
+    ]
+    made += [SE3.from_quat_xyzw(turn, p), SE3.from_rotation(np.eye(3), p), SE3.pointing(p, (0.0, 0.0, 1.0))]
+    rotation = SO3.from_matrix(T[:3, :3])
+    T[:3], p[:] = 7.0, 7.0
+    assert all(pose == SE3.identity() for pose in made) and rotation == SO3.identity()
+    assert len({*made, SE3.identity()}) == 1

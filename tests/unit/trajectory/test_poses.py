@@ -123,3 +123,11 @@ def test_mistakes_are_named() -> None:
         trajectory.pose_spline([T0], 1.0)
     with pytest.raises(InputError, match=r"from pose 0 to pose 1 it turns by 3"):
         trajectory.pose_spline([T0, T0 @ SE3.rx(3.0), T0 @ SE3.ry(3.0) @ SE3.rx(3.0), T0 @ SE3.rz(3.0)], 1.0)
+
+
+def test_paths_stay_when_the_poses_they_were_made_of_change() -> None:
+    a, b = T0.matrix(), T1.matrix()
+    line, arc = trajectory.pose_line(a, b, 2.0), trajectory.circle(a, (0, 0, 0), (0, 0, 1), duration=2.0)
+    before = line.T([0.5, 1.0]), arc.T([0.5, 1.0])
+    a[:], b[:] = np.eye(4), np.eye(4)
+    np.testing.assert_array_equal((line.T([0.5, 1.0]), arc.T([0.5, 1.0])), before)

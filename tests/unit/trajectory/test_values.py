@@ -198,3 +198,14 @@ def test_pictures(tmp_path) -> None:  # type: ignore[no-untyped-def]
     ):
         figure = t.plot(tmp_path / f"{number}.png")
         assert len(figure.axes) == 3 and (tmp_path / f"{number}.png").stat().st_size > 5000
+
+
+def test_a_motion_that_is_just_within_limits_stays_as_it_is() -> None:
+    """Even times may miss a knot, where the acceleration jumps, by the last bit; a step in so short an interval is none."""
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        d, v, a = rng.uniform(0.1, 3.0, 3)
+        t = trajectory.trapezoidal([0.0], [d], v, a)
+        assert t.within(acceleration=a).duration == pytest.approx(t.duration, rel=1e-8)
+        both = trajectory.concatenate(t, t.reversed())
+        assert both.within(velocity=v, acceleration=a).duration == pytest.approx(both.duration, rel=1e-8)

@@ -121,7 +121,8 @@ class Moving:
             `bounds`, `spheres`, `spans` and `columns`.
         """
         cached = self._larger_spheres
-        if by not in cached:
+        tables = cached.get(by)
+        if tables is None:  # other threads may add and remove tables meanwhile
             larger = np.array([0.0, 0.0, 0.0, by])
             bounds, spheres = (
                 (self.tables[name] + larger).astype(np.float32) for name in ("bounds", "spheres")
@@ -131,8 +132,9 @@ class Moving:
             if len(cached) >= 16:
                 cached.clear()
             spans = np.nextafter((self.tables["spans"] + by).astype(np.float32), np.float32(np.inf))
-            cached[by] = {"bounds": bounds, "spheres": spheres, "spans": spans, "columns": columns}
-        return cached[by]
+            tables = {"bounds": bounds, "spheres": spheres, "spans": spans, "columns": columns}
+            cached[by] = tables
+        return tables
 
     @cached_property
     def _packed_clearances(self) -> dict[str, Any]:

@@ -82,7 +82,7 @@ class Task(ABC):
     def defaults(self, model: Model) -> Mapping[str, Any]:
         """Values of inputs that need not be passed: the target that the task was made with."""
         target = getattr(self, "target", None)
-        return {} if target is None else {self.label: as_array(target)}
+        return {} if target is None else {self.label: np.array(as_array(target))}
 
     def reached_by(self, model: Model, q: Array) -> Mapping[str, Array]:
         """The values of its inputs at which the task has no error at `q`.

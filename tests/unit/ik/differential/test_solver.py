@@ -90,6 +90,14 @@ def test_defaults_are_the_last_passed(panda: ulna.Robot, q, goal) -> None:
     )
 
 
+def test_a_default_stays_when_the_array_it_was_made_of_changes(panda: ulna.Robot, q, goal) -> None:
+    T = np.array(goal)
+    ik = DifferentialIK(panda, [FrameTask("panda_hand", target=T)])
+    before = ik.velocity(q, 1e-2)
+    T[:3, 3] += 1.0
+    np.testing.assert_array_equal(ik.velocity(q, 1e-2), before)
+
+
 def test_costs_can_be_faded(panda: ulna.Robot, q, goal) -> None:
     tasks = [FrameTask(HAND, adjustable=True), PostureTask(1e-2)]
     ik = DifferentialIK(panda, tasks)

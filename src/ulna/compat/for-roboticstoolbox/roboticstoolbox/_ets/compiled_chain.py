@@ -65,11 +65,12 @@ class Chain:
         if T.dtype == object:  # of symbols, whose bytes are addresses
             return Chain([*self.transforms, BaseET("SE3", T=T)])
         key = T.tobytes()
-        if key not in self._tools:
+        chain = self._tools.get(key)
+        if chain is None:  # other threads may add and remove chains meanwhile
             if len(self._tools) > 32:
                 self._tools.clear()
-            self._tools[key] = Chain([*self.transforms, BaseET("SE3", T=T)])
-        return self._tools[key]
+            chain = self._tools.setdefault(key, Chain([*self.transforms, BaseET("SE3", T=T)]))
+        return chain
 
     def q(self, q: Any) -> Floats:
         """The joint coordinates along the chain, from those of the robot or of the chain."""
