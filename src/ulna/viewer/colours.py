@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import string
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
 from ulna.checks.arrays import finite_array
-from ulna.checks.values import short_repr
+from ulna.checks.values import fraction, short_repr
 from ulna.errors import InputError, UnknownName
 from ulna.typing import ArrayLike, Floats
+
+RGB = tuple[float, float, float]
+"""Red, green, blue (sRGB), each from 0 to 1."""
 
 RGBA = tuple[float, float, float, float]
 """Red, green, blue (sRGB) and opacity, each from 0 to 1."""
@@ -76,6 +81,19 @@ def colour(value: Colour) -> RGBA:
         UnknownName: If there is no colour of that name; offers the nearest.
         InputError: If it is no colour at all.
     """
+    rgb, opacity = colour_parts(value)
+    return (*rgb, 1.0 if opacity is None else opacity)
+
+
+def colour_parts(value: Colour) -> tuple[RGB, float | None]:
+    """Red, green, blue, and the opacity where it is stated: by a fourth number, or the last digits of "#rrggbbaa".
+
+    Args:
+        value: As for `colour`.
+
+    Raises:
+        UnknownName, InputError: It is no colour.
+    """
     if isinstance(value, str):
         return _parsed(value)
     try:
@@ -92,7 +110,56 @@ def colour(value: Colour) -> RGBA:
             f"got {short_repr(value)}."
         )
     r, g, b, *a = colour_values("color", components).tolist()
-    return (r, g, b, a[0] if a else 1.0)
+    return (r, g, b), a[0] if a else None
+
+
+def faded(color: Colour | None, opacity: float) -> tuple[RGB | None, float]:
+    """A colour without its opacity, and the product of both opacities.
+
+    Args:
+        color: As for `colour`; None for the colours that a thing has.
+        opacity: Another opacity, from 0 to 1 [-].
+
+    Returns:
+        Red, green, blue, or None, and the opacity.
+
+    Raises:
+        UnknownName, InputError: One of them is none.
+    """
+    rgb, own = (None, None) if color is None else colour_parts(color)
+    return rgb, _product(own, opacity)
+
+
+def faded_colours(colors: Any, opacity: float) -> tuple[Any, float]:
+    """As `faded`, for one colour, rows (n, 3), or None.
+
+    Args:
+        colors: As for `colours_parts`.
+        opacity: Another opacity, from 0 to 1 [-].
+
+    Returns:
+        The colours, and the opacity.
+    """
+    rgb, own = colours_parts(colors)
+    return rgb, _product(own, opacity)
+
+
+def _product(own: float | None, opacity: float) -> float:
+    return fraction("opacity", opacity) * (1.0 if own is None else own)
+
+
+def colours_parts(colors: Any) -> tuple[Any, float | None]:
+    """As `colour_parts`; rows (n, 3) and None remain as they are, without an opacity.
+
+    Args:
+        colors: One colour, or rows (n, 3), or None.
+
+    Raises:
+        UnknownName, InputError, NonFiniteError: They are none.
+    """
+    if colors is None or (not isinstance(colors, str) and finite_array("colors", colors).shape != (4,)):
+        return colors, None
+    return colour_parts(colors)
 
 
 def colour_values(name: str, value: ArrayLike) -> Floats:
@@ -119,15 +186,12 @@ def colour_values(name: str, value: ArrayLike) -> Floats:
     return np.clip(out, 0.0, 1.0)
 
 
-def _parsed(text: str) -> RGBA:
+def _parsed(text: str) -> tuple[RGB, float | None]:
     name = text.replace(" ", "").lower()
     digits = NAMES.get(name) or _MATPLOTLIB_NAMES.get(name) or (text[1:] if text.startswith("#") else "")
     if len(digits) in (3, 4):
         digits = "".join(2 * d for d in digits)
-    try:
-        r, g, b, a = (int(digits[k : k + 2] or "ff", 16) / 255.0 for k in (0, 2, 4, 6))
-    except ValueError:
-        r = -1.0
-    if not digits or len(digits) not in (6, 8) or r < 0.0:
+    if len(digits) not in (6, 8) or not set(digits) <= set(string.hexdigits):
         raise UnknownName("colour", text, NAMES, "Or '#rrggbb', or three numbers from 0 to 1.")
-    return (r, g, b, a)
+    r, g, b, *a = (int(digits[k : k + 2], 16) / 255.0 for k in range(0, len(digits), 2))
+    return (r, g, b), a[0] if a else None

@@ -234,6 +234,64 @@ def test_points_lines_words_and_copies_change(viewer: Viewer) -> None:
     assert crowd.colors is not None and crowd.colors.shape == (7, 3)
 
 
+def test_a_colour_brings_its_opacity(viewer: Viewer, tmp_path: Path, panda: ulna.Robot) -> None:
+    for kind, handle in every_kind(viewer, tmp_path, panda).items():
+        handle.opacity = 0.25
+        handle.color = "red"
+        assert handle.opacity == 0.25, kind  # a colour without an opacity leaves it
+        for colour, opacity in (("#00ff0080", 128 / 255), ((0.0, 1.0, 0.0, 0.5), 0.5), ("#0f0f", 1.0)):
+            handle.color = colour
+            assert handle.color == (0.0, 1.0, 0.0) and handle.opacity == pytest.approx(opacity), kind
+        with pytest.raises(InputError):
+            handle.color = (0.0, 0.0, 1.0, 1.5)
+        assert handle.color == (0.0, 1.0, 0.0) and handle.opacity == 1.0, kind
+
+
+def test_an_added_colour_brings_its_opacity(viewer: Viewer, panda: ulna.Robot, tmp_path: Path) -> None:
+    half, points = (1.0, 0.0, 0.0, 0.5), np.eye(3)
+    arm = viewer.add(panda, color=half, opacity=0.5)
+    handles = {
+        "box": viewer.box((1, 1, 1), color=half, opacity=0.5),
+        "surface": viewer.add(viewer.scene.node("box").surfaces[0], color=half, opacity=0.5),
+        "robot": arm,
+        "fleet": viewer.fleet(panda, panda.neutral[None], color=half, opacity=0.5),
+        "arrow": viewer.arrow((0, 0, 1), color=half, opacity=0.5),
+        "line": viewer.line(points, color=half, opacity=0.5),
+        "grid": viewer.grid(color=half, opacity=0.5),
+        "points": viewer.points(points, half, opacity=0.5),
+        "copies": viewer.copies(Sphere(0.1), positions=points, colors="#ff00007f", opacity=0.5),
+    }
+    for kind, handle in handles.items():
+        assert handle.opacity == pytest.approx(0.25, rel=0.01), kind
+        handle.color = (0.0, 0.0, 1.0, 0.5)
+        assert handle.opacity == 0.5, kind
+        snapshot = viewer.scene.snapshot()
+        for i, node in enumerate(snapshot.nodes):
+            if node.name == handle.name or node.name.startswith(handle.name + "/"):
+                surfaces = node.surfaces or (node.content.surfaces if node.content is not None else ())
+                assert all(s.rgba[3] * snapshot.opacity[i] == 0.5 for s in surfaces), (kind, node.name)
+    others = arm.ghosts(panda.neutral[None], half, 0.5).name
+    contents = [node.content for node in viewer.scene.nodes if node.name.startswith(others + "/")]
+    assert contents and all(isinstance(c, Copies) and c.opacity == 0.25 for c in contents)
+
+
+def test_one_colour_for_all_brings_its_opacity(viewer: Viewer) -> None:
+    places = np.eye(3)
+    cloud, crowd = viewer.points(places), viewer.copies(Sphere(0.1), positions=places)
+    for handle in (cloud, crowd):
+        handle.colors = (0.0, 1.0, 0.0, 0.75)
+        assert handle.opacity == 0.75
+        np.testing.assert_array_equal(handle.colors, [(0, 1, 0)] * 3)
+        handle.colors = (0.0, 1.0, 1.0)
+        assert handle.opacity == 0.75
+        with pytest.raises(InputError, match="colors"):
+            handle.colors = [(1, 0), (1,)]
+    cloud.set(places, "#0000ff33")
+    assert cloud.opacity == pytest.approx(0.2)
+    crowd.colors = None
+    assert crowd.colors is None and crowd.opacity == 0.75
+
+
 def test_an_arrow_points_along_its_vector(viewer: Viewer) -> None:
     arrow = viewer.arrow((0, 0, 1), start=(1, 0, 0))
     for vector in ((0.3, -0.4, 0.0), (0, 0, -2.0), (1e-3, 0, 0)):

@@ -12,11 +12,10 @@ from ulna.errors import ShapeError
 from ulna.idioms import Explained, explained
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.attributes import FixedAttributes
-from ulna.viewer.colours import Colour
+from ulna.viewer.colours import Colour, colour_parts, colours_parts
 from ulna.viewer.graph.content import Content, Copies, Lines, Points, Text, transforms
 from ulna.viewer.graph.node import checked_poses
 from ulna.viewer.graph.scene_graph import SceneGraph
-from ulna.viewer.mesh.surface import colour
 
 _NONE = -1.0
 
@@ -78,15 +77,19 @@ class Handle(FixedAttributes, metaclass=Explained):
 
     @property
     def color(self) -> tuple[float, float, float] | None:
-        """Red, green, blue from 0 to 1 that hide its own colours; None to show these."""
+        """Red, green, blue from 0 to 1 that hide its own colours; None to show these.
+
+        A colour with an opacity, such as (1, 0, 0, 0.5) or "#ff000080", sets `opacity`, too.
+        """
         tint = self._scene.appearance(self._name, "tint")
         return None if tint[0] == _NONE else (float(tint[0]), float(tint[1]), float(tint[2]))
 
     @color.setter
     def color(self, color: Colour | None) -> None:
-        self._scene.set_appearance(
-            self._name, "tint", np.full(3, _NONE) if color is None else colour(color)[:3]
-        )
+        rgb, opacity = (np.full(3, _NONE), None) if color is None else colour_parts(color)
+        with self._scene.atomic():
+            self._scene.set_appearance(self._name, "tint", rgb)
+            self._set_opacity(opacity)
 
     @property
     def opacity(self) -> float:
@@ -114,6 +117,11 @@ class Handle(FixedAttributes, metaclass=Explained):
     @visible.setter
     def visible(self, visible: bool) -> None:
         self._scene.set_appearance(self._name, "visible", flag("visible", visible))
+
+    def _set_opacity(self, opacity: float | None) -> None:
+        """Take over the opacity that a colour states, if any."""
+        if opacity is not None:
+            self._scene.set_appearance(self._name, "opacity", opacity)
 
     def remove(self) -> None:
         """Take it out of the scene, with all that is in it."""
@@ -153,24 +161,26 @@ class PointCloud(Handle):
 
     @property
     def colors(self) -> Floats:
-        """Red, green, blue from 0 to 1 of each, shape (n, 3); one colour can be assigned for all."""
+        """Red, green, blue from 0 to 1 of each, shape (n, 3); one colour can be assigned for all, as `color`."""
         return self._content().colours
 
     @colors.setter
     def colors(self, colors: ArrayLike | str) -> None:
-        old: Points = self._content()
-        self._scene.set_content(self._name, Points(old.positions, colors, old.size))
+        self.set(self._content().positions, colors)
 
     def set(self, points: ArrayLike, colors: ArrayLike | str) -> None:
         """Replace points and their colours at once.
 
         Args:
             points: Positions, (n, 3) [m].
-            colors: Red, green, blue from 0 to 1, or to 255 as integers, (n, 3) or (3,); or a name.
+            colors: Red, green, blue from 0 to 1, or to 255 as integers, (n, 3) or (3,); or a name. One colour may have
+                an opacity, which is assigned to `opacity`.
         """
-        self._scene.set_content(
-            self._name, Points(length_array("points", points, None, 3), colors, self._content().size)
-        )
+        rgb, opacity = colours_parts(colors)
+        content = Points(length_array("points", points, None, 3), rgb, self._content().size)
+        with self._scene.atomic():
+            self._scene.set_content(self._name, content)
+            self._set_opacity(opacity)
 
 
 class Polyline(Handle):
@@ -235,12 +245,18 @@ class Instances(Handle):
 
     @property
     def colors(self) -> Floats | None:
-        """Red, green, blue from 0 to 1 of each, shape (n, 3); None for the thing's own."""
+        """Red, green, blue from 0 to 1 of each, shape (n, 3); None for the thing's own.
+
+        One colour can be assigned for all, as `color`.
+        """
         return self._content().colours
 
     @colors.setter
     def colors(self, colors: ArrayLike | str | None) -> None:
-        self._change(colours=colors)
+        rgb, opacity = colours_parts(colors)
+        with self._scene.atomic():
+            self._change(colours=rgb)
+            self._set_opacity(opacity)
 
     def _change(self, **changes: Any) -> None:
         old: Copies = self._content()

@@ -175,21 +175,22 @@ def add_node(
     handles: list[Any] = []
     content = node.content
     if node.surfaces:
-        surfaces = node.surfaces
+        shown = node
         if fixed_appearance:
             opacity, tint = snapshot.opacity[i], snapshot.tint[i]
-            surfaces = [
+            surfaces = tuple(
                 replace(
                     s,
                     rgba=(*(s.rgba[:3] if tint[0] < 0 else tint), s.rgba[3] * opacity),
                     texture=s.texture if tint[0] < 0 else None,
                 )
-                for s in surfaces
-            ]
+                for s in node.surfaces
+            )
+            shown = replace(node, surfaces=surfaces)
             options["scale"] = scale
         handles.append(
             server.scene.add_glb(
-                path, _glb_content(surfaces, is_ulnas_page), cast_shadow=node.casts_shadow, **options
+                path, _glb_content(shown.surfaces, is_ulnas_page), cast_shadow=shown.casts_shadow, **options
             )
         )
         options.pop("scale", None)

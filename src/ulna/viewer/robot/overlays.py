@@ -13,12 +13,12 @@ from ulna.checks.values import MAX_LENGTH, count, number, short_repr
 from ulna.checks.values import length as checked_length
 from ulna.errors import InputError
 from ulna.typing import ArrayLike, Floats
-from ulna.viewer.colours import Colour
+from ulna.viewer.colours import Colour, faded
 from ulna.viewer.graph.arrow import Arrow, add_arrow
 from ulna.viewer.graph.content import Lines
 from ulna.viewer.graph.handles import Handle, Polyline
 from ulna.viewer.mesh.primitives import axes, ball
-from ulna.viewer.mesh.surface import RGBA, colour
+from ulna.viewer.mesh.surface import RGBA
 from ulna.viewer.robot import ellipsoids
 from ulna.viewer.robot.frame_path import FramePath
 from ulna.viewer.robot.robot_instances import RobotInstances, RobotInstancesHandle
@@ -266,9 +266,10 @@ class RobotOverlays(Handle, abc.ABC):
             >>> others.q.shape
             (3, 7)
         """
-        faint = number("opacity", opacity, "a number above 0, at most 1", above=0.0, most=1.0)
+        number("opacity", opacity, "a number above 0, at most 1", above=0.0, most=1.0)
+        rgb, faint = faded(color, opacity)
         show = "visual" if self._visual.show == "both" else self._visual.show
-        rgba = (*colour(color)[:3], faint)
+        rgba = rgb and (*rgb, faint)
         return RobotInstancesHandle(
             RobotInstances(self._scene, self.robot, q, self._new_name("ghosts"), rgba, show)
         )

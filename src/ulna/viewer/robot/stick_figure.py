@@ -11,7 +11,7 @@ from ulna.checks.arrays import finite_array
 from ulna.checks.values import checked_robot, flag, fraction, short_repr
 from ulna.errors import InputError, needed
 from ulna.typing import ArrayLike, Floats
-from ulna.viewer.colours import Colour, colour
+from ulna.viewer.colours import Colour, faded
 from ulna.viewer.robot.configuration import checked_configuration
 
 _LINK_COLOUR, _JOINT_COLOUR, _SHADOW_COLOUR = "#33518f", "#e08a1e", "#00000022"
@@ -52,7 +52,7 @@ def stick_figure(
     configurations = _configurations(checked_robot(robot), q)
     if not isinstance(frames, list | tuple) or not all(isinstance(f, str) for f in frames):
         raise InputError(f"`frames` is {short_repr(frames)}; expected a list of names of frames.")
-    link_colour, alpha = colour(color)[:3], fraction("alpha", alpha)
+    link_colour, alpha = faded(color, fraction("alpha", alpha))
     if ax is not None and getattr(ax, "name", "") != "3d":
         raise InputError(
             f"`ax` is {short_repr(ax)}; expected axes of matplotlib in three dimensions (projection='3d')."

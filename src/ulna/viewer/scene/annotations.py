@@ -8,17 +8,17 @@ import numpy as np
 
 from ulna.checks.arrays import length_array
 from ulna.checks.former_names import former_keywords
-from ulna.checks.values import count, fraction
+from ulna.checks.values import count
 from ulna.checks.values import length as checked_length
 from ulna.errors import InputError
 from ulna.idioms import check_keywords
 from ulna.typing import ArrayLike, Floats
-from ulna.viewer.colours import Colour
+from ulna.viewer.colours import Colour, faded, faded_colours
 from ulna.viewer.graph.arrow import Arrow, add_arrow
 from ulna.viewer.graph.content import Lines, Points, Text, transforms
 from ulna.viewer.graph.handles import Handle, Label, PointCloud, Polyline
 from ulna.viewer.mesh.primitives import axes
-from ulna.viewer.mesh.surface import RGBA, colour
+from ulna.viewer.mesh.surface import RGBA
 from ulna.viewer.scene.registry import HandleRegistry
 
 DEFAULT_SHAPE_COLOUR: RGBA = (0.35, 0.52, 0.78, 1.0)
@@ -106,7 +106,7 @@ class AnnotationMethods(HandleRegistry):
         """
         origin = length_array("start", start, 3)
         node = self._name(name, "arrow")
-        fraction("opacity", opacity)
+        color, opacity = faded(color, opacity)
         out = add_arrow(
             self.scene, node, vector, DEFAULT_SHAPE_COLOUR if color is None else color, radius, size
         )
@@ -151,6 +151,7 @@ class AnnotationMethods(HandleRegistry):
             >>> path.points.shape
             (50, 3)
         """
+        color, opacity = faded(color, opacity)
         content = Lines.through(points, _LINE_COLOUR if color is None else color, thickness)
         return self._add_node(
             name, "line", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=Polyline
@@ -201,6 +202,7 @@ class AnnotationMethods(HandleRegistry):
         Raises:
             InputError, ShapeError, NonFiniteError: An argument is invalid.
         """
+        colors, opacity = faded_colours(colors, opacity)
         content = Points(length_array("positions", positions, None, 3), colors, size)
         return self._add_node(
             name, "points", content=content, pose=pose, opacity=opacity, shadow=False, kind_of=PointCloud
@@ -235,12 +237,11 @@ class AnnotationMethods(HandleRegistry):
             InputError, ShapeError, NonFiniteError: An argument is invalid.
         """
         origin = transforms([length_array("position", position, 3)])[0]
-        rgba = None if color is None else colour(color)
-        alpha = fraction("opacity", opacity) * (1.0 if rgba is None else rgba[3])
+        color, opacity = faded(color, opacity)
         out = self._add_node(
-            name, "text", content=Text(text, height), pose=origin, opacity=alpha, kind_of=Label
+            name, "text", content=Text(text, height), pose=origin, opacity=opacity, kind_of=Label
         )
-        out.color = rgba
+        out.color = color
         return out
 
     @check_keywords
@@ -282,9 +283,9 @@ class AnnotationMethods(HandleRegistry):
         flat = np.zeros_like(ticks)
         along = np.stack([np.stack([ticks, -end, flat], 1), np.stack([ticks, end, flat], 1)], 1)
         segments = np.concatenate([along, along[:, :, [1, 0, 2]]])
-        content = Lines(
-            np.asarray(segments, dtype=float), _LINE_COLOUR if color is None else colour(color), 0.002
-        )
+        color, opacity = faded(color, opacity)
+        rgba = _LINE_COLOUR if color is None else (*color, 1.0)
+        content = Lines(np.asarray(segments, dtype=float), rgba, 0.002)
         return self._add_node(name, "grid", content=content, pose=pose, opacity=opacity, shadow=False)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ulna.checks.arrays import finite_array
-from ulna.checks.values import checked_robot, fraction, short_repr
+from ulna.checks.values import checked_robot, short_repr
 from ulna.collision import World
 from ulna.errors import InputError
 from ulna.geometry import Mesh, Shape
@@ -18,13 +18,13 @@ from ulna.model import Model
 from ulna.sim import Recording
 from ulna.trajectory import Trajectory
 from ulna.typing import ArrayLike
-from ulna.viewer.colours import Colour
+from ulna.viewer.colours import Colour, faded, faded_colours
 from ulna.viewer.graph.content import Copies, transforms
 from ulna.viewer.graph.handles import Handle, Instances
 from ulna.viewer.graph.node import checked_poses, node_name, pose_or_position
 from ulna.viewer.mesh.mesh_files import Detail, load_mesh
 from ulna.viewer.mesh.primitives import tessellate
-from ulna.viewer.mesh.surface import Surface, colour
+from ulna.viewer.mesh.surface import Surface
 from ulna.viewer.progress import progress
 from ulna.viewer.robot.configuration import configuration
 from ulna.viewer.robot.link_surfaces import RobotDisplay
@@ -84,6 +84,7 @@ class SceneMethods(PlanMethods):
             >>> [robot.name for robot in viewer.robots]
             ['left', 'ur5']
         """
+        color, opacity = faded(color, opacity)
         common: dict[str, Any] = {"name": name, "pose": pose, "color": color, "opacity": opacity}
         if q is not None and not hasattr(thing, "link_poses"):
             raise InputError(f"`q` is {short_repr(q)}, a configuration, but {short_repr(thing)} is no robot.")
@@ -94,10 +95,10 @@ class SceneMethods(PlanMethods):
             if isinstance(thing, Mesh):
                 return self.mesh(thing.path or "", thing.scale, detail=detail, **common)
             kind = type(thing).__name__.lower()
-            surface = tessellate(thing, DEFAULT_SHAPE_COLOUR if color is None else colour(color))
+            surface = tessellate(thing, DEFAULT_SHAPE_COLOUR if color is None else (*color, 1.0))
             return self._add_node(name, kind, (surface,), pose=pose, opacity=opacity)
         if isinstance(thing, Surface):
-            surface = thing if color is None else thing.coloured(colour(color))
+            surface = thing if color is None else thing.coloured(color)
             return self._add_node(name, "surface", (surface,), pose=pose, opacity=opacity)
         if isinstance(thing, str | os.PathLike):
             _check_is_mesh(os.fspath(thing))
@@ -117,7 +118,6 @@ class SceneMethods(PlanMethods):
         show: RobotDisplay,
         detail: Detail,
     ) -> RobotHandle:
-        fraction("opacity", opacity)
         start, group = configuration(robot, q), self._name(name, node_name(robot.name))
         with progress(f"Loading {robot.name}") as report:
             figure = RobotVisual(self.scene, robot, start, group, color, show, pose, report, detail)
@@ -162,11 +162,12 @@ class SceneMethods(PlanMethods):
             raise InputError(
                 f"`scale` is {short_repr(scale)}; expected a factor other than 0, or one along each axis."
             )
+        color, opacity = faded(color, opacity)
         with progress(f"Loading {os.path.basename(file)}") as report:
             report(0, 1)
             surfaces: Sequence[Surface] = load_mesh(file, np.broadcast_to(factors, 3).tolist(), detail)
         if color is not None:
-            surfaces = [s.coloured(colour(color)) for s in surfaces]
+            surfaces = [s.coloured(color) for s in surfaces]
         kind = os.path.splitext(os.path.basename(file))[0].replace("/", ".") or "mesh"
         return self._add_node(name, kind, surfaces, pose=pose, opacity=opacity)
 
@@ -207,6 +208,7 @@ class SceneMethods(PlanMethods):
         transforms_of_copies = (
             transforms(positions) if by_position else checked_poses(poses, "poses", None, 4, 4)
         )
+        colors, opacity = faded_colours(colors, opacity)
         content = Copies(_surfaces(thing), transforms_of_copies, colors, scales)
         return self._add_node(name, "copies", content=content, pose=pose, opacity=opacity, kind_of=Instances)
 
@@ -241,12 +243,13 @@ class SceneMethods(PlanMethods):
         Raises:
             ShapeError, NonFiniteError, UnknownName: An argument is not what it should be.
         """
-        rgba = None if color is None else colour(color)
-        fraction("opacity", opacity)
+        rgb, opacity = faded(color, opacity)
         group_pose = np.eye(4) if pose is None else pose_or_position(pose)
         base_poses = None if bases is None else checked_poses(bases, "bases", None, 4, 4)
         node = self._name(name, f"{checked_robot(robot).name} fleet")
-        out = RobotInstancesHandle(RobotInstances(self.scene, robot, q, node, rgba, show, base_poses))
+        out = RobotInstancesHandle(
+            RobotInstances(self.scene, robot, q, node, rgb and (*rgb, 1.0), show, base_poses)
+        )
         out.pose = group_pose
         self._register(out, opacity)
         return out

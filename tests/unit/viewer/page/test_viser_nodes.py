@@ -164,6 +164,9 @@ def test_surfaces_are_meshes_that_cast_shadows_where_they_are_opaque(server: Any
     node = shown(server, None, surfaces=(BALL,), scale=3.0, fixed_appearance=True)
     assert not node.is_mesh
     np.testing.assert_allclose(node.handles[0].scale, 3.0)
+    assert node.handles[0].cast_shadow is True
+    faint = shown(server, None, surfaces=(BALL,), opacity=0.5, fixed_appearance=True)
+    assert faint.handles[0].cast_shadow is False  # a page without a program keeps it so
 
 
 MOVED = {
