@@ -319,6 +319,22 @@ def test_torques_of_a_simulation_are_a_function(puma: Any) -> None:
         puma.fdyn(0.01, puma.qn, Q=3)
 
 
+def test_a_simulation_takes_rows_columns_and_times_back(puma: Any) -> None:
+    """As the toolbox, which follows the motion back in time where the duration is below 0."""
+    pytest.importorskip("scipy")
+    arm, q, qd = puma.nofriction(), np.array(puma.qn), np.full(6, 0.1)
+    forth = arm.fdyn(0.02, q, qd0=qd)
+    for shape in ((1, 6), (6, 1)):
+        again = arm.fdyn(np.array(0.02), q.reshape(shape), lambda *_: np.zeros(6), qd0=qd.reshape(shape))
+        assert np.array_equal(forth.q, again.q) and np.array_equal(forth.qd, again.qd)
+    precise = {"rtol": 1e-9, "atol": [1e-9] * 12, "max_step": np.inf, "first_step": None}
+    end = arm.fdyn(0.02, q, qd0=qd, solver_args=precise)
+    back = arm.fdyn(-0.02, end.q[-1], qd0=end.qd[-1], solver_args=precise)
+    assert back.t[-1] == -0.02 and np.abs(back.q[-1] - q).max() < 1e-8
+    assert np.allclose(arm.fdyn(-0.02, q, dt=-0.01).t, [0.0, -0.01])
+    assert arm.fdyn(0.0, q, dt=0.1).q.shape == (0, 6) and len(arm.fdyn(0, q).t) == 2
+
+
 def test_few_searches_are_as_many_as_were_asked_for(rtb: Any, panda: Any) -> None:
     import spatialmath as sm
 
