@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
 from ulna import compiler, kernels
-from ulna.checks.arrays import check_core_shape, real_array
+from ulna.checks.arrays import check_core_shape, check_finite, real_array
 from ulna.checks.values import number, short_repr
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import Explained, explained
-from ulna.lazy import is_deferred
+from ulna.lazy import Slot, apply, is_deferred
 from ulna.methods.branches import Branching
 from ulna.methods.collision import Collision
 from ulna.methods.former_names import FormerNames
@@ -59,9 +60,11 @@ class Limits:
     """Greatest speeds, (nv,) [rad/s or m/s]."""
     effort: Floats
     """Greatest joint torques or forces, (nv,) [N m or N]."""
+    position_names: tuple[str, ...] | None = None
+    """What the positions are called, (nq,): labels of xarray are put into this order; None where they have no names."""
 
     def contains(self, q: ArrayLike, tolerance: float = 0.0) -> Any:
-        """Whether configurations lie within the position limits.
+        """Whether configurations lie within the position limits; nan does not.
 
         Args:
             q: Configurations, (..., nq) [rad or m].
@@ -73,18 +76,35 @@ class Limits:
         Raises:
             ShapeError, DtypeError, InputError: An argument is invalid.
         """
-        x, slack = self._configurations(q), number("tolerance", tolerance)
-        return ((x >= self.lower - slack) & (x <= self.upper + slack)).all(axis=-1)
+        slack = number("tolerance", tolerance)
+        return self._call(partial(_are_within, self.lower - slack, self.upper + slack), q, Slot("", (), bool))
 
     def clip(self, q: ArrayLike) -> Floats:
-        """Configurations `q`, (..., nq), moved into the position limits."""
-        return np.clip(self._configurations(q), self.lower, self.upper)
+        """Configurations `q`, (..., nq), moved into the position limits.
 
-    def _configurations(self, q: Any) -> Any:
-        """Configurations (..., nq) as an array of numbers; lazy ones as they are."""
-        x = q if is_deferred(q) else real_array("q", q)
+        Raises:
+            NonFiniteError: nan, or an infinite position of a joint without that limit.
+            ShapeError, DtypeError, InputError: `q` holds no configurations.
+        """
+        return self._call(partial(_moved_within, self.lower, self.upper), q, Slot("q", self.lower.shape))
+
+    def _call(self, function: Callable[[Floats], Any], q: Any, result: Slot) -> Any:
+        """A function of configurations (..., nq), which may be lazy or labelled."""
+        if is_deferred(q):
+            return apply(function, [q], [Slot("q", self.lower.shape, labels=self.position_names)], [result])
+        x = real_array("q", q)
         check_core_shape("q", x, self.lower.shape)
-        return x
+        return function(x)
+
+
+def _are_within(lower: Floats, upper: Floats, q: Floats) -> Any:
+    return ((q >= lower) & (q <= upper)).all(axis=-1)
+
+
+def _moved_within(lower: Floats, upper: Floats, q: Floats) -> Floats:
+    out = np.clip(q, lower, upper)
+    check_finite("q", out, "Look where it comes from.")
+    return out
 
 
 @final
@@ -146,7 +166,11 @@ class Robot(
         shared = model, kernels.CheckedKernels(model), {}
         super().__init__(*shared)
         self.limits = Limits(
-            model.lower_position, model.upper_position, model.velocity_limit, model.effort_limit
+            model.lower_position,
+            model.upper_position,
+            model.velocity_limit,
+            model.effort_limit,
+            model.position_names,
         )
         self.centroidal = Centroidal(*shared)
         self.collision = Collision(*shared)

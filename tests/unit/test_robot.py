@@ -13,7 +13,7 @@ import pytest
 import ulna
 from ulna import algorithms, kernels
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError, TraceError, UnknownName
-from ulna.model import PointContact
+from ulna.model import ModelBuilder, PointContact, Revolute
 
 
 @pytest.fixture(scope="module")
@@ -194,6 +194,9 @@ def test_limits_take_configurations_only(panda: ulna.Robot, qr: np.ndarray) -> N
         for call in (panda.limits.contains, panda.limits.clip):
             with pytest.raises(ShapeError, match=r"`q` has shape \(.*\); expected \(\.\.\., 7\)"):
                 call(wrong)
+    with pytest.raises(NonFiniteError, match=r"`q\[1, 2\]` is nan"):
+        panda.limits.clip([qr, np.where(np.arange(7) == 2, np.nan, qr)])
+    np.testing.assert_array_equal(panda.limits.clip(np.full(7, np.inf)), panda.limits.upper)
     for what in (qr + 1j, [None] * 7, ["1"] * 7):
         with pytest.raises(DtypeError, match="`q`"):
             panda.limits.clip(what)
@@ -204,6 +207,15 @@ def test_limits_take_configurations_only(panda: ulna.Robot, qr: np.ndarray) -> N
             panda.limits.contains(qr, slack)  # type: ignore[arg-type]
     with pytest.raises(TraceError, match="^A traced value has no number yet"):
         ulna.compile(lambda q: panda.limits.clip(q), q=(7,))
+
+
+def test_infinite_positions_of_joints_without_limits_are_refused() -> None:
+    """They would remain infinite."""
+    builder = ModelBuilder("wheel").add_link("frame").add_link("rim")
+    wheel = ulna.Robot(builder.add_joint("turns", Revolute((0, 0, 1)), "frame", "rim").build())
+    assert np.isinf(wheel.limits.upper).all() and wheel.limits.clip([3.0]) == 3.0
+    with pytest.raises(NonFiniteError, match=r"`q\[0\]` is inf"):
+        wheel.limits.clip([np.inf])
 
 
 def test_compile_a_function_of_the_robot(panda: ulna.Robot, qr: np.ndarray) -> None:

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from ulna.checks.arrays import batched_array
-from ulna.checks.values import checked_robot
+from ulna.checks.values import checked_robot, number
 from ulna.collision import Proximity, World
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.robot import Robot
@@ -70,12 +70,13 @@ def obstacle_rows(
         A (k, nv) and b (k,), one row for each two that are near: obstacles first, the nearest first.
 
     Raises:
-        InputError: If `stop` is not less than `influence`, or there are more rows than `count`.
+        InputError: If `stop` is not less than `influence`, `gain` is below 0 or not finite, or there are more rows than
+            `count`.
         UnknownName: If `moving` or `twists` names no obstacle.
         ShapeError, DtypeError, NonFiniteError, ModelError, MissingExtra: As for `robot.distance`.
     """
     links = set(checked_robot(robot).link_names)
-    _check("influence", influence, stop)
+    _check("influence", influence, stop, gain)
     for name in twists or {}:
         if world is None or name not in world:
             raise UnknownName("obstacle", name, () if world is None else world.names)
@@ -88,7 +89,7 @@ def obstacle_rows(
                 _approach(item, influence, stop, gain) + _parting(item, world, moving or {}, twists or {})
             )
     if own is not None:
-        _check("own", *own)
+        _check("own", *own, gain)
         if "without" in options:
             options["without"] = [pair for pair in options["without"] if links.issuperset(pair)]
         for item in robot.collision.checker(**options).nearest(q, within=own[0]):
@@ -102,7 +103,8 @@ def obstacle_rows(
     return np.array([*A, *np.zeros((spare, robot.nv))]).reshape(-1, robot.nv), np.array(b + [0.0] * spare)
 
 
-def _check(name: str, influence: float, stop: float) -> None:
+def _check(name: str, influence: float, stop: float, gain: float) -> None:
+    number("gain", gain, "a finite speed, not below 0 [m/s]", least=0.0)
     if not 0.0 <= stop < influence < np.inf:
         raise InputError(
             f"`{name}` begins at {influence} m and stops at {stop} m; expected 0 <= stop < influence [m]."

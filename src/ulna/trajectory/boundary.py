@@ -118,7 +118,7 @@ def quintic_states(
     is_usual = is_usual and not any(isinstance(x, np.ma.MaskedArray) for x in (q0, q1, t, v0, v1))
     if is_usual and n and at.size and at.dtype.kind in "fiu":
         q, v, a = _states(n)(*ends, checked_duration("duration", duration), at)
-        if np.isfinite(q).all():
+        if np.isfinite(q).all() and np.isfinite(at).all():
             return q, v, a
     return quintic(q0, q1, duration, v0, v1).state(t)  # which converts, or says what is wrong
 

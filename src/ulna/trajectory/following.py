@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.checks.values import short_repr
+from ulna.checks.values import number, short_repr
 from ulna.errors import InputError, NonFiniteError
 from ulna.trajectory.inputs import vector
 from ulna.trajectory.polynomial import Polynomial
@@ -37,13 +37,14 @@ def follow(
         q0: Guess for the first pose, (n,) [rad or m].
         samples: How many segments.
         jump: By how much a joint may change from one sample to the next before it counts as a jump to another branch
-            [rad or m].
+            [rad or m]; inf for any.
 
     Returns:
         The joint trajectory.
 
     Raises:
         InputError: `trajectory` is none of poses; inverse kinematics fails, or jumps to another branch; names the time.
+            Or `samples` or `jump` is no such number.
 
     Example:
         >>> robot = ulna.load("panda")
@@ -55,6 +56,8 @@ def follow(
         array([-0. ,  0.1, -0. ])
     """
     _check(trajectory, samples)
+    if not (isinstance(jump, float) and jump == np.inf):
+        jump = number("jump", jump, "a change above 0 [rad or m]", above=0.0)
     t, T, V, _ = trajectory.sample(n=int(samples) + 1)
     q, configurations = vector("q0", q0), []
     for time, goal in zip(t, T, strict=True):

@@ -18,7 +18,7 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.checks.arrays import finite_array
+from ulna.checks.arrays import check_finite, finite_array
 from ulna.compiler import compile
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
@@ -135,6 +135,7 @@ def hermite(
         The trajectory.
 
     Raises:
+        NonFiniteError: An argument holds nan or inf.
         InputError: Times are so short that coefficients are not finite, or so long that powers of them are not.
 
     Source: Biagiotti & Melchiorri 2008, eq. (2.2) and (2.6).
@@ -147,6 +148,9 @@ def hermite(
             f"A motion takes {h.max():g} s; expected at most {_LONGEST:g} s from point to point."
         )
     if not np.isfinite(c).all():
+        for name, array in {"times": times, "q": q, "v": v, "a": a}.items():
+            if array is not None:
+                check_finite(name, array, "Look where it comes from.")
         raise InputError(
             f"Between {times[0]:g} s and {times[-1]:g} s the motion is too fast to be computed; expected longer times "
             "or points nearer to each other."

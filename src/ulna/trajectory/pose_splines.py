@@ -22,6 +22,7 @@ import numpy as np
 
 from ulna.checks.arrays import finite_array
 from ulna.checks.values import duration as checked_duration
+from ulna.checks.values import flag
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.numeric import apply, cross
@@ -100,7 +101,7 @@ def pose_spline(
         A trajectory of poses.
 
     Raises:
-        InputError: Fewer than two poses, or neighbours too far apart to be run through.
+        InputError: Fewer than two poses, or neighbours too far apart to be run through; `through` is no truth value.
         UnknownName: No such interpolation.
     """
     if interpolation not in ("decoupled", "screw"):
@@ -110,7 +111,7 @@ def pose_spline(
         raise InputError(
             f"`poses` is a batch of shape {path.batch_shape}; expected at least two poses in a row."
         )
-    total = checked_duration("duration", duration)
+    total, through = checked_duration("duration", duration), flag("through", through)
     spline = PoseSpline(_padded(path), total, interpolation)
     if not through or len(path) == 2:
         return spline

@@ -12,7 +12,7 @@ import numpy as np
 from ulna.checks.arrays import finite_array
 from ulna.checks.values import count as checked_count
 from ulna.checks.values import duration as checked_duration
-from ulna.checks.values import number
+from ulna.checks.values import flag, number
 from ulna.errors import InputError
 from ulna.system.discarded import returns_copy
 from ulna.trajectory.inputs import positive
@@ -153,7 +153,8 @@ class Trajectory(ABC):
             `(t, q, v, a)` or `(t, q, v, a, jerk)`, a named tuple.
 
         Raises:
-            InputError: Both or neither of `rate` and `n`, or one that is too small or too large.
+            InputError: Both or neither of `rate` and `n`, or one that is too small or too large, or `jerk` is no truth
+                value.
 
         Example:
             >>> move = ulna.trajectory.quintic([0.0], [1.0], duration=2.0)
@@ -161,6 +162,7 @@ class Trajectory(ABC):
             >>> q.shape, float(v.max())
             ((201, 1), 0.9375)
         """
+        with_jerk = flag("jerk", jerk)
         if (rate is None) == (n is None):
             raise InputError(f"sample(rate={rate}, n={n}): expected one of both: rate=1000 or n=200.")
         if rate is not None:
@@ -177,8 +179,8 @@ class Trajectory(ABC):
                 raise InputError(f"`n` is {n!r}; expected a count of at least 2 rows.")
             checked_count("n", n, 2, _MOST_ROWS)
             t = np.linspace(0.0, self.duration, int(n))
-        parts = self._checked_at(t, 3 if jerk else 2)
-        return SamplesWithJerk(t, *parts) if jerk else Samples(t, *parts)
+        parts = self._checked_at(t, 3 if with_jerk else 2)
+        return SamplesWithJerk(t, *parts) if with_jerk else Samples(t, *parts)
 
     @property
     def start(self) -> Floats:

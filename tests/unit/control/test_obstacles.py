@@ -23,6 +23,13 @@ def q(panda):
     return np.array(panda.configurations["qr"])
 
 
+@pytest.mark.parametrize("gain", [np.nan, np.inf, -1.0, "slow", None])
+def test_a_gain_is_a_finite_speed(panda, q, gain):
+    """With nan the rows had bounds of nan."""
+    with pytest.raises(InputError, match="`gain` is .*; expected a finite speed, not below 0"):
+        control.obstacle_rows(panda, q, BALL, gain=gain)
+
+
 def test_rows_are_the_velocity_dampers_of_the_near_pairs(panda, q):
     A, b = control.obstacle_rows(panda, q, BALL, influence=0.3, stop=0.05, gain=0.5, own=None)
     near = panda.collision_checker(BALL, pairs=()).nearest(q, within=0.3)

@@ -11,7 +11,7 @@ import pytest
 import ulna
 from ulna import trajectory
 from ulna.collision import World
-from ulna.errors import DtypeError, InputError, ShapeError, UnknownName
+from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.geometry import Box
 from ulna.planning import Planner
 
@@ -67,6 +67,27 @@ def test_quantities_are_lazy_and_equal(robot: ulna.Robot, Q: Any, lazy: Any) -> 
     same(robot.static_torque(lazy, force), robot.static_torque(Q, plain))
     same(robot.limits.contains(lazy), robot.limits.contains(Q))
     same(robot.limits.clip(2 * lazy), robot.limits.clip(2 * Q))
+
+
+def test_clipping_lazy_configurations_refuses_nan_when_computed(robot: ulna.Robot, lazy: Any) -> None:
+    clipped = robot.limits.clip(lazy + np.nan)
+    with pytest.raises(NonFiniteError, match="`q"):
+        clipped.compute(scheduler="sync")
+
+
+def test_limits_take_labels_in_any_order(robot: ulna.Robot, Q: Any) -> None:
+    xarray = pytest.importorskip("xarray")
+    labels = list(robot.joint_names)
+    table = xarray.DataArray(2.0 * Q, dims=("time", "joint"), coords={"joint": labels})
+    turned = table.isel(joint=slice(None, None, -1))
+    inside = robot.limits.contains(turned)
+    assert inside.dims == ("time",) and not inside.values.all()
+    np.testing.assert_array_equal(inside.values, robot.limits.contains(2.0 * Q))
+    clipped = robot.limits.clip(turned)
+    assert clipped.dims == ("time", "joint")
+    np.testing.assert_array_equal(clipped.sel(joint=labels).values, robot.limits.clip(2.0 * Q))
+    with pytest.raises(InputError, match="joint"):
+        robot.limits.contains(table.assign_coords(joint=["a", *labels[1:]]))
 
 
 def test_kernels_and_own_functions(robot: ulna.Robot, Q: Any, lazy: Any) -> None:

@@ -27,6 +27,16 @@ def test_a_frame_follows_a_line(panda: ulna.Robot) -> None:
     np.testing.assert_allclose(joints.v([0.0, 2.0]), 0.0, atol=1e-12)
 
 
+@pytest.mark.parametrize("jump", [np.nan, 0.0, -1.0, "far", None])
+def test_a_jump_is_a_number(panda: ulna.Robot, jump: object) -> None:
+    """With nan no jump would have been one."""
+    q0 = panda.configurations["qr"]
+    line = trajectory.pose_line(panda.fk(q0), panda.fk(q0 + 0.01), 1.0)
+    with pytest.raises(InputError, match="`jump` is .*; expected a change above 0"):
+        trajectory.follow(line, lambda T, q: panda.ik(T, q0=q), q0, 3, jump)  # type: ignore[arg-type]
+    assert trajectory.follow(line, lambda T, q: panda.ik(T, q0=q), q0, 3, np.inf).duration == 1.0
+
+
 def test_failures_name_the_time(panda: ulna.Robot) -> None:
     q0 = panda.configurations["qr"]
     start = panda.fk(q0)

@@ -35,6 +35,11 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], str]] = [
         "'turning'",
     ),
     (lambda: tr.pose_spline([START, END], [0.0, 1.0], interpolation="screwy"), UnknownName, "'screw'"),
+    (
+        lambda: tr.pose_spline([START, END], 1.0, through="no"),
+        InputError,
+        "`through` is .no.; expected True or False",
+    ),
     (lambda: tr.pose_line(START, START, velocity=1.0, acceleration=1.0), InputError, "are the same pose"),
     (lambda: tr.pose_line(START, END), InputError, "neither was given"),
     (lambda: tr.pose_line(START, END, velocity=1.0), InputError, "expected two limits"),

@@ -176,6 +176,17 @@ def test_mistakes_are_named() -> None:
         trajectory.quintic(A, B, 1.0)(np.nan)
     with pytest.raises(InputError, match="one of both"):
         trajectory.quintic(A, B, 1.0).sample()
+    with pytest.raises(NonFiniteError, match="`t"):
+        trajectory.quintic_states(A, B, 1.0, np.array([0.0, np.inf]))
+    with pytest.raises(InputError, match="`jerk` is 'no'; expected True or False"):
+        trajectory.quintic(A, B, 1.0).sample(n=2, jerk="no")  # type: ignore[arg-type]
+    times, rows = np.array([0.0, 1.0]), np.array([A, B])
+    for name in ("q", "v", "a"):
+        given = {"q": rows, "v": rows, "a": rows} | {name: rows + [0.0, np.nan, 0.0]}
+        with pytest.raises(NonFiniteError, match=rf"`{name}\[0, 1\]` is nan"):
+            trajectory.hermite(times, **given)
+    with pytest.raises(NonFiniteError, match=r"`times\[1\]` is nan"):
+        trajectory.hermite(times + [0.0, np.nan], rows, rows)
     with pytest.raises(InputError, match="rows a second"):
         trajectory.quintic(A, B, 1.0).sample(rate=0)
     with pytest.raises(InputError, match="factor above zero"):
