@@ -10,6 +10,23 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 
 
+def environments(library: str) -> tuple[dict[str, str], dict[str, str]]:
+    """The variables of a worker that imports a compatibility package, and of one that imports the library itself.
+
+    Both import the Ulna that this process imports: PYTHONPATH is passed on, without folders of compatibility packages.
+
+    Args:
+        library: Its name in `ulna.compat.packages.FOLDERS`.
+    """
+    from ulna.compat.packages import FOLDERS, environment  # not in workers of the library itself
+
+    path = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    folders = {os.path.realpath(folder) for folder in FOLDERS.values()}
+    rest = [entry for entry in path if entry and os.path.realpath(entry) not in folders]
+    plain = {**os.environ, "PYTHONPATH": os.pathsep.join(rest)}
+    return environment([library], plain), plain
+
+
 def in_turns(
     command: Sequence[str], environments: Mapping[str, Mapping[str, str]], rounds: int
 ) -> dict[str, dict[str, float]]:

@@ -6,13 +6,14 @@ python benchmarks/compat_pinocchio.py [--markdown]
 from __future__ import annotations
 
 import json
-import os
 import statistics
 import subprocess
 import sys
 import time
 from pathlib import Path
 from typing import Any
+
+from _pair import environments
 
 ROBOTS = {"UR5": "ur5", "Panda": "panda", "Solo12": "solo12", "Talos": "talos"}
 FLOATING = ("solo12", "talos")
@@ -108,19 +109,15 @@ def worker(urdf: str, floating: bool) -> None:
 
 
 def main() -> None:
-    from ulna.compat.packages import environment
     from ulna.robots.example_robot_data import files
 
-    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     print(f"{'us a call':<34}" + "".join(f"{name:>24}" for name in ROBOTS))
     print(" " * 34 + f"{'face   pin  ratio':>24}" * len(ROBOTS))
     columns = []
     for key in ROBOTS.values():
         command = [sys.executable, __file__, str(files(key)[0]), str(int(key in FLOATING))]
         pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
-        pair = [
-            subprocess.Popen(command, env=env, **pipes) for env in (environment(["pinocchio"], plain), plain)
-        ]
+        pair = [subprocess.Popen(command, env=env, **pipes) for env in environments("pinocchio")]
         rounds: list[list[dict[str, float]]] = [[], []]
         for _ in range(ROUNDS):
             for process, found in zip(pair, rounds, strict=True):

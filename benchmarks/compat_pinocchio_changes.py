@@ -10,9 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping
 
-from _pair import answer_rounds, in_turns
-
-from ulna.compat.packages import environment
+from _pair import answer_rounds, environments, in_turns
 
 ROBOTS = {"UR5": ("ur5", ""), "Talos": ("talos", "floating")}
 ROUNDS = 21
@@ -77,8 +75,7 @@ def resident() -> float:
 def main() -> None:
     from ulna.robots.example_robot_data import files
 
-    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    who = {"face": environment(["pinocchio"], plain), "pin": plain}
+    who = dict(zip(("face", "pin"), environments("pinocchio"), strict=True))
     for title, (robot, floating) in ROBOTS.items():
         print(f"\n{title}, microseconds a change and a call" + "".join(f"{w:>12}" for w in who))
         found = in_turns([__file__, str(files(robot)[0]), floating], who, ROUNDS)

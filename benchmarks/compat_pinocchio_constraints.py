@@ -7,13 +7,12 @@ Solo12 stands on four points, Talos on two frames, along the world's axes.
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from collections.abc import Callable
 from typing import Any
 
-from _pair import answer_rounds, in_turns
+from _pair import answer_rounds, environments, in_turns
 from _timing import table
 
 ROBOTS = {
@@ -105,11 +104,9 @@ def prepared(urdf: str, kind: str, joints: str) -> Callable[[], dict[str, float]
 
 
 def main() -> None:
-    from ulna.compat.packages import environment
     from ulna.robots.example_robot_data import files
 
-    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    faced = environment(["pinocchio"], plain)
+    faced, plain = environments("pinocchio")
     found = {}
     for title, (robot, *words) in ROBOTS.items():
         answers = in_turns([__file__, str(files(robot)[0]), *words], {"face": faced, "pin": plain}, ROUNDS)

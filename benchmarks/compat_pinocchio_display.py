@@ -7,12 +7,11 @@ No browser looks: it is what a control loop pays. All have their page's server r
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from collections.abc import Callable
 
-from _pair import answer_rounds, in_turns
+from _pair import answer_rounds, environments, in_turns
 from _timing import shown, table
 
 ROBOTS = {"UR5": "ur5", "Talos": "talos"}
@@ -45,11 +44,9 @@ def prepared(file: str, visualizer: str) -> Callable[[], dict[str, float]]:
 
 
 def main() -> None:
-    from ulna.compat.packages import environment
     from ulna.robots.example_robot_data import files
 
-    plain = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    faced = environment(["pinocchio"], plain)
+    faced, plain = environments("pinocchio")
     rows = []
     for title, robot in ROBOTS.items():
         for visualizer in VISUALIZERS:

@@ -10,14 +10,13 @@ member of a class, when such a script holds `.member`.
 from __future__ import annotations
 
 import json
-import os
 import re
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-from ulna.compat.packages import environment
+from _pair import environments
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "pinocchio_names.md"
@@ -101,9 +100,9 @@ def _listed(names: list[str]) -> str:
 
 def lines() -> str:
     """The page."""
-    plain = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+    faced, plain = environments("pinocchio")
     theirs = _asked(plain, None)
-    ours = _asked(environment(["pinocchio"], plain), theirs)
+    ours = _asked(faced, theirs)
     text = "\n".join(script.read_text(encoding="utf-8") for script in SCRIPTS)
     asked = set(re.findall(r"\bpin\.(\w+)", text))
     dotted = set(re.findall(r"\.(\w+)", text))
@@ -160,7 +159,7 @@ def _overloads() -> list[str]:
     from differential import group_of
     from generated_calls import calls
 
-    plain = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+    _, plain = environments("pinocchio")
     with tempfile.TemporaryDirectory() as out:
         target = Path(out) / "overloads.json"
         subprocess.run([sys.executable, str(folder / "overloads.py"), str(target)], env=plain, check=True)

@@ -7,7 +7,6 @@ Each has its own Swift, without a page; where swift-sim is not installed, the lo
 
 from __future__ import annotations
 
-import os
 import statistics
 import subprocess
 import sys
@@ -15,10 +14,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from _pair import answer_rounds, in_turns
+from _pair import answer_rounds, environments, in_turns
 from _timing import medians, shown, table
-
-from ulna.compat.packages import environment
 
 ROUNDS = 7
 STARTS = 7
@@ -126,7 +123,7 @@ def row(name: str, face: float, toolbox: float | None) -> list[str]:
 
 def main() -> None:
     """Prints the tables."""
-    variables = {"face": environment(["roboticstoolbox"]), "toolbox": dict(os.environ)}
+    variables = dict(zip(("face", "toolbox"), environments("roboticstoolbox"), strict=True))
     found = in_turns([__file__, "--worker"], variables, ROUNDS)
     rows = [row(name, face, found["toolbox"].get(name)) for name, face in found["face"].items()]
     for name, code in ((IMPORT, IMPORT), ("script: import, Panda, fkine, jacob0, ik_LM once", FIRST)):

@@ -20,7 +20,7 @@ import zlib
 from pathlib import Path
 from typing import Any
 
-from ulna.compat.packages import environment
+from _pair import environments
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "robotics_toolbox_calls.md"
@@ -57,7 +57,8 @@ def results(folder: Path, part: int, chosen: list[dict[str, Any]], package: str 
         (folder / "part.json").write_text(json.dumps(chosen))
         files = [str((folder / "part.json").resolve()), str(file.resolve())]
         command = [sys.executable, str(HARNESS / "run_calls.py"), *files]
-        env = environment([package] if package else []) | {"MPLBACKEND": "agg"}
+        faced, plain = environments("roboticstoolbox")
+        env = (faced if package else plain) | {"MPLBACKEND": "agg"}
         subprocess.run(command, env=env, check=True, timeout=3600, cwd=folder)  # some calls write files
     return pickle.loads(file.read_bytes())[1]
 

@@ -21,7 +21,9 @@ import textwrap
 from pathlib import Path
 from typing import Any
 
-from ulna.compat.packages import FOLDERS, environment
+from _pair import environments
+
+from ulna.compat.packages import FOLDERS
 
 HERE = Path(__file__)
 PAGE = HERE.parents[1] / "docs" / "robotics_toolbox.md"
@@ -169,7 +171,7 @@ def lines(place: str) -> tuple[str, list[str]]:
     """
     theirs = json.loads(RECORD.read_text(encoding="utf-8"))
     command = [sys.executable, "-c", ASK, place]
-    variables = environment(["roboticstoolbox"])
+    variables, _ = environments("roboticstoolbox")
     done = subprocess.run(
         command, env=variables, input=json.dumps(theirs), stdout=subprocess.PIPE, text=True, check=True
     )

@@ -16,10 +16,8 @@ import webbrowser
 from collections.abc import Callable
 from typing import Any
 
-from _pair import answer_rounds, in_turns
+from _pair import answer_rounds, environments, in_turns
 from _timing import shown, table
-
-from ulna.compat.packages import environment
 
 ROUNDS = 7
 SERVO = "servo loop of example 3: `fkine`, `p_servo`, `jacobe`, `numpy.linalg.pinv`, `step`"
@@ -31,7 +29,7 @@ class Chromium(webbrowser.BaseBrowser):
 
     def open(self, url: str, new: int = 0, autoraise: bool = True) -> bool:
         """Open a page."""
-        plain = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        _, plain = environments("roboticstoolbox")
         self.process = subprocess.Popen([sys.executable, __file__, "--browse", url], env=plain)
         return True
 
@@ -122,7 +120,7 @@ def main() -> None:
     """Prints the table."""
     page = "--page" in sys.argv
     command = ["-W", "ignore", __file__, "--worker", *(["--page"] if page else [])]
-    variables = {"face": environment(["roboticstoolbox"]), "swift": dict(os.environ)}
+    variables = dict(zip(("face", "swift"), environments("roboticstoolbox"), strict=True))
     if page:  # pages draw even when nothing moves, so that they are open one after the other
         found = {who: in_turns(command, {who: env}, 3)[who] for who, env in variables.items()}
     else:

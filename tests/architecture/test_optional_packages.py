@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+import ulna
 from support.missing_packages import missing_package
 from ulna.errors import MissingExtra
 
@@ -45,6 +46,11 @@ def optional_modules() -> list[str]:
     return INSIDE_CMEEL + [name for name, owners in modules.items() if set(map(_normal, owners)) & packages]
 
 
+def _path(folder: Path) -> str:
+    """PYTHONPATH with a folder, and this very Ulna, whichever one is installed."""
+    return os.pathsep.join([str(folder), str(Path(ulna.__file__).parents[1])])
+
+
 def _normal(name: str) -> str:
     return name.lower().replace("_", "-")
 
@@ -58,7 +64,7 @@ def test_without_the_optional_packages_every_test_file_is_collected(tmp_path: Pa
             *(sys.executable, "-m", "pytest", "--collect-only", "-q"),
             *("-p", "absent_packages", "-p", "no:cacheprovider", "-p", "no:zarr"),  # zarr brings a plugin of pytest
         ],
-        cwd=ROOT, env=os.environ | {"ABSENT": " ".join(absent), "PYTHONPATH": str(tmp_path)},
+        cwd=ROOT, env=os.environ | {"ABSENT": " ".join(absent), "PYTHONPATH": _path(tmp_path)},
         capture_output=True, text=True, timeout=600, check=False,
     )  # fmt: skip
     assert done.returncode == 0, (
@@ -97,7 +103,7 @@ def test_a_complete_environment_lacks_nothing(tmp_path: Path, environment: str, 
     (tmp_path / "test_one.py").write_text("def test_it():\n    import no_such_package\n")
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "-p", "no:xdist", "--rootdir", tmp_path, tmp_path],
-        cwd=tmp_path, env=os.environ | {"ULNA_ENVIRONMENT": environment, "PYTHONPATH": str(ROOT / "tests")},
+        cwd=tmp_path, env=os.environ | {"ULNA_ENVIRONMENT": environment, "PYTHONPATH": _path(ROOT / "tests")},
         capture_output=True, text=True, timeout=600, check=False,
     )  # fmt: skip
     assert outcome in done.stdout, done.stdout + done.stderr

@@ -1,10 +1,14 @@
 """Compatibility packages get onto the path of a script and of a notebook; the doctor reads what a script uses."""
 
+import importlib
+import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
+import ulna
 from ulna.cli import main
 from ulna.compat import doctor, packages
 from ulna.errors import FormatError, InputError, UnknownName
@@ -108,3 +112,19 @@ def test_the_former_name_still_works():
 
     assert ulna.faces.wear is packages.use and ulna.faces.shelves.SHELVES is packages.FOLDERS
     assert ulna.compat.use is packages.use
+
+
+def test_benchmarks_measure_this_ulna_beside_the_library(monkeypatch):
+    """Workers of the library had lost PYTHONPATH: another copy of Ulna was measured, where one is installed."""
+    source, benchmarks = Path(ulna.__file__).parents[1], Path(__file__).parents[3] / "benchmarks"
+    folders = {name: str(folder) for name, folder in packages.FOLDERS.items()}
+    path = [folders["pinocchio"], str(source), "", f"{folders['roboticstoolbox']}{os.sep}"]
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(path))
+    monkeypatch.syspath_prepend(str(benchmarks))
+    faced, plain = importlib.import_module("_pair").environments("roboticstoolbox")
+    assert plain["PYTHONPATH"] == str(source)
+    assert faced["PYTHONPATH"] == os.pathsep.join([folders["roboticstoolbox"], str(source)])
+    assert {**faced, "PYTHONPATH": ""} == {**plain, "PYTHONPATH": ""}
+    for variables in (faced, plain):
+        found = _python(["-c", "import ulna; print(ulna.__file__)"], env=variables, cwd=source.parent)
+        assert Path(found.stdout.strip()).samefile(ulna.__file__), found.stderr
