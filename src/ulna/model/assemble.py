@@ -10,7 +10,7 @@ import numpy as np
 
 from ulna.errors import ModelWarning, UnknownName
 from ulna.model.check import checked_gravity
-from ulna.model.joints import Continuous, JointKind, Revolute
+from ulna.model.joints import Composite, Continuous, JointKind, Revolute
 from ulna.model.joints.axes import constant, snap_pose
 from ulna.model.model import Model
 from ulna.model.parts import Frame, Joint, Link, Mimic
@@ -177,10 +177,16 @@ def _geared(
     geared: dict[str, JointKind] = {}
     for name, (source, multiplier, _) in followed.items():
         turns_whole = isinstance(records[name].kind, Revolute) and multiplier == round(multiplier)
-        kind = records[source].kind
-        if isinstance(kind, Continuous) and not turns_whole:
-            geared[source] = Revolute(kind.axis)
+        if not turns_whole:
+            geared[source] = _counting_turns(records[source].kind)
     return geared
+
+
+def _counting_turns(kind: JointKind) -> JointKind:
+    """The same motion, with an angle that counts turns."""
+    if isinstance(kind, Composite):
+        return Composite(tuple(map(_counting_turns, kind.kinds)), kind.placements)
+    return Revolute(kind.axis) if isinstance(kind, Continuous) else kind
 
 
 def _frames(

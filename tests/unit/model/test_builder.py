@@ -13,6 +13,7 @@ from support.small_robots import arm, arm_builder
 from ulna.errors import ModelError, ModelWarning, UnknownName
 from ulna.geometry import Box, Geometry
 from ulna.model import (
+    Composite,
     Continuous,
     Fixed,
     FreeFlyer,
@@ -228,6 +229,14 @@ def test_a_free_joint_with_a_gear_counts_its_turns(kind: JointKind, ratio: float
         for q in (np.array([0.5 + 2 * math.pi]), a_turn_more)
     )
     assert there.is_close(here, 1e-14)
+
+
+def test_a_free_joint_in_a_composite_counts_its_turns_too() -> None:
+    place = SE3.trans(0.1, 0.2, 0.3)
+    b = pair().add_link("c").add_joint("j", Composite((Continuous((1, 0, 0)),), (place,)), "a", "b")
+    m = b.add_joint("k", Prismatic(), "b", "c", mimic=("j", 0.1, 0.0)).build()
+    assert m.joint("j").kind == Composite((Revolute((1, 0, 0)),), (place,))
+    assert m.joint("j").kind.normalize(np.array([7.0])).tolist() == [7.0]
 
 
 def test_a_mimic_may_be_named_by_its_source_alone() -> None:
