@@ -1,7 +1,8 @@
 """Compiled functions as JAX functions: one primitive with its rules, which XLA runs as native code.
 
-The primitive has two parameters: the function, and in how many of its last inputs it is linear. A forward derivative
-is linear in the tangents, which is what JAX needs to know to transpose it into a reverse derivative.
+The primitive has three parameters: the function, in how many of its last inputs it is linear, and for a forward
+derivative what it is one of. That is linear in the tangents, which is what JAX needs to know to transpose it;
+transposed it is the reverse derivative of the same function, which loops have, too.
 """
 
 from __future__ import annotations
@@ -20,8 +21,11 @@ from ulna.compiler.language.ports import batch_shape
 from ulna.compiler.runtime.xla_call import load_xla_call
 from ulna.errors import DtypeError, InputError
 from ulna.interop.arguments import check_count
-from ulna.interop.derivatives import derivatives_of
+from ulna.interop.derivatives import Choice, derivatives_of
 from ulna.system import forks
+
+Origin = tuple[Function, Choice]
+"""A function, and for each of its inputs whether it has a tangent in a forward derivative."""
 
 _lock = forks.lock(forks.RECIPES)
 _targets: dict[
@@ -90,23 +94,24 @@ def _evaluate(f: Function, linear: int, arrays: Sequence[Any]) -> tuple[Any, ...
     """Applies the primitive to arrays whose batch axes are made alike."""
     batch = batch_shape(f.inputs, [x.shape for x in arrays])
     wide = [jnp.broadcast_to(x, batch + p.shape) for x, p in zip(arrays, f.inputs, strict=True)]
-    return tuple(_call.bind(*wide, function=f, linear=linear))
+    return tuple(_call.bind(*wide, function=f, linear=linear, origin=None))
 
 
 _call = jax.extend.core.Primitive("ulna")
 _call.multiple_results = True
 
 
-def _shapes(*arrays: Any, function: Function, linear: int) -> list[Any]:
+def _shapes(*arrays: Any, function: Function, linear: int, origin: Origin | None) -> list[Any]:
     """The shapes and types of the results."""
     first = arrays[0]
     batch = first.shape[: first.ndim - len(function.inputs[0].shape)]
     return [ShapedArray(batch + p.shape, first.dtype) for p in function.outputs]
 
 
-def _native(*arrays: Any, function: Function, linear: int) -> list[Any]:
+def _native(*arrays: Any, function: Function, linear: int, origin: Origin | None) -> list[Any]:
     """The call of the native code, which is compiled now."""
-    results = [jax.ShapeDtypeStruct(s.shape, s.dtype) for s in _shapes(*arrays, function=function, linear=0)]
+    shapes = _shapes(*arrays, function=function, linear=linear, origin=origin)
+    results = [jax.ShapeDtypeStruct(s.shape, s.dtype) for s in shapes]
     if any(0 in s.shape for s in results):
         return [jnp.zeros(s.shape, s.dtype) for s in results]
     return list(jax.ffi.ffi_call(_target(function, arrays[0].dtype.name), results)(*arrays))
@@ -125,16 +130,26 @@ def _target(function: Function, dtype: str) -> str:
         return _targets[key][0]
 
 
-def _forward(primals: Sequence[Any], tangents: Sequence[Any], *, function: Function, linear: int) -> Any:
+def _forward(
+    primals: Sequence[Any], tangents: Sequence[Any], *, function: Function, linear: int, origin: Origin | None
+) -> Any:
     """The rule of the forward derivative."""
     moving = tuple(type(t) is not ad.Zero for t in tangents)
     derivative = derivatives_of(function).forward(moving)
     moving_tangents = [t for t, m in zip(tangents, moving, strict=True) if m]
-    results = _call.bind(*primals, function=function, linear=linear)
-    return results, _call.bind(*primals, *moving_tangents, function=derivative, linear=len(moving_tangents))
+    results = _call.bind(*primals, function=function, linear=linear, origin=origin)
+    return results, _call.bind(
+        *primals,
+        *moving_tangents,
+        function=derivative,
+        linear=len(moving_tangents),
+        origin=(function, moving),
+    )
 
 
-def _transposed(cotangents: Sequence[Any], *arrays: Any, function: Function, linear: int) -> list[Any]:
+def _transposed(
+    cotangents: Sequence[Any], *arrays: Any, function: Function, linear: int, origin: Origin | None
+) -> list[Any]:
     """The rule of the reverse derivative, of a function that is linear in its last inputs."""
     unknown = tuple(ad.is_undefined_primal(x) for x in arrays)
     count = len(arrays) - linear
@@ -150,25 +165,34 @@ def _transposed(cotangents: Sequence[Any], *arrays: Any, function: Function, lin
         jnp.zeros(batch + p.shape, kind) if type(bar) is ad.Zero else bar
         for bar, p in zip(cotangents, function.outputs, strict=True)
     ]
-    back = derivatives_of(function).reverse(unknown, without=linear)
+    if origin is None:
+        back = derivatives_of(function).reverse(unknown, without=linear)
+    else:
+        unknown_tangents = iter(unknown[count:])
+        wanted = tuple(m and next(unknown_tangents) for m in origin[1])
+        back = derivatives_of(origin[0]).reverse(wanted)
     # It is linear in the cotangents, the last inputs, in turn.
-    cotangents_of_inputs = iter(_call.bind(*arrays[:count], *bars, function=back, linear=len(bars)))
+    cotangents_of_inputs = iter(
+        _call.bind(*arrays[:count], *bars, function=back, linear=len(bars), origin=None)
+    )
     return [next(cotangents_of_inputs) if u else None for u in unknown]
 
 
-def _batched(arrays: Sequence[Any], axes: Sequence[Any], *, function: Function, linear: int) -> Any:
+def _batched(
+    arrays: Sequence[Any], axes: Sequence[Any], *, function: Function, linear: int, origin: Origin | None
+) -> Any:
     """The rule of `vmap`: one more batch axis in front."""
     length = next(x.shape[d] for x, d in zip(arrays, axes, strict=True) if d is not None)
     wide = [
         jnp.broadcast_to(x, (length, *x.shape)) if d is None else jnp.moveaxis(x, d, 0)
         for x, d in zip(arrays, axes, strict=True)
     ]
-    results = _call.bind(*wide, function=function, linear=linear)
+    results = _call.bind(*wide, function=function, linear=linear, origin=origin)
     return results, [0] * len(results)
 
 
 _call.def_abstract_eval(_shapes)
-_call.def_impl(jax.jit(_native, static_argnames=("function", "linear")))
+_call.def_impl(jax.jit(_native, static_argnames=("function", "linear", "origin")))
 mlir.register_lowering(_call, mlir.lower_fun(_native, multiple_results=True))
 ad.primitive_jvps[_call] = _forward
 ad.primitive_transposes[_call] = _transposed

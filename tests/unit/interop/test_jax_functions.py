@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import ulna
-from ulna.errors import DtypeError, InputError, ShapeError
+from ulna import numeric
+from ulna.errors import DtypeError, InputError, ShapeError, TraceError
 from ulna.interop import to_jax
 
 jax = pytest.importorskip("jax")
@@ -130,6 +131,29 @@ def test_it_works_inside_of_loops_and_checkpoints() -> None:
     step = 1e-6 * np.eye(7)
     differences = [(fall(Q[0] + h) - fall(Q[0] - h)) / 2e-6 for h in step]
     np.testing.assert_allclose(g, differences, rtol=1e-6, atol=1e-8)
+
+
+def test_derivatives_pass_through_loops_of_the_function() -> None:
+    """JAX transposes forward derivatives, which Ulna does not offer for loops: the reverse one takes their place."""
+
+    def swing(x: Any, a: Any) -> Any:
+        def body(i: Any, y: Any, z: Any) -> Any:
+            return i + 1.0, np.sin(y) * a + z, y
+
+        return numeric.loop(lambda i, y, z: i < 5.0, body, (0.0, x[0], x[1]), 9)[1]
+
+    kernel = ulna.compile(swing, x=(2,), a=())
+    f, x, a = to_jax(kernel), jnp.array([[0.3, 0.4], [-0.6, 0.1]]), 0.7
+    np.testing.assert_allclose(jax.vmap(jax.grad(f), (0, None))(x, a), kernel.jacobian()(x, a), rtol=1e-14)
+    slopes = jax.jit(jax.jacrev(f, (0, 1)))(x[0], a)
+    np.testing.assert_allclose(slopes[0], kernel.jacobian()(x[0], a), rtol=1e-14)
+    np.testing.assert_allclose(slopes[1], kernel.jacobian("a")(x[0], a), rtol=1e-14)
+    np.testing.assert_allclose(jax.grad(f, 1)(x[0], a), kernel.jacobian("a")(x[0], a), rtol=1e-14)
+    np.testing.assert_allclose(jax.hessian(f)(x[0], a), kernel.hessian()(x[0], a), rtol=1e-13)
+    y, back = jax.vjp(f, x[0], a)
+    np.testing.assert_allclose(back(2.0 * jnp.ones_like(y))[0], 2.0 * slopes[0], rtol=1e-14)
+    with pytest.raises(TraceError, match="Take the second derivative forward"):
+        jax.jacrev(jax.jacrev(f))(x[0], a)
 
 
 def test_equal_functions_share_their_code() -> None:
