@@ -26,7 +26,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import Any, NamedTuple, final
+from typing import NamedTuple, final
 
 import numpy as np
 
@@ -127,14 +127,13 @@ class CellBounds:
 
     def _cells(self, q: Floats, half: Floats) -> _Cells:
         T, *poses = self._chain.poses(q)
-        T = _rows([T], slice(None), len(q))[0]
         widths = self._chain.widths(half)
         speeds = [side.speeds(X, len(q)) for side, X in zip(self._sides, poses, strict=True)]
         b, split = _least_approach(speeds, widths)
         remainder = np.add.reduce(
             [side.beyond(rho, widths, split) for side, rho in zip(self._sides, speeds, strict=True)]
         )
-        return _Cells(T, [_rows(X, slice(None), len(q)) for X in poses], widths, b, split, remainder)
+        return _Cells(T, [_of_rows(X, len(q)) for X in poses], widths, b, split, remainder)
 
     def _signs(self, split: Array) -> list[Floats]:
         """For each joint 1 where it moves its link as its twist says when its column grows, else -1, shape (n,)."""
@@ -253,12 +252,10 @@ class _Known:
             self.queries += len(rows)
 
 
-def _rows(poses: Sequence[SE3], rows: Any, count: int) -> list[SE3]:
-    """Some rows of poses, of which some may be one for all rows."""
+def _of_rows(poses: Sequence[SE3], count: int) -> list[SE3]:
+    """Poses of each row, of which some may be one for all rows."""
     return [
-        SE3(
-            np.broadcast_to(X.rotation, (count, 3, 3))[rows], np.broadcast_to(X.translation, (count, 3))[rows]
-        )
+        SE3(np.broadcast_to(X.rotation, (count, 3, 3)), np.broadcast_to(X.translation, (count, 3)))
         for X in poses
     ]
 

@@ -63,12 +63,16 @@ class JointChain:
             q: Configurations, shape (n, nq) [rad, m].
 
         Returns:
-            T_a_b, and for each joint the pose of a in its frame on the side of a, and that of b on the side of b, with
-            the frames of the links' joints, shape (n,) each [m].
+            T_a_b, shape (n,), and for each joint the pose of a in its frame on the side of a, and that of b on the side
+            of b, with the frames of the links' joints, shape (n,), or one for all configurations [m].
         """
         _, of_first = _walk(self.joints, q)
         reverse = [ChainJoint(j.step, not j.is_upward, j.column) for j in reversed(self.joints)]
         T_a_b, of_second = _walk(reverse, q)
+        # Joints that only slide leave one rotation for all configurations.
+        T_a_b = SE3(
+            np.broadcast_to(T_a_b.rotation, (len(q), 3, 3)), np.broadcast_to(T_a_b.translation, (len(q), 3))
+        )
         return T_a_b, of_first, of_second[::-1]
 
     def widths(self, half: Floats) -> Floats:

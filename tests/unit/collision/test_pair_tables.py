@@ -181,6 +181,21 @@ def test_fingers_that_follow_one_joint_have_one_axis(machine: Model) -> None:
     assert len(table.columns) == 1 and machine.joint("left_j").idx_q in table.columns
 
 
+def test_jaws_that_slide_are_compared_by_tables() -> None:
+    """Joints that only slide leave the rotation between links as it is; spheres of long boxes touch long before these do."""
+    builder = ModelBuilder("jaws").add_link("base")
+    for name, side in (("left", 1.0), ("right", -1.0)):
+        builder.add_link(name, collisions=(Geometry("", Box((0.3, 0.02, 0.3))),))
+        axis, place = (0.0, side, 0.0), SE3.from_translation([0.0, 0.02 * side, 0.0])
+        builder.add_joint(f"{name}_j", Prismatic(axis), "base", name, place, lower=-0.02, upper=0.1)
+    model = builder.build()
+    q = np.random.default_rng(0).uniform(-0.02, 0.1, (500, 2))
+    touches = ulna.Robot(model).collides(q, method="spheres")
+    exact = q.sum(axis=1) <= -0.02
+    assert touches[exact].all() and touches[~exact].mean() < 0.3
+    assert_proved(model, made(model, ("left", "right")))
+
+
 def test_whole_turns_change_nothing_and_limits_end_the_table(machine: Model) -> None:
     table = made(machine, ("beam", "hook"))
     twist, slide = machine.joint("twist").idx_q, machine.joint("slide").idx_q
