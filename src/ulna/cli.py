@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import io
 import os
 import sys
@@ -27,7 +28,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="replace")
     parser = _parser()
     options, program = _parted(list(sys.argv[1:] if arguments is None else arguments))
-    chosen = parser.parse_args(options)
+    chosen, unknown = parser.parse_known_args(options)
+    if unknown:
+        _refuse_unknown(getattr(chosen, "parser", parser), unknown)
     chosen.program = program
     if not hasattr(chosen, "run"):
         parser.print_help()
@@ -57,6 +60,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code or 0
 
 
+def _refuse_unknown(parser: argparse.ArgumentParser, unknown: Sequence[str]) -> None:
+    """Ends the program with the usage of the command, what it does not know, and the options that read alike."""
+    known = [word for action in parser._actions for word in action.option_strings]
+    alike = [
+        match
+        for word in unknown
+        for match in difflib.get_close_matches(word.partition("=")[0], known, 1)
+        if word.startswith("-")
+    ]
+    hint = f"; did you mean {' or '.join(alike)}?" if alike else ""
+    parser.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
+
+
 def _end_output() -> None:
     """Writes what is left of the output; what cannot be written goes nowhere, instead of failing once more at exit."""
     if sys.stdout is None:
@@ -82,7 +98,7 @@ def _parser() -> argparse.ArgumentParser:
         sub = subparsers.add_parser(
             name, help=about, description=f"{about[0].upper()}{about[1:]}. {more}".strip()
         )
-        sub.set_defaults(run=run)
+        sub.set_defaults(run=run, parser=sub)
         return sub
 
     command("list", commands.list_robots, "list the robots that can be loaded by name").add_argument(

@@ -203,6 +203,14 @@ def test_an_unknown_command_is_a_usage_error(capsys: pytest.CaptureFixture[str])
     assert "dance" in capsys.readouterr().err
 
 
+def test_an_unknown_option_names_the_one_that_reads_alike(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["info", "panda", "--chek"])
+    err = capsys.readouterr().err
+    assert end.value.code == 2 and err.startswith("usage: ulna info")
+    assert err.endswith("ulna info: error: unrecognized arguments: --chek; did you mean --check?\n")
+
+
 def test_ctrl_c_ends_quietly(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     def interrupt(_: object) -> None:
         raise KeyboardInterrupt
