@@ -14,7 +14,7 @@ import pytest
 
 from support.random_models import random_model, several_roots
 from ulna import algorithms, kernels
-from ulna.algorithms import Proximal
+from ulna.algorithms import Friction, Proximal
 from ulna.compiler import compile
 from ulna.compiler.codegen.module import emit_single
 from ulna.compiler.forms.columns import DeferredFunction
@@ -197,15 +197,34 @@ def test_contacts_in_all_widths_of_registers(name, register_bytes):
         compare(name, results, right, tolerance)
 
 
-def test_loops_further_forces_and_elastic_impacts_take_another_form():
+@pytest.mark.parametrize("reference", ["local", "world", "local_world_aligned"])
+@pytest.mark.parametrize(("seed", "root"), [(1, "free_flyer"), (2, None), (3, "planar"), (6, "several")])
+def test_contacts_under_external_forces_and_friction_equal_the_definition(reference, seed, root):
+    model = several_roots(np.random.default_rng(seed)) if root == "several" else tree(seed, root)
+    standing, links, rng = contacts(model), model.link_names, np.random.default_rng(seed)
+    frames = (links[-1], links[0], links[-1])
+    law = Friction(rng.uniform(0.1, 1.0, model.nv), rng.uniform(0.1, 1.0, model.nv))
+    kernel = kernels.kernel(
+        model, NAMES[0], **options_of(NAMES[0], standing), forces=frames, reference=reference, friction=law
+    )
+    assert kernel.function.columns is not None
+    (q, v, tau), wrenches = state(model, NAMES[0], seed), rng.normal(size=(3, 6))
+    external = algorithms.at_joints(model, q, wrenches, [model.frame(name) for name in frames], reference)
+    torques = tau + algorithms.friction_torque(v, law)
+    right = algorithms.constrained_dynamics(
+        model, q, v, torques, frame_pairs(model, standing), external, settings=EXACT
+    )
+    compare(NAMES[0], kernel(q, v, tau, wrenches), tuple(right))
+
+
+def test_loops_stabilised_motions_and_elastic_impacts_take_another_form():
     model = tree(10)
     tips = model.link_names[-2:]
     loop = (PointLoop(tips[0], tips[1]),)
     assert kernels.kernel(model, NAMES[0], constraints=loop, solver=EXACT).function.columns is None
     standing = tuple(contacts(model))
-    for more in ({"forces": (tips[0],)}, {"stabilised": True}):
-        made = kernels.kernel(model, NAMES[0], constraints=standing, solver=EXACT, **more)
-        assert made.function.columns is None
+    made = kernels.kernel(model, NAMES[0], constraints=standing, solver=EXACT, stabilised=True)
+    assert made.function.columns is None
     elastic = kernels.kernel(model, NAMES[1], constraints=standing, solver=EXACT, elastic=True)
     assert elastic.function.columns is None
     weld = (FrameLoop(tips[0], tips[1]),)

@@ -23,6 +23,7 @@ from ulna.compiler.forms.columns import DeferredFunction
 from ulna.compiler.runtime import jit
 from ulna.model import Model
 from ulna.robot import Robot
+from ulna.spatial import SE3
 
 FORMS = {
     "inverse_dynamics_derivatives": algorithms.stages_of_inverse_dynamics_derivatives,
@@ -225,10 +226,34 @@ def test_trees_that_do_not_suit_take_another_form():
         np.testing.assert_allclose(kernel(*arrays), expected, rtol=1e-8, atol=1e-11 * np.abs(expected).max())
 
 
-def test_external_forces_take_another_form():
-    model = tree(9)
-    assert algorithms.stages_of_inverse_dynamics_derivatives(model, forces=("tool",)) is None
-    assert algorithms.stages_of_forward_dynamics_derivatives(model, forces=("tool",)) is None
+@pytest.mark.parametrize("name", ["inverse_dynamics_derivatives", "forward_dynamics_derivatives"])
+@pytest.mark.parametrize(
+    ("seed", "root"),
+    [(1, "free_flyer"), (2, None), (3, "planar"), (4, "spherical"), (6, "several"), (7, "chain")],
+)
+def test_derivatives_under_external_forces_equal_the_definition(name, seed, root):
+    """At links, one of them twice, at one that stands fixed where there is one, and at a frame between."""
+    rng = np.random.default_rng(seed)
+    if root == "chain":
+        model = random_model(rng, ["revolute", "prismatic"], 25, root=None, mimics=0, branching=0.0)
+    else:
+        model = several_roots(rng) if root == "several" else tree(seed, root)
+    links = model.link_names
+    place = SE3.trans(0.1, -0.2, 0.3) @ SE3.ry(0.7)
+    model = Robot(model).with_tool(links[len(links) // 2], place, "between").model
+    frames = (links[-1], links[0], "between", links[-1])
+    kernel = kernels.kernel(model, name, forces=frames)
+    assert kernel.function.columns is not None
+    samples = [[*state(model, 3, k), rng.normal(size=(4, 6))] for k in range(3)]
+    batch = outputs(kernel(*(np.stack(column) for column in zip(*samples, strict=True))))
+    for k, arrays in enumerate(samples):
+        external = algorithms.at_joints(
+            model, arrays[0], arrays[3], [model.frame(frame) for frame in frames], "local"
+        )
+        expected = ALGORITHMS[name](model, *arrays[:3], external)
+        for got, of_batch, right in zip(kernel(*arrays), batch, expected, strict=True):
+            np.testing.assert_allclose(got, right, rtol=1e-8, atol=1e-11 * np.abs(right).max())
+            np.testing.assert_allclose(of_batch[k], right, rtol=1e-8, atol=1e-11 * np.abs(right).max())
 
 
 def test_kernels_in_stages_are_pickled():

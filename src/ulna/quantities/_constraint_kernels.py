@@ -78,10 +78,13 @@ def stages_of_motion(
     stabilised: bool,
     solver: Proximal,
 ) -> SecondForm | None:
-    """The form of stages of `constrained_dynamics`; None with further forces, and where the motion is stabilised."""
-    if forces or stabilised or friction_law(model, friction) is not None:
+    """The form of stages of `constrained_dynamics`; None where the motion is stabilised."""
+    if stabilised:
         return None
-    return algorithms.stages_of_constrained_dynamics(model, frame_pairs(model, constraints), solver)
+    law = friction_law(model, friction)
+    return algorithms.stages_of_constrained_dynamics(
+        model, frame_pairs(model, constraints), solver, forces, reference, law
+    )
 
 
 def stages_of_impact(model: Model, *, constraints: Any, elastic: bool, solver: Proximal) -> SecondForm | None:

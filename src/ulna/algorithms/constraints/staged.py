@@ -40,7 +40,9 @@ from ulna.algorithms.derivatives.columns_in_one_frame import (
     subtree,
     suits_one_frame,
 )
+from ulna.algorithms.dynamics.joint_friction import Friction, friction_torque
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors, factors_in_rows
+from ulna.algorithms.multibody.references import Reference
 from ulna.compiler.forms.columns import ColumnForm, row_places
 from ulna.compiler.forms.stages import StagedForm
 from ulna.compiler.language.function import trace
@@ -52,7 +54,12 @@ from ulna.typing import Array
 
 
 def stages_of_constrained_dynamics(
-    model: Model, frame_pairs: Sequence[FramePair], settings: Proximal
+    model: Model,
+    frame_pairs: Sequence[FramePair],
+    settings: Proximal,
+    forces: Sequence[str] = (),
+    reference: Reference = "local_world_aligned",
+    law: Friction | None = None,
 ) -> StagedForm | None:
     """Accelerations, forces, residual and rounds of constrained dynamics.
 
@@ -60,22 +67,27 @@ def stages_of_constrained_dynamics(
         model: The robot; every motion must move some mass or have armature.
         frame_pairs: The constraints.
         settings: How the forces are computed.
+        forces: Names of frames with external forces.
+        reference: In whose axes, and about which point, these are written.
+        law: The friction of the joints; None for none.
 
     Returns:
         The form; None for robots and constraints that need another one.
     """
     if not _suits(model, frame_pairs):
         return None
-    frame = OneFrame("constrained_dynamics", model, q=(model.nq,), v=(model.nv,), tau=(model.nv,))
+    inputs: dict[str, tuple[int, ...]] = {"q": (model.nq,), "v": (model.nv,), "tau": (model.nv,)}
+    inputs |= {"f_ext": (len(forces), 6)} if forces else {}
+    frame = OneFrame("constrained_dynamics", model, **inputs)
     contacts = _Contacts(frame, frame_pairs)
     frame.kinematics()
     frame.accelerations()
-    frame.moments_and_forces()
+    frame.moments_and_forces(frame.external_forces(forces, reference))
     _responses(frame, force_at=9)
     frame.factors()
     contacts.poses(local_axes=False)
     contacts.velocities()
-    contacts.drive("tau")
+    contacts.drive("tau", law)
     contacts.response("g", "z_0")
     contacts.forces(settings)
     contacts.accelerations("y_0")
@@ -189,9 +201,7 @@ class _Contacts:
         carriers = np.zeros_like(moved)
         for k, frame_pair in enumerate(frame_pairs):
             joint, placement = frame_pair.first
-            last = next(
-                i for i, step in enumerate(tree) if step.is_last and step.joint is model.joints[joint]
-            )
+            last = frame.carrier(joint)
             self._placements.append(frame.prepared.frames[last].inverse() @ placement)
             self._columns.append(tree[last].indices[-1])
             moved[k, [*frame.movers[self._columns[-1]], *tree[last].indices]] = 1.0
@@ -247,12 +257,16 @@ class _Contacts:
 
         self.frame.stages.straight(of_contacts, ("turns", "V", "A"), ("contacts", *self._names("g")))
 
-    def drive(self, tau: str) -> None:
+    def drive(self, tau: str, law: Friction | None = None) -> None:
         """`y_0` and `z_0`, L^-T (tau - h_0) and D^-1 of it.
 
         Args:
             tau: The name of the torques.
+            law: The friction of the joints; None for none.
         """
+
+        def drive(tau: Array, h_0: Array, *v: Array) -> Array:
+            return tau - h_0[0] if law is None else tau + friction_torque(*v, law) - h_0[0]
 
         def solved(drive: Array, table: Array) -> tuple[Array, Array]:
             factors = self.factors(table)
@@ -260,7 +274,8 @@ class _Contacts:
             z = [entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True)]
             return np.array(y, dtype=object), np.array(z, dtype=object)
 
-        self.frame.stages.straight(lambda tau, h_0: tau - h_0[0], (tau, "h_0"), ("drive",))
+        reads = (tau, "h_0") if law is None else (tau, "h_0", "v")
+        self.frame.stages.straight(drive, reads, ("drive",))
         self.frame.stages.straight(solved, ("drive", "factors"), ("y_0", "z_0"))
 
     def response(self, drift: str, z: str = "") -> None:

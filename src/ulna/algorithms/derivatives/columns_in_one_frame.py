@@ -9,6 +9,7 @@
 | dU, dC | V - U and A - C of roots with several columns, zero for all other columns | Motion | |
 | psi, chi, phi | motion that s causes outward, as in inverse_dynamics.py | Motion | |
 | c, I, h, D, F | first and second moment, momentum, rate of I, and force of a body, or of all from a step outward | | |
+| external | what the surroundings exert on a body; F is less by it | Force | [N, N m] |
 | r, t, y, z | what a column does to forces, as in inverse_dynamics.py | Force, t: (3) | |
 
 Seen from one frame, columns do not travel from body to body: what all bodies from a step outward have is a plain sum,
@@ -38,10 +39,11 @@ from ulna.algorithms.derivatives.inverse_dynamics import State, Subtree, states_
 from ulna.algorithms.dynamics.mass_matrix_factors import rows_of_factors
 from ulna.algorithms.multibody.mass_moments import MassMoments
 from ulna.algorithms.multibody.prepared_model import prepare
+from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.algorithms.multibody.tree import shares_velocities
 from ulna.compiler.forms.stages import PairFunction, Stages
 from ulna.model import Model
-from ulna.numeric import apply, dot
+from ulna.numeric import apply, cross, dot
 from ulna.spatial import SE3, Force, Motion
 from ulna.typing import Array
 
@@ -194,34 +196,95 @@ class OneFrame:
             lambda q, v, s, psi: self._accelerations(q, v, zero, s, psi), ("q", "v", "s", "psi"), ("A", "dC")
         )
 
-    def subtrees(self, with_forces: bool = True) -> None:
+    def carrier(self, joint: int) -> int:
+        """The number of the step that carries the body of a joint of the model.
+
+        Args:
+            joint: The number of the joint.
+
+        Returns:
+            The number of the step.
+        """
+        carried = self.model.joints[joint]
+        return next(i for i, step in enumerate(self.tree) if step.is_last and step.joint is carried)
+
+    def external_forces(self, frames: Sequence[str], reference: Reference = "local") -> tuple[str, ...]:
+        """`external` of every body, in the last column of its step, from the input `f_ext`.
+
+        Args:
+            frames: Names of the frames that the rows of `f_ext` act on; without any, there is no such table.
+            reference: In whose axes, and about which point, the rows are written.
+
+        Returns:
+            The name of the table, or none.
+
+        Raises:
+            UnknownName: If there is no such frame or reference.
+        """
+        if not frames:
+            return ()
+        check_reference(reference)
+        acting = [(k, frame) for k, frame in enumerate(map(self.model.frame, frames)) if frame.joint >= 0]
+
+        def of_bodies(q: Array, T: Array, f_ext: Array) -> Array:
+            f = np.zeros((6, self.model.nv), dtype=object)
+            for k, frame in acting:
+                number = self.carrier(frame.joint)
+                column = self.tree[number].indices[-1]
+                pose = SE3(T[:9, column].reshape(3, 3), T[9:, column])
+                pose = pose @ self.prepared.frames[number].inverse() @ frame.placement
+                wrench = Force(f_ext[k, :3], f_ext[k, 3:])
+                f[:, column] = f[:, column] + numbers(self._seen(wrench, pose, q, reference))
+            return f
+
+        self.stages.straight(of_bodies, ("q", "T", "f_ext"), ("external",))
+        return ("external",)
+
+    def _seen(self, wrench: Force, pose: SE3, q: Array, reference: Reference) -> Force:
+        """A wrench at a frame of that pose, about the origin of the common frame and along its axes."""
+        if reference == "local":
+            return pose.act(wrench)
+        if reference == "world":
+            return self.tree[0].pose(None, q).act_inverse(wrench) if self.is_floating else wrench
+        back = np.swapaxes(self.rotation(q), -1, -2)
+        force = apply(back, wrench.linear)
+        return Force(force, apply(back, wrench.angular) + cross(pose.translation, force))
+
+    def subtrees(self, with_forces: bool = True, external: Sequence[str] = ()) -> None:
         """c, I, h, D and F of all bodies from a step outward, one below the other: `sums`; of each body c and I: `own`.
 
         Args:
             with_forces: Whether F is there.
+            external: The name of the table of external forces, if there is one.
         """
 
-        def of_body(T: Array, bodies: Array, V: Array, A: Array | None = None) -> tuple[Array, ...]:
+        def of_body(
+            T: Array, bodies: Array, V: Array, A: Array | None = None, *f: Array
+        ) -> tuple[Array, ...]:
             body = _moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
             h = body.apply(motion(V))
-            F = [] if A is None else numbers(body.apply(motion(A)) + motion(V).cross(h))
+            F = [] if A is None else numbers(body.apply(motion(A)) + motion(V).cross(h)) - sum(f)
             own = [*body.first, *_upper(body.second)]
             rows = [*own, *numbers(h), *_upper(body.rate(motion(V))), *F]
             return np.array(rows, dtype=object), np.array(own, dtype=object)
 
-        reads = ("T", "bodies", "V", "A") if with_forces else ("T", "bodies", "V")
+        reads = ("T", "bodies", "V", "A", *external) if with_forces else ("T", "bodies", "V")
         self.stages.lanes(of_body, reads, ("sums", "own"))
         self.stages.rows(self.summed, ("sums",), "sums")
 
-    def moments_and_forces(self) -> None:
-        """c, I and F of all bodies from a step outward, one below the other: `sums`."""
+    def moments_and_forces(self, external: Sequence[str] = ()) -> None:
+        """c, I and F of all bodies from a step outward, one below the other: `sums`.
 
-        def of_body(T: Array, bodies: Array, V: Array, A: Array) -> Array:
+        Args:
+            external: The name of the table of external forces, if there is one.
+        """
+
+        def of_body(T: Array, bodies: Array, V: Array, A: Array, *f: Array) -> Array:
             body = _moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
-            F = body.apply(motion(A)) + motion(V).cross(body.apply(motion(V)))
-            return np.array([*body.first, *_upper(body.second), *numbers(F)], dtype=object)
+            F = numbers(body.apply(motion(A)) + motion(V).cross(body.apply(motion(V)))) - sum(f)
+            return np.array([*body.first, *_upper(body.second), *F], dtype=object)
 
-        self.stages.lanes(of_body, ("T", "bodies", "V", "A"), ("sums",))
+        self.stages.lanes(of_body, ("T", "bodies", "V", "A", *external), ("sums",))
         self.stages.rows(self.summed, ("sums",), "sums")
 
     def composite_moments(self) -> None:

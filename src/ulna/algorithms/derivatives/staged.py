@@ -15,6 +15,7 @@ inverse_dynamics.py, forward_dynamics.py, centroidal.py and dynamics/coriolis.py
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -40,45 +41,49 @@ from ulna.spatial import Force
 from ulna.typing import Array
 
 
-def stages_of_inverse_dynamics_derivatives(model: Model, forces: Any = ()) -> StagedForm | None:
+def stages_of_inverse_dynamics_derivatives(model: Model, forces: Sequence[str] = ()) -> StagedForm | None:
     """The derivatives of the torques of inverse dynamics with respect to q, v and a.
 
     Args:
         model: The robot.
-        forces: Frames with external forces; with some there is no such form.
+        forces: Names of frames with external forces, written and fixed in their axes.
 
     Returns:
         The form; None for robots that need another one.
     """
-    if forces or not suits_one_frame(model):
+    if not suits_one_frame(model):
         return None
-    frame = OneFrame("inverse_dynamics_derivatives", model, q=(model.nq,), v=(model.nv,), a=(model.nv,))
+    inputs = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,), **_wrenches(forces)}
+    frame = OneFrame("inverse_dynamics_derivatives", model, **inputs)
     frame.kinematics()
     frame.accelerations("a")
-    frame.subtrees()
+    frame.subtrees(external=frame.external_forces(forces))
     frame.columns()
     frame.torque_derivatives("by_q", "by_v", "M")
     return frame.stages.form("by_q", "by_v", "M")
 
 
-def stages_of_forward_dynamics_derivatives(model: Model, forces: Any = ()) -> ColumnForm | StagedForm | None:
+def stages_of_forward_dynamics_derivatives(
+    model: Model, forces: Sequence[str] = ()
+) -> ColumnForm | StagedForm | None:
     """The derivatives of the joint accelerations with respect to q, v and tau.
 
     Args:
         model: The robot; every motion must move some mass or have armature.
-        forces: Frames with external forces; with some there is no such form.
+        forces: Names of frames with external forces, written and fixed in their axes.
 
     Returns:
         The form; None for robots that need another one.
     """
-    if forces or not suits_one_frame(model):
+    if not suits_one_frame(model):
         return None
     n = model.nv
-    frame = OneFrame("forward_dynamics_derivatives", model, q=(model.nq,), v=(n,), tau=(n,))
+    inputs = {"q": (model.nq,), "v": (n,), "tau": (n,), **_wrenches(forces)}
+    frame = OneFrame("forward_dynamics_derivatives", model, **inputs)
     stages = frame.stages
     frame.kinematics()
     frame.accelerations()
-    frame.subtrees()
+    frame.subtrees(external=frame.external_forces(forces))
 
     def responses(s: Array, sums: Array, mass: Array) -> tuple[Array, Array]:
         whole = subtree(mass, sums)
@@ -105,6 +110,11 @@ def stages_of_forward_dynamics_derivatives(model: Model, forces: Any = ()) -> Co
     body = trace(column, name="forward_dynamics_derivatives_column", table=(size + n,), column=(n,))
     head = stages.form("factors", "by_q", "by_v")
     return ColumnForm(head, body, (None, None, -1.0), (n, n), serves_batches=True)
+
+
+def _wrenches(forces: Sequence[str]) -> dict[str, tuple[int, ...]]:
+    """The input that has a row for each external force."""
+    return {"f_ext": (len(forces), 6)} if forces else {}
 
 
 def _derivatives_of_serial_chains(frame: OneFrame) -> StagedForm:
