@@ -26,6 +26,7 @@ from ulna.spatial import SO3 as SO3
 from ulna.spatial import Force as Force
 from ulna.spatial import Inertia as Inertia
 from ulna.spatial import Motion as Motion
+from ulna.system import process_end as _process_end  # noqa: F401  it registers before programs do
 from ulna.version import __version__ as __version__
 
 if TYPE_CHECKING:

@@ -139,3 +139,31 @@ def test_llvm_is_left_at_once_and_a_second_attempt_finds_its_result(tmp_path, mo
         compile(f)
     assert any(thread.name == "ulna compiler" for thread in threading.enumerate())
     assert compile(f)(0.5) == pytest.approx(f(0.5))
+
+
+@pytest.mark.parametrize("registered_first", [True, False], ids=["before importing ulna", "after it"])
+def test_functions_called_at_exit_can_compile(registered_first: bool) -> None:
+    """Before, the first waited for a lock that the main thread held, and the second let llvmlite's objects fail."""
+    imports, registers = (
+        "import ulna",
+        "atexit.register(lambda: print(robot.gravity_forces([0.0] * 6).shape))",
+    )
+    first, second = (registers, imports) if registered_first else (imports, registers)
+    script = f"""
+import atexit
+{first}
+{second}
+robot = ulna.load("ur5", visuals="simple")
+if {registered_first}:
+    robot.fk([0.0] * 6)
+"""
+    environment = {**os.environ, "ULNA_CACHE": "0"}
+    process = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+        env=environment,
+    )
+    assert (process.returncode, process.stdout, process.stderr) == (0, "(6,)\n", "")

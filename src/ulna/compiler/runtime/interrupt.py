@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
 import signal
 import sys
 import threading
@@ -10,6 +9,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from contextvars import copy_context
 from typing import TypeVar
+
+from ulna.system import process_end
 
 T = TypeVar("T")
 
@@ -19,9 +20,10 @@ def interruptible(work: Callable[[], T]) -> T:
 
     Python handles signals in the main thread, between its own instructions: while native code runs there, it waits. So
     `work` runs in a separate thread. After an interruption it goes on there and keeps its locks until it is done; its
-    result is dropped. Where no thread can be started, it runs in the main one.
+    result is dropped. Where no thread can be started, it runs in the main one, and also when the process ends: the main
+    thread holds the locks then.
     """
-    if threading.current_thread() is not threading.main_thread():
+    if threading.current_thread() is not threading.main_thread() or process_end.has_begun():
         return work()
     done = threading.Event()
     result: list[T] = []
@@ -52,8 +54,6 @@ def interruptible(work: Callable[[], T]) -> T:
 
 
 _abandoned: list[threading.Thread] = []
-at_end: list[Callable[[], object]] = []
-"""Called when the process ends, once no interrupted work goes on."""
 
 
 def _end() -> None:
@@ -71,8 +71,6 @@ def _end() -> None:
         signal.raise_signal(signal.SIGINT)
     for thread in working:
         thread.join()
-    for function in at_end:
-        function()
 
 
-atexit.register(_end)  # early, so that what others register later is called before
+process_end.call_at_end(_end)

@@ -15,11 +15,11 @@ from typing import Any
 from ulna import disk_cache
 from ulna.compiler.codegen.target import Target, arithmetic_of, register_bytes
 from ulna.compiler.language.function import Function
-from ulna.compiler.runtime.interrupt import at_end, interruptible
+from ulna.compiler.runtime.interrupt import interruptible
 from ulna.compiler.runtime.object_file import is_sound
 from ulna.data_classes import dataclass
 from ulna.errors import CompileError
-from ulna.system import forks
+from ulna.system import forks, process_end
 from ulna.system.collector import paused_collection
 
 # Part of the cache's key: change it with `optimised` and `_machine`.
@@ -44,7 +44,7 @@ _library_numbers = itertools.count()
 _GROUP = 16
 _lock = forks.lock(forks.COMPILER)  # LLVM's contexts are not safe to share
 # Daemon threads may still compile: LLVM must not be torn down under them. Nobody compiles from then on.
-at_end.append(lambda: _lock.acquire(timeout=60.0))
+process_end.call_at_end(lambda: _lock.acquire(timeout=60.0))
 
 
 @cache
@@ -56,6 +56,10 @@ def llvm_library() -> Any:
         inner = getattr(getattr(llvmlite.binding.ffi.lib, "_lock", None), "_lock", None)
         if inner is not None:  # other libraries compile with LLVM, too
             forks.adopt(inner)
+        # `atexit` ignores what llvmlite registers where a function called at exit compiles the first kernel.
+        leave_objects = getattr(getattr(llvmlite.binding, "common", None), "_at_shutdown", None)
+        if leave_objects is not None:
+            process_end.call_at_end(leave_objects)
     return llvmlite.binding
 
 
