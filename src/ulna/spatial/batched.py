@@ -14,10 +14,11 @@ import numpy as np
 from ulna.checks.arrays import batched_array, batched_shape, check_core_shape, real_array
 from ulna.checks.values import short_repr
 from ulna.errors import InputError, ShapeError, UnknownOperation
-from ulna.numeric import is_symbolic
-from ulna.typing import Array
+from ulna.numeric import dot, is_symbolic, sqrt
+from ulna.typing import Array, ArrayLike
 
 F = TypeVar("F", bound=Callable[..., Any])
+_WHOLE = "biu"  # kinds of whole numbers: products of small ones overflow, and unsigned ones have no negative
 
 
 def component(name: str, value: Any) -> Any:
@@ -197,10 +198,37 @@ def numbers(values: Any, indent: int = 0) -> str:
 
 
 def as_array(value: Any) -> Array:
-    """`value` as it is when it is an array; lists and numbers as an array of floats or of objects."""
+    """`value` as it is when it is an array of floats or objects; all else as one."""
     if isinstance(value, np.ndarray):
-        return value
+        return value.astype(float) if value.dtype.kind in _WHOLE else value
     return np.array(value, dtype=object if is_symbolic(value) else float)
+
+
+def unit_vectors(name: str, value: ArrayLike, size: int, expected: str, fix: str = "") -> Array:
+    """Vectors of the user's, scaled to length one, however long or short they are.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: The vectors, shape (..., size) [any].
+        size: How many entries each has.
+        expected: What is to stand in place of zero, for the message.
+        fix: How to correct a wrong shape, for the message.
+
+    Returns:
+        Unit vectors, shape (..., size).
+
+    Raises:
+        InputError: One of them is zero.
+        ShapeError, DtypeError, NonFiniteError: They are no such vectors.
+    """
+    vectors = batched_array(name, value, (size,), fix)
+    if vectors.dtype != object:
+        largest = np.abs(vectors).max(axis=-1, keepdims=True, initial=0.0)
+        if (largest == 0.0).any():
+            raise InputError(f"`{name}` is zero; expected {expected}.")
+        # Squares of others overflow, or lose digits.
+        vectors = vectors / np.where((largest > 1e-100) & (largest < 1e100), 1.0, largest)
+    return vectors / column(sqrt(dot(vectors, vectors)))
 
 
 def column(value: Any, rank: int = 1) -> Any:
@@ -251,9 +279,14 @@ def core_shapes(**cores: tuple[int, ...]) -> Callable[[F], F]:
 def _shaped(name: str, value: Any, core: tuple[int, ...]) -> Any:
     """A value whose last axes are as they should be."""
     shape = getattr(value, "shape", None)
-    if shape is None:
+    if shape is None or (isinstance(value, np.ndarray) and _needs_conversion(value)):
         value = real_array(name, value, shape=batched_shape(core), is_symbol=is_symbolic)
         shape = value.shape
     if shape[-len(core) :] != core:
         check_core_shape(name, value, core)
     return value
+
+
+def _needs_conversion(array: Array) -> bool:
+    """Whether an array of NumPy holds whole numbers, or may mask some."""
+    return array.dtype.kind in _WHOLE or isinstance(array, np.ma.MaskedArray)

@@ -73,7 +73,7 @@ class Inertia(Batched):
         Raises:
             InputError: negative mass, an inertia that is not symmetric, wrong shapes, nan or inf.
         """
-        return cls(_checked_mass(mass), batched_array("com", com, (3,)), _checked_inertia(inertia))
+        return cls(_checked_mass(mass), np.array(batched_array("com", com, (3,))), _checked_inertia(inertia))
 
     @classmethod
     def from_origin(cls, mass: Any, com: ArrayLike, inertia: ArrayLike) -> Inertia:

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ulna.checks.arrays import batched_array
 from ulna.errors import InputError
+from ulna.spatial.batched import unit_vectors
 from ulna.typing import ArrayLike, Floats
 
 _PARALLEL = 1e-9  # sine of the angle below which two directions count as parallel
@@ -39,8 +39,7 @@ def rotation_along(direction: ArrayLike, x: ArrayLike | None = None) -> Floats:
         up = np.array([0.0, 0.0, 1.0])
         across = np.where(length < _PARALLEL, up - z[..., 2:] * z, across)
         length = np.linalg.norm(across, axis=-1, keepdims=True)
-    x_axis = across / length
-    return _columns(x_axis, z)
+    return _columns(across, length, z)
 
 
 def rotation_looking(direction: ArrayLike, up: ArrayLike) -> Floats:
@@ -61,18 +60,17 @@ def rotation_looking(direction: ArrayLike, up: ArrayLike) -> Floats:
     length = np.linalg.norm(right, axis=-1, keepdims=True)
     if (length < _PARALLEL).any():
         raise InputError("`up` is parallel to the view; expected a direction across, such as up=(1, 0, 0).")
-    x_axis = right / length
-    return _columns(x_axis, z)
+    return _columns(right, length, z)
 
 
 def _unit(name: str, direction: ArrayLike) -> Floats:
-    vectors = np.asarray(batched_array(name, direction, (3,)), dtype=float)
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    if (length == 0.0).any():
-        raise InputError(f"`{name}` is zero; expected a direction.")
-    return vectors / length
+    return np.asarray(unit_vectors(name, direction, 3, "a direction"), dtype=float)
 
 
-def _columns(x: Floats, z: Floats) -> Floats:
+def _columns(across: Floats, length: Floats, z: Floats) -> Floats:
+    """The rotation of a z axis and a vector of some length, nearly at right angles to it, along which x lies."""
+    x = across / length
+    x = x - (x * z).sum(axis=-1, keepdims=True) * z  # of nearly parallel directions few digits were left
+    x = x / np.linalg.norm(x, axis=-1, keepdims=True)
     matrix: Any = np.stack([x, np.cross(z, x), z + 0.0 * x], axis=-1)
     return matrix

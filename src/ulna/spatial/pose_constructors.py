@@ -142,7 +142,7 @@ class PoseConstructors(Composed):
         if isinstance(rotation, SO3):
             r = rotation.matrix
         else:
-            r = checked_rotation("rotation", rotation, "SO3.project(rotation)")
+            r = np.array(checked_rotation("rotation", rotation, "SO3.project(rotation)"))
         return cls(r, _copied("translation", translation, (3,)))
 
     @classmethod
@@ -208,7 +208,7 @@ class PoseConstructors(Composed):
             >>> ulna.SE3.pointing_down((0.4, 0.0, 0.3)).rotation[:, 2]
             array([ 0.,  0., -1.])
         """
-        turned = angles.rotation_about(2, yaw) @ np.diag([1.0, -1.0, -1.0])
+        turned = angles.rotation_about(2, component("yaw", yaw)) @ np.diag([1.0, -1.0, -1.0])
         return cls(turned, _copied("position", position, (3,)))
 
     @classmethod

@@ -11,7 +11,7 @@ from ulna.checks.values import short_repr
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.idioms import Explained, explained
-from ulna.numeric import apply, dot, is_symbolic, skew, sqrt, vector
+from ulna.numeric import apply, dot, skew, sqrt, vector
 from ulna.spatial import angles, exponential, quaternion
 from ulna.spatial.batched import Batched, as_array, column, component, core_shapes, numbers
 from ulna.spatial.pose_constructors import PoseConstructors
@@ -178,7 +178,7 @@ class SE3(PoseConstructors, metaclass=Explained):
     def _blocks(self, row: int, col: int) -> Array:
         corner = skew(self.translation) @ self.rotation
         r, corner = np.broadcast_arrays(self.rotation, corner)
-        result = np.zeros((*corner.shape[:-2], 6, 6), dtype=corner.dtype if is_symbolic(corner) else r.dtype)
+        result = np.zeros((*corner.shape[:-2], 6, 6), dtype=np.result_type(r, corner))
         result[..., :3, :3] = r
         result[..., 3:, 3:] = r
         result[..., row : row + 3, col : col + 3] = corner

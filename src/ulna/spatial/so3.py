@@ -9,11 +9,11 @@ import numpy as np
 from ulna.checks.arrays import batched_array
 from ulna.checks.rotations import checked_rotation
 from ulna.data_classes import dataclass
-from ulna.errors import InputError, ShapeError
+from ulna.errors import ShapeError
 from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, sqrt
 from ulna.spatial import angles, exponential, quaternion
-from ulna.spatial.batched import Batched, Composed, as_array, column, component, numbers
+from ulna.spatial.batched import Batched, Composed, as_array, column, component, numbers, unit_vectors
 from ulna.spatial.nearest import nearest_rotation
 from ulna.typing import Array, ArrayLike
 
@@ -95,11 +95,8 @@ class SO3(Composed, metaclass=Explained):
         Raises:
             InputError: wrong shape, nan or inf, or an axis of length zero.
         """
-        axis = batched_array("axis", axis, (3,))
-        length = sqrt(dot(axis, axis))
-        if axis.dtype != object and np.any(length == 0.0):
-            raise InputError("`axis` is zero; expected a direction, such as [0, 0, 1].")
-        return cls(angles.angle_axis_to_matrix(batched_array("angle", angle, ())[()], axis / column(length)))
+        unit = unit_vectors("axis", axis, 3, "a direction, such as [0, 0, 1]")
+        return cls(angles.angle_axis_to_matrix(batched_array("angle", angle, ())[()], unit))
 
     @classmethod
     def rx(cls, angle: Any) -> SO3:
@@ -225,9 +222,5 @@ def checked_quat(quat: ArrayLike) -> Array:
     Raises:
         InputError: wrong shape, nan or inf, or zero.
     """
-    q = batched_array("quat", quat, (4,), "The order is x, y, z, w.")
-    if q.dtype != object and np.any(np.abs(q).max(axis=-1, initial=0.0) < 1e-100):
-        raise InputError(
-            "`quat` is zero; expected a quaternion x, y, z, w, such as [0, 0, 0, 1] for no rotation."
-        )
-    return quaternion.quat_normalize(q)
+    expected = "a quaternion x, y, z, w, such as [0, 0, 0, 1] for no rotation"
+    return unit_vectors("quat", quat, 4, expected, "The order is x, y, z, w.")

@@ -45,7 +45,7 @@ class SpatialVector(Batched):
         Raises:
             ShapeError, DtypeError, NonFiniteError: it is not six finite numbers.
         """
-        v = batched_array("vector", vector, (6,))
+        v = np.array(batched_array("vector", vector, (6,)))  # a copy: `vector` may change
         return cls(v[..., :3], v[..., 3:])
 
     def vector(self) -> Array:

@@ -59,6 +59,15 @@ def test_two_points_on_a_rod() -> None:
     close(rod.kinetic_energy(Motion([0, 0, 0], [1, 0, 0])), 2.0)
 
 
+def test_what_is_made_of_arrays_stays_when_they_change() -> None:
+    com, moments, six = np.zeros(3), np.eye(3), np.zeros(6)
+    body, twist = Inertia.from_com(1.0, com, moments), Motion.from_vector(six)
+    about_origin = Inertia.from_origin(1.0, com, moments)
+    com[:], moments[:], six[:] = 7.0, 7.0, 7.0
+    assert body == about_origin == Inertia(1.0, np.zeros(3), np.eye(3))
+    assert twist == Motion.zero()
+
+
 def test_nothing_and_nothing_is_nothing() -> None:
     both = Inertia.zero() + Inertia.zero()
     assert both == Inertia.zero()

@@ -97,6 +97,28 @@ def test_pointing_along_a_direction() -> None:
         SE3.pointing((0, 0), (0, 0, 1))
 
 
+@pytest.mark.parametrize(
+    "direction", [(1, 1e-8, 0), (1, -2e-9, 1e-9), (1e200, 1e200, 0), (1e-160, 0, 1e-160), (0, 5e-324, 0)]
+)
+def test_directions_near_the_x_axis_huge_and_tiny_ones_make_rotations(direction: tuple[float, ...]) -> None:
+    exponent = np.frexp(direction)[1][np.array(direction) != 0.0].max()
+    unit = np.ldexp(direction, -exponent)  # a common factor of two changes no digit
+    unit /= np.linalg.norm(unit)
+    for rotation in (
+        SE3.pointing((0, 0, 0), direction).rotation,
+        SE3.looking_at((0, 0, 0), direction, up=(0, 0, 1)).rotation,
+    ):
+        np.testing.assert_allclose(rotation.T @ rotation, np.eye(3), atol=1e-15)
+        np.testing.assert_allclose(rotation[:, 2], unit, atol=1e-15)
+    turn = SO3.from_angle_axis(0.5, direction).matrix
+    np.testing.assert_allclose(turn, SO3.from_angle_axis(0.5, unit).matrix, atol=1e-15)
+    np.testing.assert_allclose(
+        SO3.from_quat_xyzw([*direction, max(direction)]).matrix,
+        SO3.from_quat_xyzw([*unit, max(unit)]).matrix,
+        atol=1e-15,
+    )
+
+
 def test_looking_at() -> None:
     positions = RNG.normal(size=(20, 3))
     target = np.array([0.1, 0.2, 0.3])
@@ -130,7 +152,7 @@ def test_poses_stay_when_the_arrays_they_were_made_of_change() -> None:
         SE3.from_translation(p),
         SE3.from_rpy((0.0, 0.0, 0.0), p),
     ]
-    made += [SE3.from_quat_xyzw(turn, p), SE3.from_rotation(np.eye(3), p), SE3.pointing(p, (0.0, 0.0, 1.0))]
+    made += [SE3.from_quat_xyzw(turn, p), SE3.from_rotation(T[:3, :3], p), SE3.pointing(p, (0.0, 0.0, 1.0))]
     rotation = SO3.from_matrix(T[:3, :3])
     T[:3], p[:] = 7.0, 7.0
     assert all(pose == SE3.identity() for pose in made) and rotation == SO3.identity()

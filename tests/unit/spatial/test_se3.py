@@ -73,6 +73,14 @@ def test_twist_seen_from_a_shifted_frame() -> None:
     close(push.angular, [0, 0, 2])
 
 
+def test_adjoints_of_a_rotation_of_whole_numbers_keep_the_fractions_of_its_translation() -> None:
+    turn, p = np.diag([1, -1, -1]), np.array([0.1, 0.2, 0.3])
+    whole, floats = SE3(turn, p), SE3(turn.astype(float), p)
+    for matrix in (SE3.adjoint, SE3.dual_adjoint):
+        np.testing.assert_array_equal(matrix(whole), matrix(floats))
+    assert np.abs(whole.adjoint()[:3, 3:]).max() == 0.3
+
+
 def test_distance_and_interpolation() -> None:
     a, b = SE3.identity(), SE3.trans(3, 4, 0) @ SE3.rz(1.0)
     close(a.distance(b), (5.0, 1.0))

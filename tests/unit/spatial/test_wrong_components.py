@@ -15,6 +15,7 @@ MAKERS: dict[str, Callable[[Any], Any]] = {
     "angle: rx": SE3.rx,
     "angle: ry": SE3.ry,
     "angle: rz": SO3.rz,
+    "yaw: pointing_down": lambda yaw: SE3.pointing_down((0.0, 0.0, 0.0), yaw),
     "x: trans": lambda x: SE3.trans(x, 0.0, 0.0),
     "y: trans": lambda y: SE3.trans(0.0, y, 0.0),
     "z: trans": lambda z: SE3.trans(0.0, 0.0, z),
@@ -30,7 +31,7 @@ MAKERS: dict[str, Callable[[Any], Any]] = {
     ids=lambda x: str(x)[:12],
 )
 def test_what_is_no_finite_number_is_refused(name: str, wrong: Any) -> None:
-    with pytest.raises(InputError, match=f"`{name[0]}"):
+    with pytest.raises(InputError, match=f"`{name.split(':', maxsplit=1)[0]}`"):
         MAKERS[name](wrong)
 
 

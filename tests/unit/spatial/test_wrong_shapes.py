@@ -67,6 +67,24 @@ def test_lists_are_arrays_and_other_shapes_are_refused(name: str) -> None:
                 function(*(wrong if k == place else a for k, a in enumerate(arrays)))
 
 
+@pytest.mark.parametrize("name", ARGUMENTS)
+@pytest.mark.parametrize("kind", ["int8", "uint8"])
+def test_whole_numbers_do_not_overflow_and_unsigned_ones_have_a_sign(name: str, kind: str) -> None:
+    whole = [np.round(40 * np.asarray(a)) for a in ARGUMENTS[name]]
+    if np.asarray(ARGUMENTS[name][0]).ndim == 2:
+        whole = [np.diag([1.0, 1.0, 1.0])]
+    function = getattr(spatial, name)
+    assert dense(function(*(a.astype(kind) for a in whole))) == dense(function(*whole))
+
+
+def test_masked_entries_are_refused() -> None:
+    with pytest.raises(InputError, match="`w` is a masked array with 1 masked entry"):
+        spatial.so3_exp(np.ma.array([0.1, 0.2, 0.3], mask=[0, 1, 0]))
+    np.testing.assert_array_equal(
+        spatial.so3_exp(np.ma.array([0.1, 0.2, 0.3])), spatial.so3_exp([0.1, 0.2, 0.3])
+    )
+
+
 def test_keywords_are_looked_at_too() -> None:
     assert spatial.so3_exp(w=[0.0, 0.0, 0.0]).tolist() == np.eye(3).tolist()
     with pytest.raises(ShapeError, match=r"`v` has shape \(4,\)"):
