@@ -6,6 +6,7 @@ number alone, so that the reader knows which call ended the process.
 
 from __future__ import annotations
 
+import inspect
 import io
 import json
 import re
@@ -52,6 +53,39 @@ def data_of(model: Any) -> Any:
     pin.forwardKinematics(model, data, q, v, v)
     pin.crba(model, data, q)
     return data
+
+
+def wrote(target: Any, name: str, value: Any) -> Any:
+    """What an attribute holds after an assignment, and the names of other attributes that it changed."""
+    try:
+        value = value(getattr(target, name))
+    except Exception as error:
+        raise NoValue(repr(error)) from None
+    before = contents(target)
+    setattr(target, name, value)
+    after = contents(target)
+    others = [other for other in after if other != name and before.get(other) != after[other]]
+    return [getattr(target, name), sorted(others)]
+
+
+class NoValue(Exception):
+    """The value of an assignment cannot be made."""
+
+
+def contents(target: Any) -> dict[str, Any]:
+    """What the attributes of an object are, as `plain` tells it; classes of errors where they cannot be read."""
+    found = {}
+    for name in dir(type(target)):
+        if name.startswith("_") or not isinstance(inspect.getattr_static(target, name, None), DESCRIPTORS):
+            continue
+        try:
+            found[name] = plain(getattr(target, name))
+        except Exception as error:
+            found[name] = type(error).__name__
+    return found
+
+
+DESCRIPTORS = (property,)
 
 
 def plain(value: Any, depth: int = 0) -> Any:
@@ -102,7 +136,7 @@ NAMES = names_with_numbers(int(sys.argv[1]) if len(sys.argv) > 1 else 0)
 def answer(expression: str, prepared: list[Any]) -> dict[str, Any]:
     """What an expression comes to: type, value, printed text; or the classes of its error."""
     names: dict[str, Any] = {"pin": pin, "np": np, "prepared": prepared, "data_of": data_of, "filled": filled}
-    names["calculated"] = calculated
+    names |= {"calculated": calculated, "wrote": wrote}
     try:
         for name in needed(expression):
             names[name] = eval(NAMES[name], names)
@@ -115,6 +149,8 @@ def answer(expression: str, prepared: list[Any]) -> dict[str, Any]:
         result = plain(value)
         if type(value).__name__ in TEXTS:
             result["text"] = str(value)
+    except NoValue as error:
+        return {"unusable": str(error)[:200]}
     except Exception as error:
         classes = [c.__name__ for c in type(error).__mro__ if c.__module__ == "builtins"]
         return {"error": classes, "message": str(error)[:160]}

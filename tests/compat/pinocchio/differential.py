@@ -1,6 +1,7 @@
 """Puts generated calls to the package and to Pinocchio, in processes that are restarted when a call ends them, and compares.
 
-`python differential.py [--every N] [--offset K] [--seed S] [--out FILE]` prints the share of equal behaviour of each group.
+`python differential.py [--every N] [--offset K] [--seed S] [--out FILE]` prints the share of equal behaviour of each group;
+with --writes, of assignments to attributes.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ HERE = Path(__file__).parent
 sys.path[:0] = str(HERE), str(HERE.parents[1])
 
 from generated_calls import calls, reads  # noqa: E402
+from generated_writes import DOCUMENTED as DOCUMENTED_WRITES  # noqa: E402
+from generated_writes import writes  # noqa: E402
 
 from support.two_pythons import variables  # noqa: E402
 
@@ -32,7 +35,8 @@ found = {}
 for name in dir(pin):
     cls = getattr(pin, name)
     if inspect.isclass(cls):
-        found[name] = [n for n in dir(cls) if not n.startswith("_") and isinstance(inspect.getattr_static(cls, n), property)]
+        static = {n: inspect.getattr_static(cls, n) for n in dir(cls) if not n.startswith("_")}
+        found[name] = {n: p.fset is not None for n, p in static.items() if isinstance(p, property)}
 print(json.dumps(found))
 """
 
@@ -164,7 +168,17 @@ DOCUMENTED = (
 
 def documented(what: str, expression: str) -> bool:
     """Whether a difference is one of `DOCUMENTED`."""
-    return any(re.fullmatch(kind, what) and re.fullmatch(text, expression) for kind, text, _ in DOCUMENTED)
+    return any(
+        re.fullmatch(kind, what) and re.fullmatch(text, expression)
+        for kind, text, _ in (*DOCUMENTED, *DOCUMENTED_WRITES)
+    )
+
+
+def properties() -> dict[str, dict[str, bool]]:
+    """For each class of Pinocchio the names of its properties, and whether they can be assigned to."""
+    command = [sys.executable, "-c", PROPERTIES]
+    done = subprocess.run(command, env=variables(None), check=True, capture_output=True, text=True)
+    return json.loads(done.stdout)
 
 
 def generated(folder: Path) -> list[tuple[str, str]]:
@@ -172,11 +186,8 @@ def generated(folder: Path) -> list[tuple[str, str]]:
     target = folder / "overloads.json"
     command = [sys.executable, str(HERE / "overloads.py"), str(target)]
     subprocess.run(command, env=variables(None), check=True, capture_output=True)
-    done = subprocess.run(
-        [sys.executable, "-c", PROPERTIES], env=variables(None), check=True, capture_output=True, text=True
-    )
     overloads = json.loads(target.read_text(encoding="utf-8"))
-    return [*calls(overloads), *reads(json.loads(done.stdout))]
+    return [*calls(overloads), *reads(properties())]
 
 
 def answers(expressions: Sequence[str], real: bool, seed: int = 0) -> list[dict[str, Any]]:
@@ -290,10 +301,12 @@ def main() -> None:
     parser.add_argument("--offset", type=int, default=0)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="")
+    parser.add_argument("--writes", action="store_true", help="assignments to attributes instead of calls")
     parser.add_argument("--out", default="")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        pairs = [pair for pair in generated(Path(folder)) if args.only in pair[0]][args.offset :: args.every]
+        every = writes(properties()) if args.writes else generated(Path(folder))
+        pairs = [pair for pair in every if re.search(args.only, pair[0])][args.offset :: args.every]
     found = compare(pairs, args.seed)
     known = sum(bool(what) and documented(what, text) for _, text, what, *_ in found)
     counts: dict[str, Counter[bool]] = defaultdict(Counter)

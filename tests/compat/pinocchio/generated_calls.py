@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import random
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 NAMES: dict[str, str] = {
@@ -251,7 +251,7 @@ def _of_overload(path: str, parameters: list[list[Any]]) -> Iterator[str]:
         yield text(usual[: required - 1])
 
 
-def reads(properties: dict[str, list[str]]) -> Iterator[tuple[str, str]]:
+def reads(properties: dict[str, Iterable[str]]) -> Iterator[tuple[str, str]]:
     """Pairs of a path and an expression that reads an attribute of an example."""
     for owner, names in properties.items():
         this = example(owner, "self")

@@ -271,3 +271,37 @@ def test_a_copy_is_independent(pin: Any) -> None:
     assert model.referenceConfigurations["here"][0] == 0.0
     model.jointPlacements[1].translation = np.ones(3)
     assert not np.allclose(twin.jointPlacements[1].translation, 1.0)
+
+
+OF_INDICES = (
+    "pin.getFrameJacobian(m, d, {}, pin.LOCAL)",
+    "pin.getFrameJacobian(m, d, {}, M, pin.LOCAL)",
+    "pin.getFrameVelocity(m, d, {}, pin.LOCAL)",
+    "pin.getJointJacobian(m, d, {}, pin.LOCAL)",
+    "pin.getVelocity(m, d, {}, pin.LOCAL)",
+    "pin.computeJointJacobian(m, d, q, {})",
+    "pin.computeFrameJacobian(m, d, q, {}, pin.LOCAL)",
+    "pin.getFrameAccelerationDerivatives(m, d, {}, pin.LOCAL)",
+    "pin.updateFramePlacement(m, d, {})",
+    "pin.jointBodyRegressor(m, d, {})",
+)
+
+
+@pytest.mark.parametrize("call", OF_INDICES)
+def test_numbers_of_other_types_are_no_indices_after_equal_ones(call: str) -> None:
+    with using("pinocchio"):
+        import pinocchio as pin
+
+        m = pin.buildSampleModelManipulator()
+        q, v = np.full(m.nq, 0.1), np.ones(m.nv)
+        d = m.createData()
+        pin.computeForwardKinematicsDerivatives(m, d, q, v, v)
+        pin.computeJointJacobians(m, d, q)
+        pin.rnea(m, d, q, v, v)
+        names = {"pin": pin, "m": m, "d": d, "q": q, "M": pin.SE3.Random(), "np": np}
+        for _ in range(12):  # bound, and in the table of repeated calls
+            first = eval(call.format("1"), names)
+        assert np.array_equal(np.array(eval(call.format("np.int64(1)"), names)), np.array(first))
+        for wrong in ("1.0", "np.float64(1.0)", "np.True_", "np.array([1])", "1 + 0j"):
+            with pytest.raises(TypeError):
+                eval(call.format(wrong), names)

@@ -280,7 +280,7 @@ def test_quaternions_without_length_and_numbers_are_no_placements(pin: Any) -> N
         with pytest.raises(InputError, match="expected unit length"):
             pin.XYZQUATToSE3(np.array([1.0, 2.0, 3.0, 0.0, 0.0, 0.0, w]))
     frame = pin.buildSampleModelManipulator().frames[1]
-    with pytest.raises(TypeError, match="expected an SE3"):
+    with pytest.raises(TypeError, match="expected a pinocchio.SE3"):
         frame.placement = 3
 
 

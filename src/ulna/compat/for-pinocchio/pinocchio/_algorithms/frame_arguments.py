@@ -6,6 +6,8 @@ import functools
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeVar
 
+import numpy as np
+
 from pinocchio._containers.arguments import OMITTED, ArgumentError, checked
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame
@@ -82,6 +84,19 @@ def at_frame(model: Model, frame_id: Any) -> int:
         The index.
     """
     return index(frame_id, model.nframes, "frame", "model.getFrameId(name) returns one.")
+
+
+def key_of(value: Any) -> Any:
+    """The key under which something is bound at an index: True and 1.0, which equal 1, are none of its keys.
+
+    Args:
+        value: What was passed as an index.
+
+    Returns:
+        The index as an int, or something that no index equals.
+    """
+    kind = type(value)
+    return value if kind is int else int(value) if issubclass(kind, np.integer) else (kind, value)
 
 
 def place_of(model: Model, frame_id: Any, joint_id: Any, placement: SE3 | None) -> Place:
@@ -206,7 +221,7 @@ def _call_bound(
     """
     frame = default if reference is OMITTED else reference
     try:
-        step, bound_frame = data._bound_at[index, frame, kind]
+        step, bound_frame = data._bound_at[key_of(index), frame, kind]
         if bound_frame is not frame or data._model is not model:  # 0 == WORLD, but a plain number raises
             return NotImplemented
         result = step(*inputs)

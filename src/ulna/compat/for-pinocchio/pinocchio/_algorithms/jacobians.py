@@ -14,6 +14,7 @@ from pinocchio._algorithms.frame_arguments import (
     at_frame_or_joint,
     at_joint,
     at_placement,
+    key_of,
     place_of,
     repeated_call,
 )
@@ -143,7 +144,11 @@ def computeJointJacobian(model: Model, data: Data, q: Any, joint_id: int) -> Flo
     """
     binding_key = (joint_id, LOCAL, "joint at q")
     try:
-        step = data._bound_at[binding_key][0] if data._model is model else not_applicable
+        step = (
+            data._bound_at[key_of(joint_id), LOCAL, "joint at q"][0]
+            if data._model is model
+            else not_applicable
+        )
     except (KeyError, TypeError, AttributeError):
         step = not_applicable
     result = step(q)
@@ -269,7 +274,7 @@ def computeFrameJacobian(
     """
     binding_key = (frame_id, reference_frame, "at q")
     try:
-        step, bound_reference = data._bound_at[binding_key]
+        step, bound_reference = data._bound_at[key_of(frame_id), reference_frame, "at q"]
     except (KeyError, TypeError, AttributeError):
         step = bound_reference = not_applicable
     if bound_reference is reference_frame and data._model is model:  # 0 == WORLD, but a plain number raises

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pinocchio._algorithms.frame_arguments import key_of
 from pinocchio._containers.arguments import ArgumentError, check_model_and_data, checked, checks_itself
 from pinocchio._containers.arrays import index, not_applicable
 from pinocchio._data.algorithm import Algorithm
@@ -160,7 +161,7 @@ def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
         The placement of the frame in the world.
     """
     try:
-        step = data._bound_at.get(("frames", frame_id), not_applicable)
+        step = data._bound_at.get(("frames", key_of(frame_id)), not_applicable)
         T = step() if data._model is model else NotImplemented
     except (AttributeError, TypeError):  # of what is no model, no data, or no index
         T = NotImplemented

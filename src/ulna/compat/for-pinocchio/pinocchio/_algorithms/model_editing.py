@@ -79,7 +79,7 @@ def add_like(
     if joint.mimic is not None:
         leader = new_of[joint.mimic[0]]
         joint.mimic = (leader, *joint.mimic[1:])
-        joint.idx_q, joint.idx_v = out.joints[leader].idx_q, out.joints[leader].idx_v
+        joint._keep(idx_q=out.joints[leader].idx_q, idx_v=out.joints[leader].idx_v)
     new = out.addJoint(parent, joint, placement, name)
     made = out.joints[new]
     for key, values in model._arrays.items():
@@ -140,7 +140,7 @@ def appendModel(modelA: Model, modelB: Model, *rest: Any) -> Any:
     for part in (first, second):
         part.tie_frames()
         part.place()
-    out.nbodies = out.njoints + 2
+    out._keep(nbodies=out.njoints + 2)
     out._frames_changed()
     if not geometries:
         return out

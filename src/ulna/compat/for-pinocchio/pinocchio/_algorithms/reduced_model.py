@@ -42,7 +42,7 @@ def reduced_model(model: Model, locked: list[int], reference: Any) -> tuple[Mode
     structure = _structure_of(skeleton, locked)
     placed = structure.lock(numbers, q)
     out = Model._made_of(structure.skeleton_with(numbers), numbers.take(structure.index), structure.layout)
-    out.name, out.nbodies, out.nvExtended = model.name, len(structure.kept), structure.nvExtended
+    out._keep(name=model.name, nbodies=len(structure.kept), nvExtended=structure.nvExtended)
     if model.referenceConfigurations:
         references = {name: x[structure.of_q] for name, x in model.referenceConfigurations.items()}
         out._configurations = StdMap_String_VectorXd(references)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pinocchio._algorithms.frame_arguments import key_of
 from pinocchio._containers.arguments import check_model_and_data, checks_itself
 from pinocchio._containers.arrays import index, not_applicable
 from pinocchio._data.data import Data
@@ -192,7 +193,7 @@ def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Floats:
 def _repeated(model: Model, data: Data, place: tuple[Any, str], calls: CallCache) -> Any:
     """The regressor by the kernel that is bound at `place`; NotImplemented where it does not apply."""
     try:
-        step = data._bound_at[place]
+        step = data._bound_at[key_of(place[0]), place[1]]
         regressor = step() if data._model is model else NotImplemented
     except (KeyError, TypeError, AttributeError):  # not bound yet, or of no model or data
         return NotImplemented

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, final
+from collections.abc import Mapping
+from typing import Any, ClassVar, final
 
 import numpy as np
 
 from pinocchio._constraints.iterative_solver import ConstraintSolverResult, ToleranceSettings
 from pinocchio._containers.arguments import check_size
 from pinocchio._containers.arrays import StdVec, vector
+from pinocchio._containers.attributes import AttributeKind, flag, number, one_of, whole
 from pinocchio._containers.enums import _Named
 from ulna.errors import InputError
 from ulna.typing import Floats
@@ -62,6 +64,20 @@ class ADMMSolverSettings(ToleranceSettings):
         warmstart_rho_with_previous_result: Whether rho is at first that of the result.
         lanczos_size: Accepted: eigenvalues are computed to the last digit.
     """
+
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {
+        **dict.fromkeys(("mu_prox", "rho_min", "rho_max", "rho_momentum", "ratio_primal_dual"), number),
+        **dict.fromkeys(
+            ("linear_update_rule_factor", "spectral_rho_power_init", "spectral_rho_power_factor"), number
+        ),
+        **dict.fromkeys(("dual_momentum", "tau", "tau_prox", "rho_update_ratio"), number),
+        **dict.fromkeys(("rho_min_update_frequency", "lanczos_size", "anderson_capacity"), whole),
+        "max_delassus_decomposition_updates": whole,
+        "rho_init": lambda target, name, value: None if value is None else number(target, name, value),
+        "admm_proximal_rule": one_of(ADMMProximalRule),
+        "admm_update_rule": one_of(ADMMUpdateRule),
+        "warmstart_rho_with_previous_result": flag,
+    }
 
     def __init__(self) -> None:
         super().__init__()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar, final
 
 import numpy as np
@@ -12,6 +13,7 @@ from pinocchio._constraints.frame_pair import ConstraintSelectionType, FramePair
 from pinocchio._constraints.kernels import core_constraints
 from pinocchio._containers.arguments import OMITTED, ArgumentError
 from pinocchio._containers.arrays import vector
+from pinocchio._containers.attributes import AttributeKind, entries, one_of, read_only, whole
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
@@ -58,6 +60,14 @@ class _ConstraintState(AnyConstraintData):
         "oMc1",
         "oMc2",
     )
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {
+        **dict.fromkeys(("oMc1", "oMc2", "c1Mc2"), one_of(SE3)),
+        **dict.fromkeys([f"A{k}_{axes}" for k in ("", 1, 2) for axes in ("local", "world")], read_only),
+        **dict.fromkeys(("constraint_acceleration_biais_term", "constraint_force"), entries),
+        **dict.fromkeys(
+            [f"constraint_{name}_error" for name in ("position", "velocity", "acceleration")], entries
+        ),
+    }
 
     _rows: ClassVar[int] = 3
 
@@ -157,6 +167,12 @@ class _Anchor(FramePair, AnyConstraint):
         "desired_constraint_velocity",
         "nv",
     )
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {
+        **dict.fromkeys(("nv", "depth_joint1", "depth_joint2"), whole),
+        **dict.fromkeys(
+            [f"desired_constraint_{name}" for name in ("offset", "velocity", "acceleration")], entries
+        ),
+    }
     _binds_always = False
     _rows: ClassVar[int] = 3
     _data = PointAnchorConstraintData
@@ -282,16 +298,13 @@ class _Anchor(FramePair, AnyConstraint):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         super().__setstate__(state)
-        for k in (0, 1):
-            object.__setattr__(self, f"joint{k + 1}_placement", SE3._of(self._places[k]))
+        self._place(self._places)
 
     def copy(self) -> Any:
         """A copy."""
         cls: Any = type(self)
         other = cls.__new__(cls)
-        other._places = self._places.copy()
-        for k in (0, 1):
-            setattr(other, f"joint{k + 1}_placement", SE3._of(other._places[k]))
+        other._place(self._places.copy())
         for kind in cls.__mro__:
             for name in getattr(kind, "__slots__", ()):
                 value = getattr(self, name)
@@ -351,6 +364,7 @@ class PointContactConstraintModel(_Points):
     """
 
     __slots__ = ("_friction", "geom1_id", "geom2_id")
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = dict.fromkeys(("geom1_id", "geom2_id"), whole)
     _data = PointContactConstraintData
     _sides = 1
 

@@ -9,6 +9,7 @@ import numpy as np
 from pinocchio._constraints.frame_pair import ConstraintSelectionType
 from pinocchio._containers.arguments import ArgumentError, WrongShape
 from pinocchio._containers.arrays import StdVec, index, rows_of, vector
+from pinocchio._containers.attributes import CheckedAttributes
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.files import Saved, register
 from pinocchio._containers.keywords import by_name
@@ -21,7 +22,7 @@ from ulna.typing import Floats
 __all__ = ["ConstraintData", "ConstraintModel"]
 
 
-class _NamedAndCompared(Saved):
+class _NamedAndCompared(CheckedAttributes, Saved):
     """The name and the comparison of constraints and their data, by what they hold; and their files."""
 
     __slots__ = ()
@@ -49,8 +50,7 @@ class _NamedAndCompared(Saved):
         return {name: getattr(self, name) for name in names}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        for name, value in state.items():
-            setattr(self, name, value)
+        self._keep(**state)
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):

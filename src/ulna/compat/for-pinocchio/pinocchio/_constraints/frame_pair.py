@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, final
 
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import index, real
+from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, one_of, text, whole
 from pinocchio._containers.enums import _Named
 from pinocchio._containers.files import register
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3
 from ulna.errors import InputError
+from ulna.typing import Floats
 
 __all__ = ["BaumgarteCorrectorParameters", "ConstraintSelectionType", "ContactType"]
 
@@ -44,7 +46,7 @@ class BaumgarteCorrectorParameters:
     __slots__ = ("_v",)
 
     def __init__(self, Kp: float, Kd: float) -> None:
-        self._v = np.array([Kp, Kd], dtype=float)
+        self._v = np.array([real(Kp, "Kp"), real(Kd, "Kd")])
 
     @property
     def Kp(self) -> float:
@@ -64,6 +66,11 @@ class BaumgarteCorrectorParameters:
     def Kd(self, value: float) -> None:
         self._v[1] = real(value, "Kd")
 
+    def _assign(self, other: Any) -> None:
+        if not isinstance(other, BaumgarteCorrectorParameters):
+            raise ArgumentError(f"The gains are {other!r}; expected BaumgarteCorrectorParameters(Kp, Kd).")
+        self._v[:] = other._v
+
     @classmethod
     def _of(cls, gains: Any) -> BaumgarteCorrectorParameters:
         """Gains that an array holds."""
@@ -79,7 +86,7 @@ class BaumgarteCorrectorParameters:
 register(BaumgarteCorrectorParameters)
 
 
-class FramePair:
+class FramePair(CheckedAttributes):
     """Two placements that belong together: of a joint and of a second one, or of the world (joint 0)."""
 
     __slots__ = (
@@ -92,6 +99,11 @@ class FramePair:
         "name",
     )
 
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {
+        "name": text,
+        **dict.fromkeys(("joint1_id", "joint2_id"), whole),
+        **dict.fromkeys(("joint1_placement", "joint2_placement"), one_of(SE3)),
+    }
     _binds_always: ClassVar[bool] = True
     """Whether two places of one joint, which bind nothing, are refused."""
 
@@ -121,8 +133,7 @@ class FramePair:
         fix = "model.getJointId(name) returns one."
         self.joint1_id = index(named.pop("joint1_id"), model.njoints, "joint", fix)
         self.joint2_id = index(named.pop("joint2_id", 0), model.njoints, "joint", fix)
-        self._places = np.stack([SE3(named.pop(f"joint{k}_placement", 1))._m for k in (1, 2)])
-        self.joint1_placement, self.joint2_placement = (SE3._of(m) for m in self._places)
+        self._place(np.stack([SE3(named.pop(f"joint{k}_placement", 1))._m for k in (1, 2)]))
         self._gains = BaumgarteCorrectorParameters(0.0, 0.0)
         if named:
             raise InputError(f"{type(self).__name__} has no {', '.join(named)}.")
@@ -132,12 +143,17 @@ class FramePair:
                 "give two joints, of which one may be 0, the world."
             )
 
+    def _place(self, places: Floats) -> None:
+        """Takes over an array (2, 4, 4) of both placements."""
+        self._keep(_places=places, joint1_placement=SE3._of(places[0]), joint2_placement=SE3._of(places[1]))
+
     def __setattr__(self, name: str, value: Any) -> None:
-        if name in ("joint1_placement", "joint2_placement") and hasattr(self, name):
-            getattr(self, name)._assign(value)
-        else:
-            changes[0] += 1
-            object.__setattr__(self, name, value)
+        super().__setattr__(name, value)
+        changes[0] += 1
+
+    def _keep(self, **values: Any) -> None:
+        super()._keep(**values)
+        changes[0] += 1
 
     @property
     def baumgarte_corrector_parameters(self) -> BaumgarteCorrectorParameters:
@@ -146,9 +162,7 @@ class FramePair:
 
     @baumgarte_corrector_parameters.setter
     def baumgarte_corrector_parameters(self, gains: BaumgarteCorrectorParameters) -> None:
-        if not isinstance(gains, BaumgarteCorrectorParameters):
-            raise ArgumentError(f"The gains are {gains!r}; expected BaumgarteCorrectorParameters(Kp, Kd).")
-        self._gains = gains
+        self._gains._assign(gains)
 
     m_baumgarte_parameters = baumgarte_corrector_parameters
 

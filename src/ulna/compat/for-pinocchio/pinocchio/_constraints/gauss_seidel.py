@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from functools import lru_cache
-from typing import Any, final
+from typing import Any, ClassVar, final
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from pinocchio._constraints.iterative_solver import (
 from pinocchio._constraints.solver_problem import constraint_kind, delassus_matrix
 from pinocchio._containers.arguments import check_size
 from pinocchio._containers.arrays import vector
+from pinocchio._containers.attributes import AttributeKind, number
 from ulna.algorithms.constraints.cone_complementarity import Kind, gauss_seidel
 from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
@@ -34,6 +36,7 @@ class PGSSolverSettings(ToleranceSettings):
     """
 
     __slots__ = ("over_relaxation",)
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {"over_relaxation": number}
 
     def __init__(self) -> None:
         super().__init__()

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import vector
+from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, flag, number, whole
 from ulna.errors import InputError
 from ulna.typing import Floats
 
 
-class ToleranceSettings:
+class ToleranceSettings(CheckedAttributes):
     """Tolerances of a solver, and what it records.
 
     Attributes:
@@ -27,6 +29,12 @@ class ToleranceSettings:
         stat_record: Whether iterations are recorded in `solver.stats`, which takes longer.
     """
 
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {
+        **dict.fromkeys(("absolute_feasibility_tol", "relative_feasibility_tol"), number),
+        **dict.fromkeys(("absolute_complementarity_tol", "relative_complementarity_tol"), number),
+        **dict.fromkeys(("solve_ncp", "measure_timings", "stat_record"), flag),
+        "max_iterations": whole,
+    }
     __slots__ = (
         "absolute_complementarity_tol",
         "absolute_feasibility_tol",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import copy
-from typing import Any, final
+from collections.abc import Mapping
+from typing import Any, ClassVar, final
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from pinocchio._constraints.constraint_model import AnyConstraint, AnyConstraint
 from pinocchio._constraints.frame_pair import BaumgarteCorrectorParameters, ConstraintSelectionType
 from pinocchio._containers.arguments import OMITTED, ArgumentError, check_model_and_data
 from pinocchio._containers.arrays import StdVec, index, vector
+from pinocchio._containers.attributes import AttributeKind, entries, read_only, text, whole
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
 from pinocchio._model.live_parameters import FREE
@@ -36,6 +38,7 @@ class _OfJoints(AnyConstraint):
     """Rows that are single velocities of joints, or their opposites."""
 
     __slots__ = ("_compliance", "_gains", "_joints", "name", "nv")
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {"name": text, "nv": whole}
 
     def _choose(self, model: Any, joints: Any) -> None:
         if not isinstance(model, Model):
@@ -98,15 +101,17 @@ class JointFrictionConstraintData(AnyConstraintData):
     """Of a JointFrictionConstraintModel."""
 
     __slots__ = ("friction_impulse_lower_limit", "friction_impulse_upper_limit")
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = dict.fromkeys(
+        ("friction_impulse_lower_limit", "friction_impulse_upper_limit"), entries
+    )
 
     def __init__(self, constraint_model: JointFrictionConstraintModel = OMITTED) -> None:
-        self.friction_impulse_lower_limit = self.friction_impulse_upper_limit = np.zeros(0)
-        if constraint_model is OMITTED:
-            return
-        if not isinstance(constraint_model, JointFrictionConstraintModel):
-            raise wrong_model(self, constraint_model)
-        self.friction_impulse_lower_limit = constraint_model.getFrictionLowerLimit()
-        self.friction_impulse_upper_limit = constraint_model.getFrictionUpperLimit()
+        limits = np.zeros(0), np.zeros(0)
+        if constraint_model is not OMITTED:
+            if not isinstance(constraint_model, JointFrictionConstraintModel):
+                raise wrong_model(self, constraint_model)
+            limits = constraint_model.getFrictionLowerLimit(), constraint_model.getFrictionUpperLimit()
+        self.friction_impulse_lower_limit, self.friction_impulse_upper_limit = limits
 
 
 @final
@@ -212,15 +217,16 @@ class JointLimitConstraintData(AnyConstraintData):
     """Of a JointLimitConstraintModel."""
 
     __slots__ = ("_J", "constraint_residual")
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {"constraint_residual": read_only}
 
     def __init__(self, constraint_model: JointLimitConstraintModel = OMITTED) -> None:
-        self.constraint_residual = np.zeros(0)
         self._J: Floats | None = None
-        if constraint_model is OMITTED:
-            return
-        if not isinstance(constraint_model, JointLimitConstraintModel):
-            raise wrong_model(self, constraint_model)
-        self.constraint_residual = np.zeros(constraint_model.residualSize())
+        size = 0
+        if constraint_model is not OMITTED:
+            if not isinstance(constraint_model, JointLimitConstraintModel):
+                raise wrong_model(self, constraint_model)
+            size = constraint_model.residualSize()
+        self._keep(constraint_residual=np.zeros(size))
 
 
 @final
@@ -358,6 +364,10 @@ class JointLimitConstraintModel(_OfJoints):
         """Gains against passing the limits, live."""
         return self._gains
 
+    @baumgarte_corrector_parameters.setter
+    def baumgarte_corrector_parameters(self, gains: BaumgarteCorrectorParameters) -> None:
+        self._gains._assign(gains)
+
     def setBaumgarteCorrectorParameters(
         self, bp: BaumgarteCorrectorParameters, sel: Any = ConstraintSelectionType.CURRENT
     ) -> None:
@@ -366,7 +376,7 @@ class JointLimitConstraintModel(_OfJoints):
         Args:
             sel: Accepted and ignored.
         """
-        self._gains = BaumgarteCorrectorParameters(bp.Kp, bp.Kd)
+        self._gains._assign(bp)
 
     def createData(self) -> JointLimitConstraintData:
         """What is known of it at a state."""
@@ -381,7 +391,7 @@ class JointLimitConstraintModel(_OfJoints):
         self._fits("calc", model, data, constraint_data)
         q = data._require(data._q, "forwardKinematics(model, data, q)")
         left, constraint_data._J = self._left(q), self._rates(model, q)
-        constraint_data.constraint_residual = np.array([left[i] for i in self._active])
+        constraint_data._keep(constraint_residual=np.array([left[i] for i in self._active]))
 
     def set(self, constraint_data: Any) -> NonNegativeOrthantCone:
         """The set that its forces belong to: they push, and do not pull."""

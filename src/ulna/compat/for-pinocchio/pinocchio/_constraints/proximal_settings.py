@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any, final
+from collections.abc import Mapping
+from typing import Any, ClassVar, final
 
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import index
+from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, read_only
 from pinocchio._containers.keywords import overloads
 from ulna.errors import InputError
 
@@ -16,13 +18,16 @@ __all__ = ["ProximalSettings"]
 
 
 @final
-class ProximalSettings:
+class ProximalSettings(CheckedAttributes):
     """`ProximalSettings([absolute_accuracy, [relative_accuracy,]] mu, max_iter)`.
 
     Each round solves with `mu` added to the Delassus matrix, and takes off what that changes. The rounds end when
     the constraints are kept to the absolute accuracy, or no force changes by more than the relative one.
     """
 
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = dict.fromkeys(
+        ("iter", "absolute_residual", "relative_residual"), read_only
+    )
     __slots__ = ("_accuracies", "_limit", "_mu", "_numbers", "absolute_residual", "iter", "relative_residual")
 
     @overloads(
@@ -51,8 +56,7 @@ class ProximalSettings:
         if self._limit < 1:
             raise InputError("`max_iter` is 0; expected a whole number from 1.")
         self._numbers = np.array([self._mu, self._accuracies[1], self._accuracies[0]])
-        self.iter = 0
-        self.absolute_residual = self.relative_residual = -1.0
+        self._keep(iter=0, absolute_residual=-1.0, relative_residual=-1.0)
 
     @property
     def absolute_accuracy(self) -> float:
@@ -75,8 +79,7 @@ class ProximalSettings:
         return self._limit
 
     def _report(self, rounds: Any, change: Any, residual: Any) -> None:
-        self.iter = int(rounds)
-        self.relative_residual, self.absolute_residual = float(change), float(residual)
+        self._keep(iter=int(rounds), relative_residual=float(change), absolute_residual=float(residual))
 
     def __repr__(self) -> str:
         values = (*self._accuracies, self._mu)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, Self, final
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Self, final
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from pinocchio._constraints.frame_pair import (
 )
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import StdVec
+from pinocchio._containers.attributes import AttributeKind, one_of, read_only, refused
 from pinocchio._containers.enums import ReferenceFrame
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
@@ -25,6 +26,18 @@ from ulna.errors import InputError, excerpt, nearest
 from ulna.typing import Floats
 
 __all__ = ["RigidConstraintData"]
+
+
+def _member(*members: Any) -> AttributeKind:
+    """The kind of attributes that are one of some members of an enumeration."""
+    expected = f"{' or '.join(one.name for one in members)} of {type(members[0]).__name__}"
+
+    def kind(_: Any, name: str, value: Any) -> Any:
+        if type(value) is not type(members[0]) or value not in members:
+            raise refused(name, value, expected)
+        return value
+
+    return kind
 
 
 class RigidConstraint(FramePair):
@@ -42,6 +55,12 @@ class RigidConstraint(FramePair):
         "reference_frame",
         "type",
     )
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {
+        "desired_contact_placement": one_of(SE3),
+        **dict.fromkeys(("desired_contact_velocity", "desired_contact_acceleration"), one_of(Motion)),
+        "reference_frame": _member(ReferenceFrame.LOCAL, ReferenceFrame.LOCAL_WORLD_ALIGNED),
+        "type": _member(ContactType.CONTACT_3D, ContactType.CONTACT_6D),
+    }
 
     @by_name(
         "contact_type model joint1_id reference_frame",
@@ -59,12 +78,8 @@ class RigidConstraint(FramePair):
         model: Any = parts.pop(0) if parts else None
         rf = parts.pop() if parts and isinstance(parts[-1], ReferenceFrame) else ReferenceFrame.LOCAL
         self._check(kind, model)
-        self.type = ContactType(kind)
+        self.type = kind
         self.reference_frame = rf
-        if self.reference_frame not in (ReferenceFrame.LOCAL, ReferenceFrame.LOCAL_WORLD_ALIGNED):
-            raise ArgumentError(
-                f"The reference frame is {self.reference_frame!r}; expected LOCAL or LOCAL_WORLD_ALIGNED."
-            )
         self._attach(model, parts, {})
         self._depths = tuple(len(model.supports[joint]) for joint in (self.joint1_id, self.joint2_id))
         self.desired_contact_placement = SE3()
@@ -80,8 +95,7 @@ class RigidConstraint(FramePair):
             raise ArgumentError(f"The model is {model!r}; expected a pinocchio.Model.")
 
     def _copy(self, other: RigidConstraint) -> None:
-        self._places = other._places.copy()
-        self.joint1_placement, self.joint2_placement = (SE3._of(m) for m in self._places)
+        self._place(other._places.copy())
         self._gains = BaumgarteCorrectorParameters(other._gains.Kp, other._gains.Kd)
         for name in ("name", "joint1_id", "joint2_id", "type", "reference_frame", "_depths"):
             setattr(self, name, getattr(other, name))
@@ -206,8 +220,10 @@ def _field(name: str) -> property:
             self._deferred.fill()
         return self._views[name]
 
+    kind = one_of(SE3 if name in _PLACES else Force if name == "contact_force" else Motion)
+
     def put(self: RigidConstraintData, value: Any) -> None:
-        get(self)._assign(value)
+        kind(self, name, value)
 
     return property(get, put, doc=f"`{name}` as the last algorithm left it, live.")
 
@@ -222,7 +238,10 @@ def _workspace(name: str) -> property:
             )
         return self._views[name]
 
-    return property(get, doc=f"`{name}`: zero until an algorithm of Pinocchio would use it.")
+    def put(self: RigidConstraintData, value: Any) -> None:
+        read_only(self, name, value)
+
+    return property(get, put, doc=f"`{name}`: zero until an algorithm of Pinocchio would use it.")
 
 
 _DEFERRED = frozenset((*_PLACES, *_MOTIONS))

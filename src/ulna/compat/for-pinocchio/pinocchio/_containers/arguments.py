@@ -70,6 +70,8 @@ def is_number(value: Any) -> bool:
     """Whether a value is one real number."""
     if type(value) in (float, int):
         return True
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.ndim == 0 and value.dtype.kind in "fiub"
     return hasattr(value, "__float__") and not isinstance(value, (str, type)) and np.ndim(value) == 0
 
 

@@ -123,6 +123,8 @@ def numbers(value: Any, name: str) -> Floats:
     Raises:
         DtypeError: it holds complex numbers, texts, None, or other things that are no real numbers.
     """
+    if type(value).__module__.startswith("pinocchio.") and not isinstance(value, list):
+        raise ArgumentError(f"`{name}` is {excerpt(repr(value))}; expected an array of real numbers.")
     return real_array(name, value)
 
 

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 from array import array
-from typing import TYPE_CHECKING, Any, final
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import StdVec, matrix, real, views
+from pinocchio._containers.arrays import StdVec, matrix, real, vector, views
+from pinocchio._containers.attributes import (
+    AttributeKind,
+    CheckedAttributes,
+    checked_list,
+    one_of,
+    read_only,
+    refused,
+)
 from pinocchio._containers.files import Saved, register
 from pinocchio._data.algorithm import ALGORITHMS
 from pinocchio._data.articulated_bodies import check_articulated
@@ -33,7 +42,7 @@ from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.motion_force import Force, Motion
 from pinocchio._spatial.se3 import SE3
 from ulna.compiler.runtime.repeated_calls import forget
-from ulna.errors import excerpt
+from ulna.errors import InputError
 from ulna.typing import Floats
 
 
@@ -61,6 +70,7 @@ _ENERGIES = {
     "potential_energy": "energy P",
     "mechanical_energy": "energy K + P",
 }
+_READ_ONLY = ("constraint_chol", "contact_chol", "dlambda_dq", "dlambda_dv", "dlambda_dtau")
 _SINGLE = {"hg": Force, "dhg": Force, "Ig": Inertia}
 _LISTS = ("liMi", *MOTIONS, *FORCES, *CENTRES, *MATRIX_LISTS, "mass")
 _ASKED_RARELY = ("Yaba",)
@@ -103,13 +113,33 @@ class _Placements:
         if data is None:
             return self
         placements = views(SE3, data._arrays[self._name])
-        setattr(data, self._name, placements)
+        data._keep(**{self._name: placements})
         return placements
 
 
+def _placements(data: Data, name: str, value: Any) -> Any:
+    """The kind of `oMi` and `oMf`: what is assigned is copied into the placements that they are."""
+    present = getattr(data, name)
+    for entry, one in zip(present, _checked_entries(data, name, value, SE3), strict=True):
+        entry._assign(one)
+    return present
+
+
+def _checked_entries(data: Data, name: str, value: Any, cls: type) -> list[Any]:
+    """The entries of a list that is assigned to a field: one for each joint, or frame."""
+    count = len(data._layout) if name != "oMf" else data.nframes
+    expected = f"a list of {count} {cls.__name__}"
+    found = checked_list(name, value, cls, expected)
+    if len(found) != count:
+        raise refused(name, value, expected)
+    return found
+
+
 @final
-class Data(Saved, TreeFields):
+class Data(CheckedAttributes, Saved, TreeFields):
     """Working memory of algorithms for one model: `model.createData()`."""
+
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {"oMi": _placements, "oMf": _placements}
 
     if TYPE_CHECKING:  # made below, by their names
         M: Floats
@@ -170,29 +200,39 @@ class Data(Saved, TreeFields):
         constraint_chol: Any  # from here on made in the folder _constraints
         contact_chol: Any
 
+    _model: KinematicTree
+    _arrays: FieldArrays
+    _known_states: set[str]
+    _constraint_solution: Any
+    _damped: Any
+    _compiled: CompiledModel | None
+    _marks: array[float]
+    _mark_array: Floats
+    _waiting: dict[str, Waiting]
+    _lists: _Lists
+    _bound: BoundAlgorithms
+    _bound_at: dict[Any, Any]
+    """Kernels of frames, by index and reference frame."""
+    _bound_reads: dict[tuple[float, str], Any]
+    _parameters_of: dict[int, CompiledModel]
+    _constraint_sets: list[Any]
+    _evaluator: Any
+    """Of first calls."""
+
     def __init__(self, model: KinematicTree) -> None:
-        self._model = model
-        self._layout = model._layout
-        self.nframes = model.nframes
-        self._arrays = FieldArrays(model)
-        self._known_states: set[str] = set()
+        own = self.__dict__  # attributes that are set are checked, which would take half as long again
+        own["_model"], own["_layout"], own["nframes"] = model, model._layout, model.nframes
+        own["_arrays"], own["_known_states"] = FieldArrays(model), set()
+        own["_constraint_solution"] = own["_damped"] = own["_compiled"] = None
         self._bind_to_arrays()
-        self._constraint_solution: Any = None
-        self._damped: Any = None
-        self._compiled: CompiledModel | None = None
 
     def _bind_to_arrays(self) -> None:
         """Creates what refers to these very arrays."""
-        self._marks = array("d", bytes(8 * len(_FIELDS)))
-        self._mark_array = np.frombuffer(self._marks)
-        self._waiting: dict[str, Waiting] = {}
-        self._bound = BoundAlgorithms()
-        self._bound_at: dict[Any, Any] = {}  # kernels of frames, by index and reference frame
-        self._bound_reads: dict[tuple[float, str], Any] = {}
-        self._parameters_of: dict[int, CompiledModel] = {}
-        self._constraint_sets: list[Any] = []
-        self._lists = _Lists(self)
-        self._evaluator: Any = None  # of first calls
+        own = self.__dict__
+        own["_marks"] = marks = array("d", bytes(8 * len(_FIELDS)))
+        own["_mark_array"], own["_lists"] = np.frombuffer(marks), _Lists(self)
+        own["_bound"], own["_waiting"], own["_bound_at"], own["_bound_reads"] = BoundAlgorithms(), {}, {}, {}
+        own["_parameters_of"], own["_constraint_sets"], own["_evaluator"] = {}, [], None
 
     oMi = _Placements("oMi", "For each joint its placement in the world, live references.")
     oMf = _Placements("oMf", "For each frame its placement in the world, live references.")
@@ -221,6 +261,12 @@ class Data(Saved, TreeFields):
         check_articulated(self._model)
         self._read("Yaba")
         return StdVec(self._arrays[name])
+
+    def _settle(self, name: str) -> None:
+        """Makes a field ready to be assigned to: what is to be computed with it later must not overwrite it."""
+        with contextlib.suppress(InputError):
+            self._read(name)
+        self._marks[self._slots[name]] = 0.0
 
     def copy(self) -> Data:
         """A copy."""
@@ -303,23 +349,58 @@ def _block(name: str) -> property:
         return self._arrays[name]
 
     def put(self: Data, value: Any) -> None:
-        self._arrays[name][...] = matrix(value, self._arrays[name].shape, name)
-        self._marks[slot] = 0.0
+        array = self._arrays[name]
+        values = vector(value, array.size, name) if array.ndim == 1 else matrix(value, array.shape, name)
+        self._settle(name)
+        array[...] = values
 
     return property(get, put, doc=f"`{name}` as the last algorithm left it, live; assigning copies into it.")
 
 
 def _entries(name: str) -> property:
     slot = Data._slots[name]
+    put = _put_numbers(name) if name in (*CENTRES, *MATRIX_LISTS, "mass") else _put_objects(name)
     if name in (*CENTRES, "mass"):  # which know of themselves what is to be computed
-        return property(lambda self: self._lists[name], doc=f"`{name}` of what every joint moves, live.")
+        return property(lambda self: self._lists[name], put, doc=f"`{name}` of what every joint moves, live.")
 
     def get(self: Data) -> Any:
         if self._marks[slot]:
             self._read(name)
         return self._lists[name]
 
-    return property(get, doc=f"`{name}` as the last algorithm left it, live references.")
+    return property(get, put, doc=f"`{name}` as the last algorithm left it, live references.")
+
+
+def _put_objects(name: str) -> Any:
+    """What assigns to a field of objects: to the one that it is, or to each in a list."""
+    single = _SINGLE.get(name)
+    cls = single or (SE3 if name == "liMi" else Force if name in FORCES else Motion)
+    kind = one_of(cls)
+
+    def put(self: Data, value: Any) -> None:
+        found = [kind(None, name, value)] if single else _checked_entries(self, name, value, cls)
+        self._settle(name)
+        for entry, one in zip([self._lists[name]] if single else self._lists[name], found, strict=True):
+            entry._assign(one)
+
+    return put
+
+
+def _put_numbers(name: str) -> Any:
+    """What assigns to a field of arrays, or of numbers, one for each joint."""
+
+    def put(self: Data, value: Any) -> None:
+        if not isinstance(value, (list, tuple)):
+            raise refused(name, value, "a list with an entry for each joint")
+        shape = np.shape(self._arrays[name]) if name != "mass" else (len(self._layout),)
+        values = matrix([*value], shape, name)
+        self._settle(name)
+        if name == "mass":
+            list.__setitem__(self._lists[name], slice(None), values.tolist())
+        else:
+            self._arrays[name][...] = values
+
+    return put
 
 
 def _unused(name: str, shape: str) -> property:
@@ -329,9 +410,7 @@ def _unused(name: str, shape: str) -> property:
 
     def put(self: Data, value: Any) -> None:
         if not isinstance(value, (list, tuple, np.ndarray)):
-            raise ArgumentError(
-                f"`{name}` is {excerpt(repr(value))}; expected numbers, or an entry for each joint."
-            )
+            raise refused(name, value, "numbers, or an entry for each joint")
         rows = [x.homogeneous if isinstance(x, SE3) else x for x in value]
         self._arrays[name][...] = matrix(rows, self._arrays[name].shape, name)
 
@@ -357,6 +436,9 @@ for _name, _block_name in _ENERGIES.items():
     setattr(Data, _name, _number(_name, _block_name))
 for _name in (*_SINGLE, *_LISTS):
     setattr(Data, _name, _entries(_name))
+_computed = [name for name in dir(Data) if isinstance(getattr(Data, name), property) and name[0] != "_"]
+_computed = [name for name in _computed if getattr(Data, name).fset is None]
+Data._kinds = {**Data._kinds, **dict.fromkeys((*_computed, *_READ_ONLY), read_only)}
 
 
 register(Data)

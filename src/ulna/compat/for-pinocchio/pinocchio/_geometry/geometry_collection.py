@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from typing import Any, Self, final
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, ClassVar, Self, final
 
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import NO_INDEX, StdVec, index
+from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, read_only, whole
 from pinocchio._containers.files import Saved, register
 from pinocchio._containers.unknown_ids import UnknownId, known
 from pinocchio._geometry.geometry_object import GeometryObject
@@ -18,8 +19,10 @@ from ulna.typing import Floats
 
 
 @final
-class CollisionPair:
+class CollisionPair(CheckedAttributes):
     """Indices of two geometries, in any order."""
+
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {"first": whole, "second": whole}
 
     def __init__(self, index1: int | None = None, index2: int | None = None) -> None:
         if (index1 is None) != (index2 is None):
@@ -51,15 +54,22 @@ class CollisionPair:
     __repr__ = __str__
 
 
-class GeometryCollection(Saved):
+class GeometryCollection(CheckedAttributes, Saved):
     """The geometries of a robot, of one kind, and the pairs of them to check for collisions."""
+
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {
+        "geometryObjects": read_only,
+        "collisionPairs": read_only,
+    }
+    geometryObjects: StdVec[GeometryObject]
+    """The geometries."""
+    collisionPairs: StdVec[CollisionPair]
+    """The pairs to check."""
 
     def __init__(self, other: GeometryCollection | None = None) -> None:
         source: Any = ((), ()) if other is None else (other.geometryObjects, other.collisionPairs)
-        self.geometryObjects: StdVec[GeometryObject] = StdVec(one.copy() for one in source[0])
-        """The geometries."""
-        self.collisionPairs: StdVec[CollisionPair] = StdVec(pair.copy() for pair in source[1])
-        """The pairs to check."""
+        copies = (StdVec(one.copy() for one in part) for part in source)
+        self._keep(**dict(zip(("geometryObjects", "collisionPairs"), copies, strict=True)))
 
     @property
     def ngeoms(self) -> int:

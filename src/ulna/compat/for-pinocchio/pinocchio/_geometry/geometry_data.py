@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import Any, final
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, ClassVar, final
 
 import numpy as np
 
 from pinocchio._containers.arrays import StdVec, index, views
+from pinocchio._containers.attributes import (
+    AttributeKind,
+    CheckedAttributes,
+    assigned_entries,
+    list_of,
+    read_only,
+)
 from pinocchio._containers.files import Saved, register
 from pinocchio._geometry.geometry_collection import GeometryCollection, pair_map
 from pinocchio._geometry.geometry_object import GeometryObject
@@ -17,16 +24,26 @@ from ulna.errors import InputError
 
 
 @final
-class GeometryData(Saved):
+class GeometryData(CheckedAttributes, Saved):
     """Where the geometries are, and what was found about pairs of them: `geometry_model.createData()`.
 
     Requests and results are objects of coal, created when they are read.
     """
 
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {
+        "oMg": assigned_entries(SE3, "a list of SE3, one for each geometry"),
+        "activeCollisionPairs": list_of((bool, np.bool_), "a list of True or False, one for each pair"),
+        "radius": list_of((float, int), "a list of numbers"),
+        **dict.fromkeys(("collisionRequests", "distanceRequests", "contactPatchRequests"), read_only),
+        **dict.fromkeys(("collisionResults", "distanceResults", "contactPatchResults"), read_only),
+        **dict.fromkeys(("collision_functors", "distance_functors", "contact_patch_functors"), read_only),
+    }
+    oMg: StdVec[SE3]
+    """Where each geometry is in the world, live references."""
+
     def __init__(self, geometry_model: GeometryCollection) -> None:
         self._block = np.tile(np.eye(4), (geometry_model.ngeoms, 1, 1))
-        self.oMg: StdVec[SE3] = views(SE3, self._block)
-        """Where each geometry is in the world, live references."""
+        self._keep(oMg=views(SE3, self._block))
         pairs = geometry_model.collisionPairs
         self._objects = geometry_model.geometryObjects
         self._pairs = StdVec(pairs)
@@ -205,7 +222,7 @@ class GeometryData(Saved):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self.oMg = views(SE3, self._block)
+        self._keep(oMg=views(SE3, self._block))
         self._of_coal = {}
 
     def _pair(self, pair_id: int) -> int:

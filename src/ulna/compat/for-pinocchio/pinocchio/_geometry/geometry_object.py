@@ -7,16 +7,25 @@ import copy
 import dataclasses
 import os
 from collections.abc import Mapping
-from typing import Any, final
+from typing import Any, ClassVar, final
 
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import NO_INDEX, index, vector
+from pinocchio._containers.attributes import (
+    AttributeKind,
+    CheckedAttributes,
+    flag,
+    one_of,
+    refused,
+    text,
+    whole,
+)
 from pinocchio._containers.files import Saved, register
 from pinocchio._containers.former_names import replacement_message
 from pinocchio._containers.keywords import reads_names
-from pinocchio._geometry.materials import GeometryNoMaterial, PhysicsMaterial
+from pinocchio._geometry.materials import GeometryNoMaterial, GeometryPhongMaterial, PhysicsMaterial
 from pinocchio._spatial.se3 import SE3, HasPlacement, as_placement
 from ulna.errors import MissingExtra
 from ulna.files import special_kind
@@ -62,12 +71,22 @@ def _arguments(
 
 
 @final
-class GeometryObject(HasPlacement, Saved):
+class GeometryObject(CheckedAttributes, HasPlacement, Saved):
     """One geometry on a joint.
 
     `GeometryObject(name, parent_joint, [parent_frame,] placement, geometry, mesh_path, mesh_scale,
     override_material, mesh_color, mesh_texture_path)`. Placement and geometry may change places, as they did.
     """
+
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {
+        **dict.fromkeys(("name", "meshPath", "meshTexturePath"), text),
+        **dict.fromkeys(("parentJoint", "parentFrame"), whole),
+        **dict.fromkeys(("overrideMaterial", "disableCollision"), flag),
+        "meshMaterial": one_of(
+            (GeometryNoMaterial, GeometryPhongMaterial), "a GeometryNoMaterial or a GeometryPhongMaterial"
+        ),
+        "physicsMaterial": one_of(PhysicsMaterial),
+    }
 
     @reads_names(
         "otherGeometryObject",
@@ -143,6 +162,11 @@ class GeometryObject(HasPlacement, Saved):
 
     @geometry.setter
     def geometry(self, geometry: Any) -> None:
+        known = isinstance(geometry, Shape) or hasattr(geometry, "computeLocalAABB")
+        if not known:
+            raise refused(
+                "geometry", geometry, "a geometry of coal, such as coal.Sphere(0.1), or a shape of Ulna"
+            )
         self._shape, self._coal = (geometry, None) if isinstance(geometry, Shape) else (None, geometry)
 
     @property
@@ -170,7 +194,7 @@ class GeometryObject(HasPlacement, Saved):
             self._scale.copy(),
             self._color.copy(),
         )
-        out.physicsMaterial = PhysicsMaterial(self.physicsMaterial)
+        out._keep(physicsMaterial=PhysicsMaterial(self.physicsMaterial))
         return out
 
     __copy__ = copy

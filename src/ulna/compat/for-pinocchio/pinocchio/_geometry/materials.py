@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, final
+from collections.abc import Mapping
+from typing import Any, ClassVar, final
 
 import numpy as np
 
 from pinocchio._containers.arrays import vector
+from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, number, one_of
 from pinocchio._containers.enums import _Named
 from pinocchio._containers.files import register
 from ulna.typing import Floats
@@ -29,8 +31,10 @@ class GeometryNoMaterial:
 
 
 @final
-class GeometryPhongMaterial:
+class GeometryPhongMaterial(CheckedAttributes):
     """`GeometryPhongMaterial(emission colour, specular colour, shininess)`: colours are red, green, blue, opacity."""
+
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {"meshShininess": number}
 
     def __init__(self, *parts: Any) -> None:
         if len(parts) == 1 and isinstance(parts[0], GeometryPhongMaterial):
@@ -40,7 +44,7 @@ class GeometryPhongMaterial:
         emission, specular, shininess = values
         self._emission = np.array(vector(emission, 4, "meshEmissionColor"))
         self._specular = np.array(vector(specular, 4, "meshSpecularColor"))
-        self.meshShininess = float(shininess)
+        self.meshShininess = shininess
         """How sharp its highlights are, from 0 to 1."""
 
     @property
@@ -83,8 +87,13 @@ class PhysicsMaterialType(_Named):
 
 
 @final
-class PhysicsMaterial:
+class PhysicsMaterial(CheckedAttributes):
     """`PhysicsMaterial(type, compliance, elasticity)`: what a body is made of."""
+
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {
+        "materialType": one_of(PhysicsMaterialType),
+        **dict.fromkeys(("compliance", "elasticity"), number),
+    }
 
     def __init__(self, *parts: Any) -> None:
         if len(parts) == 1 and isinstance(parts[0], PhysicsMaterial):
@@ -92,12 +101,19 @@ class PhysicsMaterial:
             parts = (other.materialType, other.compliance, other.elasticity)
         values: Any = parts or (PhysicsMaterialType.PLASTIC, 0.0, 0.0)
         kind, compliance, elasticity = values
-        self.materialType = PhysicsMaterialType(kind)
+        self.materialType = kind
         """Of what it is."""
-        self.compliance = float(compliance)
+        self.compliance = compliance
         """Its compliance, how far a force presses it in [m/N]."""
-        self.elasticity = float(elasticity)
+        self.elasticity = elasticity
         """How much of an impact's speed comes back, from 0 to 1."""
+
+    def _assign(self, other: PhysicsMaterial) -> None:
+        self.__dict__.update(other.__dict__)
+
+    def copy(self) -> PhysicsMaterial:
+        """A copy."""
+        return PhysicsMaterial(self)
 
     def __eq__(self, other: object) -> bool:
         return vars(self) == vars(other) if isinstance(other, PhysicsMaterial) else NotImplemented

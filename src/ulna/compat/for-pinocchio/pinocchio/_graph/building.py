@@ -104,7 +104,8 @@ class _Builder:
         is_body = vertex.f_type == FrameType.BODY
         inertia = vertex.inertia if is_body and frame_inertia else Inertia()
         self.model.addFrame(Frame(name, joint, before if is_body else 0, place, vertex.f_type, inertia))
-        self.model.nbodies += is_body and frame_inertia and joint > 0
+        counts = is_body and frame_inertia and joint > 0
+        self.model._keep(nbodies=self.model.nbodies + bool(counts))
 
     def pass_joint(self, way: _DirectedEdge, carrier: int, pose: SE3, frame: int) -> tuple[int, SE3, int]:
         """Adds a joint and the body behind it; takes and returns the joint that carries, the pose in it, its frame."""

@@ -162,8 +162,8 @@ class KinematicTree(KernelCache):
         self.parents.append(int(parent_id))
         self._placements.append(joint_placement.copy())
         self._inertias.append(_NOTHING.copy())
-        self.nq, self.nv = self.nq + joint.nq, self.nv + joint.nv
-        self.nvExtended += joint.nvExtended
+        extended = self.nvExtended + joint.nvExtended
+        self._keep(nq=self.nq + joint.nq, nv=self.nv + joint.nv, nvExtended=extended)
         self._joint_added()
         return joint.id
 
@@ -191,21 +191,17 @@ class KinematicTree(KernelCache):
             key: np.delete(values, joint.idx_q if key in PER_Q else joint.idx_v)
             for key, values in self._arrays.items()
         }
-        joint.mimic, joint.nq, joint.nv, joint._shortname = (
-            (followed, scaling, offset),
-            0,
-            0,
-            "JointModelMimic",
-        )
-        self.nq = self.nv = 0
+        joint._keep(mimic=(followed, scaling, offset), nq=0, nv=0, _shortname="JointModelMimic")
+        nq = nv = 0
         for other in self.joints[1:]:
             if other.mimic is None:
-                other.idx_q, other.idx_v = self.nq, self.nv
-                self.nq, self.nv = self.nq + other.nq, self.nv + other.nv
+                other._keep(idx_q=nq, idx_v=nv)
+                nq, nv = nq + other.nq, nv + other.nv
+        self._keep(nq=nq, nv=nv)
         for other in self.joints[1:]:
             if other.mimic is not None:
                 leader = self.joints[other.mimic[0]]
-                other.idx_q, other.idx_v = leader.idx_q, leader.idx_v
+                other._keep(idx_q=leader.idx_q, idx_v=leader.idx_v)
         self._changed()
 
     def addJointFrame(self, joint_id: int, frame_id: int = 0) -> int:
@@ -289,7 +285,7 @@ class KinematicTree(KernelCache):
         index(joint_id, self.njoints, "joint", "Add the joint with addJoint first.")
         inertia = self._inertias[joint_id]
         inertia += body_inertia._moved(body_placement)
-        self.nbodies += 1
+        self._keep(nbodies=self.nbodies + 1)
 
 
 def _limits(limits: tuple[Any, ...]) -> dict[str, list[float]]:

@@ -6,12 +6,12 @@ from typing import Any, final
 
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import NO_INDEX, index
+from pinocchio._containers.attributes import one_of, text
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3, HasPlacement, as_placement
-from ulna.errors import excerpt
 from ulna.typing import Array
 
 Facts = tuple[str, FrameType, int, int, Inertia]
@@ -19,6 +19,10 @@ Facts = tuple[str, FrameType, int, int, Inertia]
 _new = object.__new__
 JOINT_FRAMES = (FrameType.JOINT, FrameType.FIXED_JOINT)
 """The types of frames that joints have."""
+
+
+_frame_type = one_of(FrameType, "a FrameType, such as OP_FRAME")
+_inertia_of_frame = one_of(Inertia)
 
 
 def _index_of(value: Any, what: str) -> int:
@@ -52,12 +56,7 @@ class Frame(HasPlacement):
         default: Any = ("", 0, 0, None, FrameType.OP_FRAME, None)
         name, joint, frame, placement, type_, inertia = (*values, *default[len(values) :])
         placement = SE3() if placement is None and len(values) < 4 else placement
-        if not isinstance(name, str):
-            raise ArgumentError(f"The name of a frame is {name!r}; expected a string.")
-        if not isinstance(type_, FrameType):
-            raise ArgumentError(
-                f"The type of a frame is {excerpt(repr(type_))}; expected a FrameType, such as OP_FRAME."
-            )
+        name, type_ = text(self, "name", name), _frame_type(self, "type", type_)
         if not isinstance(placement, SE3):
             raise ArgumentError(f"The placement of a frame is {placement!r}; expected an SE3.")
         joint, frame = _index_of(joint, "joint"), _index_of(frame, "frame")
@@ -86,7 +85,7 @@ class Frame(HasPlacement):
 
     @name.setter
     def name(self, name: str) -> None:
-        self._facts = name, *self._facts[1:]
+        self._facts = text(self, "name", name), *self._facts[1:]
         self._count_change()
 
     @property
@@ -97,11 +96,7 @@ class Frame(HasPlacement):
     @type.setter
     def type(self, type_: FrameType) -> None:
         name, _, joint, frame, inertia = self._facts
-        if not isinstance(type_, (FrameType, int)):
-            raise ArgumentError(
-                f"The type of a frame is {excerpt(repr(type_))}; expected a FrameType, such as OP_FRAME."
-            )
-        self._facts = name, FrameType(type_), joint, frame, inertia
+        self._facts = name, _frame_type(self, "type", type_), joint, frame, inertia
         self._count_change()
 
     @property
@@ -138,7 +133,7 @@ class Frame(HasPlacement):
 
     @inertia.setter
     def inertia(self, inertia: Inertia) -> None:
-        self.inertia._assign(inertia)
+        _inertia_of_frame(self, "inertia", inertia)
 
     def _assign(self, other: Frame) -> None:
         self._facts = (*other._facts[:4], self._facts[4])

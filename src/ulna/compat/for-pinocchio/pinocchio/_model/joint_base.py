@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import count
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from pinocchio._containers.arrays import StdVec
+from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, ReadOnlyAttribute, read_only
 from ulna.model import JointKind
 
 LAST_CHANGE = [0]
@@ -41,8 +43,12 @@ def present_names(state: dict[str, Any]) -> dict[str, Any]:
     return {_FORMER_NAMES.get(name, name): value for name, value in state.items()}
 
 
-class JointBase:
+class JointBase(CheckedAttributes):
     """A kind of joint and, once in a model, its index and its places in q and v."""
+
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = dict.fromkeys(
+        ("id", "idx_q", "idx_v", "idx_vExtended", "nq", "nv"), read_only
+    )
 
     _limit_entries = 1
     """How many entries of `hasConfigurationLimit` there are for each of q."""
@@ -88,6 +94,18 @@ class JointBase:
     def _set_kind(self, shortname: str, kind: JointKind) -> None:
         """Makes a new joint one of a kind."""
         self.__dict__.update(_UNIVERSE, _shortname=shortname, kind=kind, nq=kind.nq, nv=kind.nv)
+
+    def _change_kind(self, **values: Any) -> None:
+        """Changes axes or lengths of its kind, before a model has it.
+
+        Raises:
+            ReadOnlyAttribute: It is in a model, whose code was compiled for them.
+        """
+        if self.id != NOWHERE:
+            raise ReadOnlyAttribute(
+                f"{' and '.join(values)} of joint {self.id} cannot be changed any more; make a new joint, and add it."
+            )
+        self.kind = replace(self.kind, **values)  # type: ignore[type-var]
 
     @property
     def nvExtended(self) -> int:
@@ -162,6 +180,10 @@ class JointBase:
 
     def __setattr__(self, name: str, value: Any) -> None:
         super().__setattr__(name, value)
+        LAST_CHANGE[0] = next(_numbers_of_changes)
+
+    def _keep(self, **values: Any) -> None:
+        super()._keep(**values)
         LAST_CHANGE[0] = next(_numbers_of_changes)
 
     def __setstate__(self, state: dict[str, Any]) -> None:

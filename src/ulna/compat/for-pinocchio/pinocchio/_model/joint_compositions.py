@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+from collections.abc import Mapping
+from typing import Any, ClassVar, Self
 
 from pinocchio._containers.arguments import ArgumentError, check_size, is_index
 from pinocchio._containers.arrays import StdVec, real
+from pinocchio._containers.attributes import AttributeKind, read_only
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
 from pinocchio._model.joint_base import NOWHERE
@@ -34,16 +36,18 @@ class JointModelComposite(JointModel):
     """Several joints in a row: `()`, `(joint)`, `(joint, placement, name)`; then `addJoint(joint, placement)`."""
 
     _has_parts = True
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {"joints": read_only, "jointPlacements": read_only}
+    joints: StdVec[JointModel]
+    """The joints it is made of."""
+    jointPlacements: StdVec[SE3]
+    """Where each is in the moving frame of the one before."""
 
     @by_name("joint_model joint_placement name", "size")
     def __init__(self, *parts: Any) -> None:
         JointModel.__init__(self)
         self._shortname = "JointModelComposite"
         self.kind: Composite | None = None
-        self.joints: StdVec[JointModel] = StdVec()
-        """The joints it is made of."""
-        self.jointPlacements: StdVec[SE3] = StdVec()
-        """Where each is in the moving frame of the one before."""
+        self._keep(joints=StdVec(), jointPlacements=StdVec())
         self._names: list[str] = []
         if len(parts) == 1 and is_index(parts[0]):
             check_size(parts[0], "size")
@@ -86,13 +90,13 @@ class JointModelComposite(JointModel):
                 f"JointModelComposite.addJoint was given {joint.shortname()}; expected a plain joint."
             )
         place = SE3() if placement is None else placement.copy()
-        self.joints = StdVec([*self.joints, joint.copy()])
-        self.jointPlacements = StdVec([*self.jointPlacements, place])
+        joints, placements = [*self.joints, joint.copy()], [*self.jointPlacements, place]
+        self._keep(joints=StdVec(joints), jointPlacements=StdVec(placements))
         self._names = [*self._names, name]
         before = ((), ()) if self.kind is None else (self.kind.kinds, self.kind.placements or ())
         kinds, places = _chain(joint.kind, place._pose())
         self.kind = Composite((*before[0], *kinds), (*before[1], *places))
-        self.nq, self.nv = self.kind.nq, self.kind.nv
+        self._keep(nq=self.kind.nq, nv=self.kind.nv)
         return self
 
     def getJointId(self, joint_name: str) -> int:
@@ -134,9 +138,8 @@ class JointModelMimic(JointModel):
             )
         self._set_kind("JointModelMimic", joint.kind)
         self._mimic_shortname = joint.shortname()
-        self.nq = self.nv = 0
         self.mimic = (int(followed.id), real(scaling, "scaling"), real(offset, "offset"))
-        self.idx_q, self.idx_v = followed.idx_q, followed.idx_v
+        self._keep(nq=0, nv=0, idx_q=followed.idx_q, idx_v=followed.idx_v)
 
 
 register(JointModelComposite, JointModelMimic)

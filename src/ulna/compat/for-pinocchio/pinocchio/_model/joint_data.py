@@ -9,6 +9,7 @@ import numpy as np
 
 from pinocchio._containers.arguments import OMITTED
 from pinocchio._containers.arrays import StdVec, vector
+from pinocchio._containers.attributes import read_only
 from pinocchio._model.joint_base import JointBase, present_names
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
@@ -221,8 +222,7 @@ def _attribute(name: str, doc: str) -> property:
         return self.__dict__[f"_{name}"]
 
     def put(self: JointData, value: Any) -> None:
-        self._update()
-        self.__dict__[f"_{name}"] = value
+        read_only(self, name, value)
 
     return property(get, put, doc=doc)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -79,6 +78,24 @@ def _motion_axis(axis: Axis) -> Any:
     return getMotionAxis
 
 
+def _axis_of(name: str, doc: str) -> property:
+    """The property of an axis of a joint's kind, its field of that name."""
+
+    def write(self: JointModel, value: Any) -> None:
+        self._change_kind(**{name: unit_axis(vector(value, 3, name))})
+
+    return property(lambda self: np.array(getattr(self.kind, name)), write, doc=doc)
+
+
+def _length_of(name: str, doc: str) -> property:
+    """The property of a length of a joint's kind, its field of that name."""
+
+    def write(self: JointModel, value: float) -> None:
+        self._change_kind(**{name: real(value, name)})
+
+    return property(lambda self: getattr(self.kind, name), write, doc=doc)
+
+
 class _Unaligned(JointModel):
     """A joint about or along any axis."""
 
@@ -91,13 +108,9 @@ class _Unaligned(JointModel):
                 f"{type(self).__name__} was given {axis}; expected an axis (3,), or three numbers."
             )
         direction = axis[0] if len(axis) == 1 else axis or _AXES["X"]
-        self._axis: Axis = unit_axis(vector(direction, 3, "axis"))
-        self._set_kind(type(self).__name__, type(self)._make(self._axis))
+        self._set_kind(type(self).__name__, type(self)._make(unit_axis(vector(direction, 3, "axis"))))
 
-    @property
-    def axis(self) -> Floats:
-        """Its unit axis (3,)."""
-        return np.array(self._axis)
+    axis = _axis_of("axis", "Its unit axis (3,).")
 
 
 class JointModelRevoluteUnaligned(_Unaligned):
@@ -136,15 +149,11 @@ class JointModelHelicalUnaligned(JointModel):
             raise ArgumentError(
                 f"JointModelHelicalUnaligned was given {parts!r}; expected (axis, pitch) or (x, y, z, pitch)."
             )
-        self._axis: Axis = unit_axis(vector(axis[0] if len(axis) == 1 else axis, 3, "axis"))
-        self.pitch = real(pitch, "pitch")
-        """Advance per angle [m/rad]."""
-        self._set_kind("JointModelHelicalUnaligned", Helical(self._axis, self.pitch))
+        direction = unit_axis(vector(axis[0] if len(axis) == 1 else axis, 3, "axis"))
+        self._set_kind("JointModelHelicalUnaligned", Helical(direction, real(pitch, "pitch")))
 
-    @property
-    def axis(self) -> Floats:
-        """Its unit axis (3,)."""
-        return np.array(self._axis)
+    axis = _axis_of("axis", "Its unit axis (3,).")
+    pitch = _length_of("pitch", "Advance per angle [m/rad].")
 
 
 class JointModelUniversal(JointModel):
@@ -159,31 +168,11 @@ class JointModelUniversal(JointModel):
         first, second = (
             parts if len(parts) == 2 else (parts[:3], parts[3:]) if parts else (_AXES["X"], _AXES["Y"])
         )
-        self._axes = tuple(unit_axis(vector(a, 3, "axis")) for a in (first, second))
-        self._set_kind("JointModelUniversal", Universal(*self._axes))
+        axes = (unit_axis(vector(a, 3, "axis")) for a in (first, second))
+        self._set_kind("JointModelUniversal", Universal(*axes))
 
-    @property
-    def axis1(self) -> Floats:
-        """The first unit axis (3,), in the fixed frame."""
-        return np.array(self._axes[0])
-
-    @property
-    def axis2(self) -> Floats:
-        """The second unit axis (3,), in the moving frame."""
-        return np.array(self._axes[1])
-
-
-def _radius(k: int) -> property:
-    """The property of a radius of an ellipsoid."""
-    name = f"radius_{'xyz'[k]}"
-
-    def read(self: Any) -> float:
-        return self.kind.radii[k]
-
-    def write(self: Any, value: float) -> None:
-        self.kind = replace(self.kind, **{name: real(value, name)})
-
-    return property(read, write, doc=f"Radius along {'xyz'[k]} [m].")
+    axis1 = _axis_of("axis1", "The first unit axis (3,), in the fixed frame.")
+    axis2 = _axis_of("axis2", "The second unit axis (3,), in the moving frame.")
 
 
 class JointModelEllipsoid(JointModel):
@@ -200,7 +189,7 @@ class JointModelEllipsoid(JointModel):
         sizes = (real(r, f"radius_{axis}") for axis, r in zip("xyz", values, strict=True))
         self._set_kind("JointModelEllipsoid", Ellipsoid(*sizes))
 
-    radius_x, radius_y, radius_z = (_radius(k) for k in range(3))
+    radius_x, radius_y, radius_z = (_length_of(f"radius_{x}", f"Radius along {x} [m].") for x in "xyz")
 
 
 JointModelFreeFlyer = _fixed_kind(
@@ -234,8 +223,7 @@ def _screw(letter: str) -> type[JointModel]:
     shortname = f"JointModelH{letter}"
 
     def __init__(self: Any, pitch: float = 0.0) -> None:
-        self.pitch = float(pitch)
-        self._set_kind(shortname, Helical(_AXES[letter], self.pitch))
+        self._set_kind(shortname, Helical(_AXES[letter], real(pitch, "pitch")))
 
     doc = f"A screw about {letter.lower()} with a pitch [m/rad]."
     members = {
@@ -244,6 +232,7 @@ def _screw(letter: str) -> type[JointModel]:
         "__module__": __name__,
         "getMotionAxis": _motion_axis(_AXES[letter]),
         "_limit_entries": 2,
+        "pitch": _length_of("pitch", "Advance per angle [m/rad]."),
     }
     return type(shortname, (JointModel,), members)
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from pinocchio._containers.arguments import WrongShape
 from pinocchio._containers.arrays import StdVec, numbers
+from pinocchio._containers.attributes import CheckedAttributes, checked_list
 from pinocchio._containers.named_configurations import StdMap_String_VectorXd
 from pinocchio._model.frame import JOINT_FRAMES, Facts, Frame
 from pinocchio._model.joint_base import LAST_CHANGE
@@ -142,13 +143,16 @@ class FrameIndex:
             self.of_joint.setdefault(joint, place)
 
 
-class LiveParameters:
+class LiveParameters(CheckedAttributes):
     """Joints, frames and inertias of a Model, and where their parameters are stored."""
 
     name: str
     names: StdVec[str]
+    """Names of the joints."""
     parents: StdVec[int]
+    """For each joint, the joint before it."""
     joints: StdVec[JointModel]
+    """The joints."""
     nq: int
     nv: int
     _placements: OwnerList
@@ -318,7 +322,9 @@ class LiveParameters:
 
     @frames.setter
     def frames(self, values: Any) -> None:
-        self._frames = FrameList(values, self._frame_changes)
+        self._frames = FrameList(
+            checked_list("frames", values, Frame, "a list of Frame"), self._frame_changes
+        )
 
     @property
     def jointPlacements(self) -> StdVec[SE3]:
@@ -327,7 +333,9 @@ class LiveParameters:
 
     @jointPlacements.setter
     def jointPlacements(self, values: Any) -> None:
-        self._placements[:] = values
+        self._placements[:] = checked_list(
+            "jointPlacements", values, SE3, "a list of SE3, one for each joint"
+        )
 
     jointPosition = jointPlacements
     """The historic name of `jointPlacements`."""
@@ -337,10 +345,6 @@ class LiveParameters:
         """For each joint, the inertia of all that is fixed to it, in its frame; live references."""
         return self._inertias
 
-    @inertias.setter
-    def inertias(self, values: Any) -> None:
-        self._inertias[:] = values
-
     @property
     def gravity(self) -> Motion:
         """The acceleration of free fall, a live reference."""
@@ -348,7 +352,7 @@ class LiveParameters:
 
     @gravity.setter
     def gravity(self, value: Any) -> None:
-        array = numbers(value.vector if isinstance(value, Motion) else value, "value")
+        array = numbers(value.vector if isinstance(value, Motion) else value, "gravity")
         if array.size not in (3, 6):
             raise WrongShape("gravity", array.shape, "a Motion, or 3 or 6 numbers")
         self._gravity._assign(np.concatenate([array.reshape(-1), np.zeros(6 - array.size)]))

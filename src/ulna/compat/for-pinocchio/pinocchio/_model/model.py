@@ -9,6 +9,7 @@ import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import StdVec, vector
+from pinocchio._containers.attributes import AttributeKind, read_only, text
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.files import Saved, register
 from pinocchio._containers.keywords import by_name
@@ -52,6 +53,15 @@ class Model(Saved, Supports, KinematicTree):
         friction: Floats
 
     gravity981: ClassVar[Floats] = np.array([0.0, 0.0, -9.81])
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {
+        "name": text,
+        **dict.fromkeys(
+            ("names", "parents", "joints", "inertias", "nq", "nv", "nvExtended", "nbodies"), read_only
+        ),
+        **dict.fromkeys(("gravity981", "supports", "subtrees", "span_indexes_vector"), read_only),
+        **dict.fromkeys(("sparsity_pattern_vector", "mimic_joint_supports"), read_only),
+        **dict.fromkeys(("mimicking_joints", "mimicked_joints"), read_only),
+    }
 
     @by_name("clone", "other")
     def __init__(self, other: Model | None = None) -> None:
@@ -61,19 +71,13 @@ class Model(Saved, Supports, KinematicTree):
         self._create_storage()
         self.name = ""
         """The name of the model."""
-        self.names: StdVec[str] = StdVec(["universe"])
-        """Names of the joints."""
-        self.parents: StdVec[int] = StdVec([0])
-        """For each joint, the joint before it."""
-        self.joints: StdVec[JointModel] = StdVec([JointModel()])
-        """The joints."""
+        self._keep(names=StdVec(["universe"]), parents=StdVec([0]), joints=StdVec([JointModel()]))
         self._placements, self._inertias = OwnerList([SE3()]), OwnerList([Inertia()])
         self.frames = [Frame("universe", 0, 0, SE3(), FrameType.FIXED_JOINT)]
         self._configurations = StdMap_String_VectorXd()
         self._gravity = Motion._of(np.concatenate([self.gravity981, np.zeros(3)]))
         self._arrays = {key: np.zeros(0) for key in (*PER_Q, *PER_V)}
-        self.nq = self.nv = self.nvExtended = 0
-        self.nbodies = 1
+        self._keep(nq=0, nv=0, nvExtended=0, nbodies=1)
         self._changed()
 
     # sizes and the tree ---------------------------------------------------------------------------------
@@ -190,10 +194,10 @@ class Model(Saved, Supports, KinematicTree):
         values = dict(state)
         if "_rows" not in self.__dict__:
             self._create_storage()
-        self.nq, self.nv, self.nvExtended, self.nbodies = values.pop("sizes")
+        self._keep(**dict(zip(_SIZES, values.pop("sizes"), strict=True)))
         for key, value in values.items():
             kind = OwnerList if key in ("_placements", "_inertias") else StdVec
-            setattr(self, key, kind(value) if isinstance(value, list) else value)
+            self._keep(**{key: kind(value) if isinstance(value, list) else value})
         self._changed()
 
     def copy(self) -> Model:
@@ -203,19 +207,19 @@ class Model(Saved, Supports, KinematicTree):
         return out
 
     def _become_copy(self, other: Model) -> None:
-        self._skeleton, self._numbers = other._state_now()
-        if other.__dict__.get("_configurations"):
-            self._configurations = other._configurations._copied()
-        self.name = other.name
-        self.nq, self.nv, self.nvExtended, self.nbodies = other.nq, other.nv, other.nvExtended, other.nbodies
-        self._layout = other._layout
+        skeleton, numbers = other._state_now()
+        own, its = self.__dict__, other.__dict__
+        own.update(
+            {name: its[name] for name in ("name", "_layout", *_SIZES)}, _skeleton=skeleton, _numbers=numbers
+        )
+        if its.get("_configurations"):
+            own["_configurations"] = other._configurations._copied()
 
     @staticmethod
     def _made_of(skeleton: Skeleton, numbers: Floats, layout: tuple[Any, ...]) -> Model:
         """The model of these joints and frames, and of all its numbers (n,), which it takes."""
         out = object.__new__(Model)
-        out._skeleton, out._numbers, out._layout = skeleton, numbers, layout
-        out.nq, out.nv = skeleton.nq, skeleton.nv
+        vars(out).update(_skeleton=skeleton, _numbers=numbers, _layout=layout, nq=skeleton.nq, nv=skeleton.nv)
         return out
 
     __copy__ = cast = copy
@@ -247,6 +251,9 @@ class Model(Saved, Supports, KinematicTree):
         """
         self._check_gravity()
         return core_model(self)
+
+
+_SIZES = ("nq", "nv", "nvExtended", "nbodies")
 
 
 def _array(key: str, size: str) -> property:

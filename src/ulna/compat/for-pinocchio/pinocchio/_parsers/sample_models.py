@@ -161,4 +161,4 @@ def _chain(model: Model, parent: int, names: list[str], axes: Any) -> int:
 
 def _add_body_frame(model: Model, joint: int, name: str) -> None:
     model.addBodyFrame(f"{name}_body", joint, SE3(), -1)
-    model.nbodies += 1
+    model._keep(nbodies=model.nbodies + 1)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any, final
+from collections.abc import Mapping
+from typing import Any, ClassVar, final
 
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import matrix, numbers, real, text, vector
+from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, entries, number
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
 from pinocchio._spatial.small_kernels import small_kernel
@@ -261,19 +263,21 @@ def coefficients_of(R: Floats) -> Floats:
 
 
 @final
-class AngleAxis:
+class AngleAxis(CheckedAttributes):
     """A rotation by an angle [rad] about a unit axis: `AngleAxis(angle, axis)`, `(R)`, `(quaternion)`."""
+
+    _kinds: ClassVar[Mapping[str, AttributeKind]] = {"angle": number, "axis": entries}
 
     @by_name("angle axis", "R", "quaternion", "copy")
     def __init__(self, *parts: Any) -> None:
         self.angle: float = 0.0
         self.axis: Floats = np.array([1.0, 0.0, 0.0])
         if len(parts) == 2:
-            self.angle, self.axis = real(parts[0], "angle"), vector(parts[1], 3, "axis").copy()
+            self.angle, self.axis = parts
         elif len(parts) == 1:
             one = parts[0]
             if isinstance(one, AngleAxis):
-                self.angle, self.axis = one.angle, one.axis.copy()
+                self.angle, self.axis = one.angle, one.axis
             else:
                 self.fromRotationMatrix(one.matrix() if hasattr(one, "matrix") else one)
         elif parts:

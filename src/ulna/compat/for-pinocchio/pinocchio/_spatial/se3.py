@@ -10,6 +10,7 @@ import numpy as np
 
 from pinocchio._containers.arguments import CONVERSIONS, ArgumentError, SizeError
 from pinocchio._containers.arrays import matrix, text, vector
+from pinocchio._containers.attributes import one_of
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
@@ -368,6 +369,9 @@ def as_placement(value: Any) -> Any:
 CONVERSIONS["SE3"] = as_placement
 
 
+_placement_of = one_of(SE3)
+
+
 class HasPlacement:
     """Mixin of classes with a placement on a joint."""
 
@@ -381,7 +385,7 @@ class HasPlacement:
 
     @placement.setter
     def placement(self, M: SE3) -> None:
-        self._placement._assign(M)
+        _placement_of(self, "placement", as_placement(M))
 
 
 register(SE3)
