@@ -256,6 +256,64 @@ def test_derivatives_under_external_forces_equal_the_definition(name, seed, root
             np.testing.assert_allclose(of_batch[k], right, rtol=1e-8, atol=1e-11 * np.abs(right).max())
 
 
+@pytest.mark.parametrize("name", [*FORMS, "inverse_mass_matrix"])
+@pytest.mark.parametrize(("seed", "root"), [(1, "free_flyer"), (3, "planar"), (8, "chain")])
+def test_packed_matrices_are_entries_of_those_in_stages(name, seed, root):
+    """Single calls and batches, without the graph; what is not stored is zero."""
+    if root == "chain":
+        rng = np.random.default_rng(seed)
+        model = random_model(rng, ["revolute", "prismatic"], 20, root="free_flyer", mimics=0, branching=0.0)
+    else:
+        model = tree(seed, root)
+    kernel = kernels.kernel(model, name)
+    packed, patterns = kernel.packed(), outputs(kernel.pattern())
+    samples = [state(model, len(kernel.function.inputs), k) for k in range(11)]
+    for values, pattern, whole in zip(
+        outputs(packed(*samples[0])), patterns, outputs(kernel(*samples[0])), strict=True
+    ):
+        np.testing.assert_array_equal(values, whole[pattern.rows, pattern.columns])
+        np.testing.assert_allclose(pattern.unpack(values), whole, rtol=1e-9, atol=1e-12 * np.abs(whole).max())
+    if jit.target().register_bytes >= 32:
+        assert "_traced" not in vars(kernel.function) and "_traced" not in vars(packed.function)
+    batch = outputs(packed(*(np.stack(column) for column in zip(*samples, strict=True))))
+    copied = pickle.loads(pickle.dumps(packed))
+    for k in (0, 10):
+        for values, pattern, whole, again in zip(
+            batch, patterns, outputs(kernel(*samples[k])), outputs(copied(*samples[k])), strict=True
+        ):
+            np.testing.assert_allclose(
+                pattern.unpack(values[k]), whole, rtol=1e-8, atol=1e-11 * np.abs(whole).max()
+            )
+            np.testing.assert_array_equal(again, whole[pattern.rows, pattern.columns])
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@pytest.mark.parametrize("name", ["inverse_dynamics_derivatives", "forward_dynamics_derivatives"])
+def test_packed_batches_in_stages(name, dtype):
+    model = tree(5)
+    whole = compile(for_batches(model, name), dtype)
+    packed = whole.packed()
+    if jit.target().register_bytes >= 32:
+        assert "@samples.read" in packed.ir(batch=True)
+    samples = [state(model, len(whole.function.inputs), seed) for seed in range(11)]
+    arrays = [np.stack(column).astype(dtype) for column in zip(*samples, strict=True)]
+    for values, pattern, right in zip(
+        outputs(packed(*arrays)), outputs(whole.pattern()), outputs(whole(*arrays)), strict=True
+    ):
+        np.testing.assert_array_equal(values, right[:, pattern.rows, pattern.columns])
+
+
+@pytest.mark.parametrize("name", FORMS)
+@pytest.mark.parametrize(("seed", "root"), [(1, "free_flyer"), (2, None)])
+def test_patterns_of_stages_have_the_entries_of_the_graph(name, seed, root):
+    """And few more: those that are zero for these axes and offsets, whatever the tree."""
+    f = kernels.function(tree(seed, root), name)
+    for known, right in zip(outputs(f.pattern()), outputs(replace(f, columns=None).pattern()), strict=True):
+        stored, needed = (set(zip(x.rows.tolist(), x.columns.tolist(), strict=True)) for x in (known, right))
+        assert known.is_symmetric == right.is_symmetric
+        assert needed <= stored and len(stored) - len(needed) < 0.1 * len(stored)
+
+
 def test_kernels_in_stages_are_pickled():
     kernel = kernels.kernel(tree(10), "coriolis_matrix")
     copied = pickle.loads(pickle.dumps(kernel))

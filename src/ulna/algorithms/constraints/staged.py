@@ -157,7 +157,11 @@ def stages_of_constrained_derivatives(model: Model, frame_pairs: Sequence[FrameP
     frame.torque_derivatives("r_q", "r_v")
     contacts.acceleration_derivatives()
     still = np.tile(~contacts.rows_moved, (2, 1))
-    zeros = {"g_q": still, "g_v": np.concatenate([still[: contacts.size], np.ones_like(contacts.rows_moved)])}
+    zeros = {
+        "r_q": frame.unrelated(by_q=True),
+        "g_q": still | frame.moves_all_evenly,
+        "g_v": np.concatenate([still[: contacts.size], np.ones_like(contacts.rows_moved)]),
+    }
     head = stages.form(("factors", "shared"), ("r_q", "g_q"), ("r_v", "g_v"), zeros=zeros)
     body = trace(
         contacts.column_answer,
@@ -266,7 +270,7 @@ class _Contacts:
         """
 
         def drive(tau: Array, h_0: Array, *v: Array) -> Array:
-            return tau - h_0[0] if law is None else tau + friction_torque(*v, law) - h_0[0]
+            return tau - h_0[0] if law is None else tau + friction_torque(v[0], law) - h_0[0]
 
         def solved(drive: Array, table: Array) -> tuple[Array, Array]:
             factors = self.factors(table)

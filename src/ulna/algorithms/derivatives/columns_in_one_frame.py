@@ -127,6 +127,29 @@ class OneFrame:
                 unit_rows[k] = int(row.argmax())
         return unit_rows
 
+    @cached_property
+    def moves_all_evenly(self) -> Array:
+        """For each column whether it moves a floating base, and with it the robot, without turning it."""
+        found = np.zeros(self.model.nv, dtype=bool)
+        for k, s in self.tree[0].columns() if self.is_floating else ():
+            found[k] = not np.asarray(s.angular, dtype=float).any()
+        return found
+
+    def unrelated(self, by_q: bool = False) -> Array:
+        """Which entries of a matrix of pairs are zero: those of columns of which neither moves the other.
+
+        Args:
+            by_q: Whether the matrix is a derivative with respect to q of what is the same everywhere.
+
+        Returns:
+            The answers, shape (nv, nv).
+        """
+        joints = np.array(self.joints)
+        related = joints[:, None] == joints
+        for k, movers in enumerate(self.movers):
+            related[k, movers] = related[movers, k] = True
+        return ~related | self.moves_all_evenly if by_q else ~related
+
     def kinematics(self) -> None:
         """T, s, V and dU from q and v; the constants of bodies."""
         self._bodies()

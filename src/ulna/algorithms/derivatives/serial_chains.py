@@ -63,7 +63,7 @@ def stages_of_inverse_mass_matrix(model: Model) -> StagedForm | None:
     frame.body_moments("own")
     articulate(frame)
     invert(frame, "inverse")
-    return frame.stages.form("inverse")
+    return frame.stages.form("inverse", symmetric=("inverse",))
 
 
 def articulate(frame: OneFrame) -> None:

@@ -60,7 +60,8 @@ def stages_of_inverse_dynamics_derivatives(model: Model, forces: Sequence[str] =
     frame.subtrees(external=frame.external_forces(forces))
     frame.columns()
     frame.torque_derivatives("by_q", "by_v", "M")
-    return frame.stages.form("by_q", "by_v", "M")
+    zeros = {"by_q": frame.unrelated(by_q=True)}
+    return frame.stages.form("by_q", "by_v", "M", zeros=zeros, symmetric=("M",))
 
 
 def stages_of_forward_dynamics_derivatives(
@@ -108,8 +109,8 @@ def stages_of_forward_dynamics_derivatives(
         return solve(np.concatenate([table[:size], -table[size:]]), column)
 
     body = trace(column, name="forward_dynamics_derivatives_column", table=(size + n,), column=(n,))
-    head = stages.form("factors", "by_q", "by_v")
-    return ColumnForm(head, body, (None, None, -1.0), (n, n), serves_batches=True)
+    head = stages.form("factors", "by_q", "by_v", zeros={"by_q": frame.unrelated(by_q=True)})
+    return ColumnForm(head, body, (None, None, -1.0), (n, n), serves_batches=True, inverts=True)
 
 
 def _wrenches(forces: Sequence[str]) -> dict[str, tuple[int, ...]]:
@@ -127,7 +128,8 @@ def _derivatives_of_serial_chains(frame: OneFrame) -> StagedForm:
     solve(frame, "tau_q", "by_q")
     solve(frame, "tau_v", "by_v")
     invert(frame, "by_tau")
-    return frame.stages.form("by_q", "by_v", "by_tau")
+    zeros = {"by_q": np.tile(frame.moves_all_evenly, (frame.model.nv, 1))}
+    return frame.stages.form("by_q", "by_v", "by_tau", zeros=zeros, symmetric=("by_tau",))
 
 
 def stages_of_coriolis_matrix(model: Model) -> StagedForm | None:
@@ -210,7 +212,7 @@ def stages_of_mass_matrix(model: Model) -> StagedForm | None:
 
     frame.stages.lanes(of_column, ("s", "sums", "mass"), ("r",))
     frame.mass_matrix("M")
-    return frame.stages.form("M")
+    return frame.stages.form("M", symmetric=("M",))
 
 
 def stages_of_centroidal_derivatives(model: Model) -> StagedForm | None:
@@ -241,7 +243,9 @@ def stages_of_centroidal_derivatives(model: Model) -> StagedForm | None:
     reads = ("s", "psi", "V", "dU", "A", "dC", "sums", "mass", "drift", "c_G", "R")
     names = ("dh_dq", "dF_dq", "dF_dv", "dF_da")
     frame.stages.lanes(_centroidal_column, reads, names)
-    return frame.stages.form(*names)
+    linear = np.zeros((6, model.nv), dtype=bool)
+    linear[:3] = frame.moves_all_evenly
+    return frame.stages.form(*names, zeros={"dh_dq": linear, "dF_dq": linear})
 
 
 def _centroidal_column(

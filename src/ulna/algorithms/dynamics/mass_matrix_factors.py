@@ -108,7 +108,7 @@ class Factors:
             return np.array(Factors.of(lower, list(entries)).solve(list(column)), dtype=object)
 
         table = [self.lower[k][j] for k in range(n) for j in keys[k]]
-        return Columns([*table, *(sign * r for r in self.reciprocals)], matrices, body, n)
+        return Columns([*table, *(sign * r for r in self.reciprocals)], matrices, body, n, inverts=True)
 
     def inward(self, b: Iterable[Any]) -> list[Any]:
         """y with L^T y = b; entries that are zero by the tree stay so."""
@@ -195,7 +195,9 @@ def columns_of_inverse(M: Array) -> Columns:
         if is_zero(M[k, k]):
             raise ZeroPivot(k)
     paths = elimination_paths(M)
-    return Columns(list(rows_of_factors(M, paths)), [1.0], solution_by_rows(paths), len(paths), paths)
+    return Columns(
+        list(rows_of_factors(M, paths)), [1.0], solution_by_rows(paths), len(paths), paths, inverts=True
+    )
 
 
 def rows_of_factors(M: Array, paths: Sequence[Sequence[int]]) -> Array:

@@ -15,8 +15,10 @@ import numpy as np
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.row_factors import write_row_factors
+from ulna.compiler.codegen.straight_line import define
 from ulna.compiler.codegen.target import Target
-from ulna.compiler.forms.columns import ColumnForm
+from ulna.compiler.forms.columns import ColumnForm, zeros_of
+from ulna.compiler.forms.packed import PackedForm
 from ulna.compiler.forms.stages import StagedForm
 from ulna.compiler.language.function import Function, trace
 from ulna.compiler.language.ops import Op
@@ -38,26 +40,29 @@ def can_write_columns(f: Function | SecondForm, target: Target, element: DType) 
         Whether its registers are wide, a row has as many columns as one holds, and the matrices fit on the stack.
     """
     form = f.columns if isinstance(f, Function) else f
-    columns = form.columns if isinstance(form, StagedForm) else f.outputs[0].shape[1]
-    size = sum(port.size for port in f.outputs) * BYTES[element]
+    assert form is not None
+    if isinstance(form, PackedForm):
+        form = form.whole
+    columns = form.columns if isinstance(form, StagedForm) else form.outputs[0].shape[1]
+    size = sum(port.size for port in form.outputs) * BYTES[element]
     is_wide = target.register_bytes >= _NARROWEST and target.stack_space == 0
     return is_wide and columns >= target.lanes(element) and size <= _MAX_SCRATCH
 
 
-def write_columns(module: Module, f: Function, form: ColumnForm, target: Target, element: DType) -> None:
-    """`void one(ptr in, ..., ptr out, ...)`, which calls `head`; that is written already.
+def write_columns(module: Module, name: str, form: ColumnForm, target: Target, element: DType) -> None:
+    """`void name(ptr in, ..., ptr out, ...)`, which calls `head`; that is written already.
 
     Args:
         module: Where the definitions go.
-        f: The function.
+        name: The name of the function.
         form: Its form of columns.
         target: The processor.
         element: Type of the array elements, "double" or "float".
     """
-    lanes, m, n = target.lanes(element), f.outputs[0].shape[1], form.body.inputs[1].size
+    lanes, m, n = target.lanes(element), form.shape[1], form.body.inputs[1].size
     starts = [*range(0, m - lanes, lanes), m - lanes]
     bodies: dict[tuple[int, frozenset[int]], str] = {}
-    inputs = [f"ptr %i{k}" for k in range(len(f.inputs))]
+    inputs = [f"ptr %i{k}" for k in range(len(form.inputs))]
     lines, scratch = [], []
     for k, port in enumerate(form.head.outputs):
         lines.append(f"  %s{k} = alloca [{max(port.size, 1)} x {element}], align 64")
@@ -70,58 +75,24 @@ def write_columns(module: Module, f: Function, form: ColumnForm, target: Target,
         lines.append(f"  %table = alloca [{form.body.inputs[0].size} x {element}], align 64")
         lines.append(f"  call void @factors({scratch[0]}, {table})")
     matrices = iter(scratch[1:])
-    for k, (unit, zeros) in enumerate(zip(form.units, zeros_of(form, m), strict=True)):
+    for k, (unit, zeros) in enumerate(zip(form.units, zeros_of(form), strict=True)):
         source = next(matrices) if unit is None else f"ptr {_units(module, unit, n, m, element)}"
         for start in starts:
             rows = frozenset(i for i in range(n) if all(row[i] for row in zeros[start : start + lanes]))
             same = (
-                name
-                for (at, fewer), name in bodies.items()
+                body
+                for (at, fewer), body in bodies.items()
                 if fewer == rows or (at == start and fewer <= rows)
             )
-            if (name := next(same, "")) == "":
-                name = bodies[start, rows] = f"column{len(bodies)}"
-                _write_body(module, name, without_rows(form.body, rows), m, Lanes(lanes, element), target)
+            if (body := next(same, "")) == "":
+                body = bodies[start, rows] = f"column{len(bodies)}"
+                _write_body(module, body, without_rows(form.body, rows), m, Lanes(lanes, element), target)
             at = f"{k}.{start}"
             lines.append(f"  %x{at} = getelementptr {element}, {source}, i64 {start}")
             lines.append(f"  %y{at} = getelementptr {element}, ptr %o{k}, i64 {start}")
-            lines.append(f"  call void @{name}({table}, ptr %x{at}, ptr %y{at})")
-    arguments = [*inputs, *(f"ptr %o{k}" for k in range(len(f.outputs)))]
-    head = f"define internal void @one({', '.join(arguments)}) noinline nounwind #0 {{"
-    module.definitions["one"] = "\n".join([head, "entry:", *lines, "  ret void", "}", ""])
-
-
-def zeros_of(form: ColumnForm, m: int) -> list[list[list[bool]]]:
-    """For each matrix, column and row whether the entry is zero whatever the inputs.
-
-    Args:
-        form: The form.
-        m: How many columns the matrices have.
-
-    Returns:
-        The answers.
-    """
-    if isinstance(form.head, StagedForm):
-        matrices, n = iter(form.head.zeros[1:]), form.body.inputs[1].size
-        units = [[[i != k for i in range(n)] for k in range(m)] for _ in form.units]
-        return [
-            units[k] if unit is not None else next(matrices).T.tolist() for k, unit in enumerate(form.units)
-        ]
-    head = form.head
-    assert isinstance(head, Function)
-    g = head.graph
-    start = head.outputs[0].size
-    n = form.body.inputs[1].size
-    zeros = []
-    for unit in form.units:
-        if unit is not None:
-            zeros.append([[i != k for i in range(n)] for k in range(m)])
-            continue
-        nodes = head.results[start : start + n * m]
-        start += n * m
-        is_zero = [g.op[node] == Op.CONST and g.data[node] == 0.0 for node in nodes]
-        zeros.append([is_zero[k::m] for k in range(m)])
-    return zeros
+            lines.append(f"  call void @{body}({table}, ptr %x{at}, ptr %y{at})")
+    arguments = [*inputs, *(f"ptr %o{k}" for k in range(len(form.units)))]
+    define(module, name, arguments, "noinline nounwind #0", lines)
 
 
 def without_rows(body: Function, rows: frozenset[int]) -> Function:

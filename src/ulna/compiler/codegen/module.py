@@ -13,6 +13,7 @@ from ulna.compiler.codegen.batch_loop import batch_loop
 from ulna.compiler.codegen.columns import can_write_columns, write_columns
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes, local_array
 from ulna.compiler.codegen.node_writer import Module, Writer
+from ulna.compiler.codegen.packed import write_packed
 from ulna.compiler.codegen.row_table import write_rows
 from ulna.compiler.codegen.rows import load, store
 from ulna.compiler.codegen.sample_stages import suits_sample_stages, write_sample_stages
@@ -21,6 +22,7 @@ from ulna.compiler.codegen.stages import write_stages
 from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.forms.columns import ColumnForm
+from ulna.compiler.forms.packed import PackedForm
 from ulna.compiler.forms.stages import StagedForm
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ops import Op
@@ -107,16 +109,20 @@ def emit_single(f: Function, target: Target, element: DType = "double") -> str:
     """
     module = Module()
     if f.columns is not None and can_write_columns(f, target, element):
-        _write_form(module, f, f.columns, target, element)
+        _write_form(module, "one", f.columns, target, element)
         return module.text() + _wide_registers(target.lanes(element), element)
     _write_block(module, f, "one", Lanes(1, element), target.packed_sines, target)
     return module.text() + (_wide_registers(f.lanes, element) if f.lanes > 1 else "")
 
 
-def _write_form(module: Module, f: Function, form: SecondForm, target: Target, element: DType) -> None:
-    """`void one(ptr in0, ..., ptr out0, ...)` by a second form."""
+def _write_form(module: Module, name: str, form: SecondForm, target: Target, element: DType) -> None:
+    """`void name(ptr in0, ..., ptr out0, ...)` by a second form."""
     if isinstance(form, StagedForm):
-        write_stages(module, "one", form, target, element)
+        write_stages(module, name, form, target, element)
+        return
+    if isinstance(form, PackedForm):
+        _write_form(module, "whole", form.whole, target, element)
+        write_packed(module, name, form, "whole", target, element)
         return
     assert isinstance(form, ColumnForm)
     if isinstance(form.head, StagedForm):
@@ -124,7 +130,7 @@ def _write_form(module: Module, f: Function, form: SecondForm, target: Target, e
     else:
         assert isinstance(form.head, Function)
         _write_block(module, form.head, "head", Lanes(1, element), target.packed_sines, target)
-    write_columns(module, f, form, target, element)
+    write_columns(module, name, form, target, element)
 
 
 def emit_library(
@@ -191,7 +197,7 @@ def emit_batch(f: Function, target: Target, element: DType = "double") -> str:
         write_sample_stages(module, form, target, element)
     else:
         lanes = 1
-        _write_form(module, f, form, target, element)
+        _write_form(module, "one", form, target, element)
         _write_block_of_one(module, f)
     module.declare("declare i32 @feclearexcept(i32)")
     module.definitions["batch"] = batch_loop(f, element, lanes)

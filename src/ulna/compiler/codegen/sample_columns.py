@@ -10,21 +10,24 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import groupby
 
-from ulna.compiler.codegen.columns import without_rows, zeros_of
+from ulna.compiler.codegen.columns import without_rows
 from ulna.compiler.codegen.ir_text import BYTES, Lanes
 from ulna.compiler.codegen.node_writer import Module, Writer
+from ulna.compiler.codegen.row_table import write_rows
 from ulna.compiler.codegen.rows import rows_of, store, transposed
 from ulna.compiler.codegen.sample_loops import ColumnReader, Source, begin_loop, end_loop, get, put
 from ulna.compiler.codegen.scheduling import chunks
 from ulna.compiler.codegen.straight_line import define
 from ulna.compiler.codegen.target import Target
-from ulna.compiler.forms.columns import ColumnForm
+from ulna.compiler.forms.columns import ColumnForm, zeros_of
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.graph import Graph
 
 _FEWEST = 3
 """Columns that have code of their own."""
 
+Stored = Sequence[Sequence[int] | None]
+"""For each output the places of the entries that are written; None for all."""
 Groups = Sequence[tuple[range, frozenset[int]]]
 """Neighbouring columns, and the rows that are zero in all of them."""
 
@@ -68,7 +71,7 @@ class SampleColumns:
         self.form, self.target, self.layout = form, target, layout
         self.rows, self.columns = form.shape
         self._length = form.body.inputs[1].size
-        self._zeros = zeros_of(form, self.columns)
+        self._zeros = zeros_of(form)
         self.groups: list[Groups | None] = [
             column_groups(zeros) if unit is None else None
             for unit, zeros in zip(form.units, self._zeros, strict=True)
@@ -94,13 +97,14 @@ class SampleColumns:
             if zeros[j][i] and i not in rows
         ]
 
-    def write(self, module: Module, heads: Sequence[str], memory: str) -> list[str]:
+    def write(self, module: Module, heads: Sequence[str], memory: str, stored: Stored) -> list[str]:
         """Writes all functions.
 
         Args:
             module: Where the definitions go.
             heads: The addresses of the head's outputs, whose numbers are registers, as arguments.
             memory: The address of as many registers as this needs, as an argument.
+            stored: Which entries of each output are written.
 
         Returns:
             The calls that compute and write all outputs, for `block`.
@@ -114,7 +118,8 @@ class SampleColumns:
         if not bodies:
             bodies[frozenset()] = "samples.column0"
             self._write_body(module, "samples.column0", self.form.body)
-        self._write_put(module)
+        if None in stored:
+            self._write_put(module)
         matrices, real = iter(heads[1:]), self.layout.real
         calls = [f"  %unit = getelementptr {real}, {memory}, i64 {self.rows * self.columns}"]
         for k, unit in enumerate(self.form.units):
@@ -129,7 +134,7 @@ class SampleColumns:
                 calls.append(f"  {there} = getelementptr {real}, {memory}, i64 {columns.start}")
                 given = f"{heads[0]}, ptr {here}, ptr {there}, i64 {step}, i64 {len(columns)}"
                 calls.append(f"  call void @{name}({given})")
-            calls.append(f"  call void @samples.put(ptr %o{k}, i64 %o{k}s, {memory})")
+            calls.append(f"  call void @{self._put(module, k, stored[k])}(ptr %o{k}, i64 %o{k}s, {memory})")
         return calls
 
     def _parts(self, k: int, bodies: Mapping[frozenset[int], str]) -> list[tuple[range, str]]:
@@ -178,6 +183,16 @@ class SampleColumns:
             define(module, "samples.unit", arguments, "noinline nounwind #0", w.lines)
         number = Lanes(1, self.layout.dtype).constant(unit)
         return f"  call void @samples.unit({self.layout.dtype} {number}, ptr %unit)"
+
+    def _put(self, module: Module, k: int, stored: Sequence[int] | None) -> str:
+        """The name of the function that writes an output."""
+        if stored is None:
+            return "samples.put"
+        w, name = self._writer(module), f"samples.put{k}"
+        write_rows(w, f"o{k}", stored, None)
+        arguments = [f"ptr %o{k}", f"i64 %o{k}s", "ptr noalias %scratch"]
+        define(module, name, arguments, "noinline nounwind #0", w.lines)
+        return name
 
     def _write_put(self, module: Module) -> None:
         """`void samples.put(ptr o, i64 os, ptr matrix)` writes an output."""

@@ -14,13 +14,14 @@ from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes, local_array
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.row_table import write_rows
 from ulna.compiler.codegen.rows import load
-from ulna.compiler.codegen.sample_columns import SampleColumns
+from ulna.compiler.codegen.sample_columns import SampleColumns, Stored
 from ulna.compiler.codegen.sample_loops import ColumnReader, Source, begin_loop, end_loop, get, item, put
 from ulna.compiler.codegen.scheduling import Store, scratch_places
 from ulna.compiler.codegen.stages import array_places, parts_without_inputs, rounded
 from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.forms.columns import ColumnForm, row_places
+from ulna.compiler.forms.packed import PackedForm
 from ulna.compiler.forms.stages import Factors, Pairs, Stage, StagedForm, Sweep
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ports import SecondForm
@@ -42,6 +43,7 @@ def suits_sample_stages(form: SecondForm, target: Target, element: DType) -> boo
         Whether it has stages without sweeps, whose arrays are not too large for the stack and the second cache, and
         outputs in one part.
     """
+    form = form.whole if isinstance(form, PackedForm) else form
     head = form.head if isinstance(form, ColumnForm) else form
     if not isinstance(head, StagedForm) or head.parts or any(isinstance(x, Sweep) for x in head.stages):
         return False
@@ -58,9 +60,11 @@ def write_sample_stages(module: Module, form: SecondForm, target: Target, elemen
         target: The processor.
         element: Type of the array elements, "double" or "float".
     """
+    places = form.places if isinstance(form, PackedForm) else (None,) * len(form.outputs)
+    form = form.whole if isinstance(form, PackedForm) else form
     head = form.head if isinstance(form, ColumnForm) else form
     assert isinstance(head, StagedForm)
-    _SampleStagesWriter(module, form, head, target, element).write()
+    _SampleStagesWriter(module, form, head, target, element).write(places)
 
 
 class _SampleStagesWriter:
@@ -90,8 +94,12 @@ class _SampleStagesWriter:
         self.calls = [at, zero]
         self._count = 0
 
-    def write(self) -> None:
-        """All stages, and the function that calls them."""
+    def write(self, stored: Stored) -> None:
+        """All stages, and the function that calls them.
+
+        Args:
+            stored: For each output which of its entries are written, and None for all.
+        """
         element = self.layout.dtype
         for key, rows in self.form.constants.items():
             one = Lanes(1, element)
@@ -113,9 +121,9 @@ class _SampleStagesWriter:
                 self._straight(name, stage)
         if self.solved is not None:
             heads = [self._address(f"o{k}") for k in range(len(self.form.outputs))]
-            self.calls += self.solved.write(self.module, heads, self._at(self.zero + 1))
+            self.calls += self.solved.write(self.module, heads, self._at(self.zero + 1), stored)
         else:
-            self._write_outputs()
+            self._write_outputs(stored)
         memory = local_array("arrays", self.layout.real, self.size, self.target.stack_space)
         define(self.module, "block", self._ports(), "noinline nounwind #0", [*memory, *self.calls])
 
@@ -175,10 +183,11 @@ class _SampleStagesWriter:
         self._define("samples.read", arguments, w)
         self.calls.append(f"  call void @samples.read({', '.join(arguments)})")
 
-    def _write_outputs(self) -> None:
+    def _write_outputs(self, stored: Stored) -> None:
         w, arguments = self._writer(), [*self._ports(), "ptr %scratch"]
-        for k, port in enumerate(self.form.outputs):
-            write_rows(w, f"o{k}", [self._place(f"o{k}", j) for j in range(port.size)], self.zero)
+        for k, (port, chosen) in enumerate(zip(self.form.outputs, stored, strict=True)):
+            entries = range(port.size) if chosen is None else chosen
+            write_rows(w, f"o{k}", [self._place(f"o{k}", j) for j in entries], self.zero)
         self._define("samples.write", arguments, w)
         self.calls.append(f"  call void @samples.write({', '.join([*self._ports(), 'ptr %arrays'])})")
 

@@ -10,14 +10,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ulna.compiler.forms.packed import packed_form
+from ulna.compiler.forms.stages import StagedForm
 from ulna.compiler.language.function import Function, trace
 from ulna.compiler.language.graph import Graph
-from ulna.compiler.language.ports import Port, SecondForm
+from ulna.compiler.language.ops import Op
+from ulna.compiler.language.ports import Entries, Port, SecondForm
 from ulna.data_classes import dataclass
 from ulna.errors import TraceError
 from ulna.system.cached import cached_property
@@ -38,6 +42,7 @@ class Columns(NamedTuple):
             diagonal, then zeros. For a column i of a path, path i is the part of that path before i.
         serves_batches: Whether batches are computed in this form as well, one sample after the other: for functions
             whose graph is so long that SIMD lanes of samples are no faster.
+        inverts: Whether the results of multiples of the unit matrix are symmetric, as inverses of symmetric matrices.
     """
 
     table: Sequence[Any]
@@ -46,6 +51,7 @@ class Columns(NamedTuple):
     rows: int
     paths: Sequence[Sequence[int]] = ()
     serves_batches: bool = False
+    inverts: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +65,7 @@ class ColumnForm:
         shape: That of the outputs.
         paths: The columns of the rows before the diagonal, where the table is to be factored before the body gets it.
         serves_batches: Whether samples of a batch are computed in this form, too, one by one.
+        inverts: Whether the outputs of multiples of the unit matrix are symmetric.
     """
 
     head: Function | SecondForm
@@ -67,6 +74,7 @@ class ColumnForm:
     shape: tuple[int, ...]
     paths: tuple[tuple[int, ...], ...] = ()
     serves_batches: bool = False
+    inverts: bool = False
 
     @property
     def operations(self) -> int:
@@ -83,6 +91,61 @@ class ColumnForm:
         """The outputs of the function."""
         names = ["out"] if len(self.units) == 1 else [f"out{k}" for k in range(len(self.units))]
         return tuple(Port(name, self.shape) for name in names)
+
+    @property
+    def entries(self) -> tuple[Entries, ...]:
+        """What is known of each output."""
+        return tuple(
+            Entries(_set_entries(self.body, np.array(zeros).T), self.inverts and unit is not None)
+            for unit, zeros in zip(self.units, zeros_of(self), strict=True)
+        )
+
+
+def zeros_of(form: ColumnForm) -> list[list[list[bool]]]:
+    """For each matrix, column and row whether the entry that the body takes is zero whatever the inputs.
+
+    Args:
+        form: The form.
+
+    Returns:
+        The answers.
+    """
+    m, n = form.shape[1], form.body.inputs[1].size
+    head, zeros = form.head, []
+    given: Any = head.zeros[1:] if isinstance(head, StagedForm) else _zeros_of_graph(head, n, m)
+    matrices = iter(given)
+    for unit in form.units:
+        of_unit = ~np.eye(n, m, dtype=bool)
+        zeros.append((of_unit if unit is not None else next(matrices)).T.tolist())
+    return zeros
+
+
+def _zeros_of_graph(head: Any, n: int, m: int) -> list[Any]:
+    """Which entries of each matrix of a head are constants that are zero, (n, m)."""
+    g, start = head.graph, head.outputs[0].size
+    nodes = head.results[start:]
+    is_zero = np.array([g.op[node] == Op.CONST and g.data[node] == 0.0 for node in nodes], dtype=bool)
+    return list(is_zero.reshape(-1, n, m))
+
+
+def _set_entries(body: Function, zeros: Any) -> Any:
+    """Which entries of the columns that a body returns are not always zero, (k, m), for columns (n, m) with zeros."""
+    g, size = body.graph, body.inputs[0].size
+    some = np.zeros(zeros.shape[1], dtype=bool)
+    known = dict(zip(g.inputs, [some] * size + list(zeros), strict=True))
+    for index in g.live(body.results):
+        op, args = g.op[index], g.args[index]
+        if op == Op.CONST:
+            known[index] = ~some if g.data[index] == 0.0 else some
+        elif op == Op.MUL:
+            known[index] = known[args[0]] | known[args[1]]
+        elif op in (Op.ADD, Op.SUB):
+            known[index] = known[args[0]] & known[args[1]]
+        elif op in (Op.NEG, Op.DIV):
+            known[index] = known[args[0]]
+        elif op != Op.INPUT:
+            known[index] = some
+    return ~np.array([known[index] for index in body.results])
 
 
 PADDING = 8
@@ -165,7 +228,7 @@ def column_form(form: Callable[..., Columns], name: str, **shapes: Any) -> Colum
         )
     results = (*body.outputs[0].shape, shape[1])
     paths = tuple(map(tuple, columns.paths))
-    return ColumnForm(traced, body, units, results, paths, columns.serves_batches)
+    return ColumnForm(traced, body, units, results, paths, columns.serves_batches, columns.inverts)
 
 
 class DeferredFunction(Function):
@@ -185,6 +248,23 @@ class DeferredFunction(Function):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.name, self.doc, self.columns, self.__dict__["_make"])
+
+    def packed(self, zeros: bool = False) -> Any:
+        """The same function with its matrices packed; see `Packable.packed`. The graph is not traced for it.
+
+        Args:
+            zeros: Whether entries that are always zero are stored, too.
+
+        Returns:
+            The function.
+
+        Raises:
+            InputError: If no output is a matrix.
+        """
+        assert self.columns is not None
+        patterns = self._patterns(zeros)
+        make = partial(_packed_graph, self, patterns)
+        return DeferredFunction(f"{self.name}_packed", "", packed_form(self.columns, patterns), make)
 
     def _derived(self, *arguments: Any) -> Any:
         return self._traced._derived(*arguments)
@@ -207,3 +287,8 @@ class DeferredFunction(Function):
     @cached_property
     def _traced(self) -> Function:
         return self.__dict__["_make"]()
+
+
+def _packed_graph(f: DeferredFunction, patterns: Any) -> Function:
+    """The graph of a function with its matrices packed."""
+    return f._traced._packed_as(patterns)

@@ -24,7 +24,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from ulna.compiler.language.function import Function, trace
-from ulna.compiler.language.ports import Port
+from ulna.compiler.language.ports import Entries, Port
 from ulna.data_classes import dataclass
 from ulna.errors import TraceError
 
@@ -191,6 +191,7 @@ class StagedForm:
         serves_batches: Whether samples of a batch are computed in this form, too, one in each SIMD lane; where outputs
             have parts, one after the other.
         parts: Those arrays that are parts of outputs.
+        symmetric: The numbers of the outputs that are symmetric matrices.
     """
 
     inputs: tuple[Port, ...]
@@ -203,6 +204,7 @@ class StagedForm:
     zeros: tuple[Any, ...]
     serves_batches: bool = field(default=False)
     parts: Mapping[str, Part] = field(default_factory=dict)
+    symmetric: frozenset[int] = frozenset()
 
     @property
     def operations(self) -> int:
@@ -216,6 +218,15 @@ class StagedForm:
             elif isinstance(stage, Sweep):
                 bodies += [step.body for step in stage.passes]
         return sum(f.operations for f in bodies)
+
+    @property
+    def entries(self) -> tuple[Entries | None, ...]:
+        """What is known of each output that is a matrix; None for the others."""
+        known: list[Entries | None] = []
+        for k, (port, zeros) in enumerate(zip(self.outputs, self.zeros, strict=True)):
+            is_set = np.full(port.shape, True) if zeros is None else ~zeros
+            known.append(Entries(is_set, k in self.symmetric) if len(port.shape) == 2 else None)
+        return tuple(known)
 
 
 PairFunction = tuple[Callable[..., Any], Sequence[str], Sequence[str]]
@@ -415,6 +426,7 @@ class Stages:
         *outputs: str | Sequence[str],
         serves_batches: bool = False,
         zeros: Mapping[str, Any] | None = None,
+        symmetric: Sequence[str] = (),
     ) -> StagedForm:
         """The form of all stages.
 
@@ -422,7 +434,8 @@ class Stages:
             *outputs: Names of the arrays that the function returns; several names stand for these arrays, one below
                 the other.
             serves_batches: Whether samples of a batch are computed in this form, too.
-            zeros: For matrices that are not of pairs which entries are zero whatever the inputs.
+            zeros: For matrices which entries are zero whatever the inputs; None for what pairs of columns say.
+            symmetric: Names of the matrices that are symmetric.
 
         Returns:
             The form.
@@ -458,6 +471,7 @@ class Stages:
             tuple(self._zeros(group, zeros or {}) for group in groups),
             serves_batches,
             parts,
+            frozenset(k for k, group in enumerate(groups) if set(group) & set(symmetric)),
         )
 
     def _declare(self, name: str, shape: tuple[int, ...], is_table: bool = True) -> None:

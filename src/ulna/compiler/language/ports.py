@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import product
 from math import prod
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ulna.checks.arrays import batched_shape
 from ulna.data_classes import dataclass
 from ulna.errors import ShapeError
+from ulna.typing import Array
 
 Shape = tuple[int, ...]
 
@@ -78,6 +79,18 @@ def batch_shape(ports: Sequence[Port], shapes: Sequence[Shape]) -> Shape:
         ) from None
 
 
+class Entries(NamedTuple):
+    """What is known of the entries of a matrix, whatever the inputs.
+
+    Attributes:
+        is_set: Which of them are not always zero, (n, m).
+        is_symmetric: Whether the matrix is symmetric.
+    """
+
+    is_set: Array
+    is_symmetric: bool
+
+
 class SecondForm(Protocol):
     """Another way to compute a function: of columns, or in stages (`ulna.compiler.forms.stages`)."""
 
@@ -99,4 +112,9 @@ class SecondForm(Protocol):
     @property
     def serves_batches(self) -> bool:
         """Whether samples of a batch are computed in this form, too, one by one."""
+        ...
+
+    @property
+    def entries(self) -> tuple[Entries | None, ...]:
+        """What is known of each output that is a matrix; None for the others."""
         ...

@@ -12,7 +12,7 @@ import numpy as np
 
 from ulna.checks.masked import check_not_masked
 from ulna.compiler.language.ops import Op
-from ulna.compiler.language.ports import Port
+from ulna.compiler.language.ports import Entries, Port
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.typing import Array, ArrayLike
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ulna.compiler.language.graph import Graph
+    from ulna.compiler.language.ports import SecondForm
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +44,11 @@ class Pattern:
     def count(self) -> int:
         """How many entries are stored."""
         return len(self.rows)
+
+    @property
+    def places(self) -> Array:
+        """The places of the stored entries in the whole matrix, row by row, (count,)."""
+        return self.rows * self.shape[1] + self.columns
 
     @property
     def starts(self) -> Array:
@@ -87,6 +93,7 @@ class Packable:
     outputs: tuple[Port, ...]
     results: tuple[int, ...]
     single: bool
+    columns: SecondForm | None
     _derived: Callable[..., Any]
 
     def pattern(self, zeros: bool = False) -> Any:
@@ -116,13 +123,14 @@ class Packable:
         Raises:
             InputError: If no output is a matrix.
         """
+        return self._packed_as(self._patterns(zeros))
+
+    def _packed_as(self, patterns: Sequence[Pattern | None]) -> Any:
         outputs: list[Port] = []
         results: list[int] = []
         start = 0
-        for port, pattern in zip(self.outputs, self._patterns(zeros), strict=True):
-            places = range(port.size)
-            if pattern is not None:
-                places = pattern.rows * pattern.shape[1] + pattern.columns
+        for port, pattern in zip(self.outputs, patterns, strict=True):
+            places = range(port.size) if pattern is None else pattern.places
             outputs.append(port if pattern is None else Port(port.name, (pattern.count,)))
             results += [self.results[start + k] for k in places]
             start += port.size
@@ -134,21 +142,29 @@ class Packable:
             raise InputError(
                 f"{self.name} returns {shapes}; expected a matrix among its outputs, since only matrices are packed."
             )
-        patterns, start = [], 0
+        entries = self._entries_of_graph() if self.columns is None else self.columns.entries
+        return tuple(known and _pattern(known, zeros) for known in entries)
+
+    def _entries_of_graph(self) -> list[Entries | None]:
+        """A matrix is symmetric where opposite entries are the same node."""
+        entries, start, g = [], 0, self.graph
         for port in self.outputs:
             nodes = self.results[start : start + port.size]
             start += port.size
-            patterns.append(_pattern(self.graph, port.shape, nodes, zeros) if len(port.shape) == 2 else None)
-        return tuple(patterns)
+            if len(port.shape) != 2:
+                entries.append(None)
+                continue
+            matrix = np.array(nodes, dtype=np.intp).reshape(port.shape)
+            is_symmetric = port.shape[0] == port.shape[1] and np.array_equal(matrix, matrix.T)
+            is_zero = [g.op[node] == Op.CONST and g.data[node] == 0.0 for node in nodes]
+            entries.append(Entries(~np.array(is_zero, dtype=bool).reshape(port.shape), is_symmetric))
+        return entries
 
 
-def _pattern(graph: Graph, shape: Any, nodes: Sequence[int], zeros: bool) -> Pattern:
-    """The stored entries of a matrix of nodes; it is symmetric where opposite entries are the same node."""
-    matrix = np.array(nodes, dtype=np.intp).reshape(shape)
-    is_symmetric = shape[0] == shape[1] and np.array_equal(matrix, matrix.T)
-    is_zero = [graph.op[node] == Op.CONST and graph.data[node] == 0.0 for node in nodes]
-    is_stored = np.full(shape, True) if zeros else ~np.array(is_zero, dtype=bool).reshape(shape)
-    columns, rows = np.nonzero((np.tril(is_stored) if is_symmetric else is_stored).T)
+def _pattern(known: Entries, zeros: bool) -> Pattern:
+    """The stored entries of a matrix."""
+    is_stored = np.full_like(known.is_set, True) if zeros else known.is_set
+    columns, rows = np.nonzero((np.tril(is_stored) if known.is_symmetric else is_stored).T)
     for indices in (rows, columns):
         indices.setflags(write=False)
-    return Pattern(shape, rows, columns, is_symmetric)
+    return Pattern(is_stored.shape, rows, columns, known.is_symmetric)
