@@ -20,7 +20,7 @@ from ulna.recursions.composition import Composition
 from ulna.recursions.recursion import Recursion
 from ulna.typing import Floats
 
-_ROWS_PER_THREAD = 8
+_LEAST_ROWS = 8  # in a part of a batch that a thread computes
 
 
 @final
@@ -166,7 +166,7 @@ class LoopedKernel(KernelBase):
         remake: tuple[Any, ...],
     ) -> None:
         evaluate = function if dtype == np.float64 else partial(function, dtype=dtype)
-        call = ArrayCall(function, dtype, checked, unit, labels, evaluate, _ROWS_PER_THREAD)  # type: ignore[arg-type]
+        call = ArrayCall(function, dtype, checked, unit, labels, evaluate, _LEAST_ROWS)  # type: ignore[arg-type]
         self._array_call, self._looped, self._remake = call, function, remake
         names = ", ".join(port.name for port in function.inputs)
         doc = f"{function.name}({names}): {function.signature}\n\n{function.doc}"

@@ -1,37 +1,176 @@
-"""Batches in threads: all parts are computed and no thread goes on, whatever fails."""
+"""Batches in threads: bit for bit those of one thread, wherever the arrays lie and whoever computes them."""
 
 from __future__ import annotations
 
+import pickle
 import threading
+from typing import Any
 
+import numpy as np
 import pytest
 
-from ulna.compiler.runtime.array_call import _in_threads
+from ulna.compiler import compile
+from ulna.compiler.runtime import array_call, shared_batch
+from ulna.system import helper_threads
+
+ROWS = 777
 
 
-def test_parts_whose_thread_cannot_start_are_still_computed(monkeypatch: pytest.MonkeyPatch) -> None:
-    start, started, computed = threading.Thread.start, [], []
-
-    def start_once(thread: threading.Thread) -> None:
-        if started:
-            raise RuntimeError("can't start new thread")
-        started.append(thread)
-        start(thread)
-
-    monkeypatch.setattr(threading.Thread, "start", start_once)
-    _in_threads(computed.append, 5)
-    assert sorted(computed) == [0, 1, 2, 3, 4] and not started[0].is_alive()
+@pytest.fixture(autouse=True)
+def _small_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Parts of 16 rows, so that small batches have many."""
+    monkeypatch.setattr(array_call, "_LEAST_OPERATIONS", 1)
 
 
-def test_errors_come_after_all_threads_have_ended() -> None:
-    ended = []
+def _two(a: Any, b: Any) -> Any:
+    return a @ b + np.sin(b), np.exp(-a[0, 0]) * b[0]
 
-    def part(k: int) -> None:
-        if k == 0:
-            raise KeyboardInterrupt
-        threading.Event().wait(0.05)
-        ended.append(k)
 
-    with pytest.raises(KeyboardInterrupt):
-        _in_threads(part, 3)
-    assert sorted(ended) == [1, 2]
+def _kernel(dtype: Any = np.float64) -> Any:
+    return compile(_two, dtype=dtype, a=(3, 3), b=(3,))
+
+
+def _arguments(batch: tuple[int, ...] = (ROWS,), dtype: Any = np.float64) -> list[np.ndarray]:
+    rng = np.random.default_rng(3)
+    return [rng.uniform(-1, 1, (*batch, 3, 3)).astype(dtype), rng.uniform(-1, 1, (*batch, 3)).astype(dtype)]
+
+
+def _unaligned(x: np.ndarray) -> np.ndarray:
+    moved = np.empty(x.nbytes + 1, np.uint8)[1:].view(x.dtype).reshape(x.shape)
+    moved[...] = x
+    return moved
+
+
+def _equal(kernel: Any, arguments: list[np.ndarray], threads: int = 3) -> None:
+    for result, wanted in zip(kernel(*arguments, threads=threads), kernel(*arguments), strict=True):
+        np.testing.assert_array_equal(result, wanted)
+
+
+@pytest.fixture
+def shared(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+    """What `share` answered: whether machine code took the rows."""
+    answers: list[bool] = []
+
+    def share(*arguments: Any) -> bool:
+        answers.append(shared_batch.share(*arguments))
+        return answers[-1]
+
+    monkeypatch.setattr(array_call, "share", share)
+    return answers
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@pytest.mark.parametrize("threads", [2, 3, 64])
+def test_rows_are_shared_by_machine_code(shared: list[bool], dtype: Any, threads: int) -> None:
+    _equal(_kernel(dtype), _arguments(dtype=dtype), threads)
+    assert shared == [True]
+
+
+@pytest.mark.parametrize("rows", [32, 33, 47, 48, 100])
+def test_short_batches(shared: list[bool], rows: int) -> None:
+    _equal(_kernel(), _arguments((rows,)))
+    assert shared == [True]
+
+
+@pytest.mark.parametrize(
+    "case", ["backwards", "gaps", "columns first", "one row", "no row", "rows alike", "two axes"]
+)
+def test_rows_at_equal_distances_are_shared(shared: list[bool], case: str) -> None:
+    a, b = _arguments((7, 111)) if case == "two axes" else _arguments()
+    if case == "backwards":
+        a, b = a[::-1], b[::-1, ::-1]
+    elif case == "gaps":
+        a = np.repeat(a, 2, axis=0)[::2]
+    elif case == "columns first":
+        a = np.asfortranarray(a)
+    elif case == "one row":
+        a = a[:1]
+    elif case == "no row":
+        a = a[0]
+    elif case == "rows alike":
+        a = np.broadcast_to(a[5], a.shape)
+    _equal(_kernel(), [a, b])
+    assert shared == [True]
+
+
+@pytest.mark.parametrize("case", ["unaligned", "broadcast", "transposed"])
+def test_other_rows_are_cut_by_numpy(shared: list[bool], case: str) -> None:
+    a, b = _arguments() if case == "unaligned" else _arguments((7, 111))
+    if case == "unaligned":
+        a = _unaligned(a)
+    elif case == "broadcast":
+        a = a[:1]
+    else:
+        a = np.ascontiguousarray(a.swapaxes(0, 1)).swapaxes(0, 1)
+    _equal(_kernel(), [a, b])
+    assert shared == [False]
+
+
+@pytest.mark.parametrize("case", ["plain", "gaps", "wider"])
+def test_results_are_written_where_they_belong(shared: list[bool], case: str) -> None:
+    kernel, arguments = _kernel(), _arguments()
+    wide = np.full((2 * ROWS, 3), np.nan), np.full(2 * ROWS, np.nan)
+    out = {
+        "plain": (np.empty((ROWS, 3)), np.empty(ROWS)),
+        "gaps": (wide[0][::2], wide[1][::2]),
+        "wider": (np.empty((ROWS, 3), np.longdouble), np.empty(ROWS)),
+    }[case]
+    assert kernel(*arguments, out=out, threads=3)[0] is out[0]
+    for result, wanted in zip(out, kernel(*arguments), strict=True):
+        np.testing.assert_array_equal(result, wanted)
+    assert np.isnan(wide[0][1::2]).all() and np.isnan(wide[1][1::2]).all()
+    assert shared == ([True] if case != "wider" else [])
+
+
+def test_results_in_the_place_of_arguments_are_those_of_one_thread(shared: list[bool]) -> None:
+    kernel = compile(lambda x: np.cos(x[::-1]), x=(3,))
+    x = _arguments()[1]
+    wanted = kernel(x)
+    assert kernel(x, out=x, threads=3) is x and not shared
+    np.testing.assert_array_equal(x, wanted)
+
+
+def test_the_caller_computes_the_rows_of_threads_that_do_not_come(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(helper_threads._Helpers, "send", lambda *_: True)
+    _equal(_kernel(), _arguments(), 5)
+
+
+def test_several_threads_with_helpers_each() -> None:
+    kernel, arguments, errors = _kernel(), _arguments(), []
+
+    def run() -> None:
+        try:
+            for _ in range(30):
+                _equal(kernel, arguments)
+        except BaseException as error:
+            errors.append(error)
+
+    callers = [threading.Thread(target=run) for _ in range(4)]
+    for caller in callers:
+        caller.start()
+    for caller in callers:
+        caller.join()
+    assert not errors
+
+
+def test_a_kernel_from_a_pickle(shared: list[bool]) -> None:
+    _equal(pickle.loads(pickle.dumps(_kernel())), _arguments())
+    assert shared == [True]
+
+
+def test_small_batches_are_left_to_one_thread(shared: list[bool], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(array_call, "_LEAST_OPERATIONS", 10**9)
+    _equal(_kernel(), _arguments())
+    assert not shared
+
+
+def test_rows_that_machine_code_does_not_take_are_cut_by_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[int] = []
+
+    def share(*arguments: Any) -> bool:
+        calls.append(1)
+        return False
+
+    monkeypatch.setattr(array_call, "share", share)
+    _equal(_kernel(), _arguments())
+    assert calls == [1]

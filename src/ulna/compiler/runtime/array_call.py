@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import threading
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, final
@@ -20,15 +19,19 @@ from ulna.compiler.language.ports import Port, batch_shape, wrong_count
 from ulna.compiler.language.scalar import Value
 from ulna.compiler.runtime import gufunc, jit
 from ulna.compiler.runtime.foreign import is_foreign, readable, reject_tables
+from ulna.compiler.runtime.shared_batch import share
 from ulna.errors import DtypeError, InputError, ShapeError
 from ulna.lazy import Slot, apply, is_deferred
 from ulna.system import forks
+from ulna.system.helper_threads import cuts, in_threads
 
 Unit = tuple[tuple[int, tuple[int, ...]], ...]
 """Which entries of which inputs must form unit vectors, quaternions say: (number of the input, entries), ..."""
 
 ELEMENT: dict[str, DType] = {"float64": "double", "float32": "float"}
-_ROWS_PER_THREAD = 1024  # below this, starting a thread costs more than the work
+_LEAST_OPERATIONS = 2**19  # of a thread: some 50 us
+_BLOCKS = 8  # in so many operations, which threads take one after the other
+_ROUND = 16  # blocks have multiples of so many rows, as of the numbers of lanes
 
 
 @final
@@ -42,7 +45,7 @@ class ArrayCall:
         unit: Which entries of inputs are unit quaternions.
         labels: By input, what the entries of its last axis are called.
         evaluate: What evaluates batches, called as a generalised ufunc is; None to compile one.
-        rows_per_thread: Samples for which a thread is worth while [-].
+        least_rows: Samples for which a thread is worth while [-]; None to count the operations of the function.
     """
 
     def __init__(
@@ -53,7 +56,7 @@ class ArrayCall:
         unit: Unit = (),
         labels: Mapping[str, Sequence[str]] | None = None,
         evaluate: Callable[..., Any] | None = None,
-        rows_per_thread: int = _ROWS_PER_THREAD,
+        least_rows: int | None = None,
     ) -> None:
         self.function, self.dtype, self.checked, self.unit = function, dtype, checked, unit
         self.labels = {} if labels is None else dict(labels)
@@ -64,13 +67,15 @@ class ArrayCall:
             not function.inputs or not function.outputs or not all(p.size for p in ports) or len(ports) > 64
         )
         self._ufunc: Any = evaluate
-        self.batch_code: jit.Code | None = None  # that has `batch`, where it comes with a single call's
-        self._rows_per_thread = rows_per_thread
+        self.batch_code: jit.Code | None = (
+            None  # that has `batch`: a single call's, or made when it is first needed
+        )
+        self._least_rows = least_rows
         self._lock = forks.lock(forks.KERNEL)
 
     def __reduce__(self) -> tuple[Any, ...]:
         evaluate = None if isinstance(self._ufunc, np.ufunc) else self._ufunc
-        settings = self.unit, self.labels, evaluate, self._rows_per_thread
+        settings = self.unit, self.labels, evaluate, self._least_rows
         return ArrayCall, (self.function, self.dtype, self.checked, *settings)
 
     @property
@@ -89,6 +94,7 @@ class ArrayCall:
             with self._lock:
                 if self._ufunc is None:
                     code = self.batch_code or jit.load(self.function, self.batch_ir(), ("batch",))
+                    self.batch_code = code
                     self._ufunc = gufunc.make_ufunc(self.function, code.address("batch"), code, self.element)
         return self._ufunc
 
@@ -138,11 +144,13 @@ class ArrayCall:
             return fast_call(*exact, out=out if f.single or isinstance(out, tuple) else (out,))
         if self.interpreted:
             return self._interpret(arrays, out)
-        rows = math.prod(batch)
-        many = threads is not None and threads > 1 and rows >= 2 * self._rows_per_thread
-        if many and batch and (out is None or self._is_apart(arrays, out, batch)):
-            assert threads is not None
-            return self._threaded(arrays, batch, out, min(threads, rows // self._rows_per_thread))
+        if (
+            threads is not None
+            and threads > 1
+            and batch
+            and (out is None or self._is_apart(arrays, out, batch))
+        ):
+            return self._threaded(arrays, batch, out, threads)
         return self._apply(arrays, out)
 
     def _foreign_call(self, args: Sequence[Any], out: Any) -> Any:
@@ -281,10 +289,13 @@ class ArrayCall:
         )
 
     def _array(self, value: Any, port: Port) -> Any:
-        shape = batched_shape(port.shape)
         if type(value) is not np.ndarray:
             value = readable(port, value)
-        array = real_array(port.name, value, shape=shape, dtype=self.dtype, is_symbol=_is_traced)
+        if type(value) is np.ndarray and value.dtype is self.dtype:
+            array = value
+        else:
+            shape = batched_shape(port.shape)
+            array = real_array(port.name, value, shape=shape, dtype=self.dtype, is_symbol=_is_traced)
         check_core_shape(port.name, array, port.shape)
         return array
 
@@ -296,59 +307,57 @@ class ArrayCall:
         return batch_shape(ports, [a.shape for a in arrays])
 
     def _threaded(self, arrays: Sequence[Any], batch: tuple[int, ...], out: Any, threads: int) -> Any:
-        """Cuts the batch into equal parts along one axis; the GIL is free in the loops."""
-        f = self.function
+        """Cuts the batch along one axis; the GIL is free in the loops."""
+        f, rows, least = self.function, math.prod(batch), self._rows_worth_a_thread()
+        if rows < 2 * least:
+            return self._apply(arrays, out)
         if out is None:
             targets = [np.empty(batch + p.shape, self.dtype) for p in f.outputs]
         else:
             targets = list(out if isinstance(out, tuple) else (out,))
+        if not self._is_shared(arrays, targets, batch, min(threads, rows // least), least):
+            self._cut(arrays, targets, batch, threads, least)
+        return targets[0] if f.single else tuple(targets)
+
+    def _is_shared(
+        self, arrays: Sequence[Any], targets: Sequence[Any], batch: tuple[int, ...], threads: int, least: int
+    ) -> bool:
+        """Computes a batch by machine code that several threads call; False where its arrays do not allow it."""
+        evaluate, code = self.ufunc, self.batch_code  # compiled before other threads begin
+        if code is None or evaluate is None or any(target.dtype != self.dtype for target in targets):
+            return False
+        block = -(-least // (_BLOCKS * _ROUND)) * _ROUND
+        ports = gufunc.ports_of(self.function)
+        return share(code.address("batch"), ports, [*arrays, *targets], batch, block, threads)
+
+    def _cut(
+        self, arrays: Sequence[Any], targets: Sequence[Any], batch: tuple[int, ...], threads: int, least: int
+    ) -> None:
+        """Computes a batch in parts, cut along one axis; NumPy lets go of the interpreter's lock in them."""
+        f, axis, evaluate = self.function, int(np.argmax(batch)), self.ufunc
         wide = [
             np.broadcast_to(a, batch + p.shape) if a.ndim > len(p.shape) else a
             for a, p in zip(arrays, f.inputs, strict=True)
         ]
-        axis = int(np.argmax(batch))
-        cuts = np.linspace(0, batch[axis], min(threads, batch[axis]) + 1).astype(int)
-        lead = (slice(None),) * axis
+        ends, lead = (
+            cuts(batch[axis], threads, -(-least * batch[axis] // math.prod(batch))),
+            (slice(None),) * axis,
+        )
 
-        def part(k: int) -> None:
-            rows = (*lead, slice(cuts[k], cuts[k + 1]))
+        def part(k: int) -> Callable[[], Any]:
+            rows = (*lead, slice(ends[k], ends[k + 1]))
             inputs = [a[rows] if a.ndim > len(p.shape) else a for a, p in zip(wide, f.inputs, strict=True)]
-            self.ufunc(*inputs, out=tuple(o[rows] for o in targets))
+            return partial(evaluate, *inputs, out=tuple(o[rows] for o in targets))
 
-        assert self.ufunc is not None  # compiled before the threads start
-        _in_threads(part, len(cuts) - 1)
-        return targets[0] if f.single else tuple(targets)
+        while not in_threads(part, len(ends) - 1, threads):
+            pass  # a child that was forked meanwhile begins again
 
-
-def _in_threads(part: Callable[[int], None], count: int) -> None:
-    """Calls `part` with 0, 1, ..., each in another thread but for the first, which the calling thread computes.
-
-    A pool takes twice as long to start as threads do.
-    """
-    errors: list[BaseException] = []
-
-    def run(k: int) -> None:
-        try:
-            part(k)
-        except BaseException as error:
-            errors.append(error)
-
-    threads: list[threading.Thread] = []
-    try:
-        for k in range(1, count):
-            thread = threading.Thread(target=run, args=(k,), name="ulna batch")
-            try:
-                thread.start()
-            except RuntimeError:  # no more threads can be started
-                break
-            threads.append(thread)
-        for k in (0, *range(len(threads) + 1, count)):
-            run(k)
-    finally:  # also after Ctrl-C nothing goes on writing to the caller's arrays
-        for thread in threads:
-            thread.join()
-    if errors:
-        raise errors[0]
+    def _rows_worth_a_thread(self) -> int:
+        """Samples that take longer than another thread takes to begin."""
+        if self._least_rows is None:
+            rows = _LEAST_OPERATIONS // max(1, self.function.operations)
+            self._least_rows = -(-max(1, rows) // _ROUND) * _ROUND
+        return self._least_rows
 
 
 def _is_exact(target: Any, shape: tuple[int, ...], dtype: np.dtype[Any]) -> bool:

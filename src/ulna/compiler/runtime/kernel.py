@@ -372,7 +372,7 @@ def compile(
 
     Returns:
         A kernel: callable as `kernel(*arrays, out=None, threads=None)`. Arguments may have any leading batch axes,
-        which broadcast; lists and other real types are converted. With `threads=n` a large batch is cut into n parts.
+        which broadcast; lists and other real types are converted. With `threads=n` n threads share a large batch.
         It is thread-safe, releases the GIL in batches, and can be pickled. Dask arrays are evaluated lazily, in
         blocks; arrays of xarray keep their leading dimensions and coordinates.
 
