@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -226,21 +227,30 @@ def shapes_for(model: Model, names: Sequence[str], known: Mapping[str, Any]) -> 
     return shapes
 
 
-def labels(model: Model, traced: Function | LoopedFunction) -> dict[str, Sequence[str]]:
-    """What the entries of configurations and velocities among the inputs of a function are called.
+def labels(
+    model: Model, traced: Function | LoopedFunction, quantity: Quantity | None = None
+) -> dict[str | int, Sequence[str]]:
+    """What the entries of configurations and velocities among the inputs and outputs of a function are called.
 
     Args:
         model: The robot.
         traced: The function.
+        quantity: Which quantity it computes; None for another function, of whose outputs nothing is known.
 
     Returns:
-        The names of the coordinates, by input.
+        The names of the coordinates, by name of the input and number of the output; none for other outputs.
     """
     names = {"nq": model.position_names, "nv": model.velocity_names}
     sizes = {name: argument.size for name, argument in ARRAYS.items()} | {"qd": "nv", "qdd": "nv"}
     known = {port.name: names.get(sizes.get(port.name)) for port in traced.inputs}  # type: ignore[arg-type]
     shapes = {port.name: port.shape for port in traced.inputs}
-    return {name: row for name, row in known.items() if row is not None and shapes[name] == (len(row),)}
+    out: dict[str | int, Sequence[str]] = {
+        name: row for name, row in known.items() if row is not None and shapes[name] == (len(row),)
+    }
+    if quantity is not None:
+        results = re.findall(r"\(([^)]*)\)", re.sub(r"\[[^\]]*\]", "", quantity.result))
+        out |= {k: names.get(result.removesuffix(","), ()) for k, result in enumerate(results)}
+    return out
 
 
 def named_options(model: Model, quantity: Quantity, options: Mapping[str, Any]) -> dict[str, str]:

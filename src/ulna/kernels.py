@@ -268,7 +268,7 @@ def _traced_kernel(
     traced = None if names else _deferred(model, quantity, chosen, form)
     if traced is None:
         traced = function(model, name, parameters=names, **chosen)
-    return compiler.compile(traced, dtype, checked, unit_entries=unit, labels=labels(model, traced))
+    return compiler.compile(traced, dtype, checked, unit_entries=unit, labels=labels(model, traced, quantity))
 
 
 def _deferred(
@@ -304,7 +304,7 @@ def _looped_kernel(
     if made is None:
         return None
     again = partial(kernel, model, name, dtype, checked, **chosen)
-    return LoopedKernel(made, dtype, checked, unit, labels(model, made), (again, ()))
+    return LoopedKernel(made, dtype, checked, unit, labels(model, made, QUANTITIES[name]), (again, ()))
 
 
 @final

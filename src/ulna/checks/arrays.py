@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from ulna.checks.labels import in_order
 from ulna.checks.masked import check_not_masked
 from ulna.checks.values import MAX_LENGTH, short_repr
 from ulna.errors import FIND_NAN, DtypeError, InputError, NonFiniteError, ShapeError, TraceError
@@ -174,7 +175,9 @@ def finite_array(name: str, value: Any, expected: str = "numbers") -> Floats:
     return out
 
 
-def shaped_array(name: str, value: Any, *shape: int | None, fix: str = "") -> Floats:
+def shaped_array(
+    name: str, value: Any, *shape: int | None, fix: str = "", labels: Sequence[str] | None = None
+) -> Floats:
     """A copy of finite numbers of a given shape.
 
     Args:
@@ -182,16 +185,19 @@ def shaped_array(name: str, value: Any, *shape: int | None, fix: str = "") -> Fl
         value: What was passed.
         *shape: The lengths of the axes; None for any length.
         fix: How to correct it, for the message.
+        labels: What the entries of the last axis are called: arrays of xarray are put in that order.
 
     Returns:
         A new array (...) of that shape.
 
     Raises:
-        InputError: rows differ in length, or entries are masked.
+        InputError: rows differ in length, entries are masked, or labels are others.
         ShapeError: another shape.
         NonFiniteError: nan or inf among them.
         DtypeError: they are no numbers.
     """
+    if labels is not None:
+        value = in_order(name, value, labels)
     out = finite_array(name, value)
     if out.shape != shape and (
         len(shape) != out.ndim or any(n not in (None, m) for n, m in zip(shape, out.shape, strict=True))

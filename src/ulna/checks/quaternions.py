@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ulna.checks.arrays import batched_array, shaped_array
+from ulna.checks.labels import in_order
 from ulna.errors import InputError
 from ulna.typing import Array, Floats
 
@@ -58,7 +59,7 @@ def checked_configuration(name: str, q: Any, model: Any) -> Floats:
         ShapeError, NonFiniteError, DtypeError: It does not fit the model.
         InputError: A quaternion, or cosine and sine, are not of unit length.
     """
-    out = shaped_array(name, q, model.nq)
+    out = shaped_array(name, q, model.nq, labels=model.position_names)
     check_unit(name, out, model.unit_vectors)
     return out
 
@@ -78,7 +79,7 @@ def checked_configurations(name: str, q: Any, model: Any) -> Array:
         ShapeError, NonFiniteError, DtypeError: They do not fit the model.
         InputError: A quaternion, or cosine and sine, are not of unit length.
     """
-    out = batched_array(name, q, (model.nq,))
+    out = batched_array(name, in_order(name, q, model.position_names), (model.nq,))
     if out.dtype != object:
         check_unit(name, out, model.unit_vectors)
     return out

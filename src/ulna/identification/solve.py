@@ -10,6 +10,7 @@ import numpy as np
 
 from ulna.algorithms.dynamics.joint_friction import Friction, friction_torque
 from ulna.checks.arrays import check_finite, finite_array, number_or_array, real_array
+from ulna.checks.labels import in_order
 from ulna.checks.values import number
 from ulna.errors import InputError, ShapeError
 from ulna.identification.convex import Problem, Progress, minimised
@@ -50,9 +51,11 @@ class Log:
 
         Raises:
             ShapeError, NonFiniteError: If it does not.
-            InputError: If it has no samples.
+            InputError: If it has no samples, or labels that are not those of the robot.
         """
-        arrays = {n: real_array(n, x) for n, x in (("q", q), ("v", v), ("a", a), ("tau", tau))}
+        names = {"q": model.position_names} | dict.fromkeys(("v", "a", "tau"), model.velocity_names)
+        given = {"q": q, "v": v, "a": a, "tau": tau}
+        arrays = {n: real_array(n, in_order(n, x, names[n])) for n, x in given.items()}
         rows = arrays["q"].shape[0] if arrays["q"].ndim else 0
         for name, array in arrays.items():
             expected = (rows, model.nq if name == "q" else model.nv)

@@ -17,6 +17,7 @@ from typing import Any, TypeAlias, TypeVar, final
 import numpy as np
 
 from ulna.checks.arrays import batched_array
+from ulna.checks.labels import in_order
 from ulna.checks.values import count as check_count
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
@@ -208,7 +209,7 @@ class FreeSolver:
         batch = T.shape[: T.ndim - len(core)]
         starts: Any = [None]
         if q0 is not None:
-            start = batched_array("q0", q0, (self.model.nq,))
+            start = batched_array("q0", in_order("q0", q0, self.model.position_names), (self.model.nq,))
             batch = np.broadcast_shapes(batch, start.shape[:-1])
             starts = np.broadcast_to(start, (*batch, self.model.nq)).reshape(-1, self.model.nq)
         goals = np.broadcast_to(T, (*batch, *core)).reshape(-1, *core)

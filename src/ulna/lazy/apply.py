@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from ulna.checks.arrays import batched_shape, check_core_shape, real_array
+from ulna.checks.labels import is_labelled
 from ulna.errors import DtypeError, InputError, ShapeError, needed
-from ulna.lazy.labelled import apply_labelled, is_labelled
+from ulna.lazy.labelled import apply_labelled
 from ulna.lazy.portable import Portable
 from ulna.lazy.slot import Slot
 

@@ -19,7 +19,8 @@ class Slot:
         name: The name of the argument, for messages.
         shape: The lengths of its last axes.
         dtype: The type of its numbers; object for objects.
-        labels: What the entries of its last axis are called, in order; None where nothing is known of that.
+        labels: What the entries of its last axis are called, in order; an empty row for a result whose entries are no
+            coordinates; None where nothing is known of that.
     """
 
     name: str

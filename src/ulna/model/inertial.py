@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ulna.checks.arrays import check_finite, number_or_array, real_array
+from ulna.checks.labels import in_order
 from ulna.checks.values import generator, number, short_repr
 from ulna.errors import InputError, ModelError, ShapeError, UnknownName
 from ulna.model.assemble import aggregate
@@ -123,7 +124,7 @@ def with_joint_dynamics(model: Model, **values: ArrayLike) -> Model:
     for name, numbers in values.items():
         if name not in _OF_DRIVES:
             raise UnknownName("number of the drives", name, _OF_DRIVES)
-        value = number_or_array(name, numbers, model.nv)
+        value = number_or_array(name, in_order(name, numbers, model.velocity_names), model.nv)
         if np.isnan(value).any() or (value < 0.0).any() or (name != "effort" and np.isinf(value).any()):
             raise InputError(f"`{name}` is {value}; expected finite numbers, none below zero.")
         model = with_drive_values(model, name, value)

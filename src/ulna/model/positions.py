@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ulna.checks.arrays import real_array
+from ulna.checks.labels import in_order
 from ulna.checks.masked import check_not_masked
 from ulna.errors import InputError, ModelError, UnknownName, excerpt
 from ulna.model.model import Model
@@ -45,7 +46,9 @@ def position(model: Model, q: Any, what: str = "q", base: Floats | None = None) 
             if joint.mimic is None:
                 out[joint.idx_q : joint.idx_q + joint.nq] = local
     else:
-        out = local_position(model.nq, q, what, _each(model.position_names))
+        out = local_position(
+            model.nq, in_order(what, q, model.position_names), what, _each(model.position_names)
+        )
     for joint in model.joints:
         if joint.mimic is None and joint.kind.has_quaternion:
             part = slice(joint.idx_q, joint.idx_q + joint.nq)

@@ -150,7 +150,7 @@ class LoopedKernel(KernelBase):
         dtype: The type of inputs and outputs.
         checked: Whether arguments must be finite.
         unit: Which entries of inputs are unit quaternions.
-        labels: By input, what the entries of its last axis are called.
+        labels: By name of an input or number of an output, what the entries of its last axis are called.
         remake: What makes this kernel in another process: a function and its arguments.
     """
 
@@ -162,7 +162,7 @@ class LoopedKernel(KernelBase):
         dtype: np.dtype[Any],
         checked: bool,
         unit: Unit,
-        labels: Mapping[str, Sequence[str]],
+        labels: Mapping[str | int, Sequence[str]],
         remake: tuple[Any, ...],
     ) -> None:
         evaluate = function if dtype == np.float64 else partial(function, dtype=dtype)

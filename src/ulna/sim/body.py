@@ -15,7 +15,7 @@ from ulna.checks.values import checked_robot, flag, one_of, text
 from ulna.errors import InputError
 from ulna.robot import Robot
 from ulna.sim.kinematic import moved_within_limits
-from ulna.sim.plant import Plant, check_friction
+from ulna.sim.plant import Plant, check_friction, checked_torques
 from ulna.sim.recording import Recording
 from ulna.typing import ArrayLike, Floats
 
@@ -72,7 +72,8 @@ class Body:
         self._friction: Any = friction
         self._plant: Plant | None = None
         self._q = checked_configuration("q", robot.neutral if q is None else q, robot.model)
-        self._qd = shaped_array("qd", np.zeros(robot.nv) if qd is None else qd, robot.nv)
+        start = np.zeros(robot.nv) if qd is None else qd
+        self._qd = shaped_array("qd", start, robot.nv, labels=robot.model.velocity_names)
         self._qdd, self._target = np.zeros(robot.nv), None
         self._tau: Any = np.zeros(robot.nv)
         self._actual_qd, self._previous_q = self._qd, self._q
@@ -143,7 +144,9 @@ class Body:
 
     @qd.setter
     def qd(self, qd: ArrayLike) -> None:
-        self._qd = self._actual_qd = shaped_array("qd", qd, self.robot.nv)
+        self._qd = self._actual_qd = shaped_array(
+            "qd", qd, self.robot.nv, labels=self.robot.model.velocity_names
+        )
 
     @property
     def qdd(self) -> Floats:
@@ -152,7 +155,7 @@ class Body:
 
     @qdd.setter
     def qdd(self, qdd: ArrayLike) -> None:
-        self._qdd = shaped_array("qdd", qdd, self.robot.nv)
+        self._qdd = shaped_array("qdd", qdd, self.robot.nv, labels=self.robot.model.velocity_names)
 
     @property
     def tau(self) -> Any:
@@ -161,7 +164,7 @@ class Body:
 
     @tau.setter
     def tau(self, tau: Any) -> None:
-        self._tau = tau if callable(tau) else shaped_array("tau", tau, self.robot.nv)
+        self._tau = tau if callable(tau) else checked_torques(tau, self.robot.model)
 
     @property
     def target(self) -> Floats | None:
@@ -215,7 +218,7 @@ class Body:
     def _step_to_target(self, t: float, dt: float, _: float) -> None:
         assert self._target is not None
         difference = np.asarray(self.robot.difference(self._q, self._target))
-        longest = self.robot.limits.velocity * dt
+        longest = _known(self.robot.limits.velocity) * dt
         fraction = min(1.0, float(np.min(longest / np.maximum(np.abs(difference), 1e-300), initial=np.inf)))
         before = self._q
         self._q = (
@@ -245,12 +248,12 @@ class Body:
     def _step_dynamics(self, t: float, dt: float, substep: float) -> None:
         assert self._plant is not None
         count = max(1, int(np.ceil(dt / substep - 1e-9)))
-        effort = self.robot.limits.effort
+        effort = _known(self.robot.limits.effort)
         for k in range(count):
             tau: Any = self._tau
             if callable(tau):
                 torques: Any = tau(t + k * dt / count, self._q.copy(), self._qd.copy())
-                tau = shaped_array("tau", torques, self.robot.nv)
+                tau = checked_torques(torques, self.robot.model)
             if self._limits == "all":
                 tau = np.clip(tau, -effort, effort)
             self._q, self._qd = self._plant.euler(self._q, self._qd, tau, dt / count)
@@ -259,7 +262,7 @@ class Body:
         self._actual_qd = self._qd
 
     def _speed_limited(self, speed: Floats) -> Floats:
-        fastest = self.robot.limits.velocity
+        fastest = _known(self.robot.limits.velocity)
         return np.clip(speed, -fastest, fastest) if self._limits == "all" else speed
 
     def _apply_position_limits(self) -> None:
@@ -276,6 +279,11 @@ class Body:
 
     def __repr__(self) -> str:
         return f"<{self.name!r} under {self.control} control>"
+
+
+def _known(limits: Floats) -> Floats:
+    """Limits of speed or effort, where zero says that none is known."""
+    return np.where(limits > 0.0, limits, np.inf)
 
 
 def check_body_options(

@@ -33,7 +33,7 @@ from ulna.checks.values import checked_robot, number, one_of, step_count
 from ulna.checks.values import count as checked_count
 from ulna.checks.values import duration as checked_duration
 from ulna.errors import InputError, needed
-from ulna.model import Constraint
+from ulna.model import Constraint, Model
 from ulna.model.constraint import listed
 from ulna.robot import Robot
 from ulna.sim.plant import Plant, Torque, check_friction, checked_torques
@@ -78,9 +78,12 @@ def dynamic_step(
     """
     checked_robot(robot)
     check_friction(friction)
-    q, v = checked_configuration("q", q, robot.model), shaped_array("v", v, robot.nv)
+    q, v = (
+        checked_configuration("q", q, robot.model),
+        shaped_array("v", v, robot.nv, labels=robot.model.velocity_names),
+    )
     dt = checked_duration("dt", dt)
-    moved, speed = _plant(robot, friction).euler(q, v, checked_torques(tau, robot.nv), dt)
+    moved, speed = _plant(robot, friction).euler(q, v, checked_torques(tau, robot.model), dt)
     if not np.isfinite(moved.sum() + speed.sum()):
         raise _divergence_error(dt, speed)
     return moved, speed
@@ -149,9 +152,9 @@ def simulate(
     kp = number("kp", kp, "a gain that is not below zero [1/s^2]", least=0.0)
     check_friction(friction)
     start = checked_configuration("q", q, model)
-    speed = np.zeros(model.nv) if v is None else shaped_array("v", v, model.nv)
-    law = _torque_law(torque, model.nv)
-    push = None if external is None else _torque_law(external, model.nv)
+    speed = np.zeros(model.nv) if v is None else shaped_array("v", v, model.nv, labels=model.velocity_names)
+    law = _torque_law(torque, model)
+    push = None if external is None else _torque_law(external, model)
     if isinstance(constraints, tuple | list) and not constraints:
         plant = _plant(robot, friction)
     else:
@@ -188,16 +191,17 @@ def _equal_steps(
     every: int,
 ) -> Recording:
     """Steps of one length under a law and forces from outside, of which each `every`-th is recorded."""
-    recording, count, total = Recording(), len(times) - 1, _sum(law, push, len(v))
+    model = plant.robot.model
+    recording, count, total = Recording(), len(times) - 1, _sum(law, push, model)
     step = float(times[-1]) / count
     with progress("Simulating") if count >= _PROGRESS_STEPS else contextlib.nullcontext(silent) as report:
         for k in range(count):
             t = float(times[k])
-            tau = checked_torques(law(t, q, v), plant.robot.nv)
+            tau = checked_torques(law(t, q, v), model)
             if k % every == 0:
                 recording.add(t, q, v=v, tau=tau)
             if method == "euler":
-                applied = tau if push is None else tau + checked_torques(push(t, q, v), len(v))
+                applied = tau if push is None else tau + checked_torques(push(t, q, v), model)
                 q, v = plant.euler(q, v, applied, step)
             else:
                 q, v = plant.rk4(q, v, total, t, step)
@@ -206,7 +210,7 @@ def _equal_steps(
             if k % 1000 == 0:
                 report(k, count)
     end = float(times[-1])
-    recording.add(end, q, v=v, tau=checked_torques(law(end, q, v), plant.robot.nv))
+    recording.add(end, q, v=v, tau=checked_torques(law(end, q, v), model))
     return recording
 
 
@@ -223,8 +227,9 @@ def _adaptive(
 ) -> Recording:
     """Steps u and v from a base that follows, where rotations make the tangent space bend."""
     n, integrate = plant.robot.nv, _adaptive_solver(plant, solver, rtol, atol)
-    recording, total = Recording(), _sum(law, push, n)
-    recording.add(times[0], q, v=v, tau=checked_torques(law(float(times[0]), q, v), n))
+    model = plant.robot.model
+    recording, total = Recording(), _sum(law, push, model)
+    recording.add(times[0], q, v=v, tau=checked_torques(law(float(times[0]), q, v), model))
     t, row = float(times[0]), 1
     while row < len(times):
         base = q
@@ -243,7 +248,7 @@ def _adaptive(
             )
         for at, y in zip(solution.t, np.asarray(solution.y).T, strict=True):
             here, speed = plant._integrate(base, y[:n].copy()), y[n:].copy()
-            recording.add(at, here, v=speed, tau=checked_torques(law(float(at), here, speed), n))
+            recording.add(at, here, v=speed, tau=checked_torques(law(float(at), here, speed), model))
         row += len(solution.t)
         if solution.status == 1:
             t, y = float(solution.t_events[0][0]), solution.y_events[0][0]
@@ -299,18 +304,18 @@ def _check_stable_step(plant: Plant, q: Floats, step: float) -> None:
         )
 
 
-def _torque_law(torque: Torque | ArrayLike | None, nv: int) -> Torque:
+def _torque_law(torque: Torque | ArrayLike | None, model: Model) -> Torque:
     if callable(torque):
         return lambda t, q, v: torque(t, q.copy(), v.copy())  # one that writes to them moves nothing
-    constant = np.zeros(nv) if torque is None else checked_torques(torque, nv)
+    constant = np.zeros(model.nv) if torque is None else checked_torques(torque, model)
     return lambda t, q, v: constant
 
 
-def _sum(law: Torque, push: Torque | None, nv: int) -> Torque:
+def _sum(law: Torque, push: Torque | None, model: Model) -> Torque:
     """The torques of a law and forces from outside together."""
     if push is None:
         return law
-    return lambda t, q, v: checked_torques(law(t, q, v), nv) + checked_torques(push(t, q, v), nv)
+    return lambda t, q, v: checked_torques(law(t, q, v), model) + checked_torques(push(t, q, v), model)
 
 
 def _divergence_error(t: float, v: Floats) -> InputError:

@@ -66,7 +66,8 @@ def kinematic_step(robot: Any, q: ArrayLike, v: ArrayLike, dt: float) -> Floats:
         InputError: `dt` is not a finite number.
     """
     model = checked_robot(robot).model
-    start, velocity = shaped_array("q", q, model.nq), shaped_array("v", v, model.nv)
+    start = shaped_array("q", q, model.nq, labels=model.position_names)
+    velocity = shaped_array("v", v, model.nv, labels=model.velocity_names)
     return moved_within_limits(robot, start, velocity, number("dt", dt, "a finite time [s]"))
 
 

@@ -15,6 +15,7 @@ from ulna.algorithms.dynamics.joint_friction import Friction
 from ulna.checks.arrays import shaped_array
 from ulna.checks.values import checked_robot, short_repr
 from ulna.errors import UnknownName
+from ulna.model import Model
 from ulna.model.joints.joint_kind import VectorKind
 from ulna.robot import Robot, compile
 from ulna.typing import ArrayLike, Floats
@@ -130,7 +131,7 @@ class Plant:
     def _rates(self, q0: Floats, u: Floats, v: Floats, torque: Torque, t: float) -> tuple[Floats, Floats]:
         """du/dt and dv/dt at q0 (+) u."""
         q = self._integrate(q0, u)
-        tau = checked_torques(torque(t, q, v), self.robot.nv)
+        tau = checked_torques(torque(t, q, v), self.robot.model)
         return (v if self._is_vector_space else self._tangent(u, v)), self.acceleration(q, v, tau)
 
     def _forward_dynamics(self, q: Any, v: Any, tau: Any) -> Any:
@@ -194,12 +195,12 @@ def _is_vector_joint(kind: Any) -> bool:
     return kind.nq == 1 or isinstance(kind, VectorKind)
 
 
-def checked_torques(tau: ArrayLike, nv: int) -> Floats:
+def checked_torques(tau: ArrayLike, model: Model) -> Floats:
     """Joint torques as an array.
 
     Args:
         tau: Joint torques, shape (nv,) [N m, N].
-        nv: Their number.
+        model: The model.
 
     Returns:
         A new array, shape (nv,) [N m, N].
@@ -208,4 +209,4 @@ def checked_torques(tau: ArrayLike, nv: int) -> Floats:
         ShapeError: another shape.
         NonFiniteError: nan or inf among them.
     """
-    return shaped_array("tau", tau, nv)
+    return shaped_array("tau", tau, model.nv, labels=model.velocity_names)

@@ -249,6 +249,57 @@ def test_xarray_keeps_dimensions_and_coordinates(robot: ulna.Robot, world: World
         ulna.compile(height, q=(7,))(x)
 
 
+def test_labels_count_wherever_numbers_of_joints_are_taken(robot: ulna.Robot, Q: Any) -> None:
+    xr = pytest.importorskip("xarray")
+
+    def turned(x: Any) -> Any:
+        """The same numbers by name, in another order."""
+        dims = ("time", "joint")[-np.ndim(x) :]
+        return xr.DataArray(x, dims=dims, coords={"joint": list(robot.joint_names)})[..., ::-1]
+
+    q, v, tau = Q[0], Q[1], 10.0 * Q[2]
+    uses: list[Any] = [
+        lambda of: robot.with_configuration("here", of(q)).configurations["here"],
+        lambda of: robot.lock(["panda_joint2"], of(q)).fk(np.delete(q, 1)),
+        lambda of: robot.ik(robot.fk(v), q0=of(q)).q,
+        lambda of: ulna.sim.simulate(robot, of(q), of(v), of(tau), duration=0.01, external=of(tau)).q[-1],
+        lambda of: ulna.sim.Body(robot, of(q)).q,
+        lambda of: ulna.sim.Body(robot, qd=of(v)).qd,
+        lambda of: ulna.sim.kinematic_step(robot, of(q), of(v), 0.1),
+        lambda of: np.stack(ulna.sim.dynamic_step(robot, of(q), of(v), of(tau), 0.01)),
+        lambda of: ulna.identification.identify(robot, of(Q), of(Q), of(Q), of(Q), ridge=1.0).fitted,
+        lambda of: ulna.model.with_joint_dynamics(robot.model, damping=of(np.abs(q))).damping,
+    ]
+    for use in uses:
+        np.testing.assert_array_equal(use(turned), use(lambda x: x))
+    with pytest.raises(InputError, match="`v` has labels"):
+        ulna.sim.simulate(robot, q, turned(v).assign_coords(joint=list("abcdefg")), duration=0.01)
+
+
+def test_a_twist_of_a_robot_with_six_joints_has_no_names_of_joints() -> None:
+    xr = pytest.importorskip("xarray")
+    robot = ulna.load("ur5")
+    q = xr.DataArray(np.full((3, 6), 0.3), dims=("time", "joint"), coords={"joint": list(robot.joint_names)})
+    assert robot.frame_velocity(q, q).dims == ("time", "component")
+    assert "joint" not in robot.frame_velocity(q, q).coords
+    torques = robot.inverse_dynamics(q, q, q)
+    assert torques.dims == ("time", "joint") and list(torques.joint.values) == list(robot.joint_names)
+    assert ulna.compile(lambda q: 2.0 * q, robot)(q).dims == ("time", "joint")
+    pickled = pickle.loads(pickle.dumps(robot.kernel("frame_velocity")))
+    assert pickled(q, q).dims == ("time", "component")
+
+
+def test_joints_along_another_dimension_are_refused() -> None:
+    xr = pytest.importorskip("xarray")
+    robot = ulna.load("ur5")
+    q = xr.DataArray(np.eye(6), dims=("joint", "time"), coords={"joint": list(robot.joint_names)})
+    with pytest.raises(InputError, match=r"q.transpose\(\.\.\., 'joint'\)"):
+        robot.gravity_forces(q)
+    np.testing.assert_array_equal(
+        robot.gravity_forces(q.transpose(..., "joint")).values, robot.gravity_forces(np.eye(6))
+    )
+
+
 def test_everything_that_travels_takes_kilobytes(robot: ulna.Robot, world: World, Q: Any) -> None:
     solution = robot.ik(robot.fk(Q[0]))
     things = {

@@ -47,6 +47,22 @@ def test_all_limits_hold_where_asked(panda: ulna.Robot) -> None:
     assert slow.q[1] == pytest.approx(min(-0.3 + panda.limits.velocity[1], panda.limits.upper[1]))
 
 
+def test_a_limit_of_zero_is_none_as_everywhere() -> None:
+    builder = ModelBuilder("unknown").add_link("base").add_link("arm", Inertia(1.0, (0, 0, 0), np.eye(3)))
+    builder.add_joint(
+        "j", Revolute((0, 0, 1)), "base", "arm", lower=-1.0, upper=1.0, velocity=0.0, effort=0.0
+    )
+    robot = ulna.Robot(builder.build())
+    sim = Simulation()
+    there = sim.add(robot, control="position", name="there")
+    fast = sim.add(robot, qd=[0.5], limits="all", name="fast")
+    driven = sim.add(robot, control="torque", limits="all", name="driven")
+    there.target, driven.tau = [0.5], [2.0]
+    sim.step(0.1)
+    assert there.q[0] == 0.5 and fast.q[0] == pytest.approx(0.05)
+    assert driven.qd[0] == pytest.approx(0.2) and driven.recording["tau"][-1] == [2.0]
+
+
 @pytest.mark.parametrize("early", [True, False])
 def test_settings_before_or_after_adding_mean_the_same(panda: ulna.Robot, early: bool) -> None:
     sim, body = Simulation(), Body(panda)

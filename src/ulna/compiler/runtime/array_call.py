@@ -43,7 +43,7 @@ class ArrayCall:
         dtype: The type of numbers it computes with.
         checked: Whether arguments must be finite.
         unit: Which entries of inputs are unit quaternions.
-        labels: By input, what the entries of its last axis are called.
+        labels: By name of an input or number of an output, what the entries of its last axis are called.
         evaluate: What evaluates batches, called as a generalised ufunc is; None to compile one.
         least_rows: Samples for which a thread is worth while [-]; None to count the operations of the function.
     """
@@ -54,7 +54,7 @@ class ArrayCall:
         dtype: np.dtype[Any],
         checked: bool,
         unit: Unit = (),
-        labels: Mapping[str, Sequence[str]] | None = None,
+        labels: Mapping[str | int, Sequence[str]] | None = None,
         evaluate: Callable[..., Any] | None = None,
         least_rows: int | None = None,
     ) -> None:
@@ -77,6 +77,11 @@ class ArrayCall:
         evaluate = None if isinstance(self._ufunc, np.ufunc) else self._ufunc
         settings = self.unit, self.labels, evaluate, self._least_rows
         return ArrayCall, (self.function, self.dtype, self.checked, *settings)
+
+    @property
+    def input_labels(self) -> dict[str | int, Sequence[str]]:
+        """The labels of the inputs alone."""
+        return {name: row for name, row in self.labels.items() if isinstance(name, str)}
 
     @property
     def element(self) -> DType:
@@ -206,7 +211,9 @@ class ArrayCall:
         for a, port in zip(args, self.function.inputs, strict=True):
             reject_tables(port, a)
         inputs = [Slot(p.name, p.shape, np.float64, self.labels.get(p.name)) for p in self.function.inputs]
-        outputs = [Slot("", p.shape, self.dtype) for p in self.function.outputs]
+        outputs = [
+            Slot("", p.shape, self.dtype, self.labels.get(k)) for k, p in enumerate(self.function.outputs)
+        ]
         run = self if threads is None else partial(self, threads=threads)
         return apply(run, args, inputs, outputs, is_single=self.function.single)
 

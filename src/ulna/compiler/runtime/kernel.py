@@ -158,7 +158,7 @@ class KernelBase:
             (28,)
         """
         call = self._array_call
-        return compile(self.function.packed(zeros), self.dtype, call.checked, call.unit, call.labels)
+        return compile(self.function.packed(zeros), self.dtype, call.checked, call.unit, call.input_labels)
 
     def pattern(self, zeros: bool = False) -> Any:
         """Which entries of its matrices `packed` stores.
@@ -184,7 +184,7 @@ class KernelBase:
     def _derived(self, what: str, *wrt: str | int) -> Any:
         function = differentiated(self.function, what, *wrt)
         call = self._array_call  # the inputs of the kernel come first among those of its derivative
-        return compile(function, self.dtype, call.checked, call.unit, call.labels)
+        return compile(function, self.dtype, call.checked, call.unit, call.input_labels)
 
     def into(
         self,
@@ -356,7 +356,7 @@ def compile(
     dtype: Any = np.float64,
     checked: bool = False,
     unit_entries: Unit = (),
-    labels: Mapping[str, Sequence[str]] | None = None,
+    labels: Mapping[str | int, Sequence[str]] | None = None,
     **shapes: tuple[int, ...] | int,
 ) -> Any:
     """Makes a kernel of a traced function.
@@ -367,7 +367,8 @@ def compile(
         checked: Whether nan or inf in an input raises NonFiniteError instead of passing through.
         unit_entries: With `checked`, what must be unit vectors, such as quaternions: (number of input, entries),
             ...
-        labels: By input, what the entries of its last axis are called: arrays of xarray are put in that order.
+        labels: By name of an input or number of an output, what the entries of its last axis are called: arrays of
+            xarray are put in that order.
         **shapes: Shape of each argument, if `f` is not traced yet.
 
     Returns:

@@ -25,6 +25,7 @@ import numpy as np
 
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.checks.arrays import number_or_array
+from ulna.checks.labels import in_order
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.ik.differential.task import Shapes
@@ -236,7 +237,7 @@ def _of_joints(model: Model, bound: Any, label: str) -> Floats:
             joint = model.joint(name)
             out[joint.idx_v : joint.idx_v + joint.nv] = value
     else:
-        out = number_or_array(label, bound, model.nv)
+        out = number_or_array(label, in_order(label, bound, model.velocity_names), model.nv)
     if not (out > 0.0).all():
         raise InputError(f"{label}: {bound} holds a number that is not above 0.")
     return out

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ulna.checks.arrays import finite_array
+from ulna.checks.labels import in_order
 from ulna.checks.values import one_of
 from ulna.errors import ShapeError
 from ulna.typing import ArrayLike, Floats
@@ -59,7 +60,7 @@ def checked_configuration(robot: Any, q: ArrayLike) -> Floats:
         out = q.copy()
         if math.isfinite(math.hypot(*out.tolist())):
             return out
-    out = finite_array("q", q, f"{count} numbers")
+    out = finite_array("q", in_order("q", q, robot.model.position_names), f"{count} numbers")
     if out.shape != (count,):
         names = ", ".join(robot.joint_names[:8])
         raise ShapeError("q", out.shape, f"({count},)", f"One number for each of: {names}.")

@@ -89,7 +89,7 @@ class RobotHandle(RobotOverlays):
     def qd(self, qd: ArrayLike) -> None:
         with self._lock:
             if self._body is None:
-                self._qd = shaped_array("qd", qd, self.robot.nv)
+                self._qd = shaped_array("qd", qd, self.robot.nv, labels=self.robot.model.velocity_names)
             else:
                 self._body.qd = qd
             self._visual.request_update()

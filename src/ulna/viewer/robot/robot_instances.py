@@ -66,7 +66,7 @@ class RobotInstances:
     def _checked(self, q: ArrayLike) -> Floats:
         rows = len(self._q) if getattr(self, "_bases", None) is not None else None
         fix = "One configuration in each row" + ("." if rows is None else ", as many as there are bases.")
-        return shaped_array("q", q, rows, self.robot.nq, fix=fix)
+        return shaped_array("q", q, rows, self.robot.nq, fix=fix, labels=self.robot.model.position_names)
 
     def _update(self) -> None:
         if self.name not in self.scene:
