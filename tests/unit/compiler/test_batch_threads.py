@@ -130,6 +130,14 @@ def test_results_in_the_place_of_arguments_are_those_of_one_thread(shared: list[
     np.testing.assert_array_equal(x, wanted)
 
 
+def test_results_are_not_written_to_what_is_read_only() -> None:
+    out = np.zeros((ROWS, 3)), np.zeros((ROWS, 3))
+    out[1].flags.writeable = False
+    with pytest.raises(ValueError, match="read-only"):
+        _kernel()(*_arguments(), out=out, threads=3)
+    assert not out[1].any()
+
+
 def test_the_caller_computes_the_rows_of_threads_that_do_not_come(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(helper_threads._Helpers, "send", lambda *_: True)
     _equal(_kernel(), _arguments(), 5)

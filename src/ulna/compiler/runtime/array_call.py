@@ -331,8 +331,10 @@ class ArrayCall:
     ) -> bool:
         """Computes a batch by machine code that several threads call; False where its arrays do not allow it."""
         evaluate, code = self.ufunc, self.batch_code  # compiled before other threads begin
-        if code is None or evaluate is None or any(target.dtype != self.dtype for target in targets):
+        if code is None or evaluate is None:
             return False
+        if any(target.dtype != self.dtype or not target.flags.writeable for target in targets):
+            return False  # NumPy converts, and refuses what is read only
         block = -(-least // (_BLOCKS * _ROUND)) * _ROUND
         ports = gufunc.ports_of(self.function)
         return share(code.address("batch"), ports, [*arrays, *targets], batch, block, threads)
