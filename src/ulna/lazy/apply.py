@@ -11,7 +11,6 @@ import numpy as np
 from ulna.checks.arrays import batched_shape, check_core_shape, real_array
 from ulna.checks.labels import is_labelled
 from ulna.errors import DtypeError, InputError, ShapeError, needed
-from ulna.lazy.labelled import apply_labelled
 from ulna.lazy.portable import Portable
 from ulna.lazy.slot import Slot
 
@@ -57,6 +56,7 @@ def apply(
     """
     portable = function if isinstance(function, Portable) else Portable(function)
     if any(is_labelled(value) for value in arguments):
+        from ulna.lazy.labelled import apply_labelled  # imported here: rarely needed
 
         def run(*arrays: Any) -> Any:
             if not any(is_dask(array) for array in arrays):
