@@ -41,6 +41,11 @@ class Gains(NamedTuple):
     first: float
     second: float
 
+    @property
+    def decrease(self) -> float:
+        """By how much a whole step would decrease the cost."""
+        return -(self.first + self.second)
+
 
 def backward(knots: StageDerivatives, end: TerminalDerivatives, mu: float = 0.0) -> Gains | None:
     """The control laws that minimise the quadratic model of the cost, from the last knot to the first.

@@ -115,14 +115,13 @@ def ddp(
     gains: Gains | None = None
     while len(done) < iterations:
         knots, end = search.derivatives()
-        while (gains := backward(knots, end, mu)) is None and mu < _LARGEST_MU:
-            mu = max(10.0 * mu, _SMALLEST_MU)
+        gains, mu = _regularised(knots, end, mu)
         if gains is None:
             reason = "the Hessian of the cost by the controls is not positive"
             break
-        decrease = -(gains.first + gains.second)
-        if decrease <= tolerance * max(1.0, abs(search.cost)):
-            converged, reason = True, f"the cost could decrease by {decrease:.1e} only"
+        decrease, small = gains.decrease, tolerance * max(1.0, abs(search.cost))
+        if decrease <= small and (possible := _possible_decrease(knots, end, gains, mu)) <= small:
+            converged, reason = True, f"the cost could decrease by {possible:.1e} only"
             break
         step = search.forward(gains)
         done.append(DDPIteration(len(done) + 1, search.cost, decrease, step, mu))
@@ -135,6 +134,19 @@ def ddp(
             break
     K = np.zeros((len(search.controls), stage.nu, stage.ndx)) if gains is None else gains.K
     return DDPSolution(search.states, search.controls, K, search.cost, tuple(done), converged, reason)
+
+
+def _regularised(knots: StageDerivatives, end: TerminalDerivatives, mu: float) -> tuple[Gains | None, float]:
+    """Control laws with the least regularisation from `mu` on under which the model has a minimum; None without one."""
+    while (gains := backward(knots, end, mu)) is None and mu < _LARGEST_MU:
+        mu = max(10.0 * mu, _SMALLEST_MU)
+    return gains, mu
+
+
+def _possible_decrease(knots: StageDerivatives, end: TerminalDerivatives, gains: Gains, mu: float) -> float:
+    """What could be gained with as little regularisation as possible: with much of it every step is short."""
+    least = _regularised(knots, end, 0.0)[0] if mu > 0.0 else gains
+    return (gains if least is None else least).decrease
 
 
 def _next_mu(mu: float, step: float) -> float:

@@ -137,6 +137,17 @@ def test_a_concave_cost_is_held_by_regularisation():
     np.testing.assert_allclose(np.cos(3.0 * solution.controls), -1.0, atol=0.05)
 
 
+def test_short_steps_alone_are_no_convergence():
+    """At the edges of a cost that is not smooth, regularisation grows until no step could gain anything."""
+    stage = control.custom_stage(
+        lambda x, u: x + u, lambda x, u: abs(x[0] - 1.0) + 5e-4 * u[0] * u[0], nx=1, nu=1
+    )
+    found = control.ddp(stage, stage.terminal(lambda x: 100.0 * abs(x[0] - 1.0)), [0.0], np.zeros((5, 1)))
+    at_once = 1.0 + 5e-4  # one step to the goal, and rest
+    assert found.cost > 2.0 * at_once
+    assert not found.is_converged and found.reason == "no step decreases the cost"
+
+
 def test_a_robot_reaches_a_point():
     b = ulna.ModelBuilder("arm")
     for name in ("base", "upper", "lower"):
