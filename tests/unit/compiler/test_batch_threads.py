@@ -131,7 +131,7 @@ def test_results_in_the_place_of_arguments_are_those_of_one_thread(shared: list[
 
 
 def test_results_are_not_written_to_what_is_read_only() -> None:
-    out = np.zeros((ROWS, 3)), np.zeros((ROWS, 3))
+    out = np.zeros((ROWS, 3)), np.zeros(ROWS)
     out[1].flags.writeable = False
     with pytest.raises(ValueError, match="read-only"):
         _kernel()(*_arguments(), out=out, threads=3)
