@@ -124,7 +124,7 @@ DOCUMENTED = (
     (r"value", _written(r"admm_\w+_rule", r".*"), "an enumeration of one name"),
     (
         r"accepted",
-        _written(r"d\w+_d\w+|\w+contact_solution|lambda_c\w*", r".*None.*"),
+        _written(r"d\w+_d\w+|\w*contact\w*|(lambda|impulse)_c\w*|osim", r".*None.*"),
         "an array without entries is one of numbers",
     ),
     (
@@ -132,6 +132,7 @@ DOCUMENTED = (
         _written(r"\w+Regressor", r"np\.reshape\(now, \(-1, 1\)\)"),
         "columns are taken for vectors",
     ),
+    (r"accepted", _written(r"referenceConfigurations", r"\{\}"), "a dictionary is taken"),
     (r"value", _written(r"f|h|Fcrb", r".*"), "those of the universe"),
     (r"crash", _written(r"\w+", r".*"), "the value cannot be made here"),
 )

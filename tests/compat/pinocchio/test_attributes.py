@@ -99,7 +99,8 @@ def test_wrong_values_raise_and_change_nothing(pin: Any, target: str, name: str,
     before = str(getattr(changed, name))
     with pytest.raises((TypeError, AttributeError, IndexError), match=f"`?{name}|index") as caught:
         setattr(changed, name, eval(value, names))
-    assert type(caught.value).__module__.startswith(("pinocchio", "ulna"))
+    if not isinstance(caught.value, AttributeError):  # Python raises those of properties that are read only
+        assert type(caught.value).__module__.startswith(("pinocchio", "ulna"))
     assert str(getattr(changed, name)) == before
 
 

@@ -358,3 +358,81 @@ def test_what_is_no_inertia_is_refused(pin: Any, mass: float) -> None:
     tilted = np.array([[1.0, 0.2, 0.0], [0.2 + 1e-16, 1.0, 0.0], [0.0, 0.0, 0.0]])
     for right in (np.zeros((3, 3)), tilted, 1e-9 * tilted, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]):
         np.testing.assert_array_equal(pin.Inertia(mass, np.zeros(3), right).inertia, right)
+
+
+WRONG_OPERANDS = (
+    *(
+        "inertia - motion",
+        "inertia - None",
+        "motion / 'a'",
+        "force / force",
+    ),
+    *("quaternion + np.eye(4)", "np.float64(0.5) * quaternion", "np.eye(4) @ quaternion", "quaternion / 2.0"),
+    *("symmetric + np.ones(6)", "symmetric - 'a'", "placement + np.eye(4)", "np.eye(4) * placement"),
+)
+
+
+@pytest.mark.parametrize("text", WRONG_OPERANDS)
+def test_operators_refuse_what_pinocchio_refuses(pin: Any, text: str) -> None:
+    names = {
+        "inertia": pin.Inertia.Random(),
+        "motion": pin.Motion.Random(),
+        "force": pin.Force.Random(),
+        "np": np,
+    }
+    names |= {"quaternion": pin.Quaternion(pin.SE3.Random().rotation), "placement": pin.SE3.Random()}
+    names["symmetric"] = pin.Symmetric3(np.eye(3))
+    with pytest.raises((TypeError, ValueError)):
+        eval(text, names)
+
+
+def test_lists_copy_what_is_added(pin: Any) -> None:
+    for kind, entry in ((pin.StdVec_SE3, pin.SE3.Random()), (pin.StdVec_Force, pin.Force.Random())):
+        entries = kind()
+        entries.append(entry)
+        entries.extend([entry])
+        assert entries[0] == entries[1] == entry
+        assert entries[0] is not entry and entries[1] is not entry
+    arrays = pin.StdVec_Vector3()
+    row = np.ones(3)
+    arrays.append(row)
+    row[:] = 0.0
+    assert np.array_equal(arrays[0], np.ones(3))
+    model = pin.buildSampleModelManipulator()
+    frame = pin.Frame("added", 1, 0, pin.SE3.Identity(), pin.FrameType.OP_FRAME)
+    model.frames.append(frame)
+    frame.name = "changed"
+    assert model.frames[-1].name == "added" and model.existFrame("added")
+
+
+def test_names_that_are_appended_are_no_joints(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    before = [model.children.tolist(), model.subtrees.tolist(), model.supports.tolist()]
+    model.names.append("more")
+    assert model.njoints == 7
+    assert [model.children.tolist(), model.subtrees.tolist(), model.supports.tolist()] == before
+
+
+def test_configurations_without_length_stay_as_they_are(pin: Any) -> None:
+    model = pin.Model()
+    joint = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "free")
+    model.addJoint(joint, pin.JointModelRUBX(), pin.SE3.Identity(), "turn")
+    q = np.array([1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 0.0, 3.0, 4.0])
+    assert np.allclose(pin.normalize(model, q), [1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.6, 0.8], atol=1e-15)
+    q[3:7] = 0.0, 0.0, 0.0, -2.0
+    assert np.allclose(pin.normalize(model, q)[3:7], [0.0, 0.0, 0.0, -1.0], atol=1e-15)
+
+
+@pytest.mark.parametrize("position", [True, False, 0, 1, 1.0, None, "ARG0"])
+def test_numbers_are_no_positions_of_arguments(pin: Any, position: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    q, v = pin.neutral(model), np.ones(6)
+    group = pin.liegroups.SE3()
+    for call in (
+        lambda: pin.dIntegrate(model, q, v, position),
+        lambda: pin.dDifference(model, q, q, position),
+        lambda: pin.dIntegrateTransport(model, q, v, np.eye(6), position),
+        lambda: group.dDifference(group.neutral, group.neutral, position),
+    ):
+        with pytest.raises(TypeError, match="ARG0|argument"):
+            call()

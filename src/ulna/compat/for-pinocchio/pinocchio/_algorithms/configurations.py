@@ -19,6 +19,7 @@ from pinocchio._containers.arguments import (
 from pinocchio._containers.arrays import StdVec, exact, rows_of, vector
 from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel
+from pinocchio._model.lie_group import first_or_second
 from pinocchio._model.live_parameters import FREE
 from pinocchio._model.model import Model
 from pinocchio._model.quaternion_signs import quaternion_starts, with_continuous_signs
@@ -226,7 +227,30 @@ def _squared_distances(model: Model) -> Any:
     return model._compiled_structure().compile("squared", _squared_parts, **shapes)
 
 
-_OWN_KERNELS = {"integrate": _integration, "squared_distance": _squared_distances}
+def _normalization(model: Model) -> Any:
+    """The kernel of `normalize`; what has no length stays as it is, as in Pinocchio."""
+    return model._compiled_structure().compile("normalize", _normalized_lengths, q=(model.nq,))
+
+
+def _normalized_lengths(model: CoreModel) -> Any:
+    def run(q: Array) -> Array:
+        out, unit = [*q], algorithms.normalize(model, q)
+        for joint in model.joints:
+            coordinates = () if joint.mimic else joint.kind.coordinates
+            places = [joint.idx_q + k for k, c in enumerate(coordinates) if c.unit == ""]
+            length = sum(q[k] * q[k] for k in places)
+            for k in places:
+                out[k] = where(less(0.0, length), unit[k], q[k])
+        return np.array(out)
+
+    return run
+
+
+_OWN_KERNELS = {
+    "integrate": _integration,
+    "squared_distance": _squared_distances,
+    "normalize": _normalization,
+}
 """What is no kernel of Ulna as it is."""
 
 
@@ -435,11 +459,11 @@ def dIntegrateTransport(model: Model, q: Any, v: Any, Jin: Any, argument_positio
         Matrix (nv, n).
 
     Raises:
-        ArgumentError: `argument_position` is None.
+        ArgumentError: `argument_position` is something else.
     """
-    if argument_position is None:
-        raise ArgumentError("dIntegrateTransport: `argument_position` is None; expected ARG0 or ARG1.")
-    return dIntegrate(model, q, v, argument_position) @ rows_of(Jin, model.nv, "Jin")
+    return dIntegrate(model, q, v, ArgumentPosition(first_or_second(argument_position))) @ rows_of(
+        Jin, model.nv, "Jin"
+    )
 
 
 def tangentMap(model: Model, q: Any) -> Floats:
@@ -517,6 +541,4 @@ def _pair(model: Model, q1: Any, q2: Any) -> tuple[Floats, Floats]:
 def _chosen(both: Any, position: Any) -> Any:
     if position is None:
         return both
-    if position not in (ArgumentPosition.ARG0, ArgumentPosition.ARG1):
-        raise ArgumentError(f"The argument is {position!r}; expected ARG0 or ARG1.")
-    return both[int(position)]
+    return both[first_or_second(position)]

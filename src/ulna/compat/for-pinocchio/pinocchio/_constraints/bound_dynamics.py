@@ -145,7 +145,7 @@ def solve_directly(model: Any, data: Any, models: Any, datas: Any, limit: int, *
     result = session.run(*args) if session is not not_applicable else NotImplemented
     if result is NotImplemented:
         return NotImplemented
-    data._constraint_solution = session.solved
+    data.__dict__["_constraint_solution"] = session.solved  # past the checks of what users set
     return session, result
 
 
@@ -180,9 +180,10 @@ def solve(
             for known in datas if limit else ():
                 known._leave("constraintDynamics", DYNAMICS_LEAVE)
     assert session is not None
-    data._constraint_solution = session.solved
+    own = data.__dict__  # past the checks of what users set
+    own["_constraint_solution"] = session.solved
     if limit:
-        data._motion_solution = session.solved
+        own["_motion_solution"] = session.solved
     return session, result
 
 

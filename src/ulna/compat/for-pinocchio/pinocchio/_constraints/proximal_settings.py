@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any, ClassVar, final
+from typing import Any, final
 
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import index
-from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, read_only
 from pinocchio._containers.keywords import overloads
 from ulna.errors import InputError
 
@@ -18,17 +16,14 @@ __all__ = ["ProximalSettings"]
 
 
 @final
-class ProximalSettings(CheckedAttributes):
+class ProximalSettings:
     """`ProximalSettings([absolute_accuracy, [relative_accuracy,]] mu, max_iter)`.
 
     Each round solves with `mu` added to the Delassus matrix, and takes off what that changes. The rounds end when
     the constraints are kept to the absolute accuracy, or no force changes by more than the relative one.
     """
 
-    _kinds: ClassVar[Mapping[str, AttributeKind]] = dict.fromkeys(
-        ("iter", "absolute_residual", "relative_residual"), read_only
-    )
-    __slots__ = ("_accuracies", "_limit", "_mu", "_numbers", "absolute_residual", "iter", "relative_residual")
+    __slots__ = ("_accuracies", "_limit", "_mu", "_numbers", "_residuals", "_rounds")
 
     @overloads(
         "accuracy mu max_iter:int",
@@ -56,7 +51,8 @@ class ProximalSettings(CheckedAttributes):
         if self._limit < 1:
             raise InputError("`max_iter` is 0; expected a whole number from 1.")
         self._numbers = np.array([self._mu, self._accuracies[1], self._accuracies[0]])
-        self._keep(iter=0, absolute_residual=-1.0, relative_residual=-1.0)
+        self._rounds: Any = 0
+        self._residuals: Any = (-1.0, -1.0)
 
     @property
     def absolute_accuracy(self) -> float:
@@ -78,8 +74,23 @@ class ProximalSettings(CheckedAttributes):
         """How many rounds at most."""
         return self._limit
 
+    @property
+    def iter(self) -> int:
+        """How many rounds the last solution took."""
+        return int(self._rounds)
+
+    @property
+    def absolute_residual(self) -> float:
+        """What was left of the constraints then [m/s^2, rad/s^2]."""
+        return float(self._residuals[0])
+
+    @property
+    def relative_residual(self) -> float:
+        """By how much a force changed in the last round [N, N m]."""
+        return float(self._residuals[1])
+
     def _report(self, rounds: Any, change: Any, residual: Any) -> None:
-        self._keep(iter=int(rounds), relative_residual=float(change), absolute_residual=float(residual))
+        self._rounds, self._residuals = rounds, (residual, change)
 
     def __repr__(self) -> str:
         values = (*self._accuracies, self._mu)

@@ -182,6 +182,11 @@ def text(array: Floats) -> str:
     return "\n".join([" ".join([text_.rjust(width) for text_ in row]) for row in texts])
 
 
+def _copied(entry: Any) -> Any:
+    """A copy of what users may write to: placements, motions, inertias, frames, arrays; all else as it is."""
+    return entry.copy() if isinstance(entry, np.ndarray) or hasattr(entry, "_assign") else entry
+
+
 class StdVec(list[Item], Generic[Item]):
     """A list; what is assigned to an entry is copied into it, so that references to the entry see it.
 
@@ -221,6 +226,14 @@ class StdVec(list[Item], Generic[Item]):
             super().__setitem__(key, value)
         else:
             assign(value)
+
+    def append(self, entry: Any) -> None:
+        """Adds a copy of an entry at the end."""
+        super().append(_copied(entry))
+
+    def extend(self, entries: Any) -> None:
+        """Adds copies of entries at the end."""
+        super().extend([_copied(entry) for entry in entries])
 
     def reserve(self, new_cap: int) -> None:
         """Nothing: lists grow by themselves."""

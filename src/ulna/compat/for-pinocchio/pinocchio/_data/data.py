@@ -264,9 +264,11 @@ class Data(CheckedAttributes, Saved, TreeFields):
 
     def _settle(self, name: str) -> None:
         """Makes a field ready to be assigned to: what is to be computed with it later must not overwrite it."""
-        with contextlib.suppress(InputError):
-            self._read(name)
-        self._marks[self._slots[name]] = 0.0
+        slot = self._slots[name]
+        if self._marks[slot]:
+            with contextlib.suppress(InputError):
+                self._read(name)
+            self._marks[slot] = 0.0
 
     def copy(self) -> Data:
         """A copy."""
@@ -409,8 +411,9 @@ def _unused(name: str, shape: str) -> property:
         return views(SE3, array) if shape == "n44" else StdVec(array) if shape == "n66" else array
 
     def put(self: Data, value: Any) -> None:
-        if not isinstance(value, (list, tuple, np.ndarray)):
-            raise refused(name, value, "numbers, or an entry for each joint")
+        in_lists = shape in ("n44", "n66")
+        if not isinstance(value, (list, tuple) if in_lists else (list, tuple, np.ndarray)):
+            raise refused(name, value, "a list with an entry for each joint" if in_lists else "numbers")
         rows = [x.homogeneous if isinstance(x, SE3) else x for x in value]
         self._arrays[name][...] = matrix(rows, self._arrays[name].shape, name)
 

@@ -242,7 +242,7 @@ class KinematicTree(KernelCache):
             check_text(name, "name")
         facts = name, type, int(joint), int(frame), _NOTHING
         made = Frame._from_facts(facts, placement.copy())
-        valid = 0 <= facts[2] < len(self.names) and 0 <= facts[3] < len(self._frames)
+        valid = 0 <= facts[2] < self.njoints and 0 <= facts[3] < len(self._frames)
         if valid and not self._frames_named(name, type):
             return self._append_frame(made)
         return self.addFrame(made)

@@ -155,7 +155,7 @@ class LieGroup:
             Matrix (nv, nv).
         """
         both = self._nonempty_kind.integrate_derivatives(vector(q, self.nq, "q"), vector(v, self.nv, "v"))
-        return np.array(both[_first_or_second(argument_position)])
+        return np.array(both[first_or_second(argument_position)])
 
     def dIntegrate_dq(self, q: Any, v: Any, *factor: Any) -> Floats:
         """The derivative (nv, nv) of `integrate` by q, or its product with a matrix.
@@ -212,7 +212,7 @@ class LieGroup:
         both = self._nonempty_kind.difference_derivatives(
             vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1")
         )
-        return _product(np.array(both[_first_or_second(argument_position)]), factor)
+        return _product(np.array(both[first_or_second(argument_position)]), factor)
 
     def tangentMap(self, q: Any) -> Floats:
         """The matrix (nq, nv) from tangent vectors at q to changes of its entries."""
@@ -283,8 +283,19 @@ class LieGroup:
         return f"<LieGroup {self.name}>"
 
 
-def _first_or_second(position: Any) -> int:
-    if position not in (ArgumentPosition.ARG0, ArgumentPosition.ARG1):
+def first_or_second(position: Any) -> int:
+    """The place of the argument that a derivative is by.
+
+    Args:
+        position: ARG0 or ARG1; numbers are none of them.
+
+    Returns:
+        0 or 1.
+
+    Raises:
+        ArgumentError: It is something else.
+    """
+    if not isinstance(position, ArgumentPosition) or position == ArgumentPosition.ARG2:
         raise ArgumentError(f"The argument is {position!r}; expected ARG0 or ARG1.")
     return int(position)
 

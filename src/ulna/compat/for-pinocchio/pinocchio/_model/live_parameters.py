@@ -62,12 +62,16 @@ class FrameList(StdVec[Frame]):
 
     def fill(self, frames: list[Frame]) -> None:
         """Adds frames that count their changes in `changes` already."""
-        super().extend(frames)
+        list.extend(self, frames)
         self.changes[0] += 1
 
     def append(self, frame: Frame) -> None:
-        """Adds a frame at the end."""
-        super().append(frame)
+        """Adds a copy of a frame at the end."""
+        self.take(frame.copy())
+
+    def take(self, frame: Frame) -> None:
+        """Adds a frame at the end, and no copy of it."""
+        list.append(self, frame)
         self._count_added([frame])
 
     def insert(self, place: Any, frame: Frame) -> None:
@@ -81,9 +85,9 @@ class FrameList(StdVec[Frame]):
         self._count_added([frame])
 
     def extend(self, frames: Iterable[Frame]) -> None:
-        """Adds frames at the end."""
-        added = list(frames)
-        super().extend(added)
+        """Adds copies of frames at the end."""
+        added = [frame.copy() for frame in frames]
+        list.extend(self, added)
         self._count_added(added)
 
     def __iadd__(self, frames: Iterable[Frame]) -> Self:
@@ -155,6 +159,8 @@ class LiveParameters(CheckedAttributes):
     """The joints."""
     nq: int
     nv: int
+    _layout: tuple[Any, ...]
+    """For each joint its name and where its entries begin."""
     _placements: OwnerList
     _inertias: OwnerList
     _gravity: Motion
@@ -307,7 +313,7 @@ class LiveParameters(CheckedAttributes):
     @property
     def njoints(self) -> int:
         """How many joints there are, the universe included."""
-        return len(self.names)
+        return len(self._layout)
 
     @property
     def nframes(self) -> int:
@@ -409,7 +415,7 @@ class LiveParameters(CheckedAttributes):
     def _add_last_frame(self, frame: Frame) -> None:
         """Adds a frame at the end."""
         index = self._index_of_frames()
-        self._frames.append(frame)
+        self._frames.take(frame)
         index.add(frame, len(self._frames) - 1)
         self._indexed_changes = int(self._frame_changes[0])
         if self._rows["frames"].adopt_last(self._frames[-1]._placement, len(self._frames)):

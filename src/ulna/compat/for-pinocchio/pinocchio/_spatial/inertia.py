@@ -349,7 +349,11 @@ class Inertia:
         return self
 
     def __sub__(self, other: Inertia) -> Inertia:
-        return _INERTIA_FUNCTIONS["difference"](self._p, other._p)
+        return (
+            _INERTIA_FUNCTIONS["difference"](self._p, other._p)
+            if isinstance(other, Inertia)
+            else NotImplemented
+        )
 
     def __mul__(self, motion: Any) -> Any:
         if not isinstance(motion, Motion):

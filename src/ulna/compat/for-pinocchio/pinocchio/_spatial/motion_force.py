@@ -7,7 +7,7 @@ from typing import Any, Self, final
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import matrix, numbers, text, vector
+from pinocchio._containers.arrays import matrix, numbers, real, text, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
@@ -178,8 +178,8 @@ class _Six:
 
     __rmul__ = __mul__
 
-    def __truediv__(self, divisor: float) -> Self:
-        return self._of(self._v / float(divisor))
+    def __truediv__(self, divisor: float) -> Any:
+        return self._of(self._v / real(divisor, "divisor")) if np.ndim(divisor) == 0 else NotImplemented
 
     def __eq__(self, other: object) -> bool:
         return self._v.tolist() == other._v.tolist() if isinstance(other, type(self)) else NotImplemented

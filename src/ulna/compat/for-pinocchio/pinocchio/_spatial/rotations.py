@@ -193,6 +193,8 @@ class Quaternion:
     def __setitem__(self, place: int, value: float) -> None:
         self._c[place] = value
 
+    __array_ufunc__ = None  # a sequence, but no vector that could be added or scaled
+
     def __len__(self) -> int:
         return 4
 

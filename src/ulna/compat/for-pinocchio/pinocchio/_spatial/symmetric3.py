@@ -166,10 +166,10 @@ class Symmetric3:
     __copy__ = cast = copy
 
     def __add__(self, other: Any) -> Symmetric3:
-        return Symmetric3(self._d + Symmetric3(other)._d)
+        return Symmetric3(self._d + _summand(other)._d)
 
     def __sub__(self, other: Any) -> Symmetric3:
-        return Symmetric3(self._d - Symmetric3(other)._d)
+        return Symmetric3(self._d - _summand(other)._d)
 
     def __neg__(self) -> Symmetric3:
         return Symmetric3(-self._d)
@@ -196,3 +196,8 @@ class Symmetric3:
 
 def _packed(full: Floats) -> list[float]:
     return [full[i, j] for i, j in ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))]
+
+
+def _summand(other: Any) -> Symmetric3:
+    """What may be added: a Symmetric3, or a matrix (3, 3)."""
+    return other if isinstance(other, Symmetric3) else Symmetric3(matrix(other, (3, 3), "summand"))
