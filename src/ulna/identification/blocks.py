@@ -288,7 +288,7 @@ def fitted(
     if prior is not None:
         p0[: 10 * len(model.joints)] = checked_prior(model, prior)
     flag("physical", physical)
-    sigma, ridge, sizes = checked_noise(noise, model.nv), checked_ridge(ridge), parameter_sizes(model, p0)
+    sigma, ridge, sizes = checked_noise(noise, model), checked_ridge(ridge), parameter_sizes(model, p0)
     bodies, scale = len(model.joints) if physical else None, np.sqrt(triangles.shape[1] / rows)
 
     def solution(sigma: Floats) -> tuple[Floats, int]:

@@ -122,12 +122,12 @@ def checked_prior(model: Model, prior: ArrayLike) -> Floats:
     return p.reshape(-1)
 
 
-def checked_noise(noise: Any, nv: int) -> Floats:
+def checked_noise(noise: Any, model: Model) -> Floats:
     """The deviations of the torques that a first fit takes.
 
     Args:
         noise: As for `identify`.
-        nv: How many torques a sample has.
+        model: The robot.
 
     Returns:
         Deviations, (nv,) [N m, N]; ones where none are known.
@@ -136,10 +136,10 @@ def checked_noise(noise: Any, nv: int) -> Floats:
         InputError: If `noise` is out of range.
     """
     if noise is None or (isinstance(noise, str) and noise == "auto"):
-        return np.ones(nv)
+        return np.ones(model.nv)
     if isinstance(noise, str):
         raise InputError(f"`noise` is {noise!r}; expected 'auto', or a standard deviation for each joint.")
-    sigma = number_or_array("noise", noise, nv)
+    sigma = number_or_array("noise", in_order("noise", noise, model.velocity_names), model.nv)
     if not (np.isfinite(sigma).all() and (sigma > 0.0).all()):
         raise InputError(f"`noise` is {noise}; expected finite numbers above zero.")
     return sigma.copy()

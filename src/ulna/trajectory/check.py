@@ -9,6 +9,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import kernels
+from ulna.checks.labels import in_order
 from ulna.checks.values import count, flag, number
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
@@ -230,7 +231,7 @@ def _limits(model: Model, acceleration: Any, jerk: Any, torque: bool) -> Limits:
     limits["velocity"] = -speed, speed
     for name, limit in (("acceleration", acceleration), ("jerk", jerk)):
         if limit is not None:
-            bound = positive(name, limit, model.nv, infinite=True)
+            bound = positive(name, in_order(name, limit, model.velocity_names), model.nv, infinite=True)
             limits[name] = -bound, bound
     if torque:
         effort = np.where(model.effort_limit > 0.0, model.effort_limit, np.inf)

@@ -7,6 +7,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import algorithms, kernels
+from ulna.checks.labels import in_order
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model import Model
@@ -81,7 +82,9 @@ def straight(
     """
     model = model_of(robot)
     line = _line(model, _configuration(model, "q0", q0), _configuration(model, "q1", q1))
-    return Retimed(line, law(np.abs(line.step), duration, velocity, acceleration, jerk), "straight")
+    given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
+    limits = (in_order(name, limit, model.velocity_names) for name, limit in given.items())
+    return Retimed(line, law(np.abs(line.step), duration, *limits), "straight")
 
 
 def straight_through(robot: Any, points: ArrayLike, durations: ArrayLike) -> Trajectory:
@@ -99,7 +102,7 @@ def straight_through(robot: Any, points: ArrayLike, durations: ArrayLike) -> Tra
         InputError: Way-points repeat, or `durations` do not fit.
     """
     model = model_of(robot)
-    q = rows("points", points)
+    q = rows("points", in_order("points", points, model.position_names))
     q = np.stack([_configuration(model, f"points[{k}]", x) for k, x in enumerate(q)])
     steps = algorithms.difference(model, q[:-1], q[1:])
     not_repeating("points", q, np.abs(steps).max(axis=1))
@@ -115,7 +118,7 @@ def straight_through(robot: Any, points: ArrayLike, durations: ArrayLike) -> Tra
 
 
 def _configuration(model: Model, name: str, value: ArrayLike) -> Floats:
-    q = vector(name, value, model.nq)
+    q = vector(name, in_order(name, value, model.position_names), model.nq)
     off = np.abs(algorithms.normalize(model, q) - q)
     free = np.array(
         [w for w in range(model.nq) if model.position_names[w].endswith(("qx", "qy", "qz", "qw"))], int

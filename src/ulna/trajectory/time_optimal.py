@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ulna.checks.labels import in_order
 from ulna.errors import InputError, UnknownName
 from ulna.model.of_robot import model_of
 from ulna.trajectory.compose import Retimed
@@ -80,16 +81,16 @@ def time_optimal(
     """
     if scheme not in _SCHEMES:
         raise UnknownName("scheme", scheme, _SCHEMES)
-    curve = _curve(path)
     model = None if robot is None else model_of(robot)
+    curve = _curve(path if model is None else in_order("path", path, model.position_names))
     if model is not None:
         require_configurations("path", curve.space, model)
     if torque is not None and model is None:
         raise InputError("`torque` was given without `robot`, whose dynamics they take; pass it.")
     names = curve.space.names if model is None else model.velocity_names
-    speeds = bounds_of("velocity", _or_limit(velocity, model, "velocity_limit"), curve.space.n)
-    hard = bounds_of("acceleration", acceleration, curve.space.n)
-    strong = bounds_of("torque", _or_limit(torque, model, "effort_limit"), curve.space.n)
+    speeds = bounds_of("velocity", _or_limit("velocity", velocity, model, "velocity_limit"), curve.space.n)
+    hard = bounds_of("acceleration", _or_limit("acceleration", acceleration, model), curve.space.n)
+    strong = bounds_of("torque", _or_limit("torque", torque, model, "effort_limit"), curve.space.n)
     if not (hard.any or strong.any):
         raise InputError(
             "No limit of acceleration or torque is finite; with speeds alone no motion starts from rest."
@@ -124,11 +125,13 @@ def _spline(points: ArrayLike) -> Polynomial:
     return cubic_spline(q, once.times, v0=slopes[0], v1=slopes[-1])
 
 
-def _or_limit(limit: ArrayLike | None, model: Any, name: str) -> ArrayLike | None:
-    """Limits that were passed, or those of the model, where zero stands for none."""
-    if limit is not None or model is None:
+def _or_limit(name: str, limit: ArrayLike | None, model: Any, attribute: str = "") -> ArrayLike | None:
+    """Limits that were passed, in order, or those of the model, where zero stands for none."""
+    if model is None or (limit is None and not attribute):
         return limit
-    of_model = getattr(model, name)
+    if limit is not None:
+        return in_order(name, limit, model.velocity_names)
+    of_model = getattr(model, attribute)
     return np.where(of_model > 0.0, of_model, np.inf)
 
 

@@ -257,7 +257,8 @@ def test_labels_count_wherever_numbers_of_joints_are_taken(robot: ulna.Robot, Q:
         dims = ("time", "joint")[-np.ndim(x) :]
         return xr.DataArray(x, dims=dims, coords={"joint": list(robot.joint_names)})[..., ::-1]
 
-    q, v, tau = Q[0], Q[1], 10.0 * Q[2]
+    q, v, tau, strong = Q[0], Q[1], 10.0 * Q[2], np.full(7, 80.0)
+    quick = trajectory.quintic(q, v, 0.1)
     uses: list[Any] = [
         lambda of: robot.with_configuration("here", of(q)).configurations["here"],
         lambda of: robot.lock(["panda_joint2"], of(q)).fk(np.delete(q, 1)),
@@ -268,7 +269,13 @@ def test_labels_count_wherever_numbers_of_joints_are_taken(robot: ulna.Robot, Q:
         lambda of: ulna.sim.kinematic_step(robot, of(q), of(v), 0.1),
         lambda of: np.stack(ulna.sim.dynamic_step(robot, of(q), of(v), of(tau), 0.01)),
         lambda of: ulna.identification.identify(robot, of(Q), of(Q), of(Q), of(Q), ridge=1.0).fitted,
+        lambda of: ulna.identification.identify(robot, Q, Q, Q, Q, noise=of(np.exp(q)), ridge=1.0).fitted,
         lambda of: ulna.model.with_joint_dynamics(robot.model, damping=of(np.abs(q))).damping,
+        lambda of: trajectory.straight(robot, of(q), of(v), velocity=of(np.exp(q)), acceleration=2.0)(0.3),
+        lambda of: trajectory.straight_through(robot, of(Q[:3]), 1.0)(0.3),
+        lambda of: trajectory.time_optimal(of(Q[:3]), robot, acceleration=of(np.exp(q)))(0.1),
+        lambda of: trajectory.time_optimal(Q[:3], robot, velocity=of(np.exp(v)), torque=of(strong))(0.1),
+        lambda of: [b.limit for b in trajectory.check(robot, quick, acceleration=of(np.exp(q))).breaches],
     ]
     for use in uses:
         np.testing.assert_array_equal(use(turned), use(lambda x: x))
