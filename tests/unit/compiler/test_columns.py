@@ -14,6 +14,7 @@ from ulna import kernels
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors, elimination_paths
 from ulna.compiler import Function, compile, trace
 from ulna.compiler.codegen.arithmetic import Arithmetic
+from ulna.compiler.codegen.columns import shared_rows
 from ulna.compiler.codegen.module import emit_single
 from ulna.compiler.forms.columns import Columns, row_places, with_columns
 from ulna.compiler.runtime import jit
@@ -242,3 +243,34 @@ def test_batches_sample_by_sample_share_the_code_of_single_calls(samples, monkey
         assert loaded == [("entry", "work", "batch")]
     copied = pickle.loads(pickle.dumps(kernel))
     np.testing.assert_array_equal(copied(samples)[0], kernel(samples)[0])
+
+
+def _chain(table, column):
+    """The more of the first entries are zero, the fewer operations it has: 10 products and 9 sums."""
+    total = 0.0
+    for entry in column:
+        total = total + table[0] * entry
+    return np.array([total])
+
+
+def test_columns_share_code_where_it_has_few_more_operations():
+    body = trace(_chain, table=(1,), column=(10,))
+    sets = [frozenset(range(k)) for k in (0, 1, 4, 5)]  # 19, 17, 11 and 9 operations
+    assert shared_rows(body, sets, 1.0) == {rows: rows for rows in sets}
+    assert shared_rows(body, sets, 1.3) == dict(zip(sets, [sets[0], sets[0], sets[2], sets[2]], strict=True))
+    assert set(shared_rows(body, sets, 3.0).values()) == {frozenset()}
+    apart = [frozenset({0}), frozenset({1})]  # what both leave out is nothing
+    assert shared_rows(body, apart, 1.2) == dict.fromkeys(apart, frozenset())
+
+
+def test_humanoids_have_few_bodies_of_columns():
+    """Each of them is some thousand operations of a robot's factors."""
+    model = random_model(
+        np.random.default_rng(3), ("revolute",), 30, root="free_flyer", mimics=0, branching=0.5
+    )
+    kernel = kernels.kernel(model, "inverse_mass_matrix")
+    if jit.target().register_bytes >= 32:
+        assert 1 <= kernel.ir().count("define internal void @column") <= 5
+    q = Robot(model).random_configuration(seed=0)
+    mass = kernels.kernel(model, "mass_matrix")(q)
+    np.testing.assert_allclose(kernel(q) @ mass, np.eye(model.nv), atol=1e-8)

@@ -8,6 +8,8 @@ so that no lane is idle beyond the row.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,10 @@ from ulna.compiler.language.ports import SecondForm
 
 _MAX_SCRATCH = 400_000  # of the matrices, which lie on the stack [byte]
 _NARROWEST = 32  # registers that are worth it [byte]
+_MORE_OPERATIONS = 1.3
+"""How many times as many operations shared code of columns may have as their own."""
+_PRODUCTS = frozenset(map(int, (Op.MUL, Op.DIV, Op.NEG)))
+"""Operations whose result is zero where an operand is."""
 
 
 def can_write_columns(f: Function | SecondForm, target: Target, element: DType) -> bool:
@@ -61,7 +67,7 @@ def write_columns(module: Module, name: str, form: ColumnForm, target: Target, e
     """
     lanes, m, n = target.lanes(element), form.shape[1], form.body.inputs[1].size
     starts = [*range(0, m - lanes, lanes), m - lanes]
-    bodies: dict[tuple[int, frozenset[int]], str] = {}
+    bodies: dict[frozenset[int], str] = {}
     inputs = [f"ptr %i{k}" for k in range(len(form.inputs))]
     lines, scratch = [], []
     for k, port in enumerate(form.head.outputs):
@@ -75,24 +81,74 @@ def write_columns(module: Module, name: str, form: ColumnForm, target: Target, e
         lines.append(f"  %table = alloca [{form.body.inputs[0].size} x {element}], align 64")
         lines.append(f"  call void @factors({scratch[0]}, {table})")
     matrices = iter(scratch[1:])
-    for k, (unit, zeros) in enumerate(zip(form.units, zeros_of(form), strict=True)):
+    zero_rows = [
+        [frozenset(i for i in range(n) if all(row[i] for row in zeros[x : x + lanes])) for x in starts]
+        for zeros in zeros_of(form)
+    ]
+    shared = shared_rows(form.body, [rows for of_matrix in zero_rows for rows in of_matrix])
+    for k, unit in enumerate(form.units):
         source = next(matrices) if unit is None else f"ptr {_units(module, unit, n, m, element)}"
-        for start in starts:
-            rows = frozenset(i for i in range(n) if all(row[i] for row in zeros[start : start + lanes]))
-            same = (
-                body
-                for (at, fewer), body in bodies.items()
-                if fewer == rows or (at == start and fewer <= rows)
-            )
-            if (body := next(same, "")) == "":
-                body = bodies[start, rows] = f"column{len(bodies)}"
-                _write_body(module, body, without_rows(form.body, rows), m, Lanes(lanes, element), target)
+        for start, of_register in zip(starts, zero_rows[k], strict=True):
+            rows = shared[of_register]
+            if rows not in bodies:
+                bodies[rows] = f"column{len(bodies)}"
+                body = without_rows(form.body, rows)
+                _write_body(module, bodies[rows], body, m, Lanes(lanes, element), target)
             at = f"{k}.{start}"
             lines.append(f"  %x{at} = getelementptr {element}, {source}, i64 {start}")
             lines.append(f"  %y{at} = getelementptr {element}, ptr %o{k}, i64 {start}")
-            lines.append(f"  call void @{body}({table}, ptr %x{at}, ptr %y{at})")
+            lines.append(f"  call void @{bodies[rows]}({table}, ptr %x{at}, ptr %y{at})")
     arguments = [*inputs, *(f"ptr %o{k}" for k in range(len(form.units)))]
     define(module, name, arguments, "noinline nounwind #0", lines)
+
+
+def shared_rows(
+    body: Function, sets: Iterable[frozenset[int]], most: float = _MORE_OPERATIONS
+) -> dict[frozenset[int], frozenset[int]]:
+    """Which columns share code: for rows that are zero those that the code leaves out, all of them or fewer.
+
+    Much code takes long to compile, and longer to fetch than some superfluous operations take.
+
+    Args:
+        body: The body.
+        sets: The rows that are zero in each register of columns.
+        most: How many times as many operations code may have as that which leaves out all of the rows.
+
+    Returns:
+        The rows that are left out, by those that are zero.
+    """
+    operations = _operations_of(body)
+    costs = {rows: operations(rows) for rows in sets}
+    groups: list[tuple[frozenset[int], list[frozenset[int]]]] = []
+    for rows in sorted(costs, key=lambda x: (-costs[x], sorted(x))):
+        for number, (common, members) in enumerate(groups):
+            if operations(common & rows) <= most * costs[rows]:
+                groups[number] = common & rows, [*members, rows]
+                break
+        else:
+            groups.append((rows, [rows]))
+    return {rows: common for common, members in groups for rows in members}
+
+
+def _operations_of(body: Function) -> Callable[[frozenset[int]], int]:
+    """A function: about how many operations a body has where some rows of its column are zero."""
+    g, size = body.graph, body.inputs[0].size
+    live = g.live(body.results)
+    steps = [(g.op[k] in _PRODUCTS, k, *g.args[k][:1], g.args[k][-1]) for k in live if g.args[k]]
+    column = g.inputs[size:]
+
+    @cache
+    def count(rows: frozenset[int]) -> int:
+        is_zero, superfluous = bytearray(len(g.op)), 0
+        for row in rows:
+            is_zero[column[row]] = 1
+        for is_product, k, a, b in steps:
+            if is_zero[a] or is_zero[b]:  # a term that is zero, or the other term of a sum
+                is_zero[k] = is_product or (is_zero[a] and is_zero[b])
+                superfluous += 1
+        return len(steps) - superfluous
+
+    return count
 
 
 def without_rows(body: Function, rows: frozenset[int]) -> Function:
