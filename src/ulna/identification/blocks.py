@@ -23,7 +23,7 @@ from ulna.checks.values import flag, number
 from ulna.errors import InputError
 from ulna.identification.convex import Progress
 from ulna.identification.identifiable_parameters import extended_regressor, parameter_names
-from ulna.identification.result import FittedParameters
+from ulna.identification.result import FittedParameters, explained_part
 from ulna.identification.solve import (
     NO_SAMPLES,
     Log,
@@ -242,13 +242,14 @@ def fit_sums(
     """
     p, fields = fitted(model, sums, sought, physical=physical, prior=prior, ridge=ridge, noise=noise)
     rows, rms = int(sums["rows"][0]), _residuals(sums, p)
-    variance = sums["tau2"] / rows - (sums["tau"] / rows) ** 2
+    mean_square = sums["tau2"] / rows
+    variance = mean_square - (sums["tau"] / rows) ** 2
     return LogFit(
         **fields,
         rows=rows,
         rms=rms,
         rms_before=_residuals(sums, present_parameters(model, sought.drives)),
-        explained=1.0 - rms**2 / np.where(variance > 0.0, variance, np.inf),
+        explained=explained_part(rms, variance, mean_square),
     )
 
 

@@ -18,6 +18,26 @@ from ulna.typing import Floats
 _WORST_CONDITION = 1e5  # of a log whose fit a report does not doubt
 
 
+_CONSTANT = (
+    1e-12  # what part of the mean square the variance of a torque is at most that varies by rounding only
+)
+
+
+def explained_part(rms: Floats, variance: Floats, mean_square: Floats) -> Floats:
+    """What part of the variance of torques a fit explains; a constant torque varies from zero.
+
+    Args:
+        rms: Root mean square of the residuals of each joint, (nv,) [N m, N].
+        variance: Variance of its torque, (nv,) [(N m)^2, N^2].
+        mean_square: Mean of its squared torque, (nv,) [(N m)^2, N^2].
+
+    Returns:
+        Parts, (nv,) [-]; at most 1.
+    """
+    total = np.where(variance > _CONSTANT * mean_square, variance, mean_square)
+    return 1.0 - rms**2 / np.where(total > 0.0, total, np.inf)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class FittedParameters:
     """The parameters that explain a log best, without the log.
@@ -117,11 +137,7 @@ class Identification(FittedParameters):
     @property
     def explained(self) -> Floats:
         """What part of each joint's variance of torque the fit explains, (nv,); at most 1."""
-        total = ((self.measured - self.measured.mean(axis=0)) ** 2).mean(axis=0)
-        total = np.where(
-            total > 0.0, total, (self.measured**2).mean(axis=0)
-        )  # a constant torque varies from zero
-        return 1.0 - self.rms**2 / np.where(total > 0.0, total, np.inf)
+        return explained_part(self.rms, self.measured.var(axis=0), (self.measured**2).mean(axis=0))
 
     def report(self) -> str:
         """The residuals joint by joint, and how well the log determines the parameters, as text."""

@@ -10,6 +10,7 @@ import pytest
 import ulna
 from ulna.errors import InputError
 from ulna.identification import base_parameters, identify
+from ulna.identification.blocks import Sought, fit_sums, sums_of
 from ulna.robot import Robot
 from ulna.typing import Floats
 
@@ -36,12 +37,15 @@ def test_as_many_parameters_as_torques_are_known_to_no_precision(robot: Robot) -
     assert np.isfinite(identify(robot, *log(robot, 20)).base_deviations).all()
 
 
-def test_a_constant_torque_that_does_not_fit_is_not_explained(robot: Robot) -> None:
+@pytest.mark.parametrize("size", [3.0, 0.1])  # the mean of the second is rounded
+def test_a_constant_torque_that_does_not_fit_is_not_explained(robot: Robot, size: float) -> None:
     still = np.zeros((50, 6))
-    torque = np.tile([3.0, 0.0, 0.0, 0.0, 0.0, 0.0], (50, 1))  # gravity makes none about the vertical
+    torque = np.tile([size, 0.0, 0.0, 0.0, 0.0, 0.0], (50, 1))  # gravity makes none about the vertical
     fit = identify(robot, still, still, still, torque)
-    assert fit.rms[0] == pytest.approx(3.0)
+    assert fit.rms[0] == pytest.approx(size)
     assert fit.explained[0] == pytest.approx(0.0)
+    sums = sums_of(robot, still, still, still, torque, Sought())
+    assert fit_sums(robot.model, sums, Sought()).explained[0] == pytest.approx(0.0)
 
 
 @pytest.mark.parametrize(
