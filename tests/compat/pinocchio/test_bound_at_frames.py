@@ -179,7 +179,7 @@ def test_a_change_of_a_frame_concerns_the_models_that_have_it(pin: Any, model: A
     other.frames.append(model.frames[1].copy())
     pin.updateFramePlacement(model, data, at)
     assert data._bound_at["frames", at] is bound
-    other.frames.append(model.frames[at])  # from here on a frame of both
+    other.frames.append(model.frames[at])  # a copy, which is not watched
     model.frames[at].parentJoint = 1
     expected = data.oMi[1] * model.frames[at].placement
     assert np.allclose(pin.updateFramePlacement(model, data, at).homogeneous, expected.homogeneous)
@@ -200,6 +200,7 @@ def test_a_frame_is_watched_from_the_moment_it_is_added(pin: Any, model: Any, ad
     data, at = model.createData(), model.nframes - 1
     pin.forwardKinematics(model, data, pin.neutral(model))
     pin.updateFramePlacement(model, data, at)
+    frame = model.frames[at]  # a copy of what was added
     frame.parentJoint = 1
     expected = data.oMi[1] * frame.placement
     assert np.allclose(pin.updateFramePlacement(model, data, at).homogeneous, expected.homogeneous)

@@ -436,3 +436,20 @@ def test_numbers_are_no_positions_of_arguments(pin: Any, position: Any) -> None:
     ):
         with pytest.raises(TypeError, match="ARG0|argument"):
             call()
+
+
+def test_lists_of_one_kind_take_no_other(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data = model.createData()
+    for entries, wrong in (
+        (data.oMi, pin.Motion.Random()),
+        (data.v, 3),
+        (model.names, 3),
+        (model.frames, pin.SE3()),
+    ):
+        count = len(entries)
+        with pytest.raises(TypeError):
+            entries.append(wrong)
+        with pytest.raises(TypeError):
+            entries.extend([wrong])
+        assert len(entries) == count

@@ -229,11 +229,25 @@ class StdVec(list[Item], Generic[Item]):
 
     def append(self, entry: Any) -> None:
         """Adds a copy of an entry at the end."""
-        super().append(_copied(entry))
+        super().append(self._checked(entry))
 
     def extend(self, entries: Any) -> None:
         """Adds copies of entries at the end."""
-        super().extend([_copied(entry) for entry in entries])
+        super().extend([self._checked(entry) for entry in entries])
+
+    def _checked(self, entry: Any) -> Any:
+        """A copy of a new entry, which is of the kind of the others.
+
+        Raises:
+            ArgumentError: It is of another kind.
+        """
+        first = list.__getitem__(self, 0) if self else None
+        if (isinstance(first, str) or hasattr(first, "_assign")) and not isinstance(entry, type(first)):
+            kind = type(first).__name__
+            raise ArgumentError(
+                f"A list of {kind} was given {excerpt(repr(entry))}; expected another {kind}."
+            )
+        return _copied(entry)
 
     def reserve(self, new_cap: int) -> None:
         """Nothing: lists grow by themselves."""

@@ -67,7 +67,7 @@ class FrameList(StdVec[Frame]):
 
     def append(self, frame: Frame) -> None:
         """Adds a copy of a frame at the end."""
-        self.take(frame.copy())
+        self.take(self._checked(frame))
 
     def take(self, frame: Frame) -> None:
         """Adds a frame at the end, and no copy of it."""
@@ -86,7 +86,7 @@ class FrameList(StdVec[Frame]):
 
     def extend(self, frames: Iterable[Frame]) -> None:
         """Adds copies of frames at the end."""
-        added = [frame.copy() for frame in frames]
+        added = [self._checked(frame) for frame in frames]
         list.extend(self, added)
         self._count_added(added)
 
