@@ -19,7 +19,7 @@ ROWS = 777
 @pytest.fixture(autouse=True)
 def _small_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     """Parts of 16 rows, so that small batches have many."""
-    monkeypatch.setattr(array_call, "_LEAST_OPERATIONS", 1)
+    monkeypatch.setattr(array_call, "_LEAST_WORK", 1)
 
 
 def _two(a: Any, b: Any) -> Any:
@@ -167,9 +167,15 @@ def test_a_kernel_from_a_pickle(shared: list[bool]) -> None:
 
 
 def test_small_batches_are_left_to_one_thread(shared: list[bool], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(array_call, "_LEAST_OPERATIONS", 10**9)
-    _equal(_kernel(), _arguments())
+    kernel, small = _kernel(), _kernel(np.float32)
+    work = 8 * (3 * 3 + 3 + 3 + 1 + kernel.operations // 8)
+    monkeypatch.setattr(array_call, "_LEAST_WORK", work * ROWS)  # that of so many rows in float64
+    _equal(kernel, _arguments())
+    _equal(small, _arguments((3 * ROWS,), np.float32))
     assert not shared
+    _equal(kernel, _arguments((3 * ROWS,)))
+    _equal(small, _arguments((5 * ROWS,), np.float32))
+    assert shared == [True, True]
 
 
 def test_rows_that_machine_code_does_not_take_are_cut_by_numpy(monkeypatch: pytest.MonkeyPatch) -> None:

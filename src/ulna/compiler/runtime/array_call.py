@@ -29,8 +29,8 @@ Unit = tuple[tuple[int, tuple[int, ...]], ...]
 """Which entries of which inputs must form unit vectors, quaternions say: (number of the input, entries), ..."""
 
 ELEMENT: dict[str, DType] = {"float64": "double", "float32": "float"}
-_LEAST_OPERATIONS = 2**19  # of a thread: some 50 us
-_BLOCKS = 8  # in so many operations, which threads take one after the other
+_LEAST_WORK = 2**21  # of a thread, in operations of float64 and bytes of arguments and results: some 0.2 ms
+_BLOCKS = 32  # in so much work, which threads take one after the other
 _ROUND = 16  # blocks have multiples of so many rows, as of the numbers of lanes
 
 
@@ -45,7 +45,7 @@ class ArrayCall:
         unit: Which entries of inputs are unit quaternions.
         labels: By name of an input or number of an output, what the entries of its last axis are called.
         evaluate: What evaluates batches, called as a generalised ufunc is; None to compile one.
-        least_rows: Samples for which a thread is worth while [-]; None to count the operations of the function.
+        least_rows: Samples for which a thread is worth while [-]; None to estimate them from the function.
     """
 
     def __init__(
@@ -364,7 +364,10 @@ class ArrayCall:
     def _rows_worth_a_thread(self) -> int:
         """Samples that take longer than another thread takes to begin."""
         if self._least_rows is None:
-            rows = _LEAST_OPERATIONS // max(1, self.function.operations)
+            numbers = self.function.operations // 8 + sum(
+                port.size for port in gufunc.ports_of(self.function)
+            )
+            rows = _LEAST_WORK // (max(1, numbers) * self.dtype.itemsize)
             self._least_rows = -(-max(1, rows) // _ROUND) * _ROUND
         return self._least_rows
 

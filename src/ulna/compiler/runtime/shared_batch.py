@@ -32,9 +32,12 @@ def share(
     Returns:
         Whether it was computed: not where the rows of an array do not lie at equal distances.
     """
-    steps = [_step(a, port, batch) for a, port in zip(arrays, ports, strict=True)]
-    if None in steps:
-        return False
+    steps: list[int] = []
+    for a, port in zip(arrays, ports, strict=True):
+        step = _step(a, port, batch)
+        if step is None:
+            return False
+        steps.append(step)
     rows = math.prod(batch)
     inner = [
         length for a, p in zip(arrays, ports, strict=True) for length in a.strides[a.ndim - len(p.shape) :]
@@ -42,7 +45,9 @@ def share(
     ends = [rows * (k + 1) // threads // block * block for k in range(threads - 1)] + [rows]
     following = [0] * (APART * threads)
     following[::APART] = [0, *ends[:-1]]
-    addresses = [a.__array_interface__["data"][0] for a in arrays]  # a.ctypes takes three times as long
+    addresses: list[int] = [
+        a.__array_interface__["data"][0] for a in arrays
+    ]  # a.ctypes takes three times as long
     tables = [array("q", numbers) for numbers in (addresses, steps + inner, ends, following)]
     words = array(
         "q", [loop, len(arrays), block, threads, *(table.buffer_info()[0] for table in tables), rows]
