@@ -55,7 +55,7 @@ class DDPSolution:
         gains: K (N, nu, ndx): near the solution, `u = controls[i] + gains[i] @ (x (-) states[i])` is the best control.
         cost: Cost of the whole horizon.
         iterations: One entry for each iteration.
-        is_converged: Whether the expected decrease fell below the tolerance.
+        is_converged: Whether the expected decrease fell below the tolerance, without regularisation, too.
         reason: In words.
     """
 

@@ -156,7 +156,7 @@ def _drive_findings(name: str, velocity: float, effort: float, is_rotary: bool) 
             "warning",
             "no-velocity",
             name,
-            "its velocity limit is zero, so it may not move",
+            "its velocity limit is zero, which counts as none known",
             "Give it the greatest speed of its drive, or leave the attribute out for no limit.",
         )
     if is_rotary and math.isfinite(velocity) and velocity > _FAST:
@@ -173,7 +173,7 @@ def _drive_findings(name: str, velocity: float, effort: float, is_rotary: bool) 
             "warning",
             "no-effort",
             name,
-            "its effort limit is zero, so its drive has no torque or force",
+            "its effort limit is zero, which counts as none known",
             "Give it the greatest torque or force of its drive, or leave the attribute out for no limit.",
         )
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.checks.arrays import batched_array, check_core_shape, check_finite, real_array
+from ulna.checks.labels import in_order
 from ulna.model import Model
 from ulna.numeric import vector, where
 from ulna.quantities.deferred_algorithms import algorithms
@@ -287,7 +288,7 @@ class Dynamics(Part):
             q: Configuration, (..., nq) [rad or m].
             frame: Where the load acts; None for the tool.
             wrench: What it exerts there, (..., 6) [N, N m]; None for the weight of 1 kg, so that the answer is in kg.
-            effort: Greatest torques in both directions, (nv,) [N m or N]; None for the model's.
+            effort: Greatest torques in both directions, (nv,) [N m or N]; None for the model's, of which 0 is no limit.
             reference: In whose axes, and about which point, the wrench is written.
 
         Returns:
@@ -300,7 +301,10 @@ class Dynamics(Part):
         """
         weight = np.concatenate([self.model.gravity, np.zeros(3)])
         load = batched_array("wrench", weight if wrench is None else wrench, (6,))
-        limit = real_array("effort", self.model.effort_limit if effort is None else effort)
+        known = np.where(self.model.effort_limit > 0.0, self.model.effort_limit, np.inf)
+        limit = real_array(
+            "effort", known if effort is None else in_order("effort", effort, self.model.velocity_names)
+        )
         check_core_shape("effort", limit, (self.model.nv,))
         free = np.isinf(limit)  # a joint without a limit holds any load
         check_finite("effort", np.where(free, 0.0, limit))

@@ -10,7 +10,7 @@ from ulna import numeric
 from ulna.algorithms import Friction
 from ulna.compiler import compile
 from ulna.errors import InputError, ShapeError
-from ulna.model import Drive, dynamic_parameters, with_drives, with_payload
+from ulna.model import Drive, dynamic_parameters, with_drives, with_joint_dynamics, with_payload
 
 
 def test_friction_opposes_the_motion_and_is_smooth() -> None:
@@ -63,6 +63,16 @@ def test_payload_capacity_brings_one_joint_to_its_limit() -> None:
     used = np.abs(tau) / robot.limits.effort
     assert used.max() == pytest.approx(1.0, abs=1e-9)
     assert used.argmax() == capacity.argmin()
+
+
+def test_an_effort_limit_of_zero_in_a_model_is_none_for_payloads_too() -> None:
+    robot = ulna.load("panda")
+    unknown = ulna.Robot(with_joint_dynamics(robot.model, effort=[0.0, *robot.limits.effort[1:]]))
+    q = robot.configurations["ready"]
+    capacity = unknown.payload_capacity(q)
+    assert capacity[0] == np.inf
+    np.testing.assert_array_equal(capacity[1:], robot.payload_capacity(q)[1:])
+    assert np.isnan(robot.payload_capacity(q, effort=np.zeros(7))[1])  # given as such, it holds nothing
 
 
 def test_payload_capacity_of_batches_and_wrenches() -> None:
