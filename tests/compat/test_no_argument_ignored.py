@@ -30,7 +30,9 @@ UNUSED = {
     },
     "a pose has no settings": {"ET.SE3 _", "ET2.SE2 _"},
     "a fallback that answers for any arguments": {"not_applicable _"},
-    "kinds of attributes are given the object, which some do not need": {"text _", "number _", "whole _", "flag _"},
+    "kinds of attributes are given the object, which some do not need": {
+        "text target", "number target", "whole target", "flag target",
+    },
     "the viewer runs in this process": {
         "Client.__init__ clients", "Client.__init__ host", "Client.__init__ port", "Client.__init__ url",
         "gui_client _", "gui_client __", "start_server _", "start_server __", "Tree.setRefreshIsSynchronous synchronous",

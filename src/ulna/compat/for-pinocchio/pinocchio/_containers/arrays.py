@@ -121,6 +121,7 @@ def numbers(value: Any, name: str) -> Floats:
         Array (...).
 
     Raises:
+        ArgumentError: it is an object of the package that is no list.
         DtypeError: it holds complex numbers, texts, None, or other things that are no real numbers.
     """
     if type(value).__module__.startswith("pinocchio.") and not isinstance(value, list):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar, final
+from typing import Any, ClassVar, NoReturn, final
 
 import numpy as np
 
@@ -59,7 +59,7 @@ def refused(name: str, value: Any, expected: str) -> ArgumentError:
     return ArgumentError(f"`{name}` is set to {excerpt(repr(value))}; expected {expected}.")
 
 
-def read_only(target: Any, name: str, value: Any) -> Any:
+def read_only(target: Any, name: str, value: Any) -> NoReturn:
     """The kind of attributes that users read only.
 
     Args:
@@ -75,10 +75,11 @@ def read_only(target: Any, name: str, value: Any) -> Any:
     )
 
 
-def text(_: Any, name: str, value: Any) -> str:
+def text(target: Any, name: str, value: Any) -> str:
     """The kind of attributes that are a text.
 
     Args:
+        target: The object, which is not looked at.
         name: Name of the attribute.
         value: What was assigned.
 
@@ -93,10 +94,11 @@ def text(_: Any, name: str, value: Any) -> str:
     return value
 
 
-def number(_: Any, name: str, value: Any) -> float:
+def number(target: Any, name: str, value: Any) -> float:
     """The kind of attributes that are one real number.
 
     Args:
+        target: The object, which is not looked at.
         name: Name of the attribute.
         value: What was assigned.
 
@@ -106,10 +108,11 @@ def number(_: Any, name: str, value: Any) -> float:
     return real(value, name)
 
 
-def whole(_: Any, name: str, value: Any) -> int:
+def whole(target: Any, name: str, value: Any) -> int:
     """The kind of attributes that are a count, or an index.
 
     Args:
+        target: The object, which is not looked at.
         name: Name of the attribute.
         value: What was assigned.
 
@@ -119,10 +122,11 @@ def whole(_: Any, name: str, value: Any) -> int:
     return int(index(value, NO_INDEX + 1, f"`{name}`", "It is a whole number from 0."))
 
 
-def flag(_: Any, name: str, value: Any) -> bool:
+def flag(target: Any, name: str, value: Any) -> bool:
     """The kind of attributes that say yes or no.
 
     Args:
+        target: The object, which is not looked at.
         name: Name of the attribute.
         value: What was assigned.
 
