@@ -51,9 +51,9 @@ def checked_configuration(robot: Any, q: ArrayLike) -> Floats:
         The copy, (nq,) [rad or m].
 
     Raises:
-        ShapeError, NonFiniteError: It is none.
         ShapeError: Another shape.
         NonFiniteError: nan or inf.
+        InputError: Its labels are not the joints' names.
     """
     count = robot.model.nq
     if type(q) is np.ndarray and q.dtype is _FLOAT and q.shape == (count,):  # as a loop hands it over

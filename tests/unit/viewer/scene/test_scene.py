@@ -183,7 +183,7 @@ class Slider:
 
     def __init__(self, *visuals: Geometry) -> None:
         links = (SimpleNamespace(name="base", visuals=()), SimpleNamespace(name="cart", visuals=visuals))
-        self.model = SimpleNamespace(links=links, nq=1)
+        self.model = SimpleNamespace(links=links, nq=1, position_names=self.joint_names)
 
     def link_poses(self, q: np.ndarray) -> np.ndarray:
         return np.stack([np.eye(4), at(float(q[0]))])
