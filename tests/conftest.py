@@ -34,6 +34,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 _THRESHOLDS: pytest.StashKey[tuple[int, int, int]] = pytest.StashKey()
+_BROWSER: pytest.StashKey[Chromium] = pytest.StashKey()
 _LONGEST = 100_000
 """How long an operation of the browser may take [ms]."""
 _FEWER_FRAMES = """(() => {
@@ -116,11 +117,14 @@ def pytest_runtest_makereport(
         path, line, _ = item.location
         report.outcome = "skipped"
         report.longrepr = (path, (line or 0) + 1, f"Skipped: the package {package!r} is not installed")
+    browser = item.session.stash.get(_BROWSER, None)
+    if browser is not None and report.failed and report.when == "setup":
+        browser.close()  # a page did not start; in the same browser the next ones would not either
     return report
 
 
 @pytest.fixture(scope="session")
-def chromium() -> Iterator[Chromium]:
+def chromium(request: pytest.FixtureRequest) -> Iterator[Chromium]:
     playwright = pytest.importorskip(
         "playwright.sync_api", reason="playwright, which drives the browser, is not installed"
     )
@@ -129,7 +133,7 @@ def chromium() -> Iterator[Chromium]:
     if program is None:
         pytest.skip(f"no Chromium on PATH (looked for {', '.join(NAMES)})")
     with playwright.sync_playwright() as driver:
-        browser = Chromium(driver, program)
+        browser = request.session.stash[_BROWSER] = Chromium(driver, program)
         yield browser
         browser.close()
 
@@ -172,6 +176,9 @@ class Chromium:
         del self.contexts[first:]
 
     def close(self) -> None:
-        """End the browser."""
+        """End the browser; the next context starts another one."""
         if self._browser is not None:
-            self._browser.close()
+            with contextlib.suppress(Exception):  # it has crashed
+                self._browser.close()
+        self._browser = None
+        self.contexts.clear()
