@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import io
 import os
 import sys
@@ -12,7 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ulna import commands
-from ulna.errors import UlnaError
+from ulna.errors import UlnaError, nearest
 
 _ABOUT = "Ulna compiles your robot: kinematics of articulated robots, from the textbook into machine code."
 
@@ -63,12 +62,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _refuse_unknown(parser: argparse.ArgumentParser, unknown: Sequence[str]) -> None:
     """Ends the program with the usage of the command, what it does not know, and the options that read alike."""
     known = [word for action in parser._actions for word in action.option_strings]
-    alike = [
-        match
-        for word in unknown
-        for match in difflib.get_close_matches(word.partition("=")[0], known, 1)
-        if word.startswith("-")
-    ]
+    options = [word.partition("=")[0] for word in unknown if word.startswith("-")]
+    alike = [match for option in options for match in nearest(option, known, 1, 0.6)]
     hint = f"; did you mean {' or '.join(alike)}?" if alike else ""
     parser.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
 

@@ -30,6 +30,7 @@ from typing import NamedTuple, final
 
 import numpy as np
 
+from ulna.algorithms.multibody.batch_shapes import broadcast_pose
 from ulna.collision.joint_chains import JointChain
 from ulna.collision.link_points import LinkPoints, LinkSpeeds, fewer_points, joined_points, solid_points
 from ulna.collision.pair_distance import PairDistance
@@ -133,7 +134,9 @@ class CellBounds:
         remainder = np.add.reduce(
             [side.beyond(rho, widths, split) for side, rho in zip(self._sides, speeds, strict=True)]
         )
-        return _Cells(T, [_of_rows(X, len(q)) for X in poses], widths, b, split, remainder)
+        return _Cells(
+            T, [[broadcast_pose(X, q) for X in side] for side in poses], widths, b, split, remainder
+        )
 
     def _signs(self, split: Array) -> list[Floats]:
         """For each joint 1 where it moves its link as its twist says when its column grows, else -1, shape (n,)."""
@@ -250,14 +253,6 @@ class _Known:
             self.normals[rows, pairs] = n / np.maximum(length, 1.0)  # a shorter direction proves less
             self._is_computed[rows, pairs] = True
             self.queries += len(rows)
-
-
-def _of_rows(poses: Sequence[SE3], count: int) -> list[SE3]:
-    """Poses of each row, of which some may be one for all rows."""
-    return [
-        SE3(np.broadcast_to(X.rotation, (count, 3, 3)), np.broadcast_to(X.translation, (count, 3)))
-        for X in poses
-    ]
 
 
 def _least_approach(speeds: Sequence[Floats], widths: Floats) -> tuple[Floats, Array]:

@@ -12,6 +12,7 @@ from typing import final
 
 import numpy as np
 
+from ulna.algorithms.multibody.batch_shapes import broadcast_pose
 from ulna.algorithms.multibody.tree import Step, steps
 from ulna.model import Model
 from ulna.spatial import SE3, Motion
@@ -70,10 +71,7 @@ class JointChain:
         reverse = [ChainJoint(j.step, not j.is_upward, j.column) for j in reversed(self.joints)]
         T_a_b, of_second = _walk(reverse, q)
         # Joints that only slide leave one rotation for all configurations.
-        T_a_b = SE3(
-            np.broadcast_to(T_a_b.rotation, (len(q), 3, 3)), np.broadcast_to(T_a_b.translation, (len(q), 3))
-        )
-        return T_a_b, of_first, of_second[::-1]
+        return broadcast_pose(T_a_b, q), of_first, of_second[::-1]
 
     def widths(self, half: Floats) -> Floats:
         """Half widths of a cell by joint, shape (joints,), from those by column, shape (columns,) [rad, m]."""
