@@ -175,6 +175,18 @@ def finite_array(name: str, value: Any, expected: str = "numbers") -> Floats:
     return out
 
 
+def known_limits(limits: Floats) -> Floats:
+    """Limits of speed or effort; a limit of zero says in files that none is known, and is infinite here.
+
+    Args:
+        limits: Limits, shape (...) [any].
+
+    Returns:
+        The limits, shape (...) [any].
+    """
+    return np.where(limits > 0.0, limits, np.inf)
+
+
 def shaped_array(
     name: str, value: Any, *shape: int | None, fix: str = "", labels: Sequence[str] | None = None
 ) -> Floats:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.arrays import known_limits
 from ulna.model import Model
 from ulna.planning.motion_path import distinct_points, motion_path
 from ulna.trajectory import Polynomial, Retimed, s_curve
@@ -37,7 +38,7 @@ def jerk_limited_motion(
     Raises:
         InputError: If a limit is not above 0, one of acceleration or jerk is infinite, or all points are the same.
     """
-    of_model: Any = np.where(model.velocity_limit > 0.0, model.velocity_limit, np.inf)
+    of_model: Any = known_limits(model.velocity_limit)
     n = points.shape[1]
     limits = np.stack(
         [

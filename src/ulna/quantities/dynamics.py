@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ulna.algorithms.multibody.references import Reference, check_reference
-from ulna.checks.arrays import batched_array, check_core_shape, check_finite, real_array
+from ulna.checks.arrays import batched_array, check_core_shape, check_finite, known_limits, real_array
 from ulna.checks.labels import in_order
 from ulna.model import Model
 from ulna.numeric import vector, where
@@ -301,7 +301,7 @@ class Dynamics(Part):
         """
         weight = np.concatenate([self.model.gravity, np.zeros(3)])
         load = batched_array("wrench", weight if wrench is None else wrench, (6,))
-        known = np.where(self.model.effort_limit > 0.0, self.model.effort_limit, np.inf)
+        known = known_limits(self.model.effort_limit)
         limit = real_array(
             "effort", known if effort is None else in_order("effort", effort, self.model.velocity_names)
         )

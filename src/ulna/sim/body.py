@@ -9,7 +9,7 @@ from typing import Any, Literal, final
 import numpy as np
 
 from ulna.algorithms.dynamics.joint_friction import Friction
-from ulna.checks.arrays import shaped_array
+from ulna.checks.arrays import known_limits, shaped_array
 from ulna.checks.quaternions import checked_configuration
 from ulna.checks.values import checked_robot, flag, one_of, text
 from ulna.errors import InputError
@@ -218,7 +218,7 @@ class Body:
     def _step_to_target(self, t: float, dt: float, _: float) -> None:
         assert self._target is not None
         difference = np.asarray(self.robot.difference(self._q, self._target))
-        longest = _known(self.robot.limits.velocity) * dt
+        longest = known_limits(self.robot.limits.velocity) * dt
         fraction = min(1.0, float(np.min(longest / np.maximum(np.abs(difference), 1e-300), initial=np.inf)))
         before = self._q
         self._q = (
@@ -248,7 +248,7 @@ class Body:
     def _step_dynamics(self, t: float, dt: float, substep: float) -> None:
         assert self._plant is not None
         count = max(1, int(np.ceil(dt / substep - 1e-9)))
-        effort = _known(self.robot.limits.effort)
+        effort = known_limits(self.robot.limits.effort)
         for k in range(count):
             tau: Any = self._tau
             if callable(tau):
@@ -262,7 +262,7 @@ class Body:
         self._actual_qd = self._qd
 
     def _speed_limited(self, speed: Floats) -> Floats:
-        fastest = _known(self.robot.limits.velocity)
+        fastest = known_limits(self.robot.limits.velocity)
         return np.clip(speed, -fastest, fastest) if self._limits == "all" else speed
 
     def _apply_position_limits(self) -> None:
@@ -279,11 +279,6 @@ class Body:
 
     def __repr__(self) -> str:
         return f"<{self.name!r} under {self.control} control>"
-
-
-def _known(limits: Floats) -> Floats:
-    """Limits of speed or effort, where zero says that none is known."""
-    return np.where(limits > 0.0, limits, np.inf)
 
 
 def check_body_options(

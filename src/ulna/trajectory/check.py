@@ -9,6 +9,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import kernels
+from ulna.checks.arrays import known_limits
 from ulna.checks.labels import in_order
 from ulna.checks.values import count, flag, number
 from ulna.data_classes import dataclass
@@ -227,14 +228,14 @@ def _excesses(model: Model, trajectory: Trajectory, columns: list[_Column], t: F
 
 def _limits(model: Model, acceleration: Any, jerk: Any, torque: bool) -> Limits:
     limits: Limits = {"position": (model.lower_position, model.upper_position)}
-    speed = np.where(model.velocity_limit > 0.0, model.velocity_limit, np.inf)
+    speed = known_limits(model.velocity_limit)
     limits["velocity"] = -speed, speed
     for name, limit in (("acceleration", acceleration), ("jerk", jerk)):
         if limit is not None:
             bound = positive(name, in_order(name, limit, model.velocity_names), model.nv, infinite=True)
             limits[name] = -bound, bound
     if torque:
-        effort = np.where(model.effort_limit > 0.0, model.effort_limit, np.inf)
+        effort = known_limits(model.effort_limit)
         limits["torque"] = -effort, effort
     return limits
 

@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ulna.checks.arrays import known_limits
 from ulna.checks.labels import in_order
 from ulna.errors import InputError, UnknownName
 from ulna.model.of_robot import model_of
@@ -131,8 +132,7 @@ def _or_limit(name: str, limit: ArrayLike | None, model: Any, attribute: str = "
         return limit
     if limit is not None:
         return in_order(name, limit, model.velocity_names)
-    of_model = getattr(model, attribute)
-    return np.where(of_model > 0.0, of_model, np.inf)
+    return known_limits(getattr(model, attribute))
 
 
 def _rows(

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple, final
 import numpy as np
 
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
-from ulna.checks.arrays import number_or_array
+from ulna.checks.arrays import known_limits, number_or_array
 from ulna.checks.labels import in_order
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
@@ -138,7 +138,7 @@ class VelocityLimit(Limit):
     def bounds(self, model: Model, q: Array, dt: Any, *inputs: Array) -> Interval:
         """The same interval everywhere."""
         if self.fastest is None:
-            fastest = np.where(model.velocity_limit > 0.0, model.velocity_limit, np.inf)
+            fastest = known_limits(model.velocity_limit)
         else:
             fastest = _of_joints(model, self.fastest, self.label)
         return Interval(-fastest, fastest)
