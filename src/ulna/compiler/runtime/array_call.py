@@ -348,10 +348,8 @@ class ArrayCall:
             np.broadcast_to(a, batch + p.shape) if a.ndim > len(p.shape) else a
             for a, p in zip(arrays, f.inputs, strict=True)
         ]
-        ends, lead = (
-            cuts(batch[axis], threads, -(-least * batch[axis] // math.prod(batch))),
-            (slice(None),) * axis,
-        )
+        ends = cuts(batch[axis], threads, -(-least * batch[axis] // math.prod(batch)))
+        lead = (slice(None),) * axis
 
         def part(k: int) -> Callable[[], Any]:
             rows = (*lead, slice(ends[k], ends[k + 1]))

@@ -24,7 +24,7 @@ from pinocchio._data.algorithm import ALGORITHMS
 from pinocchio._data.articulated_bodies import check_articulated
 from pinocchio._data.live_joints import live_joints
 from pinocchio._data.missing_fields import missing_field_message
-from pinocchio._data.states import BoundAlgorithms, Waiting
+from pinocchio._data.states import BoundAlgorithms
 from pinocchio._data.storage import (
     ARTICULATED_TERMS,
     CENTRES,
@@ -37,7 +37,6 @@ from pinocchio._data.storage import (
 )
 from pinocchio._data.tree_fields import TreeFields
 from pinocchio._model.building import KinematicTree
-from pinocchio._model.compiled_model import CompiledModel
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.motion_force import Force, Motion
 from pinocchio._spatial.se3 import SE3
@@ -201,23 +200,10 @@ class Data(CheckedAttributes, Saved, TreeFields):
         contact_chol: Any
 
     _model: KinematicTree
-    _arrays: FieldArrays
     _known_states: set[str]
-    _constraint_solution: Any
     _damped: Any
-    _compiled: CompiledModel | None
     _marks: array[float]
-    _mark_array: Floats
-    _waiting: dict[str, Waiting]
     _lists: _Lists
-    _bound: BoundAlgorithms
-    _bound_at: dict[Any, Any]
-    """Kernels of frames, by index and reference frame."""
-    _bound_reads: dict[tuple[float, str], Any]
-    _parameters_of: dict[int, CompiledModel]
-    _constraint_sets: list[Any]
-    _evaluator: Any
-    """Of first calls."""
 
     def __init__(self, model: KinematicTree) -> None:
         own = self.__dict__  # attributes that are set are checked, which would take half as long again

@@ -60,8 +60,10 @@ class FieldStates:
     _model: KinematicTree
     _compiled: CompiledModel | None
     _evaluator: Any
+    """Of first calls."""
     _bound: BoundAlgorithms
     _bound_at: dict[Any, Any]
+    """Kernels of frames, by index and reference frame."""
     _bound_reads: dict[tuple[float, str], Any]
     """For the number of an algorithm and a field that it deferred, what computes the field; see `Deferred.bind`."""
     _parameters_of: dict[int, CompiledModel]
