@@ -10,6 +10,7 @@ import gc
 import os
 import shutil
 import signal
+from collections import Counter
 from collections.abc import Generator, Iterator
 from functools import cache
 from pathlib import Path
@@ -35,6 +36,9 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 _THRESHOLDS: pytest.StashKey[tuple[int, int, int]] = pytest.StashKey()
 _BROWSER: pytest.StashKey[Chromium] = pytest.StashKey()
+_FAILED_STARTS: pytest.StashKey[Counter[Path]] = pytest.StashKey()
+_MOST_STARTS = 3
+"""After so many pages of a file that did not start, its other tests fail at once: each would wait for `_LONGEST` again, three times."""
 _LONGEST = 100_000
 """How long an operation of the browser may take [ms]."""
 _FEWER_FRAMES = """(() => {
@@ -88,6 +92,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
                 item.add_marker(pytest.mark.flaky(reruns=2))
 
 
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    if item.session.stash.get(_FAILED_STARTS, Counter())[item.path] >= _MOST_STARTS:
+        pytest.fail(
+            f"{_MOST_STARTS} times a page of this file did not start; see the errors before", pytrace=False
+        )
+
+
 @cache
 def _says_slow(path: Path) -> bool:
     return "mark.slow" in path.read_text(encoding="utf-8")
@@ -120,6 +131,7 @@ def pytest_runtest_makereport(
     browser = item.session.stash.get(_BROWSER, None)
     if browser is not None and report.failed and report.when == "setup":
         browser.close()  # a page did not start; in the same browser the next ones would not either
+        item.session.stash.setdefault(_FAILED_STARTS, Counter())[item.path] += 1
     return report
 
 
