@@ -453,3 +453,57 @@ def test_lists_of_one_kind_take_no_other(pin: Any) -> None:
         with pytest.raises(TypeError):
             entries.extend([wrong])
         assert len(entries) == count
+
+
+def test_direct_calls_are_those_of_the_methods(pin: Any) -> None:
+    A, B, x, y, Y = (
+        pin.SE3.Random(),
+        pin.SE3.Random(),
+        pin.Motion.Random(),
+        pin.Force.Random(),
+        pin.Inertia.Random(),
+    )
+    point, turn = np.array([0.1, 0.2, 0.3]), pin.Quaternion(A.rotation)
+    for _ in range(2):  # the second time without Python
+        pairs = [
+            (A * B, A.act(M=B)), (A * point, A.act(point=point)), (A.act(x), A.act(motion=x)),
+            (A.act(Y), A.act(inertia=Y)), (A.actInv(y), A.actInv(force=y)), (x.cross(y), x.cross(f=y)),
+            (x.dot(y), y.dot(x)), (x * 2.0, x * 2), (Y * x, pin.Force(Y.matrix() @ x.vector)),
+            (turn * point, A.rotation @ point), (pin.skew(point), pin.skew([0.1, 0.2, 0.3])),
+            (pin.log3(A.rotation), pin.log3(A.rotation.copy())), (pin.exp6(x), pin.exp6(x.vector)),
+            (pin.rpy.rpyToMatrix(0.1, 0.2, 0.3), pin.rpy.rpyToMatrix(point)),
+        ]  # fmt: skip
+        for found, wanted in pairs:
+            assert type(found) is type(wanted)
+            np.testing.assert_allclose(*[_numbers_of(item) for item in (found, wanted)], atol=1e-13)
+
+
+def _numbers_of(item: Any) -> Any:
+    return next((getattr(item, slot) for slot in ("_m", "_v", "_p") if hasattr(item, slot)), item)
+
+
+def test_equality_is_that_of_all_numbers(pin: Any) -> None:
+    for kind in (pin.SE3, pin.Motion, pin.Force, pin.Inertia):
+        a = kind.Random()
+        for _ in range(2):
+            assert a == a.copy() and a != kind.Random() and a != "text"
+        values = _numbers_of(a)
+        values.flat[3] = np.inf
+        assert a == a.copy()
+        values.flat[3] = np.nan
+        assert a != a.copy()
+    tiny = pin.Motion(np.array([5e-324, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    assert tiny != pin.Motion.Zero() and tiny == tiny.copy()
+
+
+def test_copies_and_constants_are_new(pin: Any) -> None:
+    for make in (pin.SE3.Identity, pin.Motion.Zero, pin.Force.Zero, pin.Inertia.Zero, pin.SE3.Random):
+        one, other = make(), make()
+        copied = one.copy()
+        changed = [x for x in (one, copied, other) if x is not one]
+        one.setRandom()
+        assert all(x != one for x in changed)
+    M = pin.SE3.Random()
+    block = M.homogeneous
+    block[:] = 0.0
+    assert pin.SE3(block) != M

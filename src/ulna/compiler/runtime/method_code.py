@@ -5,6 +5,8 @@ One piece of code serves all methods: it reads what it must know of one from a t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ulna.compiler.runtime.entry_point import PLAN, SLOW, VECTORCALL
 from ulna.compiler.runtime.fast_call import load_at
 from ulna.compiler.runtime.object_layout import TUPLE_ITEMS, TUPLE_SIZE, TYPE, WORD
@@ -245,8 +247,21 @@ slow:
   ret ptr %result.slowly
 }}
 """
-_BIND = f"""
-; The function itself, or a method of it that is bound to an instance.
+
+
+def bind_ir(fields: Sequence[str]) -> str:
+    """IR of what such an object is as an attribute, `bind`: the function, or a method of it bound to an instance.
+
+    Args:
+        fields: The words of its plan, among them `incref` and `method_new`.
+
+    Returns:
+        The definition.
+    """
+    incref, method_new = (
+        load_at(name, "plan", fields.index(name) * WORD) for name in ("incref", "method_new")
+    )
+    return f"""
 define ptr @bind(ptr %self, ptr %object, ptr %owner) nounwind {{
 entry:
 {load_at("plan", "self", PLAN)}
@@ -254,14 +269,15 @@ entry:
   %of.class = icmp eq ptr %object, null
   br i1 %of.class, label %bare, label %bound
 bare:
-{_word("incref")}
+{incref}
   call void %incref(ptr %function)
   ret ptr %function
 bound:
-{_word("method_new")}
+{method_new}
   %method = call ptr %method_new(ptr %function, ptr %object)
   ret ptr %method
 }}
 """
 
-METHOD_IR = _FIND + _SORT + _CHOOSE + _BIND
+
+METHOD_IR = _FIND + _SORT + _CHOOSE + bind_ir(FIELDS)

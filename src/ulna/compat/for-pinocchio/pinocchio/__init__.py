@@ -62,6 +62,7 @@ from pinocchio._package.lazy_names import load_lazy_name as _load_lazy_name
 from pinocchio._package.unsupported_names import unsupported_name_message as _message
 from pinocchio._parsers.urdf import buildModelFromUrdf as buildModelFromUrdf
 from pinocchio._parsers.urdf import buildModelFromXML as buildModelFromXML
+from pinocchio._spatial.direct_calls import call_small_objects_directly as _call_small_objects_directly
 from pinocchio._spatial.inertia import Inertia as Inertia
 from pinocchio._spatial.motion_force import Force as Force
 from pinocchio._spatial.motion_force import Motion as Motion
@@ -82,6 +83,7 @@ from ulna.compat.missing_names import missing_name as _missing_name
 
 _register_former_modules()
 _watch_coal()
+_call_small_objects_directly()
 globals().update(_checked_functions(globals()))
 _check_methods(list(globals().values()))
 _describe_all([*globals().values()])

@@ -10,7 +10,7 @@ import numpy as np
 from pinocchio._containers.arguments import OMITTED, ArgumentError, WrongShape, is_number
 from pinocchio._containers.arrays import matrix, numbers, vector
 from pinocchio._containers.keywords import by_name
-from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
+from pinocchio._spatial.bound_functions import BoundFunctions, directly, without_gaps
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.rotations import Quaternion
 from pinocchio._spatial.se3 import SE3, as_placement
@@ -59,12 +59,14 @@ _PLACEMENTS = BoundFunctions({"exp6": _FUNCTIONS["exp6"]}, holder=SE3)
 _MOTIONS = BoundFunctions({"log6": _FUNCTIONS["log6"]}, holder=Motion)
 
 
+@directly(_EXACT.row("exp3", np.ndarray))
 def exp3(w: Any) -> Floats:
     """The rotation matrix (3, 3) of a rotation vector (3,) [rad]."""
     R = _EXACT["exp3"](w)
     return _CONVERTING["exp3"](vector(w, 3, "w")) if R is NotImplemented else R
 
 
+@directly(_EXACT.row("log3", np.ndarray))
 @by_name("R theta", "quat theta")
 def log3(R: Any, theta: Any = OMITTED) -> Floats:
     """The rotation vector of a rotation.
@@ -99,6 +101,7 @@ def exp3_quat(w: Any) -> Floats:
     return np.array(spatial.quat_exp(vector(w, 3, "w")))
 
 
+@directly(_PLACEMENTS.row("exp6", Motion), _PLACEMENTS.row("exp6", np.ndarray))
 @by_name("v", "motion")
 def exp6(v: Any) -> SE3:
     """The placement reached in one second with a Motion (or six numbers)."""
@@ -111,6 +114,7 @@ def exp6_quat(v: Any) -> Floats:
     return np.concatenate([M.translation, exp3_quat(v.angular if isinstance(v, Motion) else np.ravel(v)[3:])])
 
 
+@directly(_MOTIONS.row("log6", SE3))
 def log6(M: Any) -> Motion:
     """The Motion that leads to a placement (SE3 or 4x4) in one second."""
     return _MOTIONS["log6"](M._m if type(M) is SE3 else _placement(M)._m)
@@ -123,23 +127,27 @@ def log6_quat(xyzquat: Any) -> Motion:
     return Motion._from(spatial.se3_log(spatial.SE3.from_quat_xyzw(values[3:], values[:3])))
 
 
+@directly(_EXACT.row("Jexp3", np.ndarray))
 def Jexp3(w: Any) -> Floats:
     """The right Jacobian (3, 3) of the exponential of SO(3)."""
     return _CONVERTING["Jexp3"](vector(w, 3, "w"))
 
 
+@directly(_EXACT.row("Jlog3", np.ndarray))
 def Jlog3(R: Any) -> Floats:
     """The right Jacobian (3, 3) of the logarithm of SO(3)."""
     J = without_gaps(_EXACT["Jlog3"], R)
     return _CONVERTING["Jlog3"](matrix(R, (3, 3), "R")) if J is NotImplemented else J
 
 
+@directly(_EXACT.row("Jexp6", Motion), _EXACT.row("Jexp6", np.ndarray))
 @by_name("v", "motion")
 def Jexp6(v: Any) -> Floats:
     """The right Jacobian (6, 6) of the exponential of SE(3)."""
     return _CONVERTING["Jexp6"](_six(v))
 
 
+@directly(_EXACT.row("Jlog6", SE3))
 def Jlog6(M: Any) -> Floats:
     """The right Jacobian (6, 6) of the logarithm of SE(3)."""
     return _CONVERTING["Jlog6"](_placement(M)._m)

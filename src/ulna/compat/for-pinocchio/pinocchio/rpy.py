@@ -10,13 +10,32 @@ from pinocchio._containers.arguments import ArgumentError, check_text
 from pinocchio._containers.arrays import exact, matrix, real, vector
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name
-from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
+from pinocchio._spatial.bound_functions import BoundFunctions, directly, without_gaps
 from pinocchio._spatial.motion_force import skew
 from ulna import numeric, spatial
 from ulna.errors import UnknownName
 from ulna.typing import Floats
 
 
+def _split(R: Any) -> Any:
+    """Source: Siciliano et al., Robotics, eq. (2.22), with roll by the matrix turned back by yaw."""
+    yaw = numeric.arctan2(R[1, 0], R[0, 0])
+    s, c = numeric.sincos(yaw)
+    pitch = numeric.arctan2(-R[2, 0], numeric.sqrt(R[2, 1] * R[2, 1] + R[2, 2] * R[2, 2]))
+    return numeric.vector(numeric.arctan2(s * R[0, 2] - c * R[1, 2], c * R[1, 1] - s * R[0, 1]), pitch, yaw)
+
+
+_EXACT = BoundFunctions(
+    {
+        "matrix": (spatial.rpy_to_matrix, (3,)),
+        "of angles": (lambda *rpy: spatial.rpy_to_matrix(numeric.vector(*rpy)), (), (), ()),
+        "rpy": (_split, (3, 3)),
+    },
+    exact=True,
+)
+
+
+@directly(_EXACT.row("of angles", float, float, float), _EXACT.row("matrix", np.ndarray))
 @by_name("roll pitch yaw", "rpy")
 def rpyToMatrix(*rpy: Any) -> Floats:
     """The rotation matrix (3, 3) of roll, pitch, yaw [rad]: three numbers, or an array (3,)."""
@@ -31,23 +50,13 @@ def rpyToMatrix(*rpy: Any) -> Floats:
     return _EXACT["matrix"](exact(rpy if len(rpy) == 3 else rpy[0], 3, "rpy"))
 
 
+@directly(_EXACT.row("rpy", np.ndarray))
 def matrixToRpy(R: Any) -> Floats:
     """Roll, pitch, yaw (3,) [rad] of a rotation matrix; where pitch is +-pi/2 its first column divides the turn."""
     rpy = without_gaps(_EXACT["rpy"], R)
     if rpy is NotImplemented:
         rpy = _EXACT["rpy"](np.array(matrix(R, (3, 3), "R"), dtype=float, order="C"))
     return rpy
-
-
-def _split(R: Any) -> Any:
-    """Source: Siciliano et al., Robotics, eq. (2.22), with roll by the matrix turned back by yaw."""
-    yaw = numeric.arctan2(R[1, 0], R[0, 0])
-    s, c = numeric.sincos(yaw)
-    pitch = numeric.arctan2(-R[2, 0], numeric.sqrt(R[2, 1] * R[2, 1] + R[2, 2] * R[2, 2]))
-    return numeric.vector(numeric.arctan2(s * R[0, 2] - c * R[1, 2], c * R[1, 1] - s * R[0, 1]), pitch, yaw)
-
-
-_EXACT = BoundFunctions({"matrix": (spatial.rpy_to_matrix, (3,)), "rpy": (_split, (3, 3))}, exact=True)
 
 
 def rotate(axis: str, angle: float) -> Floats:

@@ -10,14 +10,13 @@ import numpy as np
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import matrix, real, text, vector
 from pinocchio._containers.files import register
-from pinocchio._containers.keywords import by_name
-from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
+from pinocchio._containers.keywords import by_name, reads_names
+from pinocchio._spatial.bound_functions import BoundFunctions
 from pinocchio._spatial.motion_force import Force, Motion, skew
 from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.small_kernels import FORCES, INERTIAS, small_kernel
 from pinocchio._spatial.symmetric3 import Symmetric3
 from ulna import spatial
-from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.errors import InputError, excerpt
 from ulna.numeric import less, where
 from ulna.typing import Array, Floats
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
 
 
 _new = object.__new__
-_random_calls = call_cache(0, weak=0)
 
 
 @final
@@ -50,20 +48,22 @@ class Inertia:
 
     __slots__ = ("_p",)
 
+    @reads_names("mass lever inertia", "clone")
+    def __init__(self, *parts: Any, **named: Any) -> None:
+        numbers = NotImplemented if named or len(parts) != 3 else _ARRAY_FUNCTIONS["parts"](*parts)
+        if numbers is NotImplemented:
+            self._set(*parts, **named)
+        else:
+            self._p = numbers
+
     @by_name("mass lever inertia", "clone")
-    def __init__(self, *parts: Any) -> None:
-        if len(parts) == 3 and type(parts[0]) is float:
-            numbers = without_gaps(_ARRAY_FUNCTIONS["parts"], *parts[1:])
-            if numbers is not NotImplemented:
-                if numbers.item(0) != 1.0:
-                    raise InvalidInertia.of(parts[2])
-                numbers[0], self._p = parts[0], numbers
-                return
+    def _set(self, *parts: Any) -> None:
+        """Sets a new instance to what it is made of."""
         self._p = np.zeros(13)  # mass, lever, inertia row by row
         if len(parts) == 3:
             self._p[0] = real(parts[0], "mass")
             self.lever, self.inertia = parts[1], parts[2]
-            if _ARRAY_FUNCTIONS["parts"](self._p[1:4], self._p[4:].reshape(3, 3)).item(0) != 1.0:
+            if _ARRAY_FUNCTIONS["parts"](0.0, self._p[1:4], self._p[4:].reshape(3, 3)) is NotImplemented:
                 raise InvalidInertia.of(parts[2])
         elif len(parts) == 1:
             self._assign(parts[0])
@@ -116,12 +116,9 @@ class Inertia:
         return Inertia(1.0, np.zeros(3), np.eye(3))
 
     @staticmethod
-    @repeated_calls(_random_calls)
     def Random() -> Inertia:
         """That of a body that can exist, drawn at random."""
-        draw = _INERTIA_FUNCTIONS["random"]
-        _random_calls.add(draw, 0)
-        return draw()
+        return BODIES["random"]()
 
     @staticmethod
     def FromSphere(mass: float, radius: float) -> Inertia:
@@ -273,10 +270,10 @@ class Inertia:
         return self._moved_back(M)
 
     def _moved(self, M: SE3) -> Inertia:
-        return _INERTIA_FUNCTIONS["moved"](M._m, self._p)
+        return BODIES["moved"](M._m, self._p)
 
     def _moved_back(self, M: SE3) -> Inertia:
-        return _INERTIA_FUNCTIONS["moved back"](M._m, self._p)
+        return BODIES["moved back"](M._m, self._p)
 
     def vtiv(self, v: Motion) -> float:
         """Twice the kinetic energy at a velocity [J]."""
@@ -292,7 +289,7 @@ class Inertia:
 
     def vxiv(self, v: Motion) -> Force:
         """The force v x* I v."""
-        return _FORCE_FUNCTIONS["rate"](self._p, v._v)
+        return FORCES_OF_BODIES["rate"](self._p, v._v)
 
     def variation(self, v: Motion) -> Floats:
         """The 6x6 rate of the inertia of a body that moves with v."""
@@ -342,23 +339,19 @@ class Inertia:
     def __add__(self, other: Inertia) -> Inertia:
         if not isinstance(other, Inertia):
             return NotImplemented
-        return _INERTIA_FUNCTIONS["sum"](self._p, other._p)
+        return BODIES["sum"](self._p, other._p)
 
     def __iadd__(self, other: Inertia) -> Inertia:
         self._assign(self + other)
         return self
 
     def __sub__(self, other: Inertia) -> Inertia:
-        return (
-            _INERTIA_FUNCTIONS["difference"](self._p, other._p)
-            if isinstance(other, Inertia)
-            else NotImplemented
-        )
+        return BODIES["difference"](self._p, other._p) if isinstance(other, Inertia) else NotImplemented
 
     def __mul__(self, motion: Any) -> Any:
         if not isinstance(motion, Motion):
             return self.matrix() @ vector(motion, 6, "motion")
-        return _FORCE_FUNCTIONS["momentum"](self._p, motion._v)
+        return FORCES_OF_BODIES["momentum"](self._p, motion._v)
 
     def __eq__(self, other: object) -> bool:
         return self._p.tolist() == other._p.tolist() if isinstance(other, Inertia) else NotImplemented
@@ -382,10 +375,13 @@ def _is_inertia(I: Array) -> Any:
     return valid
 
 
-_INERTIA_FUNCTIONS = BoundFunctions(INERTIAS, holder=Inertia)
-_FORCE_FUNCTIONS = BoundFunctions(FORCES, holder=Force)
-_ARRAY_FUNCTIONS = BoundFunctions(
-    {"parts": (lambda lever, I: np.concatenate([[_is_inertia(I)], lever, I.reshape(9)]), (3,), (3, 3))},
-    exact=True,
-)
+BODIES = BoundFunctions(INERTIAS, holder=Inertia)
+FORCES_OF_BODIES = BoundFunctions(FORCES, holder=Force)
+
+
+def _parts_and_validity(mass: Any, lever: Array, I: Array) -> tuple[Array, Any]:
+    return np.concatenate([[mass], lever, I.reshape(9)]), _is_inertia(I)
+
+
+_ARRAY_FUNCTIONS = BoundFunctions({"parts": (_parts_and_validity, (), (3,), (3, 3))}, exact=True)
 register(Inertia)

@@ -10,16 +10,14 @@ from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import matrix, numbers, real, text, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
-from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
+from pinocchio._spatial.bound_functions import BoundFunctions, directly, without_gaps
 from pinocchio._spatial.random_numbers import Random, generator
 from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.small_kernels import pose, small_kernel
 from ulna import numeric, spatial
-from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.typing import Array, Floats
 
 _new = object.__new__
-_random_motion_calls, _random_force_calls = call_cache(0, weak=0), call_cache(0, weak=0)
 
 
 class _Six:
@@ -31,8 +29,17 @@ class _Six:
     _tower: Any
     _made: BoundFunctions
 
+    @reads_names("linear angular", "array", "clone")
+    def __init__(self, *parts: Any, **named: Any) -> None:
+        numbers = NotImplemented if named else _SIX["parts" if len(parts) == 2 else "copy"](*parts)
+        if numbers is NotImplemented:
+            self._set(*parts, **named)
+        else:
+            self._v = numbers
+
     @by_name("linear angular", "array", "clone")
-    def __init__(self, *parts: Any) -> None:
+    def _set(self, *parts: Any) -> None:
+        """Sets a new instance to what it is made of."""
         kind = type(self).__name__
         if not parts:
             self._v = np.zeros(6)
@@ -201,12 +208,9 @@ class Motion(_Six):
     _tower = spatial.Motion
 
     @staticmethod
-    @repeated_calls(_random_motion_calls)
     def Random() -> Motion:
         """Entries drawn evenly from [-1, 1]."""
-        draw = Motion._made["random"]
-        _random_motion_calls.add(draw, 0)
-        return draw()
+        return Motion._made["random"]()
 
     @reads_names("m", "f")
     def cross(self, other: Any = None, **named: Any) -> Any:
@@ -261,12 +265,9 @@ class Force(_Six):
     _tower = spatial.Force
 
     @staticmethod
-    @repeated_calls(_random_force_calls)
     def Random() -> Force:
         """Entries drawn evenly from [-1, 1]."""
-        draw = Force._made["random"]
-        _random_force_calls.add(draw, 0)
-        return draw()
+        return Force._made["random"]()
 
     def dot(self, m: Any) -> float:
         """The power at a velocity [W]."""
@@ -288,7 +289,12 @@ def _entries(value: Any, kind: type[Any], name: str) -> Floats:
 
 _M, _V = (4, 4), (6,)
 _SIX = BoundFunctions(
-    {"parts": (lambda a, b: np.concatenate([a, b]), (3,), (3,)), "skew": (numeric.skew, (3,))}, exact=True
+    {
+        "parts": (lambda a, b: np.concatenate([a, b]), (3,), (3,)),
+        "copy": (lambda v: 1.0 * v, _V),
+        "skew": (numeric.skew, (3,)),
+    },
+    exact=True,
 )
 
 
@@ -314,6 +320,7 @@ Motion._made = BoundFunctions(_functions(spatial.Motion), holder=Motion)
 Force._made = BoundFunctions(_functions(spatial.Force), holder=Force)
 
 
+@directly(_SIX.row("skew", np.ndarray))
 def skew(u: Any) -> Floats:
     """The matrix of the cross product with a 3-vector."""
     result = without_gaps(_SIX["skew"], u)

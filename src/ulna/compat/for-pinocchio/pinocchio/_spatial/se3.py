@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numbers
-from functools import cache
 from typing import Any, final
 
 import numpy as np
@@ -13,12 +12,11 @@ from pinocchio._containers.arrays import matrix, text, vector
 from pinocchio._containers.attributes import one_of
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
-from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
+from pinocchio._spatial.bound_functions import BoundFunctions, directly, without_gaps
 from pinocchio._spatial.random_numbers import Random
 from pinocchio._spatial.rotations import coefficients_of, quaternion_of
-from pinocchio._spatial.small_kernels import compiled, pose, random_pose, small_kernel
+from pinocchio._spatial.small_kernels import pose, random_pose, small_kernel
 from ulna import spatial
-from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.errors import InputError
 from ulna.typing import Array, Floats
 
@@ -27,6 +25,16 @@ def _turned(quat: Array) -> Array:
     return spatial.quat_xyzw_to_matrix(spatial.quat_normalize(quat))
 
 
+def _placed(x: Array) -> Array:
+    return spatial.SE3(_turned(x[3:]), x[:3]).matrix()
+
+
+def _placed_and_valid(x: Array) -> tuple[Array, Any]:
+    """The placement of a position and a quaternion, and its squared length, less what rounds to zero."""
+    return _placed(x), x[3:] @ x[3:] - _SHORTEST
+
+
+_SHORTEST = 1e-150  # of a quaternion whose square is not rounded to zero
 _M, _V = (4, 4), (6,)
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "product": (lambda a, b: (pose(a) @ pose(b)).matrix(), _M, _M),
@@ -39,14 +47,14 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "Motion back": (lambda a, v: pose(a).act_inverse(spatial.Motion(v[:3], v[3:])).vector(), _M, _V),
     "Force": (lambda a, f: pose(a).act(spatial.Force(f[:3], f[3:])).vector(), _M, _V),
     "Force back": (lambda a, f: pose(a).act_inverse(spatial.Force(f[:3], f[3:])).vector(), _M, _V),
-    "placed": (lambda x: spatial.SE3(_turned(x[3:]), x[:3]).matrix(), (7,)),
+    "placed": (_placed, (7,)),
 }
 
 
-@cache
-def se3_kernel(name: str) -> Any:
-    """The compiled function of that name, of placements (4, 4)."""
-    return compiled(_FUNCTIONS, name)
+MATRICES = BoundFunctions(_FUNCTIONS | {"itself": (lambda a: 1.0 * a, _M)})
+"""What is computed of placements (4, 4), as arrays."""
+se3_kernel = MATRICES.kernel
+"""The compiled function of a name, of placements (4, 4)."""
 
 
 _ITEMS = ("M", "motion", "force", "inertia", "point")
@@ -54,9 +62,8 @@ _ITEMS = ("M", "motion", "force", "inertia", "point")
 
 
 _EYE = np.eye(4)
-_SHORTEST = 1e-150  # of a quaternion whose square is not rounded to zero
+_ROTATION, _TRANSLATION = np.s_[:3, :3], np.s_[:3, 3]  # slices that are made once
 _new = object.__new__
-_random_calls = call_cache(0, weak=0)
 
 
 @final
@@ -65,8 +72,24 @@ class SE3:
 
     __slots__ = ("_m",)
 
+    @reads_names("rotation translation", "quat translation", "array", "clone", "int")
+    def __init__(self, *parts: Any, **named: Any) -> None:
+        if named:
+            self._set(*parts, **named)
+        elif len(parts) == 2:
+            placement = _ARRAY_FUNCTIONS["placement"](*parts)
+            if placement is NotImplemented:
+                self._set(*parts)
+            else:
+                self._m = placement
+        elif len(parts) == 1 and type(parts[0]) is SE3:
+            self._m = parts[0]._m.copy()
+        else:
+            self._set(*parts)
+
     @by_name("rotation translation", "quat translation", "array", "clone", "int")
-    def __init__(self, *parts: Any) -> None:
+    def _set(self, *parts: Any) -> None:
+        """Sets a new instance to what it is made of."""
         if len(parts) == 2:
             placement = without_gaps(_ARRAY_FUNCTIONS["placement"], *parts)
             if placement is not NotImplemented:
@@ -115,12 +138,9 @@ class SE3:
         return SE3._of(_EYE.copy())
 
     @staticmethod
-    @repeated_calls(_random_calls)
     def Random() -> SE3:
         """A rotation uniform on SO(3), a translation uniform in [-1, 1] m along each axis."""
-        draw = _SE3_FUNCTIONS["random"]
-        _random_calls.add(draw, 0)
-        return draw()
+        return PLACEMENTS["random"]()
 
     @staticmethod
     def Interpolate(A: SE3, B: SE3, alpha: float) -> SE3:
@@ -133,25 +153,25 @@ class SE3:
         Returns:
             The placement.
         """
-        return _SE3_FUNCTIONS["interpolation"](A._m, B._m, float(alpha))
+        return PLACEMENTS["interpolation"](A._m, B._m, float(alpha))
 
     @property
     def rotation(self) -> Floats:
         """The rotation matrix (3, 3), a view; assigning copies into it."""
-        return self._m[:3, :3]
+        return self._m[_ROTATION]
 
     @rotation.setter
     def rotation(self, value: Any) -> None:
-        self._m[:3, :3] = matrix(value, (3, 3), "rotation")
+        self._m[_ROTATION] = matrix(value, (3, 3), "rotation")
 
     @property
     def translation(self) -> Floats:
         """The translation (3,) [m], a view; assigning copies into it."""
-        return self._m[:3, 3]
+        return self._m[_TRANSLATION]
 
     @translation.setter
     def translation(self, value: Any) -> None:
-        self._m[:3, 3] = vector(value, 3, "translation")
+        self._m[_TRANSLATION] = vector(value, 3, "translation")
 
     @property
     def homogeneous(self) -> Floats:
@@ -192,7 +212,7 @@ class SE3:
 
     def inverse(self) -> SE3:
         """The inverse displacement."""
-        return _SE3_FUNCTIONS["inverse"](self._m)
+        return PLACEMENTS["inverse"](self._m)
 
     __invert__ = inverse
 
@@ -210,7 +230,7 @@ class SE3:
         if item is None or named:
             item = self._only("act", item, named)
         if isinstance(item, SE3):
-            return _SE3_FUNCTIONS["product"](self._m, item._m)
+            return PLACEMENTS["product"](self._m, item._m)
         if hasattr(item, "_moved"):
             return item._moved(self)
         if type(item) is np.ndarray and item.shape == (3,) and item.dtype == float:
@@ -233,7 +253,7 @@ class SE3:
         if item is None or named:
             item = self._only("actInv", item, named)
         if isinstance(item, SE3):
-            return _SE3_FUNCTIONS["quotient"](self._m, item._m)
+            return PLACEMENTS["quotient"](self._m, item._m)
         if hasattr(item, "_moved_back"):
             return item._moved_back(self)
         if hasattr(item, "getRotation"):
@@ -243,7 +263,7 @@ class SE3:
 
     def __mul__(self, item: Any) -> Any:
         if isinstance(item, SE3):
-            return _SE3_FUNCTIONS["product"](self._m, item._m)
+            return PLACEMENTS["product"](self._m, item._m)
         if type(item) is np.ndarray and item.shape == (3,) and item.dtype == float:
             return small_kernel("pose point")(self._m, item)
         return self.act(item)
@@ -314,7 +334,7 @@ class SE3:
         return f"  R =\n{text(self._m[:3, :3])}\n  p = {text(self._m[:3, 3])}\n"
 
 
-_SE3_FUNCTIONS = BoundFunctions(
+PLACEMENTS = BoundFunctions(
     _FUNCTIONS
     | {
         "random": Random(random_pose, even=6),
@@ -322,7 +342,7 @@ _SE3_FUNCTIONS = BoundFunctions(
     },
     holder=SE3,
 )
-_XYZQUAT_FUNCTIONS = BoundFunctions({"placed": _FUNCTIONS["placed"]}, holder=SE3, exact=True)
+_XYZQUAT_FUNCTIONS = BoundFunctions({"placed": (_placed_and_valid, (7,))}, holder=SE3)
 _ARRAY_FUNCTIONS = BoundFunctions(
     {
         "placement": (lambda R, p: spatial.SE3(R, p).matrix(), (3, 3), (3,)),
@@ -332,14 +352,10 @@ _ARRAY_FUNCTIONS = BoundFunctions(
 )
 
 
+@directly(_XYZQUAT_FUNCTIONS.row("placed", np.ndarray))
 @by_name("array", "xyzquat", "tuple", "list")
 def XYZQUATToSE3(xyzquat: Any) -> SE3:
     """The placement of a position and a quaternion xyzw in one array (7,)."""
-    placed = _XYZQUAT_FUNCTIONS["placed"](xyzquat)
-    if placed is not NotImplemented and placed._m.item(0) == placed._m.item(
-        0
-    ):  # nan of a quaternion of zeros
-        return placed
     values = vector(xyzquat, 7, "xyzquat")
     if np.linalg.norm(values[3:]) < _SHORTEST:
         raise InputError(
@@ -348,6 +364,7 @@ def XYZQUATToSE3(xyzquat: Any) -> SE3:
     return SE3._of(se3_kernel("placed")(values))
 
 
+@directly(_ARRAY_FUNCTIONS.row("coefficients", SE3))
 def SE3ToXYZQUAT(M: SE3) -> Floats:
     """Position and quaternion xyzw (7,) of a placement."""
     values = _ARRAY_FUNCTIONS["coefficients"](M._m)

@@ -5,15 +5,14 @@ An inertia is one array (13,): mass, lever, and the moments about the centre of 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import cache, reduce
+from functools import reduce
 from typing import Any
 
 import numpy as np
 
+from pinocchio._spatial.bound_functions import BoundFunctions
 from pinocchio._spatial.random_numbers import Random
 from ulna import spatial
-from ulna.compiler import compile as compile_function
 from ulna.numeric import less, matrix, maximum, minimum, sincos, skew, sqrt, vector, where
 from ulna.typing import Array
 
@@ -104,12 +103,13 @@ def random_pose(even: Array) -> Array:
 
 
 def _random_inertia(draws: Array) -> Array:
-    a, b, c = ((0.1 + 0.9 * x) ** 2 for x in draws[:3])
-    even = draws[3:]
-    mass = 0.1 + 0.9 * even[0]
-    moments = (mass / 12.0) * matrix([[b + c, 0.0, 0.0], [0.0, a + c, 0.0], [0.0, 0.0, a + b]])
-    R = _random_rotation(even[4:])
-    return _numbers(spatial.Inertia(mass, 2.0 * even[1:4] - 1.0, R @ moments @ R.T))
+    """Of even numbers (10,): mass, centre, and the factor L of the second moments (m/12) L L^T, which any body has."""
+    mass, com = 0.1 + 0.9 * draws[0], 2.0 * draws[1:4] - 1.0
+    a, c, f = (0.1 + 0.9 * x for x in draws[4:7])
+    b, d, e = (x - 0.5 for x in draws[7:])
+    xx, xy, xz, yy, yz, zz = a * a, a * b, a * d, b * b + c * c, b * d + c * e, d * d + e * e + f * f
+    moments: Any = matrix([[yy + zz, -xy, -xz], [-xy, xx + zz, -yz], [-xz, -yz, xx + yy]])
+    return _numbers(spatial.Inertia(mass, com, (mass / 12.0) * moments))
 
 
 def _norm(x: Array) -> Any:
@@ -121,12 +121,54 @@ def _excess(pairs: list[tuple[Array, Array]], prec: Any) -> Any:
     return reduce(maximum, (_norm(a - b) - prec * minimum(_norm(a), _norm(b)) for a, b in pairs))
 
 
-def _six_excess(a: Array, b: Array, prec: Any) -> Any:
+def six_excess(a: Array, b: Array, prec: Any) -> Any:
+    """By how much linear or angular parts differ by more than a part of the smaller norm.
+
+    Args:
+        a: Motion or force (6,).
+        b: Another one (6,).
+        prec: The part [-].
+
+    Returns:
+        The larger excess, at most zero where both agree.
+    """
     return _excess([(a[:3], b[:3]), (a[3:], b[3:])], prec)
 
 
-def _pose_excess(a: Array, b: Array, prec: Any) -> Any:
+def pose_excess(a: Array, b: Array, prec: Any) -> Any:
+    """By how much rotations or translations differ by more than a part of the smaller norm.
+
+    Args:
+        a: Placement (4, 4).
+        b: Another one (4, 4).
+        prec: The part [-].
+
+    Returns:
+        The larger excess, at most zero where both agree.
+    """
     return _excess([(a[:3, :3].reshape(9), b[:3, :3].reshape(9)), (a[:3, 3], b[:3, 3])], prec)
+
+
+def truth_within(excess: Any) -> Any:
+    """1 where it is at most zero, 0 where it is above; nan, which no truth is made of, where it is not finite."""
+    return where(less(excess, _LEAST), 1.0, where(less(excess, _MOST), 0.0, np.nan))
+
+
+_LEAST, _MOST = 5e-324, 1e308
+
+
+def equality(a: Array, b: Array) -> Any:
+    """Whether all entries are equal.
+
+    Args:
+        a: Numbers (...).
+        b: As many numbers (...).
+
+    Returns:
+        See `truth_within`.
+    """
+    gaps = (x - y for x, y in zip(a.reshape(-1), b.reshape(-1), strict=True))
+    return truth_within(sum((where(less(gap, 0.0), -gap, gap) for gap in gaps), 0.0))
 
 
 def _angle(a: Array, b: Array) -> Array:
@@ -149,8 +191,8 @@ FORCES: dict[str, tuple[Any, ...]] = {
 """What makes forces of an inertia and a velocity."""
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "pose point": (lambda m, x: m[:3, :3] @ x + m[:3, 3], _M, _X),
-    "pose excess": (_pose_excess, _M, _M, ()),
-    "excess": (_six_excess, _V, _V, ()),
+    "pose excess": (pose_excess, _M, _M, ()),
+    "excess": (six_excess, _V, _V, ()),
     "motion matrix": (lambda v: _motion(v).cross_matrix(), _V),
     "motion dual": (_dual, _V),
     "inertia matrix": (lambda p: _body(p).matrix(), _P),
@@ -170,26 +212,13 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "quaternion matrix": (spatial.quat_xyzw_to_matrix, _Q),
     "quaternion between": (spatial.quat_slerp, _Q, _Q, ()),
     "quaternion angle": (_angle, _Q, _Q),
+    "power": (lambda v, f: v @ f, _V, _V),
+    "mass": (lambda p: 1.0 * p[0], _P),
+    "moments": (lambda p: 1.0 * p[4:].reshape(3, 3), _P),
     "turn": (spatial.angle_axis_to_matrix, (), _X),
 }
 
 
-def compiled(functions: Mapping[str, tuple[Any, ...]], name: str) -> Any:
-    """Compiles one function of a table.
-
-    Args:
-        functions: Functions by name, each with the shapes of its arguments.
-        name: The name.
-
-    Returns:
-        The kernel.
-    """
-    function, *sizes = functions[name]
-    shapes: dict[str, Any] = {f"x{k}": size for k, size in enumerate(sizes)}
-    return compile_function(function, **shapes)
-
-
-@cache
-def small_kernel(name: str) -> Any:
-    """The compiled function of that name."""
-    return compiled(_FUNCTIONS, name)
+SMALL = BoundFunctions(_FUNCTIONS)
+small_kernel = SMALL.kernel
+"""The compiled function of a name."""

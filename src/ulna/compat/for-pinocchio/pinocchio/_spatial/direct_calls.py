@@ -1,0 +1,137 @@
+"""Calls of small objects that run no Python: their methods, operators and properties, by the types of the arguments.
+
+The methods themselves are called for all other types, and give the same answers.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from typing import Any
+
+import numpy as np
+
+from pinocchio._spatial.bound_functions import BoundFunctions, Row, called_directly, copies_of
+from pinocchio._spatial.inertia import BODIES, FORCES_OF_BODIES, Inertia
+from pinocchio._spatial.motion_force import Force, Motion
+from pinocchio._spatial.rotations import Quaternion
+from pinocchio._spatial.se3 import MATRICES, PLACEMENTS, SE3
+from pinocchio._spatial.small_kernels import SMALL, equality, pose_excess, six_excess, truth_within
+
+_SHAPES: dict[type, tuple[int, ...]] = {
+    SE3: (4, 4),
+    Motion: (6,),
+    Force: (6,),
+    Inertia: (13,),
+    Quaternion: (4,),
+}
+_EXCESS: dict[type, Any] = {SE3: pose_excess, Motion: six_excess, Force: six_excess}
+
+
+def _direct(kind: type, names: str, *rows: Row) -> None:
+    """Has methods or properties of a class, several names of the same, called directly."""
+    for name in names.split():
+        member: Any = inspect.getattr_static(kind, name)
+        if isinstance(member, property):
+            made: Any = property(called_directly(member.fget, *rows), member.fset, doc=member.__doc__)
+        elif isinstance(member, staticmethod):
+            made = staticmethod(called_directly(member.__func__, *rows))
+        elif isinstance(member, classmethod):
+            made = staticmethod(called_directly(_function_of(getattr(kind, name)), *rows))
+        else:
+            made = called_directly(member, *rows, is_method=True)
+        setattr(kind, name, made)
+
+
+def _function_of(method: Any) -> Any:
+    """A function that does what a method of a class does."""
+
+    @functools.wraps(method)
+    def called() -> Any:
+        return method()
+
+    return called
+
+
+def _shared(kind: type) -> None:
+    """Copies and comparisons."""
+    shape, excess = _SHAPES[kind], _EXCESS.get(kind)
+    functions: dict[str, tuple[Any, ...]] = {
+        "copy": (lambda x: 1.0 * x, shape),
+        "equality": (equality, shape, shape),
+    }
+    if excess is not None:
+        functions |= {
+            "agreement": (lambda a, b: truth_within(excess(a, b, 1e-12)), shape, shape),
+            "agreement within": (lambda a, b, prec: truth_within(excess(a, b, prec)), shape, shape, ()),
+        }
+    own = BoundFunctions(functions, holder=kind)
+    _direct(kind, "__eq__", own.row("equality", kind, kind, holder=bool))
+    if kind is not Quaternion:
+        _direct(kind, "copy __copy__ cast", own.row("copy", kind))
+    if excess is not None:
+        within = own.row("agreement within", kind, kind, float, holder=bool)
+        _direct(kind, "isApprox", own.row("agreement", kind, kind, holder=bool), within)
+
+
+def _placements() -> None:
+    moved, back = (
+        [table.row(name, SE3, kind) for kind, table in _MOVED.items()] for name in ("moved", "moved back")
+    )
+    point = SMALL.row("pose point", SE3, np.ndarray)
+    _direct(SE3, "__mul__ __matmul__ act", PLACEMENTS.row("product", SE3, SE3), point, *moved)
+    _direct(SE3, "actInv", PLACEMENTS.row("quotient", SE3, SE3), *back)
+    _direct(SE3, "inverse __invert__", PLACEMENTS.row("inverse", SE3))
+    _direct(SE3, "homogeneous np", MATRICES.row("itself", SE3))
+    _direct(SE3, "action toActionMatrix", MATRICES.row("action", SE3))
+    _direct(SE3, "actionInverse toActionMatrixInverse", MATRICES.row("action back", SE3))
+    _direct(SE3, "dualAction toDualActionMatrix", MATRICES.row("dual action", SE3))
+    _direct(SE3, "Random", PLACEMENTS.row("random"))
+    _direct(SE3, "Identity", copies_of(np.eye(4), SE3))
+
+
+_MOVED = {Motion: Motion._made, Force: Force._made, Inertia: BODIES}
+"""What moves by a placement, and its functions."""
+
+
+def _motions_and_forces() -> None:
+    for kind, other in ((Motion, Force), (Force, Motion)):
+        own = kind._made
+        _direct(kind, "__add__", own.row("sum", kind, kind))
+        _direct(kind, "__sub__", own.row("difference", kind, kind))
+        _direct(kind, "__neg__", own.row("opposite", kind))
+        _direct(kind, "__mul__ __rmul__", *[own.row("product", kind, x) for x in (float, np.float64)])
+        _direct(kind, "dot", SMALL.row("power", kind, other, holder=float))
+        _direct(kind, "Random", own.row("random"))
+        _direct(kind, "Zero", copies_of(np.zeros(6), kind))
+    _direct(Motion, "cross __xor__", *[kind._made.row("cross", Motion, kind) for kind in (Motion, Force)])
+
+
+def _inertias() -> None:
+    _direct(Inertia, "__add__", BODIES.row("sum", Inertia, Inertia))
+    _direct(Inertia, "__sub__", BODIES.row("difference", Inertia, Inertia))
+    _direct(Inertia, "__mul__", FORCES_OF_BODIES.row("momentum", Inertia, Motion))
+    _direct(Inertia, "mass", SMALL.row("mass", Inertia, holder=float))
+    _direct(Inertia, "inertia", SMALL.row("moments", Inertia))
+    _direct(Inertia, "matrix np", SMALL.row("inertia matrix", Inertia))
+    _direct(Inertia, "inverse", SMALL.row("inertia inverse", Inertia))
+    _direct(Inertia, "vtiv", SMALL.row("inertia energy", Inertia, Motion, holder=float))
+    _direct(Inertia, "Random", BODIES.row("random"))
+    _direct(Inertia, "Zero", copies_of(np.zeros(13), Inertia))
+    _direct(Inertia, "Identity", copies_of(Inertia.Identity()._p, Inertia))
+
+
+def _quaternions() -> None:
+    product = SMALL.row("quaternion product", Quaternion, Quaternion, holder=Quaternion)
+    _direct(Quaternion, "__mul__", product, SMALL.row("quaternion point", Quaternion, np.ndarray))
+    _direct(Quaternion, "matrix toRotationMatrix", SMALL.row("quaternion matrix", Quaternion))
+
+
+def call_small_objects_directly() -> None:
+    """Has what is called often of placements, motions, forces, inertias and quaternions called by machine code."""
+    for kind in _SHAPES:
+        _shared(kind)
+    _placements()
+    _motions_and_forces()
+    _inertias()
+    _quaternions()

@@ -1,0 +1,171 @@
+"""Functions whose calls with arguments of known types go to bound kernels."""
+
+from __future__ import annotations
+
+import copy
+import inspect
+import pickle
+import sys
+import threading
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ulna import numeric
+from ulna.compiler import compile
+from ulna.compiler.runtime.repeated_calls import RepeatedCalls
+from ulna.compiler.runtime.typed_calls import typed_calls
+
+asked: list[tuple[str, tuple[Any, ...]]] = []
+
+
+class Pair:
+    """Two numbers in the one slot of an object."""
+
+    __slots__ = ("values",)
+
+    def __init__(self, *values):
+        self.values = np.array(values, dtype=float)
+
+    def __add__(self, other):
+        """The sum."""
+        asked.append(("sum", (self, other)))
+        if isinstance(other, np.ndarray):
+            return Pair(*(self.values + other))
+        return Pair(*(self.values + other.values)) if isinstance(other, Pair) else NotImplemented
+
+    def scaled(self, factor=2.0):
+        """The pair, so many times."""
+        asked.append(("scaled", (self, factor)))
+        return Pair(*(factor * self.values))
+
+
+class Derived(Pair):
+    __slots__ = ()
+
+
+def kernel(function, *holders, holder: Any = Pair, **shapes):
+    def make():
+        compiled = compile(function, **shapes)
+        return compiled.into(
+            np.zeros(compiled.function.outputs[0].shape),
+            returns=(0,),
+            otherwise=lambda *_: NotImplemented,
+            holder=holder,
+            input_holders=holders,
+        )
+
+    return make
+
+
+_SUM = {
+    (Pair, Pair): kernel(lambda a, b: a + b, Pair, Pair, a=(2,), b=(2,)),
+    (Pair, np.ndarray): kernel(lambda a, b: a + b, Pair, a=(2,), b=(2,)),
+}
+Pair.__add__ = typed_calls(Pair.__add__, _SUM, is_method=True)
+Pair.scaled = typed_calls(
+    Pair.scaled,
+    {
+        (Pair,): kernel(lambda a: 2.0 * a, Pair, a=(2,)),
+        (Pair, float): kernel(lambda a, x: x * a, Pair, a=(2,), x=()),
+    },
+    is_method=True,
+)
+
+
+def length(pair: Any) -> float:
+    """The length of a pair."""
+    asked.append(("length", (pair,)))
+    return float(np.linalg.norm(pair.values))
+
+
+length: Any = typed_calls(  # type: ignore[no-redef]
+    length, {(Pair,): kernel(lambda a: numeric.sqrt(a @ a), Pair, holder=float, a=(2,))}
+)
+
+
+@pytest.fixture(autouse=True)
+def empty():
+    asked.clear()
+    yield
+    asked.clear()
+
+
+def is_native():
+    return isinstance(length, RepeatedCalls)
+
+
+def test_known_types_run_no_python():
+    a, b, x = Pair(1.0, 2.0), Pair(3.0, 4.0), np.array([5.0, 6.0])
+    for _ in range(3):
+        assert (a + b).values.tolist() == [4.0, 6.0] and (a + x).values.tolist() == [6.0, 8.0]
+        twice, thrice = a.scaled(), a.scaled(3.0)  # no attributes, which pytest would make of it
+        assert twice.values.tolist() == [2.0, 4.0] and thrice.values.tolist() == [3.0, 6.0]
+    if is_native():
+        assert [name for name, _ in asked] == ["sum", "sum", "scaled", "scaled"]  # the first call of each
+
+
+def test_other_calls_reach_the_function():
+    a = Pair(1.0, 2.0)
+    a + a
+    asked.clear()
+    with pytest.raises(TypeError, match="unsupported operand"):
+        a + "text"
+    assert (Derived(1.0, 2.0) + a).values.tolist() == [2.0, 4.0]
+    assert (a + np.arange(4.0)[::2]).values.tolist() == [1.0, 4.0]  # has gaps
+    assert a.scaled(factor=3.0).values.tolist() == [3.0, 6.0] and a.scaled(3).values.tolist() == [3.0, 6.0]
+    assert len(asked) == 5
+    with pytest.raises(TypeError, match="takes from 1 to 2 positional arguments but 4 were given"):
+        a.scaled(1.0, 2.0, 3.0)
+    with pytest.raises(TypeError, match="missing 1 required positional argument"):
+        Pair.scaled()  # type: ignore[call-arg]
+
+
+def test_an_empty_slot_reaches_the_function():
+    empty, a = object.__new__(Pair), Pair(1.0, 2.0)
+    a + a
+    with pytest.raises(AttributeError):
+        a + empty
+    a.values = np.zeros(3)  # another shape
+    assert (a + Pair(1.0, 1.0, 1.0)).values.tolist() == [1.0, 1.0, 1.0]
+
+
+def test_it_looks_like_the_function():
+    a = Pair(1.0, 2.0)
+    assert inspect.isfunction(Pair.scaled) and Pair.scaled.__doc__ == "The pair, so many times."
+    assert list(inspect.signature(Pair.scaled).parameters) == ["self", "factor"]
+    assert inspect.ismethod(a.scaled) and a.scaled().values.tolist() == [2.0, 4.0]
+    assert Pair.scaled(a, 4.0).values.tolist() == [4.0, 8.0]
+    assert inspect.isroutine(length) and length.__doc__ == "The length of a pair."
+    assert [length(Pair(3.0, 4.0)) for _ in range(3)] == [5.0] * 3
+    assert pickle.loads(pickle.dumps(length)) is length and copy.copy(length) is length
+
+
+def test_calls_leave_no_references():
+    a, b, text = Pair(1.0, 2.0), Pair(3.0, 4.0), "text that is used here only"
+    a + b
+    before = [sys.getrefcount(x) for x in (a, b, text, NotImplemented)]
+    for _ in range(1000):
+        a + b
+        with pytest.raises(TypeError):
+            a + text
+        asked.clear()
+    after = [sys.getrefcount(x) for x in (a, b, text, NotImplemented)]
+    assert all(abs(x - y) <= 2 for x, y in zip(before, after, strict=True))
+
+
+def test_threads_share_a_function():
+    wrong = []
+
+    def work(first):
+        for k in range(first, first + 500):
+            if (Pair(k, 1.0) + Pair(1.0, k)).values.tolist() != [k + 1.0, k + 1.0]:
+                wrong.append(k)
+
+    threads = [threading.Thread(target=work, args=(1000 * k,)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
