@@ -39,7 +39,6 @@ from ulna.model.inertial import (
 )
 from ulna.model.joints import Composite, Fixed, JointKind
 from ulna.model.joints.axes import snap_pose
-from ulna.model.joints.joint_kind import VectorKind
 from ulna.model.model import Model
 from ulna.model.parts import Frame, Joint
 from ulna.numeric import is_symbolic, matrix
@@ -224,7 +223,7 @@ def _moved_base(model: Model, D: SE3) -> Model:
 
 def _additive_coordinates(kind: JointKind) -> Iterator[int]:
     """Which coordinates of a kind simply add up."""
-    if isinstance(kind, VectorKind):
+    if kind.is_vector:
         yield from range(kind.nq)
     elif isinstance(kind, Composite):
         start = 0

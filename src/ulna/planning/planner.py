@@ -72,7 +72,8 @@ def plan(
     nothing touches between its points either. What counts are the covering spheres of `ulna.collision.fit`.
 
     Args:
-        robot: The robot; positions of its joints are plain numbers: no planar, spherical or free-flying joints.
+        robot: The robot; positions of its joints are plain numbers, those of composites too: no planar, spherical or
+            free-flying joints.
         q0: Where it is, shape (nq,) [rad, m]; of a Dask array (..., nq) the result is a lazy array of plans.
         goal: A configuration (nq,), several of which one is to be reached (n, nq); a pose of a frame (SE3 or (4, 4)),
             several (n, 4, 4), a `Region`, or a list of poses and regions; a dictionary from frames to poses and
@@ -139,7 +140,8 @@ class Planner:
     """Plans for one robot in one world, and keeps what calls have in common: for many plans.
 
     Args:
-        robot: The robot; positions of its joints are plain numbers: no planar, spherical or free-flying joints.
+        robot: The robot; positions of its joints are plain numbers, those of composites too: no planar, spherical or
+            free-flying joints.
         world: Obstacles; None for none.
         spheres: Spheres of the links; None for those that are fitted.
         pairs: Pairs of links to check against each other; None for `link_pairs(model)`.

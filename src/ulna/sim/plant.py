@@ -16,7 +16,6 @@ from ulna.checks.arrays import shaped_array
 from ulna.checks.values import checked_robot, short_repr
 from ulna.errors import UnknownName
 from ulna.model import Model
-from ulna.model.joints.joint_kind import VectorKind
 from ulna.robot import Robot, compile
 from ulna.typing import ArrayLike, Floats
 
@@ -53,7 +52,7 @@ class Plant:
         if self.friction is not None:
             self.friction.numbers(robot.nv)
         joints = [j for j in robot.model.joints if j.mimic is None]
-        self._is_vector_space = all(_is_vector_joint(j.kind) for j in joints)
+        self._is_vector_space = all(j.kind.is_vector for j in joints)
         self._is_bound = bound is not None
         self._acceleration = bound or compile(self._forward_dynamics, robot)
         self._integrate = robot.kernel("integrate")
@@ -188,11 +187,6 @@ def check_friction(friction: Friction | Literal["model"] | None) -> None:
     if not (friction is None or isinstance(friction, Friction)):
         name = friction if isinstance(friction, str) else short_repr(friction)
         raise UnknownName("friction", name, ("model",), "Give 'model', None or a Friction.")
-
-
-def _is_vector_joint(kind: Any) -> bool:
-    """Whether integrating adds, so that u is q - q0."""
-    return kind.nq == 1 or isinstance(kind, VectorKind)
 
 
 def checked_torques(tau: ArrayLike, model: Model) -> Floats:

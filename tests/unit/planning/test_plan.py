@@ -22,7 +22,7 @@ from ulna.collision import LinkSpheres, Spheres, World
 from ulna.collision.touches import deepest_touch
 from ulna.errors import InputError, ModelError, NonFiniteError, ShapeError
 from ulna.geometry import Box, Cylinder, Geometry, Plane, Sphere
-from ulna.model import Continuous, ModelBuilder, Prismatic, Spherical
+from ulna.model import Composite, Continuous, ModelBuilder, Prismatic, Revolute, Spherical
 from ulna.planning import Planner, certify, edges, plan, scene
 from ulna.planning.run import Run
 from ulna.planning.search import Search
@@ -281,6 +281,48 @@ def test_robots_that_cannot_be_planned_for_are_refused() -> None:
     b.add_joint("shoulder", Spherical(), "base", "arm")
     with pytest.raises(InputError, match=r"Joint 'shoulder' is Spherical; planning takes joints whose"):
         plan(ulna.Robot(b.build()), [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0])
+
+
+@pytest.mark.parametrize("method", ["spheres", "exact"])
+def test_composite_joints_of_plain_numbers_are_planned_for(method: Any) -> None:
+    robot = _arm_of_composites()
+    posts = [(0.35, 0.0, 0.5), (0.0, 0.4, 0.6), (-0.35, -0.1, 0.5)]
+    world = World()
+    for k, place in enumerate(posts):
+        world = world.add(f"post {k}", Sphere(0.12), place)
+    checker = robot.collision_checker(world)
+    free = robot.random_configuration(200, seed=1)
+    free = free[robot.collision_checker(world, method="spheres").clearance(free) > 0.0]
+    t = np.linspace(0.0, 1.0, 200)[:, None]
+    a, b = next((a, b) for a, b in pairwise(free) if checker.collides(a + t * (b - a)).any())
+    p = robot.plan(a, b, world, method=method)
+    assert p and p.is_certified
+    assert not any(checker.collides(x + t * (y - x)).any() for x, y in pairwise(p.points))
+    assert ulna.trajectory.check(robot, p.trajectory(acceleration=5.0), acceleration=5.0, torque=False)
+
+
+def _arm_of_composites() -> Any:
+    """Two joints, each made of a turn and a slide or of two turns, one of these without limits."""
+    b = ModelBuilder("composites").add_link("base")
+    kinds = (
+        Composite((Revolute((0.0, 1.0, 0.0)), Prismatic((0.0, 0.0, 1.0)))),
+        Composite(
+            (Continuous((0.0, 0.0, 1.0)), Revolute((1.0, 0.0, 0.0))),
+            (SE3.from_translation((0.02, 0.0, 0.0)),) * 2,
+        ),
+    )
+    parent = "base"
+    for name, kind, lower, upper in zip(
+        ("upper", "fore"), kinds, ((-2.5, -0.1), (-np.inf, -2.5)), ((2.5, 0.1), (np.inf, 2.5)), strict=True
+    ):
+        solid = Geometry("", Cylinder(0.04, 0.25), SE3.from_translation((0.0, 0.0, 0.16)))
+        b.add_link(name, collisions=[solid])
+        b.add_joint(
+            name, kind, parent, name, SE3.from_translation((0.0, 0.0, 0.32)),
+            lower=lower, upper=upper, velocity=(2.0, 2.0),
+        )  # fmt: skip
+        parent = name
+    return ulna.Robot(b.build())
 
 
 def test_margins_are_kept() -> None:

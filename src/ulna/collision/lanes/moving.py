@@ -25,7 +25,6 @@ from ulna.compiler.procedures import aligned, lanes_kernel
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model import Model, Planar
-from ulna.model.joints.joint_kind import VectorKind
 from ulna.spatial import SE3
 from ulna.system.cached import cached_property
 from ulna.system.collector import paused_collection
@@ -228,7 +227,7 @@ def check_vector_joints(model: Model) -> None:
         InputError: If a joint has another kind of configuration; names it, and what to do.
     """
     for joint in model.joints:
-        if not isinstance(joint.kind, VectorKind):
+        if not joint.kind.is_vector:
             advice = "Lock it where it stands: robot.lock({name: position})."
             if isinstance(joint.kind, Planar):
                 advice = "Make a planar base of two prismatic joints and a continuous one, or lock it."

@@ -29,8 +29,7 @@ from ulna.checks.labels import in_order
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.ik.differential.task import Shapes
-from ulna.model import Composite, JointKind, Model
-from ulna.model.joints.joint_kind import VectorKind
+from ulna.model import Model
 from ulna.numeric import ceil, clip, maximum, sqrt
 from ulna.typing import Array, Floats
 
@@ -215,7 +214,7 @@ def _limited(model: Model, margin: float, label: str) -> Iterator[tuple[int, int
         for k, (lower, upper) in enumerate(zip(joint.limits.lower, joint.limits.upper, strict=True)):
             if np.isinf(lower) and np.isinf(upper):
                 continue
-            if not _is_vector(joint.kind):
+            if not joint.kind.is_vector:
                 raise InputError(
                     f"{label}: joint {joint.name!r} is {joint.kind.describe()} and has limits of position, which are "
                     "no bounds on its velocities. Take the limits away, or leave this limit out."
@@ -223,10 +222,6 @@ def _limited(model: Model, margin: float, label: str) -> Iterator[tuple[int, int
             if lower + margin > upper - margin:
                 raise InputError(f"{label}: a `margin` of {margin} leaves joint {joint.name!r} no range.")
             yield joint.idx_q + k, joint.idx_v + k, lower + margin, upper - margin
-
-
-def _is_vector(kind: JointKind) -> bool:
-    return all(isinstance(k, VectorKind) for k in (kind.kinds if isinstance(kind, Composite) else (kind,)))
 
 
 def _of_joints(model: Model, bound: Any, label: str) -> Floats:

@@ -63,6 +63,11 @@ class Composite(JointKind):
         """The entries of v, each named with the number of its kind."""
         return _numbered([kind.rates for kind in self.kinds])
 
+    @property
+    def is_vector(self) -> bool:
+        """Whether q is a plain vector: those of all kinds are."""
+        return all(kind.is_vector for kind in self.kinds)
+
     def describe(self) -> str:
         """A short label for tables."""
         return " + ".join(kind.describe() for kind in self.kinds)

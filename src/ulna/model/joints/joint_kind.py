@@ -105,6 +105,11 @@ class JointKind(abc.ABC):
         """Whether some entries of q are a unit quaternion."""
         return any(c.unit == "" for c in self.coordinates)
 
+    @property
+    def is_vector(self) -> bool:
+        """Whether q is a plain vector, whose sums and differences are what they look like."""
+        return False
+
     @abc.abstractmethod
     def describe(self) -> str:
         """A short label for tables, such as ``"revolute z"``."""
@@ -284,6 +289,11 @@ class VectorKind(JointKind):
     def rates(self) -> tuple[Coordinate, ...]:
         """The entries of v."""
         return self.coordinates
+
+    @property
+    def is_vector(self) -> bool:
+        """True."""
+        return True
 
     def integrate(self, q: Array, v: Array) -> Array:
         """`q + v`."""
