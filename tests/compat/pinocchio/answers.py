@@ -6,9 +6,12 @@ number alone, so that the reader knows which call ended the process.
 
 from __future__ import annotations
 
+import copy
 import inspect
 import io
 import json
+import operator
+import pickle
 import re
 import signal
 import sys
@@ -66,6 +69,12 @@ def wrote(target: Any, name: str, value: Any) -> Any:
     after = contents(target)
     others = [other for other in after if other != name and before.get(other) != after[other]]
     return [getattr(target, name), sorted(others)]
+
+
+def did(target: Any, action: Any) -> list[Any]:
+    """What an action returns, and what its target is then."""
+    result = action(target)
+    return [result, target]
 
 
 class NoValue(Exception):
@@ -136,7 +145,8 @@ NAMES = names_with_numbers(int(sys.argv[1]) if len(sys.argv) > 1 else 0)
 def answer(expression: str, prepared: list[Any]) -> dict[str, Any]:
     """What an expression comes to: type, value, printed text; or the classes of its error."""
     names: dict[str, Any] = {"pin": pin, "np": np, "prepared": prepared, "data_of": data_of, "filled": filled}
-    names |= {"calculated": calculated, "wrote": wrote}
+    names |= {"calculated": calculated, "wrote": wrote, "did": did}
+    names |= {"operator": operator, "copy": copy, "pickle": pickle}
     try:
         for name in needed(expression):
             names[name] = eval(NAMES[name], names)

@@ -1,7 +1,7 @@
 """Puts generated calls to the package and to Pinocchio, in processes that are restarted when a call ends them, and compares.
 
 `python differential.py [--every N] [--offset K] [--seed S] [--out FILE]` prints the share of equal behaviour of each group;
-with --writes, of assignments to attributes.
+with --writes, of assignments to attributes, with --operators and --containers, of operators and of what is done with lists.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,10 @@ HERE = Path(__file__).parent
 sys.path[:0] = str(HERE), str(HERE.parents[1])
 
 from generated_calls import calls, reads  # noqa: E402
+from generated_containers import DOCUMENTED as DOCUMENTED_CONTAINERS  # noqa: E402
+from generated_containers import containers  # noqa: E402
+from generated_operators import DOCUMENTED as DOCUMENTED_OPERATORS  # noqa: E402
+from generated_operators import operators  # noqa: E402
 from generated_writes import DOCUMENTED as DOCUMENTED_WRITES  # noqa: E402
 from generated_writes import writes  # noqa: E402
 
@@ -166,12 +170,9 @@ DOCUMENTED = (
 """What differs on purpose: the kind of difference, the expressions, and why."""
 
 
-def documented(what: str, expression: str) -> bool:
-    """Whether a difference is one of `DOCUMENTED`."""
-    return any(
-        re.fullmatch(kind, what) and re.fullmatch(text, expression)
-        for kind, text, _ in (*DOCUMENTED, *DOCUMENTED_WRITES)
-    )
+def documented(what: str, expression: str, reasons: Sequence[tuple[str, str, str]] = DOCUMENTED) -> bool:
+    """Whether a difference is one of those that have a reason."""
+    return any(re.fullmatch(kind, what) and re.fullmatch(text, expression) for kind, text, _ in reasons)
 
 
 def properties() -> dict[str, dict[str, bool]]:
@@ -188,6 +189,15 @@ def generated(folder: Path) -> list[tuple[str, str]]:
     subprocess.run(command, env=variables(None), check=True, capture_output=True)
     overloads = json.loads(target.read_text(encoding="utf-8"))
     return [*calls(overloads), *reads(properties())]
+
+
+MODES: dict[str, tuple[Callable[[Path], Iterable[tuple[str, str]]], Sequence[tuple[str, str, str]]]] = {
+    "calls": (generated, DOCUMENTED),
+    "writes": (lambda _: writes(properties()), DOCUMENTED_WRITES),
+    "operators": (lambda _: operators(), DOCUMENTED_OPERATORS),
+    "containers": (lambda _: containers(), DOCUMENTED_CONTAINERS),
+}
+"""What is generated, and the reasons for what differs."""
 
 
 def answers(expressions: Sequence[str], real: bool, seed: int = 0) -> list[dict[str, Any]]:
@@ -301,14 +311,21 @@ def main() -> None:
     parser.add_argument("--offset", type=int, default=0)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="")
-    parser.add_argument("--writes", action="store_true", help="assignments to attributes instead of calls")
+    for mode, what in (("writes", "assignments to attributes"), ("operators", "operators between all pairs of objects"),
+                       ("containers", "what is done with lists")):  # fmt: skip
+        parser.add_argument(
+            f"--{mode}", action="store_const", const=mode, dest="mode", help=f"{what} instead of calls"
+        )
+    parser.set_defaults(mode="calls")
     parser.add_argument("--out", default="")
     args = parser.parse_args()
+    make, reasons = MODES[args.mode]
     with tempfile.TemporaryDirectory() as folder:
-        every = writes(properties()) if args.writes else generated(Path(folder))
-        pairs = [pair for pair in every if re.search(args.only, pair[0])][args.offset :: args.every]
+        pairs = [pair for pair in make(Path(folder)) if re.search(args.only, pair[0])][
+            args.offset :: args.every
+        ]
     found = compare(pairs, args.seed)
-    known = sum(bool(what) and documented(what, text) for _, text, what, *_ in found)
+    known = sum(bool(what) and documented(what, text, reasons) for _, text, what, *_ in found)
     counts: dict[str, Counter[bool]] = defaultdict(Counter)
     for path, _, what, *_ in found:
         counts[group_of(path)][not what] += 1
@@ -319,7 +336,7 @@ def main() -> None:
     print(f"of the others {known} are documented differences")
     print(Counter(what for _, _, what, *_ in found if what).most_common())
     if args.out:
-        wrong = [each for each in found if each[2] and not documented(each[2], each[1])]
+        wrong = [each for each in found if each[2] and not documented(each[2], each[1], reasons)]
         Path(args.out).write_text("\n".join(json.dumps(each) for each in wrong), encoding="utf-8")
 
 

@@ -106,10 +106,17 @@ def test_quaternions_and_displacements(pin: Any) -> None:
 
 def test_groups_normalize_and_refuse_what_they_cannot_take(pin: Any) -> None:
     groups = pin.liegroups
-    np.testing.assert_allclose(groups.SO2().normalize([3.0, 4.0]), (0.6, 0.8))
-    free = groups.SE3().normalize(np.arange(1, 8.0))
+    circle, free, column = np.array([3.0, 4.0]), np.arange(1, 8.0), np.array([[3.0], [4.0]])
+    assert groups.SO2().normalize(circle) is None and groups.SE3().normalize(free) is None
+    assert groups.SO2().normalize(column) is None and column.ravel().tolist() == [0.6, 0.8]
+    np.testing.assert_allclose(circle, (0.6, 0.8))
     np.testing.assert_allclose(free[3:], np.arange(4, 8.0) / np.sqrt(126))
     np.testing.assert_array_equal(free[:3], (1, 2, 3))
+    fixed = circle.copy()
+    fixed.flags.writeable = False
+    for wrong in ([3.0, 4.0], np.array([3, 4]), fixed):
+        with pytest.raises(TypeError, match="be changed in place"):
+            groups.SO2().normalize(wrong)
     G = groups.SE3() * groups.SO2()
     w, u, J = G.neutral, 0.1 * np.ones(7), np.ones((7, 7))
     for call in (

@@ -368,7 +368,7 @@ WRONG_OPERANDS = (
         "force / force",
     ),
     *("quaternion + np.eye(4)", "np.float64(0.5) * quaternion", "np.eye(4) @ quaternion", "quaternion / 2.0"),
-    *("symmetric + np.ones(6)", "symmetric - 'a'", "placement + np.eye(4)", "np.eye(4) * placement"),
+    *("symmetric + np.ones(6)", "symmetric - 'a'", "placement + np.ones(3)", "motion * 1j", "symmetric * 1j"),
 )
 
 

@@ -92,7 +92,7 @@ HELD = (
     ("anchor.mapJointSpaceToConstraintMotion(m, d, held, object(), q, pin.LOCAL)", "each joint"),
     ("pin.LieGroup((1,))", "LieGroup"),
     ("pin.liegroups.Rn('a')", "`n`"),
-    ("pin.StdVec_Force(3)", "list was given"),
+    ("pin.StdVec_Force(3)", "StdVec_Force was given 3"),
     ("pin.JointModelHX(int)", "pitch"),
     ("pin.ModelPool(m, 2).getModel(int)", "int"),
     ("pin.ContactCholeskyDecomposition(m, d, np.zeros(6))", "constraint is"),

@@ -11,6 +11,6 @@ __all__ = ["R1", "R2", "R3", "SE2", "SE3", "SO2", "SO3", "LieGroup", "Rn", "lieG
 def lieGroup(model: Model) -> LieGroup:
     """The group of a model's configurations."""
     out = LieGroup()
-    for joint in model.joints[1:]:
+    for joint in list(model.joints)[1:]:
         out = out * of_joint(joint)
     return out

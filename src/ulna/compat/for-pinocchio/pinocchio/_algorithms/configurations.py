@@ -386,7 +386,7 @@ def _is_same_bound_anew(model: Model, *arguments: Any) -> bool:
 def _compared_together(model: Model) -> tuple[tuple[int, int, bool], ...]:
     """Which entries of q are compared together: the first, the one behind the last, and whether of unit length."""
     groups: list[tuple[int, int, bool]] = []
-    for joint in model.joints[1:]:
+    for joint in list(model.joints)[1:]:
         k = joint.idx_q
         for part in () if joint.mimic else joint.parts or (joint,):
             kind: Any = part.kind
@@ -525,7 +525,7 @@ def compactTangentMap(model: Model, q: Any) -> Floats:
 
 def getTangentToConfigurationSparsitySegment(model: Model) -> tuple[StdVec[int], StdVec[int]]:
     """For each entry of q, how many velocities its joint has, and where they begin."""
-    joints = sorted((j for j in model.joints[1:] if not j.mimic), key=lambda j: j.idx_q)
+    joints = sorted((j for j in list(model.joints)[1:] if not j.mimic), key=lambda j: j.idx_q)
     rows = [j for j in joints for _ in range(j.nq)]
     return StdVec(j.nv for j in rows), StdVec(j.idx_v for j in rows)
 

@@ -46,11 +46,11 @@ class _Set:
         return self
 
     def __eq__(self, other: object) -> bool:
-        return type(other) is type(self) and all(
-            np.array_equal(a, b) for a, b in zip(self._key(), other._key(), strict=True)
-        )
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(np.array_equal(a, b) for a, b in zip(self._key(), other._key(), strict=True))
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = object.__hash__
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(map(str, self._key()))})"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, final
+import copy
+from typing import Any, ClassVar, Self, final
 
 import numpy as np
 
@@ -263,6 +264,9 @@ class AnyConstraintData(_NamedAndCompared):
 
     __slots__ = ()
     _of_constraint = True
+
+    def __copy__(self) -> Self:
+        return copy.deepcopy(self)
 
 
 class _Variant(type):

@@ -77,10 +77,11 @@ class BaumgarteCorrectorParameters:
         return cls(*gains)
 
     def __eq__(self, other: object) -> bool:
-        same = isinstance(other, BaumgarteCorrectorParameters)
-        return same and (self.Kp, self.Kd) == (other.Kp, other.Kd)
+        if not isinstance(other, BaumgarteCorrectorParameters):
+            return NotImplemented
+        return (self.Kp, self.Kd) == (other.Kp, other.Kd)
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = object.__hash__
 
 
 register(BaumgarteCorrectorParameters)

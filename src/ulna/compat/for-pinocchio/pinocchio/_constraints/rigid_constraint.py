@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Self, final
 
@@ -112,11 +113,15 @@ class RigidConstraint(FramePair):
         return self.copy()
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, RigidConstraint) and (
+        if not isinstance(other, RigidConstraint):
+            return NotImplemented
+        return (
             self._shape() == other._shape()
             and np.array_equal(self._places, other._places)
             and self._gains == other._gains
         )
+
+    __hash__ = object.__hash__
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -175,6 +180,21 @@ class RigidConstraintData:
         self._views |= {n: Motion() for n in _DRIFTS}
         depths = contact_model._depths[0], *contact_model._depths
         self._views |= {n: StdVec(np.zeros((k, 6, 6))) for n, k in zip(_PER_SUPPORT, depths, strict=True)}
+
+    def copy(self) -> RigidConstraintData:
+        """A copy."""
+        if self._deferred is not None:
+            self._deferred.fill()
+        out = object.__new__(RigidConstraintData)
+        out._size, out._deferred, out._left = self._size, None, dict(self._left)
+        out._blocks = {name: block.copy() for name, block in self._blocks.items()}
+        out._views = {
+            name: type(view)._of(out._blocks[name]) if name in out._blocks else copy.copy(view)
+            for name, view in self._views.items()
+        }
+        return out
+
+    __copy__ = copy
 
     def _leave(self, function: str, fields: Sequence[str]) -> None:
         """Notes that a function left intermediate results in fields, in Pinocchio, and nothing here."""

@@ -450,5 +450,10 @@ def check_size(value: Any, name: str, most: int = 10**6) -> int:
 
 
 @final
+class NoSequence(InputError, TypeError, AttributeError):
+    """An argument of which the entries are asked has none; also of the class that Pinocchio raises."""
+
+
+@final
 class SizeError(InputError, OverflowError, MemoryError):
     """A count is below zero, or too large; Pinocchio raises an OverflowError or a MemoryError."""

@@ -10,6 +10,7 @@ import numpy as np
 from pinocchio._containers.arguments import (
     ArgumentError,
     IndexOutOfRange,
+    NoSequence,
     WrongShape,
     check_size,
     is_index,
@@ -183,13 +184,32 @@ def text(array: Floats) -> str:
     return "\n".join([" ".join([text_.rjust(width) for text_ in row]) for row in texts])
 
 
-def _copied(entry: Any) -> Any:
-    """A copy of what users may write to: placements, motions, inertias, frames, arrays; all else as it is."""
-    return entry.copy() if isinstance(entry, np.ndarray) or hasattr(entry, "_assign") else entry
+def _equal(one: Any, other: Any) -> bool:
+    """Whether two entries are the same, or equal."""
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return isinstance(other, type(one)) and np.array_equal(one, other)
+    return one is other or bool(one == other)
+
+
+def _alike(first: Any, entry: Any) -> bool:
+    """Whether an entry is of the kind of another one."""
+    if isinstance(first, bool):
+        return isinstance(entry, (bool, np.bool_)) or is_index(entry)
+    if isinstance(first, int):
+        return is_index(entry) or isinstance(entry, bool)
+    if isinstance(first, float):
+        return is_number(entry)
+    kinds = type(first).__mro__[:-1]
+    return isinstance(entry, kinds[:2])
+
+
+_entry_at = list.__getitem__
 
 
 class StdVec(list[Item], Generic[Item]):
     """A list; what is assigned to an entry is copied into it, so that references to the entry see it.
+
+    Slices are new lists, with copies of the entries. It has all functions of lists; equal are those with equal entries.
 
     Args:
         *parts: Nothing; entries; or how many entries, and what each is a copy of.
@@ -211,10 +231,25 @@ class StdVec(list[Item], Generic[Item]):
         """A copy, with copies of the entries."""
         return StdVec(copy.copy(entry) for entry in self)
 
+    __copy__ = copy
+
+    def __getitem__(self, key: Any) -> Any:
+        if key.__class__ is slice:
+            return self._part(_entry_at(self, key))
+        return _entry_at(self, key)
+
+    def _part(self, entries: list[Item]) -> list[Item]:
+        """Copies of some entries; arrays themselves, as in Pinocchio."""
+        if entries and isinstance(entries[0], np.ndarray):
+            return entries
+        if entries and type(entries[0]) in (int, float, str, bool):
+            return StdVec(entries)
+        return StdVec(copy.copy(entry) for entry in entries)
+
     def __setitem__(self, key: Any, value: Any) -> None:
         if isinstance(key, slice):
             places = range(*key.indices(len(self)))
-            entries = list(value) if hasattr(value, "__iter__") else []
+            entries = entries_of(value, "A list")
             if len(entries) != len(places):
                 raise ArgumentError(
                     f"A list was given {excerpt(repr(value))}; expected {len(places)} entries."
@@ -224,9 +259,25 @@ class StdVec(list[Item], Generic[Item]):
             return
         assign = getattr(self[key], "_assign", None)
         if assign is None:
-            super().__setitem__(key, value)
+            super().__setitem__(key, self._checked(value))
         else:
             assign(value)
+
+    def __contains__(self, entry: Any) -> bool:
+        if isinstance(entry, np.ndarray) or (self and isinstance(_entry_at(self, 0), np.ndarray)):
+            return any(_equal(own, entry) for own in self)
+        return super().__contains__(entry)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, list):
+            return NotImplemented
+        return len(self) == len(other) and all(map(_equal, self, other))
+
+    def __ne__(self, other: object) -> bool:
+        equal = self.__eq__(other)
+        return equal if equal is NotImplemented else not equal
+
+    __hash__ = object.__hash__  # pyright: ignore[reportAssignmentType]
 
     def append(self, entry: Any) -> None:
         """Adds a copy of an entry at the end."""
@@ -234,7 +285,7 @@ class StdVec(list[Item], Generic[Item]):
 
     def extend(self, entries: Any) -> None:
         """Adds copies of entries at the end."""
-        super().extend([self._checked(entry) for entry in entries])
+        super().extend([self._checked(entry) for entry in entries_of(entries, "A list")])
 
     def _checked(self, entry: Any) -> Any:
         """A copy of a new entry, which is of the kind of the others.
@@ -242,24 +293,53 @@ class StdVec(list[Item], Generic[Item]):
         Raises:
             ArgumentError: It is of another kind.
         """
-        first = list.__getitem__(self, 0) if self else None
-        if (isinstance(first, str) or hasattr(first, "_assign")) and not isinstance(entry, type(first)):
-            kind = type(first).__name__
+        if self and not _alike(_entry_at(self, 0), entry):
+            kind = type(_entry_at(self, 0)).__name__
             raise ArgumentError(
                 f"A list of {kind} was given {excerpt(repr(entry))}; expected another {kind}."
             )
-        return _copied(entry)
+        return copy.copy(entry)
 
     def reserve(self, new_cap: int) -> None:
-        """Nothing: lists grow by themselves."""
+        """Nothing: lists grow by themselves.
+
+        Args:
+            new_cap: For how many entries there should be room; 0 to 2^32.
+        """
+        check_size(new_cap, "new_cap", 2**32)
 
     def id(self) -> int:
         """The identity of the list as a number."""
         return id(self)
 
-    def tolist(self) -> list[Item]:
-        """A plain list of the entries."""
-        return list(self)
+    def tolist(self, deep_copy: bool = False) -> list[Item]:
+        """A plain list.
+
+        Args:
+            deep_copy: Whether of copies of the entries.
+
+        Returns:
+            The list.
+        """
+        return [copy.copy(entry) for entry in self] if deep_copy else list(self)
+
+
+def entries_of(value: Any, name: str) -> list[Any]:
+    """The entries of a sequence.
+
+    Args:
+        value: What was passed.
+        name: What it was passed to, for messages.
+
+    Returns:
+        The entries.
+
+    Raises:
+        NoSequence: It has none.
+    """
+    if isinstance(value, (str, bytes)) or not hasattr(value, "__iter__"):
+        raise NoSequence(f"{name} was given {excerpt(repr(value))}; expected its entries in a list.")
+    return list(value)
 
 
 def views(cls: Any, block: Floats) -> StdVec[Any]:

@@ -64,6 +64,6 @@ def live_joints(data: FieldStates) -> StdVec[JointData]:
     """
     joints = data._model.joints
     out = StdVec(data_of(joint) for joint in joints)
-    for joint, made in zip(joints[1:], out[1:], strict=True):
+    for joint, made in zip(list(joints)[1:], list(out)[1:], strict=True):
         made.follow(LiveJoint(data, joint, made))
     return out

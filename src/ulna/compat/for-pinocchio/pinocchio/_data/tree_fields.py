@@ -33,7 +33,7 @@ class TreeFields(FieldStates):
     @property
     def nvSubtree(self) -> StdVec[int]:
         """For each joint how many entries of v move what it moves, its own included."""
-        nvs = [0, *(joint.nv for joint in self._model.joints[1:])]
+        nvs = [0, *(joint.nv for joint in list(self._model.joints)[1:])]
         return StdVec([sum(nvs[i] for i in moved) for moved in _moved(self._model)])
 
     @property
@@ -65,7 +65,7 @@ class TreeFields(FieldStates):
         """For each row of a v with those of mimic joints, the one before it; of other joints, only those that count."""
         model = self._model
         out = [-1] * model.nvExtended
-        for i, joint in enumerate(model.joints[1:], start=1):
+        for i, joint in enumerate(list(model.joints)[1:], start=1):
             before = model.parents[i]
             while before and not (counts(model.joints[before]) and model.joints[before].nvExtended):
                 before = model.parents[before]
@@ -86,7 +86,7 @@ class TreeFields(FieldStates):
     @property
     def idx_vExtended_to_idx_v_fromRow(self) -> StdVec[int]:
         """For each entry of a v with those of mimic joints, the entry of v that it follows."""
-        joints = sorted(self._model.joints[1:], key=lambda joint: joint.idx_vExtended)
+        joints = sorted(list(self._model.joints)[1:], key=lambda joint: joint.idx_vExtended)
         return StdVec([joint.idx_v + k for joint in joints for k in range(joint.nvExtended)])
 
     @property

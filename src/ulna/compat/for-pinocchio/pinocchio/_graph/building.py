@@ -266,7 +266,7 @@ def buildGeometryModel(
 def neutral_of(model: Model) -> Floats:
     """The neutral configuration of a model, joint by joint."""
     out = np.zeros(model.nq)
-    for joint in model.joints[1:]:
+    for joint in list(model.joints)[1:]:
         if joint.mimic is None and joint.kind is not None:
             out[joint.idx_q : joint.idx_q + joint.nq] = joint.kind.neutral()
     return out

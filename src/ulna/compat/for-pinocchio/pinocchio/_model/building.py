@@ -157,7 +157,7 @@ class KinematicTree(KernelCache):
         joint.setIndexes(self.njoints, *place, self.nvExtended)
         _check_sizes(values, joint.nq, joint.nv)
         self._new_entries.append((joint.nq, joint.nv, values))
-        self.joints.append(joint)
+        list.append(self.joints, joint)  # a copy already
         self.names.append(joint_name)
         self.parents.append(int(parent_id))
         self._placements.append(joint_placement.copy())
@@ -193,12 +193,12 @@ class KinematicTree(KernelCache):
         }
         joint._keep(mimic=(followed, scaling, offset), nq=0, nv=0, _shortname="JointModelMimic")
         nq = nv = 0
-        for other in self.joints[1:]:
+        for other in list(self.joints)[1:]:
             if other.mimic is None:
                 other._keep(idx_q=nq, idx_v=nv)
                 nq, nv = nq + other.nq, nv + other.nv
         self._keep(nq=nq, nv=nv)
-        for other in self.joints[1:]:
+        for other in list(self.joints)[1:]:
             if other.mimic is not None:
                 leader = self.joints[other.mimic[0]]
                 other._keep(idx_q=leader.idx_q, idx_v=leader.idx_v)

@@ -12,6 +12,7 @@ from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3, HasPlacement, as_placement
+from ulna.errors import excerpt
 from ulna.typing import Array
 
 Facts = tuple[str, FrameType, int, int, Inertia]
@@ -136,6 +137,8 @@ class Frame(HasPlacement):
         _inertia_of_frame(self, "inertia", inertia)
 
     def _assign(self, other: Frame) -> None:
+        if not isinstance(other, Frame):
+            raise ArgumentError(f"A frame was given {excerpt(repr(other))}; expected a pinocchio.Frame.")
         self._facts = (*other._facts[:4], self._facts[4])
         self._placement._assign(other.placement)
         self.inertia._assign(other.inertia)

@@ -336,7 +336,7 @@ def states(
         The data.
     """
     out = StdVec(data_of(joint) for joint in joints)
-    for joint, data in zip(joints[1:], out[1:], strict=True):
+    for joint, data in zip(list(joints)[1:], list(out)[1:], strict=True):
         if velocity_state is not None:
             joint.calc(data, *velocity_state)
         if q is not None:

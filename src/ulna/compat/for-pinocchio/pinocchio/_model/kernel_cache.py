@@ -124,7 +124,7 @@ class KernelCache(LiveParameters):
     def _compiled_structure(self) -> CompiledModel:
         """Kernels that depend on the kinds of joints alone; models with the same joints share them."""
         if self._structure is None:
-            key = tuple((j.kind, j.idx_q, j.idx_v, j.mimic) for j in self.joints[1:])
+            key = tuple((j.kind, j.idx_q, j.idx_v, j.mimic) for j in list(self.joints)[1:])
             self._structure = _STRUCTURES.pop(key, None) or CompiledModel(self)
             _STRUCTURES[key] = self._structure  # the newest last
             while len(_STRUCTURES) > _MAX_STRUCTURES:

@@ -14,7 +14,7 @@ from pinocchio._model.joint_base import JointBase
 from pinocchio._model.quaternion_signs import quaternion_starts, with_continuous_signs
 from pinocchio._spatial.random_numbers import generator
 from ulna.compiler import compile as compile_function
-from ulna.errors import InputError
+from ulna.errors import InputError, excerpt
 from ulna.model import Circle, Composite, FreeFlyer, JointKind, PlanarCircle, Prismatic, Spherical
 from ulna.typing import Floats
 
@@ -121,9 +121,22 @@ class LieGroup:
         """
         return float(np.sqrt(self.squaredDistance(q0, q1)))
 
-    def normalize(self, q: Any) -> Floats:
-        """The same point with unit entries of unit length."""
-        return np.array(self._nonempty_kind.normalize(vector(q, self.nq, "q")))
+    def normalize(self, q: Any) -> None:
+        """Scales entries that together have unit length, such as a quaternion, to it; in place, as in C++.
+
+        Args:
+            q: Array (nq,) of floats, which is changed.
+
+        Raises:
+            ArgumentError: It cannot be changed in place: it is a list, read-only, or of other numbers.
+        """
+        unit = self._nonempty_kind.normalize(vector(q, self.nq, "q"))
+        if not isinstance(q, np.ndarray) or q.dtype != float or not q.flags.writeable:
+            raise ArgumentError(
+                f"`q` is {excerpt(repr(q))}; expected an array of floats that can be changed in place: "
+                "np.array(q, float)."
+            )
+        q.reshape(-1)[...] = unit
 
     def random(self) -> Floats:
         """Any point."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, final
 import numpy as np
 
 from pinocchio._containers.arguments import WrongShape
-from pinocchio._containers.arrays import StdVec, numbers
+from pinocchio._containers.arrays import StdVec, entries_of, numbers
 from pinocchio._containers.attributes import CheckedAttributes, checked_list
 from pinocchio._containers.named_configurations import StdMap_String_VectorXd
 from pinocchio._model.frame import JOINT_FRAMES, Facts, Frame
@@ -86,7 +86,7 @@ class FrameList(StdVec[Frame]):
 
     def extend(self, frames: Iterable[Frame]) -> None:
         """Adds copies of frames at the end."""
-        added = [self._checked(frame) for frame in frames]
+        added = [self._checked(frame) for frame in entries_of(frames, "A list of frames")]
         list.extend(self, added)
         self._count_added(added)
 

@@ -27,7 +27,7 @@ OwnerList.__name__ = "StdVec"  # as scripts see it
 
 
 def _noted(name: str) -> Any:
-    change = getattr(list, name)
+    change = getattr(StdVec, name)
 
     def method(self: OwnerList, *args: Any, **options: Any) -> Any:
         self.is_new = True
@@ -70,7 +70,7 @@ class RowStorage:
             return False
         if not same:
             self._owners, self._blocks, self.count = [], [], 0
-        for owner in owners[len(self._owners) :]:
+        for owner in list(owners)[len(self._owners) :]:
             self._append(owner)
         return True
 

@@ -27,10 +27,27 @@ from pinocchio._algorithms.supported_inertia import (
 from pinocchio._algorithms.supported_inertia import (
     computeSupportedInertiaByFrame as computeSupportedInertiaByFrame,
 )
+from pinocchio._constraints.anchors import (
+    FrameAnchorConstraintData,
+    FrameAnchorConstraintModel,
+    PointAnchorConstraintData,
+    PointAnchorConstraintModel,
+    PointContactConstraintData,
+    PointContactConstraintModel,
+)
+from pinocchio._constraints.joint_constraints import (
+    JointFrictionConstraintData,
+    JointFrictionConstraintModel,
+    JointLimitConstraintData,
+    JointLimitConstraintModel,
+)
 from pinocchio._constraints.lanczos import LanczosDecomposition as LanczosDecomposition
 from pinocchio._constraints.lanczos import TridiagonalSymmetricMatrix as TridiagonalSymmetricMatrix
+from pinocchio._constraints.rigid_constraint import RigidConstraintData
+from pinocchio._constraints.rigid_constraint_model import RigidConstraintModel
 from pinocchio._containers.arrays import StdVec
 from pinocchio._containers.named_configurations import StdMap_String_VectorXd as StdMap_String_VectorXd
+from pinocchio._data.data import Data
 from pinocchio._geometry.broadphase import BroadPhaseManager, BroadPhaseManagerPool
 from pinocchio._geometry.broadphase import CollisionObject as CollisionObject
 from pinocchio._geometry.collision_callbacks import CollisionCallBackBase as CollisionCallBackBase
@@ -65,6 +82,8 @@ from pinocchio._geometry.pair_functors import ComputeDistance as ComputeDistance
 from pinocchio._geometry.placements import updateGeometryPlacements as updateGeometryPlacements
 from pinocchio._model.frame import Frame
 from pinocchio._model.joint_data import JointData as JointData
+from pinocchio._model.joint_model import JointModel
+from pinocchio._model.model import Model
 from pinocchio._package.settings import Exception as Exception
 from pinocchio._package.settings import LogLevel as LogLevel
 from pinocchio._package.settings import ScalarType as ScalarType
@@ -117,6 +136,7 @@ from pinocchio.visualize import GepettoVisualizer as GepettoVisualizer
 from pinocchio.visualize import MeshcatVisualizer as MeshcatVisualizer
 from pinocchio.visualize import ViserVisualizer as ViserVisualizer
 from pinocchio.visualize import Visualizer as Visualizer
+from ulna.typing import Floats
 
 coal: Any
 hppfcl: Any
@@ -168,53 +188,53 @@ TreeBroadPhaseManager_SaPCollisionManager = BroadPhaseManager
 StdVec_Bool = StdVec[bool]
 StdVec_BooleanVector = StdVec[Any]
 StdVec_BroadPhaseManager_DynamicAABBTreeCollisionManager = StdVec[Any]
-StdVec_CollisionObject = StdVec[Any]
-StdVec_CollisionPair = StdVec[Any]
+StdVec_CollisionObject = StdVec[CollisionObject]
+StdVec_CollisionPair = StdVec[CollisionPair]
 StdVec_CollisionResult = StdVec[Any]
 StdVec_ComputeCollision = StdVec[Any]
 StdVec_ComputeDistance = StdVec[Any]
 StdVec_ConstraintData = StdVec[Any]
 StdVec_ConstraintModel = StdVec[Any]
 StdVec_Contact = StdVec[Any]
-StdVec_Data = StdVec[Any]
+StdVec_Data = StdVec[Data]
 StdVec_DistanceResult = StdVec[Any]
 StdVec_Double = StdVec[float]
-StdVec_EigenIndex = StdVec[Any]
+StdVec_EigenIndex = StdVec[int]
 StdVec_EigenIndexVector = StdVec[Any]
 StdVec_Force = StdVec[Force]
 StdVec_Frame = StdVec[Frame]
-StdVec_FrameAnchorConstraintData = StdVec[Any]
-StdVec_FrameAnchorConstraintModel = StdVec[Any]
-StdVec_GeometryData = StdVec[Any]
-StdVec_GeometryModel = StdVec[Any]
-StdVec_GeometryObject = StdVec[Any]
+StdVec_FrameAnchorConstraintData = StdVec[FrameAnchorConstraintData]
+StdVec_FrameAnchorConstraintModel = StdVec[FrameAnchorConstraintModel]
+StdVec_GeometryData = StdVec[GeometryData]
+StdVec_GeometryModel = StdVec[GeometryModel]
+StdVec_GeometryObject = StdVec[GeometryObject]
 StdVec_Index = StdVec[int]
-StdVec_IndexVector = StdVec[Any]
+StdVec_IndexVector = StdVec[StdVec_Index]
 StdVec_Inertia = StdVec[Inertia]
-StdVec_JointDataVector = StdVec[Any]
-StdVec_JointFrictionConstraintData = StdVec[Any]
-StdVec_JointFrictionConstraintModel = StdVec[Any]
-StdVec_JointLimitConstraintData = StdVec[Any]
-StdVec_JointLimitConstraintModel = StdVec[Any]
-StdVec_JointModelVector = StdVec[Any]
-StdVec_Matrix6 = StdVec[Any]
-StdVec_Matrix6x = StdVec[Any]
-StdVec_MatrixXs = StdVec[Any]
-StdVec_Model = StdVec[Any]
+StdVec_JointDataVector = StdVec[JointData]
+StdVec_JointFrictionConstraintData = StdVec[JointFrictionConstraintData]
+StdVec_JointFrictionConstraintModel = StdVec[JointFrictionConstraintModel]
+StdVec_JointLimitConstraintData = StdVec[JointLimitConstraintData]
+StdVec_JointLimitConstraintModel = StdVec[JointLimitConstraintModel]
+StdVec_JointModelVector = StdVec[JointModel]
+StdVec_Matrix6 = StdVec[Floats]
+StdVec_Matrix6x = StdVec[Floats]
+StdVec_MatrixXs = StdVec[Floats]
+StdVec_Model = StdVec[Model]
 StdVec_Motion = StdVec[Motion]
-StdVec_PointAnchorConstraintData = StdVec[Any]
-StdVec_PointAnchorConstraintModel = StdVec[Any]
-StdVec_PointContactConstraintData = StdVec[Any]
-StdVec_PointContactConstraintModel = StdVec[Any]
-StdVec_RigidConstraintData = StdVec[Any]
-StdVec_RigidConstraintModel = StdVec[Any]
+StdVec_PointAnchorConstraintData = StdVec[PointAnchorConstraintData]
+StdVec_PointAnchorConstraintModel = StdVec[PointAnchorConstraintModel]
+StdVec_PointContactConstraintData = StdVec[PointContactConstraintData]
+StdVec_PointContactConstraintModel = StdVec[PointContactConstraintModel]
+StdVec_RigidConstraintData = StdVec[RigidConstraintData]
+StdVec_RigidConstraintModel = StdVec[RigidConstraintModel]
 StdVec_SE3 = StdVec[SE3]
 StdVec_Scalar = StdVec[float]
 StdVec_StdString = StdVec[str]
-StdVec_StdVec_Int = StdVec[Any]
+StdVec_int = StdVec[int]
+StdVec_StdVec_Int = StdVec[StdVec_int]
 StdVec_Symmetric3 = StdVec[Symmetric3]
 StdVec_TreeBroadPhaseManager_DynamicAABBTreeCollisionManager = StdVec[Any]
-StdVec_Vec3s = StdVec[Any]
-StdVec_Vector3 = StdVec[Any]
+StdVec_Vec3s = StdVec[Floats]
+StdVec_Vector3 = StdVec[Floats]
 StdVec_coal_CollisionObjectPointer = StdVec[Any]
-StdVec_int = StdVec[int]

@@ -336,20 +336,33 @@ class Inertia:
     def __reduce__(self) -> Any:
         return Inertia, (self.mass, self.lever.copy(), self.inertia)
 
-    def __add__(self, other: Inertia) -> Inertia:
+    def __add__(self, other: Any) -> Inertia:
         if not isinstance(other, Inertia):
             return NotImplemented
         return BODIES["sum"](self._p, other._p)
 
     def __iadd__(self, other: Inertia) -> Inertia:
-        self._assign(self + other)
+        return self._changed_by("sum", "+=", other)
+
+    def __isub__(self, other: Inertia) -> Inertia:
+        return self._changed_by("difference", "-=", other)
+
+    def _changed_by(self, function: str, sign: str, other: Any) -> Inertia:
+        """It, after a sum or a difference with another one, which it takes over."""
+        if not isinstance(other, Inertia):
+            raise ArgumentError(
+                f"An Inertia {sign} was given {excerpt(repr(other))}; expected another Inertia."
+            )
+        self._assign(BODIES[function](self._p, other._p))
         return self
 
-    def __sub__(self, other: Inertia) -> Inertia:
+    def __sub__(self, other: Any) -> Inertia:
         return BODIES["difference"](self._p, other._p) if isinstance(other, Inertia) else NotImplemented
 
     def __mul__(self, motion: Any) -> Any:
         if not isinstance(motion, Motion):
+            if isinstance(motion, (np.ndarray, np.number)) and motion.shape != (6,):
+                return NotImplemented  # NumPy takes the inertia for its matrix
             return self.matrix() @ vector(motion, 6, "motion")
         return FORCES_OF_BODIES["momentum"](self._p, motion._v)
 

@@ -6,7 +6,7 @@ from typing import Any, Self, final
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arguments import ArgumentError, is_number
 from pinocchio._containers.arrays import matrix, numbers, real, text, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
@@ -15,6 +15,7 @@ from pinocchio._spatial.random_numbers import Random, generator
 from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.small_kernels import pose, small_kernel
 from ulna import numeric, spatial
+from ulna.errors import excerpt
 from ulna.typing import Array, Floats
 
 _new = object.__new__
@@ -166,11 +167,11 @@ class _Six:
         )
 
     def __iadd__(self, other: Self) -> Self:
-        self._v += other._v
+        self._v += _entries(other, type(self), "other", "+=")
         return self
 
     def __isub__(self, other: Self) -> Self:
-        self._v -= other._v
+        self._v -= _entries(other, type(self), "other", "-=")
         return self
 
     def __neg__(self) -> Self:
@@ -179,9 +180,7 @@ class _Six:
     def __mul__(self, factor: Any) -> Any:
         if type(factor) is float:
             return self._made["product"](self._v, factor)
-        if np.ndim(factor) == 0:
-            return self._of(self._v * factor)
-        return NotImplemented
+        return self._of(self._v * factor) if is_number(factor) else NotImplemented
 
     __rmul__ = __mul__
 
@@ -274,7 +273,7 @@ class Force(_Six):
         return float(self._v @ _entries(m, Motion, "m"))
 
 
-def _entries(value: Any, kind: type[Any], name: str) -> Floats:
+def _entries(value: Any, kind: type[Any], name: str, function: str = "dot") -> Floats:
     """The six numbers of a Motion or a Force.
 
     Raises:
@@ -282,7 +281,8 @@ def _entries(value: Any, kind: type[Any], name: str) -> Floats:
     """
     if not isinstance(value, kind):
         raise ArgumentError(
-            f"dot: `{name}` is {value!r}; expected a pinocchio.{kind.__name__}, such as {kind.__name__}(array)."
+            f"{function}: `{name}` is {excerpt(repr(value))}; expected a pinocchio.{kind.__name__}, such as "
+            f"{kind.__name__}(array)."
         )
     return value._v
 

@@ -15,6 +15,7 @@ from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
 from pinocchio._spatial.small_kernels import small_kernel
 from ulna import spatial
+from ulna.errors import excerpt
 from ulna.numeric import less, where
 from ulna.numeric import vector as numeric_vector
 from ulna.typing import Array, Floats
@@ -181,7 +182,15 @@ class Quaternion:
     def __mul__(self, other: Any) -> Any:
         if isinstance(other, Quaternion):
             return Quaternion._holding(small_kernel("quaternion product")(self._c, other._c))
+        if isinstance(other, (np.ndarray, np.number)) and other.shape not in ((3,), (3, 1)):
+            return NotImplemented
         return small_kernel("quaternion point")(self._c, vector(other, 3, "v"))
+
+    def __imul__(self, other: Any) -> Quaternion:
+        if not isinstance(other, Quaternion):
+            raise ArgumentError(f"A Quaternion *= was given {excerpt(repr(other))}; expected a Quaternion.")
+        self._c[:] = (self * other)._c
+        return self
 
     def _transformVector(self, vector: Any) -> Floats:
         """The vector (3,) turned."""
@@ -193,7 +202,13 @@ class Quaternion:
     def __setitem__(self, place: int, value: float) -> None:
         self._c[place] = value
 
-    __array_ufunc__ = None  # a sequence, but no vector that could be added or scaled
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        out = np.empty((), object)  # a sequence, but no vector that could be added or scaled
+        out[()] = self
+        return out if dtype is None else out.astype(dtype)
+
+    def __abs__(self) -> float:
+        return self.norm()
 
     def __len__(self) -> int:
         return 4

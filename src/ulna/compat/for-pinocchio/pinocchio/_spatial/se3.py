@@ -264,12 +264,14 @@ class SE3:
     def __mul__(self, item: Any) -> Any:
         if isinstance(item, SE3):
             return PLACEMENTS["product"](self._m, item._m)
-        if type(item) is np.ndarray and item.shape == (3,) and item.dtype == float:
-            return small_kernel("pose point")(self._m, item)
+        if isinstance(item, (np.ndarray, np.number)):
+            if item.shape not in ((3,), (3, 1)):
+                return NotImplemented  # NumPy takes the displacement for its matrix
+            if item.dtype == float and type(item) is np.ndarray and item.shape == (3,):
+                return small_kernel("pose point")(self._m, item)
         return self.act(item)
 
     __matmul__ = __mul__
-    __array_ufunc__ = None  # so that NumPy leaves products to this class
 
     @staticmethod
     def _only(function: str, item: Any, named: dict[str, Any]) -> Any:

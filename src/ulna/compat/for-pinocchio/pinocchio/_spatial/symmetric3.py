@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, final
+from typing import Any, Self, final
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import matrix, text, vector
+from pinocchio._containers.arguments import ArgumentError, is_number
+from pinocchio._containers.arrays import matrix, real, text, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.motion_force import skew
 from pinocchio._spatial.random_numbers import generator
@@ -165,6 +165,9 @@ class Symmetric3:
 
     __copy__ = cast = copy
 
+    def _assign(self, other: Any) -> None:
+        self._d[...] = _summand(other)._d
+
     def __add__(self, other: Any) -> Symmetric3:
         return Symmetric3(self._d + _summand(other)._d)
 
@@ -175,7 +178,21 @@ class Symmetric3:
         return Symmetric3(-self._d)
 
     def __mul__(self, other: Any) -> Any:
-        return Symmetric3(self._d * other) if np.ndim(other) == 0 else self.matrix() @ vector(other, 3, "v")
+        if is_number(other):
+            return Symmetric3(self._d * other)
+        return NotImplemented if np.ndim(other) == 0 else self.matrix() @ vector(other, 3, "v")
+
+    def __imul__(self, factor: Any) -> Self:
+        self._d[...] *= real(factor, "factor")
+        return self
+
+    def __iadd__(self, other: Any) -> Self:
+        self._d[...] += _summand(other)._d
+        return self
+
+    def __isub__(self, other: Any) -> Self:
+        self._d[...] -= _summand(other)._d
+        return self
 
     def __eq__(self, other: object) -> bool:
         return bool((self._d == other._d).all()) if isinstance(other, Symmetric3) else NotImplemented

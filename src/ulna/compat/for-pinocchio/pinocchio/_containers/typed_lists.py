@@ -1,0 +1,201 @@
+"""Pinocchio's classes of lists, such as `StdVec_SE3`, whose entries are all of one kind."""
+
+from __future__ import annotations
+
+import copy
+import sys
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from pinocchio._containers.arguments import ArgumentError, SizeError, WrongShape, is_index, is_number
+from pinocchio._containers.arrays import StdVec, entries_of, numbers
+from ulna.errors import excerpt
+
+_SHAPES = {
+    **dict.fromkeys(("StdVec_Vector3", "StdVec_Vec3s"), (3,)),
+    "StdVec_Matrix6": (6, 6),
+    "StdVec_Matrix6x": (6, None),
+    "StdVec_MatrixXs": (None, None),
+}
+"""Sizes of arrays; None for any."""
+_UNSIGNED = ("StdVec_Index",)
+
+
+class _ListClass(type):
+    """The class of these classes: lists that belong to a model or a Data count as instances, too, by their entries."""
+
+    _kind: Any
+
+    def __instancecheck__(cls, instance: Any) -> bool:
+        if isinstance(type(instance), _ListClass) or not isinstance(instance, StdVec):
+            return type.__instancecheck__(cls, instance)
+        return not instance or isinstance(list.__getitem__(instance, 0), cls._kind)
+
+
+class TypedList(StdVec[Any], metaclass=_ListClass):
+    """A list of entries of one kind, which are copied when they are put in.
+
+    Args:
+        *parts: Nothing; entries; or how many entries, and what each is a copy of.
+        other: Entries.
+        size: How many entries.
+        value: What each is a copy of.
+    """
+
+    _kind: ClassVar[Any] = object
+    _take: ClassVar[Any] = staticmethod(copy.copy)
+
+    def __init__(self, *parts: Any, other: Any = None, size: Any = None, value: Any = None) -> None:
+        given = (*parts, *(part for part in (other, size, value) if part is not None))
+        super().__init__()
+        if len(given) == 2 and is_index(given[0]):
+            entry = self._take(given[1])
+            super().__init__(given[0], entry)
+        elif len(given) == 1:
+            list.extend(self, self._all(given[0]))
+        elif given:
+            raise self._refused(given)
+
+    def _all(self, entries: Any) -> list[Any]:
+        """Copies of entries.
+
+        Raises:
+            ArgumentError: They are none of this kind, or no entries.
+        """
+        return [self._take(entry) for entry in entries_of(entries, type(self).__name__)]
+
+    def _refused(self, given: Any) -> ArgumentError:
+        return ArgumentError(
+            f"{type(self).__name__} was given {excerpt(repr(given))}; expected entries in a list, or their number and "
+            "one of them."
+        )
+
+    def _checked(self, entry: Any) -> Any:
+        return self._take(entry)
+
+    def extend(self, entries: Any) -> None:
+        """Adds copies of entries at the end."""
+        list.extend(self, self._all(entries))
+
+    def insert(self, place: Any, entry: Any) -> None:
+        """Adds a copy of an entry.
+
+        Args:
+            place: Index of the entry that it stands before.
+            entry: The entry.
+        """
+        super().insert(place, self._take(entry))
+
+    def __setitem__(self, key: Any, value: Any) -> None:
+        if isinstance(key, slice):
+            one = isinstance(
+                value, (self._kind, float, int) if self._kind in (float, int, bool) else self._kind
+            )
+            list.__setitem__(self, key, self._all([value] if one else value))
+            return
+        entry, own = self._take(value), self[key]
+        if isinstance(own, np.ndarray) and own.shape == entry.shape:
+            own[...] = entry  # so that references to it see it
+        else:
+            super().__setitem__(key, entry)
+
+    def __iadd__(self, entries: Any) -> Self:  # pyright: ignore[reportIncompatibleMethodOverride]
+        self.extend(entries)
+        return self
+
+    def _part(self, entries: list[Any]) -> Any:
+        return entries if self._kind is np.ndarray else type(self)(entries)
+
+    def copy(self) -> Self:
+        """A copy, with copies of the entries."""
+        return type(self)(self)
+
+    __copy__ = copy
+
+    def __deepcopy__(self, memo: Any) -> Self:
+        return type(self)(copy.deepcopy(list(self), memo))
+
+    def __reduce__(self) -> Any:
+        return type(self), (list(self),)
+
+
+@cache
+def typed_list(name: str, kind: str) -> Any:
+    """The class of lists of a name.
+
+    Args:
+        name: The name, such as "StdVec_SE3".
+        kind: What its entries are: a class of the package by its name, float, int, bool, str, Floats, or Any.
+
+    Returns:
+        The class; `StdVec` itself where the kind is `Any`.
+    """
+    if kind == "Any":
+        return StdVec
+    members = _members(name, kind) | {
+        "__module__": "pinocchio",
+        "__qualname__": name,
+        "__doc__": TypedList.__doc__,
+    }
+    return _ListClass(name, (TypedList,), members)
+
+
+def _members(name: str, kind: str) -> dict[str, Any]:
+    """The class of entries, and what makes one of what users pass."""
+    if kind == "float":
+        return {"_kind": float, "_take": staticmethod(partial(_number, name))}
+    if kind == "int":
+        return {"_kind": int, "_take": staticmethod(partial(_whole, name))}
+    if kind == "bool":
+        return {"_kind": bool, "_take": staticmethod(partial(_flag, name))}
+    if kind == "Floats":
+        return {"_kind": np.ndarray, "_take": staticmethod(partial(_array, name))}
+    cls = str if kind == "str" else getattr(sys.modules["pinocchio"], kind)
+    make = cls if isinstance(cls, _ListClass) else None
+    return {"_kind": cls, "_take": staticmethod(partial(_object, name, cls, make))}
+
+
+def _wrong(name: str, entry: Any, expected: str) -> ArgumentError:
+    return ArgumentError(f"{name} was given {excerpt(repr(entry))}; expected {expected}.")
+
+
+def _number(name: str, entry: Any) -> float:
+    if not is_number(entry):
+        raise _wrong(name, entry, "a real number")
+    return float(entry)
+
+
+def _whole(name: str, entry: Any) -> int:
+    if not is_index(entry) and not isinstance(entry, bool):
+        raise _wrong(name, entry, "a whole number")
+    number = entry.__index__()
+    if name in _UNSIGNED and number < 0:
+        raise SizeError(f"{name} was given {number}; expected a whole number from 0.")
+    return number
+
+
+def _flag(name: str, entry: Any) -> bool:
+    if not (isinstance(entry, (bool, np.bool_)) or is_index(entry)):
+        raise _wrong(name, entry, "True or False")
+    return bool(entry)
+
+
+def _array(name: str, entry: Any) -> Any:
+    array, shape = np.array(numbers(entry, "entry"), dtype=float), _SHAPES[name]
+    if not 0 < array.ndim <= len(shape) or any(
+        size not in (None, has) for size, has in zip(shape, array.shape, strict=False)
+    ):
+        expected = ", ".join("n" if size is None else str(size) for size in shape)
+        raise WrongShape("entry", array.shape, f"({expected})")
+    return array
+
+
+def _object(name: str, kind: type, make: Callable[[Any], Any] | None, entry: Any) -> Any:
+    if not isinstance(entry, kind):
+        if make is None or not isinstance(entry, list):
+            raise _wrong(name, entry, f"a {kind.__name__}")
+        return make(entry)
+    return copy.copy(entry)
