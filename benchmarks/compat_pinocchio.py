@@ -32,6 +32,8 @@ def _robots_of(group: str) -> list[str]:
     """The robots that the calls of a group are timed on: small objects need none, contacts a robot that stands."""
     if group == "objects":
         return ["UR5"]
+    if group == "geometries":
+        return ["UR5", "Panda", "Solo12"]
     if group == "constraints":
         return [name for name, (*_, feet) in ROBOTS.items() if feet]
     return [name for name in ROBOTS if group == "configurations" or name != KINDS]

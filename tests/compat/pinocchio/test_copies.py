@@ -306,3 +306,30 @@ def test_reduced_models_follow_changes(pin: Any, change: Any) -> None:
     importlib.import_module("pinocchio._algorithms.reduced_model")._KNOWN.clear()
     assert changed == _state(pin.buildReducedModel(fresh, locked, q))
     assert changed != first or change is _joint  # joints are numbered anew
+
+
+def test_frames_whose_inertias_were_read_are_copied_as_they_are(pin: Any) -> None:
+    model = pin.buildSampleModelHumanoid()
+    frame = model.frames[3]
+    first = model.copy()
+    frame.inertia.mass = 2.5
+    second = model.copy()
+    frame.inertia.mass = 4.0
+    third = model.copy()
+    assert [m.frames[3].inertia.mass for m in (first, second, third)] == [0.0, 2.5, 4.0]
+    assert first != second != third and third == model and model.copy() == model
+    assert pickle.loads(pickle.dumps(second)) == second
+
+
+def test_names_are_found_after_every_change_of_the_list(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    names = list(model.names)
+    assert [model.getJointId(name) for name in names] == list(range(model.njoints))
+    model.names[2] = names[4]  # now two have it
+    assert model.getJointId(names[4]) == 2 and not model.existJointName(names[2])
+    model.names[2] = names[2]
+    assert model.getJointId(names[4]) == 4 and model.getJointId(names[2]) == 2
+    added = model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "another")
+    assert model.getJointId("another") == added and model.copy().getJointId("another") == added
+    model.frames[1].name = "changed"
+    assert model.existFrame("changed") and model.getFrameId("changed") == 1

@@ -58,12 +58,12 @@ __all__ = [
 def neutral(model: Model) -> Floats:
     """The configuration (nq,) in which nothing is turned or slid."""
     try:
-        return model._neutral.copy()  # pyright: ignore[reportAttributeAccessIssue]
+        return model._new_neutral()  # pyright: ignore[reportAttributeAccessIssue]
     except AttributeError:  # asked for the first time, or of no model
         if not isinstance(model, Model):
             raise wrong_model("neutral", model) from None
     q = np.array(algorithms.neutral(model._compiled_structure().model))
-    model._neutral = q  # pyright: ignore[reportAttributeAccessIssue]
+    model._new_neutral = q.copy  # pyright: ignore[reportAttributeAccessIssue]
     return q.copy()
 
 
@@ -165,6 +165,11 @@ def _drawn(c: Coordinate, part: Any, low: Any, high: Any) -> Any:
     return first + (last - first) * part
 
 
+_integrate_calls = call_cache(1, weak=1)
+
+
+@repeated_calls(_integrate_calls)
+@checks_itself
 def integrate(model: Model, q: Any, v: Any) -> Floats:
     """The configuration (nq,) reached from q in one second with v.
 
@@ -179,10 +184,16 @@ def integrate(model: Model, q: Any, v: Any) -> Floats:
     except AttributeError:
         raise wrong_model("integrate", model) from None
     if result is NotImplemented:
-        result = _bound(model, "integrate", exact(q, model.nq, "q"), exact(v, model.nv, "v"))
+        return _bound(model, "integrate", exact(q, model.nq, "q"), exact(v, model.nv, "v"))
+    _integrate_calls.add(model._integrate, 2, model)
     return result
 
 
+_difference_calls = call_cache(1, weak=1)
+
+
+@repeated_calls(_difference_calls)
+@checks_itself
 def difference(model: Model, q1: Any, q2: Any) -> Floats:
     """The velocity (nv,) that leads from q1 to q2 in one second.
 
@@ -194,17 +205,18 @@ def difference(model: Model, q1: Any, q2: Any) -> Floats:
     except AttributeError:
         raise wrong_model("difference", model) from None
     if result is NotImplemented:
-        result = _bound(model, "difference", exact(q1, model.nq, "q1"), exact(q2, model.nq, "q2"))
+        return _bound(model, "difference", exact(q1, model.nq, "q1"), exact(q2, model.nq, "q2"))
+    _difference_calls.add(model._difference, 2, model)
     return result
 
 
-def _bound(model: Model, name: str, *state: Any) -> Floats:
+def _bound(model: Model, name: str, *state: Any) -> Any:
     """What the bound function of a model says, such as `integrate`, which is bound where it does not apply."""
     result = getattr(model, f"_{name}")(*state)
     if result is NotImplemented:
         maker = _OWN_KERNELS.get(name)
         kernel = model._compiled_structure().core_kernel(name) if maker is None else maker(model)
-        setattr(model, f"_{name}", BoundKernel(kernel).call)
+        setattr(model, f"_{name}", BoundKernel(kernel, holder=float if name == "distance" else None).call)
         result = getattr(model, f"_{name}")(*state)
     return result
 
@@ -254,6 +266,11 @@ _OWN_KERNELS = {
 """What is no kernel of Ulna as it is."""
 
 
+_interpolate_calls = call_cache(1, weak=1)
+
+
+@repeated_calls(_interpolate_calls)
+@checked
 def interpolate(model: Model, q1: Any, q2: Any, alpha: float) -> Floats:
     """The configuration (nq,) a part `alpha` of the way from q1 to q2.
 
@@ -265,10 +282,16 @@ def interpolate(model: Model, q1: Any, q2: Any, alpha: float) -> Floats:
     """
     result = model._interpolate(q1, q2, alpha)
     if result is NotImplemented:
-        result = _bound(model, "interpolate", *_exact_pair(model, q1, q2), float(alpha))
+        return _bound(model, "interpolate", *_exact_pair(model, q1, q2), float(alpha))
+    _interpolate_calls.add(model._interpolate, 3, model)
     return result
 
 
+_distance_calls = call_cache(1, weak=1)
+
+
+@repeated_calls(_distance_calls)
+@checks_itself
 def distance(model: Model, q1: Any, q2: Any) -> float:
     """The length of the difference.
 
@@ -280,8 +303,9 @@ def distance(model: Model, q1: Any, q2: Any) -> float:
     except AttributeError:
         raise wrong_model("distance", model) from None
     if result is NotImplemented:
-        result = _bound(model, "distance", exact(q1, model.nq, "q1"), exact(q2, model.nq, "q2"))
-    return float(result)
+        return _bound(model, "distance", exact(q1, model.nq, "q1"), exact(q2, model.nq, "q2"))
+    _distance_calls.add(model._distance, 2, model)
+    return result
 
 
 def squaredDistance(model: Model, q1: Any, q2: Any) -> Floats:
@@ -305,6 +329,11 @@ def _squared_parts(model: CoreModel) -> Any:
     return run
 
 
+_normalize_calls = call_cache(1, weak=1)
+
+
+@repeated_calls(_normalize_calls)
+@checks_itself
 def normalize(model: Model, q: Any) -> Floats:
     """The same configuration with quaternions, and pairs of cosine and sine, of unit length.
 
@@ -315,7 +344,10 @@ def normalize(model: Model, q: Any) -> Floats:
         result = model._normalize(q)
     except AttributeError:
         raise wrong_model("normalize", model) from None
-    return _bound(model, "normalize", exact(q, model.nq, "q")) if result is NotImplemented else result
+    if result is NotImplemented:
+        return _bound(model, "normalize", exact(q, model.nq, "q"))
+    _normalize_calls.add(model._normalize, 1, model)
+    return result
 
 
 def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:

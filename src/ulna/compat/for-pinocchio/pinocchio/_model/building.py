@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, WrongShape, check_text
+from pinocchio._containers.arguments import OMITTED, ArgumentError, WrongShape, check_text, checks_itself
 from pinocchio._containers.arrays import index, numbers
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.keywords import by_name
@@ -36,6 +36,7 @@ class KinematicTree(KernelCache):
 
     # names ----------------------------------------------------------------------------------------------
 
+    @checks_itself
     def getJointId(self, name: str) -> int:
         """The index of a joint.
 
@@ -45,13 +46,15 @@ class KinematicTree(KernelCache):
         Returns:
             Its index; where there is none, `njoints`, which remembers the name: its use as an index raises.
         """
-        check_text(name, "name")
-        if name in self.names:
-            return self.names.index(name)
+        try:
+            return self.names._places[name]
+        except (KeyError, TypeError):  # unknown, or no text
+            check_text(name, "name")
         fix = "Ask existJointName(name) first where it may be missing."
         return UnknownId.of(self.njoints, "joint", name, self.names, fix)
 
-    def getFrameId(self, name: str, type: Any = None) -> int:
+    @checks_itself
+    def getFrameId(self, name: str, type: Any = OMITTED) -> int:
         """The index of a frame.
 
         Args:
@@ -64,6 +67,11 @@ class KinematicTree(KernelCache):
         Raises:
             InputError: A body and a joint, or the like, share the name, and `type` does not say which is meant.
         """
+        if type is OMITTED and self._frame_changes.item() == self._indexed_changes:
+            try:
+                return self._frame_index.places[name]
+            except (KeyError, TypeError):  # unknown, shared by several frames, or no text
+                pass
         check_text(name, "name")
         types = self._frame_type(type)
         matches = self._frames_named(name, types)
@@ -81,21 +89,29 @@ class KinematicTree(KernelCache):
         """The index of the frame of a body; see `getFrameId`."""
         return self.getFrameId(name, FrameType.BODY)
 
+    @checks_itself
     def existJointName(self, name: str) -> bool:
         """Whether there is a joint of that name."""
         check_text(name, "name")
-        return name in self.names
+        return name in self.names._places
 
-    def existFrame(self, name: str, type: Any = None) -> bool:
+    @checks_itself
+    def existFrame(self, name: str, type: Any = OMITTED) -> bool:
         """Whether there is a frame of that name (and type).
 
         Args:
             name: Its name.
-            type: FrameType; None for any.
+            type: FrameType; any where it is left out.
 
         Returns:
             Whether there is.
         """
+        try:
+            current = type is OMITTED and self._frame_changes.item() == self._indexed_changes
+            if current and name in self._frame_index.by_name:
+                return True
+        except TypeError:  # cannot be a key
+            pass
         check_text(name, "name")
         types = self._frame_type(type)
         return bool(self._frames_named(name, types))
@@ -111,9 +127,11 @@ class KinematicTree(KernelCache):
 
     @staticmethod
     def _frame_type(type: Any) -> int:
-        if type is not None and not isinstance(type, FrameType):
+        if type is OMITTED:
+            return 31
+        if not isinstance(type, FrameType):
             raise ArgumentError(f"`type` is {type!r}; expected a FrameType, such as FrameType.BODY.")
-        return 31 if type is None else int(type)
+        return int(type)
 
     # building -------------------------------------------------------------------------------------------
 
@@ -145,7 +163,7 @@ class KinematicTree(KernelCache):
         """
         index(parent_id, self.njoints, "parent joint", "Parents are added before their children.")
         values = _limits(limits)
-        if joint_name in self.names:
+        if joint_name in self.names._places:
             raise ModelError(f"There is a joint named {joint_name!r} already. Give another name.")
         if joint_model.kind is None:
             raise InputError(

@@ -77,7 +77,8 @@ class Frame(HasPlacement):
             counter[0] += 1
 
     def _parts(self) -> tuple[Any, ...]:
-        return self.name, self.parentJoint, self.parentFrame, self.placement, self.type, self.inertia
+        name, type_, joint, frame, as_made = self._facts
+        return name, joint, frame, self._placement, type_, as_made if self._inertia is None else self._inertia
 
     @property
     def name(self) -> str:
@@ -175,7 +176,7 @@ class Frame(HasPlacement):
     def __str__(self) -> str:
         return (
             f"Frame name: {self.name} paired to (parent joint/ parent frame)({self.parentJoint}/{self.parentFrame})\n"
-            f"with relative placement wrt parent joint:\n{self.placement}containing inertia:\n{self.inertia}\n"
+            f"with relative placement wrt parent joint:\n{self.placement}containing inertia:\n{self._parts()[-1]}\n"
         )
 
     __repr__ = __str__

@@ -179,7 +179,7 @@ _BOUND = (
 )
 """Kernels that are bound to a model when they are first called."""
 _OF_KERNELS = (
-    *("_variants", "_with_inputs", "_compiled_for", "_newest", "_structure", "_neutral", "_joint_table"),
+    *("_variants", "_with_inputs", "_compiled_for", "_newest", "_structure", "_new_neutral", "_joint_table"),
     "_unit_parts",
     *_BOUND,
 )

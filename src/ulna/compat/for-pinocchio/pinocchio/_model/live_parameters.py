@@ -19,6 +19,7 @@ from pinocchio._containers.named_configurations import StdMap_String_VectorXd
 from pinocchio._model.frame import JOINT_FRAMES, Facts, Frame
 from pinocchio._model.joint_base import LAST_CHANGE
 from pinocchio._model.joint_model import JointModel
+from pinocchio._model.name_list import NameList
 from pinocchio._model.row_storage import OwnerList, RowStorage
 from pinocchio._model.skeleton import SLOTS, Attributes, Skeleton, gathered, gravity_of, joints_with
 from pinocchio._spatial.inertia import Inertia
@@ -122,15 +123,17 @@ class FrameIndex:
     """Where frames are in a list, by their names, and which is the first of each joint.
 
     Attributes:
+        places: For each name that one frame alone has, its index.
         by_name: For each name the indices of its frames.
         of_joint: For each joint the index of the first frame of type JOINT or FIXED_JOINT on it.
     """
 
-    __slots__ = ("by_name", "of_joint")
+    __slots__ = ("by_name", "of_joint", "places")
 
     def __init__(self, frames: Iterable[Frame]) -> None:
         self.by_name: dict[str, list[int]] = {}
         self.of_joint: dict[int, int] = {}
+        self.places: dict[str, int] = {}
         for place, frame in enumerate(frames):
             self.add(frame, place)
 
@@ -142,7 +145,12 @@ class FrameIndex:
             place: Its index, above all others.
         """
         name, kind, joint, *_ = frame._facts
-        self.by_name.setdefault(name, []).append(place)
+        places = self.by_name.setdefault(name, [])
+        places.append(place)
+        if len(places) == 1:
+            self.places[name] = place
+        else:
+            self.places.pop(name, None)
         if kind in JOINT_FRAMES:
             self.of_joint.setdefault(joint, place)
 
@@ -151,7 +159,7 @@ class LiveParameters(CheckedAttributes):
     """Joints, frames and inertias of a Model, and where their parameters are stored."""
 
     name: str
-    names: StdVec[str]
+    names: NameList
     """Names of the joints."""
     parents: StdVec[int]
     """For each joint, the joint before it."""
@@ -176,8 +184,10 @@ class LiveParameters(CheckedAttributes):
     _numbers: Floats
     """Of a copy: all numbers (n,), of which rows and arrays are views; see `skeleton.gathered`."""
     _rows: dict[str, RowStorage]
-    _known_facts: tuple[int, int, tuple[Facts, ...]] | None = None
-    """The count of changes and the number of frames, and what was known of each then."""
+    _known_facts: tuple[int, int, tuple[Facts, ...], list[int]] | None = None
+    """The count of changes and the number of frames, what was known of each then, and those with inertias that others
+    may change without being counted.
+    """
     _known_joints: tuple[int, tuple[JointModel, ...], tuple[Attributes, ...]] | None = None
     """The last change of a joint, the joints, and what their attributes were then."""
     _counted_changes = _indexed_changes = _stored_changes = -1
@@ -210,10 +220,15 @@ class LiveParameters(CheckedAttributes):
             return self._skeleton.frames
         changes, known = self._frame_changes.item(), self._known_facts
         if known is not None and known[0] == changes and known[1] == len(frames):
-            return known[2]
+            if not known[3]:
+                return known[2]
+            now = list(known[2])
+            for k in known[3]:
+                now[k] = frames[k]._facts_now()
+            return tuple(now)
         facts = tuple([frame._facts_now() for frame in frames])
-        unchanged = all(frame._inertia is None for frame in frames)  # others may change without being counted
-        self._known_facts = (changes, len(frames), facts) if unchanged else None
+        read = [k for k, frame in enumerate(frames) if frame._inertia is not None]
+        self._known_facts = changes, len(frames), facts, read
         return facts
 
     def _attributes_of_joints(self) -> tuple[Attributes, ...]:
@@ -292,7 +307,7 @@ class LiveParameters(CheckedAttributes):
         out = FrameList((), self._frame_changes.copy())
         out.fill([Frame._from_facts(facts, at, counters) for facts, at in zip(known, places, strict=True)])
         out.changes = self._frame_changes
-        self._known_facts = out.changes.item(), len(known), known
+        self._known_facts = out.changes.item(), len(known), known, []
         return out
 
     @property
@@ -439,7 +454,7 @@ class LiveParameters(CheckedAttributes):
 
     def _index_of_frames(self) -> FrameIndex:
         """Where the frames are by their names; made anew when one was changed."""
-        changes = int(self._frame_changes[0])
+        changes = self._frame_changes.item()
         if changes != self._indexed_changes:
             self._indexed_changes, self._frame_index = changes, FrameIndex(self._frames)
         return self._frame_index
@@ -484,7 +499,7 @@ def _rows_by_name(model: LiveParameters) -> dict[str, Floats]:
 
 
 LiveParameters._made_when_needed = {
-    "names": lambda model: StdVec(model._skeleton.names),
+    "names": lambda model: NameList(model._skeleton.names),
     "parents": lambda model: StdVec(model._skeleton.parents),
     "joints": lambda model: joints_with(model._skeleton.joints),
     "_rows": lambda model: model._skeleton.rows(model._numbers),

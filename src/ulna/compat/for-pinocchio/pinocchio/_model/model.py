@@ -20,6 +20,7 @@ from pinocchio._model.core_model import core_model
 from pinocchio._model.frame import Frame
 from pinocchio._model.joint_kinds import JointModel
 from pinocchio._model.live_parameters import PER_Q, PER_V
+from pinocchio._model.name_list import NameList
 from pinocchio._model.row_storage import OwnerList
 from pinocchio._model.skeleton import Skeleton
 from pinocchio._model.supports import Supports
@@ -71,7 +72,7 @@ class Model(Saved, Supports, KinematicTree):
         self._create_storage()
         self.name = ""
         """The name of the model."""
-        self._keep(names=StdVec(["universe"]), parents=StdVec([0]), joints=StdVec([JointModel()]))
+        self._keep(names=NameList(["universe"]), parents=StdVec([0]), joints=StdVec([JointModel()]))
         self._placements, self._inertias = OwnerList([SE3()]), OwnerList([Inertia()])
         self.frames = [Frame("universe", 0, 0, SE3(), FrameType.FIXED_JOINT)]
         self._configurations = StdMap_String_VectorXd()
@@ -196,7 +197,7 @@ class Model(Saved, Supports, KinematicTree):
             self._create_storage()
         self._keep(**dict(zip(_SIZES, values.pop("sizes"), strict=True)))
         for key, value in values.items():
-            kind = OwnerList if key in ("_placements", "_inertias") else StdVec
+            kind = _KINDS_OF_LISTS.get(key, StdVec)
             self._keep(**{key: kind(value) if isinstance(value, list) else value})
         self._changed()
 
@@ -235,6 +236,9 @@ class Model(Saved, Supports, KinematicTree):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Model):
             return NotImplemented
+        (skeleton, numbers), (its_skeleton, its_numbers) = self._state_now(), other._state_now()
+        if skeleton == its_skeleton and self.name == other.name:
+            return numbers.shape == its_numbers.shape and bool((numbers == its_numbers).all())
         same = all(np.array_equal(a, other._arrays[key]) for key, a in self._arrays.items())
         keys = ("name", "names", "parents", "joints", "_placements", "_inertias", "frames", "_gravity")
         return same and all(getattr(self, key) == getattr(other, key) for key in keys)
@@ -242,9 +246,9 @@ class Model(Saved, Supports, KinematicTree):
     __hash__ = object.__hash__
 
     def __str__(self) -> str:
-        lines = [f"Nb joints = {self.njoints} (nq={self.nq},nv={self.nv})"]
-        lines += [f"  Joint {i} {name}: parent={self.parents[i]}" for i, name in enumerate(self.names)]
-        return "\n".join(lines) + "\n"
+        joints = enumerate(zip(self.names, self.parents, strict=True))
+        lines = [f"  Joint {i} {name}: parent={parent}\n" for i, (name, parent) in joints]
+        return f"Nb joints = {self.njoints} (nq={self.nq},nv={self.nv})\n" + "".join(lines)
 
     __repr__ = __str__
 
@@ -258,6 +262,7 @@ class Model(Saved, Supports, KinematicTree):
         return core_model(self)
 
 
+_KINDS_OF_LISTS = {"names": NameList, "_placements": OwnerList, "_inertias": OwnerList}
 _SIZES = ("nq", "nv", "nvExtended", "nbodies")
 
 
