@@ -9,8 +9,7 @@ objects are data: to move, add, remove or attach one compiles nothing.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, final
 
@@ -44,6 +43,7 @@ from ulna.model import Model
 from ulna.model.of_robot import model_of
 from ulna.spatial import SE3
 from ulna.system.cached import cached_property
+from ulna.system.helper_threads import cuts, results_in_threads
 from ulna.typing import Array, ArrayLike, Floats
 
 TOUCH = 1e-6
@@ -57,6 +57,9 @@ _ARRAY = np.ndarray  # a name of the module is found faster than one of another
 _COMPILED_FROM = 32
 """Configurations in doubt, of one checker, from which on a kernel is compiled for them."""
 
+_LEAST_ROWS = (
+    1024  # configurations of a part that a thread computes: some 0.2 ms, which is more than to wake it takes
+)
 _CHUNK = 512  # configurations whose spheres fit the second cache
 
 
@@ -278,12 +281,14 @@ class SphereChecker:
         if len(flat) <= _ONE_BY_ONE:
             answers = np.array([check.state(row) for row in flat], dtype=int)
             touching, is_doubtful = answers != FREE, answers == DOUBTFUL
-        elif threads is None or threads < 2:
+        elif threads is None or threads < 2 or len(flat) < 2 * _LEAST_ROWS:
             touching, is_doubtful = check.run(flat)
         else:
-            with ThreadPoolExecutor(threads) as pool:
-                parts = pool.map(check.run, np.array_split(flat, threads))
-                touching, is_doubtful = (np.concatenate(part) for part in zip(*parts, strict=True))
+            ends = cuts(len(flat), threads, _LEAST_ROWS)
+            parts = results_in_threads(
+                lambda k: check.run(flat[ends[k] : ends[k + 1]]), len(ends) - 1, threads
+            )
+            touching, is_doubtful = (np.concatenate(part) for part in zip(*parts, strict=True))
         if is_doubtful.any():
             touching[is_doubtful] = self._touches_exactly(flat[is_doubtful], reach, threads)
         return touching.reshape(q.shape[:-1])
@@ -331,22 +336,19 @@ class SphereChecker:
         flat = np.broadcast_to(q, (*batch, self.model.nq)).reshape(count, self.model.nq)
         batched = [(kind, links, _of_each(x, batch, count)) for kind, links, x in rows]
 
-        def run(starts: Sequence[int]) -> list[Any]:
-            """Chunk after chunk in the thread's own buffer: fresh memory would cost as much as the kernels."""
+        def run(k: int) -> Any:
+            """Chunk k, in the thread's own buffer: fresh memory would cost as much as the kernels."""
             buffer = getattr(self._scratch, "buffer", None)
             if buffer is None:
                 buffer = self._scratch.buffer = np.empty((_CHUNK, *self_distance.function.outputs[0].shape))
-            results = []
-            for start in starts:
-                part = slice(start, min(start + _CHUNK, count))
-                c = buffer[: part.stop - part.start]
-                placed = self_distance(flat[part], reach, out=(c, np.empty(len(c))))
-                placed = self._with_attached(flat[part], placed)
-                here = [(kind, links, x[part]) for kind, links, x in batched]
-                results.append(self._one(what, flat[part], placed, here, join, reach))
-            return results
+            part = slice(k * _CHUNK, min((k + 1) * _CHUNK, count))
+            c = buffer[: part.stop - part.start]
+            placed = self_distance(flat[part], reach, out=(c, np.empty(len(c))))
+            placed = self._with_attached(flat[part], placed)
+            here = [(kind, links, x[part]) for kind, links, x in batched]
+            return self._one(what, flat[part], placed, here, join, reach)
 
-        results = _in_threads(run, range(0, count, _CHUNK), threads)
+        results = results_in_threads(run, -(-count // _CHUNK), threads or 1)
         return np.concatenate(results).reshape(batch) if results else np.empty(batch)
 
     def _one(self, what: What, q: Floats, placed: tuple[Any, Any], rows: Any, join: Any, reach: float) -> Any:
@@ -464,12 +466,3 @@ def _places(spheres: Spheres) -> dict[str, range]:
 def _of_each(x: Array, batch: tuple[int, ...], count: int) -> Array:
     """Rows (..., m, k) for each of the `count` samples of a batch, (count, m, k)."""
     return np.broadcast_to(x, (*batch, *x.shape[-2:])).reshape(count, *x.shape[-2:])
-
-
-def _in_threads(run: Callable[[Sequence[int]], list[Any]], starts: range, threads: int | None) -> list[Any]:
-    """The results of all chunks, computed by so many threads."""
-    if threads is None or threads < 2 or len(starts) < 2:
-        return run(starts)
-    shares = [starts[k * len(starts) // threads : (k + 1) * len(starts) // threads] for k in range(threads)]
-    with ThreadPoolExecutor(threads) as pool:  # kernels let go of the interpreter's lock
-        return [piece for share in pool.map(run, shares) for piece in share]

@@ -20,7 +20,7 @@ from ulna.recursions.composition import Composition
 from ulna.recursions.recursion import Recursion
 from ulna.typing import Floats
 
-_LEAST_ROWS = 8  # in a part of a batch that a thread computes
+_LEAST_ROWS = 4  # for which a thread is worth while; a part of a batch has twice as many
 
 
 @final

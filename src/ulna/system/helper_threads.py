@@ -13,9 +13,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from contextvars import Context, copy_context
 from queue import Empty, SimpleQueue
-from typing import final
+from typing import TypeVar, final
 
 from ulna.system import forks
+
+T = TypeVar("T")
 
 IDLE = 10.0
 """How long a helper without work is kept [s]."""
@@ -38,12 +40,7 @@ def cuts(count: int, threads: int, least: int) -> list[int]:
     return [*ends, count]
 
 
-def in_threads(
-    prepare: Callable[[int], Callable[[], object]],
-    count: int,
-    threads: int,
-    is_done: Callable[[], bool] = lambda: False,
-) -> bool:
+def in_threads(prepare: Callable[[int], Callable[[], object]], count: int, threads: int) -> bool:
     """Calls what `prepare` returns for 0, 1, ..., in the calling thread and in helpers, until all calls have ended.
 
     After an exception, Ctrl-C included, no further call begins, and it is raised once those under way have ended, so
@@ -54,7 +51,6 @@ def in_threads(
             go of the interpreter's lock.
         count: How many calls there are.
         threads: How many threads share them at most.
-        is_done: Whether nobody needs to wait for calls that have not ended.
 
     Returns:
         Whether all was done; False in a child that was forked meanwhile, and lacks what the helpers of its parent did.
@@ -63,9 +59,30 @@ def in_threads(
     try:
         parts.compute_all(lambda: parts.call_helpers(threads - 1))
     finally:
-        parts.finish(is_done)
+        parts.finish()
     parts.raise_error()
     return not parts.are_forked
+
+
+def results_in_threads(call: Callable[[int], T], count: int, threads: int) -> list[T]:
+    """What a function returns for 0, 1, ..., computed in the calling thread and in helpers (see `in_threads`).
+
+    Args:
+        call: The function; its calls should let go of the interpreter's lock.
+        count: How many calls there are.
+        threads: How many threads share them at most.
+
+    Returns:
+        The results in order.
+    """
+    results: dict[int, T] = {}
+
+    def prepare(k: int) -> Callable[[], object]:
+        return lambda: results.__setitem__(k, call(k))
+
+    while not in_threads(prepare, count, threads):
+        pass  # a child that was forked meanwhile begins again
+    return [results[k] for k in range(count)]
 
 
 _lock = forks.lock(forks.LIBRARY)
@@ -123,7 +140,7 @@ class _Parts:
                 self._helping -= 1
             self._ended.put(None)
 
-    def finish(self, is_done: Callable[[], bool]) -> None:
+    def finish(self) -> None:
         """Begins no further part, and waits for those under way, also after Ctrl-C."""
         interrupted: list[BaseException] = []
         while True:
@@ -131,7 +148,7 @@ class _Parts:
                 with _lock:
                     self._next = self._count
                     helping = self._helping
-                if not helping or self.are_forked or is_done():
+                if not helping or self.are_forked:
                     break
                 with suppress(Empty):
                     self._ended.get(timeout=0.5)  # a child that forks while it waits would wait for ever

@@ -11,7 +11,9 @@ import pytest
 
 from ulna.compiler import compile
 from ulna.compiler.runtime import array_call, shared_batch
-from ulna.system import helper_threads
+from ulna.compiler.runtime.object_layout import fast_call_works
+from ulna.compiler.runtime.shared_call import SharedCall
+from ulna.errors import InputError, NonFiniteError
 
 ROWS = 777
 
@@ -138,11 +140,6 @@ def test_results_are_not_written_to_what_is_read_only() -> None:
     assert not out[1].any()
 
 
-def test_the_caller_computes_the_rows_of_threads_that_do_not_come(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(helper_threads._Helpers, "send", lambda *_: True)
-    _equal(_kernel(), _arguments(), 5)
-
-
 def test_several_threads_with_helpers_each() -> None:
     kernel, arguments, errors = _kernel(), _arguments(), []
 
@@ -188,3 +185,135 @@ def test_rows_that_machine_code_does_not_take_are_cut_by_numpy(monkeypatch: pyte
     monkeypatch.setattr(array_call, "share", share)
     _equal(_kernel(), _arguments())
     assert calls == [1]
+
+
+@pytest.fixture
+def plain(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+    """What calls of `SharedCall` answered: whether machine code took the arrays as they were passed."""
+    answers: list[bool] = []
+    call = SharedCall.__call__
+
+    def recorded(self: SharedCall, arrays: Any, threads: int) -> bool:
+        answers.append(call(self, arrays, threads))
+        return answers[-1]
+
+    monkeypatch.setattr(SharedCall, "__call__", recorded)
+    return answers
+
+
+def _used(kernel: Any, arguments: list[np.ndarray]) -> Any:
+    """A kernel that shared a batch before, so that machine code examines the arrays of the next one."""
+    kernel(*arguments, threads=2)
+    return kernel
+
+
+needs_fast_call = pytest.mark.skipif(not fast_call_works(), reason="arrays lie differently in memory")
+
+
+@needs_fast_call
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@pytest.mark.parametrize("threads", [2, 3, 64])
+@pytest.mark.parametrize("case", ["plain", "backwards", "gaps", "columns first", "no row"])
+def test_machine_code_takes_plain_arrays(plain: list[bool], case: str, dtype: Any, threads: int) -> None:
+    a, b = _arguments(dtype=dtype)
+    kernel = _used(_kernel(dtype), [a, b])
+    if case == "backwards":
+        a, b = a[::-1], b[::-1, ::-1]
+    elif case == "gaps":
+        a = np.repeat(a, 2, axis=0)[::2]
+    elif case == "columns first":
+        a = np.asfortranarray(a)
+    elif case == "no row":
+        b = b[0]
+    _equal(kernel, [a, b], threads)
+    out = np.full((2 * ROWS, 3), np.nan, dtype)[::2], np.full(ROWS, np.nan, dtype)
+    assert kernel(a, b, out=out, threads=threads)[0] is out[0]
+    for result, wanted in zip(out, kernel(a, b), strict=True):
+        np.testing.assert_array_equal(result, wanted)
+    assert plain == [True, True]
+
+
+class _Derived(np.ndarray):
+    """A class of arrays."""
+
+
+@needs_fast_call
+@pytest.mark.parametrize(
+    "case",
+    [
+        "derived",
+        "another type",
+        "other bytes",
+        "unaligned",
+        "one row",
+        "two axes",
+        "broadcast",
+        "list",
+        "many",
+    ],
+)
+def test_other_arrays_go_the_general_way(plain: list[bool], case: str) -> None:
+    arguments = _arguments({"two axes": (7, 111), "many": (6000,)}.get(case, (ROWS,)))
+    kernel = _used(_kernel(), arguments)
+    change: dict[str, Any] = {
+        "derived": lambda x: x.view(_Derived),
+        "another type": lambda x: x.astype(np.float32).astype(np.longdouble),
+        "other bytes": lambda x: x.astype(x.dtype.newbyteorder()),
+        "unaligned": _unaligned,
+        "one row": lambda x: x[:1],
+        "broadcast": lambda x: np.broadcast_to(x, (2, *x.shape)),
+        "list": lambda x: x.tolist(),
+    }
+    a, b = arguments
+    _equal(kernel, [a, change.get(case, lambda x: x)(b)], 300 if case == "many" else 3)
+    assert not any(plain)
+
+
+@needs_fast_call
+def test_plain_arrays_of_wrong_shape_or_length_are_refused(plain: list[bool]) -> None:
+    a, b = _arguments()
+    kernel = _used(_kernel(), [a, b])
+    out = np.zeros((ROWS, 3)), np.zeros(ROWS)
+    for arguments, targets in (
+        ((a, b[:-1]), None),
+        ((a, b[:, :2]), None),
+        ((a[:, :2], b), None),
+        ((a,), None),
+        ((a, b), out[:1]),
+        ((a, b), (out[0][:-1], out[1])),
+        ((a, b), (out[0], np.zeros((ROWS, 1)))),
+        ((a, b), (out[0], np.zeros(ROWS, np.int64))),
+    ):
+        with pytest.raises((InputError, TypeError)):
+            kernel(*arguments, out=targets, threads=3)
+    out[1].flags.writeable = False
+    with pytest.raises(ValueError, match="read-only"):
+        kernel(a, b, out=out, threads=3)
+    assert not any(plain) and not out[0].any() and not out[1].any()
+
+
+@needs_fast_call
+@pytest.mark.parametrize("shift", [-1, 0, 1])
+def test_plain_results_in_the_place_of_arguments_are_those_of_one_thread(
+    plain: list[bool], shift: int
+) -> None:
+    kernel = compile(lambda x: np.cos(x[::-1]), x=(3,))
+    memory = np.random.default_rng(1).uniform(-1, 1, (ROWS + 2, 3))
+    _used(kernel, [memory])
+    x, out = memory[1:-1], memory[1 + shift : ROWS + 1 + shift]
+    wanted = kernel(x.copy())
+    kernel(x, out=out, threads=3)
+    np.testing.assert_array_equal(out, wanted)
+    assert plain == [False]
+
+
+@needs_fast_call
+def test_checked_kernels_look_at_numbers_first(plain: list[bool]) -> None:
+    a, b = _arguments()
+    kernel = compile(_two, checked=True, a=(3, 3), b=(3,))
+    _used(kernel, [a, b])
+    _equal(kernel, [a, b])
+    b[700, 1] = np.nan
+    with pytest.raises(NonFiniteError):
+        kernel(a, b, threads=3)
+    assert not plain

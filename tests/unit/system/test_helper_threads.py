@@ -17,7 +17,7 @@ import pytest
 
 from support.patience import LONGEST_WAIT, patient
 from ulna.system import helper_threads
-from ulna.system.helper_threads import cuts, in_threads
+from ulna.system.helper_threads import cuts, in_threads, results_in_threads
 
 wait = patient()
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="has no fork")
@@ -64,6 +64,11 @@ def test_every_call_is_made_once(count: int, threads: int) -> None:
     made: list[int] = []
     assert in_threads(lambda k: lambda: made.append(k), count, threads)
     assert sorted(made) == list(range(count))
+
+
+@pytest.mark.parametrize(("count", "threads"), [(0, 3), (1, 3), (5, 1), (40, 3)])
+def test_results_are_in_order(count: int, threads: int) -> None:
+    assert results_in_threads(lambda k: 10 * k, count, threads) == [10 * k for k in range(count)]
 
 
 def test_calls_run_in_as_many_threads_also_beyond_the_cores() -> None:
@@ -180,20 +185,6 @@ def test_ctrl_c_does_not_end_the_wait_for_a_helper() -> None:
     with pytest.raises(KeyboardInterrupt):
         in_threads(lambda k: lambda: call(k), 2, 2)
     assert ended == [1]
-
-
-def test_nobody_waits_for_a_call_that_is_not_needed_any_more() -> None:
-    begun, last = threading.Event(), threading.Event()
-
-    def call(k: int) -> None:
-        if k == 0:
-            begun.wait(LONGEST_WAIT)
-        else:
-            begun.set()
-            last.wait(LONGEST_WAIT)
-
-    assert in_threads(lambda k: lambda: call(k), 2, 2, lambda: True)
-    last.set()
 
 
 def test_calls_within_calls_and_of_several_threads_at_once() -> None:

@@ -20,6 +20,7 @@ from ulna.compiler.language.scalar import Value
 from ulna.compiler.runtime import gufunc, jit
 from ulna.compiler.runtime.foreign import is_foreign, readable, reject_tables
 from ulna.compiler.runtime.shared_batch import share
+from ulna.compiler.runtime.shared_call import SharedCall, shared_call
 from ulna.errors import DtypeError, InputError, ShapeError
 from ulna.lazy import Slot, apply, is_deferred
 from ulna.system import forks
@@ -29,8 +30,9 @@ Unit = tuple[tuple[int, tuple[int, ...]], ...]
 """Which entries of which inputs must form unit vectors, quaternions say: (number of the input, entries), ..."""
 
 ELEMENT: dict[str, DType] = {"float64": "double", "float32": "float"}
-_LEAST_WORK = 2**21  # of a thread, in operations of float64 and bytes of arguments and results: some 0.2 ms
-_BLOCKS = 32  # in so much work, which threads take one after the other
+_LEAST_WORK = 2**20  # of a thread, in operations of float64 and bytes of arguments and results: some 0.1 ms
+_BLOCKS = 16  # in so much work, which threads take one after the other
+_PART = 2  # times so much work has a part by NumPy, which costs 20 to 40 us more
 _ROUND = 16  # blocks have multiples of so many rows, as of the numbers of lanes
 
 
@@ -71,6 +73,7 @@ class ArrayCall:
             None  # that has `batch`: a single call's, or made when it is first needed
         )
         self._least_rows = least_rows
+        self._shared_call: SharedCall | None = None  # once a batch was shared
         self._lock = forks.lock(forks.KERNEL)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -120,12 +123,12 @@ class ArrayCall:
             TypeError: the number or the names of the arguments do not fit.
         """
         f = self.function
-        if threads is not None and (not isinstance(threads, (int, np.integer)) or threads < 1):
-            raise InputError(
-                f"`threads` is {threads!r}; expected a whole number, 1 or more, or None for one."
-            )
         if named:
             args = self._bind(args, named)
+        if threads is not None:
+            _check_threads(threads)
+            if (result := self._plain(args, out, threads)) is not None:
+                return result
         if len(args) != len(f.inputs):
             raise wrong_count(f.name, [p.name for p in f.inputs], args)
         is_foreign_call = any(is_foreign(a) for a in args)
@@ -313,6 +316,25 @@ class ArrayCall:
             return batches[0]
         return batch_shape(ports, [a.shape for a in arrays])
 
+    def _plain(self, args: tuple[Any, ...], out: Any, threads: int) -> Any:
+        """The result of a batch that is large and of which machine code takes all arrays; None for another."""
+        f, call = self.function, self._shared_call
+        if call is None or len(args) != len(f.inputs):
+            return None
+        if type(args[0]) is not np.ndarray or not args[0].ndim:
+            return None
+        rows = len(args[0])
+        threads = min(threads, rows // self._rows_worth_a_thread())
+        if threads < 2:
+            return None
+        if out is None:
+            targets = tuple([np.empty((rows, *p.shape), self.dtype) for p in f.outputs])
+        else:
+            targets = out if type(out) is tuple else (out,)
+        if len(targets) != len(f.outputs) or not call((*args, *targets), threads):
+            return None
+        return targets[0] if f.single else targets
+
     def _threaded(self, arrays: Sequence[Any], batch: tuple[int, ...], out: Any, threads: int) -> Any:
         """Cuts the batch along one axis; the GIL is free in the loops."""
         f, rows, least = self.function, math.prod(batch), self._rows_worth_a_thread()
@@ -323,7 +345,7 @@ class ArrayCall:
         else:
             targets = list(out if isinstance(out, tuple) else (out,))
         if not self._is_shared(arrays, targets, batch, min(threads, rows // least), least):
-            self._cut(arrays, targets, batch, threads, least)
+            self._cut(arrays, targets, batch, threads, _PART * least)
         return targets[0] if f.single else tuple(targets)
 
     def _is_shared(
@@ -336,8 +358,10 @@ class ArrayCall:
         if any(target.dtype != self.dtype or not target.flags.writeable for target in targets):
             return False  # NumPy converts, and refuses what is read only
         block = -(-least // (_BLOCKS * _ROUND)) * _ROUND
-        ports = gufunc.ports_of(self.function)
-        return share(code.address("batch"), ports, [*arrays, *targets], batch, block, threads)
+        f, loop, ports = self.function, code.address("batch"), gufunc.ports_of(self.function)
+        if self._shared_call is None and not self.checked:
+            self._shared_call = shared_call(loop, f.inputs, f.outputs, self.dtype, block)
+        return share(loop, ports, [*arrays, *targets], batch, block, threads)
 
     def _cut(
         self, arrays: Sequence[Any], targets: Sequence[Any], batch: tuple[int, ...], threads: int, least: int
@@ -368,6 +392,12 @@ class ArrayCall:
             rows = _LEAST_WORK // (max(1, numbers) * self.dtype.itemsize)
             self._least_rows = -(-max(1, rows) // _ROUND) * _ROUND
         return self._least_rows
+
+
+def _check_threads(threads: Any) -> None:
+    """Refuses what is no number of threads."""
+    if not isinstance(threads, (int, np.integer)) or threads < 1:
+        raise InputError(f"`threads` is {threads!r}; expected a whole number, 1 or more, or None for one.")
 
 
 def _is_exact(target: Any, shape: tuple[int, ...], dtype: np.dtype[Any]) -> bool:

@@ -15,12 +15,13 @@ WORD = 8
 HEAD = object.__basicsize__
 """The size of what every object begins with [byte]: 16, 32 in free-threaded builds; its type is the last word of it."""
 TYPE = HEAD - WORD
-# PyArrayObject: data, number of axes, lengths, descriptor, flags, weak references.
-DATA, NDIM, LENGTHS, ARRAY_DESCRIPTOR, FLAGS, WEAK_REFERENCES = (
-    HEAD + offset for offset in (0, 8, 16, 40, 48, 56)
+# PyArrayObject: data, number of axes, lengths, distances [byte], descriptor, flags, weak references.
+DATA, NDIM, LENGTHS, STEPS, ARRAY_DESCRIPTOR, FLAGS, WEAK_REFERENCES = (
+    HEAD + offset for offset in (0, 8, 16, 24, 40, 48, 56)
 )
-READABLE = 0x0101  # C-contiguous, aligned
-WRITEABLE = READABLE | 0x0400
+ALIGNED, MAY_WRITE = 0x0100, 0x0400
+READABLE = 0x0001 | ALIGNED  # C-contiguous
+WRITEABLE = READABLE | MAY_WRITE
 OWNED = 0x0004  # the array frees its data
 VALUE = HEAD  # of a Python float and of a NumPy float64
 TUPLE_SIZE, TUPLE_ITEMS = HEAD, tuple.__basicsize__  # CPython 3.14 keeps a hash before the items
@@ -49,9 +50,10 @@ def fast_call_works() -> bool:
         )
         if any(kind.from_address(at + offset).value != value for offset, kind, value in expected):
             return False
-        lengths = ctypes.c_void_p.from_address(at + LENGTHS).value
-        if not lengths or tuple((ctypes.c_int64 * 3).from_address(lengths)) != probe.shape:
-            return False
+        for place, values in ((LENGTHS, probe.shape), (STEPS, probe.strides)):
+            table = ctypes.c_void_p.from_address(at + place).value
+            if not table or tuple((ctypes.c_int64 * 3).from_address(table)) != values:
+                return False
     for number in (1.5, np.float64(2.5)):
         if ctypes.c_double.from_address(id(number) + VALUE).value != number:
             return False

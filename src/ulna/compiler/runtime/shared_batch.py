@@ -6,14 +6,13 @@ import ctypes
 import math
 from array import array
 from collections.abc import Callable, Sequence
-from functools import cache, partial
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
-from ulna.compiler.codegen.shared_batch import APART, SHARE_IR
+from ulna.compiler.codegen.shared_batch import APART
 from ulna.compiler.language.ports import Port
-from ulna.compiler.runtime import jit
-from ulna.system.helper_threads import in_threads
+from ulna.compiler.runtime.batch_helpers import code, helpers
 
 
 def share(
@@ -49,11 +48,10 @@ def share(
         a.__array_interface__["data"][0] for a in arrays
     ]  # a.ctypes takes three times as long
     tables = [array("q", numbers) for numbers in (addresses, steps + inner, ends, following)]
-    words = array(
-        "q", [loop, len(arrays), block, threads, *(table.buffer_info()[0] for table in tables), rows]
-    )
-    work = partial(_function(), words.buffer_info()[0])
-    return in_threads(lambda k: partial(work, k, words, tables), threads, threads, lambda: not words[-1])
+    words = array("q", [loop, len(arrays), block, threads, *(table.buffer_info()[0] for table in tables)])
+    run = _function()
+    helpers.compute(threads - 1, lambda boxes, count: run(words.buffer_info()[0], boxes, count))
+    return True
 
 
 def _step(a: Any, port: Port, batch: tuple[int, ...]) -> int | None:
@@ -74,11 +72,5 @@ def _step(a: Any, port: Port, batch: tuple[int, ...]) -> int | None:
 @cache
 def _function() -> Callable[..., None]:
     """The machine code, called without the interpreter's lock."""
-    code = jit.load_text(SHARE_IR, ("share",), has_loops=False)
-    function = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_ssize_t)(code.address("share"))
-
-    def call(words: int, thread: int, *_in_use: object) -> None:
-        assert code is not None  # lives as long as the function
-        function(words, thread)
-
-    return call
+    kind = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_ssize_t)
+    return kind(code().address("run"))
