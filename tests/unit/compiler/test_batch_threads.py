@@ -13,7 +13,7 @@ from ulna.compiler import compile
 from ulna.compiler.runtime import array_call, shared_batch
 from ulna.compiler.runtime.object_layout import fast_call_works
 from ulna.compiler.runtime.shared_call import SharedCall
-from ulna.errors import InputError, NonFiniteError
+from ulna.errors import InputError, NonFiniteError, ShapeError
 
 ROWS = 777
 
@@ -310,10 +310,25 @@ def test_plain_results_in_the_place_of_arguments_are_those_of_one_thread(
 @needs_fast_call
 def test_checked_kernels_look_at_numbers_first(plain: list[bool]) -> None:
     a, b = _arguments()
-    kernel = compile(_two, checked=True, a=(3, 3), b=(3,))
-    _used(kernel, [a, b])
+    kernel = _used(compile(_two, checked=True, a=(3, 3), b=(3,)), [a, b])
     _equal(kernel, [a, b])
+    assert plain == [True]
     b[700, 1] = np.nan
-    with pytest.raises(NonFiniteError):
-        kernel(a, b, threads=3)
-    assert not plain
+    out = np.zeros((ROWS, 3)), np.zeros(ROWS)
+    for arguments, targets in (((a, b), None), ((a, b), out), ((a, b.tolist()), None)):
+        with pytest.raises(NonFiniteError, match=r"b\[700, 1\]"):
+            kernel(*arguments, out=targets, threads=3)
+    with pytest.raises(ShapeError):
+        kernel(a, b[:, :2], threads=3)
+    assert plain == [True] and not out[0].any() and not out[1].any()
+
+
+@needs_fast_call
+def test_checked_kernels_look_at_quaternions_first(plain: list[bool]) -> None:
+    q = np.tile([0.0, 0.6, 0.0, 0.8], (ROWS, 1))
+    kernel = compile(lambda q: 2.0 * q, checked=True, unit_entries=((0, (0, 1, 2, 3)),), q=(4,))
+    np.testing.assert_array_equal(_used(kernel, [q])(q, threads=3), 2.0 * q)
+    assert plain == [True]
+    q[700] *= 1.1
+    with pytest.raises(InputError, match="length"):
+        kernel(q, threads=3)

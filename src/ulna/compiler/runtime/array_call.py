@@ -327,6 +327,10 @@ class ArrayCall:
         threads = min(threads, rows // self._rows_worth_a_thread())
         if threads < 2:
             return None
+        if self.checked:
+            if any(type(a) is not np.ndarray or a.dtype is not self.dtype for a in args):
+                return None
+            self._check_values([self._array(a, port) for a, port in zip(args, f.inputs, strict=True)])
         if out is None:
             targets = tuple([np.empty((rows, *p.shape), self.dtype) for p in f.outputs])
         else:
@@ -359,7 +363,7 @@ class ArrayCall:
             return False  # NumPy converts, and refuses what is read only
         block = -(-least // (_BLOCKS * _ROUND)) * _ROUND
         f, loop, ports = self.function, code.address("batch"), gufunc.ports_of(self.function)
-        if self._shared_call is None and not self.checked:
+        if self._shared_call is None:
             self._shared_call = shared_call(loop, f.inputs, f.outputs, self.dtype, block)
         return share(loop, ports, [*arrays, *targets], batch, block, threads)
 
