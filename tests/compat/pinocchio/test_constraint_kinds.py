@@ -194,9 +194,53 @@ def test_fields_of_the_way_to_a_result_are_refused_once_used(pin: Any, model: An
     assert data.dFdq.any() and data.dvc_dq.shape == (3, model.nv)
     pin.impulseDynamics(model, data, q, v, [rigid], [known])
     pin.computeImpulseDynamicsDerivatives(model, data, [rigid], [known])
-    for name in ("dac_dq", "dvc_dq"):
-        with pytest.raises(ValueError, match="intermediate result"):
-            getattr(data, name)
+    with pytest.raises(ValueError, match="intermediate result"):
+        _ = data.dlambda_dtau
+
+
+@pytest.mark.parametrize(
+    ("size", "axes", "second"),
+    [
+        (3, "LOCAL", 0),
+        (6, "LOCAL", 0),
+        (3, "LOCAL_WORLD_ALIGNED", 0),
+        (6, "LOCAL_WORLD_ALIGNED", 0),
+        (6, "LOCAL", 13),
+        (3, "LOCAL_WORLD_ALIGNED", 13),
+        (6, "LOCAL_WORLD_ALIGNED", 13),
+    ],
+)
+def test_velocities_along_constraints_change_by_q_as_differences_say(
+    pin: Any, size: int, axes: str, second: int
+) -> None:
+    """`dvc_dq` is J(q) v by q; but for local points of two bodies, whose velocities turn with their own, as there."""
+    model = pin.buildSampleModelHumanoidRandom()
+    data, other = model.createData(), model.createData()
+    kind = pin.ContactType.CONTACT_6D if size == 6 else pin.ContactType.CONTACT_3D
+    M = pin.SE3(pin.exp3(np.array([0.3, 0.2, -0.5])), np.array([0.1, 0.2, 0.3]))
+    ends = (second, M.inverse()) if second else ()
+    one = pin.RigidConstraintModel(kind, model, 7, M, *ends, getattr(pin, axes))
+    q = pin.integrate(model, pin.neutral(model), np.linspace(-0.7, 0.9, model.nv))
+    v, tau = np.linspace(-1.0, 1.0, model.nv), np.zeros(model.nv)
+
+    def along(x: Any) -> Any:
+        pin.computeJointJacobians(model, other, x)
+        return pin.getConstraintJacobian(model, other, one, one.createData()) @ v
+
+    steps = 1e-6 * np.eye(model.nv)
+    wanted = [(along(pin.integrate(model, q, e)) - along(pin.integrate(model, q, -e))) / 2e-6 for e in steps]
+    known = one.createData()
+    settings = pin.ProximalSettings(1e-12, 0.0, 1)
+    pin.initConstraintDynamics(model, data, [one], [known])
+    pin.constraintDynamics(model, data, q, v, tau, [one], [known], settings)
+    pin.computeConstraintDynamicsDerivatives(model, data, [one], [known], settings)
+    np.testing.assert_allclose(data.dvc_dq, np.transpose(wanted), atol=2e-8)
+    kept = data.dac_dq.copy()
+    data.dvc_dq[...] = 0.0
+    pin.impulseDynamics(model, data, q, v, [one], [known], 0.3, settings)
+    pin.computeImpulseDynamicsDerivatives(model, data, [one], [known], 0.3, settings)
+    np.testing.assert_allclose(data.dvc_dq, np.transpose(wanted), atol=2e-8)
+    np.testing.assert_array_equal(data.dac_dq, kept)  # an impact leaves what it was
 
 
 def test_friction_has_no_gains_and_rigid_constraints_no_compliance(pin: Any, model: Any) -> None:

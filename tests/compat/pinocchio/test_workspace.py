@@ -49,8 +49,7 @@ def test_fields_without_a_meaning_here_name_the_call() -> None:
         fixed = along_world, [along_world[0].createData()]
         pin.constraintDynamics(model, data, q, v, v, *fixed, settings)
         pin.computeConstraintDynamicsDerivatives(model, data, *fixed, settings)
-        with pytest.raises(InputError, match="getFrameVelocityDerivatives"):
-            _ = data.dvc_dq
+        assert data.dvc_dq.shape == (6, 6) and data.dvc_dq.any()
         pin.constraintDynamics(model, data, q, v, v, *bound, settings)
         pin.impulseDynamics(model, data, q, v, *bound)
         with pytest.raises(InputError, match="An impact has none"):

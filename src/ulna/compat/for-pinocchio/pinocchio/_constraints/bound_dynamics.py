@@ -14,7 +14,6 @@ from pinocchio._constraints.derivative_fields import (
     DERIVATIVES,
     FORCES_AT_REST,
     IMPACT_DERIVATIVES,
-    VELOCITY_DERIVATIVES,
 )
 from pinocchio._constraints.kernels import core_constraints, right_side
 from pinocchio._constraints.rigid_constraint import DYNAMICS_LEAVE
@@ -212,31 +211,25 @@ IMPACT = Algorithm(
     title="impulseDynamics",
 )
 _MATRICES = ("ddq_dq", "ddq_dv", "dlambda_dq", "dlambda_dv", "osim")
-_DERIVED: dict[str, Any] = {
-    "inputs": "qva",
-    "fills": (*_MATRICES, "ddq_dtau", "dlambda_dtau", "dac_da"),
-    "kernel": not_applicable,
-    "title": "computeConstraintDynamicsDerivatives",
-}
-_DERIVED_FIELDS = (
-    INVERSE_MASS
+DERIVED = Algorithm(
+    "constraint_derivatives",
+    "qva",
+    (*_MATRICES, "ddq_dtau", "dlambda_dtau", "dac_da"),
+    not_applicable,
+    deferred=INVERSE_MASS
     | dict.fromkeys(("a", "oa"), ACCELERATIONS_IN_WORLD["oa"])
     | {"oa_gf": BODIES["f"]}
     | ACCELERATION_COLUMNS
-    | DERIVATIVES
+    | DERIVATIVES,
+    title="computeConstraintDynamicsDerivatives",
 )
-DERIVED = Algorithm("constraint_derivatives", **_DERIVED, deferred=_DERIVED_FIELDS | VELOCITY_DERIVATIVES)
-DERIVED_ALONG_WORLD = Algorithm(
-    "constraint_derivatives_along_world", **_DERIVED, deferred=_DERIVED_FIELDS, invalidates=("dvc_dq",)
-)
-"""The same, where frames are bound along the world's axes: Pinocchio mixes two velocities there."""
 IMPACT_DERIVED = Algorithm(
     "impact_derivatives",
     "q",
     _MATRICES,
     not_applicable,
     deferred=INVERSE_MASS | IMPACT_DERIVATIVES,
-    invalidates=("dlambda_dtau", "dac_dq", "dac_dv", "dvc_dq"),
+    invalidates=("dlambda_dtau",),
     title="computeImpulseDynamicsDerivatives",
 )
 _ELIMINATED = ("g", "of", "oYaba_augmented", "of_augmented")

@@ -68,16 +68,24 @@ def _along_constraints(data: FieldStates, compiled: _Compiled, fields: tuple[str
 
 def _velocities(data: FieldStates, compiled: _Compiled, _: tuple[str, ...]) -> None:
     """How velocities along the constraints change by q."""
-    derived = data._motion_derivatives
+    _fill_velocities(data, compiled, data._motion_derivatives)
+
+
+def _velocities_of_impact(data: FieldStates, compiled: _Compiled, _: tuple[str, ...]) -> None:
+    """How velocities along the constraints before the impact change by q."""
+    _fill_velocities(data, compiled, data._impact_derivatives)
+
+
+def _fill_velocities(data: FieldStates, compiled: _Compiled, derived: Any) -> None:
     q, v, placements = derived.at[:3]
     pairs = core_constraints(derived.shapes, placements)
     data._arrays["dvc_dq"] = np.concatenate([_velocity_by_q(compiled.model, q, v, pair) for pair in pairs])
 
 
 def _velocity_by_q(model: CoreModel, q: Floats, v: Floats, pair: FramePair) -> Floats:
-    """The difference of what both frames' velocities change by, each along axes that turn with its own body.
+    """The difference of what both frames' velocities change by; of points along axes that turn with their own bodies.
 
-    Six rows are those of frames along their own axes: both where the first is, as an observer on the second sees it.
+    Six rows are of both bodies where the first frame is, along its axes or those of the world: J(q) v by q.
 
     Args:
         model: Ulna's model.
@@ -100,8 +108,11 @@ def _velocity_by_q(model: CoreModel, q: Floats, v: Floats, pair: FramePair) -> F
             by_q = np.concatenate([T.rotation @ (rows - skew(u) @ by_v[3:]) for rows, u in parts])
         sides.append((V, by_q, by_v))
     (_, one, S), (V, other, before) = sides
-    if whole:
+    if whole and pair.local:
         other = other + V.cross_matrix() @ (S - before)
+    elif whole:  # the place moves along the second body
+        moved = T.rotation @ skew(V.angular) @ (S - before)[:3]
+        other = other + np.concatenate([moved, np.zeros_like(moved)])
     return (one - other)[: pair.size]
 
 
@@ -183,13 +194,13 @@ FORCES_AT_REST = {"of": Deferred("qv", _forces_at_rest)}
 """After constraintDynamics."""
 DERIVATIVES = {
     **dict.fromkeys(("dac_dq", "dac_dv"), Deferred("", _along_constraints)),
+    "dvc_dq": Deferred("", _velocities),
     **dict.fromkeys(("dtau_dq", "dtau_dv"), Deferred("", _torques)),
     **dict.fromkeys(("of", "dFdq", "dFdv"), Deferred("", _forces)),
 }
 """After computeConstraintDynamicsDerivatives."""
-VELOCITY_DERIVATIVES = {"dvc_dq": Deferred("", _velocities)}
-"""The same, but for frames along the world's axes."""
 IMPACT_DERIVATIVES = {
+    "dvc_dq": Deferred("", _velocities_of_impact),
     "dtau_dq": Deferred("", _torques_of_impact),
     **dict.fromkeys(("oa", "of", "dAdq", "dFdq"), Deferred("", _impulses)),
 }

@@ -11,7 +11,6 @@ import numpy as np
 from pinocchio._algorithms.jacobians import computeJointJacobiansTimeVariation
 from pinocchio._constraints.bound_dynamics import (
     DERIVED,
-    DERIVED_ALONG_WORLD,
     IMPACT_DERIVED,
     ConstraintSolution,
     with_side_outputs,
@@ -22,7 +21,6 @@ from pinocchio._constraints.proximal_settings import settings_of
 from pinocchio._constraints.rigid_constraint import checked_constraints, structures_of
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import not_applicable
-from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import side_outputs
 from pinocchio._data.data import Data
 from pinocchio._data.evaluated_model import EvaluatedModel, step_on_numbers
@@ -84,19 +82,11 @@ def computeImpulseDynamicsDerivatives(
     _derived(model, data, solved, 1.0 + restitution(r_coeff))
 
 
-def _record(solved: ConstraintSolution) -> Algorithm:
-    """The record of the derivatives of a solution."""
-    if solved.impact:
-        return IMPACT_DERIVED
-    along_world = any(rows == 6 and not local for rows, local, *_ in solved.shapes)
-    return DERIVED_ALONG_WORLD if along_world else DERIVED
-
-
 _BY_TAU = 5, 6
 """Which outputs of the kernel are derivatives by tau."""
 _INPUTS = {"q": 0, "v": 1, "a": 5}
 """Which inputs of the kernel these are."""
-_KEPT, _KEPT_OF_IMPACT = (0, 1, 2, 3, 4, 5, 6), (0, 2, 5, 6)
+_KEPT, _KEPT_OF_IMPACT = (0, 1, 2, 3, 4, 5, 6), (0, 1, 2, 5, 6)
 """Which inputs are kept for fields that are computed when they are read: states, constraints and forces."""
 
 
@@ -112,7 +102,7 @@ class BoundDerivatives:
         self.at = tuple(np.zeros_like(x) if k in kept else None for k, x in enumerate(self.inputs))
         watch = model._watched("parameters")  # first: see `run`
         compiled, shapes = data._attach(model), solved.shapes
-        algorithm = _record(solved)
+        algorithm = IMPACT_DERIVED if solved.impact else DERIVED
         side_targets, stored, marks = side_outputs(data, algorithm)
         at_inputs = [*(_INPUTS[algorithm.inputs[k]] for k in stored), *kept]
         sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(self.inputs)}

@@ -136,10 +136,7 @@ FILLED_BY = {
     "tau": "rnea(model, data, q, v, a)",
 }
 """The call that fills a field that others invalidate."""
-_READ_DERIVATIVES = "Read data.ddq_dq, data.ddq_dv, data.dlambda_dq and data.dlambda_dv."
 READ_INSTEAD = {
-    **dict.fromkeys(("dac_dq", "dac_dv"), _READ_DERIVATIVES),
-    "dvc_dq": "Call computeForwardKinematicsDerivatives, then getFrameVelocityDerivatives.",
     "primal_rhs_contact": "An impact has none.",
     "oYaba_augmented": "Read data.ddq and the forces of the constraints.",
     "of_augmented": "Read data.ddq and the forces of the constraints.",

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, final
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import matrix, numbers, real, text, vector
+from pinocchio._containers.arrays import exact, matrix, numbers, real, text, vector
 from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, entries, number
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
@@ -194,7 +194,7 @@ class Quaternion:
 
     def _transformVector(self, vector: Any) -> Floats:
         """The vector (3,) turned."""
-        return self * vector
+        return self * exact(vector, 3, "v")
 
     def __getitem__(self, place: int) -> float:
         return float(self._c[place])
