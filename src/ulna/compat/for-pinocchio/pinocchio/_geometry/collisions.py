@@ -86,10 +86,10 @@ def _answers(
     geometry_model: GeometryModel, geometry_data: GeometryData, what: str, stop: bool = False
 ) -> tuple[list[int], list[Any]]:
     """The active pairs, and what coal answers about them; `stop` ends after the first answer above zero."""
-    chosen, at = _checked(geometry_model, geometry_data), geometry_data._placed()
+    chosen, at = _checked(geometry_model, geometry_data), list(geometry_data._placed())
     known = calls_of(geometry_model, f"Compute{what.capitalize()}")
     calls, first, second = known.of(chosen), known.first, known.second
-    requests, results = (getattr(geometry_data, f"{what}{name}") for name in ("Requests", "Results"))
+    requests, results = (list(getattr(geometry_data, f"{what}{name}")) for name in ("Requests", "Results"))
     answers = []
     for k in chosen:
         result = results[k]

@@ -15,7 +15,7 @@ from pinocchio._containers.unknown_ids import UnknownId, known
 from pinocchio._geometry.geometry_object import GeometryObject
 from pinocchio._model.building import KinematicTree
 from ulna.errors import InputError
-from ulna.typing import Floats
+from ulna.typing import Array, Floats
 
 
 @final
@@ -36,7 +36,11 @@ class CollisionPair(CheckedAttributes):
 
     def copy(self) -> CollisionPair:
         """A copy."""
-        return CollisionPair(self.first, self.second)
+        out = object.__new__(CollisionPair)
+        out.__dict__.update(self.__dict__)
+        return out
+
+    __copy__ = copy
 
     def __iter__(self) -> Iterator[int]:
         return iter((self.first, self.second))
@@ -54,6 +58,37 @@ class CollisionPair(CheckedAttributes):
     __repr__ = __str__
 
 
+class GeometryList(StdVec[GeometryObject]):
+    """Geometries; `changes` counts how often one was added, removed or replaced."""
+
+    def __init__(self, objects: Iterable[GeometryObject] = ()) -> None:
+        super().__init__(objects)
+        self.changes: Array = np.zeros(1, np.int64)
+
+    def __reduce__(self) -> Any:
+        return GeometryList, (list(self),)
+
+
+GeometryList.__name__ = "StdVec"  # as scripts see it
+
+
+def _counted(name: str) -> Any:
+    change = getattr(StdVec, name)
+
+    def method(self: GeometryList, *args: Any, **options: Any) -> Any:
+        self.changes[0] += 1
+        return change(self, *args, **options)
+
+    method.__name__, method.__doc__ = name, change.__doc__
+    return method
+
+
+for _name in ("append", "extend", "insert", "pop", "remove", "clear", "reverse", "sort"):
+    setattr(GeometryList, _name, _counted(_name))
+for _name in ("__setitem__", "__delitem__", "__iadd__", "__imul__"):
+    setattr(GeometryList, _name, _counted(_name))
+
+
 class GeometryCollection(CheckedAttributes, Saved):
     """The geometries of a robot, of one kind, and the pairs of them to check for collisions."""
 
@@ -61,15 +96,18 @@ class GeometryCollection(CheckedAttributes, Saved):
         "geometryObjects": read_only,
         "collisionPairs": read_only,
     }
-    geometryObjects: StdVec[GeometryObject]
+    geometryObjects: GeometryList
     """The geometries."""
     collisionPairs: StdVec[CollisionPair]
     """The pairs to check."""
 
     def __init__(self, other: GeometryCollection | None = None) -> None:
         source: Any = ((), ()) if other is None else (other.geometryObjects, other.collisionPairs)
-        copies = (StdVec(one.copy() for one in part) for part in source)
-        self._keep(**dict(zip(("geometryObjects", "collisionPairs"), copies, strict=True)))
+        self._take(*([one.copy() for one in part] for part in source))
+
+    def _take(self, objects: list[GeometryObject], pairs: list[CollisionPair]) -> None:
+        """Makes the geometries and pairs these, and no copies of them."""
+        self._keep(geometryObjects=GeometryList(objects), collisionPairs=StdVec(pairs))
 
     @property
     def ngeoms(self) -> int:
@@ -187,8 +225,7 @@ class GeometryCollection(CheckedAttributes, Saved):
 
     def _copied(self, copied: Callable[[GeometryObject], GeometryObject]) -> Self:
         out = type(self)()
-        out.geometryObjects.extend(copied(g) for g in self.geometryObjects)
-        out.collisionPairs.extend(p.copy() for p in self.collisionPairs)
+        out._take([copied(g) for g in self.geometryObjects], [p.copy() for p in self.collisionPairs])
         return out
 
     def __deepcopy__(self, memo: Any) -> Self:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, ClassVar, final
+from typing import Any, ClassVar, NamedTuple, final
 
 import numpy as np
 
-from pinocchio._containers.arrays import StdVec, index, views
+from pinocchio._containers.arrays import StdVec, index, not_applicable, views
 from pinocchio._containers.attributes import (
     AttributeKind,
     CheckedAttributes,
@@ -20,7 +20,22 @@ from pinocchio._geometry.geometry_collection import GeometryCollection, pair_map
 from pinocchio._geometry.geometry_object import GeometryObject
 from pinocchio._geometry.pair_functors import ComputeCollision, ComputeDistance
 from pinocchio._spatial.se3 import SE3
+from ulna.compiler.runtime.repeated_calls import forget
 from ulna.errors import InputError
+
+
+class Placing(NamedTuple):
+    """What places geometries without looking at them again.
+
+    Attributes:
+        objects: The geometries.
+        oMi: The placements of joints (n, 4, 4).
+        call: The bound kernel; it answers NotImplemented where a geometry was changed.
+    """
+
+    objects: Any = None
+    oMi: Any = None
+    call: Callable[[], Any] = not_applicable
 
 
 @final
@@ -38,6 +53,7 @@ class GeometryData(CheckedAttributes, Saved):
         **dict.fromkeys(("collisionResults", "distanceResults", "contactPatchResults"), read_only),
         **dict.fromkeys(("collision_functors", "distance_functors", "contact_patch_functors"), read_only),
     }
+    _placing = Placing()
     oMg: StdVec[SE3]
     """Where each geometry is in the world, live references."""
 
@@ -221,6 +237,8 @@ class GeometryData(CheckedAttributes, Saved):
         }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
+        forget(self)  # kernels that are bound to the array before
+        self.__dict__.pop("_placing", None)
         self.__dict__.update(state)
         self._keep(oMg=views(SE3, self._block))
         self._of_coal = {}

@@ -31,7 +31,7 @@ from ulna.errors import MissingExtra
 from ulna.files import special_kind
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
 from ulna.spatial import SE3 as Pose
-from ulna.typing import Floats
+from ulna.typing import Array, Floats
 
 _GREY = (0.9, 0.9, 0.9, 1.0)
 _SHAPE_NAMES = ("BOX", "SPHERE", "CYLINDER", "CAPSULE")
@@ -124,6 +124,24 @@ class GeometryObject(CheckedAttributes, HasPlacement, Saved):
         self.disableCollision = False
         """Whether pairs of it are left out when collisions are computed."""
 
+    _counters: tuple[Array, ...] = ()
+    """Counts of changes (1,) of the lists that it is in, once placements are bound to them."""
+
+    def _count_in(self, counter: Array) -> None:
+        """Has changes of its attributes counted in an array (1,)."""
+        if not any(known is counter for known in self._counters):
+            self.__dict__["_counters"] = (*self._counters, counter)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        super().__setattr__(name, value)
+        for counter in self._counters:
+            counter[0] += 1
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        for counter in self._counters:
+            counter[0] += 1
+
     @property
     def meshScale(self) -> Floats:
         """Factors of the mesh along x, y, z, live."""
@@ -189,6 +207,7 @@ class GeometryObject(CheckedAttributes, HasPlacement, Saved):
         """A copy that shares the geometry."""
         out = object.__new__(GeometryObject)
         out.__dict__.update(self.__dict__)
+        out.__dict__.pop("_counters", None)
         out._placement, out._scale, out._color = (
             self._placement.copy(),
             self._scale.copy(),
@@ -210,8 +229,9 @@ class GeometryObject(CheckedAttributes, HasPlacement, Saved):
 
     def __getstate__(self) -> dict[str, Any]:
         shape = self._shape or _shape_of(self._coal)
+        own = {name: value for name, value in self.__dict__.items() if name != "_counters"}
         return {
-            **self.__dict__,
+            **own,
             "_shape": shape,
             "_coal": None if shape else self._coal,
             "_mesh_loader": None,
