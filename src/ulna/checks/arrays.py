@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.checks.labels import in_order
+from ulna.checks.labels import in_order, refuse_labels
 from ulna.checks.masked import check_not_masked
 from ulna.checks.values import MAX_LENGTH, short_repr
 from ulna.errors import FIND_NAN, DtypeError, InputError, NonFiniteError, ShapeError, TraceError
@@ -59,6 +59,7 @@ def real_array(
     """
     if type(value) is not np.ndarray:
         check_not_masked(name, value)
+        refuse_labels(name, value)
         try:
             value = np.asarray(value)
         except ValueError as error:

@@ -1,9 +1,11 @@
-"""Arrays of xarray whose last axis has names: their numbers are put in the order of the names."""
+"""Arrays of xarray and tables whose last axis has names: their numbers are put in the order of the names."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
+
+import numpy as np
 
 from ulna.checks.values import short_repr
 from ulna.errors import InputError
@@ -15,23 +17,59 @@ def is_labelled(value: Any) -> bool:
     return kind.__name__ == "DataArray" and kind.__module__.startswith("xarray.") and hasattr(value, "dims")
 
 
+_TABLES = {"DataFrame", "Series"}
+
+
 def in_order(name: str, value: Any, labels: Sequence[str]) -> Any:
-    """An array whose last axis has the order of `labels`: that of xarray with names is put in it, others stay.
+    """An array whose last axis has the order of `labels`: those with names are put in it, others stay.
 
     Args:
         name: The name of the argument, for the message.
-        value: What was passed.
+        value: What was passed: an array of xarray, a table or series of pandas or polars, or anything else.
         labels: The names in order.
 
     Returns:
-        The array, or whatever `value` is.
+        The numbers without names, or whatever `value` is.
 
     Raises:
         InputError: The names of the array are others, or stand along another axis.
     """
+    names = _table_labels(value)
+    if names is not None:
+        if sorted(names) != sorted(labels):
+            raise InputError(
+                f"`{name}` has labels {short_repr(names)}; expected {list(labels)}, in any order. "
+                f"{name}.to_numpy() leaves them out; then numbers count by their places."
+            )
+        return np.asarray(value)[..., [names.index(label) for label in labels]]
     if not is_labelled(value) or not value.ndim:
         return value
-    return ordered(name, value, value.dims[-1:], labels)
+    dim = value.dims[-1]
+    return ordered(name, value, (dim,), labels).drop_vars(dim, errors="ignore")
+
+
+def refuse_labels(name: str, value: Any) -> None:
+    """Refuses arrays and tables whose last axis has names, where nothing is known of their order.
+
+    Args:
+        name: The name of the argument, for the message.
+        value: What was passed.
+
+    Raises:
+        InputError: There are names.
+    """
+    if isinstance(value, (list, tuple)):  # rows of labelled arrays have labels
+        if value:
+            refuse_labels(f"{name}[0]", value[0])
+        return
+    names = _table_labels(value)
+    if names is not None:
+        raise InputError(
+            f"`{name}` has labels, {short_repr(names)}; the order of its numbers is not known by names. Put them in "
+            f"order and leave the labels out: {name}.to_numpy()."
+        )
+    if is_labelled(value) and value.ndim:
+        ordered(name, value, value.dims[-1:], None)
 
 
 def ordered(name: str, array: Any, dims: Sequence[Any], labels: Sequence[str] | None) -> Any:
@@ -72,6 +110,15 @@ def ordered(name: str, array: Any, dims: Sequence[Any], labels: Sequence[str] | 
                 f"dimension: {name}.transpose(..., {dim!r})."
             )
     return array
+
+
+def _table_labels(value: Any) -> list[str] | None:
+    """The names of the columns of a table, or of the entries of a series; None where there are none."""
+    kind = type(value)
+    if kind.__name__ not in _TABLES or kind.__module__.partition(".")[0] not in ("pandas", "polars"):
+        return None
+    names = list(value.columns if kind.__name__ == "DataFrame" else getattr(value, "index", ()))
+    return [str(x) for x in names] if any(isinstance(x, str) for x in names) else None
 
 
 def _labels_along(array: Any, dim: Any) -> list[str] | None:

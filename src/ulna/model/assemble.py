@@ -106,7 +106,9 @@ def _number(moving: list[tuple[JointRecord, int, SE3]], children: Mapping[str, s
         source = record.name
         if record.mimic is not None:
             source, multiplier, offset = followed[record.name]
-            mimic = Mimic(index[source], multiplier, offset)
+            name, ratio, shift = record.mimic
+            leader = None if name == source else (index[name], ratio, shift)
+            mimic = Mimic(index[source], multiplier, offset, leader)
         idx_q, idx_v = starts[source]
         joints.append(
             Joint(

@@ -104,8 +104,9 @@ class _Copy:
             options |= asdict(joint.limits)
             options |= {"damping": joint.damping, "friction": joint.friction, "armature": joint.armature}
             if joint.mimic is not None:
-                source = self.prefix + self.model.joints[joint.mimic.source].name
-                options["mimic"] = (source, joint.mimic.multiplier, joint.mimic.offset)
+                mimic = joint.mimic
+                leader, *relation = mimic.leader or (mimic.source, mimic.multiplier, mimic.offset)
+                options["mimic"] = (self.prefix + self.model.joints[leader].name, *relation)
         if parent is None:
             self.builder.root_joint(kind, name, origin, **options)
         else:

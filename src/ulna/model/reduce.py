@@ -13,6 +13,7 @@ from ulna.errors import UnknownName
 from ulna.model.builder import ModelBuilder
 from ulna.model.copying import copy_position
 from ulna.model.model import Model
+from ulna.model.parts import Joint
 from ulna.model.positions import local_position, position
 from ulna.typing import Floats
 
@@ -21,8 +22,8 @@ def lock_joints(model: Model, joints: Mapping[str, Any] | Iterable[str], q: Any 
     """The model with some joints locked: their child links become rigidly attached to their parent links.
 
     Names, limits, visuals, frames, the tool and the configurations stay; the configurations lose the entries
-    of the locked joints. The frame of a locked joint becomes that of a fixed joint. A mimic joint whose
-    source is locked is locked where the source's position puts it.
+    of the locked joints. The frame of a locked joint becomes that of a fixed joint. A mimic joint is locked with
+    the joint that it follows, where that one's position puts it; so is one that follows a mimic joint.
 
     Args:
         model: The model.
@@ -41,24 +42,43 @@ def lock_joints(model: Model, joints: Mapping[str, Any] | Iterable[str], q: Any 
     positions: Mapping[str, Any] = (
         joints if isinstance(joints, Mapping) else dict.fromkeys(names("joints", joints))
     )
-    configuration = np.array(model.neutral) if q is None else position(model, q)
-    locked: dict[str, Floats] = {}
+    at = _locked_positions(model, positions, np.array(model.neutral) if q is None else position(model, q))
+    locked = {model.joints[k].name: np.asarray(model.joints[k].kind.normalize(x)) for k, x in at.items()}
+    for joint in model.joints:
+        if joint.name not in locked and (followed := _followed_position(model, joint, at)) is not None:
+            locked[joint.name] = followed
+    return rebuilt(model, locked=locked)
+
+
+def _locked_positions(model: Model, positions: Mapping[str, Any], q: Floats) -> dict[int, Floats]:
+    """The positions of the named joints by index; where there is none, that of the joint they follow, or of `q`."""
+    at: dict[int, Floats] = {}
     for name, value in positions.items():
         if name not in model.joint_names:
             raise UnknownName("movable joint", name, model.joint_names, "Only movable joints can be locked.")
         joint = model.joint(name)
-        if value is None:
-            locked[name] = np.asarray(joint.kind.normalize(joint.q_of(configuration)))
-        else:
-            locked_position = local_position(joint.kind.nq, value, f"position to lock joint {name!r} at")
-            locked[name] = np.asarray(joint.kind.normalize(locked_position))
-            if joint.mimic is None:
-                configuration[joint.idx_q : joint.idx_q + joint.nq] = locked_position
-    for joint in model.joints:
-        follows = joint.mimic is not None and model.joints[joint.mimic.source].name in locked
-        if follows and joint.name not in locked:
-            locked[joint.name] = np.asarray(joint.q_of(configuration))
-    return rebuilt(model, locked=locked)
+        if value is not None:
+            what = f"position to lock joint {name!r} at"
+            at[model.joint_index(name)] = local_position(joint.kind.nq, value, what)
+        elif joint.mimic is None:
+            at[model.joint_index(name)] = np.asarray(joint.q_of(q))
+    others = [model.joint(name) for name in positions if model.joint_index(name) not in at]
+    for joint, followed in [(joint, _followed_position(model, joint, at)) for joint in others]:
+        at[model.joint_index(joint.name)] = np.asarray(joint.q_of(q)) if followed is None else followed
+    return at
+
+
+def _followed_position(model: Model, joint: Joint, locked: Mapping[int, Floats]) -> Floats | None:
+    """Where a mimic joint stands since one that it follows is locked, the nearest of several; None if none is."""
+    ratio, offset = 1.0, 0.0
+    while joint.mimic is not None:
+        mimic = joint.mimic
+        leader, factor, shift = mimic.leader or (mimic.source, mimic.multiplier, mimic.offset)
+        ratio, offset = ratio * factor, ratio * shift + offset
+        if leader in locked:
+            return ratio * locked[leader] + offset
+        joint = model.joints[leader]
+    return None
 
 
 def rebuilt(

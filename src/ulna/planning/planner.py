@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache, partial
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, final, get_args
 import numpy as np
 
 from ulna.checks.arrays import finite_array
+from ulna.checks.labels import in_order
 from ulna.checks.values import flag, number, short_repr
 from ulna.collision import LinkPair, Spheres, World
 from ulna.collision.lanes.moving import links_of
@@ -28,6 +28,7 @@ from ulna.planning.run import Options
 from ulna.planning.scenes import PlanningScene
 from ulna.planning.search import Search
 from ulna.planning.stop import STOP
+from ulna.system import process_end
 from ulna.system.progress import progress
 from ulna.typing import ArrayLike, Floats
 
@@ -284,7 +285,8 @@ class Planner:
         options: Options,
     ) -> Plan:
         """The plan for any goal, not only configurations."""
-        q0 = np.array(finite_array("q0", q0))  # of its own: the caller's may change meanwhile
+        # A copy: the caller's may change meanwhile.
+        q0 = finite_array("q0", in_order("q0", q0, self.model.position_names))
         if q0.shape != (self.model.nq,):
             raise ShapeError("q0", q0.shape, f"({self.model.nq},)")
         goals = goal_configurations(self.robot, goal, frame, q0, options.seed, joints, options.timeout)
@@ -390,7 +392,8 @@ class Planner:
             ShapeError: If there are not as many starts as goals.
             InputError: If `threads` makes no sense; what `plan` raises.
         """
-        q0, goal_list = np.array(finite_array("starts", starts)), list(goals)
+        q0 = finite_array("starts", in_order("starts", starts, self.model.position_names))
+        goal_list = list(goals)
         if q0.shape not in ((self.model.nq,), (len(goal_list), self.model.nq)):
             raise ShapeError("starts", q0.shape, f"({len(goal_list)}, {self.model.nq}), one for each goal")
         start_of_each = np.broadcast_to(q0, (len(goal_list), self.model.nq))
@@ -405,11 +408,14 @@ class Planner:
 
         count, out = len(goal_list), []
         with self._in_batch(), progress("Planning") as report:
-            if workers == 1 or count < 2:
+            if workers == 1 or count < 2 or process_end.has_begun():
                 for number in range(count):
                     report(number, count)
                     out.append(self.plan(start_of_each[number], goal_list[number], **options))
                 return out
+            # Imported here: while the process ends, the import fails.
+            from concurrent.futures import ThreadPoolExecutor, wait
+
             pool = ThreadPoolExecutor(min(workers, count))
             try:  # the search releases the GIL
                 for number, future in enumerate([pool.submit(one, number) for number in range(count)]):

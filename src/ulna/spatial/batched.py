@@ -18,6 +18,7 @@ from ulna.numeric import dot, is_symbolic, sqrt
 from ulna.typing import Array, ArrayLike
 
 F = TypeVar("F", bound=Callable[..., Any])
+FLOAT = np.dtype(float)
 _WHOLE = "biu"  # kinds of whole numbers: products of small ones overflow, and unsigned ones have no negative
 
 

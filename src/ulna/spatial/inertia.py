@@ -10,7 +10,7 @@ from ulna.checks.arrays import batched_array
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.numeric import apply, cross, dot, is_symbolic, matrix, skew, vector, where
-from ulna.spatial.batched import Batched, as_array, column, component
+from ulna.spatial.batched import FLOAT, Batched, as_array, column, component
 from ulna.spatial.solid_moments import solid_moments
 from ulna.spatial.vectors import Force, Motion
 from ulna.typing import Array, ArrayLike
@@ -40,11 +40,13 @@ class Inertia(Batched):
     _ranks: ClassVar[dict[str, int]] = {"mass": 0, "com": 1, "inertia": 2}
 
     def __post_init__(self) -> None:
-        if type(self.com) is not np.ndarray or type(self.inertia) is not np.ndarray:
-            object.__setattr__(self, "com", as_array(self.com))
-            object.__setattr__(self, "inertia", as_array(self.inertia))
-        if type(self.mass) is list:
-            object.__setattr__(self, "mass", as_array(self.mass))
+        com, inertia = self.com, self.inertia
+        if type(com) is not np.ndarray or com.dtype is not FLOAT:
+            object.__setattr__(self, "com", as_array(com))
+        if type(inertia) is not np.ndarray or inertia.dtype is not FLOAT:
+            object.__setattr__(self, "inertia", as_array(inertia))
+        if isinstance(self.mass, (list, np.ndarray, np.generic)):
+            object.__setattr__(self, "mass", as_array(self.mass)[()])
 
     @classmethod
     def zero(cls) -> Inertia:

@@ -13,7 +13,7 @@ from ulna.errors import InputError, ShapeError
 from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, skew, sqrt, vector
 from ulna.spatial import angles, exponential, quaternion
-from ulna.spatial.batched import Batched, as_array, column, component, core_shapes, numbers
+from ulna.spatial.batched import FLOAT, Batched, as_array, column, component, core_shapes, numbers
 from ulna.spatial.pose_constructors import PoseConstructors
 from ulna.spatial.so3 import SO3
 from ulna.spatial.vectors import Motion
@@ -71,6 +71,8 @@ class SE3(PoseConstructors, metaclass=Explained):
     def __init__(self, rotation: Any = None, translation: Any = None, z: Any = None) -> None:
         if type(rotation) is not np.ndarray or type(translation) is not np.ndarray or z is not None:
             rotation, translation = _parts(rotation, translation, z)
+        elif rotation.dtype is not FLOAT or translation.dtype is not FLOAT:
+            rotation, translation = as_array(rotation), as_array(translation)
         if rotation.shape[-2:] != _MATRIX or translation.shape[-1:] != _VECTOR:
             raise _wrong_parts(rotation, translation)
         _set(self, "rotation", rotation)

@@ -13,7 +13,7 @@ from ulna.errors import ShapeError
 from ulna.idioms import Explained, explained
 from ulna.numeric import apply, dot, sqrt
 from ulna.spatial import angles, exponential, quaternion
-from ulna.spatial.batched import Batched, Composed, as_array, column, component, numbers, unit_vectors
+from ulna.spatial.batched import FLOAT, Batched, Composed, as_array, column, component, numbers, unit_vectors
 from ulna.spatial.nearest import nearest_rotation
 from ulna.typing import Array, ArrayLike
 
@@ -33,7 +33,7 @@ class SO3(Composed, metaclass=Explained):
     _ranks: ClassVar[dict[str, int]] = {"matrix": 2}
 
     def __post_init__(self) -> None:
-        if type(self.matrix) is not np.ndarray:
+        if type(self.matrix) is not np.ndarray or self.matrix.dtype is not FLOAT:
             object.__setattr__(self, "matrix", as_array(self.matrix))
 
     @classmethod

@@ -15,7 +15,7 @@ import numpy as np
 from ulna.checks.arrays import batched_array
 from ulna.data_classes import dataclass
 from ulna.numeric import apply, cross, dot, matrix
-from ulna.spatial.batched import Batched, as_array, column
+from ulna.spatial.batched import FLOAT, Batched, as_array, column
 from ulna.typing import Array, ArrayLike
 
 
@@ -29,9 +29,11 @@ class SpatialVector(Batched):
     _ranks: ClassVar[dict[str, int]] = {"linear": 1, "angular": 1}
 
     def __post_init__(self) -> None:
-        if type(self.linear) is not np.ndarray or type(self.angular) is not np.ndarray:
-            object.__setattr__(self, "linear", as_array(self.linear))
-            object.__setattr__(self, "angular", as_array(self.angular))
+        linear, angular = self.linear, self.angular
+        if type(linear) is not np.ndarray or linear.dtype is not FLOAT:
+            object.__setattr__(self, "linear", as_array(linear))
+        if type(angular) is not np.ndarray or angular.dtype is not FLOAT:
+            object.__setattr__(self, "angular", as_array(angular))
 
     @classmethod
     def zero(cls, batch_shape: tuple[int, ...] = ()) -> Self:

@@ -7,6 +7,7 @@ when `ulna` is imported; modules that are loaded later, even by a function that 
 from __future__ import annotations
 
 import atexit
+import threading
 from collections.abc import Callable
 
 _functions: list[Callable[[], object]] = []
@@ -14,8 +15,8 @@ _has_begun = False
 
 
 def has_begun() -> bool:
-    """Whether the functions were called; what is used later runs without threads."""
-    return _has_begun
+    """Whether the process ends: Python starts no pools of threads any more, and from 3.12 on no threads."""
+    return _has_begun or not threading.main_thread().is_alive()
 
 
 def call_at_end(function: Callable[[], object]) -> None:

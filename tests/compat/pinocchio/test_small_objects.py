@@ -62,6 +62,13 @@ def test_solid_bodies(pin: Any) -> None:
     _same(pin.Inertia.FromEllipsoid(2.0, 0.3, 0.4, 0.5), spatial.Inertia.from_ellipsoid(2.0, (0.3, 0.4, 0.5)))
 
 
+def test_solid_bodies_of_small_whole_numbers(pin: Any) -> None:
+    sizes = np.array([20, 200, 2], np.uint8)
+    for make in (pin.Inertia.FromBox, pin.Inertia.FromEllipsoid):
+        assert make(np.uint8(2), *sizes) == make(2.0, *sizes.astype(float))
+    assert pin.Inertia.FromCylinder(np.uint8(2), *sizes[:2]) == pin.Inertia.FromCylinder(2.0, 20.0, 200.0)
+
+
 def test_motions_and_quaternions(pin: Any) -> None:
     v, w, f = pin.Motion.Random(), pin.Motion.Random(), pin.Force.Random()
     np.testing.assert_allclose((v ^ w).vector, v.action @ w.vector, atol=1e-15)

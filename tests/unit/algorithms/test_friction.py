@@ -127,3 +127,24 @@ def test_a_law_keeps_copies_of_the_arrays_it_is_given() -> None:
     own[:], rows[:] = 2.0, 3.0
     np.testing.assert_array_equal(law.viscous, [0.5, 0.5])
     np.testing.assert_array_equal(of_view.viscous, [1.0, 1.0])
+
+
+def test_equal_laws_share_a_kernel() -> None:
+    robot = ulna.load("ur5", visuals="simple")
+    each = np.full(6, 0.3)
+    one, same = Friction(0.5, each, stribeck=0.1), Friction(0.5, each.copy(), stribeck=0.1)
+    assert one == same and hash(one) == hash(same) and one != 0.5
+    assert robot.kernel("forward_dynamics", friction=one) is robot.kernel("forward_dynamics", friction=same)
+    for other in (
+        Friction(0.5, each + 0.1, stribeck=0.1),
+        Friction(0.5, each),
+        Friction(0.5, each, each, stribeck=0.1),
+    ):
+        assert one != other
+        assert robot.kernel("forward_dynamics", friction=one) is not robot.kernel(
+            "forward_dynamics", friction=other
+        )
+    traced = compile(
+        lambda c, v: Friction(coulomb=c).torque(v) + Friction(coulomb=2.0 * c).torque(v), c=(), v=()
+    )
+    assert traced(2.0, 0.3) == pytest.approx(3.0 * Friction(coulomb=2.0).torque(0.3))

@@ -158,12 +158,59 @@ if {registered_first}:
     robot.fk([0.0] * 6)
 """
     environment = {**os.environ, "ULNA_CACHE": "0"}
+    assert _ended(script, environment) == (0, "(6,)\n", "")
+
+
+@pytest.mark.parametrize("cache", ["0", ""])
+def test_a_function_called_at_exit_can_import_ulna_first(cache: str) -> None:
+    """Before, objects of llvmlite failed and Python printed exceptions that were ignored."""
+    script = """
+import atexit
+
+def late():
+    import ulna
+    robot = ulna.load("ur5", visuals="simple")
+    print(robot.fk([0.0] * 6).shape, robot.gravity_forces([0.0] * 6).shape)
+
+atexit.register(late)
+"""
+    environment = {**os.environ, **({"ULNA_CACHE": cache} if cache else {})}
+    assert _ended(script, environment) == (0, "(4, 4) (6,)\n", "")
+
+
+def test_functions_called_at_exit_plan_and_check_collisions_in_threads() -> None:
+    """Before, the first import of thread pools failed, and so did a new pool."""
+    script = """
+import atexit
+import numpy as np
+import ulna
+robot = ulna.load("ur5", visuals="simple")
+
+def late():
+    from ulna.collision import SphereChecker, World
+    from ulna.geometry import Box
+    from ulna.planning import Planner
+    world = World().add("post", Box((0.1, 0.1, 1.0)), (2.0, 0.0, 0.3))
+    Q = robot.random_configuration(3000, seed=1)
+    checker = SphereChecker(robot, world)
+    print((checker.collides(Q, threads=2) == checker.collides(Q)).all())
+    print((checker.clearance(Q, threads=2) == checker.clearance(Q)).all())
+    start = robot.configurations["qr"] if "qr" in robot.configurations else np.zeros(6)
+    print([bool(plan) for plan in Planner(robot, world).plan_all(start, [start + 0.01, start + 0.02], threads=2)])
+
+atexit.register(late)
+"""
+    assert _ended(script, dict(os.environ)) == (0, "True\nTrue\n[True, True]\n", "")
+
+
+def _ended(script: str, environment: dict[str, str]) -> tuple[int, str, str]:
+    """What a process that runs a script returned and printed."""
     process = subprocess.run(
         [sys.executable, "-c", script],
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=300,
         check=False,
         env=environment,
     )
-    assert (process.returncode, process.stdout, process.stderr) == (0, "(6,)\n", "")
+    return process.returncode, process.stdout, process.stderr

@@ -283,6 +283,59 @@ def test_labels_count_wherever_numbers_of_joints_are_taken(robot: ulna.Robot, Q:
         ulna.sim.simulate(robot, q, turned(v).assign_coords(joint=list("abcdefg")), duration=0.01)
 
 
+def test_tables_are_put_in_order_by_the_names_of_their_columns(robot: ulna.Robot, Q: Any) -> None:
+    pd = pytest.importorskip("pandas")
+    names = list(robot.joint_names)
+    table = pd.DataFrame(Q, columns=names)[names[::-1]]
+    q = table.iloc[0]
+    pairs: list[tuple[Any, Any]] = [
+        (robot.with_configuration("here", q).configurations["here"], Q[0]),
+        (ulna.sim.Body(robot, q).q, Q[0]),
+        (
+            trajectory.straight_through(robot, table[:3], 1.0)(0.3),
+            trajectory.straight_through(robot, Q[:3], 1.0)(0.3),
+        ),
+        (robot.plan(q, Q[0] + 1e-3).points, robot.plan(Q[0], Q[0] + 1e-3).points),
+    ]
+    for named, plain in pairs:
+        np.testing.assert_array_equal(named, plain)
+    with pytest.raises(InputError, match=r"`q` has labels \['panda_joint7'.*q.to_numpy\(\) leaves them out"):
+        ulna.sim.Body(robot, q[:6])
+    np.testing.assert_array_equal(ulna.sim.Body(robot, pd.Series(Q[0])).q, Q[0])
+
+
+def test_without_a_robot_labels_are_refused_since_their_order_is_not_known(robot: ulna.Robot, Q: Any) -> None:
+    xr, pd = pytest.importorskip("xarray"), pytest.importorskip("pandas")
+    names = list(robot.joint_names)
+    points = xr.DataArray(Q[:3], dims=("point", "joint"), coords={"joint": names})
+    table = pd.DataFrame(Q[:3], columns=names)
+    for labelled, fix in ((points, r"drop_vars\('joint'\)"), (table, r"to_numpy\(\)")):
+        first, last = (labelled[0], labelled[2]) if labelled is points else (table.iloc[0], table.iloc[2])
+        uses: list[Any] = [
+            lambda x=labelled: trajectory.cubic_spline(x, duration=1.0),
+            lambda x=labelled: trajectory.minimum_jerk(x, duration=1.0),
+            lambda x=labelled: trajectory.bspline(x, 1.0),
+            lambda x=labelled: trajectory.blended(x, 0.1, velocity=1.0),
+            lambda x=labelled: trajectory.time_optimal(x, velocity=1.0, acceleration=1.0),
+            lambda x=[first, last]: trajectory.cubic_spline(x, duration=1.0),
+            lambda a=first, b=last: trajectory.quintic(a, b, 1.0),
+            lambda a=first, b=last: trajectory.cubic(a, b, 1.0),
+            lambda a=first, b=last: trajectory.trapezoidal(a, b, velocity=1.0, acceleration=1.0),
+            lambda a=first, b=last: trajectory.s_curve(a, b, velocity=1.0, acceleration=1.0, jerk=1.0),
+            lambda a=first, b=last: trajectory.jerk_limited(a, 0, 0, b, 0, 0, 1.0, 1.0, 1.0),
+            lambda a=first: trajectory.jerk_limited(Q[0], 0, 0, Q[1], 0, 0, abs(a), 1.0, 1.0),
+        ]
+        for use in uses:
+            with pytest.raises(
+                InputError, match=rf"has labels.*the order of its numbers is not known.*{fix}"
+            ):
+                use()
+    plain = points.drop_vars("joint")
+    np.testing.assert_array_equal(
+        trajectory.cubic_spline(plain, duration=1.0)(0.3), trajectory.cubic_spline(Q[:3], duration=1.0)(0.3)
+    )
+
+
 def test_a_twist_of_a_robot_with_six_joints_has_no_names_of_joints() -> None:
     xr = pytest.importorskip("xarray")
     robot = ulna.load("ur5")

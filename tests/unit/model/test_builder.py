@@ -210,7 +210,7 @@ def test_mimics_of_mimics_are_resolved_and_may_come_first() -> None:
     b.add_joint("jc", HINGE, "r", "c")
     m = b.build()
     assert m.nq == 1
-    assert m.joint("ja").mimic == Mimic(2, 6.0, pytest.approx(0.5))
+    assert m.joint("ja").mimic == Mimic(2, 6.0, pytest.approx(0.5), (1, 2.0, 0.1))
     assert m.joint("jb").mimic == Mimic(2, 3.0, 0.2)
     np.testing.assert_allclose(m.joint("ja").q_of(np.array([1.0])), [6.5])
 

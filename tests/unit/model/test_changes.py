@@ -16,6 +16,7 @@ from ulna.model import (
     Model,
     ModelBuilder,
     Planar,
+    Prismatic,
     attach,
     lock_joints,
     position,
@@ -105,6 +106,60 @@ def test_a_mimic_can_be_locked_alone() -> None:
     assert small.link("right").placement.is_close(
         small.link("hand").placement @ SE3.trans(0.0, -0.015, 0.1), 1e-15
     )
+
+
+def fingers() -> Model:
+    """A slide, one that follows it, one that follows that one, and so on, in an order of their own."""
+    builder = ModelBuilder("fingers")
+    builder.add_link("base", inertia=None)
+    follows = {
+        "third": ("second", -2.0, 0.01),
+        "first": None,
+        "second": ("first", 0.5, 0.1),
+        "fourth": ("third", 3, 0),
+    }
+    for name, leader in follows.items():
+        builder.add_link(f"{name}_link")
+        builder.add_joint(name, Prismatic((1, 0, 0)), "base", f"{name}_link", mimic=leader)
+    return builder.build()
+
+
+def places(model: Model, q: list[float]) -> list[float]:
+    """Where the four fingers stand."""
+    at = poses(model, np.array(q))
+    return [at[f"{name}_link", "point"][0, 3] for name in ("first", "second", "third", "fourth")]
+
+
+def test_a_mimic_of_a_locked_mimic_follows_the_locked_value() -> None:
+    m = fingers()
+    assert m.joint_names == ("third", "first", "second", "fourth")
+    np.testing.assert_allclose(places(m, [0.2]), [0.2, 0.2, -0.39, -1.17])
+    small = lock_joints(m, {"second": 0.3})
+    assert small.joint_names == ("first",)
+    np.testing.assert_allclose(places(small, [0.2]), [0.2, 0.3, -0.59, -1.77])
+    np.testing.assert_allclose(places(lock_joints(m, ["second"], [0.4]), [0.2]), [0.2, 0.3, -0.59, -1.77])
+    third = lock_joints(m, {"third": 1.0})
+    assert third.joint_names == ("first", "second")
+    np.testing.assert_allclose(places(third, [0.2]), [0.2, 0.2, 1.0, 3.0])
+
+
+def test_the_nearest_locked_leader_counts_in_any_order() -> None:
+    m = fingers()
+    for order in (1, -1):
+        values = dict(list({"first": 0.2, "second": None, "third": 0.0}.items())[::order])
+        np.testing.assert_allclose(places(lock_joints(m, values), []), [0.2, 0.2, 0.0, 0.0])
+        names = ["first", "second", "third", "fourth"][::order]
+        np.testing.assert_allclose(places(lock_joints(m, names, [0.2]), []), [0.2, 0.2, -0.39, -1.17])
+
+
+def test_copies_keep_which_mimic_a_joint_follows() -> None:
+    m = fingers()
+    assert rebuilt(m) == m
+    both = attach(m, fingers(), "base", prefix="other_")
+    locked = lock_joints(both, {"other_second": 0.3})
+    assert locked.joint_names == ("third", "first", "second", "fourth", "other_first")
+    there = poses(locked, np.array([0.7, 0.2]), "other_")
+    assert there["fourth_link", "point"][0, 3] == pytest.approx(-1.77)
 
 
 def test_locking_everything_leaves_a_statue() -> None:

@@ -192,3 +192,26 @@ def test_what_cannot_be_stacked_is_refused() -> None:
             SE3.stack(wrong)  # type: ignore[list-item]
     with pytest.raises(ShapeError, match=r"`items` has shape \(3,\)"):
         SE3.stack([one, two])
+
+
+@pytest.mark.parametrize("kind", [np.int8, np.uint8, np.uint64, bool])
+def test_small_whole_numbers_become_floats_and_neither_wrap_nor_lose_their_sign(kind: Any) -> None:
+    a, b = np.array([1, 2, 3]).astype(kind), np.array([100, 100, 50]).astype(kind)
+    eye, m = np.eye(3).astype(kind), b[0]
+    twice: list[Any] = [
+        lambda a, b, eye, m: (Motion(a, b) + Motion(b, b)).vector(),
+        lambda a, b, eye, m: (-Motion(a, b)).vector(),
+        lambda a, b, eye, m: (3 * Force(a, b)).vector(),
+        lambda a, b, eye, m: Motion(a, b).cross(Motion(b, a)).vector(),
+        lambda a, b, eye, m: Motion(b, b).dot(Force(b, b)),
+        lambda a, b, eye, m: (SE3(eye, b) @ SE3(eye, b)).matrix(),
+        lambda a, b, eye, m: SE3(eye, b).inverse().matrix(),
+        lambda a, b, eye, m: SO3(eye).inverse() @ -SE3(eye, b).translation,
+        lambda a, b, eye, m: (Inertia(m, b, eye) + Inertia(m, a, eye)).matrix(),
+        lambda a, b, eye, m: Inertia(m, b, eye).apply(Motion(a, b)).vector(),
+    ]
+    for use in twice:
+        floats = use(*(np.asarray(x, dtype=float)[()] for x in (a, b, eye, m)))
+        np.testing.assert_array_equal(use(a, b, eye, m), floats)
+    pairs = Inertia(np.array([m, m]), np.stack([a, b]), np.stack([eye, eye]))
+    assert (pairs + pairs).mass.tolist() == [2.0 * float(m)] * 2

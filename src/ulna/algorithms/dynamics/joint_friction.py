@@ -28,6 +28,7 @@ from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.model import Drive, Model, with_drives
 from ulna.numeric import exp, is_symbolic, less, tanh, where
+from ulna.system.cached import cached_property
 from ulna.typing import Array, Floats
 
 
@@ -75,6 +76,21 @@ class Friction:
             raise InputError(
                 f"The numbers of a friction have the shapes {sorted(shapes)}; expected one (nv,)."
             )
+
+    @cached_property
+    def _key(self) -> tuple[Any, ...]:
+        """What two frictions are compared by: numbers as they are, arrays by their bytes, traced values themselves."""
+        entries = (getattr(self, f.name) for f in fields(self))
+        return tuple(
+            id(x) if is_symbolic(x) else x.tobytes() if isinstance(x, np.ndarray) else x for x in entries
+        )
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the numbers are the same, so that kernels of equal frictions are compiled once."""
+        return self._key == other._key if isinstance(other, Friction) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key)
 
     @classmethod
     def of(cls, model: Model, width: float = 1e-2) -> Friction:

@@ -57,10 +57,17 @@ def llvm_library() -> Any:
         if inner is not None:  # other libraries compile with LLVM, too
             forks.adopt(inner)
         # `atexit` ignores what llvmlite registers where a function called at exit compiles the first kernel.
-        leave_objects = getattr(getattr(llvmlite.binding, "common", None), "_at_shutdown", None)
-        if leave_objects is not None:
-            process_end.call_at_end(leave_objects)
+        is_ending = getattr(getattr(llvmlite.binding, "common", None), "_shutting_down", None)
+        if isinstance(is_ending, list) and is_ending == [False]:
+            is_ending[0] = _IsFinalizing()
     return llvmlite.binding
+
+
+class _IsFinalizing:
+    """True once modules are taken down: objects of LLVM are left then, for what closes them may be gone."""
+
+    def __bool__(self, is_finalizing: Callable[[], bool] = sys.is_finalizing) -> bool:
+        return is_finalizing()
 
 
 @dataclass(frozen=True)

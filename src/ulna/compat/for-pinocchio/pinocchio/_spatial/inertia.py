@@ -142,7 +142,9 @@ class Inertia:
         Returns:
             The inertia about its centre.
         """
-        a, b, c = length_x**2 / 5, length_y**2 / 5, length_z**2 / 5
+        a, b, c = (
+            length**2 / 5 for length in _lengths(length_x=length_x, length_y=length_y, length_z=length_z)
+        )
         return Inertia._centred(real(mass, "mass"), b + c, a + c, a + b)
 
     @staticmethod
@@ -169,7 +171,9 @@ class Inertia:
         Returns:
             The inertia about its centre.
         """
-        a, b, c = length_x**2 / 12, length_y**2 / 12, length_z**2 / 12
+        a, b, c = (
+            length**2 / 12 for length in _lengths(length_x=length_x, length_y=length_y, length_z=length_z)
+        )
         return Inertia._centred(real(mass, "mass"), b + c, a + c, a + b)
 
     @staticmethod
@@ -376,6 +380,11 @@ class Inertia:
         return f"  m = {float(p[0]):.6g}\n  c = {text(p[1:4])}\n  I = \n{text(p[4:].reshape(3, 3))}"
 
     __repr__ = __str__
+
+
+def _lengths(**lengths: Any) -> tuple[float, ...]:
+    """Lengths as numbers of Python, whose squares do not overflow."""
+    return tuple(real(value, name) for name, value in lengths.items())
 
 
 def _is_inertia(I: Array) -> Any:
