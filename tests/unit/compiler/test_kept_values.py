@@ -72,6 +72,22 @@ def test_as_many_are_kept_as_there_is_room_for(seed):
     assert counts == sorted(counts)
 
 
+def test_of_values_alike_as_many_are_kept_as_there_is_room_for():
+    g = Graph()
+    alike = [[g.input() for _ in range(3)] for _ in range(16)]
+    quotients = [[g.node(Op.DIV, x, y), g.node(Op.DIV, x, z)] for x, y, z in alike]
+    sums = [g.node(Op.ADD, *pair) for pair in quotients]
+    outputs = [g.node(Op.MUL, g.input(), node) for node in sums]
+    values = [*(node for pair in quotients for node in pair), *sums]
+    for most, kept in (
+        (16, 16),
+        (15, 10),
+        (9, 4),
+        (3, 0),
+    ):  # the price of a part of the values is raised at once
+        assert values_to_keep(g, values, outputs, most) == sums[:kept]
+
+
 def steps_of(robot, name, count):
     """A scalar function of where `count` steps of a robot under constant torques lead."""
     f, n = robot.function(name), robot.nv

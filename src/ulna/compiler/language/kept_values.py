@@ -8,13 +8,15 @@ Reverse-mode automatic differentiation and optimization of GPU kernels via Enzym
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
+from functools import partial
 
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ops import TABLE, Op
 
 _PRICES = (6, 8, 12, 16, 24, 40)
-"""Of a store, a load and the memory they take, beside a sum or a product; the first that needs little enough memory."""
+"""Of a store, a load and the memory they take, beside a sum or a product; the first that needs little enough memory,
+and where there is room the one before it for some of the values."""
 _PARTNERS = {int(Op.SIN): int(Op.COS), int(Op.COS): int(Op.SIN)}
 _LEAVES = frozenset(map(int, (Op.INPUT, Op.CONST, Op.BOOL, Op.LANE)))
 _ALL = 1 << 40
@@ -54,15 +56,52 @@ def values_to_keep(g: Graph, values: Iterable[int], outputs: Sequence[int], most
                 network.edge(2 * k + 1, 2 * place[a], _ALL)
         if index in needed:
             network.edge(source, 2 * k, _ALL)
+    return _affordable(network, partial(_kept, network, nodes, source, sink), readable, most)
+
+
+def _affordable(
+    network: _Network, kept_now: Callable[[], list[int]], readable: Sequence[int], most: int
+) -> list[int]:
+    """What is kept at the first price at which so many values can be read; some at the price before, if there is room.
+
+    Args:
+        network: The network, with prices of zero.
+        kept_now: What is kept at the prices that it has.
+        readable: The edges that have prices.
+        most: How many values can be read.
+
+    Returns:
+        Nodes; none if even at the last price there are too many.
+    """
     before = 0
     for price in _PRICES:
+        cheaper = network.residual()
         network.raise_capacities(readable, price - before)
-        before = price
-        reached = network.cut(source, sink)
-        kept = [nodes[k] for k in range(len(nodes)) if reached[2 * k] and not reached[2 * k + 1]]
-        if len(kept) <= most:
-            return kept
+        kept = kept_now()
+        if len(kept) > most:
+            before = price
+            continue
+        if before:
+            network.restore(cheaper)
+            for edges in _parts(readable):
+                network.raise_capacities(edges, price - before)
+                kept = kept_now()
+                if len(kept) <= most:
+                    break
+        return kept
     return []
+
+
+def _kept(network: _Network, nodes: Sequence[int], source: int, sink: int) -> list[int]:
+    """The nodes that the minimum cut reads."""
+    reached = network.cut(source, sink)
+    return [nodes[k] for k in range(len(nodes)) if reached[2 * k] and not reached[2 * k + 1]]
+
+
+def _parts(edges: Sequence[int]) -> Iterable[Sequence[int]]:
+    """Edges in eight parts, the last ones first."""
+    size = -(-len(edges) // 8)
+    return [edges[max(end - size, 0) : end] for end in range(len(edges), 0, -size)]
 
 
 def _cost(g: Graph, index: int, known: Collection[int]) -> int:
@@ -93,6 +132,14 @@ class _Network:
         """Raises the capacities of edges."""
         for edge in edges:
             self._residual[edge] += more
+
+    def residual(self) -> list[int]:
+        """The residual capacities of all edges."""
+        return self._residual.copy()
+
+    def restore(self, residual: list[int]) -> None:
+        """Sets the residual capacities to what they were."""
+        self._residual = residual
 
     def cut(self, source: int, sink: int) -> list[int]:
         """Finds a maximum flow; for each node whether it is on the source's side of the minimum cut, as a number."""
