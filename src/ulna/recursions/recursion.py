@@ -207,6 +207,9 @@ class Evaluator:
 def _into_lanes(rows: Floats, array: Floats) -> None:
     """Copies rows (rows, size) to (blocks, size, lanes)."""
     lanes, size = array.shape[2], rows.shape[1]
+    if lanes == 1:
+        array[: len(rows), :size, 0] = rows
+        return
     whole, rest = divmod(len(rows), lanes)
     if whole:
         array[:whole, :size] = rows[: whole * lanes].reshape(whole, lanes, size).swapaxes(1, 2)
@@ -217,6 +220,9 @@ def _into_lanes(rows: Floats, array: Floats) -> None:
 def _from_lanes(array: Floats, rows: Floats) -> None:
     """Copies (blocks, size, lanes) to rows (rows, size)."""
     lanes, size = array.shape[2], rows.shape[1]
+    if lanes == 1:
+        rows[...] = array[: len(rows), :size, 0]
+        return
     whole, rest = divmod(len(rows), lanes)
     if whole:
         rows[: whole * lanes].reshape(whole, lanes, size)[...] = array[:whole, :size].swapaxes(1, 2)

@@ -257,6 +257,32 @@ def test_results_are_written_where_asked(chain: ulna.Robot) -> None:
     assert np.array_equal(target, kernel(q[3]))
 
 
+@pytest.mark.parametrize("checked", [False, True])
+def test_samples_that_are_read_as_they_are(chain: ulna.Robot, checked: bool) -> None:
+    kernel = chain.kernel("inverse_dynamics", checked=checked)
+    q, v, a = (0.1 * x for x in np.random.default_rng(8).standard_normal((3, chain.nv)))
+    wanted = kernel(*(x[None] for x in (q, v, a)))[0]
+    out = np.full(chain.nv, np.nan)
+    assert kernel(q, v, a, out=out) is out
+    wide = np.repeat(a, 2)[::2]
+    answers = [out, kernel(q, v, a), kernel(q, v, wide), kernel(q.tolist(), v, a), kernel(q, v=v, a=a)]
+    answers += [kernel(q, v, a, out=(np.zeros(chain.nv),)), kernel(q, v, wide, out=wide)]
+    for answer in answers:
+        np.testing.assert_allclose(answer, wanted, rtol=1e-12, atol=1e-10)
+    np.testing.assert_array_equal(answers[1], out)
+    out.flags.writeable = False
+    with pytest.raises(ValueError, match="read-only"):
+        kernel(q, v, a, out=out)
+    with pytest.raises(ShapeError):
+        kernel(q, v, a[:-1])
+    q[3] = np.nan
+    if checked:
+        with pytest.raises(NonFiniteError):
+            kernel(q, v, a)
+    else:
+        assert np.isnan(kernel(q, v, a)).any()
+
+
 def test_float32_is_rounded_at_the_end(chain: ulna.Robot) -> None:
     q = configurations(chain.model, np.random.default_rng(0), 3).astype(np.float32)
     small = chain.kernel("gravity_forces", dtype=np.float32)(q)
@@ -335,8 +361,9 @@ def test_branches_keep_what_their_children_need() -> None:
         assert np.abs(M(q) @ inverse(q) - np.eye(40)).max() < 1e-10
 
 
-def test_matrices_of_hundreds_of_joints() -> None:
-    robot = ulna.Robot(long_robot(400, 0.05))
+@pytest.mark.parametrize("branching", [0.0, 0.05, 0.5])
+def test_matrices_of_hundreds_of_joints(branching: float) -> None:
+    robot = ulna.Robot(long_robot(400, branching))
     q, v, a = arguments(robot.model, "inverse_dynamics", 1)
     M = robot.mass_matrix(q[0])
     assert "loops over" in repr(robot.kernel("mass_matrix"))

@@ -143,7 +143,7 @@ class ArrayCall:
         if out is not None:
             self._check_out(out, batch)
         if self.checked:
-            self._check_values(arrays)
+            self.check_values(arrays)
         fast_call = self.single() if batch == () and (out is None or self._is_exact(out)) else None
         if fast_call is not None:
             exact = [self._exact(a) for a in arrays]
@@ -167,7 +167,7 @@ class ArrayCall:
             reject_tables(port, a)
             check_not_masked(port.name, a)
         if self.checked:
-            self._check_values(
+            self.check_values(
                 [self._readable_now(a, p) for a, p in zip(args, self.function.inputs, strict=True)]
             )
         return self._apply(args, out)
@@ -180,8 +180,16 @@ class ArrayCall:
         check_core_shape(port.name, array, port.shape)
         return array
 
-    def _check_values(self, arrays: Sequence[Any]) -> None:
-        """Raises where a number is not finite, or a quaternion has not length one; None stands for unknown numbers."""
+    def check_values(self, arrays: Sequence[Any]) -> None:
+        """Examines numbers.
+
+        Args:
+            arrays: An array (..., shape) for each input; None for unknown numbers.
+
+        Raises:
+            NonFiniteError: A number is not finite.
+            InputError: A quaternion has not length one.
+        """
         for a, port in zip(arrays, self.function.inputs, strict=True):
             if a is not None:
                 check_finite(port.name, a)
@@ -330,7 +338,7 @@ class ArrayCall:
         if self.checked:
             if any(type(a) is not np.ndarray or a.dtype is not self.dtype for a in args):
                 return None
-            self._check_values([self._array(a, port) for a, port in zip(args, f.inputs, strict=True)])
+            self.check_values([self._array(a, port) for a, port in zip(args, f.inputs, strict=True)])
         if out is None:
             targets = tuple([np.empty((rows, *p.shape), self.dtype) for p in f.outputs])
         else:

@@ -106,8 +106,8 @@ def mirror(M):
     n = len(M)
     for first in range(0, n, 16):
         for other in range(first, n, 16):
-            for i in range(first, min(first + 16, n)):
-                for j in range(max(other, i + 1), min(other + 16, n)):
+            for j in range(max(other, first + 1), min(other + 16, n)):
+                for i in range(first, min(first + 16, j)):
                     M[j, i] = M[i, j]
 
 

@@ -1,18 +1,20 @@
 """The mass matrix by the composite-rigid-body algorithm, in loops; see `algorithms/dynamics/crba.py`.
 
-All columns of what a step moves are one range, as joints are depth first: their wrenches go to the parent together, W
-at once. Source: Featherstone 2008, table 6.2.
+All columns of what a step moves are one range, as joints are depth first: their wrenches go inward together, W at
+once. Source: Featherstone 2008, table 6.2.
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from ulna.compiler.procedures import Array2, f64, procedure
-from ulna.recursions._procedures.columns import all_wrenches_out, dot_rows, fill_row, mirror
+from ulna.recursions._procedures.columns import all_wrenches_out, dot_rows, fill_row, mirror, put_row
 from ulna.recursions._procedures.declaration import recursion
-from ulna.recursions._procedures.placements import Placements, place
-from ulna.recursions._procedures.vectors import momentum, rotate
+from ulna.recursions._procedures.placements import Placements, multiply, place
+from ulna.recursions._procedures.vectors import momentum, rotate, twist_out
 
 
 class Composite(NamedTuple):
@@ -77,32 +79,85 @@ def column_wrenches(tree, work, i):
 
 
 @procedure
-def _row(tree, work, M, k, stop, W):
-    """Row k of M from its diagonal on; zero from column `stop` on."""
-    n = k
+def _first_row(tree, last):
+    """The first of at most eight rows of which each one is all that the row before carries."""
+    first = last
+    while (
+        first > 1
+        and last - first < 7
+        and tree.parents[first] == first - 1
+        and tree.ends[first - 1] == tree.ends[first]
+    ):
+        first -= 1
+    return first
+
+
+@procedure
+def _block_columns(tree, places, work, Y, S, first, last):
+    """Y of the rows of a block in the frame that carries it, and there its columns and their wrenches."""
+    for j in range(12):
+        Y[0, j, 0] = places.X[first, j, 0]
+    for i in range(first + 1, last + 1):
+        multiply(Y, i - first - 1, places.X, i, Y, i - first, 1)
+    for i in range(last, first - 1, -1):
+        column_wrenches(tree, work, i)
+        all_wrenches_out(Y, i - first, work.F, tree.columns[i], tree.columns[i + 1], 1)
+        for k in range(tree.columns[i], tree.columns[i + 1]):
+            lx, ly, lz, rx, ry, rz = twist_out(
+                Y,
+                i - first,
+                tree.S[k, 0],
+                tree.S[k, 1],
+                tree.S[k, 2],
+                tree.S[k, 3],
+                tree.S[k, 4],
+                tree.S[k, 5],
+                1,
+            )
+            put_row(S, k - tree.columns[first], lx, ly, lz, rx, ry, rz)
+        if tree.parents[i] > 0:
+            add_inertia(places.X, i, work.inertias, tree.parents[i])
+
+
+@procedure
+def _rows(M, S, F, first, after, stop, W):
+    """Rows of M from their diagonals on, of columns whose motions are in S; zero from column `stop` on."""
+    for k in range(first, after):
+        for n in range(k, after):
+            M[k, n] = dot_rows(S, k - first, F, n, 1)
+    n = after
     while n + W <= stop:
-        M[k, n : n + W] = dot_rows(tree.S, k, work.F, n, W)
+        for k in range(first, after):
+            M[k, n : n + W] = dot_rows(S, k - first, F, n, W)
         n += W
     while n < stop:
-        M[k, n] = dot_rows(tree.S, k, work.F, n, 1)
+        for k in range(first, after):
+            M[k, n] = dot_rows(S, k - first, F, n, 1)
         n += 1
-    fill_row(M, k, stop, 0.0, W)
+    for k in range(first, after):
+        fill_row(M, k, stop, 0.0, W)
 
 
 @procedure
 def _upper(tree, places, work, q, M, W):
-    """What is on and above the diagonal of the matrix of all columns."""
+    """What is on and above the diagonal of the matrix of all columns.
+
+    Wrenches go inward by whole blocks of rows: they are taken to the frame that carries a block once, not row by row.
+    """
     place(tree, places, q, 1)
+    Y = np.zeros((8, 12, 1), f64)
+    S = np.zeros((48, 6), f64)  # a row has six columns at most
     for i in range(len(tree.parents)):
         for j in range(10):
             work.inertias[i, j] = tree.inertias[i, j]
-    for i in range(len(tree.parents) - 1, 0, -1):
-        column_wrenches(tree, work, i)
-        for k in range(tree.columns[i], tree.columns[i + 1]):
-            _row(tree, work, M, k, tree.ends[i], W)
-        if tree.parents[i] > 0:
-            all_wrenches_out(places.X, i, work.F, tree.columns[i], tree.ends[i], W)
-            add_inertia(places.X, i, work.inertias, tree.parents[i])
+    last = len(tree.parents) - 1
+    while last > 0:
+        first = _first_row(tree, last)
+        begin, after, stop = tree.columns[first], tree.columns[last + 1], tree.ends[first]
+        _block_columns(tree, places, work, Y, S, first, last)
+        all_wrenches_out(Y, last - first, work.F, after, stop, W)
+        _rows(M, S, work.F, begin, after, stop, W)
+        last = first - 1
 
 
 @procedure
