@@ -19,6 +19,7 @@ from collections.abc import Callable
 from typing import Any
 
 os.environ["ULNA_QUIET"] = "1"
+os.environ["ULNA_CACHE"] = "0"  # so that the times of compilation are those of LLVM
 os.environ.setdefault("ULNA_MOST_OPERATIONS", "0")
 
 import numpy as np
