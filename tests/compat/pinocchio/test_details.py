@@ -161,3 +161,12 @@ def test_names_of_older_versions_say_what_to_use(pin: Any) -> None:
             use()
         assert replacement in str(caught.value)
     assert pin.utils.se3ToXYZQUATtuple(pin.SE3.Identity()) == (0, 0, 0, 0, 0, 0, 1)
+
+
+def test_objects_can_be_keys_of_dictionaries_as_there(pin: Any) -> None:
+    classes = [getattr(pin, name) for name in dir(pin) if isinstance(getattr(pin, name), type)]
+    assert len(classes) > 100
+    assert [cls for cls in classes if cls.__hash__ is None] == []
+    model = pin.buildSampleModelManipulator()
+    contact = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, 1, pin.SE3.Identity())
+    assert {contact: 1, model: 2}[contact] == 1

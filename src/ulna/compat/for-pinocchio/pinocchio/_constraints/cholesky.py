@@ -237,7 +237,7 @@ class ConstraintCholeskyDecomposition:
             self.matrix(), other.matrix()
         )
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = object.__hash__
 
 
 ContactCholeskyDecomposition = ConstraintCholeskyDecomposition

@@ -136,7 +136,7 @@ class TridiagonalSymmetricMatrix:
         same = isinstance(other, TridiagonalSymmetricMatrix)
         return same and all(map(np.array_equal, (self._diagonal, self._sub), (other._diagonal, other._sub)))
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = object.__hash__
 
 
 @final
@@ -227,7 +227,7 @@ class LanczosDecomposition:
         same = isinstance(other, LanczosDecomposition)
         return same and np.array_equal(self._Q, other._Q) and self._T == other._T
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = object.__hash__
 
 
 def _symmetric(matrix: Any, size: int | None = None) -> Floats:

@@ -123,8 +123,6 @@ class RigidConstraint(FramePair):
 
     __hash__ = object.__hash__
 
-    __hash__ = None  # type: ignore[assignment]
-
     def residualSize(self, sel: Any = ConstraintSelectionType.CURRENT) -> int:
         """How many rows it has: 3 or 6."""
         return 6 if self.type == ContactType.CONTACT_6D else 3

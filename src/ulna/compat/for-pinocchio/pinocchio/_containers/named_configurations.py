@@ -39,6 +39,8 @@ class StdMap_String_VectorXd(dict[str, Floats]):
     Iterating yields entries with `key()` and `data()`, as there, in the order of their names.
     """
 
+    __hash__ = object.__hash__  # pyright: ignore[reportAssignmentType]
+
     def __iter__(self) -> Iterator[Any]:
         return iter([Entry(key, self[key]) for key in sorted(self.keys())])
 

@@ -29,6 +29,8 @@ __all__ = [
 class GeometryNoMaterial:
     """Nothing is said of how it shines."""
 
+    __hash__ = object.__hash__
+
 
 @final
 class GeometryPhongMaterial(CheckedAttributes):
