@@ -64,13 +64,10 @@ def test_an_idle_helper_sleeps(kernel: Any, helpers: batch_helpers.Helpers) -> N
     _check(kernel, times=10)
     task = Path(f"/proc/self/task/{helpers.idle[0].thread.native_id}/stat")
 
-    def fields() -> list[str]:
-        return task.read_text().rpartition(")")[2].split()
+    def state() -> str:
+        return task.read_text().rpartition(")")[2].split()[0]
 
-    assert wait(lambda: fields()[0] == "S")
-    used = fields()[11:13]
-    threading.Event().wait(0.1)
-    assert fields()[11:13] == used  # ticks of processor time
+    assert wait(lambda: state() == "S")
 
 
 def test_helpers_without_a_batch_end(

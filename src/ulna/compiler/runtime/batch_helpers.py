@@ -68,6 +68,10 @@ class Helper:
         help_with(self.address)
         with suppress(ValueError):  # a caller has it, which finds that it has ended
             helpers.idle.remove(self)
+        self.free_locks()
+
+    def free_locks(self) -> None:
+        """Frees the locks, which nobody takes any more."""
         for lock in self._locks:
             self._free(lock)
 
@@ -118,6 +122,7 @@ class Helpers:
                 try:
                     helper.thread.start()
                 except RuntimeError:  # no more threads can be started, or the process ends
+                    helper.free_locks()
                     break
             if not helper.has_ended:
                 taken.append(helper)
