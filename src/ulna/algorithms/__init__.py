@@ -73,6 +73,21 @@ if TYPE_CHECKING:
         stages_of_inverse_dynamics_derivatives as stages_of_inverse_dynamics_derivatives,
     )
     from ulna.algorithms.derivatives.staged import stages_of_mass_matrix as stages_of_mass_matrix
+    from ulna.algorithms.derivatives.staged_operational_space import (
+        stages_of_operational_coriolis as stages_of_operational_coriolis,
+    )
+    from ulna.algorithms.derivatives.staged_operational_space import (
+        stages_of_operational_gravity as stages_of_operational_gravity,
+    )
+    from ulna.algorithms.derivatives.staged_operational_space import (
+        stages_of_operational_inertia as stages_of_operational_inertia,
+    )
+    from ulna.algorithms.derivatives.staged_regressors import (
+        stages_of_gravity_regressor as stages_of_gravity_regressor,
+    )
+    from ulna.algorithms.derivatives.staged_regressors import (
+        stages_of_joint_torque_regressor as stages_of_joint_torque_regressor,
+    )
     from ulna.algorithms.derivatives.velocity import (
         frame_acceleration_derivatives as frame_acceleration_derivatives,
     )
@@ -212,6 +227,12 @@ _NAMES = {
         "stages_of_inverse_dynamics_derivatives",
         "stages_of_mass_matrix",
     ),
+    "derivatives.staged_operational_space": (
+        "stages_of_operational_coriolis",
+        "stages_of_operational_gravity",
+        "stages_of_operational_inertia",
+    ),
+    "derivatives.staged_regressors": ("stages_of_gravity_regressor", "stages_of_joint_torque_regressor"),
     "derivatives.velocity": (
         "frame_acceleration_derivatives",
         "frame_velocity_derivatives",

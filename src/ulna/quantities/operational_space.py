@@ -26,6 +26,11 @@ def _at_frame(algorithm: Any) -> Any:
     return run
 
 
+def _stages_at_frame(stages: Any) -> Any:
+    """As `_at_frame`, of a function that makes a form of stages."""
+    return lambda model, frame, **options: stages(model, algorithms.Task(frame_of(model, frame), **options))
+
+
 @final
 class OperationalSpace(Part):
     """Inertia, Coriolis matrix, gravity and acceleration of a frame.
@@ -43,6 +48,7 @@ class OperationalSpace(Part):
         "(6, 6) [kg, kg m, kg m^2]",
         nodes=(230, 39, 1.4),
         inverts_mass=True,
+        stages=_stages_at_frame(algorithms.stages_of_operational_inertia),
     )
     def inertia(
         self,
@@ -60,6 +66,7 @@ class OperationalSpace(Part):
         "(6, 6) [N s/m, N s, N m s]",
         nodes=(520, 119, 1.4),
         inverts_mass=True,
+        stages=_stages_at_frame(algorithms.stages_of_operational_coriolis),
     )
     def coriolis(
         self,
@@ -74,7 +81,11 @@ class OperationalSpace(Part):
         ...
 
     @quantity(
-        _at_frame(algorithms.operational_gravity), "(6,) [N, N m]", nodes=(190, 52, 1.4), inverts_mass=True
+        _at_frame(algorithms.operational_gravity),
+        "(6,) [N, N m]",
+        nodes=(190, 52, 1.4),
+        inverts_mass=True,
+        stages=_stages_at_frame(algorithms.stages_of_operational_gravity),
     )
     def gravity(
         self,

@@ -19,7 +19,12 @@ class Regressors(Part):
 
     __slots__ = ()
 
-    @quantity(algorithms.joint_torque_regressor, "(nv, 10 nbodies)", nodes=(0, 95, 0.5))
+    @quantity(
+        algorithms.joint_torque_regressor,
+        "(nv, 10 nbodies)",
+        nodes=(0, 95, 0.5),
+        stages=algorithms.stages_of_joint_torque_regressor,
+    )
     def joint_torque(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Floats:
         """The matrix that maps the dynamic parameters to the joint torques, without the inertia of the drives
         [Siciliano et al. 2009, section 7.2].
@@ -34,7 +39,12 @@ class Regressors(Part):
         """
         ...
 
-    @quantity(algorithms.gravity_regressor, "(nv, 10 nbodies)", nodes=(0, 31, 1))
+    @quantity(
+        algorithms.gravity_regressor,
+        "(nv, 10 nbodies)",
+        nodes=(0, 31, 1),
+        stages=algorithms.stages_of_gravity_regressor,
+    )
     def gravity(self, q: ArrayLike) -> Floats:
         """The matrix that maps the dynamic parameters to the torques that hold the robot against gravity."""
         ...

@@ -146,6 +146,17 @@ def stages_of_coriolis_matrix(model: Model) -> StagedForm | None:
     frame = OneFrame("coriolis_matrix", model, q=(model.nq,), v=(model.nv,))
     frame.kinematics()
     frame.subtrees(with_forces=False)
+    coriolis_columns(frame, "C")
+    return frame.stages.form("C")
+
+
+def coriolis_columns(frame: OneFrame, name: str) -> None:
+    """The Coriolis matrix, and what columns it is made of: r, t, y and rates.
+
+    Args:
+        frame: The stages, with twists and `sums`.
+        name: What the matrix is called.
+    """
 
     def of_column(s: Array, V: Array, sums: Array, mass: Array) -> tuple[Array, ...]:
         whole, column, rate = subtree(mass, sums), motion(s), motion(V).cross(motion(s))
@@ -163,8 +174,7 @@ def stages_of_coriolis_matrix(model: Model) -> StagedForm | None:
     def above(r: Array, t: Array, s: Array, rates: Array) -> tuple[Any, ...]:
         return (dot(r, rates) + dot(t, s[3:]),)
 
-    frame.matrices((below, ("s",), ("y",)), (above, ("r", "t"), ("s", "rates")), {"C": None})
-    return frame.stages.form("C")
+    frame.matrices((below, ("s",), ("y",)), (above, ("r", "t"), ("s", "rates")), {name: None})
 
 
 def stages_of_centroidal_matrix(model: Model) -> StagedForm | None:
@@ -205,12 +215,7 @@ def stages_of_mass_matrix(model: Model) -> StagedForm | None:
     frame = OneFrame("mass_matrix", model, q=(model.nq,))
     frame.poses()
     frame.composite_moments()
-
-    def of_column(s: Array, sums: Array, mass: Array) -> Array:
-        body = subtree(mass, np.concatenate([sums, np.zeros(18)])).body
-        return numbers(body.apply(motion(s)))
-
-    frame.stages.lanes(of_column, ("s", "sums", "mass"), ("r",))
+    frame.responses()
     frame.mass_matrix("M")
     return frame.stages.form("M", symmetric=("M",))
 

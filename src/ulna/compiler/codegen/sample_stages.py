@@ -22,7 +22,7 @@ from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.forms.columns import ColumnForm, row_places
 from ulna.compiler.forms.packed import PackedForm
-from ulna.compiler.forms.stages import Factors, Pairs, Stage, StagedForm, Sweep
+from ulna.compiler.forms.stages import AnyStage, Factors, Pairs, Products, Stage, StagedForm, Sweep
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ports import SecondForm
 
@@ -40,15 +40,24 @@ def suits_sample_stages(form: SecondForm, target: Target, element: DType) -> boo
         element: Type of the array elements, "double" or "float".
 
     Returns:
-        Whether it has stages without sweeps, whose arrays are not too large for the stack and the second cache, and
-        outputs in one part.
+        Whether it has stages without sweeps and products, with tables of equally many columns where all rows are
+        computed alike, whose arrays are not too large for the stack and the second cache, and outputs in one part.
     """
     form = form.whole if isinstance(form, PackedForm) else form
     head = form.head if isinstance(form, ColumnForm) else form
-    if not isinstance(head, StagedForm) or head.parts or any(isinstance(x, Sweep) for x in head.stages):
+    if not isinstance(head, StagedForm) or head.parts:
+        return False
+    if any(isinstance(x, Sweep | Products) or _changes_width(x, head) for x in head.stages):
         return False
     writer = _SampleStagesWriter(Module(), form, head, target, element)
     return writer.size * BYTES[element] * writer.layout.lanes <= _MAX_MEMORY
+
+
+def _changes_width(stage: AnyStage, form: StagedForm) -> bool:
+    """Whether the rows that a stage computes have other columns than those of most tables."""
+    if not isinstance(stage, Stage) or stage.kind != "rows":
+        return False
+    return any(port.size != form.columns for port in (*stage.body.inputs, *stage.body.outputs))
 
 
 def write_sample_stages(module: Module, form: SecondForm, target: Target, element: DType) -> None:
@@ -113,8 +122,8 @@ class _SampleStagesWriter:
                 self._factors(name, stage)
             elif isinstance(stage, Pairs):
                 self._pairs(name, stage)
-            elif isinstance(stage, Sweep):
-                raise AssertionError("stages with sweeps are not written for samples in lanes")
+            elif isinstance(stage, Sweep | Products):
+                raise AssertionError("stages with sweeps or products are not written for samples in lanes")
             elif stage.kind == "lanes":
                 self._columns(name, stage)
             else:

@@ -14,13 +14,14 @@ from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes, local_array
 from ulna.compiler.codegen.late_inputs import LateInputsWriter
 from ulna.compiler.codegen.mirror import write_mirror
 from ulna.compiler.codegen.node_writer import Module, Writer
+from ulna.compiler.codegen.products import write_products
 from ulna.compiler.codegen.row_factors import write_row_factors
 from ulna.compiler.codegen.rows import store
 from ulna.compiler.codegen.scheduling import Step, Store, parts, scratch_places
 from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.sweeps import SweepContext, tables_of, write_sweep
 from ulna.compiler.codegen.target import Target
-from ulna.compiler.forms.stages import Factors, Pairs, Stage, StagedForm, Sweep, names_of
+from ulna.compiler.forms.stages import Factors, Pairs, Products, Stage, StagedForm, Sweep, names_of
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ops import Op
 
@@ -90,7 +91,6 @@ class _StagesWriter:
     def __init__(self, module: Module, name: str, form: StagedForm, target: Target, element: DType) -> None:
         self.module, self.name, self.form, self.target = module, name, form, target
         self.layout = Lanes(target.lanes(element), element)
-        self.stride = self._padded(form.columns)
         self.shapes = {f"i{k}": port.shape for k, port in enumerate(form.inputs)}
         self.shapes |= {f"o{k}": port.shape for k, port in enumerate(form.outputs)}
         self.shapes |= {**form.arrays, **{key: part.shape for key, part in form.parts.items()}}
@@ -117,6 +117,10 @@ class _StagesWriter:
                 self.calls.append(f"  call void @{inner}(ptr %{stage.reads}, ptr %{stage.writes})")
             elif isinstance(stage, Pairs):
                 self._pairs(inner, stage)
+            elif isinstance(stage, Products):
+                write_products(self.module, inner, stage, self.layout, self.target, self.row_length)
+                given = [self._at(key, 0) for key in (*stage.own, *stage.other, stage.write)]
+                self.calls.append(f"  call void @{inner}({', '.join(given)})")
             elif isinstance(stage, Sweep):
                 self._sweep(inner, stage)
             elif stage.kind == "lanes":
@@ -191,7 +195,7 @@ class _StagesWriter:
         for number, (key, port) in enumerate(zip(stage.reads, f.inputs, strict=True)):
             for k in range(port.size):
                 inputs[next(nodes)] = f"i{number}", self.place(key, port.shape, k)
-        rows = range(self.form.arrays[stage.writes[0]][0] if stage.kind == "rows" else 1)
+        rows = range(self.shapes[stage.writes[0]][0] if stage.kind == "rows" else 1)
         zeros = self._clear_written(stage, rows)
 
         def fetch(to: Writer, index: int) -> bool:
@@ -221,7 +225,8 @@ class _StagesWriter:
             write_steps(w, steps, slots, fetch, put)
             define(self.module, f"{name}.{number}", arguments, "noinline nounwind", w.lines)
         for row in rows:
-            given = ", ".join([*(self._at(key, row * self.stride) for key in keys), f"ptr %{scratch}"])
+            places = (self._at(key, row * self.row_length(key)) for key in keys)
+            given = ", ".join([*places, f"ptr %{scratch}"])
             self.calls += [f"  call void @{name}.{number}({given})" for number in range(len(pieces))]
 
     def _clear_written(self, stage: Stage, rows: range) -> list[set[int]]:

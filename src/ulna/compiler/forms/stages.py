@@ -8,7 +8,7 @@ and computes a table from others
 - by straight-line code, where numbers of different columns meet (`straight`), or for one row after the other (`rows`),
 - for a SIMD register of columns at a time (`lanes`), where tables may have other columns, such as one for each
   constraint,
-- or, for matrices, for pairs of a row and a register of columns (`pairs`).
+- or, for matrices, for pairs of a row and a register of columns (`pairs`, `products`).
 
 The graph remains the definition of the function; batches, derivatives and other languages use it.
 """
@@ -89,6 +89,30 @@ class Pairs:
 
 
 @dataclass(frozen=True, eq=False)
+class Products:
+    """A matrix of any width, whose entries come from a column of some tables for its row, and one of others.
+
+    Attributes:
+        body: Entry (i, j) from column i of some tables and column j of others.
+        own: Names of the tables of i.
+        other: Names of the tables of j.
+        pattern: Which entries there are, (rows, columns); the others are zero.
+        write: The name of the matrix, an output.
+    """
+
+    body: Function
+    own: tuple[str, ...]
+    other: tuple[str, ...]
+    pattern: Any
+    write: str
+
+    @property
+    def writes(self) -> tuple[str, ...]:
+        """The name of the matrix."""
+        return (self.write,)
+
+
+@dataclass(frozen=True, eq=False)
 class Factors:
     """The factors L^T diag(d) L of a symmetric matrix; see `ulna.compiler.forms.columns`.
 
@@ -146,7 +170,7 @@ class Sweep:
         return (*tables, self.matrix) if self.matrix else tables
 
 
-AnyStage = Stage | Pairs | Factors | Sweep
+AnyStage = Stage | Pairs | Products | Factors | Sweep
 
 
 class Part(NamedTuple):
@@ -172,6 +196,8 @@ def names_of(stage: AnyStage) -> list[str]:
     if isinstance(stage, Sweep):
         own = [name for step in stage.passes for name in step.own]
         return [*own, *([stage.source] if stage.source else ()), *stage.writes]
+    if isinstance(stage, Products):
+        return [*stage.own, *stage.other, stage.write]
     return [name for names in (*stage.own, *stage.other, stage.writes) for name in names]
 
 
@@ -211,7 +237,7 @@ class StagedForm:
         """How many operations are written out, each for one column or one register of columns."""
         bodies: list[Function] = []
         for stage in self.stages:
-            if isinstance(stage, Stage):
+            if isinstance(stage, Stage | Products):
                 bodies.append(stage.body)
             elif isinstance(stage, Pairs):
                 bodies += [stage.below, stage.above]
@@ -278,13 +304,13 @@ class Stages:
         """A stage of straight-line code that computes all rows alike.
 
         Args:
-            f: From one row of each table, (columns,), to a row of the result, (columns,).
+            f: From one row of each table, (columns,), to a row of the result, with any number of columns.
             reads: Names of tables of equally many rows.
             write: The name of the result, a table. It may be one that is read, of which an entry is then read only for
                 what takes its place.
         """
-        body = self._traced(f, dict.fromkeys(reads, (self.columns,)))
-        self._declare(write, self._shape(reads[0]))
+        body = self._traced(f, {name: self._shape(name)[1:] for name in reads})
+        self._declare(write, (self._shape(reads[0])[0], *body.outputs[0].shape))
         self._stages.append(Stage("rows", body, tuple(reads), (write,), self.columns))
 
     def lanes(
@@ -358,6 +384,24 @@ class Stages:
                 is_half=is_half,
             )
         )
+
+    def products(
+        self, f: Callable[..., Any], own: Sequence[str], other: Sequence[str], pattern: Any, write: str
+    ) -> None:
+        """The stage that computes a matrix that need not be square; see `Products`.
+
+        Args:
+            f: From a column of each table, first those of the row, to a number.
+            own: As for `Products`.
+            other: As for `Products`.
+            pattern: As for `Products`.
+            write: The name of the matrix.
+        """
+        shapes = {f"own_{name}": self._shape(name)[:1] for name in own}
+        body = self._traced(f, shapes | {name: self._shape(name)[:1] for name in other})
+        is_set = np.array(pattern, dtype=bool)
+        self._arrays[write] = is_set.shape
+        self._stages.append(Products(body, tuple(own), tuple(other), is_set, write))
 
     def walk(
         self,
@@ -511,6 +555,8 @@ class Stages:
 
     def _zeros_of_pairs(self, output: str) -> Any:
         for stage in self._stages:
+            if isinstance(stage, Products) and output == stage.write:
+                return ~stage.pattern
             if isinstance(stage, Pairs) and output in stage.writes:
                 both = (stage.masks(i) for i in range(self.columns))
                 return np.array([~np.logical_or(below, above) for below, above in both])
@@ -539,4 +585,6 @@ def _renamed(stage: AnyStage, names: Mapping[str, str]) -> AnyStage:
     if isinstance(stage, Sweep):
         source, matrix = all_of([stage.source, stage.matrix])
         return replace(stage, source=source, matrix=matrix)
+    if isinstance(stage, Products):
+        return replace(stage, write=all_of([stage.write])[0])
     return replace(stage, writes=all_of(stage.writes))
