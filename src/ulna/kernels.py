@@ -88,29 +88,45 @@ def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), *
     """
     quantity, chosen = choose(name, options)
     names = parameter_names(model, parameters)
-    shapes, doc = shapes_of(model, quantity, chosen), doc_of(model, quantity, chosen)
-    extra: dict[str, Any] = {key: models.parameters(model, key).shape for key in names}
-    doc += f" Parameters: {', '.join(names)}." if names else ""
-
-    def on_parameters(of_model: Callable[..., Callable[..., Any]]) -> Callable[..., Any]:
-        if not names:
-            return of_model(model, **chosen)
-
-        def run(*arrays: Any) -> Any:
-            values = dict(zip(names, arrays[len(shapes) :], strict=True))
-            return of_model(models.with_parameters(model, values), **chosen)(*arrays[: len(shapes)])
-
-        return run
-
-    with sized(model, quantity, chosen):
-        traced = compiler.trace(on_parameters(quantity.build), name=name, doc=doc, **shapes, **extra)
-    if not names and (form := _stages_of(model, quantity, chosen)) is not None:
-        return replace(traced, columns=form)
+    traced = _graph(model, name, chosen, names)
+    if not names and (stages := _stages_of(model, quantity, chosen)) is not None:
+        return replace(traced, columns=stages)
     if quantity.columns is None or model.nv < _MIN_COLUMNS:
         return traced
     from ulna.compiler.forms.columns import with_columns
 
-    return with_columns(traced, on_parameters(quantity.build_columns), **shapes, **extra)
+    columns = _on_parameters(model, quantity.build_columns, chosen, names)
+    return with_columns(traced, columns, **{port.name: port.shape for port in traced.inputs})
+
+
+def _graph(model: Model, name: str, chosen: Mapping[str, Any], names: tuple[str, ...] = ()) -> Function:
+    """The traced function of a quantity for a model, without its other forms."""
+    from ulna.system.collector import paused_collection  # imported here: importing Ulna imports few files
+
+    quantity = QUANTITIES[name]
+    shapes, doc = shapes_of(model, quantity, chosen), doc_of(model, quantity, chosen)
+    shapes |= {key: models.parameters(model, key).shape for key in names}
+    doc += f" Parameters: {', '.join(names)}." if names else ""
+    run = _on_parameters(model, quantity.build, chosen, names)
+    with sized(model, quantity, chosen), paused_collection():  # nodes are in no cycles
+        return compiler.trace(run, name=name, doc=doc, **shapes)
+
+
+def _on_parameters(
+    model: Model,
+    of_model: Callable[..., Callable[..., Any]],
+    chosen: Mapping[str, Any],
+    names: tuple[str, ...],
+) -> Callable[..., Any]:
+    """A function of arrays, the last of which are parameters of the model, from one that is made for a model."""
+    if not names:
+        return of_model(model, **chosen)
+
+    def run(*arrays: Any) -> Any:
+        values = dict(zip(names, arrays[-len(names) :], strict=True))
+        return of_model(models.with_parameters(model, values), **chosen)(*arrays[: -len(names)])
+
+    return run
 
 
 def _stages_of_large(
@@ -291,7 +307,7 @@ def _deferred(
     if form is None:
         return None
     doc = doc_of(model, quantity, chosen)
-    return DeferredFunction(quantity.name, doc, form, partial(function, model, quantity.name, **chosen))
+    return DeferredFunction(quantity.name, doc, form, partial(_graph, model, quantity.name, dict(chosen)))
 
 
 def _looped_kernel(

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from ulna.algorithms.derivatives.columns_in_one_frame import OneFrame, subtree, suits_one_frame
-from ulna.algorithms.multibody.prepared_model import prepare
+from ulna.algorithms.multibody.tree import steps
 from ulna.compiler.forms.stages import StagedForm
 from ulna.model import Model
 from ulna.numeric import where
@@ -43,8 +43,7 @@ def is_serial(model: Model) -> bool:
     Returns:
         Whether every joint moves on from the one before.
     """
-    steps = enumerate(prepare(model).tree)
-    return suits_one_frame(model) and all(step.parent == k - 1 for k, step in steps)
+    return suits_one_frame(model) and all(step.parent == k - 1 for k, step in enumerate(steps(model)))
 
 
 def stages_of_inverse_mass_matrix(model: Model) -> StagedForm | None:

@@ -23,7 +23,7 @@ from ulna.system import forks, process_end
 from ulna.system.collector import paused_collection
 
 # Part of the cache's key: change it with `optimised` and `_machine`.
-_RECIPE = "inlining or level 1 of short loops, codegen 2 or 1"
+_RECIPE = "inlining or level 1 of short loops, codegen 2 or 1, combined where small"
 # How much IR text of one call and of a batch LLVM compiles, about [byte/s].
 _SPEED = {"entry": 4e6, "batch": 2e6, "kernel": 2e6, "xla": 2e6, "f.all": 2e6}
 _LOOPS_SPEED = 3e5  # the same of procedures, whose loops are optimised [byte/s]
@@ -324,7 +324,7 @@ def optimised(ir: str, has_loops: bool, machine: Any) -> Any:
     options.slp_vectorization = False
     builder = llvm.create_pass_builder(machine, options)
     if not has_loops:
-        _inlining().run(module, builder)
+        _inlining(is_large=len(ir) > _LARGE).run(module, builder)
         return module
     passes = builder.getModulePassManager()  # cannot run twice
     try:
@@ -345,13 +345,14 @@ def _free(passes: Any) -> None:
 
 
 @cache
-def _inlining() -> Any:
-    """Inlining and what follows; made once."""
+def _inlining(is_large: bool) -> Any:
+    """Inlining and, of small code, what follows; made once. A folded graph has no instructions to combine."""
     passes = llvm_library().create_new_module_pass_manager()
     passes.add_always_inliner_pass()
     passes.add_global_dead_code_eliminate_pass()
-    passes.add_simplify_cfg_pass()
-    passes.add_instruction_combine_pass()
+    if not is_large:
+        passes.add_simplify_cfg_pass()
+        passes.add_instruction_combine_pass()
     return passes
 
 
