@@ -238,13 +238,13 @@ class StdVec(list[Item], Generic[Item]):
             return self._part(_entry_at(self, key))
         return _entry_at(self, key)
 
-    def _part(self, entries: list[Item]) -> list[Item]:
+    def _part(self, entries: list[Any]) -> list[Item]:
         """Copies of some entries; arrays themselves, as in Pinocchio."""
         if entries and isinstance(entries[0], np.ndarray):
             return entries
         if entries and type(entries[0]) in (int, float, str, bool):
             return StdVec(entries)
-        return StdVec(copy.copy(entry) for entry in entries)
+        return StdVec([entry.copy() if hasattr(entry, "copy") else copy.copy(entry) for entry in entries])
 
     def __setitem__(self, key: Any, value: Any) -> None:
         if isinstance(key, slice):
