@@ -54,6 +54,18 @@ def scene(pin: Any) -> Scene:
     return made
 
 
+def test_nothing_is_compiled_for_hundreds_of_geometries(pin: Any) -> None:
+    pytest.importorskip("coal")
+    scene = Scene(pin)
+    for k in range(100):
+        scene.geometries.addGeometryObject(scene.sphere(k % scene.model.njoints))
+    scene.places = scene.geometries.createData()
+    scene.check(15)
+    assert scene.places._placing.objects is None
+    scene.geometries.geometryObjects[50].placement = pin.SE3.Random()
+    scene.check()
+
+
 def test_placements_and_joints_of_geometries_may_change(scene: Scene) -> None:
     shape = scene.geometries.geometryObjects[3]
     live = shape.placement.translation

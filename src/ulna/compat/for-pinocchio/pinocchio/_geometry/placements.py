@@ -23,6 +23,8 @@ from ulna.typing import Array
 _calls = call_cache(4, weak=4)
 _FIRST_CALLS = 10
 """How many calls for the first model compile nothing."""
+_MOST_COMPILED = 100
+"""Geometries beyond which nothing is compiled: code for thousands takes seconds to compile, NumPy a millisecond."""
 
 
 @repeated_calls(_calls)
@@ -59,7 +61,9 @@ def updateGeometryPlacements(
         )
     placements = [g._placement._m for g in objects]
     np.matmul(oMi[joints], np.array(placements).reshape(-1, 4, 4), out=geometry_data._block)
-    if not joints or model.first_calls.includes("updateGeometryPlacements", _FIRST_CALLS):
+    if not 0 < len(joints) <= _MOST_COMPILED or model.first_calls.includes(
+        "updateGeometryPlacements", _FIRST_CALLS
+    ):
         return
     for one in objects:
         one._count_in(objects.changes)
