@@ -178,6 +178,10 @@ def test_kkt_inverse_is_of_the_mass_matrix_of_the_last_dynamics(pin: Any, rows: 
     for _ in range(2):
         inverse = pin.getKKTContactDynamicMatrixInverse(model, data, J)
         np.testing.assert_allclose(inverse @ K, np.eye(6 + rows), atol=1e-9)
+    J[0, 1] += 1.0  # another Jacobian than that of the dynamics, in the same array
+    K = np.block([[K[:6, :6], J.T], [J, K[6:, 6:]]])
+    inverse = pin.getKKTContactDynamicMatrixInverse(model, data, np.asfortranarray(J))
+    np.testing.assert_allclose(inverse @ K, np.eye(6 + rows), atol=1e-9)
     model.armature[2] += 1.0  # other kernels
     pin.crba(model, data, q)
     inverse = pin.getKKTContactDynamicMatrixInverse(model, data, J)

@@ -41,12 +41,14 @@ class BoundJacobianDynamics:
         self.blocks, self.M, self.nle = data._arrays, data._arrays["M"], data._arrays["nle"]
         self.mu, self.forces, self.impulses = np.zeros(rows), np.zeros(rows), np.zeros(rows)
         self.damping = 0.0
+        self._jacobian = b""
 
     def _factored(self, J: Any, damping: float, mass: Any = None) -> bool:
         """Factors K, with `data.M` where no mass is passed; whether that applies, and its factors are unique."""
         if damping != self.damping:
             self.damping = damping
             self.mu.fill(damping)
+        self._jacobian = J.tobytes()
         return (
             self.factored.factor(self.M if mass is None else mass, J, self.mu) is None and self.flag[0] > 0.0
         )
@@ -87,6 +89,19 @@ class BoundJacobianDynamics:
             Matrix (nv + m, nv + m); NotImplemented where it does not apply.
         """
         if self._factored(J, damping, mass):
+            return self.factored.inverse(J, self.mu, joints_first=True)
+        return NotImplemented
+
+    def inverse_again(self, J: Floats) -> Any:
+        """The inverse for the mass matrix and damping that were factored last.
+
+        Args:
+            J: Jacobian (m, nv).
+
+        Returns:
+            Matrix (nv + m, nv + m); NotImplemented where another Jacobian was factored.
+        """
+        if J.tobytes() == self._jacobian:
             return self.factored.inverse(J, self.mu, joints_first=True)
         return NotImplemented
 
@@ -277,4 +292,7 @@ def getKKTContactDynamicMatrixInverse(model: Model, data: Data, constraint_jacob
         raise InputError(
             f"The Jacobian is {constraint_jacobian.shape}; that of forwardDynamics or impulseDynamics was {shape}."
         )
+    result = bound.inverse_again(constraint_jacobian) if data._model is model else NotImplemented
+    if result is not NotImplemented:
+        return result
     return _run(model, data, "inverse", constraint_jacobian, damping, bound.factored.mass())[1]
