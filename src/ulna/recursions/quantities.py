@@ -11,7 +11,6 @@ from ulna.algorithms.constraints.proximal_settings import Proximal
 from ulna.model import Model
 from ulna.model.constraint import frame_pairs
 from ulna.model.variable import with_parameters
-from ulna.numeric import is_symbolic
 from ulna.quantities.forces import friction_law
 from ulna.quantities.quantity import Quantity, frame_of
 from ulna.recursions import derivative_matrices, frame_columns, regressors, whole_body
@@ -111,9 +110,7 @@ def _with_friction(
     law = friction_law(model, options.get("friction", False))
     if law is None:
         return made
-    if is_symbolic(*(x for x in vars(law).values() if x is not None)):
-        return None
-    return WithFriction(made, law, is_forward)
+    return None if law.is_traced else WithFriction(made, law, is_forward)
 
 
 def _fk(model: Model, options: Options) -> Recursion | None:

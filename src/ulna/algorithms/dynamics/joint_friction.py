@@ -80,10 +80,18 @@ class Friction:
     @cached_property
     def _key(self) -> tuple[Any, ...]:
         """What two frictions are compared by: numbers as they are, arrays by their bytes, traced values themselves."""
-        entries = (getattr(self, f.name) for f in fields(self))
         return tuple(
-            id(x) if is_symbolic(x) else x.tobytes() if isinstance(x, np.ndarray) else x for x in entries
+            id(x) if is_symbolic(x) else x.tobytes() if isinstance(x, np.ndarray) else x
+            for x in self._entries()
         )
+
+    def _entries(self) -> list[Any]:
+        return [getattr(self, f.name) for f in fields(self)]
+
+    @property
+    def is_traced(self) -> bool:
+        """Whether some of its numbers are values of a function that is being traced."""
+        return is_symbolic(*(x for x in self._entries() if x is not None))
 
     def __eq__(self, other: object) -> bool:
         """Whether the numbers are the same, so that kernels of equal frictions are compiled once."""
