@@ -12,6 +12,7 @@ from pinocchio._model.model import Model
 
 _MAX_SETS = 8
 """So many lists of constraints does a Data know."""
+_equal = list.__eq__  # `==` of a `StdVec` runs Python for each entry
 
 
 @final
@@ -43,8 +44,8 @@ class ConstraintSet:
         return (
             self.model is model
             and self.version == changes[0]
-            and datas == self.datas
-            and models == self.models
+            and _equal(self.datas, datas) is True
+            and _equal(self.models, models) is True
         )
 
 
@@ -82,8 +83,8 @@ def cached_constraint_set(model: Model, data: Data, models: Any, datas: Any) -> 
     for known in data._constraint_sets:  # data first: they are compared by their identity
         if (
             known.version == version
-            and datas == known.datas
-            and models == known.models
+            and _equal(known.datas, datas) is True
+            and _equal(known.models, models) is True
             and known.model is model
         ):
             return known
