@@ -12,7 +12,6 @@ from pinocchio._model.model import Model
 
 _MAX_SETS = 8
 """So many lists of constraints does a Data know."""
-_equal = list.__eq__  # `==` of a `StdVec` runs Python for each entry
 
 
 @final
@@ -34,6 +33,8 @@ class ConstraintSet:
             for x in (one._places, one._gains._v, known._views["contact_acceleration_desired"]._v)
         )
         self.runs: dict[Any, Any] = {}
+        # Those of lists: `==` of a `StdVec` runs Python for each entry.
+        self.is_of_models, self.is_of_datas = self.models.__eq__, self.datas.__eq__
 
     def matches(self, model: Model, models: Any, datas: Any) -> bool:
         """Whether the set was made for these constraints, and no placement has changed.
@@ -44,8 +45,8 @@ class ConstraintSet:
         return (
             self.model is model
             and self.version == changes[0]
-            and _equal(self.datas, datas) is True
-            and _equal(self.models, models) is True
+            and self.is_of_datas(datas) is True
+            and self.is_of_models(models) is True
         )
 
 
@@ -83,8 +84,8 @@ def cached_constraint_set(model: Model, data: Data, models: Any, datas: Any) -> 
     for known in data._constraint_sets:  # data first: they are compared by their identity
         if (
             known.version == version
-            and _equal(known.datas, datas) is True
-            and _equal(known.models, models) is True
+            and known.is_of_datas(datas) is True
+            and known.is_of_models(models) is True
             and known.model is model
         ):
             return known

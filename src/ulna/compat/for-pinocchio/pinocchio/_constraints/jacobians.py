@@ -11,7 +11,6 @@ from pinocchio._constraints.bound_dynamics import with_side_outputs
 from pinocchio._constraints.constraint_model import AnyConstraint
 from pinocchio._constraints.constraint_set import (
     ConstraintSet,
-    bound_run,
     cached_constraint_set,
     constraint_set_of,
 )
@@ -55,7 +54,8 @@ __all__ = [
 
 def _jacobian_directly(model: Any, data: Any, models: Any, datas: Any) -> Any:
     """getConstraintsJacobian of constraints that are bound already; else NotImplemented."""
-    return bound_run(model, data, models, datas, "jacobian here")()
+    known = cached_constraint_set(model, data, models, datas)
+    return NotImplemented if known is None else known.runs["jacobian here"]()
 
 
 @checks_itself
