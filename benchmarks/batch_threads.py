@@ -48,7 +48,7 @@ def batch(robot: str, name: str, rows: int) -> tuple[Any, list[np.ndarray], Any]
 
 
 class OtherProcess:
-    """A process that computes a batch again and again while it is told to."""
+    """A process that computes a batch again and again until it is stopped."""
 
     def __init__(self, robot: str, name: str, rows: int) -> None:
         context = multiprocessing.get_context("spawn")

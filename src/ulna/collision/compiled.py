@@ -57,9 +57,8 @@ _ARRAY = np.ndarray  # a name of the module is found faster than one of another
 _COMPILED_FROM = 32
 """Configurations in doubt, of one checker, from which on a kernel is compiled for them."""
 
-_LEAST_ROWS = (
-    1024  # configurations of a part that a thread computes: some 0.2 ms, which is more than to wake it takes
-)
+_LEAST_ROWS = 1024
+"""Configurations of a part that a thread computes at least: some 0.2 ms, longer than waking it takes."""
 _CHUNK = 512  # configurations whose spheres fit the second cache
 
 

@@ -41,7 +41,7 @@ class Mimic:
         source: Index of the joint it follows; never itself a mimic joint.
         multiplier: Ratio of the positions, and of the velocities.
         offset: Its position while the source stands at 0 [rad, m].
-        leader: Index, ratio and offset [rad, m] of the joint that it was told to follow where that is a mimic
+        leader: Index, ratio and offset [rad, m] of the joint that it was declared to follow where that is a mimic
             joint, too; None where it is the source. Once the leader is locked, the joint stays where that puts it.
     """
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from support.callers import call_at_once
 from support.patience import LONGEST_WAIT, patient
 from ulna.compiler import compile
 from ulna.compiler.codegen.shared_batch import BOX
@@ -144,20 +145,7 @@ def test_ctrl_c_comes_after_the_batch(kernel: Any) -> None:
 
 
 def test_several_threads_call_at_once(kernel: Any) -> None:
-    errors: list[BaseException] = []
-
-    def run() -> None:
-        try:
-            _check(kernel, 3, 200)
-        except BaseException as error:
-            errors.append(error)
-
-    callers = [threading.Thread(target=run) for _ in range(6)]
-    for caller in callers:
-        caller.start()
-    for caller in callers:
-        caller.join()
-    assert not errors
+    call_at_once(lambda: _check(kernel, 3, 200), 6)
 
 
 def _answer_of_child(work: Callable[[], object]) -> int:

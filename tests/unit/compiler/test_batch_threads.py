@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pickle
-import threading
 from typing import Any
 
 import numpy as np
 import pytest
 
+from support.callers import call_at_once
 from ulna.compiler import compile
 from ulna.compiler.runtime import array_call, shared_batch
 from ulna.compiler.runtime.object_layout import fast_call_works
@@ -41,6 +41,15 @@ def _unaligned(x: np.ndarray) -> np.ndarray:
     moved = np.empty(x.nbytes + 1, np.uint8)[1:].view(x.dtype).reshape(x.shape)
     moved[...] = x
     return moved
+
+
+def _laid_out(case: str, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The arrays with other distances between their numbers."""
+    if case == "backwards":
+        return a[::-1], b[::-1, ::-1]
+    if case == "gaps":
+        return np.repeat(a, 2, axis=0)[::2], b
+    return (np.asfortranarray(a), b) if case == "columns first" else (a, b)
 
 
 def _equal(kernel: Any, arguments: list[np.ndarray], threads: int = 3) -> None:
@@ -79,13 +88,8 @@ def test_short_batches(shared: list[bool], rows: int) -> None:
 )
 def test_rows_at_equal_distances_are_shared(shared: list[bool], case: str) -> None:
     a, b = _arguments((7, 111)) if case == "two axes" else _arguments()
-    if case == "backwards":
-        a, b = a[::-1], b[::-1, ::-1]
-    elif case == "gaps":
-        a = np.repeat(a, 2, axis=0)[::2]
-    elif case == "columns first":
-        a = np.asfortranarray(a)
-    elif case == "one row":
+    a, b = _laid_out(case, a, b)
+    if case == "one row":
         a = a[:1]
     elif case == "no row":
         a = a[0]
@@ -141,21 +145,13 @@ def test_results_are_not_written_to_what_is_read_only() -> None:
 
 
 def test_several_threads_with_helpers_each() -> None:
-    kernel, arguments, errors = _kernel(), _arguments(), []
+    kernel, arguments = _kernel(), _arguments()
 
     def run() -> None:
-        try:
-            for _ in range(30):
-                _equal(kernel, arguments)
-        except BaseException as error:
-            errors.append(error)
+        for _ in range(30):
+            _equal(kernel, arguments)
 
-    callers = [threading.Thread(target=run) for _ in range(4)]
-    for caller in callers:
-        caller.start()
-    for caller in callers:
-        caller.join()
-    assert not errors
+    call_at_once(run, 4)
 
 
 def test_a_kernel_from_a_pickle(shared: list[bool]) -> None:
@@ -217,13 +213,8 @@ needs_fast_call = pytest.mark.skipif(not fast_call_works(), reason="arrays lie d
 def test_machine_code_takes_plain_arrays(plain: list[bool], case: str, dtype: Any, threads: int) -> None:
     a, b = _arguments(dtype=dtype)
     kernel = _used(_kernel(dtype), [a, b])
-    if case == "backwards":
-        a, b = a[::-1], b[::-1, ::-1]
-    elif case == "gaps":
-        a = np.repeat(a, 2, axis=0)[::2]
-    elif case == "columns first":
-        a = np.asfortranarray(a)
-    elif case == "no row":
+    a, b = _laid_out(case, a, b)
+    if case == "no row":
         b = b[0]
     _equal(kernel, [a, b], threads)
     out = np.full((2 * ROWS, 3), np.nan, dtype)[::2], np.full(ROWS, np.nan, dtype)

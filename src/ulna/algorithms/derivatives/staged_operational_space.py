@@ -102,12 +102,9 @@ def stages_of_operational_coriolis(model: Model, task: Task) -> StagedForm | Non
             rows[i] = rows[i] + entry * X[j]
         return np.array(rows, dtype=object)
 
-    def twice(CX: Array, X: Array) -> Array:
-        return np.array([dot(X[:, i], CX) for i in range(6)], dtype=object)
-
     stages.lanes(product, ("X", "entries"), ("CX",), 6)
     stages.lanes(_of_task(path), ("X", "dJ"), ("E",), 6, ("dJ",))
-    stages.lanes(twice, ("CX", "X"), ("XCX",), 6, ("X",))
+    stages.lanes(_of_task(slice(None)), ("CX", "X"), ("XCX",), 6, ("X",))
 
     def matrix(G: Array, XCX: Array, E: Array) -> Array:
         mobility = _damped(G, task)
@@ -153,6 +150,6 @@ def _solved(frame: OneFrame, task: Task, path: list[int]) -> None:
     stages.lanes(_of_task(path), ("X", "J"), ("G",), 6, ("J",))
 
 
-def _of_task(path: list[int]) -> Callable[[Array, Array], Array]:
-    """The products of a column of X with the rows of J or dJ."""
+def _of_task(path: list[int] | slice) -> Callable[[Array, Array], Array]:
+    """The products of entries of a column, such as one of X, with the columns of a table, such as J or dJ."""
     return lambda X, J: np.array([dot(J[:, i], X[path]) for i in range(6)], dtype=object)

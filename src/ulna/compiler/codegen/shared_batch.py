@@ -125,12 +125,12 @@ sleep:
   %was.awake = atomicrmw xchg ptr %asleep.p, i64 1 seq_cst
   %seen.last = load atomic i64, ptr %box seq_cst, align 8
   %is.late = icmp eq i64 %seen.last, {POSTED}
-  br i1 %is.late, label %awake, label %doze
-doze:
+  br i1 %is.late, label %awake, label %sleep.short
+sleep.short:
   %woken.soon = call i32 %acquire(ptr %wake, i64 {_SOON}, i32 0)
   %is.soon = icmp eq i32 %woken.soon, 1
-  br i1 %is.soon, label %awake, label %rest
-rest:
+  br i1 %is.soon, label %awake, label %sleep.long
+sleep.long:
   %woken = call i32 %acquire(ptr %wake, i64 %idle, i32 0)
   %is.woken = icmp eq i32 %woken, 1
   br i1 %is.woken, label %awake, label %leave
@@ -139,7 +139,7 @@ leave:
   %has.left = extractvalue {{ i64, i1 }} %left, 1
   br i1 %has.left, label %end, label %awake
 awake:
-  %soon.here = phi i64 [ 1, %sleep ], [ 1, %doze ], [ 0, %rest ], [ 0, %leave ]
+  %soon.here = phi i64 [ 1, %sleep ], [ 1, %sleep.short ], [ 0, %sleep.long ], [ 0, %leave ]
   %was.asleep = atomicrmw xchg ptr %asleep.p, i64 0 seq_cst
   br label %take
 take:
@@ -152,8 +152,8 @@ work:
   call void @share(ptr %batch, i64 %thread)
   %before = atomicrmw xchg ptr %box, i64 {FINISHED} seq_cst
   %is.awaited = icmp eq i64 %before, {AWAITED}
-  br i1 %is.awaited, label %tell, label %finished
-tell:
+  br i1 %is.awaited, label %signal, label %finished
+signal:
   call void %release(ptr %done)
   br label %finished
 finished:
@@ -184,8 +184,8 @@ post:
   store i64 %k1, ptr %thread.p
   %put = cmpxchg ptr %to, i64 {IDLE}, i64 {POSTED} seq_cst seq_cst
   %is.put = extractvalue {{ i64, i1 }} %put, 1
-  br i1 %is.put, label %rouse, label %posted
-rouse:
+  br i1 %is.put, label %wake.helper, label %posted
+wake.helper:
   %asleep.p = getelementptr i64, ptr %to, i64 {BOX.index("asleep")}
   %asleep = atomicrmw xchg ptr %asleep.p, i64 0 seq_cst
   %is.asleep = icmp eq i64 %asleep, 1
@@ -225,8 +225,8 @@ wait.on:
 say:
   %said = cmpxchg ptr %box, i64 {TAKEN}, i64 {AWAITED} seq_cst seq_cst
   %is.said = extractvalue {{ i64, i1 }} %said, 1
-  br i1 %is.said, label %doze, label %reset
-doze:
+  br i1 %is.said, label %sleep, label %reset
+sleep:
 {_words("box", BOX, "done", "acquire")}
   %got = call i32 %acquire(ptr %done, i64 -1, i32 0)
   br label %reset

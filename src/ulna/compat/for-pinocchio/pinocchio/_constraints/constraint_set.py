@@ -33,7 +33,7 @@ class ConstraintSet:
             for x in (one._places, one._gains._v, known._views["contact_acceleration_desired"]._v)
         )
         self.runs: dict[Any, Any] = {}
-        # Those of lists: `==` of a `StdVec` runs Python for each entry.
+        # Comparisons by `list`: with `==` a `StdVec` on the other side would compare entry by entry in Python.
         self.is_of_models, self.is_of_datas = self.models.__eq__, self.datas.__eq__
 
     def matches(self, model: Model, models: Any, datas: Any) -> bool:

@@ -12,6 +12,7 @@ from pinocchio._containers.arrays import NO_INDEX, StdVec, index
 from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, read_only, whole
 from pinocchio._containers.files import Saved, register
 from pinocchio._containers.unknown_ids import UnknownId, known
+from pinocchio._containers.watched_lists import before_changes
 from pinocchio._geometry.geometry_object import GeometryObject
 from pinocchio._model.building import KinematicTree
 from ulna.errors import InputError
@@ -58,6 +59,11 @@ class CollisionPair(CheckedAttributes):
     __repr__ = __str__
 
 
+def _count(objects: GeometryList) -> None:
+    objects.changes[0] += 1
+
+
+@before_changes(_count)
 class GeometryList(StdVec[GeometryObject]):
     """Geometries; `changes` counts how often one was added, removed or replaced."""
 
@@ -67,26 +73,6 @@ class GeometryList(StdVec[GeometryObject]):
 
     def __reduce__(self) -> Any:
         return GeometryList, (list(self),)
-
-
-GeometryList.__name__ = "StdVec"  # as scripts see it
-
-
-def _counted(name: str) -> Any:
-    change = getattr(StdVec, name)
-
-    def method(self: GeometryList, *args: Any, **options: Any) -> Any:
-        self.changes[0] += 1
-        return change(self, *args, **options)
-
-    method.__name__, method.__doc__ = name, change.__doc__
-    return method
-
-
-for _name in ("append", "extend", "insert", "pop", "remove", "clear", "reverse", "sort"):
-    setattr(GeometryList, _name, _counted(_name))
-for _name in ("__setitem__", "__delitem__", "__iadd__", "__imul__"):
-    setattr(GeometryList, _name, _counted(_name))
 
 
 class GeometryCollection(CheckedAttributes, Saved):

@@ -6,8 +6,10 @@ from functools import cached_property
 from typing import Any
 
 from pinocchio._containers.arrays import StdVec
+from pinocchio._containers.watched_lists import before_changes
 
 
+@before_changes(lambda names: names.__dict__.pop("_places", None), "append")
 class NameList(StdVec[str]):
     """Names that know their places, until one of them changes."""
 
@@ -24,23 +26,3 @@ class NameList(StdVec[str]):
 
     def __reduce__(self) -> Any:
         return StdVec, (list(self),)
-
-
-NameList.__name__ = "StdVec"  # as scripts see it
-
-
-def _noted(name: str) -> Any:
-    change = getattr(StdVec, name)
-
-    def method(self: NameList, *args: Any, **options: Any) -> Any:
-        self.__dict__.pop("_places", None)
-        return change(self, *args, **options)
-
-    method.__name__, method.__doc__ = name, change.__doc__
-    return method
-
-
-for _name in ("extend", "insert", "pop", "remove", "clear", "reverse", "sort"):
-    setattr(NameList, _name, _noted(_name))
-for _name in ("__setitem__", "__delitem__", "__iadd__", "__imul__"):
-    setattr(NameList, _name, _noted(_name))

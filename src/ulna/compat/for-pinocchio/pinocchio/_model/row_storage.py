@@ -9,11 +9,13 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._containers.arrays import StdVec
+from pinocchio._containers.watched_lists import before_changes
 from ulna.typing import Floats
 
 _BLOCK_ROWS = 64
 
 
+@before_changes(lambda owners: setattr(owners, "is_new", True), "__setitem__")
 class OwnerList(StdVec[Any]):
     """Objects whose arrays lie in rows. `is_new` is set where others are put in, and reset once rows have theirs."""
 
@@ -21,26 +23,6 @@ class OwnerList(StdVec[Any]):
 
     def __reduce__(self) -> Any:
         return StdVec, (list(self),)
-
-
-OwnerList.__name__ = "StdVec"  # as scripts see it
-
-
-def _noted(name: str) -> Any:
-    change = getattr(StdVec, name)
-
-    def method(self: OwnerList, *args: Any, **options: Any) -> Any:
-        self.is_new = True
-        return change(self, *args, **options)
-
-    method.__name__, method.__doc__ = name, change.__doc__
-    return method
-
-
-for _name in ("append", "extend", "insert", "pop", "remove", "clear", "reverse", "sort"):
-    setattr(OwnerList, _name, _noted(_name))
-for _name in ("__delitem__", "__iadd__", "__imul__"):
-    setattr(OwnerList, _name, _noted(_name))
 
 
 @final
