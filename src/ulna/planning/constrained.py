@@ -12,7 +12,7 @@ from ulna.planning.certificate import Certificate
 from ulna.planning.path_constraints import TOLERANCE_RESERVE, Constraints
 from ulna.planning.path_length import length
 from ulna.planning.projected_rrt import Projection
-from ulna.planning.run import Failure, Run
+from ulna.planning.run import Ending, Run
 from ulna.planning.scenes import PlanningScene
 from ulna.planning.search import Search
 from ulna.planning.workspace import COARSE, Workspace, thread_storage
@@ -157,15 +157,15 @@ class ConstrainedSearch(Search):
         arrays = thread_storage(self._model.nq)
         return ConstrainedWorkspace(self._scene, arrays, self._constraints, self._margin, self._step, coarse)
 
-    def _prepare(self, run: Run) -> Failure | None:
+    def _prepare(self, run: Run) -> Ending | None:
         start, goals = self._constraints.violations(run.q0), self._constraints.violations(run.goals)
         most = 1.0 - TOLERANCE_RESERVE
         limit = f"times their tolerance, more than the {most:g} that leave room for motions that cut corners."
         if start > most:
-            return "start", f"`q0` violates the constraints: {start:.3g} {limit}"
+            return Ending("start", f"`q0` violates the constraints: {start:.3g} {limit}")
         kept = np.flatnonzero(goals <= most)
         if len(run.goals) and not len(kept):
-            return "goal", f"the goal violates the constraints: {goals.min():.3g} {limit}"
+            return Ending("goal", f"the goal violates the constraints: {goals.min():.3g} {limit}")
         run.goals = run.goals[kept]
         failure = super()._prepare(run)
         run.goal_indices = kept[run.goal_indices].tolist()

@@ -19,8 +19,8 @@ from ulna.collision.segment import NEAR, first_contact_along
 from ulna.model import Model
 from ulna.planning.certificate import Certificate
 from ulna.planning.joint_box import JointBox
-from ulna.planning.result import Outcome, Plan
-from ulna.planning.run import Failure, Options, Run
+from ulna.planning.result import Plan
+from ulna.planning.run import Ending, Options, Run
 from ulna.planning.samples import samples
 from ulna.planning.search_tree import SearchTree
 from ulna.typing import Floats
@@ -74,45 +74,47 @@ class ExactSearch:
         """The plan that a run finds, or why there is none."""
         failure = self._prepare(run)
         if failure is not None:
-            return self._result(run, *failure, np.zeros((0, self._model.nq)), -1)
+            return self._result(run, failure, np.zeros((0, self._model.nq)), -1)
         points, goal = self._direct(run)
         if not len(points):
             points, goal = self._grown(run)
         run.add_time_to("search")
         if not len(points):
-            return self._result(run, *run.limit_reached(), points, -1)
+            return self._result(run, run.limit_reached(), points, -1)
         points = self._shortened(run, points)
         run.add_time_to("shorten")
-        return self._result(run, "solved", "", points, run.goal_indices[goal])
+        return self._result(run, Ending("solved", ""), points, run.goal_indices[goal])
 
     # before the search ------------------------------------------------------------------------------------
 
-    def _prepare(self, run: Run) -> Failure | None:
+    def _prepare(self, run: Run) -> Ending | None:
         """Keeps the goals that are free; why the search cannot begin, where it cannot."""
         failure = run.check_limits(self._box)
         if failure is not None:
             return failure
-        touching = self._touching(run.q0)
-        if touching:
-            return "start", f"at the start {touching}."
-        reasons = [self._touching(run.goals[k]) for k in run.goal_indices]
-        free = [k for k, reason in zip(run.goal_indices, reasons, strict=True) if not reason]
+        touch = self._touch(run.q0)
+        if touch is not None:
+            return Ending("start", f"at the start {touch[0]}.", touch[1])
+        touches = [self._touch(run.goals[k]) for k in run.goal_indices]
+        free = [k for k, touch in zip(run.goal_indices, touches, strict=True) if touch is None]
         if not free:
-            return "goal", f"at the {'' if len(reasons) == 1 else 'first '}goal {reasons[0]}."
+            assert touches[0] is not None
+            goal = "the goal" if len(touches) == 1 else "the first goal"
+            return Ending("goal", f"at {goal} {touches[0][0]}.", touches[0][1])
         run.goal_indices, run.goals = free, run.goals[free]
         run.add_time_to("prepare")
         return None
 
-    def _touching(self, q: Floats) -> str:
-        """What touches at a configuration, or comes nearer than the margin, as text; empty where nothing does."""
+    def _touch(self, q: Floats) -> tuple[str, tuple[str, str]] | None:
+        """What touches at a configuration, or comes nearer than the margin, in words and by names; None for nothing."""
         nearest = self._checker.distance(q)
         distance = float(nearest.distance)
         if distance > self._margin + NEAR:
-            return ""
+            return None
         link, other = nearest.names
         if distance > 0.0:
-            return f"{link!r} comes within {1e3 * distance:.3g} mm of {other!r}"
-        return f"{link!r} overlaps {other!r} by {-1e3 * distance:.3g} mm"
+            return f"{link!r} comes within {1e3 * distance:.3g} mm of {other!r}", (link, other)
+        return f"{link!r} overlaps {other!r} by {-1e3 * distance:.3g} mm", (link, other)
 
     # search -----------------------------------------------------------------------------------------------
 
@@ -218,10 +220,10 @@ class ExactSearch:
             i = j
         return np.stack(rows)
 
-    def _result(self, run: Run, outcome: Outcome, reason: str, points: Floats, goal: int) -> Plan:
+    def _result(self, run: Run, ending: Ending, points: Floats, goal: int) -> Plan:
         return Plan(
-            outcome,
-            reason,
+            ending.outcome,
+            ending.reason,
             points,
             Certificate((), self._margin, 0) if len(points) else None,
             goal,
@@ -231,6 +233,8 @@ class ExactSearch:
             run.seconds,
             self._model,
             tree=run.tree,
+            touching=ending.touching,
+            method="exact",
         )
 
 

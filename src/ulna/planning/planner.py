@@ -19,7 +19,7 @@ from ulna.checks.values import flag, number, short_repr
 from ulna.collision import LinkPair, Spheres, World
 from ulna.collision.lanes.moving import links_of
 from ulna.collision.pairs import checked_pairs
-from ulna.errors import InputError, ShapeError, UnknownName
+from ulna.errors import InputError, MissingExtra, ShapeError, UnknownName
 from ulna.lazy import is_deferred
 from ulna.planning import deferred
 from ulna.planning.goals import goal_configurations, moving_columns
@@ -29,6 +29,7 @@ from ulna.planning.scenes import PlanningScene
 from ulna.planning.search import Search
 from ulna.planning.stop import STOP
 from ulna.system import process_end
+from ulna.system.cached import cached_property
 from ulna.system.progress import progress
 from ulna.typing import ArrayLike, Floats
 
@@ -37,8 +38,8 @@ if TYPE_CHECKING:  # what only some plans need is imported where it is used
     from ulna.planning.exact_search import ExactSearch
     from ulna.planning.path_constraints import PathConstraint
 
-Method = Literal["spheres", "exact"]
-"""What a search checks: covering spheres, or the real shapes through coal."""
+Method = Literal["auto", "spheres", "exact"]
+"""What a search checks: covering spheres, the real shapes through coal, or these where spheres refuse start or goal."""
 
 _STEP = 0.01  # [m]
 _FLOAT64 = np.dtype(np.float64)
@@ -65,7 +66,7 @@ def plan(
     seed: int = 0,
     constraints: PathConstraint | Sequence[PathConstraint] | None = None,
     keep_tree: bool = False,
-    method: Method = "spheres",
+    method: Method = "auto",
 ) -> Plan:
     """A path from a configuration to a goal on which the robot touches neither itself nor the world.
 
@@ -97,8 +98,10 @@ def plan(
         seed: Seed of the samples: the same seed, the same path, on processors of one kind.
         constraints: What frames keep on the whole way, start and goal included: `PathConstraint`, or several.
         keep_tree: Whether `plan.tree` has the configurations that the search reached, for `viewer.plan`.
-        method: "spheres"; or "exact", which asks coal for the real shapes: far slower, for robots and places where
-            things pass closer than spheres allow. It takes no `spheres`, `step`, `improve` and `constraints`.
+        method: "spheres"; "exact", which asks coal for the real shapes: far slower, for robots and places where
+            things pass closer than spheres allow, and takes no `spheres`, `step`, `improve` and `constraints`; "auto"
+            plans by spheres, and by the real shapes where spheres refuse the start or every goal, none of these
+            arguments is used and coal is installed.
 
     Returns:
         The plan. It is false, with an outcome and a reason, where there is no path.
@@ -151,7 +154,7 @@ class Planner:
         longest: The longest edge of the trees, in joint space [rad, m].
         roadmap: How many samples a roadmap is made of, along which plans are searched first: for many plans in a world
             of narrow passages; 0 for none.
-        method: "spheres" or "exact", as for `ulna.planning.plan`.
+        method: "auto", "spheres" or "exact", as for `ulna.planning.plan`; with a roadmap "auto" means "spheres".
 
     Raises:
         InputError: If numbers make no sense, or the robot has joints that cannot be planned for.
@@ -178,7 +181,7 @@ class Planner:
         step: float = _STEP,
         longest: float = 1.0,
         roadmap: int = 0,
-        method: Method = "spheres",
+        method: Method = "auto",
     ) -> None:
         _check_scene(robot, world)
         margin, step, longest = _checked_lengths(margin, step, longest)
@@ -190,13 +193,10 @@ class Planner:
         self._is_exact, self._batches = method == "exact", 0
         self._shape = (self.model.nq,)
         self._last_options: tuple[tuple[Any, ...], Any] = (object(),), None
+        self._may_be_exact = method != "spheres" and spheres is None and step == _STEP and not roadmap
         if self._is_exact:
-            from ulna.planning.exact_search import ExactSearch
-
             _check_exact(spheres=spheres is None, step=step == _STEP, roadmap=not roadmap)
-            self._search = ExactSearch(
-                self.model, World() if world is None else world, pairs, margin, longest
-            )
+            self._search = self._exact_search
             return
         checker = _self_checker(robot, spheres, pairs)
         robot_alone = links_of(checker.model, checker.spheres, checker.pairs, checker.missing, checker.tables)
@@ -252,7 +252,7 @@ class Planner:
         if frame is joints is constraints is None and self._are_configurations(q0, goal):
             ends = np.empty((2, self.model.nq))
             ends[0], ends[1] = q0, goal
-            return self._search.run(ends[0], ends[1:], options)
+            return self._finished(self._search.run(ends[0], ends[1:], options), ends[0], ends[1:], options)
         if is_deferred(q0) or is_deferred(goal):
             chosen = {
                 **{"frame": frame, "joints": joints, "constraints": constraints, "keep_tree": keep_tree},
@@ -300,6 +300,8 @@ class Planner:
             plan = search.run(q0, goals.configurations, options)
         else:
             plan = self._run_with_still_joints(search, constraints, q0, goals.configurations, options)
+        if search is self._search:
+            plan = self._finished(plan, q0, goals.configurations, options)
         if plan.outcome == "unreachable" and goals.is_late:
             reason = f"no configuration was found for the pose within {allowed:g} s. Allow more."
             return replace(plan, outcome="time", reason=reason)
@@ -344,6 +346,36 @@ class Planner:
             return None
         lengths = margin, options["step"], options["longest"]
         return _planner(robot, world, options["spheres"], others, *lengths, "spheres")
+
+    def _finished(self, plan: Plan, q0: Floats, goals: Floats, options: Options) -> Plan:
+        """A plan; where covering spheres refuse the start or every goal, the one among the real shapes if allowed."""
+        if plan.touching is None or plan.method == "exact" or not self._may_be_exact or options.improve:
+            return plan
+        try:
+            search = self._exact_search
+        except MissingExtra:
+            return plan
+        left = options.timeout - sum(plan.seconds.values())
+        exact = search.run(q0, goals, options._replace(timeout=max(left, 0.0)))
+        if exact.outcome in ("iterations", "time"):
+            return replace(exact, reason=f"{exact.reason} By covering spheres there is none: {plan.reason}")
+        return replace(exact, deviation_bounds=self._deviation_bounds) if exact else exact
+
+    @cached_property
+    def _exact_search(self) -> ExactSearch:
+        """The search among the real shapes."""
+        from ulna.planning.exact_search import ExactSearch  # for few plans
+
+        (_, world), options = self._arguments
+        world = World() if world is None else world
+        return ExactSearch(self.model, world, options["pairs"], options["margin"], options["longest"])
+
+    @cached_property
+    def _deviation_bounds(self) -> Floats | None:
+        """As for paths by spheres, where links keep twice the margin from each other, but half as far."""
+        assert isinstance(self._search, Search)
+        bounds = self._search.allowed_deviation
+        return None if bounds is None else 2.0 * bounds
 
     def _search_along(self, constraints: Any) -> Search | ExactSearch:
         """The search that keeps constraints."""

@@ -43,6 +43,9 @@ class Plan:
             all of `deviation_bounds @ abs(d)` are at most 1; None where no deviation is, because `margin` was 0.
         tree: The configurations that the search reached, where `keep_tree` asks for them and there was a search; for
             `viewer.plan`.
+        touching: The names of the two things that touch at the start or goal, or come too near to each other, where
+            that is the outcome; else None.
+        method: What counted: "spheres" that cover the links, or "exact" shapes.
     """
 
     outcome: Outcome
@@ -58,6 +61,8 @@ class Plan:
     improvements: tuple[tuple[float, float], ...] = ()
     deviation_bounds: Any = field(default=None, repr=False)
     tree: SearchTree | None = field(default=None, repr=False)
+    touching: tuple[str, str] | None = None
+    method: Literal["spheres", "exact"] = "spheres"
 
     def __bool__(self) -> bool:
         return self.success

@@ -13,12 +13,23 @@ from ulna.planning.workspace import COARSE
 from ulna.system.progress import Report, progress, silent
 from ulna.typing import Floats
 
-Failure = tuple[Outcome, str]
-"""What stood in the way, and a sentence about it."""
-
 _SHORT = 0.1  # s; of a search that shows no progress
 
 _NO_SECONDS = {"prepare": 0.0, "search": 0.0, "shorten": 0.0, "improve": 0.0, "certify": 0.0}
+
+
+class Ending(NamedTuple):
+    """How a search ended.
+
+    Attributes:
+        outcome: "solved", or what stood in the way.
+        reason: A sentence about it; empty where all is well.
+        touching: The two things that touch at the start or goal, or come too near to each other; None for others.
+    """
+
+    outcome: Outcome
+    reason: str
+    touching: tuple[str, str] | None = None
 
 
 class Options(NamedTuple):
@@ -112,7 +123,7 @@ class Run:
             self._report(self.samples_used, self.options.iterations)
         return elapsed > self.options.timeout or (STOP.event is not None and STOP.event.is_set())
 
-    def check_limits(self, box: JointBox) -> Failure | None:
+    def check_limits(self, box: JointBox) -> Ending | None:
         """Notes in `goal_indices` which goals are within the limits of the joints.
 
         Args:
@@ -122,23 +133,23 @@ class Run:
             Why the search cannot begin: the start or all goals are outside, or there is no goal; else None.
         """
         if not box.holds(self.q0):
-            return "start", f"`q0` is out of limits: {box.violations(self.q0)}."
+            return Ending("start", f"`q0` is out of limits: {box.violations(self.q0)}.")
         if len(self.goals) == 1 and box.holds(self.goals[0]):
             self.goal_indices = [0]
             return None
         if not len(self.goals):
-            return "unreachable", "no configuration within the limits was found for the pose."
+            return Ending("unreachable", "no configuration within the limits was found for the pose.")
         self.goal_indices = [k for k, goal in enumerate(self.goals) if box.holds(goal)]
         if not self.goal_indices:
-            return "goal", f"the goal is out of limits: {box.violations(self.goals[0])}."
+            return Ending("goal", f"the goal is out of limits: {box.violations(self.goals[0])}.")
         return None
 
-    def limit_reached(self) -> Failure:
+    def limit_reached(self) -> Ending:
         """That no path was found, and within which limit."""
         is_used = self.samples_used >= self.options.iterations
         limit = f"{self.samples_used} samples" if is_used else f"{self.options.timeout:g} s"
         reason = f"no path was found within {limit}. Allow more, or another seed."
-        return "iterations" if is_used else "time", reason
+        return Ending("iterations" if is_used else "time", reason)
 
     def add_time_to(self, part: str) -> None:
         """Adds the time since the last such call to a part's."""

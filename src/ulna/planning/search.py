@@ -14,7 +14,7 @@ from ulna.planning.certificate import Certificate, certify
 from ulna.planning.goals import joint_of_column
 from ulna.planning.joint_box import JointBox
 from ulna.planning.result import Outcome, Plan
-from ulna.planning.run import Failure, Options, Run
+from ulna.planning.run import Ending, Options, Run
 from ulna.planning.samples import samples
 from ulna.planning.scenes import PlanningScene
 from ulna.planning.search_tree import search_tree
@@ -74,16 +74,16 @@ class Search:
         """The plan that a run finds, or why there is none."""
         points, goal, failure = self._searched(run)
         if failure is not None:
-            return self._result(run, *failure, np.zeros((0, self._model.nq)), None, -1)
+            return self._result(run, failure, np.zeros((0, self._model.nq)), None, -1)
         if run.options.improve:
             points, goal = self._improved(run, points, goal)
             run.add_time_to("improve")
         points, certificate = self._proved(run, points)
         run.add_time_to("certify")
         reason = "" if certificate else f"edges {certificate.unproved} are not proved free"
-        return self._result(run, "solved", reason, points, certificate, run.goal_indices[goal])
+        return self._result(run, Ending("solved", reason), points, certificate, run.goal_indices[goal])
 
-    def _searched(self, run: Run) -> tuple[Floats, int, Failure | None]:
+    def _searched(self, run: Run) -> tuple[Floats, int, Ending | None]:
         """A path that is not proved yet and the number of its goal; or why there is none."""
         failure = self._prepare(run)
         if failure is not None:
@@ -102,7 +102,7 @@ class Search:
 
     # before the search ------------------------------------------------------------------------------------
 
-    def _prepare(self, run: Run) -> Failure | None:
+    def _prepare(self, run: Run) -> Ending | None:
         """Storage, and the goals that are free; why the search cannot begin, where it cannot."""
         if run.workspace is None:
             run.workspace = self._workspace(run.options.coarse)
@@ -131,14 +131,14 @@ class Search:
         run.add_time_to("search")
         return direct
 
-    def _keep_free_goals(self, run: Run) -> Failure | None:
+    def _keep_free_goals(self, run: Run) -> Ending | None:
         """Drops goals that are out of limits or touch; why the search cannot begin, where none is left."""
         failure = run.check_limits(self._box)
         if failure is not None:
             return failure
         is_near = self._is_near(run.q0, run.goals[run.goal_indices])
         if not is_near.any():
-            return "goal", self._distance_reason(run)
+            return Ending("goal", self._distance_reason(run))
         run.goal_indices = np.array(run.goal_indices)[is_near].tolist()
         run.goals = run.goals[run.goal_indices]
         run.direct_goal = run.workspace.examine(run.q0, run.goals)
@@ -205,11 +205,11 @@ class Search:
         """A path, where machine code proves it; None where it does not."""
         return None if self._unproved(run, points) else points
 
-    def _blocked(self, run: Run, free: Sequence[bool]) -> Failure:
+    def _blocked(self, run: Run, free: Sequence[bool]) -> Ending:
         """What the start, or the nearest goal, touches."""
         outcome: Outcome = "goal" if free[0] else "start"
         if not run.options.with_reason:
-            return outcome, ""
+            return Ending(outcome, "")
         q = run.goals[0] if free[0] else run.q0
         distance, link, other = deepest_touch(self._scene.checker, q, margin=self._margin)
         what = f"overlaps {other!r} by {-1e3 * distance:.3g} mm"
@@ -221,13 +221,13 @@ class Search:
         reason = f"at {who} {link!r} {what}, by their covering spheres."
         if distance > 0.0 and self._margin > 0.0:
             reason += f" `margin` is {1e3 * self._margin:.3g} mm, and counts for each of two links that move."
-        if other in self._scene.spheres.links:
-            smaller = " or a smaller `margin`" if self._margin > 0.0 else ""
-            reason += (
-                ' Where the links are apart, plan with method="exact", or give finer spheres (ulna.collision.refine) '
-                f"or other `pairs`{smaller}."
-            )
-        return outcome, reason
+        others = " or other `pairs`" if other in self._scene.spheres.links else ""
+        smaller = " or a smaller `margin`" if self._margin > 0.0 else ""
+        reason += (
+            ' Where they are apart, plan with method="exact", or give finer spheres (ulna.collision.refine)'
+            f"{others}{smaller}."
+        )
+        return Ending(outcome, reason, (link, other))
 
     # search -----------------------------------------------------------------------------------------------
 
@@ -322,7 +322,8 @@ class Search:
         return Certificate(tuple(unproved), self._margin, checks)
 
     @cached_property
-    def _allowed_deviation(self) -> Floats | None:
+    def allowed_deviation(self) -> Floats | None:
+        """What motions may deviate by from a path that keeps the margin; see `Plan.deviation_bounds`."""
         return self._deviation_bounds()
 
     def _deviation_bounds(self) -> Floats | None:
@@ -331,12 +332,12 @@ class Search:
         return np.concatenate(rows) / (0.98 * self._margin) if self._margin > 0.0 else None
 
     def _result(
-        self, run: Run, outcome: Outcome, reason: str, points: Floats, certificate: Certificate | None, goal: int
-    ) -> Plan:  # fmt: skip
+        self, run: Run, ending: Ending, points: Floats, certificate: Certificate | None, goal: int
+    ) -> Plan:
         step = self._step if run.workspace is None else run.workspace.step
         return Plan(
-            outcome,
-            reason,
+            ending.outcome,
+            ending.reason,
             points,
             certificate,
             goal,
@@ -346,8 +347,9 @@ class Search:
             run.seconds,
             self._model,
             tuple(run.improvements),
-            self._allowed_deviation,
+            self.allowed_deviation,
             run.tree,
+            ending.touching,
         )
 
 

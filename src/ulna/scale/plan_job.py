@@ -170,7 +170,7 @@ class Plans(SampledJob):
         key = "" if world is None else world.fingerprint
         planner = self._planners.get(key)
         if planner is None:  # other threads may add and remove planners meanwhile
-            planner = Planner(self.robot, world, **self.lengths)
+            planner = Planner(self.robot, world, method="spheres", **self.lengths)
             if len(self._planners) >= _PLANNERS:
                 self._planners.clear()
             planner = self._planners.setdefault(key, planner)

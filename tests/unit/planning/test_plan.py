@@ -175,8 +175,11 @@ def test_a_start_or_goal_that_touches_names_both_and_the_depth() -> None:
     with pytest.raises(InputError, match="There is no path to move along: at the goal"):
         p.trajectory()
     folded = np.array([0.0, 1.7, 0.0, -3.0, 0.0, 0.0, 0.0])
-    p = plan(robot, folded, ready)
+    p = plan(robot, folded, ready, method="spheres")
     assert p.outcome == "start" and "panda_" in p.reason.split("overlaps")[1] and "finer spheres" in p.reason
+    assert p.touching == ("panda_link1", "panda_link7") and p.method == "spheres"
+    p = plan(robot, folded, ready)
+    assert p.reason.startswith("at the start 'panda_link1' overlaps 'panda_link7' by") and p.method == "exact"
 
 
 def test_the_reason_names_what_the_margin_forbids_and_not_what_is_nearest() -> None:
@@ -191,7 +194,7 @@ def test_the_reason_names_what_the_margin_forbids_and_not_what_is_nearest() -> N
         if near == "ball":
             break
     assert near == "ball" and margin < distance < apart
-    p = plan(robot, q, q + 0.1, world, margin=margin)
+    p = plan(robot, q, q + 0.1, world, margin=margin, method="spheres")
     assert p.outcome == "start" and all(repr(link) in p.reason for link in links) and "ball" not in p.reason
     assert (
         f"comes within {1e3 * apart:.3g} mm" in p.reason and f"`margin` is {1e3 * margin:.3g} mm" in p.reason

@@ -47,7 +47,7 @@ def goal_of(arm: Any, angle: float = 1.2) -> Any:
 def test_links_that_only_seem_to_touch_do_not_stop_the_arm() -> None:
     arm = robot()
     q0, goal = np.zeros(arm.model.nq), goal_of(arm)
-    refused = arm.plan(q0, goal)
+    refused = arm.plan(q0, goal, method="spheres")
     assert refused.outcome == "start" and "plate" in refused.reason
     plan = arm.plan(q0, goal, joints=["turn"])
     assert plan and plan.is_certified
@@ -75,7 +75,7 @@ def test_links_that_do_touch_or_are_nearer_than_the_margin_are_refused(gap: floa
 
 def test_links_that_follow_the_joints_count_by_their_spheres() -> None:
     arm = robot(follower='<mimic joint="turn" multiplier="0.1"/>')
-    plan = arm.plan(np.zeros(arm.model.nq), goal_of(arm), joints=["turn"])
+    plan = arm.plan(np.zeros(arm.model.nq), goal_of(arm), joints=["turn"], method="spheres")
     assert plan.outcome == "start" and "plate" in plan.reason
     still = np.ones(arm.model.nq, dtype=bool)
     still[arm.model.joint("turn").idx_q] = False
