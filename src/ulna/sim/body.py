@@ -17,6 +17,7 @@ from ulna.robot import Robot
 from ulna.sim.kinematic import moved_within_limits
 from ulna.sim.plant import Plant, check_friction, checked_torques
 from ulna.sim.recording import Recording
+from ulna.sim.stops import Stops
 from ulna.typing import ArrayLike, Floats
 
 ControlMode = Literal["position", "velocity", "acceleration", "torque"]
@@ -79,11 +80,7 @@ class Body:
         self._actual_qd, self._previous_q = self._qd, self._q
         self._applied: Floats | None = None
         self.control = control
-        single = [j for j in robot.model.joints if j.mimic is None and j.kind.nq == j.kind.nv]
-        at_q = [np.arange(j.idx_q, j.idx_q + j.kind.nq) for j in single]
-        at_v = [np.arange(j.idx_v, j.idx_v + j.kind.nv) for j in single]
-        self._at_q = np.concatenate(at_q) if at_q else np.zeros(0, dtype=int)
-        self._at_v = np.concatenate(at_v) if at_v else np.zeros(0, dtype=int)
+        self._stops = Stops.of(robot.model)
         self._start = self._q.copy(), self._qd.copy()
 
     @property
@@ -256,8 +253,10 @@ class Body:
                 tau = checked_torques(torques, self.robot.model)
             if self._limits == "all":
                 tau = np.clip(tau, -effort, effort)
-            self._q, self._qd = self._plant.euler(self._q, self._qd, tau, dt / count)
-            self._apply_position_limits()
+            if self._limits == "none":
+                self._q, self._qd = self._plant.euler(self._q, self._qd, tau, dt / count)
+            else:
+                self._q, self._qd = self._plant.euler_within(self._q, self._qd, tau, dt / count, self._stops)
             self._applied = tau
         self._actual_qd = self._qd
 
@@ -267,15 +266,10 @@ class Body:
 
     def _apply_position_limits(self) -> None:
         """Set joints beyond a position limit to the limit, and their velocity to zero."""
-        if self._limits == "none":
-            return
-        limits = self.robot.limits
-        low, high = self._q < limits.lower, self._q > limits.upper
-        if low.any() or high.any():
-            self._q = np.clip(self._q, limits.lower, limits.upper)
-            speed = self._qd[self._at_v]
-            out = (low[self._at_q] & (speed < 0.0)) | (high[self._at_q] & (speed > 0.0))
-            self._qd[self._at_v] = np.where(out, 0.0, speed)
+        if self._limits != "none" and not self._stops.contains(self._q):
+            low, high = self._stops.beyond(self._q)
+            self._q = self._stops.held(self._q, low, high)
+            self._qd = np.where((low & (self._qd < 0.0)) | (high & (self._qd > 0.0)), 0.0, self._qd)
 
     def __repr__(self) -> str:
         return f"<{self.name!r} under {self.control} control>"

@@ -17,6 +17,7 @@ from ulna.checks.values import checked_robot, short_repr
 from ulna.errors import UnknownName
 from ulna.model import Model
 from ulna.robot import Robot, compile
+from ulna.sim.stops import Stops
 from ulna.typing import ArrayLike, Floats
 
 Torque = Callable[[float, Floats, Floats], ArrayLike]
@@ -93,6 +94,37 @@ class Plant:
             free = self._velocity_after_friction(self._inverse_mass(q), free, v, dt)
         return self._integrate(q, dt * free), free
 
+    def euler_within(
+        self, q: Floats, v: Floats, tau: Floats, dt: float, stops: Stops
+    ) -> tuple[Floats, Floats]:
+        """As `euler`, for a free robot whose position limits are inelastic stops.
+
+        A joint that would pass its limit comes to rest there, by an impulse that acts on all joints, as friction does.
+
+        Args:
+            q: Configuration, shape (nq,) [rad, m].
+            v: Velocity, shape (nv,) [rad/s or m/s].
+            tau: Torques, shape (nv,) [N m or N].
+            dt: The step [s].
+            stops: The position limits.
+
+        Returns:
+            Configuration, shape (nq,) [rad, m], within the limits, and velocity, shape (nv,) [rad/s, m/s].
+        """
+        moved, final = self.euler(q, v, tau, dt)
+        if stops.contains(moved):
+            return moved, final
+        low, high = (below, above) = stops.beyond(moved)
+        free, G = v + dt * self._acceleration(q, v, tau), self._inverse_mass(q)
+        while (below | above).any():  # a stop may push another joint to its own
+            forward, backward = np.where(low, np.inf, 0.0), np.where(high, np.inf, 0.0)
+            final = self._velocity_at_stops(G, free, v, dt, forward, backward)
+            moved = self._integrate(q, dt * final)
+            below, above = stops.beyond(moved)
+            below, above = below & ~low, above & ~high
+            low, high = low | below, high | above
+        return stops.held(moved, low & (final <= 0.0), high & (final >= 0.0)), final
+
     def rk4(self, q: Floats, v: Floats, torque: Torque, t: float, dt: float) -> tuple[Floats, Floats]:
         """A Runge-Kutta step of fourth order.
 
@@ -161,6 +193,19 @@ class Plant:
             return compile(settle, G=(n, n), u=(n,), v=(n,), h=())
 
         return self._kernel("settle", make)(G, free, v, dt)
+
+    def _velocity_at_stops(
+        self, G: Floats, free: Floats, v: Floats, dt: float, forward: Floats, backward: Floats
+    ) -> Floats:
+        law, n = self.friction or Friction(), self.robot.nv
+
+        def make() -> Any:
+            def settle(G: Any, u: Any, v: Any, h: Any, forward: Any, backward: Any) -> Any:
+                return velocity_after_friction(G, u, v, h, law, (forward, backward))
+
+            return compile(settle, G=(n, n), u=(n,), v=(n,), h=(), forward=(n,), backward=(n,))
+
+        return self._kernel("stop", make)(G, free, v, dt, forward, backward)
 
     def _tangent(self, u: Floats, v: Floats) -> Floats:
         model = self.robot.model

@@ -1,5 +1,7 @@
 """The velocity after a step of time with dry friction: joints stick exactly, or slide against the full friction.
 
+A position limit is a friction without bound in one direction: its impulse is as large as it takes to stop the joint.
+
 | symbol | meaning | shape | unit | equation |
 |---|---|---|---|---|
 | u | velocity after the step if there were no friction | (nv) | [rad/s] or [m/s] | |
@@ -39,8 +41,10 @@ _TOLERANCE = 1e-13  # change of the velocities in an iteration, relative to thei
 _ACCEPTED = 1e-9  # relative change up to which the last iteration counts as converged
 
 
-def velocity_after_friction(G: Array, u: Array, start: Array, h: Any, friction: Friction) -> Array:
-    """The velocity after a time step in which friction acts on the joints.
+def velocity_after_friction(
+    G: Array, u: Array, start: Array, h: Any, friction: Friction, stops: tuple[Array, Array] | None = None
+) -> Array:
+    """The velocity after a time step in which friction, and position limits, act on the joints.
 
     Args:
         G: Inverse mass matrix, shape (..., nv, nv) [1/kg, 1/(kg m), 1/(kg m^2)].
@@ -48,30 +52,18 @@ def velocity_after_friction(G: Array, u: Array, start: Array, h: Any, friction: 
         start: Velocity before the step, shape (..., nv) [rad/s, m/s], at which static friction is determined.
         h: Duration of the step, shape (...) [s].
         friction: The friction of the joints; its width plays no part.
+        stops: The largest impulses of position limits, forward (of lower limits) and backward (of upper ones), each of
+            shape (..., nv) [N m s, N s]: inf where a joint is at a limit, else 0. None for no limits.
 
     Returns:
         Velocity, shape (..., nv) [rad/s, m/s]; nan where `ROUNDS` iterations do not suffice.
     """
     nv = u.shape[-1]
-    viscous, *_ = friction.numbers(nv)
-    at_rest = np.zeros(nv)
-    dry = [np.asarray(x, dtype=float) + at_rest for x in friction.dry_bounds(at_rest)]
-    joints = [k for k in range(nv) if viscous[k] or dry[0][k] or dry[1][k]]
+    step = _TimeStep.of(G, u, start, h, friction, stops)
+    joints = step.joints
     if not joints:
         return u.copy()
-    bounds = [_broadcast(bound, u) for bound in friction.dry_bounds(start)]
-    step = _TimeStep(
-        [[_entry(G, row, k) for k in joints] for row in range(nv)],
-        joints,
-        [bool(viscous[k]) for k in joints],
-        [bool(dry[0][k] or dry[1][k]) for k in joints],
-        [h * float(viscous[k]) for k in joints],
-        [-h * _entry(bounds[0], k) for k in joints],
-        [h * _entry(bounds[1], k) for k in joints],
-    )
-    scale: Any = 0.0
-    for i, k in enumerate(joints):
-        scale = scale + abs(_entry(u, k)) + step.mobility[i] * (step.high[i] - step.low[i])
+    scale = _scale(G, u, start, h, friction, joints)
     zero, count = 0.0 * _entry(u, 0), len(joints)
 
     def iteration(*state: Any) -> tuple[Any, ...]:
@@ -100,6 +92,31 @@ class _TimeStep:
     damping: Sequence[Any]
     low: Sequence[Any]
     high: Sequence[Any]
+
+    @classmethod
+    def of(
+        cls, G: Array, u: Array, start: Array, h: Any, friction: Friction, stops: tuple[Array, Array] | None
+    ) -> _TimeStep:
+        """The time step of `velocity_after_friction`; where there are stops, every joint may have one."""
+        nv = u.shape[-1]
+        viscous, *_ = friction.numbers(nv)
+        at_rest = np.zeros(nv)
+        dry = [np.asarray(x, dtype=float) + at_rest for x in friction.dry_bounds(at_rest)]
+        is_dry = [stops is not None or bool(dry[0][k] or dry[1][k]) for k in range(nv)]
+        joints = [k for k in range(nv) if viscous[k] or is_dry[k]]
+        forward, backward = ([h * x for x in bound] for bound in _dry_bounds(friction, u, start, joints))
+        if stops is not None:
+            forward = [x + _entry(stops[1], k) for x, k in zip(forward, joints, strict=True)]
+            backward = [x + _entry(stops[0], k) for x, k in zip(backward, joints, strict=True)]
+        return cls(
+            [[_entry(G, row, k) for k in joints] for row in range(nv)],
+            joints,
+            [bool(viscous[k]) for k in joints],
+            [is_dry[k] for k in joints],
+            [h * float(viscous[k]) for k in joints],
+            [-x for x in forward],
+            backward,
+        )
 
     @property
     def mobility(self) -> list[Any]:
@@ -165,6 +182,20 @@ class _TimeStep:
             return -np.inf, np.inf, compliance, 1.0
         lower = numeric.where(sticks, low, numeric.where(above, high, -np.inf))
         return lower, numeric.where(sticks, high, numeric.where(above, np.inf, low)), compliance, 1.0
+
+
+def _dry_bounds(friction: Friction, u: Array, start: Array, joints: Sequence[int]) -> list[list[Any]]:
+    """How large dry friction of those joints can be against forward, and against backward motion."""
+    bounds = (_broadcast(bound, u) for bound in friction.dry_bounds(start))
+    return [[_entry(bound, k) for k in joints] for bound in bounds]
+
+
+def _scale(G: Array, u: Array, start: Array, h: Any, friction: Friction, joints: Sequence[int]) -> Any:
+    """How large velocities are, and how much dry friction changes them."""
+    scale: Any = 0.0
+    for k, forward, backward in zip(joints, *_dry_bounds(friction, u, start, joints), strict=True):
+        scale = scale + abs(_entry(u, k)) + _entry(G, k, k) * (h * backward + h * forward)
+    return scale
 
 
 def _length_to_bound(p: Any, down: Any, up: Any) -> Any:
