@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ulna.checks.values import short_repr
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import check_keywords
@@ -57,7 +58,8 @@ def load(
         The robot.
 
     Raises:
-        InputError: what is to be loaded is neither a name nor a path nor text.
+        InputError: what is to be loaded is neither a name nor a path nor text; or `xacro_args` are no dictionary, or
+            given for what is no xacro file.
         UnknownName: no robot, or no frame, of that name; offers the nearest one.
         FormatError: the file is missing or broken; says where and how to fix it.
         MissingExtra: the robot needs a package that is not installed.
@@ -109,7 +111,8 @@ def load_model(
         srdf: a file, or its text, with groups, named configurations and disabled collision pairs; robots of
             example-robot-data bring theirs.
         mimic: whether mimic joints follow their leader; False lets each move on its own.
-        xacro_args: values for the arguments of a .xacro file.
+        xacro_args: values for the arguments of a .xacro file; a warning (ModelWarning) names those that the file does
+            not ask for.
         trusted: for MJCF, whether MuJoCo compiles it in this process; otherwise another process does, which is ended
             after a minute, or when it needs more than 4 GiB. Other formats are read alike either way.
 
@@ -117,7 +120,8 @@ def load_model(
         The model.
 
     Raises:
-        InputError: what is to be loaded is neither a name nor a path nor text.
+        InputError: what is to be loaded is neither a name nor a path nor text; or `xacro_args` are no dictionary, or
+            given for what is no xacro file.
         UnknownName: no robot of that name; offers the nearest one.
         FormatError: the file is missing or broken; says where and how to fix it.
         MissingExtra: the robot needs a package that is not installed.
@@ -138,7 +142,7 @@ def load_model(
 
     if visuals not in catalogue.VISUALS:
         raise UnknownName("kind of visuals", visuals, catalogue.VISUALS)
-    options = _Options(root, visuals, tuple(package_dirs), mimic, dict(xacro_args or {}), bool(trusted))
+    options = _Options(root, visuals, tuple(package_dirs), mimic, _checked_args(xacro_args), bool(trusted))
     if _is_file(name_or_path):
         model = _from_file(name_or_path, options)
     else:
@@ -154,6 +158,27 @@ class _Options:
     mimic: bool
     xacro_args: dict[str, str]
     trusted: bool
+
+
+def _checked_args(xacro_args: Any) -> dict[str, str]:
+    """The arguments of a xacro file, if they are a dictionary by name."""
+    if xacro_args is None:
+        return {}
+    if not (isinstance(xacro_args, Mapping) and all(isinstance(name, str) for name in xacro_args)):
+        raise InputError(
+            f"`xacro_args` is {short_repr(xacro_args)}; expected a dictionary of values by name, such as "
+            "{'prefix': 'left_'}."
+        )
+    return dict(xacro_args)
+
+
+def _check_takes_args(what: str, options: _Options) -> None:
+    """Refuses arguments of a xacro file for what is none."""
+    if options.xacro_args:
+        raise InputError(
+            f"`xacro_args` has {', '.join(map(repr, options.xacro_args))}, but {what} is not read as xacro, and has no "
+            "arguments. Leave it out, or pass the path of a .xacro file."
+        )
 
 
 def _is_file(name_or_path: PathLike) -> bool:
@@ -191,13 +216,15 @@ def _from_file(path_or_text: PathLike, options: _Options) -> Model:
         text = b""
     if file is not None and file.lower().endswith((".xml", ".mjcf")):
         text = read_file(file)
+    is_xacro = file is not None and file.lower().endswith(".xacro")
+    if not is_xacro:
+        _check_takes_args(repr(file) if file is not None else "a text", options)
     if root_tag(text) == "mujoco" or (file or "").lower().endswith(".mjcf"):
         return _from_mjcf(path_or_text if file is None else file, options)
     # The data package names itself in its mesh paths; then it is found even for a copy of one of its files.
     share = example_robot_data.share_folder()
     resolver = Resolver(file, (*options.package_dirs, *((share.parent,) if share else ())))
     if file is not None:
-        is_xacro = file.lower().endswith(".xacro")
         text = expand_xacro(file, options.xacro_args, resolver) if is_xacro else read_file(file)
     document = parse_urdf(text, file)
     if options.visuals == "simple":
@@ -228,7 +255,10 @@ def _from_catalogue(name: str, options: _Options) -> Model:
     if options.root == "auto":
         options = dataclasses.replace(options, root="free_flyer" if entry.floating else None)
     if entry.source == "ulna":
-        return catalogue.build_bundled(entry.name, root=options.root, visuals=options.visuals)
+        _check_takes_args(f"the robot {name!r}", options)
+        return catalogue.build_bundled(
+            entry.name, root=options.root, visuals=options.visuals, mimic=options.mimic
+        )
     if entry.source == "example-robot-data":
         urdf, srdf = example_robot_data.files(entry.name)
         model = _from_file(urdf, options)

@@ -10,11 +10,12 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any, TextIO
 
-from ulna.errors import FormatError, needed
+from ulna.errors import FormatError, ModelWarning, nearest, needed
 from ulna.files import open_regular
 from ulna.formats.markup import read_file
 from ulna.formats.resolve import Resolver
 from ulna.system import forks
+from ulna.system.callers import level_of_caller
 
 _EXPANDING = forks.lock()
 """The package keeps its state in module globals; one expansion at a time."""
@@ -36,7 +37,8 @@ def expand_xacro(
         resolver: finds the packages of `$(find name)`; by default around the file and in the ROS environment.
 
     Returns:
-        The URDF text.
+        The URDF text. Values for arguments that the file does not ask for have no effect; a warning (ModelWarning)
+        names them.
 
     Raises:
         MissingExtra: the package xacro is not installed.
@@ -49,7 +51,8 @@ def expand_xacro(
         from xacro import substitution_args
     xacro: Any = library
     find = partial(_folder_of_package, resolver or Resolver(path), file)
-    mappings = {name: str(value) for name, value in (arguments or {}).items()}
+    given = {name: str(value) for name, value in (arguments or {}).items()}
+    mappings = _Arguments(given)
     with _EXPANDING:
         original = substitution_args._eval_find
         # Its own search needs a ROS 2 installation. Ours also knows the folders above the file.
@@ -59,7 +62,6 @@ def expand_xacro(
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", DeprecationWarning)
                 document: Any = xacro.process_file(file, mappings=mappings)
-                return document.toxml()
         except FormatError:
             raise
         except Exception as error:  # the package raises whatever its parts raise
@@ -67,6 +69,41 @@ def expand_xacro(
         finally:
             substitution_args._eval_find = original
             del xacro.open
+    _warn_of_unused(given, mappings.asked, file)
+    return document.toxml()
+
+
+class _Arguments(dict[str, str]):
+    """Values of arguments, which notes what is asked for."""
+
+    def __init__(self, values: Mapping[str, str]) -> None:
+        super().__init__(values)
+        self.asked: set[str] = set()
+
+    def __contains__(self, name: object) -> bool:
+        self.asked.add(str(name))
+        return super().__contains__(name)
+
+    def __getitem__(self, name: str) -> str:
+        self.asked.add(name)
+        return super().__getitem__(name)
+
+
+def _warn_of_unused(given: Mapping[str, str], asked: set[str], file: str) -> None:
+    """Warns (ModelWarning) of values for arguments that a file did not ask for."""
+    for name in given:
+        if name not in asked:
+            meant = nearest(name, asked - set(given), 1)
+            hint = (
+                f"Did you mean {meant[0]!r}?"
+                if meant
+                else f"It asks for: {', '.join(sorted(asked)) or 'none'}."
+            )
+            warnings.warn(
+                f"{file}: `xacro_args` has {name!r}, which the file does not ask for; it has no effect. {hint}",
+                ModelWarning,
+                stacklevel=level_of_caller(),
+            )
 
 
 def _folder_of_package(packages: Resolver, file: str, name: str) -> str:

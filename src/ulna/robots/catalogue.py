@@ -112,7 +112,9 @@ def _find_in(source: Source, name: str, is_requested: bool) -> Entry | None:
     return Entry(module, source, "fetched on first use") if module else None
 
 
-def build_bundled(name: str, *, root: str | JointKind | None = None, visuals: str = "auto") -> Model:
+def build_bundled(
+    name: str, *, root: str | JointKind | None = None, visuals: str = "auto", mimic: bool = True
+) -> Model:
     """A robot written down in this package.
 
     Args:
@@ -120,6 +122,7 @@ def build_bundled(name: str, *, root: str | JointKind | None = None, visuals: st
         root: how its base hangs in the world: None fixed, "free_flyer", or a joint kind.
         visuals: "simple" shapes, "cad" meshes of example-robot-data, or "auto": meshes where they are installed and
             can be read, else the shapes.
+        mimic: whether mimic joints follow their leader; else each moves on its own.
 
     Returns:
         The model.
@@ -131,8 +134,8 @@ def build_bundled(name: str, *, root: str | JointKind | None = None, visuals: st
     if visuals not in VISUALS:
         raise UnknownName("kind of visuals", visuals, VISUALS)
     makers: dict[str, Callable[[Mapping[str, tuple[Geometry, ...]] | None], Model]] = {
-        "panda": lambda cad: _panda(False, cad, root),
-        "panda_fingers": lambda cad: _panda(True, cad, root),
+        "panda": lambda cad: _panda(False, cad, root, mimic),
+        "panda_fingers": lambda cad: _panda(True, cad, root, mimic),
         "ur5": lambda cad: _ur5(cad, root),
     }
     if name not in makers:
@@ -141,11 +144,11 @@ def build_bundled(name: str, *, root: str | JointKind | None = None, visuals: st
 
 
 def _panda(
-    fingers: bool, cad: Mapping[str, tuple[Geometry, ...]] | None, root: str | JointKind | None
+    fingers: bool, cad: Mapping[str, tuple[Geometry, ...]] | None, root: str | JointKind | None, mimic: bool
 ) -> Model:
     from ulna.robots.panda import panda
 
-    return panda(fingers=fingers, visuals=cad, root=root)
+    return panda(fingers=fingers, visuals=cad, root=root, mimic=mimic)
 
 
 def _ur5(cad: Mapping[str, tuple[Geometry, ...]] | None, root: str | JointKind | None) -> Model:

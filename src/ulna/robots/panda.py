@@ -173,6 +173,7 @@ def panda(
     fingers: bool = False,
     visuals: Mapping[str, tuple[Geometry, ...]] | None = None,
     root: str | JointKind | None = None,
+    mimic: bool = True,
 ) -> Model:
     """The Panda with its hand.
 
@@ -181,6 +182,7 @@ def panda(
             each `FINGER_OPENING` from the middle.
         visuals: geometries to draw instead of the simple shapes, by link name.
         root: how the base hangs in the world: None fixed, "free_flyer", or a joint kind.
+        mimic: whether the second finger follows the first; else each moves on its own.
 
     Returns:
         The model.
@@ -205,17 +207,19 @@ def panda(
     builder.add_joint("panda_joint8", fixed, "panda_link7", "panda_link8", pose((0.0, 0.0, 0.107)))
     builder.add_joint("panda_hand_joint", fixed, "panda_link8", "panda_hand", pose(rpy=hand_turn))
     builder.add_joint("panda_hand_tcp_joint", fixed, "panda_hand", "panda_hand_tcp", pose((0.0, 0.0, 0.1034)))
-    _add_fingers(builder, fingers)
+    _add_fingers(builder, fingers, mimic)
     for pair in _TOUCHING:
         builder.disable_pair(*pair)
     builder.set_tool("panda_hand_tcp")
     for name, q in CONFIGURATIONS.items():
         values = {f"panda_joint{i}": angle for i, angle in enumerate(q, 1)}
-        builder.add_configuration(name, values | ({"panda_finger_joint1": FINGER_OPENING} if fingers else {}))
+        moving = () if not fingers else (1,) if mimic else (1, 2)
+        opening = {f"panda_finger_joint{i}": FINGER_OPENING for i in moving}
+        builder.add_configuration(name, values | opening)
     return builder.build()
 
 
-def _add_fingers(builder: ModelBuilder, moving: bool) -> None:
+def _add_fingers(builder: ModelBuilder, moving: bool, mimic: bool) -> None:
     for i, (side, sign) in enumerate((("left", 1.0), ("right", -1.0)), 1):
         joint, link = f"panda_finger_joint{i}", f"panda_{side}finger"
         if not moving:
@@ -232,7 +236,7 @@ def _add_fingers(builder: ModelBuilder, moving: bool) -> None:
             velocity=0.2,
             effort=100.0,
             damping=0.3,
-            mimic=("panda_finger_joint1", 1.0, 0.0) if i == 2 else None,
+            mimic=("panda_finger_joint1", 1.0, 0.0) if mimic and i == 2 else None,
         )
 
 

@@ -9,7 +9,7 @@ import textwrap
 import numpy as np
 import pytest
 
-from ulna.errors import FormatError, InputError, MissingExtra, ModelError, UnknownName
+from ulna.errors import FormatError, InputError, MissingExtra, ModelError, ModelWarning, UnknownName
 from ulna.geometry import Box, Mesh, Sphere
 from ulna.loading import load, load_model
 from ulna.robots import catalogue, example_robot_data, robot_descriptions
@@ -210,3 +210,29 @@ def test_loading_a_model_compiles_nothing():
         [sys.executable, "-c", textwrap.dedent(code)], capture_output=True, text=True, check=False
     )
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_arguments_of_xacro_files_are_refused_elsewhere_and_misspelt_ones_are_named(file, tmp_path):
+    pytest.importorskip("xacro")
+    path = tmp_path / "named.xacro"
+    path.write_text(
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="name" default="a"/>'
+        '<link name="$(arg name)"/></robot>'
+    )
+    with pytest.warns(ModelWarning, match=r"'nam', which the file does not ask for.* Did you mean 'name'\?"):
+        assert load_model(path, xacro_args={"nam": "b"}).link_names == ("a",)
+    for other in (file, URDF, "ur5"):
+        with pytest.raises(InputError, match="is not read as xacro"):
+            load_model(other, xacro_args={"name": "b"})
+    for wrong in ("name:=b", ["name:=b"], {1: "b"}):
+        with pytest.raises(InputError, match="expected a dictionary of values by name"):
+            load_model(path, xacro_args=wrong)
+
+
+def test_fingers_of_the_panda_move_each_on_its_own_where_asked():
+    free = load("panda_fingers", visuals="simple", mimic=False)
+    assert free.nq == load("panda_fingers", visuals="simple").nq + 1
+    q = free.configurations["qr"]
+    opening = [free.fk(q, f"panda_{side}finger")[:3, 3] for side in ("left", "right")]
+    assert np.linalg.norm(opening[0] - opening[1]) == pytest.approx(2 * q[-1])
+    assert q[-1] == q[-2] > 0.0
