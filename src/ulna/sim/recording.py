@@ -91,6 +91,13 @@ class Recording:
     def __len__(self) -> int:
         return self._count
 
+    def __copy__(self) -> Self:
+        """A recording with the same rows, to which rows are added without changing this one."""
+        made = type(self)()
+        made._columns = {name: column.copy() for name, column in self._columns.items()}
+        made._count, made._capacity = self._count, self._capacity
+        return made
+
     def __getitem__(self, name: str) -> Floats:
         """A copy of a column: "t", "q", or the name of a further column."""
         one_of("column", name, self._columns)
@@ -116,7 +123,7 @@ class Recording:
             path: The file, .csv.
 
         Raises:
-            InputError: The path does not end in .csv, or there are no rows.
+            InputError: The path does not end in .csv, there are no rows, or two columns of the file have one name.
 
         Example:
             >>> robot = ulna.load("panda")

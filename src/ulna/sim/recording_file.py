@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,7 +17,7 @@ from ulna.files import read_regular
 from ulna.system.storage import replacing
 from ulna.typing import Floats
 
-_INDEXED = re.compile(r"(.+?)((?:_\d+)+)")
+_INDEXED = re.compile(r"(.+?)((?:_\d{1,9})+)")
 
 
 def write_csv(columns: Mapping[str, Floats], path: str | Path) -> None:
@@ -27,12 +28,17 @@ def write_csv(columns: Mapping[str, Floats], path: str | Path) -> None:
         path: The file, .csv.
 
     Raises:
-        InputError: The path does not end in .csv, or there are no rows.
+        InputError: The path does not end in .csv, there are no rows, or two columns of the file have one name.
     """
     target = _checked(path)
     if not columns:
         raise InputError("The recording has no rows; there is nothing to save.")
     head = [_title(name, place) for name, values in columns.items() for place in np.ndindex(values.shape[1:])]
+    double = next((title for title in head if head.count(title) > 1), None)
+    if double is not None:
+        raise InputError(
+            f"Two columns of the file would have the name {double!r}; expected other names of columns."
+        )
     table = np.column_stack([values.reshape(len(values), -1) for values in columns.values()])
     with replacing(target) as place, open(place, "w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([head, *table.tolist()])
@@ -79,7 +85,12 @@ def read_csv(path: str | Path) -> dict[str, Floats]:
 
 
 def _check_order(times: Floats, source: Path) -> None:
-    wrong = np.flatnonzero(~(np.diff(times) >= 0.0))  # nan, too
+    unknown = np.flatnonzero(~np.isfinite(times))
+    if len(unknown):
+        raise InputError(
+            f"{source}, row {unknown[0] + 2}, has the time {times[unknown[0]]} s; expected finite ones."
+        )
+    wrong = np.flatnonzero(np.diff(times) < 0.0)
     if len(wrong):
         before, after = times[wrong[0] : wrong[0] + 2]
         raise InputError(
@@ -112,7 +123,7 @@ def _numbers(rows: list[list[str]], width: int, source: Path) -> Floats:
 
 def _stacked(name: str, parts: dict[tuple[int, ...], Floats]) -> list[tuple[str, Floats]]:
     """The columns of one array, in the order of their indices; or columns that only look like that, each separately."""
-    shape = tuple(np.array(max(parts)) + 1) if len({len(p) for p in parts}) == 1 else ()
-    if set(parts) != set(np.ndindex(shape)):
+    shape = tuple(k + 1 for k in max(parts)) if len({len(p) for p in parts}) == 1 else ()
+    if math.prod(shape) != len(parts) or set(parts) != set(np.ndindex(shape)):  # a title may have any number
         return [(_title(name, place), values) for place, values in parts.items()]
     return [(name, np.stack([parts[p] for p in np.ndindex(shape)], axis=-1).reshape(-1, *shape))]

@@ -7,6 +7,7 @@ quintics that have those very states.
 
 from __future__ import annotations
 
+import csv
 import io
 from os import PathLike
 from pathlib import Path
@@ -60,10 +61,8 @@ def save(trajectory: Trajectory, path: str | Path, rate: float | None = None) ->
         names = trajectory.space.names
         head = ["t", *trajectory.space.columns, *(f"v_{n}" for n in names), *(f"a_{n}" for n in names)]
         table = np.column_stack([t, q.reshape(len(t), -1), v, a])
-        quoted = ",".join(f'"{name}"' if "," in name else name for name in head)
-        lines = [quoted, *(",".join(map(repr, row)) for row in table.tolist())]
-        with replacing(target) as place:
-            place.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        with replacing(target) as place, open(place, "w", encoding="utf-8", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows([head, *table.tolist()])
     else:
         raise InputError(f"`path` is {str(path)!r}; expected a file name that ends in .npz or .csv.")
 
@@ -134,8 +133,6 @@ def _is_ours(content: dict[str, Any]) -> bool:
 
 
 def _from_csv(data: bytes, source: Path) -> Polynomial:
-    import csv
-
     try:
         lines = io.StringIO(data.decode("utf-8-sig"), newline="")
         head, *rows = [row for row in csv.reader(lines) if row] or [[]]
@@ -149,24 +146,45 @@ def _from_csv(data: bytes, source: Path) -> Polynomial:
         table = np.array(rows, dtype=float)
     except ValueError as error:
         raise InputError(f"{source} holds rows that are not {len(head)} numbers: {error}") from None
-    names = [h for h in head[1:] if not h.startswith(("v_", "a_"))]
-    n, speeds = len(names), [h for h in head[1:] if h.startswith("v_")]
-    if names == list(Poses().columns):
+    if table.shape[1] != len(head):
+        raise InputError(f"{source} has {len(head)} names of columns, and rows of {table.shape[1]} numbers.")
+    if head[1 : len(Poses().columns) + 1] == list(Poses().columns):
         raise InputError(f"{source} holds poses, which have no polynomials; expected joints.")
-    with_a = len(head) == 3 * n + 1
-    if len(speeds) != n or len(head) not in (2 * n + 1, 3 * n + 1):
-        raise InputError(
-            f"{source} has {n} positions and {len(speeds)} velocities; expected as many of each."
-        )
+    names, *rates = _columns(head, source)
     if not np.isfinite(table).all():
         raise InputError(
             f"{source} holds nan or inf in row {int(np.argwhere(~np.isfinite(table))[0][0]) + 2}."
         )
+    t = increasing("t", table[:, 0], len(table))
+    q = table[:, 1 : len(names) + 1]
+    v, *a = (table[:, places] for places in rates)
+    return hermite(t, q, v, a[0] if a else None, "table", Vectors(tuple(names)))
+
+
+def _columns(head: list[str], source: Path) -> tuple[Any, ...]:
+    """The names of the positions, and where their velocities are, and their accelerations where there are any."""
+    width = len(head) - 1
+    for kinds in (3, 2):
+        n, left = divmod(width, kinds)
+        names, prefixes = head[1 : n + 1], ("v_", "a_")[: kinds - 1]
+        rates = [[f"{prefix}{name}" for name in names] for prefix in prefixes]
+        if n and not left and len({*head}) == width + 1 and {*head[n + 1 :]} == {*rates[0], *rates[-1]}:
+            return names, *([head.index(rate) for rate in of_kind] for of_kind in rates)
+    # other programs call velocities otherwise: v_1 beside q_1
+    positions = [h for h in head[1:] if not h.startswith(("v_", "a_"))]
+    n, speeds = len(positions), [h for h in head[1:] if h.startswith("v_")]
+    if len(speeds) != n or width not in (2 * n, 3 * n):
+        raise InputError(
+            f"{source} has {n} positions and {len(speeds)} velocities; expected as many of each."
+        )
     if not n:
         raise InputError(f"{source} has no columns of positions.")
-    t = increasing("t", table[:, 0], len(table))
-    q, v = table[:, 1 : n + 1], table[:, n + 1 : 2 * n + 1]
-    return hermite(t, q, v, table[:, 2 * n + 1 :] if with_a else None, "table", Vectors(tuple(names)))
+    if head[1 : n + 1] != positions or head[n + 1 : 2 * n + 1] != speeds:
+        raise InputError(
+            f"{source} has the columns {', '.join(head[:8])}; expected those of all positions, then of all velocities, "
+            "then of all accelerations, each in the same order."
+        )
+    return positions, *(list(range(k * n + 1, (k + 1) * n + 1)) for k in range(1, width // n))
 
 
 register_operation("save", save)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from pathlib import Path
 
 import numpy as np
@@ -83,3 +84,34 @@ def test_rows_are_added_to_a_file_without_rows(tmp_path: Path) -> None:
     run = Recording.load(tmp_path / "log.csv")
     run.add(0.0, [1.0, 2.0])
     assert run.q.tolist() == [[1.0, 2.0]]
+
+
+@pytest.mark.parametrize("number", ["1000000000000", "9" * 5000, "40000_40000_40000"])
+def test_a_column_with_a_huge_number_in_its_name_is_an_ordinary_one(tmp_path: Path, number: str) -> None:
+    (tmp_path / "log.csv").write_text(f"t,q_0,q_1,x_{number}\n0,1,2,3\n")
+    run = Recording.load(tmp_path / "log.csv")
+    assert run.names == ("t", "q", f"x_{number}") and run.q.tolist() == [[1.0, 2.0]]
+
+
+def test_columns_that_a_file_could_not_tell_apart_are_refused(tmp_path: Path) -> None:
+    run = Recording()
+    run.add(0.0, [1.0], tau=[2.0, 3.0], tau_1=4.0)
+    with pytest.raises(InputError, match="Two columns of the file would have the name 'tau_1'"):
+        run.save(tmp_path / "log.csv")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("time", ["nan", "inf"])
+def test_times_of_a_file_are_finite(tmp_path: Path, time: str) -> None:
+    (tmp_path / "log.csv").write_text(f"t,q_0\n0,1\n{time},1\n")
+    with pytest.raises(InputError, match=rf"row 3, has the time {time} s; expected finite ones"):
+        Recording.load(tmp_path / "log.csv")
+
+
+def test_rows_are_added_to_a_copy_alone() -> None:
+    run = Recording()
+    run.add(0.0, [1.0])
+    other = copy.copy(run)
+    other.add(1.0, [2.0])
+    run.add(0.5, [3.0])
+    assert run.q.tolist() == [[1.0], [3.0]] and other.q.tolist() == [[1.0], [2.0]]

@@ -5,8 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import ulna
 from ulna import trajectory
 from ulna.errors import InputError
+from ulna.model import ModelBuilder, Revolute
 from ulna.spatial import SE3
 
 POINTS = np.random.default_rng(3).normal(size=(6, 4))
@@ -102,3 +104,30 @@ def test_broken_files_are_refused(tmp_path: Path) -> None:
     np.savez(tmp_path / "other.npz", a=np.zeros(3))
     with pytest.raises(InputError, match="expected a trajectory"):
         trajectory.load(tmp_path / "other.npz")
+
+
+@pytest.mark.parametrize(
+    "names", [("v_left", "a_right"), ("a_1", "v_1"), ('q"1', '"q'), ("new\nline", "t,1")]
+)
+def test_joints_of_any_name_come_back_from_a_table(tmp_path: Path, names: tuple[str, ...]) -> None:
+    builder = ModelBuilder("arm").add_link("base")
+    for k, name in enumerate(names):
+        builder.add_link(f"link{k}")
+        builder.add_joint(name, Revolute((0, 0, 1)), "base" if k == 0 else f"link{k - 1}", f"link{k}")
+    move = trajectory.straight(ulna.Robot(builder.build()), [0.0, 0.0], [1.0, -0.5], duration=2.0)
+    move.save(tmp_path / "move.csv", rate=50)
+    again = trajectory.load(tmp_path / "move.csv")
+    assert again.space.names == names
+    np.testing.assert_allclose(again(0.77), move(0.77), atol=1e-9)
+
+
+def test_columns_of_a_table_are_found_by_their_names_or_refused(tmp_path: Path) -> None:
+    file = tmp_path / "move.csv"
+    file.write_text("t,a,b,v_b,v_a\n0,0,0,2,1\n1,1,2,2,1\n")
+    np.testing.assert_allclose(trajectory.load(file)(0.25), [0.25, 0.5], atol=1e-12)
+    file.write_text("t,q_0,v_0,q_1,v_1\n0,0,1,0,2\n1,1,1,2,2\n")
+    with pytest.raises(InputError, match="expected those of all positions, then of all velocities"):
+        trajectory.load(file)
+    file.write_text("t,a,v_a\n0,0,1,5\n1,1,1,5\n")
+    with pytest.raises(InputError, match="3 names of columns, and rows of 4 numbers"):
+        trajectory.load(file)
