@@ -290,3 +290,21 @@ def results(f: Function, arguments: list[Any]) -> tuple[Any, ...]:
 def neighbours(arguments: list[Any], rng: np.random.Generator) -> list[list[Any]]:
     """The arguments with every number moved to a neighbour: how well a kernel is conditioned."""
     return [[np.nextafter(a, rng.choice([-9.0, 9.0], a.shape)) for a in arguments] for _ in range(4)]
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_conditions_pass_from_part_to_part_without_warnings(tmp_path: Path, dtype: str) -> None:
+    def late(x: Any) -> Any:
+        is_larger, y = x[0] > x[1], x[0]
+        for k in range(1000):
+            y = 0.5 * y + x[k % 2]
+        return numeric.where(is_larger, y, x[1])
+
+    folder = ulna.export(
+        None, {"late": trace(late, x=(2,))}, to="c", path=tmp_path / "x", name="f", dtype=dtype
+    )
+    assert "(" + {"float64": "double", "float32": "float"}[dtype] + ")c" in (folder / "f_late.c").read_text()
+    done = gcc(*STRICT, "-Wconversion", *folder.glob("*.c"), "-o", tmp_path / "test", "-lm")
+    assert done.returncode == 0, done.stderr[:2000]
+    ran = subprocess.run([tmp_path / "test"], capture_output=True, text=True, timeout=600, check=False)
+    assert ran.returncode == 0, ran.stdout

@@ -41,6 +41,25 @@ def test_named_configurations(panda: ulna.Robot, tmp_path: Path) -> None:
     assert doubles(lib, "panda_velocity_limit", 7) == panda.limits.velocity.tolist()
 
 
+def test_configurations_whose_names_are_alike_in_c_stay_apart(tmp_path: Path) -> None:
+    builder = ulna.ModelBuilder("r").add_link("base").add_link("arm")
+    builder.add_joint("turn", Revolute((0, 0, 1)), "base", "arm")
+    expected = {
+        "home 1": "home_1_3",
+        "home-1": "home_1_4",
+        "home_1": "home_1",
+        "home_1_2": "home_1_2",
+        "é": "_",
+    }
+    for k, name in enumerate(expected):
+        builder.add_configuration(name, {"turn": 0.1 * k})
+    place = ulna.export(ulna.Robot(builder.build()), "fk", to="c", path=tmp_path / "x")
+    lib = library(place)
+    for k, name in enumerate(expected.values()):
+        assert doubles(lib, f"r_configuration_{name}", 1) == [0.1 * k]
+    assert "configuration_home_1_4  is the configuration 'home-1'" in (place / "r.h").read_text()
+
+
 def test_a_robot_without_joints(tmp_path: Path) -> None:
     builder = ulna.ModelBuilder("stone")
     builder.add_link("base")

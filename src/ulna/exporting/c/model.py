@@ -31,9 +31,28 @@ def constants(model: Model) -> dict[str, tuple[str, Floats]]:
         Size and numbers by name.
     """
     made = {name: (size, getattr(model, name)) for name, size in _LIMITS.items()}
-    for name, q in model.configurations.items():
-        made[f"configuration_{re.sub(r'[^A-Za-z0-9]+', '_', name)}"] = ("NQ", np.asarray(q))
+    for name, key in configuration_keys(model).items():
+        made[key] = ("NQ", np.asarray(model.configurations[name]))
     return made
+
+
+def configuration_keys(model: Model) -> dict[str, str]:
+    """The names in C of the named configurations, by their names; equal ones have a number behind.
+
+    Args:
+        model: The robot.
+
+    Returns:
+        A different identifier for each.
+    """
+    plain = {name: f"configuration_{re.sub(r'[^A-Za-z0-9]+', '_', name)}" for name in model.configurations}
+    keys = {name: key for name, key in plain.items() if key == f"configuration_{name}"}
+    for name, key in plain.items():
+        number, free = 2, key
+        while name not in keys and free in keys.values():
+            free, number = f"{key}_{number}", number + 1
+        keys.setdefault(name, free)
+    return {name: keys[name] for name in plain}
 
 
 def declarations(export: Export, model: Model) -> str:
@@ -54,7 +73,13 @@ def declarations(export: Export, model: Model) -> str:
     heads = [f"{_head(export, key, size, x)}" for key, (size, x) in constants(model).items()]
     sizes = [f"#define {upper}_NQ {model.nq}", f"#define {upper}_NV {model.nv}"]
     lines = [*sizes, *(f"extern {head};" for head in (*heads, _names_head(export, model)))]
-    return "\n".join([comment([header]), *lines, ""])
+    return "\n".join([comment([header, *_renamed(model)]), *lines, ""])
+
+
+def _renamed(model: Model) -> list[str]:
+    """The configurations whose names in C are others, as lines of a comment."""
+    renamed = {key: name for name, key in configuration_keys(model).items() if key != f"configuration_{name}"}
+    return [f"  {key}  is the configuration {ascii(name)}" for key, name in renamed.items()]
 
 
 def source(export: Export, model: Model) -> str:

@@ -87,7 +87,8 @@ class Writer:
                 if index not in self.names:
                     self.node(index)
                 if index in slots:
-                    self.write(f"w[{slots[index]}] = {self.name_of(index)};")
+                    cast = f"({self.real})" if self.is_condition(index) else ""
+                    self.write(f"w[{slots[index]}] = {cast}{self.name_of(index)};")
 
     def _is_constant(self, index: int) -> bool:
         return self.graph.op[index] in (Op.CONST, Op.BOOL)
