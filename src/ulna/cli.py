@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import io
 import os
+import re
 import sys
 import warnings
 from collections.abc import Callable, Sequence
@@ -81,6 +82,10 @@ def _end_output() -> None:
 _ROBOT = "a name from `ulna list`, or the path of a .urdf, .xacro or MJCF (.xml) file"
 
 
+_NEGATIVE = re.compile(r"-(\d|\.\d)[-+.,_\de]*", re.IGNORECASE)
+"""Where numbers begin with a negative one: no option of a command begins with a digit."""
+
+
 def _parser() -> argparse.ArgumentParser:
     from ulna import __version__
     from ulna.scale.commands import add_commands
@@ -94,6 +99,7 @@ def _parser() -> argparse.ArgumentParser:
             name, help=about, description=f"{about[0].upper()}{about[1:]}. {more}".strip()
         )
         sub.set_defaults(run=run, parser=sub)
+        sub._negative_number_matcher = _NEGATIVE  # argparse takes -1e-3 and -1,0 for options
         return sub
 
     command("list", commands.list_robots, "list the robots that can be loaded by name").add_argument(

@@ -126,8 +126,7 @@ def export(chosen: argparse.Namespace) -> None:
     from ulna.exporting.selection import identifier
     from ulna.loading import load
 
-    options = _options(chosen.option)
-    options |= {key: value for key in ("frame", "triple") if (value := getattr(chosen, key)) is not None}
+    options = _export_options(chosen)
     names = _names(chosen.kernel)
     robot = load(chosen.name)
     prefix = chosen.prefix or identifier(robot.name)
@@ -165,6 +164,32 @@ def _names(words: Sequence[str]) -> list[str]:
     return [name for word in words for name in word.replace(",", " ").split()]
 
 
+_WRITTEN = {
+    "name": "--prefix",
+    "dtype": "--dtype",
+    "to": "--to",
+    "path": "--output",
+    "kernels": "--kernel",
+    "robot": "NAME",
+}
+"""Arguments of `export` that are no options of targets or kernels, and how they are given."""
+
+
+def _export_options(chosen: argparse.Namespace) -> dict[str, Any]:
+    """Options of targets and kernels, from --option, --frame and --triple."""
+    options = _options(chosen.option)
+    for key, way in _WRITTEN.items():
+        if key in options:
+            raise InputError(f"--option {key}= is not known; give it as {way}.")
+    for key in ("frame", "triple"):
+        value = getattr(chosen, key)
+        if value is not None and key in options:
+            raise InputError(f"--{key} {value} and --option {key}= are given; leave one out.")
+        if value is not None:
+            options[key] = value
+    return options
+
+
 def _options(words: Sequence[str]) -> dict[str, Any]:
     """Options as typed, OPTION=VALUE: numbers and truth values as such, other values as texts; with commas several."""
     options: dict[str, Any] = {}
@@ -174,6 +199,8 @@ def _options(words: Sequence[str]) -> dict[str, Any]:
             raise InputError(
                 f"--option {word!r} has no value; expected OPTION=VALUE, such as reference=local."
             )
+        if key in options:
+            raise InputError(f"--option {key}= is given more than once; leave out all but one.")
         parts = [_option(part) for part in text.split(",") if part]
         options[key] = tuple(parts) if "," in text else _option(text)
     return options

@@ -302,3 +302,36 @@ def test_numbers_in_a_picture_name_what_is_shown(headless: Path, small_pictures:
         patch.setattr(show, "configuration", lambda *a: seen.append(original(*a)) or seen[-1])
         assert main(["show", "panda", "--headless", "--q", "0,-0.3,0,-2.2,0,2,0.5"]) == 0
     np.testing.assert_array_equal(seen[0], [0, -0.3, 0, -2.2, 0, 2, 0.5])
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--option name=arm", "give it as --prefix"),
+        ("--option dtype=float32", "give it as --dtype"),
+        ("--option kernels=fk", "give it as --kernel"),
+        ("--option test=true --option test=false", "--option test= is given more than once"),
+        (
+            "--option frame=panda_hand --frame panda_link3",
+            "--frame panda_link3 and --option frame= are given",
+        ),
+    ],
+)
+def test_options_of_an_export_are_given_once_and_as_the_command_has_them(
+    headless: Path, capsys: pytest.CaptureFixture[str], words: str, said: str
+) -> None:
+    assert main(["export", "panda", *words.split()]) == 2
+    assert said in capsys.readouterr().err
+    assert not list(headless.iterdir())
+
+
+@pytest.mark.parametrize("words", ["0.1 -1e-3 0 -1 0 1 0", "-1e-3,.1 0 -1 0 1 0", "-.5,-2E-1,0,-1,0,+1,0"])
+@pytest.mark.usefixtures("small_pictures")
+def test_configurations_begin_with_negative_numbers_of_any_form(headless: Path, words: str) -> None:
+    assert main(["show", "panda", "--headless", "-q", *words.split(), "--output", "arm.png"]) == 0
+    assert (headless / "arm.png").exists()
+
+
+def test_the_file_of_identified_parameters_is_checked_first(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["identify", "panda", "no.npz", "--parameters", "found.txt", "--workers", "0"]) == 2
+    assert "a file that ends in .npy" in capsys.readouterr().err

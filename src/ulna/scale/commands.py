@@ -209,6 +209,12 @@ def _identify(chosen: argparse.Namespace) -> None:
 
     from ulna.scale.identifying import identify
 
+    if (
+        chosen.parameters and Path(chosen.parameters).suffix != ".npy"
+    ):  # before the work, which may take hours
+        raise InputError(
+            f"--parameters is {chosen.parameters!r}; expected the name of a file that ends in .npy."
+        )
     fit = identify(
         chosen.name,
         chosen.log,

@@ -79,7 +79,7 @@ def declarations(export: Export, model: Model) -> str:
 def _renamed(model: Model) -> list[str]:
     """The configurations whose names in C are others, as lines of a comment."""
     renamed = {key: name for name, key in configuration_keys(model).items() if key != f"configuration_{name}"}
-    return [f"  {key}  is the configuration {ascii(name)}" for key, name in renamed.items()]
+    return [f"  {key}  is the configuration {name!a}" for key, name in renamed.items()]
 
 
 def source(export: Export, model: Model) -> str:
