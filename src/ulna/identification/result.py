@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ulna.errors import needed
+from ulna.errors import ModelWarning, needed
 from ulna.identification.identifiable_parameters import BaseParameters
 from ulna.model import Model, with_dynamic_parameters, with_joint_dynamics
+from ulna.system.callers import level_of_caller
 from ulna.system.figures import displayed
 from ulna.system.storage import save_figure
 from ulna.typing import Floats
@@ -71,13 +73,32 @@ class FittedParameters:
 
     @property
     def new_model(self) -> Model:
-        """The model with the new parameters.
+        """The model with the new parameters. Drives have no negative ones: zeros take their place, with a warning.
 
         Raises:
             ModelError: a body cannot exist; identify with `physical=True`.
         """
-        drives = {name: np.maximum(getattr(self, name), 0.0) for name in ("armature", "damping", "friction")}
-        return with_joint_dynamics(with_dynamic_parameters(self.model, self.parameters), **drives)
+        bodies = with_dynamic_parameters(self.model, self.parameters)
+        found = {name: getattr(self, name) for name in ("armature", "damping", "friction")}
+        self._warn_of_negatives(found)
+        return with_joint_dynamics(
+            bodies, **{name: np.maximum(values, 0.0) for name, values in found.items()}
+        )
+
+    def _warn_of_negatives(self, drives: dict[str, Floats]) -> None:
+        """Warns (ModelWarning) where parameters of drives are negative, beyond rounding."""
+        rows = [
+            f"{name} of {self.model.velocity_names[k]} ({values[k]:.3g})"
+            for name, values in drives.items()
+            for k in np.flatnonzero(values < -1e-9 * np.abs(values).max(initial=0.0))
+        ]
+        if rows:
+            warnings.warn(
+                f"Zeros take the place of negative parameters that were found: {', '.join(rows)}. So torques of the "
+                "new model are not those of the fit. Identify with physical=True, which finds drives that can exist.",
+                ModelWarning,
+                stacklevel=level_of_caller(),
+            )
 
     def _heading(self, samples: str) -> list[str]:
         """The first lines of a report: what was sought, and how well the log determines it."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import builtins
+import warnings
 
 import numpy as np
 import pytest
 
 import ulna
-from ulna.errors import InputError, MissingExtra, ModelError, NonFiniteError, ShapeError
+from ulna.errors import InputError, MissingExtra, ModelError, ModelWarning, NonFiniteError, ShapeError
 from ulna.identification import identify
 from ulna.identification.blocks import Sought, fit_sums, sums_of
 from ulna.model import (
@@ -104,6 +105,18 @@ def test_bodies_that_can_exist(robot: Robot, true: Robot) -> None:
     assert np.abs(physical.rms - 0.05).max() < 0.01
     again = identify(Robot(model), *data)
     np.testing.assert_allclose(again.rms_before, physical.rms, rtol=1e-6)
+
+
+def test_drives_that_cannot_exist_are_named_where_a_model_is_made(robot: Robot) -> None:
+    q, v, a, tau = log(robot)
+    push = np.array([0.0, 2.0, 0.0, 0.0])  # it helps the motion, as a negative damping would
+    found = identify(robot, q, v, a, tau - push * v, damping=True)
+    with pytest.warns(ModelWarning, match=r"damping of panda_joint5 \(-2\)\. .*physical=True"):
+        model = found.new_model
+    assert model.damping[1] == 0.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert identify(robot, q, v, a, tau, damping=True).new_model.damping.min() >= 0.0
 
 
 def test_noise_of_the_joints_weighs_them(robot: Robot, true: Robot) -> None:
