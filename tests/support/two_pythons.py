@@ -50,3 +50,22 @@ def both(script: Path, folder: Path, *arguments: str, package: str = "pinocchio"
         assert (str(FOLDERS[package]) in written["file"]) == is_ours
         answers.append(written["answers"])
     return answers[0], answers[1]
+
+
+def printed(lines: str, package: str = "pinocchio") -> tuple[str, str]:
+    """What lines of Python print with Ulna's compatibility package, and what with the original.
+
+    Args:
+        lines: The lines.
+        package: Which compatibility package.
+
+    Returns:
+        The output of both.
+    """
+    own, theirs = (
+        subprocess.run(
+            [sys.executable, "-c", lines], env=variables(chosen), capture_output=True, text=True, check=True
+        )
+        for chosen in (package, None)
+    )
+    return own.stdout, theirs.stdout

@@ -72,7 +72,6 @@ DOCUMENTED = (
         r"pin\.linalg\.(computeLargestEigenvector|inv)\(.*",
         "what is no matrix is refused",
     ),
-    (r"refused", r"pin\.log6\(homegeneous_matrix=T\)", "the name is misspelt there"),
     (
         r"refused",
         r"pin\.(computeKKTContactDynamicMatrixInverse|getKKTContactDynamicMatrixInverse)\(.*np\.zeros\(\(0,\)\).*",
@@ -227,8 +226,8 @@ def answers(expressions: Sequence[str], real: bool, seed: int = 0) -> list[dict[
 
 def difference(own: dict[str, Any], theirs: dict[str, Any], path: str, text: str) -> str:
     """What differs between two answers; empty for nothing."""
-    if "crash" in theirs or "unusable" in theirs or "No to_python" in theirs.get("message", ""):
-        return ""  # Pinocchio has no answer
+    if not has_answer(theirs):
+        return ""
     if "crash" in own or "unusable" in own:
         return "crash"
     if "np.nan" in text and "error" not in theirs and "error" not in own:
@@ -250,6 +249,11 @@ def difference(own: dict[str, Any], theirs: dict[str, Any], path: str, text: str
         if not same(own.get(key), theirs.get(key)):
             return key
     return ""
+
+
+def has_answer(theirs: dict[str, Any]) -> bool:
+    """Whether Pinocchio answers by a value or an error that says something of the call."""
+    return not ("crash" in theirs or "unusable" in theirs or "No to_python" in theirs.get("message", ""))
 
 
 def same(own: Any, theirs: Any) -> bool:
@@ -304,6 +308,29 @@ def compare(pairs: Sequence[tuple[str, str]], seed: int = 0) -> list[tuple[str, 
     ]
 
 
+def by_answer(
+    found: Iterable[tuple[str, str, str, Any, Any]], reasons: Sequence[tuple[str, str, str]] = DOCUMENTED
+) -> str:
+    """How many calls have the same outcome: of those that Pinocchio answers, and of those that it refuses."""
+    answered: Counter[str] = Counter()
+    refused: Counter[str] = Counter()
+    for _, text, what, _, theirs in found:
+        if "error" in theirs:
+            refused[what] += has_answer(theirs)
+        elif has_answer(theirs):
+            on_purpose = what == "refused" and documented(what, text, reasons)
+            answered["refused for a reason" if on_purpose else what] += 1
+    whole = max(1, answered.total())
+    same = answered.pop("", 0)
+    told = same + answered["refused for a reason"]
+    return (
+        f"Pinocchio returns a value: {same} of {whole} ({100 * same / whole:.2f} %) are the same here, "
+        f"{100 * told / whole:.2f} % with those that are refused for a reason; others {dict(answered.most_common())}\n"
+        f"Pinocchio raises: {refused['']} of {refused.total()} raise the same class here, {refused['error class']} another one, "
+        f"{refused['accepted']} are accepted, {refused['crash']} cannot be made"
+    )
+
+
 def main() -> None:
     """Prints the share of each group, and the differences by path where `--out` names a file for them."""
     parser = argparse.ArgumentParser()
@@ -318,6 +345,7 @@ def main() -> None:
         )
     parser.set_defaults(mode="calls")
     parser.add_argument("--out", default="")
+    parser.add_argument("--known", action="store_true", help="write documented differences, too")
     args = parser.parse_args()
     make, reasons = MODES[args.mode]
     with tempfile.TemporaryDirectory() as folder:
@@ -334,9 +362,12 @@ def main() -> None:
     whole = sum(counts.values(), Counter())
     print(f"{'all':28} {whole[True]:6} of {whole.total():6}  {100 * whole[True] / whole.total():5.1f} %")
     print(f"of the others {known} are documented differences")
+    print(by_answer(found, reasons))
     print(Counter(what for _, _, what, *_ in found if what).most_common())
     if args.out:
-        wrong = [each for each in found if each[2] and not documented(each[2], each[1], reasons)]
+        wrong = [
+            each for each in found if each[2] and (args.known or not documented(each[2], each[1], reasons))
+        ]
         Path(args.out).write_text("\n".join(json.dumps(each) for each in wrong), encoding="utf-8")
 
 

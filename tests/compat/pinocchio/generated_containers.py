@@ -285,7 +285,6 @@ DOCUMENTED = (
         _done(r"l\[[^]]*:[^]]*:|operator\.(set|del)item\(l, slice\(0, 3, 2\)"),
         "slices may have steps",
     ),
-    (r"value", _done(r"l (==|!=)"), "lists with equal entries are equal"),
     (r"accepted|error class", _done(r"l\[np\.int64\(1\)\]"), "numbers of NumPy are taken"),
     (r"accepted", _done(r"pin\.StdVec_\w+\(\(|pin\.StdVec_\w+\(x for"), "tuples and generators are taken"),
     (r"error class", _done(r"l\[2\*\*70\]"), "it is an IndexError, as for all lists"),
@@ -294,7 +293,7 @@ DOCUMENTED = (
     (
         r"refused",
         _done(r".*(None|b?'text'|three|\('a'\)|, 2)\b"),
-        "None is not False, a text is not a list of texts, and an array no list",
+        "a text is not a list of texts, and an array no list",
     ),
     (r"value", _done(r"\[operator\.delitem\(l, 0\) for e in l\]"), "the loop ends where the list does"),
     (
@@ -314,11 +313,12 @@ DOCUMENTED = (
     ),
     (
         r"value",
-        _done(r"type\("),
-        "lists of frames are of a class of their own, and parts of them of that of all lists",
+        _done(r"type\(", r"d\.com"),
+        "parts of what is computed when it is read are lists of arrays",
     ),
-    (r"refused", _done(r".*extend\(\('a'\)\)"), "a text is no list of texts"),
-    (r"value", _done(r"(None|2) in l", r"filled\(pin\.StdVec_Bool\(\).*"), "they are neither True nor False"),
+    (r"refused", _done(r".*extend\(\(?'(a|text)'\)?\)"), "a text is no list of texts"),
+    (r"value", _done(r"\[.*l\.tolist\(\)\[0\].*", r".*StdVec_Matrix6\(\).*"), "they are copies there"),
+    (r"error class", _done(r".*extend\(\(pin\.CollisionPair.*"), "a pair is a sequence of two numbers"),
     (
         r".*",
         _done(r".*", r"filled\(pin\.StdVec_IndexVector\(\).*"),

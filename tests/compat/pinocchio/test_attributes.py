@@ -18,7 +18,7 @@ from differential import compare, documented, properties
 from generated_writes import DOCUMENTED, writes
 
 from support.compat_packages import using
-from support.two_pythons import variables
+from support.two_pythons import printed, variables
 
 WRONG = (
     ("m", "name", "3"),
@@ -38,7 +38,7 @@ WRONG = (
     ("d", "M", "np.zeros((2, 2))"),
     ("d", "M", "np.full((6, 6), None)"),
     ("d", "hg", "pin.Motion.Zero()"),
-    ("d", "lastChild", "d.lastChild"),
+    ("d", "lastChild", "list(d.lastChild)[1:]"),
     ("c", "reference_frame", "3"),
     ("c", "type", "3"),
     ("c", "joint1_id", "1.5"),
@@ -184,3 +184,34 @@ def test_generated_assignments_have_the_same_outcome() -> None:
     wrong = [(text, what) for _, text, what, *_ in found if what and not documented(what, text, DOCUMENTED)]
     print(Counter(what for _, what in wrong), wrong[:40])
     assert len(wrong) <= 0.01 * len(found)
+
+
+AS_THERE = """
+import numpy as np, pinocchio as pin
+m = pin.buildSampleModelManipulator()
+d = m.createData()
+def plain(x):
+    return [plain(one) for one in x] if hasattr(x, "__len__") else x
+for target, names in ((m, "supports subtrees mimicked_joints"), (d, "lastChild parents_fromRow supports_fromRow")):
+    for name in names.split():
+        before = plain(getattr(target, name))
+        setattr(target, name, getattr(target, name))
+        setattr(target, name, getattr(target, name).copy())
+        print(name, before, plain(getattr(target, name)) == before)
+d.joints = d.joints
+F = pin.Frame()
+F.name = b"tool"
+settings = pin.ADMMSolverSettings()
+settings.stat_record, settings.measure_timings = 2, -1
+print(F.name, settings.stat_record, settings.measure_timings)
+known = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, m, 3, pin.LOCAL).createData()
+known.contact_acceleration = pin.Motion(np.arange(6.0))
+print(known.contact_acceleration.vector)
+print(pin.log6(homegeneous_matrix=pin.SE3.Identity().homogeneous).vector)
+"""
+
+
+def test_what_is_held_is_taken_as_there() -> None:
+    pytest.importorskip("pinocchio")
+    own, theirs = printed(AS_THERE)
+    assert own == theirs and "tool True True" in own

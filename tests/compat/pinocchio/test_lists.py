@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from support.compat_packages import using
+from support.two_pythons import printed
 from ulna.errors import InputError
 
 
@@ -87,7 +88,8 @@ def test_data_in_lists_are_those_that_constraint_dynamics_fills(pin: Any) -> Non
         ("StdString", "'a'", ("2", "None", "b'a'")),
         ("Vector3", "[1, 2, 3]", ("np.zeros(2)", "2.0", "np.full(3, 1j)", "np.full(3, None)")),
         ("Matrix6x", "np.eye(6, 2)", ("np.eye(5)", "'a'")),
-        ("IndexVector", "[1, 2]", ("2", "[0.5]", "None")),
+        ("Matrix6", "np.eye(6)", ("np.ones(6)", "np.eye(5)")),
+        ("IndexVector", "[1, 2]", ("[0.5]", "None")),
         ("JointModelVector", "pin.JointModelRX()", ("2", "pin.SE3.Identity()")),
     ],
 )
@@ -130,7 +132,8 @@ def test_lists_of_a_model_are_of_their_kind(pin: Any) -> None:
 def test_arrays_in_lists_are_found_and_compared(pin: Any) -> None:
     rows = pin.StdVec_Vector3([np.zeros(3), np.ones(3)])
     assert np.ones(3) in rows and np.full(3, 2.0) not in rows and None not in rows
-    assert rows == rows.copy() and rows != rows[:1] and rows != [np.zeros(3), np.zeros(3)]
+    same = rows
+    assert rows == same and rows != rows.copy() and rows != rows[:1] and rows != [np.zeros(3), np.ones(3)]
     first = rows[0]
     rows[0] = np.full(3, 5.0)
     assert first.tolist() == [5.0, 5.0, 5.0]
@@ -168,3 +171,61 @@ def test_displacements_and_inertias_are_matrices_to_numpy(pin: Any) -> None:
     v = pin.Motion.Random()
     np.testing.assert_allclose(I * v.vector, (I * v).vector)
     np.testing.assert_allclose(M * np.ones((3, 1)), M.rotation @ np.ones(3) + M.translation)
+
+
+@pytest.mark.parametrize("name", ["com", "vcom", "mass"])
+def test_all_that_reads_values_of_joints_computes_them(pin: Any, name: str) -> None:
+    model = pin.buildSampleModelManipulator()
+
+    def values() -> Any:
+        data = model.createData()
+        pin.computeAllTerms(model, data, np.linspace(0.1, 0.6, 6), np.ones(6))
+        return getattr(data, name)
+
+    right = list(values())
+    assert np.abs(right).max() > 0.1
+    np.testing.assert_array_equal(list(reversed(values())), right[::-1])
+    np.testing.assert_array_equal([*(values() * 2), *(values() + [])], right * 3)
+    if name == "mass":
+        assert values().index(right[3]) == right.index(right[3]) and values().count(right[3]) == 1
+    else:
+        assert right[3] in values()
+
+
+LIKE_PINOCCHIO = """
+import numpy as np, pinocchio as pin
+m = pin.buildSampleModelManipulator()
+d = m.createData()
+M, N = pin.SE3.Identity(), pin.SE3(np.eye(3), np.ones(3))
+places = [m.jointPlacements, d.oMi, pin.StdVec_SE3([M, N, M])]
+for l in places:
+    print(l == l, l == l.copy(), l != l[:], l == list(l), list(l) == l, type(l[:]) is type(l), type(l.copy()) is type(l))
+    l[0:1] = N
+    l[2:1] = N
+    print(len(l), l[0] == N)
+names = m.names
+names[0:1] = "world"
+print(list(names), names == list(names))
+flags = pin.StdVec_Bool([None, 2])
+flags.append(None)
+flags[0:1] = None
+print(list(flags), None in flags, 2 in flags, pin.StdVec_Bool(2, None)[0])
+rows = pin.StdVec_IndexVector([[1, 2], [3]])
+rows[0:1] = [4, 5]
+print([list(row) for row in rows])
+g = pin.buildSampleGeometryModelManipulator(m)
+one = g.geometryObjects[0]
+M = one.placement
+g.geometryObjects[0] = g.geometryObjects[2]
+print(one.name, one.parentJoint, M == g.geometryObjects[2].placement)
+g.addAllCollisionPairs()
+pair = g.collisionPairs[0]
+g.collisionPairs[0] = pin.CollisionPair(1, 4)
+print(pair.first, pair.second)
+"""
+
+
+def test_lists_are_compared_and_take_single_entries_as_there() -> None:
+    pytest.importorskip("pinocchio")
+    own, theirs = printed(LIKE_PINOCCHIO)
+    assert own == theirs and len(own.splitlines()) == 11

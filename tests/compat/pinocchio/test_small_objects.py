@@ -414,10 +414,14 @@ def test_lists_copy_what_is_added(pin: Any) -> None:
 
 def test_names_that_are_appended_are_no_joints(pin: Any) -> None:
     model = pin.buildSampleModelManipulator()
-    before = [model.children.tolist(), model.subtrees.tolist(), model.supports.tolist()]
+
+    def lists() -> list[list[list[int]]]:
+        return [[list(row) for row in rows] for rows in (model.children, model.subtrees, model.supports)]
+
+    before = lists()
     model.names.append("more")
     assert model.njoints == 7
-    assert [model.children.tolist(), model.subtrees.tolist(), model.supports.tolist()] == before
+    assert lists() == before
 
 
 def test_configurations_without_length_stay_as_they_are(pin: Any) -> None:

@@ -115,6 +115,7 @@ def exp6_quat(v: Any) -> Floats:
 
 
 @directly(_MOTIONS.row("log6", SE3))
+@by_name("M", "homegeneous_matrix")
 def log6(M: Any) -> Motion:
     """The Motion that leads to a placement (SE3 or 4x4) in one second."""
     return _MOTIONS["log6"](M._m if type(M) is SE3 else _placement(M)._m)

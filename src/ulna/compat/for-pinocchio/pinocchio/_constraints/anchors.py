@@ -13,7 +13,7 @@ from pinocchio._constraints.frame_pair import ConstraintSelectionType, FramePair
 from pinocchio._constraints.kernels import core_constraints
 from pinocchio._containers.arguments import OMITTED, ArgumentError
 from pinocchio._containers.arrays import vector
-from pinocchio._containers.attributes import AttributeKind, entries, one_of, read_only, whole
+from pinocchio._containers.attributes import AttributeKind, computed, entries, one_of, whole
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name
 from pinocchio._data.data import Data
@@ -62,7 +62,7 @@ class _ConstraintState(AnyConstraintData):
     )
     _kinds: ClassVar[Mapping[str, AttributeKind]] = {
         **dict.fromkeys(("oMc1", "oMc2", "c1Mc2"), one_of(SE3)),
-        **dict.fromkeys([f"A{k}_{axes}" for k in ("", 1, 2) for axes in ("local", "world")], read_only),
+        **dict.fromkeys([f"A{k}_{axes}" for k in ("", 1, 2) for axes in ("local", "world")], computed),
         **dict.fromkeys(("constraint_acceleration_biais_term", "constraint_force"), entries),
         **dict.fromkeys(
             [f"constraint_{name}_error" for name in ("position", "velocity", "acceleration")], entries

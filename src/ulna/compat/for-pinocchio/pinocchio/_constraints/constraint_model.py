@@ -9,7 +9,7 @@ import numpy as np
 
 from pinocchio._constraints.frame_pair import ConstraintSelectionType
 from pinocchio._containers.arguments import ArgumentError, WrongShape
-from pinocchio._containers.arrays import StdVec, index, rows_of, vector
+from pinocchio._containers.arrays import StdVec, alike, index, rows_of, vector
 from pinocchio._containers.attributes import CheckedAttributes
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.files import Saved, register
@@ -57,7 +57,7 @@ class _NamedAndCompared(CheckedAttributes, Saved):
         if type(other) is not type(self):
             return NotImplemented
         own, its = self.__getstate__(), other.__getstate__()
-        return all(_equal(own[name], its[name]) for name in own)
+        return all(alike(own[name], its[name]) for name in own)
 
     __hash__ = object.__hash__
 
@@ -328,9 +328,3 @@ def _check_count(name: str, entries: Any, model: Model) -> None:
         )
     if len(entries) != model.njoints:
         raise WrongShape(name, (len(entries),), f"({model.njoints},), one for each joint")
-
-
-def _equal(a: Any, b: Any) -> bool:
-    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return np.array_equal(a, b)
-    return bool(a == b)

@@ -15,7 +15,7 @@ from pinocchio._constraints.frame_pair import (
     FramePair,
 )
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import StdVec
+from pinocchio._containers.arrays import StdVec, alike
 from pinocchio._containers.attributes import AttributeKind, one_of, read_only, refused
 from pinocchio._containers.enums import ReferenceFrame
 from pinocchio._containers.keywords import by_name
@@ -256,8 +256,14 @@ def _workspace(name: str) -> property:
             )
         return self._views[name]
 
+    kind = one_of(Motion)
+
     def put(self: RigidConstraintData, value: Any) -> None:
-        read_only(self, name, value)
+        if name in _DRIFTS:
+            self._views[name]._assign(kind(None, name, value))
+            self._left.pop(name, None)
+        elif not alike(self._views[name], value):
+            read_only(self, name, value)
 
     return property(get, put, doc=f"`{name}`: zero until an algorithm of Pinocchio would use it.")
 

@@ -184,14 +184,24 @@ def text(array: Floats) -> str:
     return "\n".join([" ".join([text_.rjust(width) for text_ in row]) for row in texts])
 
 
-def _equal(one: Any, other: Any) -> bool:
-    """Whether two entries are the same, or equal."""
+def alike(one: Any, other: Any) -> bool:
+    """Whether two values are equal, of lists whether their entries are.
+
+    Args:
+        one: A value.
+        other: Another one.
+
+    Returns:
+        Whether they are.
+    """
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(alike, one, other))
     if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
         return isinstance(other, type(one)) and np.array_equal(one, other)
     return one is other or bool(one == other)
 
 
-def _alike(first: Any, entry: Any) -> bool:
+def _of_one_kind(first: Any, entry: Any) -> bool:
     """Whether an entry is of the kind of another one."""
     if isinstance(first, bool):
         return isinstance(entry, (bool, np.bool_)) or is_index(entry)
@@ -209,7 +219,8 @@ _entry_at = list.__getitem__
 class StdVec(list[Item], Generic[Item]):
     """A list; what is assigned to an entry is copied into it, so that references to the entry see it.
 
-    Slices are new lists, with copies of the entries. It has all functions of lists; equal are those with equal entries.
+    Slices are new lists, with copies of the entries. It has all functions of lists. As in Pinocchio, a list is equal to
+    itself alone: compare `list(a) == list(b)`.
 
     Args:
         *parts: Nothing; entries; or how many entries, and what each is a copy of.
@@ -229,7 +240,11 @@ class StdVec(list[Item], Generic[Item]):
 
     def copy(self) -> StdVec[Item]:
         """A copy, with copies of the entries."""
-        return StdVec(copy.copy(entry) for entry in self)
+        return self._like([copy.copy(entry) for entry in self])
+
+    def _like(self, entries: list[Any]) -> StdVec[Item]:
+        """A list of this kind of these entries, which it takes."""
+        return type(self)(entries)
 
     __copy__ = copy
 
@@ -243,13 +258,17 @@ class StdVec(list[Item], Generic[Item]):
         if entries and isinstance(entries[0], np.ndarray):
             return entries
         if entries and type(entries[0]) in (int, float, str, bool):
-            return StdVec(entries)
-        return StdVec([entry.copy() if hasattr(entry, "copy") else copy.copy(entry) for entry in entries])
+            return self._like(entries)
+        return self._like([entry.copy() if hasattr(entry, "copy") else copy.copy(entry) for entry in entries])
 
     def __setitem__(self, key: Any, value: Any) -> None:
         if isinstance(key, slice):
-            places = range(*key.indices(len(self)))
-            entries = entries_of(value, "A list")
+            first, end, step = key.indices(len(self))
+            places = range(first, end, step)
+            one = bool(self) and _of_one_kind(_entry_at(self, 0), value)
+            if one and first > end and step == 1:
+                return  # as there
+            entries = [value] if one else entries_of(value, "A list")
             if len(entries) != len(places):
                 raise ArgumentError(
                     f"A list was given {excerpt(repr(value))}; expected {len(places)} entries."
@@ -264,14 +283,12 @@ class StdVec(list[Item], Generic[Item]):
             assign(value)
 
     def __contains__(self, entry: Any) -> bool:
-        if isinstance(entry, np.ndarray) or (self and isinstance(_entry_at(self, 0), np.ndarray)):
-            return any(_equal(own, entry) for own in self)
+        if isinstance(entry, (np.ndarray, list)) or (self and isinstance(_entry_at(self, 0), np.ndarray)):
+            return any(alike(own, entry) for own in self)
         return super().__contains__(entry)
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, list):
-            return NotImplemented
-        return len(self) == len(other) and all(map(_equal, self, other))
+        return self is other if isinstance(other, list) else NotImplemented
 
     def __ne__(self, other: object) -> bool:
         equal = self.__eq__(other)
@@ -293,7 +310,7 @@ class StdVec(list[Item], Generic[Item]):
         Raises:
             ArgumentError: It is of another kind.
         """
-        if self and not _alike(_entry_at(self, 0), entry):
+        if self and not _of_one_kind(_entry_at(self, 0), entry):
             kind = type(_entry_at(self, 0)).__name__
             raise ArgumentError(
                 f"A list of {kind} was given {excerpt(repr(entry))}; expected another {kind}."

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any, ClassVar, NoReturn, final
 
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError, is_flag
-from pinocchio._containers.arrays import NO_INDEX, StdVec, index, numbers, real, vector
+from pinocchio._containers.arrays import NO_INDEX, StdVec, alike, index, numbers, real, vector
 from ulna.errors import InputError, excerpt
 
 AttributeKind = Callable[[Any, str, Any], Any]
@@ -36,6 +37,8 @@ class CheckedAttributes:
 
     def __setattr__(self, name: str, value: Any) -> None:
         kind = self._kinds.get(name)
+        if kind is computed and _holds(self, name, value):
+            return
         object.__setattr__(self, name, value if kind is None else kind(self, name, value))
 
     def _keep(self, **values: Any) -> None:
@@ -43,6 +46,14 @@ class CheckedAttributes:
         store = object.__setattr__
         for name, value in values.items():
             store(self, name, value)
+
+
+def _holds(target: CheckedAttributes, name: str, value: Any) -> bool:
+    """Whether an attribute holds a value already."""
+    try:
+        return alike(getattr(target, name), value)
+    except (ArithmeticError, AttributeError, TypeError, ValueError):  # it cannot be read now, or be compared
+        return False
 
 
 def refused(name: str, value: Any, expected: str) -> ArgumentError:
@@ -75,6 +86,20 @@ def read_only(target: Any, name: str, value: Any) -> NoReturn:
     )
 
 
+def computed(target: Any, name: str, value: Any) -> NoReturn:
+    """The kind of attributes that are computed here, and stored in Pinocchio: what they hold may be assigned to them.
+
+    Args:
+        target: The object.
+        name: Name of the attribute.
+        value: What was assigned, which is not what it holds.
+
+    Raises:
+        ReadOnlyAttribute: Always.
+    """
+    read_only(target, name, value)
+
+
 def text(target: Any, name: str, value: Any) -> str:
     """The kind of attributes that are a text.
 
@@ -89,6 +114,9 @@ def text(target: Any, name: str, value: Any) -> str:
     Raises:
         ArgumentError: It is none.
     """
+    if isinstance(value, bytes):
+        with suppress(UnicodeDecodeError):
+            return value.decode()
     if not isinstance(value, str):
         raise refused(name, value, "a text")
     return value
@@ -136,7 +164,7 @@ def flag(target: Any, name: str, value: Any) -> bool:
     Raises:
         ArgumentError: It says neither.
     """
-    if not is_flag(value):
+    if not (is_flag(value) or isinstance(value, int)):
         raise refused(name, value, "True or False")
     return bool(value)
 

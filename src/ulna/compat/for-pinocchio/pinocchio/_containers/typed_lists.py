@@ -91,9 +91,10 @@ class TypedList(StdVec[Any], metaclass=_ListClass):
 
     def __setitem__(self, key: Any, value: Any) -> None:
         if isinstance(key, slice):
-            one = isinstance(
-                value, (self._kind, float, int) if self._kind in (float, int, bool) else self._kind
-            )
+            one = self._is_entry(value)
+            first, end, step = key.indices(len(self))
+            if one and first > end and step == 1:
+                return  # as there
             list.__setitem__(self, key, self._all([value] if one else value))
             return
         entry, own = self._take(value), self[key]
@@ -101,6 +102,20 @@ class TypedList(StdVec[Any], metaclass=_ListClass):
             own[...] = entry  # so that references to it see it
         else:
             super().__setitem__(key, entry)
+
+    def _is_entry(self, value: Any) -> bool:
+        """Whether a value is one entry, and no list of them."""
+        if self._kind is bool and value is None:
+            return True
+        if self._kind in (float, int, bool):
+            return isinstance(value, (float, int) if self._kind is float else int)
+        if isinstance(self._kind, _ListClass):  # an entry can be given as a list of numbers
+            return isinstance(value, self._kind) or (type(value) is list and all(map(is_index, value)))
+        return isinstance(value, self._kind)
+
+    def __contains__(self, entry: Any) -> bool:
+        is_flag = self._kind is bool and (entry is None or is_index(entry))
+        return super().__contains__(bool(entry) if is_flag else entry)
 
     def __iadd__(self, entries: Any) -> Self:  # pyright: ignore[reportIncompatibleMethodOverride]
         self.extend(entries)
@@ -178,16 +193,16 @@ def _whole(name: str, entry: Any) -> int:
 
 
 def _flag(name: str, entry: Any) -> bool:
-    if not (isinstance(entry, (bool, np.bool_)) or is_index(entry)):
+    if not (entry is None or isinstance(entry, (bool, np.bool_)) or is_index(entry)):
         raise _wrong(name, entry, "True or False")
     return bool(entry)
 
 
 def _array(name: str, entry: Any) -> Any:
     array, shape = np.array(numbers(entry, "entry"), dtype=float), _SHAPES[name]
-    if not 0 < array.ndim <= len(shape) or any(
-        size not in (None, has) for size, has in zip(shape, array.shape, strict=False)
-    ):
+    whole = (*array.shape, *([1] * (len(shape) - array.ndim)))  # a vector is one column
+    fits = array.ndim > 0 and len(whole) == len(shape)
+    if not fits or any(size not in (None, has) for size, has in zip(shape, whole, strict=True)):
         expected = ", ".join("n" if size is None else str(size) for size in shape)
         raise WrongShape("entry", array.shape, f"({expected})")
     return array

@@ -8,11 +8,13 @@ from typing import Any, TypeVar
 from pinocchio._containers.arrays import StdVec
 
 _List = TypeVar("_List", bound=type[StdVec[Any]])
-_CHANGES = (
+CHANGES = (
     *("append", "extend", "insert", "pop", "remove", "clear", "reverse", "sort"),
     *("__setitem__", "__delitem__", "__iadd__", "__imul__"),
 )
 """The methods that change a list."""
+READS = ("__reversed__", "__add__", "__mul__", "__rmul__", "__contains__", "index", "count")
+"""Methods that read entries of a list, besides `__getitem__` and `__iter__`."""
 
 
 def before_changes(notice: Callable[[Any], object], *left_out: str) -> Callable[[_List], _List]:
@@ -27,12 +29,23 @@ def before_changes(notice: Callable[[Any], object], *left_out: str) -> Callable[
     """
 
     def decorate(cls: _List) -> _List:
-        for name in set(_CHANGES) - set(left_out):
-            setattr(cls, name, _watched(getattr(cls, name), notice))
+        watch(cls, notice, *(name for name in CHANGES if name not in left_out))
         cls.__name__ = "StdVec"
         return cls
 
     return decorate
+
+
+def watch(cls: type[StdVec[Any]], notice: Callable[[Any], object], *names: str) -> None:
+    """Has a function called before methods of a class of lists.
+
+    Args:
+        cls: The class.
+        notice: A function of the list.
+        *names: The names of the methods.
+    """
+    for name in names:
+        setattr(cls, name, _watched(getattr(cls, name), notice))
 
 
 def _watched(change: Any, notice: Callable[[Any], object]) -> Any:

@@ -15,11 +15,12 @@ from pinocchio._containers.attributes import (
     AttributeKind,
     CheckedAttributes,
     checked_list,
+    computed,
     one_of,
-    read_only,
     refused,
 )
 from pinocchio._containers.files import Saved, register
+from pinocchio._containers.watched_lists import CHANGES, READS, watch
 from pinocchio._data.algorithm import ALGORITHMS
 from pinocchio._data.articulated_bodies import check_articulated
 from pinocchio._data.live_joints import live_joints
@@ -60,7 +61,11 @@ class _PerJoint(StdVec[Any]):
     def __iter__(self) -> Any:
         return (self[i] for i in range(len(self)))
 
+    def _like(self, entries: list[Any]) -> StdVec[Any]:
+        return StdVec(entries)
 
+
+watch(_PerJoint, lambda values: values._data._read(values._name), *READS, *CHANGES)
 _PerJoint.__name__ = "StdVec_Vector3"  # as scripts see it
 
 
@@ -427,7 +432,7 @@ for _name in (*_SINGLE, *_LISTS):
     setattr(Data, _name, _entries(_name))
 _computed = [name for name in dir(Data) if isinstance(getattr(Data, name), property) and name[0] != "_"]
 _computed = [name for name in _computed if getattr(Data, name).fset is None]
-Data._kinds = {**Data._kinds, **dict.fromkeys((*_computed, *_READ_ONLY), read_only)}
+Data._kinds = {**Data._kinds, **dict.fromkeys((*_computed, *_READ_ONLY), computed)}
 
 
 register(Data)

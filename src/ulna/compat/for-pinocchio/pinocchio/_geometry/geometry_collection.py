@@ -8,14 +8,14 @@ from typing import Any, ClassVar, Self, final
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import NO_INDEX, StdVec, index
+from pinocchio._containers.arrays import NO_INDEX, StdVec, alike, index
 from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, read_only, whole
 from pinocchio._containers.files import Saved, register
 from pinocchio._containers.unknown_ids import UnknownId, known
 from pinocchio._containers.watched_lists import before_changes
 from pinocchio._geometry.geometry_object import GeometryObject
 from pinocchio._model.building import KinematicTree
-from ulna.errors import InputError
+from ulna.errors import InputError, excerpt
 from ulna.typing import Array, Floats
 
 
@@ -42,6 +42,12 @@ class CollisionPair(CheckedAttributes):
         return out
 
     __copy__ = copy
+
+    def _assign(self, other: CollisionPair) -> None:
+        """Takes over the indices of another one, as an entry of a list does."""
+        if not isinstance(other, CollisionPair):
+            raise ArgumentError(f"A pair was given {excerpt(repr(other))}; expected a CollisionPair.")
+        self.first, self.second = other
 
     def __iter__(self) -> Iterator[int]:
         return iter((self.first, self.second))
@@ -220,7 +226,8 @@ class GeometryCollection(CheckedAttributes, Saved):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, GeometryCollection):
             return NotImplemented
-        return self.geometryObjects == other.geometryObjects and self.collisionPairs == other.collisionPairs
+        names = ("geometryObjects", "collisionPairs")
+        return all(alike(getattr(self, name), getattr(other, name)) for name in names)
 
     __hash__ = object.__hash__
 

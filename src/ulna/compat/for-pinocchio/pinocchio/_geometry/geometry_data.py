@@ -7,13 +7,13 @@ from typing import Any, ClassVar, NamedTuple, final
 
 import numpy as np
 
-from pinocchio._containers.arrays import StdVec, index, not_applicable, views
+from pinocchio._containers.arrays import StdVec, alike, index, not_applicable, views
 from pinocchio._containers.attributes import (
     AttributeKind,
     CheckedAttributes,
     assigned_entries,
+    computed,
     list_of,
-    read_only,
 )
 from pinocchio._containers.files import Saved, register
 from pinocchio._geometry.geometry_collection import GeometryCollection, pair_map
@@ -49,9 +49,9 @@ class GeometryData(CheckedAttributes, Saved):
         "oMg": assigned_entries(SE3, "a list of SE3, one for each geometry"),
         "activeCollisionPairs": list_of((bool, np.bool_), "a list of True or False, one for each pair"),
         "radius": list_of((float, int), "a list of numbers"),
-        **dict.fromkeys(("collisionRequests", "distanceRequests", "contactPatchRequests"), read_only),
-        **dict.fromkeys(("collisionResults", "distanceResults", "contactPatchResults"), read_only),
-        **dict.fromkeys(("collision_functors", "distance_functors", "contact_patch_functors"), read_only),
+        **dict.fromkeys(("collisionRequests", "distanceRequests", "contactPatchRequests"), computed),
+        **dict.fromkeys(("collisionResults", "distanceResults", "contactPatchResults"), computed),
+        **dict.fromkeys(("collision_functors", "distance_functors", "contact_patch_functors"), computed),
     }
     _placing = Placing()
     oMg: StdVec[SE3]
@@ -249,10 +249,8 @@ class GeometryData(CheckedAttributes, Saved):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, GeometryData):
             return NotImplemented
-        return (
-            np.array_equal(self._block, other._block)
-            and self.activeCollisionPairs == other.activeCollisionPairs
-        )
+        same = np.array_equal(self._block, other._block)
+        return same and alike(self.activeCollisionPairs, other.activeCollisionPairs)
 
     __hash__ = object.__hash__
 

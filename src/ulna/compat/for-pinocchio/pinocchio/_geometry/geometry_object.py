@@ -27,7 +27,7 @@ from pinocchio._containers.former_names import replacement_message
 from pinocchio._containers.keywords import reads_names
 from pinocchio._geometry.materials import GeometryNoMaterial, GeometryPhongMaterial, PhysicsMaterial
 from pinocchio._spatial.se3 import SE3, HasPlacement, as_placement
-from ulna.errors import MissingExtra
+from ulna.errors import MissingExtra, excerpt
 from ulna.files import special_kind
 from ulna.geometry import Box, Capsule, Cone, Cylinder, Ellipsoid, Mesh, Shape, Sphere
 from ulna.spatial import SE3 as Pose
@@ -136,6 +136,14 @@ class GeometryObject(CheckedAttributes, HasPlacement, Saved):
         super().__setattr__(name, value)
         for counter in self._counters:
             counter[0] += 1
+
+    def _assign(self, other: GeometryObject) -> None:
+        """Takes over what another one is, as an entry of a list does."""
+        if not isinstance(other, GeometryObject):
+            raise ArgumentError(f"A geometry was given {excerpt(repr(other))}; expected a GeometryObject.")
+        kept = {name: self.__dict__[name] for name in ("_placement", "_counters") if name in self.__dict__}
+        self._placement._assign(other._placement)
+        self.__setstate__(other.copy().__dict__ | kept)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)

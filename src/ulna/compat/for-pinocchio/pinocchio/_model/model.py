@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, final
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import StdVec, vector
-from pinocchio._containers.attributes import AttributeKind, read_only, text
+from pinocchio._containers.arrays import StdVec, alike, vector
+from pinocchio._containers.attributes import AttributeKind, computed, read_only, text
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.files import Saved, register
 from pinocchio._containers.keywords import by_name
@@ -59,9 +59,10 @@ class Model(Saved, Supports, KinematicTree):
         **dict.fromkeys(
             ("names", "parents", "joints", "inertias", "nq", "nv", "nvExtended", "nbodies"), read_only
         ),
-        **dict.fromkeys(("gravity981", "supports", "subtrees", "span_indexes_vector"), read_only),
-        **dict.fromkeys(("sparsity_pattern_vector", "mimic_joint_supports"), read_only),
-        **dict.fromkeys(("mimicking_joints", "mimicked_joints"), read_only),
+        **dict.fromkeys(("supports", "subtrees", "span_indexes_vector"), computed),
+        **dict.fromkeys(("sparsity_pattern_vector", "mimic_joint_supports"), computed),
+        **dict.fromkeys(("mimicking_joints", "mimicked_joints"), computed),
+        "gravity981": read_only,
     }
 
     @by_name("clone", "other")
@@ -241,7 +242,7 @@ class Model(Saved, Supports, KinematicTree):
             return numbers.shape == its_numbers.shape and bool((numbers == its_numbers).all())
         same = all(np.array_equal(a, other._arrays[key]) for key, a in self._arrays.items())
         keys = ("name", "names", "parents", "joints", "_placements", "_inertias", "frames", "_gravity")
-        return same and all(getattr(self, key) == getattr(other, key) for key in keys)
+        return same and all(alike(getattr(self, key), getattr(other, key)) for key in keys)
 
     __hash__ = object.__hash__
 
