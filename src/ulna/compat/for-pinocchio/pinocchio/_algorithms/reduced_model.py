@@ -10,7 +10,7 @@ from pinocchio._containers.arrays import vector
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.named_configurations import StdMap_String_VectorXd
 from pinocchio._model.model import Model
-from pinocchio._model.skeleton import Attributes, Skeleton, gathered
+from pinocchio._model.skeleton import Skeleton, gathered, renumbered
 from pinocchio._spatial.bound_functions import BoundFunctions
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
@@ -102,7 +102,9 @@ class _Structure:
         }
         self.of_q, self._of_v = _entries(source, locked)
         self.index = self._index()
-        joints, self.layout, self.nvExtended = self._renumbered()
+        joints, self.layout, self.nvExtended = renumbered(
+            (source.joints[i], self.carriers) for i in self.kept
+        )
         moved = [(k, facts[2]) for k, facts in enumerate(source.frames) if facts[2] in locked]
         self._bodies = [(k, joint) for k, joint in moved if source.frames[k][1] == FrameType.JOINT]
         self._moved_frames = _ranges(moved)
@@ -123,24 +125,6 @@ class _Structure:
         per_q, per_v = source.array_blocks(places)
         rows = placements[self.kept], inertias[self.kept], of_frames
         return gathered(rows, (per_q[:, self.of_q], per_v[:, self._of_v]), places[-6:])
-
-    def _renumbered(self) -> tuple[tuple[Attributes, ...], tuple[Any, ...], int]:
-        """The joints that are kept with their new indices, their layout, and how many velocities they have."""
-        joints, layouts = [self.source.joints[0]], [_layout(self.source.joints[0][1])]
-        nq = nv = extended = 0
-        for new, i in enumerate(self.kept[1:], start=1):
-            kind, joint = self.source.joints[i]
-            at, followed = (nq, nv), joint["mimic"]
-            if followed is not None:
-                leader = self.carriers[followed[0]]
-                followed, at = (leader, *followed[1:]), layouts[leader][1:]
-            changed = {
-                "id": new, "idx_q": at[0], "idx_v": at[1], "idx_vExtended": extended, "mimic": followed
-            }  # fmt: skip
-            joints.append((kind, joint | changed))
-            layouts.append(_layout(joints[-1][1]))
-            nq, nv, extended = nq + joint["nq"], nv + joint["nv"], extended + joint["kind"].nv
-        return tuple(joints), tuple(layouts), extended
 
     def lock(self, numbers: Floats, q: Floats) -> dict[int, SE3]:
         """Changes the numbers (n,) of the model to those at which `index` finds the reduced one's.
@@ -193,10 +177,6 @@ def _ranges(frames: list[tuple[int, int]]) -> list[tuple[int, int, int]]:
         else:
             out.append((joint, k, k + 1))
     return out
-
-
-def _layout(joint: dict[str, Any]) -> tuple[str, int, int]:
-    return joint["_shortname"], joint["idx_q"], joint["idx_v"]
 
 
 def _check(skeleton: Skeleton, locked: list[int]) -> None:

@@ -36,16 +36,16 @@ def before_changes(notice: Callable[[Any], object], *left_out: str) -> Callable[
     return decorate
 
 
-def watch(cls: type[StdVec[Any]], notice: Callable[[Any], object], *names: str) -> None:
+def watch(lists: type[StdVec[Any]], notice: Callable[[Any], object], *names: str) -> None:
     """Has a function called before methods of a class of lists.
 
     Args:
-        cls: The class.
+        lists: The class.
         notice: A function of the list.
         *names: The names of the methods.
     """
     for name in names:
-        setattr(cls, name, _watched(getattr(cls, name), notice))
+        setattr(lists, name, _watched(getattr(lists, name), notice))
 
 
 def _watched(change: Any, notice: Callable[[Any], object]) -> Any:

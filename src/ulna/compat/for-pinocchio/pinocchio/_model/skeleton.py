@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -101,6 +101,38 @@ def gathered(rows: Iterable[Floats], array_blocks: Iterable[Floats], gravity: Fl
         Array (n,).
     """
     return np.concatenate([x.reshape(-1) for x in (*rows, *array_blocks, gravity)])
+
+
+def renumbered(
+    joints: Iterable[tuple[Attributes, Mapping[int, int] | Sequence[int]]],
+) -> tuple[tuple[Attributes, ...], tuple[Any, ...], int]:
+    """Joints that become those of another model, in this order.
+
+    Args:
+        joints: The joints, the universe first, each with the new indices of the joints of its former model.
+
+    Returns:
+        The joints with their new indices, their layout (see `KernelCache._layout`), and how many velocities they have,
+        those of mimic joints counted.
+    """
+    out: list[Attributes] = []
+    layouts: list[tuple[str, int, int]] = []
+    nq = nv = extended = 0
+    for new, ((kind, old), new_of) in enumerate(joints):
+        joint = old
+        if new:
+            at, followed = (nq, nv), old["mimic"]
+            if followed is not None:
+                leader = new_of[followed[0]]
+                followed, at = (leader, *followed[1:]), layouts[leader][1:]
+            changed = {
+                "id": new, "idx_q": at[0], "idx_v": at[1], "idx_vExtended": extended, "mimic": followed
+            }  # fmt: skip
+            joint = old | changed
+            nq, nv, extended = nq + joint["nq"], nv + joint["nv"], extended + joint["kind"].nv
+        out.append((kind, joint))
+        layouts.append((joint["_shortname"], joint["idx_q"], joint["idx_v"]))
+    return tuple(out), tuple(layouts), extended
 
 
 def joints_with(attributes: Iterable[Attributes]) -> StdVec[JointModel]:
