@@ -184,4 +184,4 @@ done:
 }
 
 
-attributes #0 = { "prefer-vector-width"="256" "min-legal-vector-width"="256" }
+attributes #0 = { "prefer-vector-width"="256" "min-legal-vector-width"="256" "stackrealign" }

@@ -189,4 +189,4 @@ done:
 }
 
 
-attributes #0 = { "prefer-vector-width"="128" "min-legal-vector-width"="128" }
+attributes #0 = { "prefer-vector-width"="128" "min-legal-vector-width"="128" "stackrealign" }

@@ -235,4 +235,4 @@ done:
 }
 
 
-attributes #0 = { "prefer-vector-width"="512" "min-legal-vector-width"="512" }
+attributes #0 = { "prefer-vector-width"="512" "min-legal-vector-width"="512" "stackrealign" }

@@ -31,6 +31,11 @@ from ulna.compiler.language.ports import SecondForm
 _MAX_TAPE_BYTES = 4_000_000
 """Size of all tapes of loops up to which several samples are computed in lanes; larger, one at a time [byte]."""
 
+_ALIGNED = ' "stackrealign"'
+"""The attribute of functions whose spilled registers stay within a cache line.
+
+Without it LLVM aligns the stack only where an array asks for it, and spills registers of 64 bytes across two lines."""
+
 
 def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: int, target: Target) -> None:
     """`void name(ptr in, i64 stride, ..., ptr out, i64 stride, ...)`: lane j has the rows j * stride [byte].
@@ -110,9 +115,9 @@ def emit_single(f: Function, target: Target, element: DType = "double") -> str:
     module = Module()
     if f.columns is not None and can_write_columns(f, target, element):
         _write_form(module, "one", f.columns, target, element)
-        return module.text() + _wide_registers(target.lanes(element), element)
+        return module.text() + _wide_registers(target.lanes(element), element, _ALIGNED)
     _write_block(module, f, "one", Lanes(1, element), target.packed_sines, target)
-    return module.text() + (_wide_registers(f.lanes, element) if f.lanes > 1 else "")
+    return module.text() + (_wide_registers(f.lanes, element, _ALIGNED) if f.lanes > 1 else "")
 
 
 def _write_form(module: Module, name: str, form: SecondForm, target: Target, element: DType) -> None:
@@ -201,7 +206,7 @@ def emit_batch(f: Function, target: Target, element: DType = "double") -> str:
         _write_block_of_one(module, f)
     module.declare("declare i32 @feclearexcept(i32)")
     module.definitions["batch"] = batch_loop(f, element, lanes)
-    return module.text() + _wide_registers(wide, element)
+    return module.text() + _wide_registers(wide, element, _ALIGNED)
 
 
 def serves_batches_one_by_one(f: Function, target: Target, element: DType) -> bool:
@@ -245,7 +250,7 @@ def _write_block_of_one(module: Module, f: Function) -> None:
     define(module, "block", [f"ptr %{name}, i64 %{name}s" for name in names], "noinline nounwind #0", [call])
 
 
-def _wide_registers(lanes: int, element: DType) -> str:
+def _wide_registers(lanes: int, element: DType, more: str = "") -> str:
     """The attributes that let a function use registers of so many lanes."""
     bits = lanes * BYTES[element] * 8
-    return f'\nattributes #0 = {{ "prefer-vector-width"="{bits}" "min-legal-vector-width"="{bits}" }}\n'
+    return f'\nattributes #0 = {{ "prefer-vector-width"="{bits}" "min-legal-vector-width"="{bits}"{more} }}\n'

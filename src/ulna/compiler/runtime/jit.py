@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import math
+import mmap
 import os
 import sys
 import time
@@ -13,6 +14,7 @@ from functools import cache, lru_cache, partial
 from typing import Any
 
 from ulna import disk_cache
+from ulna.compiler.codegen.heap_arrays import with_arrays_on_heap
 from ulna.compiler.codegen.target import Target, arithmetic_of, register_bytes
 from ulna.compiler.language.function import Function
 from ulna.compiler.runtime.interrupt import interruptible
@@ -23,7 +25,7 @@ from ulna.system import forks, process_end
 from ulna.system.collector import paused_collection
 
 # Part of the cache's key: change it with `optimised` and `_machine`.
-_RECIPE = "inlining or level 1 of short loops, codegen 2 or 1, combined where small"
+_RECIPE = "arrays on heap, inlining or level 1 of short loops, codegen 2 or 1, combined where small"
 # How much IR text of one call and of a batch LLVM compiles, about [byte/s].
 _SPEED = {"entry": 4e6, "batch": 2e6, "kernel": 2e6, "xla": 2e6, "f.all": 2e6}
 _LOOPS_SPEED = 3e5  # the same of procedures, whose loops are optimised [byte/s]
@@ -207,10 +209,21 @@ def _linked(content: bytes, names: tuple[str, ...], seconds: float) -> Code:
     try:
         tracker = library.link(_engine(number // _GROUP), f"ulna.{number}")
     except RuntimeError as error:
+        _refuse_without_memory(content)
         raise CompileError(
             f"LLVM cannot load a kernel, which is a bug in Ulna; please report it.\n{error}"
         ) from None
     return Code(tracker, {name: tracker[name] for name in names}, seconds)
+
+
+def _refuse_without_memory(content: bytes) -> None:
+    """Raises where there is no memory for an object file, of which LLVM's error says nothing."""
+    sections = llvm_library().ObjectFileRef.from_data(content).sections()
+    size = sum(section.size() for section in sections)
+    try:
+        mmap.mmap(-1, size).close()
+    except OSError:
+        raise MemoryError(f"A kernel needs {size:,} bytes for its code and its arrays.") from None
 
 
 @lru_cache(maxsize=1)
@@ -235,7 +248,7 @@ def _object(key: str, ir: str, has_loops: bool) -> bytes:
         content = _cached_object(key)
         if content is None:
             machine = _machine(ir, has_loops)
-            content = machine.emit_object(optimised(ir, has_loops, machine))
+            content = machine.emit_object(_optimised_here(ir, has_loops, machine))
             disk_cache.write(key, content)
         return content
 
@@ -334,6 +347,11 @@ def optimised(ir: str, has_loops: bool, machine: Any) -> Any:
     return module
 
 
+def _optimised_here(ir: str, has_loops: bool, machine: Any) -> Any:
+    """The optimised module for this process, whose large arrays lie on the heap."""
+    return optimised(with_arrays_on_heap(ir), has_loops, machine)
+
+
 def _free(passes: Any) -> None:
     """Frees a manager of passes. In llvmlite 0.46 to 0.50 its `close` does nothing: a base class hides `_dispose`."""
     llvm = llvm_library()
@@ -368,7 +386,7 @@ def assembly(f: Function, ir: str) -> str:
     """
     with _lock:
         machine = _machine(ir, _has_loops(f, ir))
-        return machine.emit_assembly(optimised(ir, _has_loops(f, ir), machine))
+        return machine.emit_assembly(_optimised_here(ir, _has_loops(f, ir), machine))
 
 
 @dataclass(frozen=True)
@@ -406,6 +424,6 @@ def examined(f: Function, ir: str) -> Examined:
     with _lock:
         if content is None:
             machine = _machine(ir, _has_loops(f, ir))
-            content = machine.emit_object(optimised(ir, _has_loops(f, ir), machine))
+            content = machine.emit_object(_optimised_here(ir, _has_loops(f, ir), machine))
         sections = llvm_library().ObjectFileRef.from_data(content).sections()
         return Examined(text, sum(s.size() for s in sections if s.is_text()), seconds, state)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, final
 
+from ulna.compiler.codegen.heap_arrays import bytes_on_heap
 from ulna.compiler.language.ops import TABLE
 from ulna.compiler.runtime import jit
 from ulna.errors import InputError, TooLargeError
@@ -35,6 +36,7 @@ class KernelReport:
         counts: How often each of them occurs.
         code_bytes: Size of the machine code [byte].
         stack_bytes: Size of the largest stack frame [byte].
+        heap_bytes: Size of the arrays of functions that would need much of the stack, and have them on the heap [byte].
         spills: How many instructions put a register on the stack; None where the processor's are not known.
         bytes_moved: Size of arguments and results of one sample [byte].
         compile_seconds: How long LLVM takes to compile it [s].
@@ -52,6 +54,7 @@ class KernelReport:
     counts: Mapping[str, int]
     code_bytes: int
     stack_bytes: int
+    heap_bytes: int
     spills: int | None
     bytes_moved: int
     compile_seconds: float
@@ -74,6 +77,7 @@ class KernelReport:
             "code": f"{self.code_bytes:,} bytes",
             "stack": f"{self.stack_bytes:,} bytes"
             + ("" if self.spills is None else f", {self.spills:,} spills"),
+            "heap": f"{self.heap_bytes:,} bytes",
             "moved": f"{self.bytes_moved:,} bytes a sample",
             "compiled in": f"{self.compile_seconds * 1e3:,.0f} ms",
             "cache": self.cache,
@@ -101,7 +105,8 @@ def report(kernel: Any, batch: bool = False) -> KernelReport:
     if call.interpreted and (batch or not call.function.outputs):
         raise InputError(f"`{call.function.name}` has no outputs or an axis of length 0; it is not compiled.")
     counts, operations = _operations(kernel)
-    code = jit.examined(call.function, kernel.ir(batch))
+    ir = kernel.ir(batch)
+    code = jit.examined(call.function, ir)
     ports = (*call.function.inputs, *call.function.outputs)
     moved = sum(port.size for port in ports) * call.dtype.itemsize
     lanes = jit.target().lanes(call.element) if batch else 1
@@ -115,6 +120,7 @@ def report(kernel: Any, batch: bool = False) -> KernelReport:
         counts=counts,
         code_bytes=code.size,
         stack_bytes=max(_numbers(_FRAMES, code.assembly), default=0),
+        heap_bytes=bytes_on_heap(ir),
         spills=_spills(code.assembly),
         bytes_moved=moved,
         compile_seconds=code.seconds,
