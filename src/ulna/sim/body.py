@@ -55,6 +55,28 @@ class Body:
         UnknownName: There is no such control, limit or friction.
     """
 
+    __slots__ = (  # so that an assignment to a misspelt command is refused
+        "__weakref__",
+        "_actual_qd",
+        "_applied",
+        "_control",
+        "_friction",
+        "_limits",
+        "_name",
+        "_plant",
+        "_previous_q",
+        "_q",
+        "_qd",
+        "_qdd",
+        "_record",
+        "_start",
+        "_stops",
+        "_target",
+        "_tau",
+        "recording",
+        "robot",
+    )
+
     def __init__(
         self,
         robot: Robot,

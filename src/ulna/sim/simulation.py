@@ -19,6 +19,11 @@ _SPEED = "simulated seconds per second, above zero"
 _MAX_STEPS = 10**12  # more never end
 
 
+def _nobody() -> bool:
+    """Nobody can end a pause."""
+    return False
+
+
 @final
 class Simulation:
     """Robots with a common clock.
@@ -37,10 +42,25 @@ class Simulation:
         array([0.2, 0. , 0. , 0. , 0. , 0. , 0. ])
     """
 
+    __slots__ = (  # so that an assignment to a misspelt setting is refused
+        "__weakref__",
+        "_bodies",
+        "_listeners",
+        "_origin",
+        "_paused",
+        "_realtime",
+        "_speed",
+        "_steps",
+        "_substep",
+        "_t",
+        "can_resume",
+        "waiting",
+    )
+
     def __init__(self, realtime: bool = False, speed: float = 1.0, substep: float = 1e-3) -> None:
         self._realtime, self._substep = flag("realtime", realtime), checked_duration("substep", substep)
         self._speed, self._paused = number("speed", speed, _SPEED, above=0.0), False
-        self.can_resume: Callable[[], bool] = lambda: False
+        self.can_resume: Callable[[], bool] = _nobody
         """Whether a user can end a pause; called during a pause, which ends when it returns False."""
         self.waiting = False
         """Whether a step waits for the end of a pause."""
@@ -118,14 +138,19 @@ class Simulation:
 
         Args:
             robot: A robot, or a body made before.
-            **body_options: As for `Body`.
+            **body_options: As for `Body`, for a robot.
 
         Returns:
             The simulated robot.
 
         Raises:
-            InputError: There is a robot of that name already.
+            InputError: There is a robot of that name already, or options are given for a body, which has its own.
         """
+        if isinstance(robot, Body) and body_options:
+            raise InputError(
+                f"`{next(iter(body_options))}` is given for {robot!r}, which has its options already. "
+                "Assign to the body, or add the robot."
+            )
         body = robot if isinstance(robot, Body) else Body(robot, **body_options)
         if any(b.name == body.name for b in self._bodies):
             raise InputError(

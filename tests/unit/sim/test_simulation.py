@@ -1,5 +1,6 @@
 """The simulation: commands mean the same whenever they are set, limits hold, time is kept."""
 
+import pickle
 import time
 
 import numpy as np
@@ -209,3 +210,23 @@ def test_mistakes_are_named(panda: ulna.Robot, pendulum: ulna.Robot) -> None:
     body.tau = [1e308]
     with pytest.raises(InputError, match="diverged"):
         wild.run(10.0, 1.0)
+
+
+def test_nothing_that_is_given_is_ignored(panda: ulna.Robot) -> None:
+    sim, body = Simulation(), Body(panda)
+    with pytest.raises(InputError, match="`q` is given for <'panda' under velocity control>"):
+        sim.add(body, q=panda.configurations["qr"])
+    for thing, name in ((body, "tua"), (body, "dq"), (sim, "realtme")):
+        with pytest.raises(AttributeError, match=name):
+            setattr(thing, name, 1.0)
+
+
+def test_simulations_are_pickled(panda: ulna.Robot) -> None:
+    sim = Simulation()
+    sim.add(panda, q=panda.configurations["qr"], control="torque")
+    sim.run(0.01)
+    again = pickle.loads(pickle.dumps(sim))
+    for one in (sim, again):
+        one.run(0.01)
+    np.testing.assert_array_equal(again["panda"].q, sim["panda"].q)
+    assert again.t == sim.t and len(again["panda"].recording) == 3
