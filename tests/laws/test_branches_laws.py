@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -116,3 +118,45 @@ def test_every_joint_of_a_panda_may_be_the_free_one_that_has_a_closed_form() -> 
         found = panda.ik_all(T, q0=q, free=f"panda_joint{free}", samples=1)
         assert np.abs(found.q[0] - q).max() < 1e-6
         assert "intersecting axes" in found.method
+
+
+def _quarter_turns(seed: int) -> ulna.Robot:
+    rng = np.random.default_rng(seed)
+    return ulna.Robot(model_of(GENERAL["quarter turns"](rng), rng))
+
+
+def _quarters() -> Floats:
+    """All configurations of quarter turns."""
+    return 0.5 * np.pi * np.array(list(product((-1.0, 0.0, 1.0), repeat=6)))
+
+
+@pytest.mark.parametrize("seed", [4611, 4614, 4620])
+def test_solutions_that_share_an_angle_are_all_found(seed: int) -> None:
+    """Eigenvalues of such solutions coincide; some were lost, though `complete` said that all were there."""
+    robot, rng = _quarter_turns(seed), np.random.default_rng(seed)
+    Q = rng.permutation(_quarters())[:100]
+    for q in Q:
+        q[rng.choice(6, 2, replace=False)] = rng.uniform(-3.0, 3.0, 2)
+    Q = Q[np.linalg.svd(robot.jacobian(Q), compute_uv=False)[:, -1] > 1e-2]
+    found = robot.ik_all(robot.fk(Q))
+    gap = np.abs(found.q - Q[:, None])
+    gap = np.minimum(gap, np.abs(2.0 * np.pi - gap)).max(axis=-1)
+    assert "general" in found.method and len(Q) > 10
+    assert np.nanmin(gap, axis=-1).max() < 1e-6
+
+
+@pytest.mark.parametrize("seed", [None, 4600, 4612, 4617])
+def test_poses_in_which_a_joint_is_free_have_a_solution(seed: int | None) -> None:
+    """Also where the value of that joint in `q0`, by default 0, leads nowhere."""
+    robot = ulna.load("ur5") if seed is None else _quarter_turns(seed)
+    found = robot.ik_all(robot.fk(_quarters()))
+    assert "parallel" in found.method and (found.count > 0).all()
+    assert np.nanmax(found.position_error) <= 1e-9 and np.nanmax(found.rotation_error) <= 1e-9
+
+
+def test_a_general_arm_in_a_singular_pose_does_not_claim_all_solutions() -> None:
+    robot, Q = _quarter_turns(4614), _quarters()
+    least = np.linalg.svd(robot.jacobian(Q), compute_uv=False)[:, -1]
+    singular = Q[np.flatnonzero(least < 1e-9)[0]]
+    assert not robot.ik_all(robot.fk(singular), q0=singular).complete
+    assert robot.ik_all(robot.fk(np.linspace(0.2, 1.1, 6))).complete

@@ -26,6 +26,10 @@ from ulna.typing import Floats
 _STARTS = 256
 _STEPS = 60
 _FEW_STEPS = 20
+_MET = 1e-9  # errors below which a candidate counts as at the goal [m and rad]
+_SINGULAR = (
+    1e-7  # the part of the largest singular value of the Jacobian below which the smallest counts as 0
+)
 _MAX_CONDITION = 1e9
 """Condition number up to which elimination is trusted to have found every solution."""
 
@@ -41,6 +45,8 @@ class Source(ABC):
         lower, upper: Their limits, (n,).
         centre: Where they are wanted if nothing is said: at 0, or the limit next to it, (n,).
         refine_threshold: Errors up to which Newton's method is tried on a candidate [m and rad].
+        takes_base: Whether a joint that is free in a singular pose takes its value from the base configuration, and no
+            other joint is given values.
         evaluate: The kernel (q, T, centre) to (q, evaluation); see evaluation.py.
 
     Args:
@@ -51,6 +57,7 @@ class Source(ABC):
     """
 
     refine_threshold = 1e-3
+    takes_base = False
 
     def __init__(self, model: Model, frame: str, arm: Arm, free: int | None) -> None:
         self.arm, self.free = arm, free
@@ -104,6 +111,13 @@ class Source(ABC):
         aligned = "local_world_aligned"
         return fk, kernels.kernel(self._model, "jacobian", frame=self._frame, reference=aligned)
 
+    def _is_singular(self, q: Floats) -> bool:
+        """Whether in any of the configurations (m, nq) the arm moves without moving the frame, or nearly so."""
+        if not len(q):
+            return False
+        values = np.linalg.svd(self._kernels[1](q)[..., self._columns[1]], compute_uv=False)
+        return bool((values[:, -1] < _SINGULAR * values[:, 0]).any())
+
     def refine(self, q: Floats, T: Floats, iterations: int) -> Floats:
         """Configurations (m, nq) led nearer to goals (m, 4, 4); the free joint stays where it is.
 
@@ -132,7 +146,7 @@ class ClosedForm(Source):
 
     def __init__(self, model: Model, frame: str, arm: Arm, geometry: ArmGeometry) -> None:
         super().__init__(model, frame, arm, geometry.free)
-        self.geometry = geometry
+        self.geometry, self.takes_base = geometry, geometry.free is None
         if geometry.deviation <= EXACT:
             self.refine_threshold = 1e-6  # what is off by more has no solution
         self.kernel = closed_form(geometry, arm, self._evaluator, model.nq)
@@ -210,7 +224,8 @@ class Elimination(Source):
         goals = np.broadcast_to(T[:, None, None], (*q.shape[:-1], 4, 4))
         known = np.isfinite(q).all(axis=-1)
         q[known] = self.refine(q[known], goals[known], _FEW_STEPS)
-        return *self.evaluate(q, goals, centre[:, None, None]), complete
+        q, evaluation = self.evaluate(q, goals, centre[:, None, None])
+        return q, evaluation, complete and not self._is_singular(q[evaluation[..., :2].max(axis=-1) < _MET])
 
 
 @final

@@ -26,6 +26,9 @@ from ulna.spatial import SE3
 from ulna.typing import Floats
 
 _REAL = 0.05  # the largest imaginary part, for |t| = 1, of an eigenvalue that Newton's method gets to try
+_EQUAL = 1e-6  # how near, for |t| = 1, eigenvalues count as one that several solutions share
+_SPAN = 1e-6  # the part of the largest singular value below which vectors of such span no more
+_MIX = 0.7311  # any number that tells apart solutions with the same t3, and with the same t4 or t5
 _EYE = np.eye(3)
 _BACK = np.array([1.0, -1.0, 1.0])[:, None, None]
 
@@ -116,7 +119,7 @@ def _angles(lines: list[Line], G: SE3, pencil: _Pencil) -> Floats:
     upper = np.abs(v[12:]).sum(axis=0) > np.abs(v[:12]).sum(
         axis=0
     )  # v and t v: the longer half is the better
-    v = np.where(upper, v[12:], v[:12]).real.T.reshape(-1, 4, 3)
+    v = _separated(t3, np.where(upper, v[12:], v[:12])).real.T.reshape(-1, 4, 3)
     t4, t5 = _ratio(v.transpose(0, 2, 1)), _ratio(v)
     inner = 2.0 * np.arctan(np.stack([t3, t4, t5], axis=-1)) + pencil.turned
     x = np.stack([np.cos(inner), np.sin(inner), np.ones_like(inner)], axis=-1)
@@ -133,6 +136,34 @@ def _angles(lines: list[Line], G: SE3, pencil: _Pencil) -> Floats:
     h = lines[5].direction
     sine = np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=-1) @ h
     return np.column_stack([angles, np.arctan2(sine, np.trace(R, axis1=1, axis2=2) - (R @ h) @ h)])
+
+
+def _separated(t3: Floats, v: Any) -> Any:
+    """Null vectors (12, k) of which each belongs to one solution, where several solutions have the same t3.
+
+    Vectors of equal eigenvalues are any basis of what their solutions span. All of these are products of powers of
+    their own t4 and t5, so with the basis Q the matrices X of Q_low X = Q_high, for either, have common eigenvectors.
+    """
+    out = np.array(v, dtype=complex)
+    order = np.argsort(t3)
+    gaps = np.diff(t3[order]) > _EQUAL * (1.0 + t3[order][1:] ** 2)
+    for group in np.split(order, np.flatnonzero(gaps) + 1):
+        u, s, _ = np.linalg.svd(v[:, group], full_matrices=False)
+        rank = int((s > _SPAN * s[0]).sum())
+        if rank < 2:
+            continue
+        Q = u[:, :rank].reshape(4, 3, rank)
+        X = _shift(Q[:-1], Q[1:]) + _MIX * _shift(Q[:, :-1], Q[:, 1:])
+        mixed = u[:, :rank] @ np.linalg.eig(X)[1]
+        largest = np.take_along_axis(mixed, np.abs(mixed).argmax(axis=0)[None], axis=0)
+        out[:, group[:rank]] = mixed / largest
+    return out
+
+
+def _shift(low: Any, high: Any) -> Any:
+    """The matrix X (r, r) with low X = high, entries (..., r) each, as the least-squares fit."""
+    rank = low.shape[-1]
+    return np.linalg.lstsq(low.reshape(-1, rank), high.reshape(-1, rank), rcond=None)[0]
 
 
 def _equations(acts: list[Floats], last: Line, rho_G: Floats) -> tuple[Floats, Floats]:

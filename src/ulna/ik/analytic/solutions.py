@@ -9,6 +9,7 @@ import numpy as np
 
 from ulna.data_classes import dataclass
 from ulna.ik.analytic.candidates import Source
+from ulna.ik.analytic.free_joints import free_branches, other_values
 from ulna.spatial import SE3
 from ulna.spatial.nearest import nearest_rotation
 from ulna.typing import Floats
@@ -63,6 +64,8 @@ class SolutionFilter:
             refined = source.refine(q[close], T[pose], _STEPS)
             q[close], evaluation[close] = source.evaluate(refined, T[pose], wanted)
             reached, _ = self._reached(evaluation)
+        if self._try_free_joints(T, base, centre, values, q, evaluation, reached):
+            reached, _ = self._reached(evaluation)
         reached &= self._is_first(q, reached)
         accepted = reached & (evaluation[..., 2] > 0.5) if self.limits else reached
         counts = reached.sum(axis=(1, 2)).tolist()
@@ -84,6 +87,30 @@ class SolutionFilter:
         reached = (position <= self.position) & (rotation <= self.rotation)
         threshold = self.source.refine_threshold
         return reached, (position < threshold) & (rotation < threshold) & ~reached
+
+    def _try_free_joints(
+        self,
+        T: Floats,
+        base: Floats,
+        centre: Floats,
+        values: Floats,
+        q: Floats,
+        evaluation: Floats,
+        reached: Any,
+    ) -> bool:
+        """Replaces branches in which a joint is free by solutions with another value of it; whether it did."""
+        source, tolerances = self.source, (self.position, self.rotation)
+        good = reached & (evaluation[..., 2] > 0.5) if self.limits else reached
+        if not source.takes_base or good.all():
+            return False
+        free = free_branches(source, T, base, centre, values, q, ~good)
+        poses = np.flatnonzero(free.any(axis=(1, 2)))
+        for i in poses.tolist():
+            other, judged = other_values(source, T[i], base[i], centre[i % len(centre)], values, tolerances)
+            again = self._reached(judged)[0]
+            better = free[i] & again & (~reached[i] | (judged[..., 2] > evaluation[i, ..., 2]))
+            q[i][better], evaluation[i][better] = other[better], judged[better]
+        return len(poses) > 0
 
     def _is_first(self, q: Floats, reached: Any) -> Any:
         """Whether no earlier solution of the same group is the same configuration, turns apart."""
