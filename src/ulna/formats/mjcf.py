@@ -127,6 +127,7 @@ class _Reading:
         self._joined = couplings(compiled.model, self._switches.equalities)
         self._touching = contacts(compiled.model, self._switches)
         self._links, self._joints = names_of(compiled.model, unnamed)
+        self._taken_links, self._taken_joints = {*self._links}, {*self._joints}
         self._shapes = Shapes(compiled, file, self._touching.geoms, self._links)
 
     def builder(self, root: JointKind | None, mimic: bool) -> ModelBuilder:
@@ -163,12 +164,14 @@ class _Reading:
         place = pose_of(m.body_pos[body], m.body_quat[body])
         first, count = int(m.body_jntadr[body]), int(m.body_jntnum[body])
         if count == 0:
-            builder.add_joint(f"{child}_fixed", Fixed(), parent, child, place)
+            name = unused_name(f"{child}_fixed", self._taken_joints)
+            builder.add_joint(name, Fixed(), parent, child, place)
             return
         for j in range(first, first + count):
             last = j == first + count - 1
-            below = child if last else f"{child}_before_{self._joints[j + 1]}"
+            below = child
             if not last:
+                below = unused_name(f"{child}_before_{self._joints[j + 1]}", self._taken_links)
                 builder.add_link(below)
             kind, at, offset = self._motion(j)
             # A free joint's position is the body's own; where the file puts the body is only where it starts.

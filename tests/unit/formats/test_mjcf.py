@@ -243,3 +243,14 @@ def test_without_mujoco_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(MissingExtra, match=r"pip install .*'mujoco>="):
         ulna.load(ARM)
+
+
+def test_names_that_joints_and_links_between_have_by_themselves_may_be_in_the_file() -> None:
+    robot = ulna.load("""<mujoco><worldbody>
+      <body name="a"><joint name="b_fixed" axis="0 1 0"/><joint name="two" axis="1 0 0"/><geom size="0.1"/>
+        <body name="b" pos="0 0 1"><geom size="0.1"/>
+          <body name="a_before_two" pos="0 0 1"><geom size="0.1"/></body></body></body>
+    </worldbody></mujoco>""")
+    assert robot.joint_names == ("b_fixed", "two")
+    assert robot.fk([0.0, 0.0], "a_before_two")[2, 3] == 2.0
+    assert robot.fk([0.0, np.pi], "a_before_two")[2, 3] == pytest.approx(-2.0)
