@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ulna.errors import InfeasibleError, InputError
+from ulna.ik.differential.frames import AxisTask
 from ulna.ik.differential.limits import Interval
 from ulna.ik.differential.program import CONFLICT, NO_ROTATION, Problem, Program
 from ulna.ik.qp import solve_rows
@@ -36,12 +37,31 @@ def reason(
         return _no_rotation(program, values, where)
     if problem.status == CONFLICT:
         return _conflict(program, q, dt, values, where)
+    if has_nan(problem):
+        return _no_numbers(program, values, where)
     if not np.isfinite(problem.H).all() or np.linalg.eigvalsh(problem.H)[0] <= 0.0:
         return InputError(
             f"The tasks do not determine all joints{where}, and `damping` is too small to do so. "
             "Give more damping, or add a PostureTask or a DampingTask."
         )
     return _no_solution(program, q, dt, values, where)
+
+
+def has_nan(problem: Problem) -> bool:
+    """Whether the program of one sample holds nan, as where a direction has no length."""
+    return bool(np.isnan(problem.g).any() or np.isnan(problem.lower).any() or np.isnan(problem.A).any())
+
+
+def _no_numbers(program: Program, values: Mapping[str, Floats], where: str) -> InputError:
+    """A direction has no length, or numbers are too large to be computed with."""
+    for task in program.objectives:
+        if isinstance(task, AxisTask) and not values[task.label].any():
+            return InputError(
+                f"`{task.label}`{where} holds only zeros; expected a direction, of any length above 0."
+            )
+    return InputError(
+        f"The tasks and limits are nan{where}: an input is too large. Pass numbers in SI units."
+    )
 
 
 def _conflict(

@@ -30,7 +30,7 @@ from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.ik.differential.task import Rows, Shapes, Task, cost_of
 from ulna.model import Model
-from ulna.numeric import apply, dot, skew, sqrt
+from ulna.numeric import apply, dot, skew, sqrt, where
 from ulna.spatial import (
     SE3,
     se3_left_jacobian_inverse,
@@ -43,6 +43,7 @@ from ulna.spatial.batched import column
 from ulna.typing import Array, ArrayLike, Floats
 
 Axes = Literal["frame", "world"]
+_OPPOSITE = -2.0 + 1e-9  # cosine less 1, from which on a direction counts as opposite
 
 
 @dataclass(frozen=True, eq=False)
@@ -279,6 +280,16 @@ class AxisTask(_OfFrame):
         a = apply(frame_pose(model, q, frame).rotation, self._unit())
         wanted = inputs[0] / column(sqrt(dot(inputs[0], inputs[0])))
         return Rows(-skew(a) @ frame_jacobian(model, q, frame)[..., 3:, :], wanted - a)
+
+    def constraint_rows(self, model: Model, q: Array, *inputs: Array) -> Rows:
+        """The same rows with the part of the chord across the axis, since no motion goes along it.
+
+        Opposite to the target that part is 0 and shows no way: there the chord stays, which nothing meets.
+        """
+        J, e = self.rows(model, q, *inputs)
+        a = self._measured(model, q)
+        along = dot(a, e)  # cos - 1
+        return Rows(J, e - a * column(where(along < _OPPOSITE, 0.0, along)))
 
     def _unit(self) -> Floats:
         axis = np.asarray(self.axis, dtype=float)

@@ -30,7 +30,7 @@ from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.ik.differential.joints import PostureTask
 from ulna.ik.differential.limits import Interval, Limit, Strip
-from ulna.ik.differential.task import Shapes, Task
+from ulna.ik.differential.task import Rows, Shapes, Task
 from ulna.ik.qp import solve_box
 from ulna.model import Model
 from ulna.numeric import apply, clip, is_symbolic, less, maximum, vector, where
@@ -213,7 +213,7 @@ class Program:
                 low.append(strip.lower)
                 high.append(strip.upper)
         for task in self.constraints:
-            J, e, _ = self._weighted(task, q, values)
+            J, e, _ = self._chosen(task, task.constraint_rows(self.model, q, *self.of(task, values)))
             rows.append(J)
             low.append(e / dt)
             high.append(e / dt)
@@ -280,7 +280,7 @@ class Program:
         n = len(self.moving)
         H, g, damping = np.zeros((n, n)), np.zeros(n), self.damping
         for task in self.tasks:
-            J, e, costs = self._weighted(task, q, values)
+            J, e, costs = self._chosen(task, task.rows(self.model, q, *self.of(task, values)))
             if task.adjustable:
                 costs = costs * values[task.scale]
             A, b = J * costs[:, None], e * costs
@@ -290,12 +290,11 @@ class Program:
                 damping = damping + task.damping * (b * b).sum()
         return H + damping * np.eye(n), g
 
-    def _weighted(self, task: Task, q: Array, values: Mapping[str, Array]) -> tuple[Array, Array, Floats]:
+    def _chosen(self, task: Task, asked: Rows) -> tuple[Array, Array, Floats]:
         """J, alpha e and w of the rows that cost something."""
         costs = task.costs(self.model)
-        J, e = task.rows(self.model, q, *self.of(task, values))
         rows = np.flatnonzero(costs > 0.0)
-        return J[..., rows, :][..., self.moving], task.gain * e[..., rows], costs[rows]
+        return asked.J[..., rows, :][..., self.moving], task.gain * asked.e[..., rows], costs[rows]
 
     def _box(self, intervals: list[Interval]) -> tuple[Array, Array, Any]:
         """The tightest bounds. Where two contradict each other, the later holds; with `recover`, the earlier."""

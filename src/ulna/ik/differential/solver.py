@@ -236,7 +236,8 @@ class DifferentialIK:
     ) -> Floats:
         """The velocity (nv,) of one program; `arguments` are q, dt and the inputs of the batch it is out of."""
         program = self.program
-        x = solve_rows(p.H, p.g, p.A, p.lower, p.upper, program.equalities) if p.status == SOLVED else None
+        is_known = p.status == SOLVED and not explain.has_nan(p)
+        x = solve_rows(p.H, p.g, p.A, p.lower, p.upper, program.equalities) if is_known else None
         if x is not None:
             return x if len(x) == program.model.nv else program.full_velocity(x, p.g)
         shapes = ((program.model.nq,), (), *program.inputs.values())

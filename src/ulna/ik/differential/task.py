@@ -117,6 +117,19 @@ class Task(ABC):
             J (..., k, nv) and e (..., k) [m or rad].
         """
 
+    def constraint_rows(self, model: Model, q: Array, *inputs: Array) -> Rows:
+        """J and e of the task as a constraint, J dq = gain e, which some dq must be able to meet.
+
+        Args:
+            model: The robot.
+            q: Configuration (..., nq) [rad or m].
+            *inputs: Values in the order of `inputs`, (...) before their shapes.
+
+        Returns:
+            J (..., k, nv) and e (..., k) [m or rad]; by default those of `rows`.
+        """
+        return self.rows(model, q, *inputs)
+
 
 def cost_of(value: Any, count: int, what: str) -> Floats:
     """A cost for each of `count` rows, from one number or as many.

@@ -21,6 +21,7 @@ from ulna.errors import (
 )
 from ulna.ik import (
     AccelerationLimit,
+    AxisTask,
     DampingTask,
     DifferentialIK,
     FrameTask,
@@ -392,3 +393,32 @@ def test_position_limit_holds_by_default(panda: ulna.Robot, q) -> None:
     target = panda.limits.upper + 1.0
     at = panda.limits.upper - 0.3
     np.testing.assert_allclose(ik.step(at, DT, target), at + 0.5 * 0.2, atol=1e-12)
+
+
+@pytest.mark.parametrize("angle", [1e-3, 0.3, 1.2, 2.4])
+def test_an_axis_can_be_a_constraint(panda: ulna.Robot, q, angle: float) -> None:
+    """Of the chord to the target only the part across the axis can be met; all of it asked for the impossible."""
+    ik = DifferentialIK(panda, [PostureTask(target=q)], constraints=[AxisTask(HAND, gain=0.3, name="axis")])
+    R = panda.fk(q, HAND)[:3, :3]
+    for turn in (SO3.rx(angle), SO3.ry(-angle)):
+        target, x = R @ turn.matrix[:, 2], q
+        for _ in range(60):
+            x = ik.step(x, 0.5, target)
+        assert np.abs(panda.fk(x, HAND)[:3, 2] - target).max() < 1e-6
+    with pytest.raises(InfeasibleError):
+        ik.velocity(q, DT, -R[:, 2])  # any way would do, so none is chosen
+
+
+@pytest.mark.parametrize("as_constraint", [False, True])
+def test_a_direction_of_zeros_is_named(panda: ulna.Robot, q, as_constraint: bool) -> None:
+    axis, rest = AxisTask(HAND, name="axis"), PostureTask(target=q)
+    ik = (
+        DifferentialIK(panda, [rest], constraints=[axis])
+        if as_constraint
+        else DifferentialIK(panda, [axis, rest])
+    )
+    with pytest.raises(InputError, match=r"^`axis` holds only zeros; expected a direction"):
+        ik.velocity(q, DT, np.zeros(3))
+    here = panda.fk(q, HAND)[:3, 2]
+    with pytest.raises(InputError, match=r"^`axis` at index \(1,\) holds only zeros"):
+        ik.velocity(q, DT, np.stack([here, np.zeros(3)]))
