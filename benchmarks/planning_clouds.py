@@ -99,7 +99,7 @@ def main() -> None:
         environment, seconds = of_vamp(points, options.rounds)
         made.append((min(times), seconds))
         cloud = World().add("scan", PointCloud(points, RADIUS))
-        planners = Planner(robot, problem.world), Planner(robot, cloud)
+        planners = [Planner(robot, where, method="spheres") for where in (problem.world, cloud)]
         if all(p.plan(problem.start, problem.goal) for p in planners):
             chosen.append((problem, *planners, environment))
     ms = 1e3 * np.median(made, axis=0)

@@ -175,7 +175,7 @@ def main() -> None:
     util.setLogLevel(util.LogLevel.LOG_NONE)
     lines = []
     for case in cases():
-        planner = Planner(case.robot, case.world, pairs=pairs(case))
+        planner = Planner(case.robot, case.world, pairs=pairs(case), method="spheres")
         checker = planner.scene.checker
         chosen = problems(case, checker, count)
         by_ulna(planner, case, checker, *chosen[0])  # compiles

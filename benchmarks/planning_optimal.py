@@ -48,7 +48,7 @@ def main() -> None:
     files = options.folder / "resources" / "panda"
     robot = ulna.load(files / "panda_spherized.urdf", srdf=files / "panda.srdf")
     chosen = problems(options.folder)[:: options.every]
-    planners = [Planner(robot, problem.world) for problem in chosen]
+    planners = [Planner(robot, problem.world, method="spheres") for problem in chosen]
     straight = np.mean([np.linalg.norm(problem.goal - problem.start) for problem in chosen])
     print(f"{len(chosen)} problems; straight lines would cost {straight:.3f}")
     for budget in BUDGETS:

@@ -70,7 +70,11 @@ def right_arm(model: Any) -> list[str] | None:
 
 def plans(robot: Any, count: int) -> tuple[int, float]:
     """How many problems are solved and certified, and the median time of a call [ms]."""
-    model, exact, planner = robot.model, Checker(robot.model, missing="skip"), Planner(robot)
+    model, exact, planner = (
+        robot.model,
+        Checker(robot.model, missing="skip"),
+        Planner(robot, method="spheres"),
+    )
     rng, joints, times, solved = np.random.default_rng(3), right_arm(robot.model), [], 0
     columns: Sequence[int] = (
         range(model.nq) if joints is None else [model.joint(name).idx_q for name in joints]

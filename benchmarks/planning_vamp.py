@@ -133,7 +133,7 @@ def main() -> None:
     robot = ulna.load(files / "panda_spherized.urdf", srdf=files / "panda.srdf")
     chosen = problems(options.folder)[:: options.every]
     print("{} configurations, {} judged differently".format(*compare_checks(robot, chosen[::10])))
-    planners = [Planner(robot, problem.world) for problem in chosen]
+    planners = [Planner(robot, problem.world, method="spheres") for problem in chosen]
     module, search, settings, simplify = vamp.configure_robot_and_planner_with_kwargs("panda", "rrtc")
     samples = module.halton()
     theirs, ours, called = [], [], []
