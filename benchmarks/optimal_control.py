@@ -39,8 +39,8 @@ def ours(robot: Robot, frame: str) -> tuple[control.Stage, control.TerminalStage
     return stage, stage.terminal(miss, target=(3,))
 
 
-def theirs(peer: Any, frame: str, x0: np.ndarray, target: np.ndarray) -> Any:
-    """The problem in Crocoddyl, whose integrator multiplies costs by its step."""
+def theirs(peer: Any, frame: str, x0: np.ndarray, target: np.ndarray, limit: Any = np.inf) -> Any:
+    """The problem in Crocoddyl, whose integrator multiplies costs by its step; `limit` bounds the torques."""
     state = crocoddyl.StateMultibody(peer)
     actuation = crocoddyl.ActuationModelFull(state)
     speed = np.concatenate([np.zeros(peer.nv), np.ones(peer.nv)])
@@ -61,7 +61,9 @@ def theirs(peer: Any, frame: str, x0: np.ndarray, target: np.ndarray) -> Any:
         for name, weight in weights.items():
             costs.addCost(name, residuals[name], weight)
         free = crocoddyl.DifferentialActionModelFreeFwdDynamics(state, actuation, costs)
-        return crocoddyl.IntegratedActionModelEuler(free, dt)
+        step = crocoddyl.IntegratedActionModelEuler(free, dt)
+        step.u_lb, step.u_ub = np.full(peer.nv, -1.0) * limit, np.ones(peer.nv) * limit
+        return step
 
     running = model(DT, {"v": 0.1**2 / DT, "u": 0.01**2 / DT})
     problem = crocoddyl.ShootingProblem(x0, [running] * KNOTS, model(0.0, {"p": 100.0**2, "v": 1.0}))
@@ -89,33 +91,40 @@ def compare(label: str, repeat: int) -> list[list[str]]:
     for mine, name in ((out[1], "Fx"), (out[2], "Fu"), (out[4], "Lx"), (out[6], "Lxx")):
         np.testing.assert_allclose(mine[3], getattr(list(problem.runningDatas)[3], name), atol=1e-8)
 
-    def search() -> Any:
-        return control.ddp(stage, end, x0, hold, terminal_parameters=(target,), tolerance=1e-6)
+    def search(limit: Any = np.inf) -> Any:
+        return control.ddp(stage, end, x0, hold, terminal_parameters=(target,), limits=limit, tolerance=1e-6)
 
-    def their_search() -> Any:
-        solver = crocoddyl.SolverDDP(problem)
+    def their_search(problem: Any = problem, kind: Any = crocoddyl.SolverDDP) -> Any:
+        solver = kind(problem)
         solver.th_stop = 1e-6
         solver.solve(xs, us, 100, True)
         return solver
 
-    solution, solver = search(), their_search()
     per_knot = [
         t / KNOTS for t in medians([lambda: stage.derivatives(X, hold, out=out), differentiate], repeat)
     ]
-    whole = medians([search, their_search], repeat)
-    counts = (len(solution.iterations), solver.iter + 1)
-    each = [t / n for t, n in zip(whole, counts, strict=True)]
-    found = f"{solution.cost:.5f}; {solver.cost:.5f}"
+    limit = 0.8 * np.abs(search().controls).max(axis=0)
+    limited = theirs(peer, frame, x0, target, limit)
     return [
         [label, "derivatives of a knot", *map(shown, per_knot), f"{per_knot[1] / per_knot[0]:.1f}", ""],
-        [label, "one iteration", *map(shown, each), f"{each[1] / each[0]:.1f}", f"cost {found}"],
-        [
-            label,
-            "to convergence",
-            *map(shown, whole),
-            f"{whole[1] / whole[0]:.1f}",
-            f"{counts[0]}; {counts[1]} iterations",
-        ],
+        *searches(label, "", search, their_search, repeat),
+        *searches(
+            label, ", torques limited", lambda: search(limit), lambda: their_search(limited, crocoddyl.SolverBoxDDP),
+            repeat,
+        ),
+    ]  # fmt: skip
+
+
+def searches(label: str, kind: str, ours: Any, theirs: Any, repeat: int) -> list[list[str]]:
+    """Two rows: an iteration of a search, and all of them."""
+    solution, solver = ours(), theirs()
+    whole = medians([ours, theirs], repeat)
+    counts = (len(solution.iterations), solver.iter + 1)
+    each = [t / n for t, n in zip(whole, counts, strict=True)]
+    costs, number = f"cost {solution.cost:.5f}; {solver.cost:.5f}", f"{counts[0]}; {counts[1]} iterations"
+    return [
+        [label, f"one iteration{kind}", *map(shown, each), f"{each[1] / each[0]:.1f}", costs],
+        [label, f"to convergence{kind}", *map(shown, whole), f"{whole[1] / whole[0]:.1f}", number],
     ]
 
 

@@ -9,8 +9,10 @@
 | k, K | control law: k = -(Quu + mu)^-1 Qu, K = -(Quu + mu)^-1 Qux | (nu,), (nu, ndx) |
 
 Then v = Qx + (Qux - mu K)' k and V = Qxx + (Qux - mu K)' K (Tassa, Erez & Todorov 2012, equations 5, 10 and 11, where
-(Quu + mu) k = -Qu was used). Rows are padded to whole registers of 8 numbers; of symmetric matrices the upper triangle
-is computed.
+(Quu + mu) k = -Qu was used). Where controls have limits, k is the minimum of k' (Quu + mu) k / 2 + Qu' k within them
+(`box_minimum`), and rows of K are zero for the controls that it holds at a limit: both equations hold unchanged (Tassa,
+Mansard & Todorov 2014, section III). Rows are padded to whole registers of 8 numbers; of symmetric matrices the upper
+triangle is computed.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ulna.compiler.procedures import Array1, Array2, Array3, f64, procedure
+from ulna.control.box_minimum import FREE, PLACE, ROWS, factorised, find_minimum, leaves
 from ulna.control.stages import StageDerivatives, TerminalDerivatives
 from ulna.typing import Floats
 
@@ -47,13 +50,17 @@ class Gains(NamedTuple):
         return -(self.first + self.second)
 
 
-def backward(knots: StageDerivatives, end: TerminalDerivatives, mu: float = 0.0) -> Gains | None:
+def backward(
+    knots: StageDerivatives, end: TerminalDerivatives, mu: float = 0.0, changes: Floats | None = None
+) -> Gains | None:
     """The control laws that minimise the quadratic model of the cost, from the last knot to the first.
 
     Args:
         knots: Derivatives of N stages, (N, ...) each.
         end: Derivatives of the last cost.
         mu: What is added to the diagonal of Quu [any].
+        changes: The least and greatest k of each knot, (2, N, nu); the first are not above, and the second not below
+            zero. None for no limits.
 
     Returns:
         The control laws, or None where Quu + mu is not positive definite.
@@ -67,8 +74,9 @@ def backward(knots: StageDerivatives, end: TerminalDerivatives, mu: float = 0.0)
     V, v, gains = np.zeros((n, width)), np.array(end.lx), np.empty((count, m, width))
     V[:, :n] = end.lxx
     work, Q, q, factor = np.empty((n, width)), np.empty((n + m, width)), np.empty(width), np.empty((m, m))
-    numbers = np.array([mu, 0.0, 0.0])
-    if not _sweep(F, H, g, V, v, work, Q, q, factor, gains, numbers):
+    numbers, limits = np.array([mu, 0.0, 0.0]), np.empty((2, 0, m)) if changes is None else changes
+    box = np.empty((ROWS, m))
+    if not _sweep(F, H, g, V, v, work, Q, q, factor, gains, numbers, limits, box):
         return None
     return Gains(gains[:, :, n].copy(), gains[:, :, :n].copy(), float(numbers[1]), float(numbers[2]))
 
@@ -86,14 +94,26 @@ def _sweep(
     factor: Array2[f64],
     gains: Array3[f64],
     numbers: Array1[f64],
+    limits: Array3[f64],
+    box: Array2[f64],
     W: int,
 ) -> bool:
-    """All knots; `numbers` are mu and the two changes of cost. Column n of `gains` is k, those before it are K."""
+    """All knots; `numbers` are mu and the two changes of cost. Column n of `gains` is k, those before it are K.
+
+    Rows of `box` belong to the search within limits.
+    """
     for t in range(F.shape[0] - 1, -1, -1):
         _model(t, F, H, g, V, v, work, Q, q, W)
-        if not _factorised(F.shape[1], Q, factor, numbers[0]):
+        for i in range(factor.shape[0]):
+            box[FREE, i] = 1.0
+        if not factorised(F.shape[1], Q, factor, box, numbers[0]):
             return False
-        _solve(t, F.shape[1], Q, q, factor, gains, W)
+        _solve(t, F.shape[1], Q, q, factor, box, gains, W)
+        if limits.shape[1] > 0 and leaves(t, F.shape[1], gains, limits):
+            find_minimum(t, F.shape[1], Q, q, factor, box, gains, limits, numbers[0])
+            _solve(t, F.shape[1], Q, q, factor, box, gains, W)
+            for i in range(factor.shape[0]):
+                gains[t, i, F.shape[1]] = box[PLACE, i]
         _update(t, F.shape[1], V, v, Q, q, gains, numbers, W)
     return True
 
@@ -125,31 +145,13 @@ def _model(t, F, H, g, V, v, work, Q, q, W):
 
 
 @procedure(contract=True)
-def _factorised(n, Q, factor, mu):
-    """L D L' = Quu + mu, D on the diagonal; False where a pivot is not positive (Golub & Van Loan 2013, 4.1.2)."""
-    for j in range(factor.shape[0]):
-        pivot = Q[n + j, n + j] + mu
-        for k in range(j):
-            pivot = pivot - factor[j, k] * factor[j, k] * factor[k, k]
-        if not pivot > 0.0:
-            return False
-        factor[j, j] = pivot
-        for i in range(j + 1, factor.shape[0]):
-            entry = Q[n + i, n + j]
-            for k in range(j):
-                entry = entry - factor[i, k] * factor[j, k] * factor[k, k]
-            factor[i, j] = entry / pivot
-    return True
-
-
-@procedure(contract=True)
-def _solve(t, n, Q, q, factor, gains, W):
-    """The control law of knot t; columns after that of k are not used."""
+def _solve(t, n, Q, q, factor, box, gains, W):
+    """The control law of knot t, zero for controls that are not free; columns after that of k are not used."""
     m, width = factor.shape[0], Q.shape[1]
     for i in range(m):
         for p in range(0, width, W):
-            gains[t, i, p : p + W] = -Q[n + i, p : p + W]
-        gains[t, i, n] = -q[n + i]
+            gains[t, i, p : p + W] = -Q[n + i, p : p + W] * box[FREE, i]
+        gains[t, i, n] = -q[n + i] * box[FREE, i]
         for k in range(i):
             for p in range(0, width, W):
                 gains[t, i, p : p + W] = gains[t, i, p : p + W] - gains[t, k, p : p + W] * factor[i, k]
@@ -166,9 +168,11 @@ def _update(t, n, V, v, Q, q, gains, numbers, W):
     """Gradient and Hessian of the cost from knot t on, and the changes of cost."""
     mu, m = numbers[0], gains.shape[1]
     for j in range(m):
-        k = gains[t, j, n]
-        numbers[1] = numbers[1] + k * q[n + j]
-        numbers[2] = numbers[2] - 0.5 * k * (q[n + j] + mu * k)
+        bend = 0.0
+        for i in range(m):
+            bend = bend + Q[n + j, n + i] * gains[t, i, n]
+        numbers[1] = numbers[1] + gains[t, j, n] * q[n + j]
+        numbers[2] = numbers[2] + 0.5 * gains[t, j, n] * bend
     for i in range(n):
         slope = q[i]
         for j in range(m):

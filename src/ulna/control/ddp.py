@@ -2,8 +2,9 @@
 
 Each iteration evaluates all knots in one batched call of the stage, runs backwards over them (`backward`), and forwards
 under the control laws u + alpha k + K (x (-) x_ref), with a line search over alpha. Dynamics count to first order
-(iLQR), the cost to second. References: Li & Todorov 2004; Tassa, Erez & Todorov 2012, section II, whose schedule of mu
-is simplified here; on manifolds, Mastalli et al. 2020.
+(iLQR), the cost to second. Limits of the controls are kept by both passes (Tassa, Mansard & Todorov 2014). References:
+Li & Todorov 2004; Tassa, Erez & Todorov 2012, section II, whose schedule of mu is simplified here; on manifolds,
+Mastalli et al. 2020.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 from ulna.checks.arrays import finite_array
 from ulna.checks.values import count, function, number, short_repr
 from ulna.control.backward import Gains, backward
+from ulna.control.bounds import least_and_greatest
 from ulna.control.stages import Stage, StageDerivatives, TerminalDerivatives, TerminalStage
 from ulna.errors import InputError, ShapeError
 from ulna.typing import ArrayLike, Floats
@@ -53,6 +55,7 @@ class DDPSolution:
         states: (N + 1, nx).
         controls: (N, nu).
         gains: K (N, nu, ndx): near the solution, `u = controls[i] + gains[i] @ (x (-) states[i])` is the best control.
+            Rows of controls that are at a limit are zero.
         cost: Cost of the whole horizon.
         iterations: One entry for each iteration.
         is_converged: Whether the expected decrease fell below the tolerance, without regularisation, too.
@@ -80,21 +83,25 @@ def ddp(
     *,
     parameters: Sequence[Any] = (),
     terminal_parameters: Sequence[Any] = (),
+    limits: ArrayLike | None = None,
     iterations: int = 200,
     tolerance: float = 1e-9,
     progress: Callable[[DDPIteration], Any] | None = None,
 ) -> DDPSolution:
     """Minimises the sum of the costs of N stages and of the last state by differential dynamic programming.
 
-    Limits of the controls are not kept; give them a cost. Ctrl-C ends the search at once.
+    The controls keep their limits; limits of joints need a cost. Ctrl-C ends the search at once.
 
     Args:
         stage: The stage.
         terminal: The end, of the same system: `stage.terminal(...)`.
         x0: First state (nx,) [any].
-        controls: Controls to start from (N, nu) [any]; zeros, or what keeps the robot still.
+        controls: Controls to start from (N, nu), clipped to the limits [any]; zeros, or what keeps the robot still.
         parameters: The further arguments of the stage's cost, each of its shape, or (N, ...) for one of each knot.
         terminal_parameters: The further arguments of the last cost.
+        limits: Greatest size of the controls, () or (nu,), or least and greatest controls, (2, nu) [any]; np.inf for no
+            limit. None for the effort limits of the robot's joints (those of 0 say that none is known), and for no
+            limits of a custom stage.
         iterations: The largest number of iterations.
         tolerance: Ends where the cost can decrease by less than this, relative to it (to 1 where it is below 1) [-].
         progress: Called after each iteration with a `DDPIteration`; True as its answer ends the search.
@@ -110,17 +117,17 @@ def ddp(
     iterations = count("iterations", iterations, 0)
     tolerance = number("tolerance", tolerance, "a number not below 0", least=0.0)
     progress = progress if progress is None else function("progress", progress)
-    search = _Search(stage, terminal, x0, controls, parameters, terminal_parameters)
+    search = _Search(stage, terminal, x0, controls, parameters, terminal_parameters, limits)
     mu, done, converged, reason = 0.0, [], False, f"{iterations} iterations were not enough"
     gains: Gains | None = None
     while len(done) < iterations:
-        knots, end = search.derivatives()
-        gains, mu = _regularised(knots, end, mu)
+        model = *search.derivatives(), search.allowed_changes()
+        gains, mu = _regularised(*model, mu)
         if gains is None:
             reason = "the Hessian of the cost by the controls is not positive"
             break
         decrease, small = gains.decrease, tolerance * max(1.0, abs(search.cost))
-        if decrease <= small and (possible := _possible_decrease(knots, end, gains, mu)) <= small:
+        if decrease <= small and (possible := _possible_decrease(*model, gains, mu)) <= small:
             converged, reason = True, f"the cost could decrease by {possible:.1e} only"
             break
         step = search.forward(gains)
@@ -136,16 +143,20 @@ def ddp(
     return DDPSolution(search.states, search.controls, K, search.cost, tuple(done), converged, reason)
 
 
-def _regularised(knots: StageDerivatives, end: TerminalDerivatives, mu: float) -> tuple[Gains | None, float]:
+def _regularised(
+    knots: StageDerivatives, end: TerminalDerivatives, changes: Floats | None, mu: float
+) -> tuple[Gains | None, float]:
     """Control laws with the least regularisation from `mu` on under which the model has a minimum; None without one."""
-    while (gains := backward(knots, end, mu)) is None and mu < _LARGEST_MU:
+    while (gains := backward(knots, end, mu, changes)) is None and mu < _LARGEST_MU:
         mu = max(10.0 * mu, _SMALLEST_MU)
     return gains, mu
 
 
-def _possible_decrease(knots: StageDerivatives, end: TerminalDerivatives, gains: Gains, mu: float) -> float:
+def _possible_decrease(
+    knots: StageDerivatives, end: TerminalDerivatives, changes: Floats | None, gains: Gains, mu: float
+) -> float:
     """What could be gained with as little regularisation as possible: with much of it every step is short."""
-    least = _regularised(knots, end, 0.0)[0] if mu > 0.0 else gains
+    least = _regularised(knots, end, changes, 0.0)[0] if mu > 0.0 else gains
     return (gains if least is None else least).decrease
 
 
@@ -167,10 +178,13 @@ class _Search:
         controls: ArrayLike,
         parameters: Sequence[Any],
         terminal_parameters: Sequence[Any],
+        limits: ArrayLike | None,
     ) -> None:
         _check_parts(stage, terminal)
         self.stage, self.terminal = stage, terminal
-        self.controls = _finite("controls", controls, ("N", stage.nu))
+        known = stage.system.control_limits
+        self.limits = known if limits is None else least_and_greatest("limits", limits, stage.nu)
+        self.controls = np.clip(_finite("controls", controls, ("N", stage.nu)), *self.limits)
         x0 = _finite("x0", x0, (stage.nx,))
         knots = len(self.controls)
         self.parameters = _each_knot("parameters", stage.parameters, parameters, knots)
@@ -196,6 +210,12 @@ class _Search:
         knots = self.stage(self.states[:-1], self.controls, *self.parameters)
         return knots, self.terminal(self.states[-1], *self.last)
 
+    def allowed_changes(self) -> Floats | None:
+        """By how much each control may change at least and at most, (2, N, nu); None where none has limits."""
+        if np.isinf(self.limits).all():
+            return None
+        return self.limits[:, None] - self.controls
+
     def forward(self, gains: Gains) -> float:
         """Takes the longest step that decreases the cost enough; returns its length, or 0 if there is none."""
         for alpha in _STEPS:
@@ -213,7 +233,7 @@ class _Search:
         x = states[0] = self.states[0]
         rows = zip(self.states, self.controls, gains.k, gains.K, self.rows, strict=False)
         for i, (x_ref, u_ref, k, K, row) in enumerate(rows):
-            x, controls[i], cost = follow(x, x_ref, u_ref, k, K, step, *row)
+            x, controls[i], cost = follow(x, x_ref, u_ref, k, K, step, *self.limits, *row)
             states[i + 1] = x
             total += cost
             if not total < np.inf:

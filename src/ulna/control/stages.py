@@ -20,6 +20,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from ulna import numeric
 from ulna.checks.values import checked_robot, count, function, number
 from ulna.compiler import compile, trace
 from ulna.control.stage_costs import CostParts, extra_shapes
@@ -118,14 +121,17 @@ class Stage:
 
     @cached_property
     def follow(self) -> Any:
-        """The kernel of a step under a control law: (x, x_ref, u_ref, k, K, alpha, *parameters) -> (x_next, u, cost).
+        """The kernel of a step under a control law, to the next state, the control and the cost.
 
-        The control is `u_ref + alpha * k + K @ (x - x_ref)`, the difference taken on the manifold.
+        Its arguments are (x, x_ref, u_ref, k, K, alpha, low, high, *parameters). The control is
+        `u_ref + alpha * k + K @ (x - x_ref)`, the difference taken on the manifold, clipped to `low` and `high`.
         """
         system, calc = self.system, self.calc.function
 
-        def run(x: Array, x_ref: Array, u_ref: Array, k: Array, K: Array, alpha: Any, *p: Array) -> Any:
-            u = u_ref + alpha * k + K @ system.minus(x_ref, x)
+        def run(
+            x: Array, x_ref: Array, u_ref: Array, k: Array, K: Array, alpha: Any, low: Array, high: Array, *p: Array
+        ) -> Any:  # fmt: skip
+            u = numeric.clip(u_ref + alpha * k + K @ system.minus(x_ref, x), low, high)
             after, cost = calc(x, u, *p)
             return after, u, cost
 
@@ -137,6 +143,8 @@ class Stage:
             "k": (nu,),
             "K": (nu, ndx),
             "alpha": (),
+            "low": (nu,),
+            "high": (nu,),
         }
         shapes |= dict(self.parameters)
         return compile(trace(run, name="follow", **shapes))
@@ -230,6 +238,7 @@ def custom_stage(
         minus=lambda x0, x1: x1 - x0,
         split=lambda x: (x,),
         names=("x",),
+        control_limits=np.array([[-np.inf], [np.inf]]) * np.ones(nu),
     )
     return _made(system, cost, shapes)
 

@@ -12,11 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ulna import algorithms
+from ulna.checks.arrays import known_limits
 from ulna.errors import InputError, UnknownName
 from ulna.model import FreeFlyer
 from ulna.quantities.mass import check_mass
 from ulna.robot import Robot
-from ulna.typing import Array
+from ulna.typing import Array, Floats
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class System:
         minus: The change that leads from one state to another.
         split: What a cost takes of a state.
         names: What these are called.
+        control_limits: Least and greatest controls, (2, nu); infinite where none are known.
     """
 
     nx: int
@@ -44,6 +46,7 @@ class System:
     minus: Callable[[Array, Array], Array]
     split: Callable[[Array], tuple[Array, ...]]
     names: tuple[str, ...]
+    control_limits: Floats
 
 
 def robot_system(robot: Robot, dt: float, actuated: Sequence[str] | None) -> System:
@@ -94,7 +97,11 @@ def robot_system(robot: Robot, dt: float, actuated: Sequence[str] | None) -> Sys
     def split(x: Array) -> tuple[Array, ...]:
         return x[:nq], x[nq:]
 
-    return System(nq + nv, 2 * nv, len(driven), step, step_derivatives, plus, minus, split, ("q", "v"))
+    greatest = known_limits(model.effort_limit)[driven]
+    limits = np.stack([-greatest, greatest])
+    return System(
+        nq + nv, 2 * nv, len(driven), step, step_derivatives, plus, minus, split, ("q", "v"), limits
+    )
 
 
 def _driven(robot: Robot, actuated: Sequence[str] | None) -> list[int]:
