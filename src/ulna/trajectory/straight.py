@@ -19,6 +19,8 @@ from ulna.trajectory.space import Configurations, Space
 from ulna.trajectory.trajectory import Trajectory
 from ulna.typing import ArrayLike, Floats
 
+_SAME = 1e-9  # what is this near a way-point has the same turns and the same sign
+
 
 @final
 @dataclass(frozen=True, eq=False, repr=False)
@@ -90,6 +92,9 @@ def straight(
 def straight_through(robot: Any, points: ArrayLike, durations: ArrayLike) -> Trajectory:
     """Straight from configuration to configuration of a robot, at rest in each.
 
+    The numbers do not jump: where a continuous joint arrives a whole turn from the number of a way-point, or a
+    quaternion with the other sign, it goes on from there.
+
     Args:
         robot: A Robot or a Model.
         points: Configurations in rows, (k + 1, nq) [rad or m].
@@ -112,9 +117,12 @@ def straight_through(robot: Any, points: ArrayLike, durations: ArrayLike) -> Tra
         raise InputError(
             f"`durations` has shape {np.shape(durations)}; expected one time or ({len(steps)},)."
         ) from None
-    return Chain.of(
-        [straight(model, a, b, t) for a, b, t in zip(q[:-1], q[1:], times, strict=True)], "straight"
-    )
+    start, lines = q[0], []
+    for point, time in zip(q[1:], times, strict=True):
+        lines.append(straight(model, start, point, time))
+        end = lines[-1].end
+        start = np.where(np.abs(end - point) < _SAME, point, end)
+    return Chain.of(lines, "straight")
 
 
 def _configuration(model: Model, name: str, value: ArrayLike) -> Floats:

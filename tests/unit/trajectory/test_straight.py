@@ -1,13 +1,15 @@
 """Straight lines between configurations stay on the manifold."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 from ulna import trajectory
 from ulna.errors import InputError
-from ulna.model import FreeFlyer, Model, ModelBuilder, Revolute
+from ulna.model import Continuous, FreeFlyer, Model, ModelBuilder, Revolute, Spherical
 from ulna.robot import Robot
-from ulna.spatial import SE3, Inertia, quat_exp
+from ulna.spatial import SE3, SO3, Inertia, quat_exp
 
 
 @pytest.fixture(scope="module")
@@ -98,3 +100,24 @@ def test_mistakes_are_named(robot: Robot, ends: tuple[np.ndarray, np.ndarray]) -
         trajectory.straight_through(robot, [q0, q0], 1.0)
     with pytest.raises(InputError, match="expected one time or"):
         trajectory.straight_through(robot, [q0, q1, q0], [1.0, 1.0, 1.0])
+
+
+def test_several_lines_do_not_jump_by_turns_or_signs() -> None:
+    """A continuous joint that went on past half a turn came back by a whole one at the way-point."""
+    b = ModelBuilder("ball").add_link("base").add_link("arm").add_link("end")
+    b.add_joint("wheel", Continuous((0.0, 0.0, 1.0)), "base", "arm").add_joint(
+        "ball", Spherical(), "arm", "end"
+    )
+    robot = Robot(b.build())
+    quats = [SO3.rz(angle).quat_xyzw() for angle in (0.0, 2.0, 4.0, 6.0, 8.0)]
+    points = np.array([[3.0 * k - 6.3 * (k > 1), *quat] for k, quat in enumerate(quats)])
+    t = trajectory.straight_through(robot, points, 1.0)
+    rows = t.sample(n=4001)
+    assert np.abs(np.diff(rows.q, axis=0)).max() < 0.01
+    for k, point in enumerate(points):
+        assert robot.is_same_configuration(t(float(k)), point, 1e-12)
+    lines = [trajectory.straight(robot, one, two, 1.0) for one, two in pairwise(points)]
+    chain = sum(lines[1:], start=lines[0])  # the same points, with other numbers
+    for path in (t, chain):
+        best = trajectory.time_optimal(path, robot, velocity=1.0, acceleration=2.0)
+        assert best.duration == pytest.approx(4.0 * (3.0 / 1.0 + 1.0 / 2.0), rel=0.02)
