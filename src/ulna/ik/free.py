@@ -16,6 +16,7 @@ from typing import Any, TypeAlias, TypeVar, final
 
 import numpy as np
 
+from ulna import kernels
 from ulna.checks.arrays import batched_array
 from ulna.checks.labels import in_order
 from ulna.checks.values import count as check_count
@@ -45,6 +46,7 @@ _FIRST, _MOST = 7, 64  # starting points of the first and of the largest round
 _FULL_RANGE_START = 64  # the starting point from which on they are drawn from the whole ranges
 _SAME_SOLUTION = 1e-3  # rad or m: solutions this near are one
 _CHECKED = 16  # configurations checked together; at first fewer, since the nearest is often free
+_SINGULAR = 1e-7  # the part of the Jacobian's largest singular value below which its smallest counts as 0
 _EXPLAINED = 32  # configurations examined to explain why there is no solution
 
 
@@ -263,7 +265,7 @@ class FreeSolver:
                 return _answer(chosen, True, np.nan, len(reaching), "")
         reaching.sort(key=lambda solution: self._apart(home, solution.q))
         nearest = yield _Apart(np.array([s.q for s in reaching[:_EXPLAINED]]))
-        return self._all_collide(reaching, nearest, branches is not None and branches.complete, options)
+        return self._all_collide(reaching, nearest, self._are_all(branches), options)
 
     def _answers(self, options: FreeOptions) -> dict[type, Callable[[list[Any]], list[Any]]]:
         """What computes each kind of request: from the requests of several searches to an answer for each."""
@@ -298,13 +300,23 @@ class FreeSolver:
             rotation_tolerance=options.rotation_tolerance,
         )
 
+    def _are_all(self, branches: Branches | None) -> bool:
+        """Whether no other configuration reaches the goal; a singular one may stand for many, where a joint is free."""
+        if branches is None or not branches.complete or not len(branches.q):
+            return False
+        problem = self.solver.problem
+        frame = self.model.frame_name(problem.frames[0])
+        J = kernels.kernel(self.model, "jacobian", frame=frame)(branches.q)[..., problem.velocities]
+        values = np.linalg.svd(J, compute_uv=False)
+        return bool((values[..., -1] > _SINGULAR * values[..., 0]).all())
+
     def _starts(
         self, home: Floats, first: Floats, branches: Branches | None, options: FreeOptions
     ) -> Iterator[Floats]:
         """Starting points (k, nq) in rounds: all branches, then points drawn around `home`, farther and farther."""
         if branches is not None:
             yield np.vstack([first, branches.q])
-            if branches.complete:
+            if self._are_all(branches):
                 return
         rng = np.random.default_rng(options.seed)
         drawn, done = self.solver.problem.drawn, 1

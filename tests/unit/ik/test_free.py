@@ -271,3 +271,18 @@ def test_configurations_found_twice_count_once(panda):
         search._distinct(points, known[:0], home)
         == np.argsort(np.linalg.norm(points - home, axis=1)).tolist()
     )
+
+
+def test_a_straight_wrist_turns_until_nothing_touches(ur5):
+    """Two joints then share a turn: each of the branches stands for many configurations, and no "no" is final."""
+    q = np.array([0.4, -1.3, 1.6, -0.5, 0.0, 0.3])
+    T = ur5.fk(q)
+    ways = ur5.ik_all(T).q
+    world = World()
+    for k, way in enumerate(ways):
+        middle = 0.5 * (ur5.fk(way, "forearm_link") + ur5.fk(way, "wrist_1_link"))[:3, 3]
+        world = world.add(f"ball{k}", Sphere(0.03), middle)
+    assert ur5.collides(ways, world).all()
+    assert is_answer(ur5, ur5.ik_free(T, world), T, world)
+    around = World().add("ball", Sphere(0.1), T[:3, 3])
+    assert "(as many as were found), and all collide" in ur5.ik_free(T, around).reason
