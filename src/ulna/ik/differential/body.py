@@ -16,6 +16,7 @@ import numpy as np
 
 from ulna.algorithms import center_of_mass, center_of_mass_jacobian, manipulability_gradient
 from ulna.algorithms.kinematics.manipulability import Axes, chosen_rows
+from ulna.checks.values import number
 from ulna.data_classes import dataclass
 from ulna.ik.differential.task import Rows, Shapes, Task, cost_of
 from ulna.model import Model
@@ -82,6 +83,7 @@ class ManipulabilityTask(Task):
         """One number."""
         model.frame(self.frame)
         chosen_rows(self.rows_of)
+        number(f"{self.label}: rate", self.rate, "a finite number")
         return cost_of(self.cost, 1, f"{self.label}: `cost`")
 
     def rows(self, model: Model, q: Array, *inputs: Array) -> Rows:

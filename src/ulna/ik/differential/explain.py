@@ -10,7 +10,7 @@ import numpy as np
 from ulna.errors import InfeasibleError, InputError
 from ulna.ik.differential.frames import AxisTask
 from ulna.ik.differential.limits import Interval
-from ulna.ik.differential.program import CONFLICT, NO_ROTATION, Problem, Program
+from ulna.ik.differential.program import CONFLICT, NO_ROTATION, TURNED, Problem, Program
 from ulna.ik.qp import solve_rows
 from ulna.model import Model
 from ulna.typing import Floats
@@ -107,7 +107,19 @@ def _no_solution(
 
 def _no_rotation(program: Program, values: Mapping[str, Floats], where: str) -> InputError:
     """A target is neither a pose nor a rotation."""
+    for name in program.rotations:
+        target = values[name]
+        if len(target) == 4 and np.abs(target[3] - [0.0, 0.0, 0.0, 1.0]).max() >= TURNED:
+            row = ", ".join(f"{x:.6g}" for x in target[3])
+            return InputError(
+                f"`{name}`{where} has the last row [{row}]; expected [0, 0, 0, 1]. Is it transposed?"
+            )
     off = {name: _distance_from_rotation(values[name][:3, :3]) for name in program.rotations}
+    for name in program.rotations:
+        if off[name] < TURNED and np.linalg.det(values[name][:3, :3]) < 0.0:
+            return InputError(
+                f"`{name}`{where} is not a rotation but a reflection, of determinant -1. Look for a flipped axis."
+            )
     name = max(off, key=lambda name: off[name])
     return InputError(
         f"`{name}`{where} is not a rotation: R^T R differs from 1 by {off[name]:.3g}. "

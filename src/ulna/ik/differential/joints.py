@@ -137,6 +137,8 @@ class LinearTask(Task):
         A = np.asarray(self.A, dtype=float)
         if A.ndim != 2 or A.shape[1] != model.nv:
             raise ShapeError(f"{self.label}: A", A.shape, f"(k, {model.nv})")
+        if not np.isfinite(A).all():
+            raise InputError(f"{self.label}: `A` holds nan or inf; expected finite numbers.")
         return A
 
 
@@ -175,6 +177,12 @@ class JointCouplingTask(Task):
 
     def _row(self, model: Model) -> Floats:
         row = np.zeros((1, model.nv))
+        if not self.ratios:
+            raise InputError(f"{self.label}: `ratios` is empty; expected a ratio by the name of each joint.")
+        if not np.isfinite([self.offset, *self.ratios.values()]).all():
+            raise InputError(
+                f"{self.label}: `offset` is {self.offset}, `ratios` are {dict(self.ratios)}; expected finite numbers."
+            )
         for name, ratio in self.ratios.items():
             joint = model.joint(name)
             if joint.kind.nq != 1 or joint.kind.nv != 1:

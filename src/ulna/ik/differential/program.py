@@ -33,7 +33,7 @@ from ulna.ik.differential.limits import Interval, Limit, Strip
 from ulna.ik.differential.task import Rows, Shapes, Task
 from ulna.ik.qp import solve_box
 from ulna.model import Model
-from ulna.numeric import apply, clip, is_symbolic, less, maximum, vector, where
+from ulna.numeric import apply, clip, cross, is_symbolic, less, maximum, vector, where
 from ulna.system.cached import cached_property
 from ulna.typing import Array, Floats
 
@@ -321,7 +321,11 @@ def _is(bound: Any, value: float) -> bool:
 
 
 def _from_rotation(pose: Array) -> Any:
-    """The largest entry of R^T R - 1, for the rotation in a pose (4, 4) or (3, 3)."""
+    """The largest entry of R^T R - 1, and of what a reflection or the last row of a pose (4, 4) is off."""
     R = pose[..., :3, :3]
     off = abs(np.swapaxes(R, -1, -2) @ R - np.eye(3))
-    return reduce(maximum, (off[..., i, j] for i in range(3) for j in range(i + 1)))
+    entries = [off[..., i, j] for i in range(3) for j in range(i + 1)]
+    entries += [abs(e) for e in cross(R[..., :, 0], R[..., :, 1]) - R[..., :, 2]]
+    if pose.shape[-1] == 4:
+        entries += [abs(pose[..., 3, j] - float(j == 3)) for j in range(4)]
+    return reduce(maximum, entries)

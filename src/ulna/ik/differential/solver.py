@@ -7,6 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.values import flag
 from ulna.compiler import compile, trace
 from ulna.errors import InputError, UnknownName
 from ulna.ik.differential import explain
@@ -87,7 +88,7 @@ class DifferentialIK:
                 tuple(constraints),
                 tuple(limits),
                 damping,
-                recover,
+                flag("recover", recover),
                 _moving(model, locked),
             )
         )
@@ -98,7 +99,7 @@ class DifferentialIK:
         self._open = len(program.inputs) - len(self._defaults)
         self._kernels: dict[str, Any] = {}
         self._kernel = self._compiled("problem" if program.equalities else "step")
-        self._dt = (0.0, np.zeros(()))
+        self._dt = (np.nan, np.zeros(()))  # equal to no duration
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _of_program, (self.program,)

@@ -25,7 +25,11 @@ from ulna.ik import (
     DampingTask,
     DifferentialIK,
     FrameTask,
+    JointCouplingTask,
     LinearLimit,
+    LinearTask,
+    ManipulabilityTask,
+    OrientationTask,
     PlaneLimit,
     PositionLimit,
     PositionTask,
@@ -422,3 +426,42 @@ def test_a_direction_of_zeros_is_named(panda: ulna.Robot, q, as_constraint: bool
     here = panda.fk(q, HAND)[:3, 2]
     with pytest.raises(InputError, match=r"^`axis` at index \(1,\) holds only zeros"):
         ik.velocity(q, DT, np.stack([here, np.zeros(3)]))
+
+
+def test_a_transposed_pose_and_a_reflection_are_refused(panda: ulna.Robot, q) -> None:
+    """Their three by three entries are orthogonal, so that they were taken for the pose of another place."""
+    T = panda.fk(q, HAND)
+    for frame in (FrameTask(HAND), FrameTask(HAND, axes="world")):
+        with pytest.raises(InputError, match=rf"^`{HAND}` has the last row .* Is it transposed"):
+            DifferentialIK(panda, [frame]).velocity(q, DT, T.T)
+        with pytest.raises(InputError, match=rf"^`{HAND}` is not a rotation but a reflection"):
+            DifferentialIK(panda, [frame]).velocity(q, DT, T @ np.diag([1.0, 1.0, -1.0, 1.0]))
+    mirror = OrientationTask(HAND, target=np.diag([1.0, -1.0, 1.0]))
+    with pytest.raises(InputError, match="reflection"):
+        DifferentialIK(panda, [mirror]).velocity(q, DT)
+
+
+def test_a_duration_of_zero_is_refused_by_the_first_step_too(panda: ulna.Robot, q) -> None:
+    with pytest.raises(InputError, match=r"^`dt` is 0\.0; expected a duration above 0 s"):
+        DifferentialIK(panda, [FrameTask(HAND)]).step(q, 0.0, panda.fk(q, HAND))
+
+
+@pytest.mark.parametrize(
+    ("task", "named"),
+    [
+        (JointCouplingTask({}), "`ratios` is empty"),
+        (JointCouplingTask({"panda_joint1": np.nan}), "`ratios` are"),
+        (JointCouplingTask({"panda_joint1": 1.0}, offset=np.inf), "`offset` is inf"),
+        (ManipulabilityTask(HAND, rate=np.nan), "rate` is nan"),
+        (LinearTask(np.full((1, 7), np.nan), target=[0.0]), "`A` holds nan"),
+    ],
+    ids=["empty", "ratio", "offset", "rate", "matrix"],
+)
+def test_constants_of_tasks_that_are_no_numbers_are_refused(panda: ulna.Robot, task, named: str) -> None:
+    with pytest.raises(InputError, match=named):
+        DifferentialIK(panda, [task])
+
+
+def test_recover_is_true_or_false(panda: ulna.Robot) -> None:
+    with pytest.raises(InputError, match="`recover` is 'no'"):
+        DifferentialIK(panda, [FrameTask(HAND)], recover="no")  # pyright: ignore[reportArgumentType]
