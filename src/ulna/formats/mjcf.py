@@ -183,7 +183,7 @@ class _Reading:
                 below,
                 where,
                 offset=offset,
-                **self._bounds(j),
+                **self._bounds(j, mimic),
                 mimic=self._followed(j) if mimic else None,
             )
             parent, place = below, SE3.identity()
@@ -203,21 +203,34 @@ class _Reading:
         half = np.r_[m.jnt_axis[j] * np.sin(-reference / 2.0), np.cos(-reference / 2.0)]
         return Revolute((x, y, z)), SE3.from_quat_xyzw(half, anchor), SE3.trans(*-anchor)
 
-    def _bounds(self, j: int) -> dict[str, Any]:
-        """Limits and losses of a joint, as `add_joint` takes them."""
-        m, drives = self._m, self._drives
+    def _bounds(self, j: int, mimic: bool) -> dict[str, Any]:
+        """Limits and losses of a joint, as `add_joint` takes them; a leader stays in the ranges of its followers."""
+        drives = self._drives
         options: dict[str, Any] = {
             "damping": drives.damping(j),
             "friction": drives.friction(j),
             "armature": drives.armature(j),
         }
         if drives.scalar_joint(j):
-            if m.jnt_limited[j] and self._switches.limits:
-                options["lower"], options["upper"] = (float(x) for x in m.jnt_range[j])
+            lower, upper = self._range(j)
+            for follower, leader, multiplier, offset in self._joined.from_leaders() if mimic else ():
+                if leader == j:
+                    ends = sorted((end - offset) / multiplier for end in self._range(follower))
+                    lower, upper = max(lower, ends[0]), min(upper, ends[1])
+            if lower > upper:  # they contradict each other
+                lower, upper = self._range(j)
+            options["lower"], options["upper"] = lower, upper
             effort = max(abs(x) for x in drives.force_range(j))
             if effort < np.inf:
                 options["effort"] = effort
         return options
+
+    def _range(self, j: int) -> tuple[float, float]:
+        """The range of a hinge or slide; infinite where nothing limits it."""
+        if not (self._m.jnt_limited[j] and self._switches.limits):
+            return -np.inf, np.inf
+        lower, upper = (float(x) for x in self._m.jnt_range[j])
+        return lower, upper
 
     def _followed(self, j: int) -> tuple[str, float, float] | None:
         """Whom a joint follows, as `add_joint` takes it."""
@@ -240,10 +253,13 @@ class _Reading:
 
     def _add_configurations(self, builder: ModelBuilder) -> None:
         m = self._m
+        names = [m.key(k).name for k in range(m.nkey)]
+        taken = {*names}
         if FREE in m.jnt_type or np.any(m.qpos0[m.jnt_qposadr[np.isin(m.jnt_type, (SLIDE, HINGE))]]):
-            builder.add_configuration("qpos0", self._positions(m.qpos0))
-        for k in range(m.nkey):
-            builder.add_configuration(m.key(k).name or f"key_{k}", self._positions(m.key_qpos[k]))
+            builder.add_configuration(unused_name("qpos0", taken), self._positions(m.qpos0))
+        for k, name in enumerate(names):
+            called = name or unused_name(f"key_{k}", taken)
+            builder.add_configuration(called, self._positions(m.key_qpos[k]))
 
     def _positions(self, qpos: Any) -> dict[str, Any]:
         """MuJoCo's positions by joint, quaternions as xyzw."""

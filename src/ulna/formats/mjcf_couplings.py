@@ -32,6 +32,17 @@ class Couplings:
     followed: dict[int, tuple[int, float, float]]
     expressed: frozenset[int]
 
+    def from_leaders(self) -> list[tuple[int, int, float, float]]:
+        """Each joint that follows, the joint at the end of its row that follows none, multiplier, offset."""
+        rows = []
+        for j, (first, *numbers) in self.followed.items():
+            leader, relation = first, (numbers[0], numbers[1])
+            while leader in self.followed:
+                leader, multiplier, offset = self.followed[leader]
+                relation = _after(relation, (multiplier, offset))
+            rows.append((j, leader, *relation))
+        return rows
+
 
 def couplings(m: Any, equalities_on: bool = True) -> Couplings:
     """The couplings of a compiled model, those that are active when it starts.

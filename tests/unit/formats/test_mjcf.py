@@ -254,3 +254,39 @@ def test_names_that_joints_and_links_between_have_by_themselves_may_be_in_the_fi
     assert robot.joint_names == ("b_fixed", "two")
     assert robot.fk([0.0, 0.0], "a_before_two")[2, 3] == 2.0
     assert robot.fk([0.0, np.pi], "a_before_two")[2, 3] == pytest.approx(-2.0)
+
+
+CHAIN = """<mujoco><worldbody>
+  <body name="a"><joint name="j" axis="0 1 0" range="-90 90"/><geom size="0.1"/></body>
+  <body name="b" pos="0 0 1"><joint name="k" axis="0 1 0"/><geom size="0.1"/></body>
+  <body name="c" pos="0 0 2"><joint name="l" axis="0 1 0" range="-20 80"/><geom size="0.1"/></body>
+</worldbody>
+<equality>
+  <joint joint1="k" joint2="j" polycoef="0.1 -2 0 0 0"/><joint joint1="l" joint2="k" polycoef="0 0.5 0 0 0"/>
+</equality></mujoco>"""
+
+
+def test_a_leader_stays_in_the_ranges_of_its_followers() -> None:
+    robot = ulna.load(CHAIN)
+    lower, upper = float(robot.limits.lower[0]), float(robot.limits.upper[0])
+    assert [0.5 * (0.1 - 2.0 * q) for q in (upper, lower)] == pytest.approx(
+        np.radians([-20.0, 80.0]).tolist()
+    )
+    each = ulna.load(CHAIN, mimic=False).limits
+    np.testing.assert_allclose(each.lower, [-np.pi / 2, -np.inf, np.radians(-20.0)])
+    apart = ulna.load(
+        CHAIN.replace("-20 80", "300 310")
+    ).limits  # no position satisfies both: its own range counts
+    np.testing.assert_allclose([apart.lower[0], apart.upper[0]], [-np.pi / 2, np.pi / 2])
+
+
+def test_keyframes_without_a_name_take_none_of_another() -> None:
+    keys = '<keyframe><key qpos="0.1 0 0"/><key name="key_0" qpos="0.2 0 0"/></keyframe></mujoco>'
+    robot = ulna.load(CHAIN.replace("</mujoco>", keys))
+    assert {name: q.tolist() for name, q in robot.configurations.items()} == {
+        "key_0_2": [0.1],
+        "key_0": [0.2],
+    }
+    ball = '<mujoco><worldbody><body pos="0 0 3"><freejoint/><geom size="0.1"/></body></worldbody><keyframe>'
+    robot = ulna.load(ball + '<key name="qpos0" qpos="1 1 1 1 0 0 0"/></keyframe></mujoco>')
+    assert robot.configurations["qpos0"][0] == 1.0 and robot.configurations["qpos0_2"][2] == 3.0
