@@ -237,6 +237,11 @@ GEOMETRIES = {
     "computeCollisions of spheres": "pin.computeCollisions(spheres, spheres_data, False)",
     "computeDistances of spheres": "pin.computeDistances(spheres, spheres_data)",
 }
+SOLVERS = {
+    f"{name}ConstraintSolver, {count} contacts": f"{name}{count}.solve(*problem{count}, settings{name}, result{name})"
+    for name in ("PGS", "ADMM")
+    for count in (1, 2, 4, 8, 16, 32)
+}
 GROUPS = {
     "algorithms": ALGORITHMS,
     "configurations": CONFIGURATIONS,
@@ -245,6 +250,7 @@ GROUPS = {
     "objects": OBJECTS,
     "constraints": CONSTRAINTS,
     "geometries": GEOMETRIES,
+    "solvers": SOLVERS,
 }
 
 
@@ -270,8 +276,36 @@ def prepared(group: str, source: str, root: str, feet: str) -> Callable[[], dict
         "objects": lambda: _small_objects(pin),
         "constraints": lambda: _contacts(pin, names, *feet.split(",")),
         "geometries": lambda: _shapes(pin, names, source),
+        "solvers": lambda: _contact_problems(pin, m),
     }
     return _measured(GROUPS[group], names | more[group]())
+
+
+def _contact_problems(pin: Any, m: Any) -> dict[str, Any]:
+    """Contacts with friction, of random Delassus matrices, and solvers with their default settings."""
+    import numpy as np
+
+    names: dict[str, Any] = {}
+    data = m.createData()
+    pin.forwardKinematics(m, data, pin.neutral(m))
+    for name in ("PGS", "ADMM"):
+        names[f"settings{name}"] = getattr(pin, f"{name}SolverSettings")()
+        names[f"result{name}"] = getattr(pin, f"{name}SolverResult")()
+    for count in (1, 2, 4, 8, 16, 32):
+        rng, rows = np.random.default_rng(7), 3 * count
+        models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
+        models.extend([pin.PointContactConstraintModel(m, 1) for _ in range(count)])
+        datas.extend([one.createData() for one in models])
+        for one, known in zip(models, datas, strict=True):
+            one.calc(m, data, known)
+        root = rng.normal(size=(rows, rows + 4))
+        g = rng.normal(size=rows)
+        g[2::3] = -abs(g[2::3])
+        delassus = pin.DelassusOperatorDense(root @ root.T / rows + 0.1 * np.eye(rows))
+        names[f"problem{count}"] = delassus, g, models, datas
+        for name in ("PGS", "ADMM"):
+            names[f"{name}{count}"] = getattr(pin, f"{name}ConstraintSolver")(rows)
+    return names
 
 
 def _measured(calls: dict[str, str], names: dict[str, Any]) -> Callable[[], dict[str, float]]:

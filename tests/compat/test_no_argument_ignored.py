@@ -49,8 +49,8 @@ UNUSED = {
     "results are the same with and without": {
         "centerOfMass compute_subtree_coms", "StreamBuffer.prepare n",
         "ConstraintCholeskyDecomposition.getInverseOperationalSpaceInertiaMatrix enforce_symmetry",
-        "DelassusOperator.matrix enforce_symmetry", "log3 theta", "PGSConstraintSolver.__init__ problem_size",
-        "ADMMConstraintSolver.__init__ problem_size", "ConstraintSolverResult.resize problem_size",
+        "DelassusOperator.matrix enforce_symmetry", "log3 theta", "IterativeSolver.__init__ problem_size",
+        "ConstraintSolverResult.resize problem_size",
         "ADMMSolverStats.__init__ max_iterations",
         "computeLargestEigenvector max_it", "computeLargestEigenvector rel_tol", "_BodyParameters.__init__ parts",
     },

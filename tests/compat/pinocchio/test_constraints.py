@@ -371,13 +371,13 @@ def test_contacts_that_push_and_rub(pin: Any) -> None:
     )
     settings, result, solver = pin.PGSSolverSettings(), pin.PGSSolverResult(), pin.PGSConstraintSolver()
     settings.max_iterations = 20_000
-    settings.relative_feasibility_tol = settings.relative_complementarity_tol = 1e-10
+    settings.relative_feasibility_tol = settings.relative_complementarity_tol = 0.0
     settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = 1e-10
     with pytest.raises(InputError, match="solve"):
         result.retrieveConstraintImpulses()
     assert solver.solve(G, g, models, datas, settings, result)
     x, y = result.retrieveConstraintImpulses(), result.retrieveConstraintVelocities()
-    np.testing.assert_allclose(G.matrix() @ x + g, y, atol=1e-12)
+    np.testing.assert_allclose(G.matrix() @ x + g, y, atol=1e-8)
     np.testing.assert_allclose(ground.set(datas[0]).project(x[:3]), x[:3], atol=1e-9)
     assert x[2] > 0.0 and y[2] > -1e-9
     assert min(x[3], x[4]) >= 0.0 and y[3] > -1e-9 and np.abs(y[5:]).max() < 1e-9

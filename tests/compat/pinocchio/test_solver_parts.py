@@ -104,9 +104,11 @@ def test_rounds_are_recorded_and_change_nothing(pin: Any) -> None:
         assert (solver.getElapsedTime() > 0.0) == record
         stats = solver.stats
         found.append((result.iterations, result.retrieveConstraintImpulses()))
-        assert stats.size() == stats.iterations == (result.iterations if record else 0)
+        assert stats.size() == (result.iterations + 1 if record else 0)
+        assert stats.iterations == (result.iterations if record else 0)
         if record:
-            assert stats.dual_feasibility_ncp[-1] == result.dual_feasibility < stats.dual_feasibility_ncp[0]
+            assert stats.dual_feasibility_ncp[-1] < 1e-4 < stats.dual_feasibility_ncp[0]
+            assert stats.dual_feasibility[-1] == result.dual_feasibility
             assert stats.complementarity[-1] == result.complementarity and set(stats.primal_feasibility) == {
                 0.0
             }
@@ -123,6 +125,8 @@ def test_solutions_satisfy_coulombs_law(pin: Any) -> None:
             result = getattr(pin, f"{kind}SolverResult")()
             settings = getattr(pin, f"{kind}SolverSettings")()
             solver = getattr(pin, f"{kind}ConstraintSolver")(len(g))
+            if kind == "PGS":
+                settings.over_relaxation = 0.3  # whole steps overshoot where tangential entries differ much
             assert solver.solve(pin.DelassusOperatorDense(G), g, models, datas, settings, result)
             impulses = result.retrieveConstraintImpulses()
             velocities = G @ impulses + g

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, final
+from typing import ClassVar, final
 
 import numpy as np
 
 from pinocchio._constraints.iterative_solver import ConstraintSolverResult, ToleranceSettings
 from pinocchio._containers.arguments import check_size
-from pinocchio._containers.arrays import StdVec, vector
+from pinocchio._containers.arrays import StdVec
 from pinocchio._containers.attributes import AttributeKind, flag, number, one_of, whole
 from pinocchio._containers.enums import _Named
 from ulna.errors import InputError
@@ -21,27 +21,13 @@ __all__ = ["ADMMProximalRule", "ADMMSolverResult", "ADMMSolverSettings", "ADMMSo
 class ADMMUpdateRule(_Named):
     """How the weight rho of the consensus changes."""
 
-    SPECTRAL = 0
-    OSQP = 1
-    LINEAR = 2
-    CONSTANT = 3
+    SPECTRAL, OSQP, LINEAR, CONSTANT = map(ord, "SOLC")
 
 
 class ADMMProximalRule(_Named):
-    """Whether the proximal weight is the setting `mu_prox`, or follows from the largest eigenvalue."""
+    """Whether the proximal weight is the setting `mu_prox`, or that of the consensus, rho."""
 
-    MANUAL = 0
-    AUTOMATIC = 1
-
-
-_NOT_OFFERED = {
-    "anderson_capacity": 0,
-    "dual_momentum": 0.0,
-    "tau": 0.5,
-    "tau_prox": 1.0,
-    "rho_update_ratio": 0.0,
-}
-"""Settings of Pinocchio's variant that are taken at their default values alone."""
+    MANUAL, AUTOMATIC = map(ord, "MA")
 
 
 @final
@@ -49,20 +35,24 @@ class ADMMSolverSettings(ToleranceSettings):
     """When a solution is good enough, and how it is computed; the other attributes are those of `ToleranceSettings`.
 
     Attributes:
-        mu_prox: The proximal weight, with the rule MANUAL.
+        mu_prox: The proximal weight, with the rule MANUAL, and for the eigenvalues.
         admm_proximal_rule: MANUAL or AUTOMATIC.
         admm_update_rule: How rho changes: SPECTRAL, OSQP, LINEAR or CONSTANT.
+        tau, tau_prox: By what rho and the proximal weight are multiplied, above 0, at most 1.
+        dual_momentum: What part of velocities stays in each iteration.
         rho_init: rho at first; None for one between the eigenvalues.
         rho_min, rho_max: Bounds of rho.
-        rho_momentum: What part of rho stays at a change.
+        rho_momentum: What part of rho stays at a change, of its logarithm.
         rho_min_update_frequency: How many iterations there are between changes, at least.
+        rho_update_ratio: A change is made where one of the old and the new rho is at least this many times the other.
         ratio_primal_dual: By what factor residuals may differ before rho changes.
-        linear_update_rule_factor: The factor of the rule LINEAR.
+        linear_update_rule_factor: The factor of the rule LINEAR, above 1.
         spectral_rho_power_init: The power of the rule SPECTRAL at first.
         spectral_rho_power_factor: By how much that power changes.
-        max_delassus_decomposition_updates: How many times matrices are inverted at most.
+        max_delassus_decomposition_updates: How many times matrices are factorized at most; at least twice.
         warmstart_rho_with_previous_result: Whether rho is at first that of the result.
-        lanczos_size: Accepted: eigenvalues are computed to the last digit.
+        lanczos_size: How many rows the matrix has that the largest eigenvalue is estimated from, at least 2.
+        anderson_capacity: From how many iterates the next one is extrapolated; not at all below 2.
     """
 
     _kinds: ClassVar[Mapping[str, AttributeKind]] = {
@@ -90,43 +80,58 @@ class ADMMSolverSettings(ToleranceSettings):
         self.spectral_rho_power_init, self.spectral_rho_power_factor = 0.2, 0.05
         self.max_delassus_decomposition_updates = self.lanczos_size = 2**31 - 1
         self.warmstart_rho_with_previous_result = False
-        self.__dict__.update(_NOT_OFFERED)
+        self.tau, self.tau_prox, self.dual_momentum, self.rho_update_ratio = 0.5, 1.0, 0.0, 0.0
+        self.anderson_capacity = 0
 
     def checkValidity(self) -> None:
         """Checks all settings.
 
         Raises:
-            InputError: A number makes no sense, or is not offered.
+            InputError: A number makes no sense.
         """
         super().checkValidity()
-        for name, usual in _NOT_OFFERED.items():
-            if getattr(self, name) != usual:
-                raise InputError(f"`{name}` is {getattr(self, name)!r}; only {usual!r} is offered here.")
-        self._check_whole_number("rho_min_update_frequency")
-        self._check_whole_number("lanczos_size")
-        if not 0.0 < self.rho_min <= self.rho_max:
+        if not 0.0 <= self.rho_min <= self.rho_max:
             raise InputError(
-                f"`rho_min` is {self.rho_min!r}, `rho_max` {self.rho_max!r}; expected 0 < rho_min <= rho_max."
+                f"`rho_min` is {self.rho_min!r}, `rho_max` {self.rho_max!r}; expected 0 <= rho_min <= rho_max."
             )
-        limits = {"mu_prox": 0.0, "linear_update_rule_factor": 1.0, "ratio_primal_dual": 1.0}
-        for name, least in limits.items():
-            if not getattr(self, name) >= least:
-                raise InputError(
-                    f"`{name}` is {getattr(self, name)!r}; expected a number not below {least:g}."
-                )
-        if not 0.0 <= self.rho_momentum < 1.0:
-            raise InputError(f"`rho_momentum` is {self.rho_momentum!r}; expected a number from 0, below 1.")
-        if self.rho_init is not None and not self.rho_init > 0.0:
-            raise InputError(f"`rho_init` is {self.rho_init!r}; expected None or a number above zero.")
+        positive = ["mu_prox", "tau", "tau_prox", "ratio_primal_dual"]
+        if self.rho_init is not None:
+            positive.append("rho_init")
+        for name in positive:
+            if not getattr(self, name) > 0.0:
+                raise InputError(f"`{name}` is {getattr(self, name)!r}; expected a number above zero.")
+        for name in ("tau", "tau_prox", "rho_momentum"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise InputError(f"`{name}` is {getattr(self, name)!r}; expected a number of at most one.")
+        if not self.dual_momentum >= 0.0:
+            raise InputError(f"`dual_momentum` is {self.dual_momentum!r}; expected a number not below zero.")
+        least = 1.0 if self.admm_update_rule == ADMMUpdateRule.LINEAR else -1.0
+        if not self.linear_update_rule_factor > least:
+            raise InputError(
+                f"`linear_update_rule_factor` is {self.linear_update_rule_factor!r}; expected a number above 1."
+            )
 
-    def bounded(self, rho: float) -> float:
-        """rho within its bounds."""
-        return min(max(rho, self.rho_min), self.rho_max)
-
-    def proximal_weight(self, largest: float) -> float:
-        """The proximal weight for a matrix with that largest eigenvalue."""
+    def numbers(self) -> tuple[float, ...]:
+        """The settings as `admm_iterations` takes them."""
+        rule = self.admm_update_rule
         return (
-            1e-6 * largest if self.admm_proximal_rule == ADMMProximalRule.AUTOMATIC else float(self.mu_prox)
+            self.tau,
+            self.tau_prox,
+            self.dual_momentum,
+            self.rho_momentum,
+            self.rho_min,
+            self.rho_max,
+            self.rho_update_ratio,
+            self.ratio_primal_dual,
+            self.absolute_feasibility_tol,
+            self.relative_feasibility_tol,
+            self.absolute_complementarity_tol,
+            self.linear_update_rule_factor,
+            0.0 if rule == ADMMUpdateRule.CONSTANT else 2.0 if rule == ADMMUpdateRule.OSQP else 1.0,
+            self.admm_proximal_rule == ADMMProximalRule.AUTOMATIC,
+            self.solve_ncp,
+            self.rho_min_update_frequency,
+            self.max_delassus_decomposition_updates,
         )
 
 
@@ -136,58 +141,53 @@ class ADMMSolverResult(ConstraintSolverResult):
 
     Attributes:
         rho, mu_prox, spectral_rho_power: The weights at the end, and the power of the rule SPECTRAL.
-        delassus_decomposition_update_count: How many matrices were inverted.
+        delassus_decomposition_update_count: How many matrices were factorized, with one for the proximal weight alone.
     """
 
     def reset(self) -> None:
-        """Forgets the solution."""
+        """Forgets the solution, and what the next search starts from."""
         super().reset()
+        self._shifted: Floats | None = None
         self._shift: Floats | None = None
-        self.primal_feasibility = self.dual_feasibility = self.complementarity = np.nan
         self.rho = self.mu_prox = self.spectral_rho_power = np.nan
         self.delassus_decomposition_update_count = 0
 
-    def fill(self, impulses: Floats, velocities: Floats, shift: Floats, **values: Any) -> None:
-        """Stores a solution.
+    def fill_weights(
+        self, shifted: Floats, shift: Floats, weights: tuple[float, float, float], factorizations: int
+    ) -> None:
+        """Stores what only ADMM has.
 
         Args:
-            impulses: Impulses (m,) [N s].
-            velocities: Velocities of the constraints with them (m,) [m/s].
+            shifted: Velocities of the constraints with De Saxce's shift (m,) [m/s].
             shift: De Saxce's shift (m,) [m/s].
-            **values: The attributes.
+            weights: rho, the proximal weight [1/kg], and the power of the rule SPECTRAL [-].
+            factorizations: How many matrices were factorized.
         """
-        self._impulses, self._velocities, self._shift = impulses, velocities, shift
-        for name, value in values.items():
-            setattr(self, name, value)
+        self._shifted, self._shift = shifted, shift
+        self.rho, self.mu_prox, self.spectral_rho_power = weights
+        self.delassus_decomposition_update_count = factorizations
+
+    def retrieveDualSolution(self, dual_solution: Floats) -> None:
+        """Copies the velocities with De Saxce's shift into an array."""
+        dual_solution[...] = self._solution(self._shifted)
 
     def retrieveDesaxceTerm(self, desaxce_term: Floats) -> None:
         """Copies De Saxce's shift into an array."""
         desaxce_term[...] = self._solution(self._shift)
 
-    def guesses(self, size: int) -> tuple[Floats | None, Floats | None]:
-        """The guesses of impulses and velocities.
 
-        Raises:
-            WrongShape: One has another size.
-        """
-        pairs = (
-            (self._impulse_guess, "the guess of impulses"),
-            (self._velocity_guess, "the guess of velocities"),
-        )
-        impulses, velocities = (None if x is None else vector(x, size, name) for x, name in pairs)
-        return impulses, velocities
-
-
-_RECORDED = {
-    "primal_feasibility": "primal",
-    "dual_feasibility": "dual",
-    "dual_feasibility_ncp": "dual",
-    "complementarity": "complementarity",
-    "rho": "rho",
-    "mu_prox": "mu",
-    "linear_system_residual": "linear_residual",
-    "linear_system_consistency": "linear_residual",
-}
+_RECORDED = (
+    "primal_feasibility",
+    "dual_feasibility",
+    "dual_feasibility_ncp",
+    "complementarity",
+    "rho",
+    "mu_prox",
+    "anderson_size",
+    "linear_system_residual",
+    "linear_system_consistency",
+)
+"""The columns of the records, see `admm_iterations`."""
 
 
 @final
@@ -196,9 +196,9 @@ class ADMMSolverStats:
 
     Attributes:
         iterations: How many there were.
-        delassus_decomposition_update_count: How many matrices were inverted.
+        delassus_decomposition_update_count: How many matrices were factorized, with one for the proximal weight alone.
         linear_system_residual, linear_system_consistency: How far the solved equations are from zero.
-        anderson_size: Zeros: iterates are not extrapolated.
+        anderson_size: From how many iterates the next one could be extrapolated.
     """
 
     primal_feasibility: StdVec[float]
@@ -207,6 +207,7 @@ class ADMMSolverStats:
     complementarity: StdVec[float]
     rho: StdVec[float]
     mu_prox: StdVec[float]
+    anderson_size: StdVec[int]
     linear_system_residual: StdVec[float]
     linear_system_consistency: StdVec[float]
 
@@ -220,7 +221,6 @@ class ADMMSolverStats:
     def reset(self) -> None:
         """Forgets all."""
         self.iterations = self.delassus_decomposition_update_count = 0
-        self.anderson_size: StdVec[int] = StdVec()
         for name in _RECORDED:
             setattr(self, name, StdVec())
 
@@ -228,9 +228,11 @@ class ADMMSolverStats:
         """How many iterations are recorded."""
         return len(self.rho)
 
-    def add(self, search: Any) -> None:
-        """Records an iteration of a search."""
-        self.iterations, self.delassus_decomposition_update_count = search.iterations, search.factorizations
-        self.anderson_size.append(0)
-        for name, source in _RECORDED.items():
-            getattr(self, name).append(getattr(search, source))
+    def add(self, records: Floats) -> None:
+        """Adds iterations.
+
+        Args:
+            records: Of each what `admm_iterations` records (iterations, 9).
+        """
+        for name, column in zip(_RECORDED, records.T.tolist(), strict=True):
+            getattr(self, name).extend(map(int, column) if name == "anderson_size" else column)

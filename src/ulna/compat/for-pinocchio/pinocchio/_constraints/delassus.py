@@ -232,6 +232,11 @@ class DelassusOperator:
         self._damping = diagonal(mu, self.size(), "mu")
         self._solve_vector = None
 
+    def _damp(self, mu: float) -> None:
+        """The same with a number that is known to be none below zero."""
+        self._damping = np.full(len(self._G), mu)
+        self._solve_vector = None
+
     @by_name("mu", "mus")
     def updateCompliance(self, mu: Any) -> None:
         """Sets the compliance: one number, or one for each row."""

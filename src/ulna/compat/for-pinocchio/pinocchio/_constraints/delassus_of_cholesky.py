@@ -30,5 +30,7 @@ class DelassusOperatorCholeskyExpression(DelassusOperator):
         """Sets the damping, that of the decomposition, too."""
         self._of.updateDamping(mu)
 
+    _damp = updateDamping
+
 
 DelassusCholeskyExpression = DelassusOperatorCholeskyExpression

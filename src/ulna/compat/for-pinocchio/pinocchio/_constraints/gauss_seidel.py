@@ -4,27 +4,33 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any, ClassVar, final
 
 import numpy as np
 
-from pinocchio._constraints.gauss_seidel_stats import PGSSolverStats, recorded
+from pinocchio._constraints._procedures.gauss_seidel_rounds import (
+    FIXED,
+    ROUNDS,
+    Outcome,
+    Problem,
+    gauss_seidel_rounds,
+)
+from pinocchio._constraints.gauss_seidel_stats import PGSSolverStats
 from pinocchio._constraints.iterative_solver import (
     ConstraintSolverResult,
     IterativeSolver,
     ToleranceSettings,
     check_settings_and_result,
 )
-from pinocchio._constraints.solver_problem import constraint_kind, delassus_matrix
-from pinocchio._containers.arguments import check_size
+from pinocchio._constraints.solver_problem import RowStorage, operator_for, sets_of
 from pinocchio._containers.arrays import vector
 from pinocchio._containers.attributes import AttributeKind, number
-from ulna.algorithms.constraints.cone_complementarity import Kind, gauss_seidel
-from ulna.compiler import compile as compile_function
 from ulna.errors import InputError
 
 __all__ = ["PGSConstraintSolver", "PGSSolverResult", "PGSSolverSettings"]
+
+_AT_ONCE = 1000
+"""So many rounds does one native call make, which Ctrl-C does not reach."""
 
 
 @final
@@ -50,10 +56,24 @@ class PGSSolverSettings(ToleranceSettings):
                 f"`over_relaxation` is {self.over_relaxation!r}; expected a number above 0, below 2."
             )
 
+    def numbers(self) -> tuple[float, ...]:
+        """The settings as `gauss_seidel_rounds` takes them."""
+        return (
+            self.absolute_feasibility_tol,
+            self.absolute_complementarity_tol,
+            self.relative_feasibility_tol,
+            self.over_relaxation,
+            self.solve_ncp,
+            0.0,
+        )
+
 
 @final
 class PGSSolverResult(ConstraintSolverResult):
-    """The solution, and what the next search starts from; `primal_feasibility` is 0."""
+    """The solution, and what the next search starts from; `primal_feasibility` is 0.
+
+    The velocities of a constraint are those right after its impulses were corrected last, before later ones were.
+    """
 
     __slots__ = ()
 
@@ -66,12 +86,8 @@ class PGSConstraintSolver(IterativeSolver):
         stats: What was recorded of each round, where the settings say `stat_record`.
     """
 
-    __slots__ = ("stats",)
-
-    def __init__(self, problem_size: int = 0) -> None:
-        check_size(problem_size, "problem_size", 100_000)
-        self.stats = PGSSolverStats()
-        self.reset()
+    __slots__ = ()
+    _recorded = PGSSolverStats
 
     def solve(
         self,
@@ -89,50 +105,82 @@ class PGSConstraintSolver(IterativeSolver):
             constraint_models: Contacts, anchors, loops, limits and frictions of joints.
             constraint_datas: Their data, after `calc`.
             settings: When the search ends.
-            result: What is filled.
+            result: What is filled; the guess in it serves this search alone.
 
         Returns:
             Whether they were found.
 
         Raises:
             ArgumentError: `settings` or `result` is of another class.
-            InputError: No joint moves a constraint.
             WrongShape: The constraints have not as many rows as `g`.
         """
-        check_settings_and_result(settings, result, (PGSSolverSettings, PGSSolverResult))
-        kinds = tuple(
-            constraint_kind(*pair) for pair in zip(constraint_models, constraint_datas, strict=True)
-        )
-        G = delassus_matrix(delassus, kinds)
-        m = len(G)
+        packed = check_settings_and_result(settings, result, (PGSSolverSettings, PGSSolverResult))
+        sets = sets_of(constraint_models, constraint_datas)
+        operator = operator_for(delassus, sets)
+        m = operator.size()
         g = vector(g, m, "g")
-        if not (np.diag(G) > 0.0).all():
-            raise InputError(
-                "A row of the Delassus matrix is zero: no joint moves it. Leave the constraint out."
-            )
-        guess = result._impulse_guess
-        guess = np.zeros(m) if guess is None else vector(guess, m, "the guess")
-        feasible, complementary = settings.thresholds(G, g)
+        guess = result.take_guesses(m)[0]
         begun = time.perf_counter()
-        enough, most = np.array([feasible, complementary]), int(settings.max_iterations)
-        how = float(settings.over_relaxation), bool(settings.solve_ncp)
-        if settings.stat_record:
-            results = recorded(_kernel(kinds, 1, *how), (G, g, guess, enough), most, self.stats)
-        else:
-            results = _kernel(kinds, most, *how)(G, g, guess, enough)
+        sizes = len(sets.kinds), m
+        storage: _Storage | None = self._storage
+        if storage is None or storage.sizes != sizes:
+            storage = self._storage = _Storage(sizes)
+        storage.fill(operator, g, sets, operator._compliance + operator._damping)
+        iterations = storage.search(guess, settings, packed, self.stats)
+        off, power, converged = storage.numbers.tolist()
+        result.fill(
+            storage.x[:m].copy(), storage.y[:m].copy(), iterations, bool(converged), (0.0, off, power)
+        )
         self._finished(time.perf_counter() - begun, settings)
-        result._impulses, result._velocities, rounds, off, power = results
-        result.iterations, result.primal_feasibility = int(rounds), 0.0
-        result.dual_feasibility, result.complementarity = float(off), float(power)
-        result.converged = bool(off <= feasible and power <= complementary)
         return result.converged
 
 
-@lru_cache(maxsize=64)
-def _kernel(kinds: tuple[Kind, ...], rounds: int, relaxation: float, sliding: bool) -> Any:
-    m = sum(kind.size for kind in kinds)
+class _Storage(RowStorage):
+    """The iterates, and the procedure bound to them."""
 
-    def run(G: Any, g: Any, guess: Any, enough: Any) -> Any:
-        return tuple(gauss_seidel(G, g, kinds, guess, enough[0], enough[1], rounds, relaxation, sliding))
+    def __init__(self, sizes: tuple[int, int]) -> None:
+        super().__init__(sizes)
+        self.x, self.y, *work = (self.vector() for _ in range(5))
+        self.numbers, self._fixed = np.zeros(3), np.zeros(len(FIXED))
+        self._fixed_bytes = self._fixed.data.cast("B")
+        self._problem = Problem(self.G, self.g, self.x, self.y, *work)
+        self._rounds = self._bound(np.zeros((0, 3)))
 
-    return compile_function(run, G=(m, m), g=(m,), guess=(m,), enough=(2,))
+    def _bound(self, records: Any) -> Any:
+        """The procedure, which records rounds where there is room for them."""
+        outcome = Outcome(self.numbers, records)
+        return gauss_seidel_rounds.bind(
+            self.rows, self._problem, outcome, self._fixed, are_arrays_private=True
+        )
+
+    def search(self, guess: Any, settings: PGSSolverSettings, packed: bytes, stats: PGSSolverStats) -> int:
+        """Makes rounds; returns how many were not good enough.
+
+        Args:
+            guess: Impulses to start from (m,), or None.
+            settings: When the search ends.
+            packed: The same, as native code takes it.
+            stats: What is filled, where the settings say so.
+
+        Returns:
+            The number of rounds before the last one, or of all.
+        """
+        self.x[: self.m] = 0.0 if guess is None else guess
+        run, done, most = self._rounds, 0, int(settings.max_iterations) + 1
+        at_once = min(_AT_ONCE, most)
+        self._fixed_bytes[:] = packed
+        self.numbers[2] = 0.0
+        if stats.size():
+            stats.reset()
+        if settings.stat_record:
+            records = np.zeros((at_once, 3))
+            run = self._bound(records)
+        while done < most and not self.numbers[2]:
+            self._fixed[ROUNDS] = min(at_once, most - done)
+            made = run()
+            if settings.stat_record:
+                stats.add(records[: made + int(self.numbers[2])])
+            done += made
+        if settings.stat_record:
+            stats.iterations = done
+        return done

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, final
+from typing import final
 
 from pinocchio._containers.arguments import check_size
+from ulna.typing import Floats
 
 __all__ = ["PGSSolverStats"]
 
@@ -18,10 +18,10 @@ class PGSSolverStats:
         max_iterations: How many rounds to expect; lists grow by themselves.
 
     Attributes:
-        iterations: How many rounds there were.
+        iterations: As in the result; Pinocchio leaves it at 0.
         primal_feasibility: How far impulses are from their sets: always 0.
-        dual_feasibility: How far velocities are from where they should be [m/s].
-        dual_feasibility_ncp: The same.
+        dual_feasibility: How far velocities are from where they should be, each right after its impulse [m/s].
+        dual_feasibility_ncp: The same, after the round.
         complementarity: How much power impulses and velocities have.
     """
 
@@ -53,40 +53,14 @@ class PGSSolverStats:
         """How many rounds are recorded."""
         return len(self.complementarity)
 
-    def add(self, off: float, power: float) -> None:
-        """Records a round.
+    def add(self, records: Floats) -> None:
+        """Adds rounds.
 
         Args:
-            off: How far velocities are from where they should be [m/s].
-            power: How much power impulses and velocities have [any].
+            records: Of each its dual feasibility, its complementarity, and its dual feasibility in the end (rounds, 3).
         """
-        self.primal_feasibility.append(0.0)
-        self.dual_feasibility.append(off)
-        self.dual_feasibility_ncp.append(off)
-        self.complementarity.append(power)
-
-
-def recorded(
-    one_round: Callable[..., Any], problem: tuple[Any, ...], most: int, stats: PGSSolverStats
-) -> Any:
-    """Runs a solver round by round, and records each.
-
-    Args:
-        one_round: The solver for one round: from the problem to impulses, velocities, rounds, residual and power.
-        problem: Matrix, velocities, guess, and the two tolerances.
-        most: How many rounds at most.
-        stats: What is filled.
-
-    Returns:
-        What the solver returns for all rounds.
-    """
-    G, g, guess, enough = problem
-    stats.reset()
-    while True:
-        impulses, velocities, rounds, off, power = one_round(G, g, guess, enough)
-        stats.iterations += int(rounds)
-        if rounds:
-            stats.add(float(off), float(power))
-        if not rounds or stats.iterations >= most or (off <= enough[0] and power <= enough[1]):
-            return impulses, velocities, stats.iterations, off, power
-        guess = impulses
+        off, power, in_the_end = records.T.tolist()
+        self.primal_feasibility += [0.0] * len(off)
+        self.dual_feasibility += off
+        self.complementarity += power
+        self.dual_feasibility_ncp += in_the_end

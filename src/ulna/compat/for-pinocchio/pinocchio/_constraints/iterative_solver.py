@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError
+from pinocchio._containers.arguments import ArgumentError, check_size
 from pinocchio._containers.arrays import vector
 from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, flag, number, whole
 from ulna.errors import InputError
@@ -19,12 +19,14 @@ class ToleranceSettings(CheckedAttributes):
 
     Attributes:
         absolute_feasibility_tol: Greatest residual of impulses and velocities.
-        relative_feasibility_tol: The same, as a part of the largest velocity without impulses.
+        relative_feasibility_tol: Greatest change of the iterates in an iteration, as a part of the largest entry: where
+            it is met the search ends, whatever the residuals are. ADMM adds the same part of impulses and velocities to
+            `absolute_feasibility_tol`.
         absolute_complementarity_tol: Greatest power of impulses and velocities.
-        relative_complementarity_tol: The same, as a part of the largest velocity without impulses, squared, by the
-            mean diagonal entry of the Delassus matrix.
-        max_iterations: How many iterations at most.
-        solve_ncp: Whether contacts slide as Coulomb says; else a convex problem is solved.
+        relative_complementarity_tol: Accepted, as in Pinocchio, and not used.
+        max_iterations: How many iterations at most, after the first one.
+        solve_ncp: Whether contacts slide as Coulomb says; else a convex problem is solved. PGS always lets them slide;
+            there it is about `stats.dual_feasibility_ncp` alone.
         measure_timings: Whether `getElapsedTime` is measured.
         stat_record: Whether iterations are recorded in `solver.stats`, which takes longer.
     """
@@ -36,6 +38,7 @@ class ToleranceSettings(CheckedAttributes):
         "max_iterations": whole,
     }
     __slots__ = (
+        "_packed",
         "absolute_complementarity_tol",
         "absolute_feasibility_tol",
         "max_iterations",
@@ -46,11 +49,37 @@ class ToleranceSettings(CheckedAttributes):
         "stat_record",
     )
 
+    _packed: bytes | None
+
     def __init__(self) -> None:
         self.absolute_feasibility_tol = self.absolute_complementarity_tol = 1e-6
         self.relative_feasibility_tol = self.relative_complementarity_tol = 1e-6
         self.max_iterations, self.solve_ncp = 1000, True
         self.measure_timings = self.stat_record = False
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        super().__setattr__(name, value)
+        object.__setattr__(self, "_packed", None)
+
+    def packed(self) -> bytes:
+        """The settings as native code takes them, checked.
+
+        Returns:
+            Numbers of 8 bytes each.
+
+        Raises:
+            InputError: A number makes no sense.
+        """
+        packed: bytes | None = self._packed
+        if packed is None:
+            self.checkValidity()
+            packed = np.array(self.numbers(), float).tobytes()
+            object.__setattr__(self, "_packed", packed)
+        return packed
+
+    def numbers(self) -> tuple[float, ...]:
+        """The settings as native code takes them."""
+        raise NotImplementedError
 
     def checkValidity(self) -> None:
         """Checks the settings.
@@ -64,33 +93,8 @@ class ToleranceSettings(CheckedAttributes):
             self.absolute_complementarity_tol,
             self.relative_complementarity_tol,
         )
-        if not (min(tolerances) >= 0.0 and max(tolerances) > 0.0):
-            raise InputError(
-                f"The tolerances are {tolerances}; expected numbers not below zero, and one above."
-            )
-        self._check_whole_number("max_iterations")
-
-    def _check_whole_number(self, name: str) -> None:
-        value = getattr(self, name)
-        if int(value) != value or value < 1:
-            raise InputError(f"`{name}` is {value!r}; expected a whole number from 1.")
-
-    def thresholds(self, G: Floats, g: Floats) -> tuple[float, float]:
-        """The residual and the power below which a solution is accepted.
-
-        Args:
-            G: Delassus matrix (m, m).
-            g: Velocities of the constraints without impulses (m,) [m/s].
-
-        Returns:
-            Threshold of the residuals, and of the power of impulses and velocities.
-        """
-        largest, trace = float(np.abs(g).max(initial=0.0)), float(np.trace(G))
-        power = len(G) * largest * largest / trace if trace else 0.0
-        return (
-            self.absolute_feasibility_tol + self.relative_feasibility_tol * largest,
-            self.absolute_complementarity_tol + self.relative_complementarity_tol * power,
-        )
+        if not all(tolerance >= 0.0 for tolerance in tolerances):
+            raise InputError(f"The tolerances are {tolerances}; expected numbers not below zero.")
 
 
 class ConstraintSolverResult:
@@ -98,7 +102,7 @@ class ConstraintSolverResult:
 
     Attributes:
         converged: Whether the solution is within the tolerances.
-        iterations: How many iterations it took.
+        iterations: How many iterations came before the one that was good enough; where none was, how many were made.
         primal_feasibility: How far impulses are from their sets.
         dual_feasibility: How far velocities are from where they should be [m/s].
         complementarity: How much power impulses and velocities have.
@@ -117,16 +121,58 @@ class ConstraintSolverResult:
     )
 
     def __init__(self) -> None:
-        self._impulse_guess: Floats | None = None
-        self._velocity_guess: Floats | None = None
         self.reset()
 
     def reset(self) -> None:
-        """Forgets the solution."""
+        """Forgets the solution, and what the next search starts from."""
+        self._impulse_guess: Floats | None = None
+        self._velocity_guess: Floats | None = None
         self._impulses: Floats | None = None
         self._velocities: Floats | None = None
         self.converged, self.iterations = False, 0
-        self.primal_feasibility = self.dual_feasibility = self.complementarity = -1.0
+        self.primal_feasibility = self.dual_feasibility = self.complementarity = np.nan
+
+    def take_guesses(self, size: int) -> tuple[Floats | None, Floats | None]:
+        """What a search starts from; later ones do not.
+
+        Args:
+            size: Number of rows.
+
+        Returns:
+            Impulses and velocities (size,), each where it was given.
+
+        Raises:
+            WrongShape: One has another size.
+        """
+        if self._impulse_guess is None and self._velocity_guess is None:
+            return None, None
+        guesses = []
+        for name in ("impulse", "velocity"):
+            guess = getattr(self, f"_{name}_guess")
+            guesses.append(None if guess is None else vector(guess, size, f"the guess of the {name}"))
+        self._impulse_guess = self._velocity_guess = None
+        return guesses[0], guesses[1]
+
+    def fill(
+        self,
+        impulses: Floats,
+        velocities: Floats,
+        iterations: int,
+        converged: bool,
+        residuals: tuple[float, float, float],
+    ) -> None:
+        """Stores a solution.
+
+        Args:
+            impulses: Impulses (m,) [N s].
+            velocities: Velocities of the constraints with them (m,) [m/s].
+            iterations: How many iterations came before the last one, or were made in vain.
+            converged: Whether it is within the tolerances.
+            residuals: Primal feasibility, dual feasibility, complementarity [any].
+        """
+        self._impulses, self._velocities = impulses, velocities
+        self.iterations, self.converged = iterations, converged
+        self.primal_feasibility, self.dual_feasibility, self.complementarity = residuals
 
     def resize(self, problem_size: int) -> None:
         """Forgets the solution; the next search sizes it by itself."""
@@ -187,11 +233,20 @@ class ConstraintSolverResult:
 class IterativeSolver:
     """The state of a solver after its last search."""
 
-    __slots__ = ("_elapsed", "_valid")
+    __slots__ = ("_elapsed", "_storage", "_valid", "stats")
+    _recorded: ClassVar[Any]
+    """The class of its records."""
+
+    def __init__(self, problem_size: int = 0) -> None:
+        check_size(problem_size, "problem_size", 100_000)
+        self.stats: Any = self._recorded()
+        self._storage: Any = None
+        self.reset()
 
     def reset(self) -> None:
-        """Forgets the last search."""
+        """Forgets the last search and its records."""
         self._elapsed, self._valid = 0.0, False
+        self.stats.reset()
 
     def isValid(self) -> bool:
         """Whether it has solved something."""
@@ -206,13 +261,16 @@ class IterativeSolver:
         self._elapsed, self._valid = 1e6 * seconds if settings.measure_timings else 0.0, True
 
 
-def check_settings_and_result(settings: Any, result: Any, expected: tuple[type, type]) -> None:
+def check_settings_and_result(settings: Any, result: Any, expected: tuple[type, type]) -> bytes:
     """Checks the classes of the settings and of the result, and the values of the settings.
 
     Args:
         settings: Settings of the solver.
         result: Result to fill.
         expected: The classes of both.
+
+    Returns:
+        The settings as native code takes them.
 
     Raises:
         ArgumentError: One is of another class.
@@ -221,4 +279,4 @@ def check_settings_and_result(settings: Any, result: Any, expected: tuple[type, 
     if not isinstance(settings, expected[0]) or not isinstance(result, expected[1]):
         names = " and ".join(f"{cls.__name__}()" for cls in expected)
         raise ArgumentError(f"The settings are {settings!r} and the result {result!r}; expected {names}.")
-    settings.checkValidity()
+    return settings.packed()

@@ -6,6 +6,8 @@ from typing import Any, final
 
 import numpy as np
 
+from pinocchio._constraints._procedures.lanczos_steps import decomposition, eigenvalue
+from pinocchio._constraints._procedures.solver_rows import LANES
 from pinocchio._containers.arguments import WrongShape, check_size
 from pinocchio._containers.arrays import numbers, real, vector
 from pinocchio._containers.keywords import by_name
@@ -14,9 +16,6 @@ from ulna.errors import InputError
 from ulna.typing import Floats
 
 __all__ = ["LanczosDecomposition", "TridiagonalSymmetricMatrix"]
-
-_BREAKDOWN = 1e-12
-"""Below this part of the matrix's norm a new direction counts as zero."""
 
 
 @final
@@ -101,28 +100,11 @@ class TridiagonalSymmetricMatrix:
         width = real(eps, "eps")
         if not width > 0.0:
             raise InputError(f"`eps` is {eps!r}; expected a number above zero.")
-        around = np.abs(np.pad(self._sub, 1))
-        radius = around[1:] + around[:-1]  # Gershgorin: where all eigenvalues are
-        low, high = float((self._diagonal - radius).min()), float((self._diagonal + radius).max())
-        while high - low > max(width, 4e-16 * max(abs(low), abs(high))):
-            middle = 0.5 * (low + high)
-            low, high = (
-                (low, middle) if self._eigenvalues_below(middle) > eigenvalue_index else (middle, high)
-            )
-        return 0.5 * (low + high)
+        return float(eigenvalue(self._diagonal, self._sub, int(eigenvalue_index), width))
 
     def computeSpectrum(self, eps: float = 1e-8) -> Floats:
         """All eigenvalues (n,), the smallest first, each to `eps`; see `computeEigenvalue`."""
         return np.array([self.computeEigenvalue(k, eps) for k in range(self.rows())])
-
-    def _eigenvalues_below(self, value: float) -> int:
-        """How many eigenvalues are below a value: how many pivots of T - value 1 are negative."""
-        count, pivot = 0, 1.0
-        for entry, beside in zip(self._diagonal.tolist(), [0.0, *self._sub.tolist()], strict=True):
-            pivot = entry - value - (beside * beside / pivot if beside else 0.0)
-            pivot = pivot or -1e-300
-            count += pivot < 0.0
-        return count
 
     def __mul__(self, other: Any) -> Floats:
         return self.matrix() @ numbers(other, "other")
@@ -153,7 +135,7 @@ class LanczosDecomposition:
     Where A Q = Q T is exact already, the next unit vector continues.
     """
 
-    __slots__ = ("_Q", "_T")
+    __slots__ = ("_Q", "_T", "_rows")
 
     @by_name("matrix decomposition_size", "size decomposition_size")
     def __init__(self, matrix: Any, decomposition_size: int) -> None:
@@ -164,26 +146,17 @@ class LanczosDecomposition:
             raise InputError(
                 f"`decomposition_size` is {columns}; expected 1 to {n}, the number of rows of the matrix."
             )
-        self._Q, self._T = np.eye(n, columns), TridiagonalSymmetricMatrix(columns)
+        self._rows = np.eye(columns, -(-n // LANES) * LANES)
+        self._Q, self._T = self._rows[:, :n].T, TridiagonalSymmetricMatrix(columns)
         if not isinstance(matrix_or_size, int):
             self.compute(matrix_or_size)
 
     def compute(self, matrix: Any) -> None:
         """Decomposes a symmetric matrix (n, n), of which the lower half is not checked."""
-        A = _symmetric(matrix, self.size())
-        Q, T = self._Q, self._T
-        Q[:], smallest = np.eye(*Q.shape), _BREAKDOWN * float(np.abs(A).max(initial=0.0))
-        T.setZero()
-        for k in range(Q.shape[1]):
-            image = A @ Q[:, k]
-            T.diagonal()[k] = Q[:, k] @ image
-            if k + 1 < Q.shape[1]:
-                rest = _orthogonal(image, Q[:, : k + 1])
-                length = float(np.linalg.norm(rest))
-                if length > smallest:
-                    T.subDiagonal()[k], Q[:, k + 1] = length, rest / length
-                else:
-                    Q[:, k + 1] = _next_direction(Q[:, : k + 1])
+        n, width = self.size(), self._rows.shape[1]
+        A = np.zeros((n, width))
+        A[:, :n] = _symmetric(matrix, n)
+        decomposition(A, self._rows, self._T.diagonal(), self._T.subDiagonal(), np.zeros(width))
 
     def computeDecompositionResidual(self, matrix: Any) -> Floats:
         """A Q - Q T, (n, k), but for its last column's part that a longer decomposition would take up."""
@@ -236,21 +209,3 @@ def _symmetric(matrix: Any, size: int | None = None) -> Floats:
     if array.shape != (n, n):
         raise WrongShape("matrix", array.shape, f"({n}, {n})")
     return array
-
-
-def _orthogonal(direction: Floats, columns: Floats) -> Floats:
-    """A vector less its components along orthonormal columns; twice, so that rounding leaves none."""
-    for _ in range(2):
-        direction = direction - columns @ (columns.T @ direction)
-    return direction
-
-
-def _next_direction(columns: Floats) -> Floats:
-    """A unit vector orthogonal to columns: of the first coordinate axis that is not among them."""
-    n, k = columns.shape
-    for axis in [*range(k, n), *range(k)]:
-        rest = _orthogonal(np.eye(n)[axis], columns)
-        length = float(np.linalg.norm(rest))
-        if length > 1e-8:
-            return np.asarray(rest / length)
-    raise AssertionError("k < n orthonormal columns leave a direction")
