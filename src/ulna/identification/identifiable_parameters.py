@@ -71,6 +71,18 @@ class BaseParameters:
         return " ".join(terms).removeprefix("+ ")
 
 
+def check_moves(model: Model) -> None:
+    """Refuses a robot without joints.
+
+    Raises:
+        InputError: Nothing moves.
+    """
+    if not model.nv:
+        raise InputError(
+            f"Model {model.name!r} has no joints that move; expected one at least, whose torque shows parameters."
+        )
+
+
 def base_parameters(
     robot: Any,
     *,
@@ -94,13 +106,14 @@ def base_parameters(
         The base parameters.
 
     Raises:
-        InputError: An argument is no robot, flag, count or seed.
+        InputError: An argument is no robot, flag, count or seed, or the robot has no joints.
 
     Example:
         >>> ulna.identification.base_parameters(ulna.load("ur5")).count
         36
     """
     model: Model = checked_robot(robot).model
+    check_moves(model)
     for name, counts in {"armature": armature, "damping": damping, "friction": friction}.items():
         flag(name, counts)
     rng = generator("seed", seed)

@@ -14,7 +14,12 @@ from ulna.checks.labels import in_order
 from ulna.checks.values import number
 from ulna.errors import InputError, ShapeError
 from ulna.identification.convex import Problem, Progress, minimised
-from ulna.identification.identifiable_parameters import BaseParameters, base_parameters_of, parameter_names
+from ulna.identification.identifiable_parameters import (
+    BaseParameters,
+    base_parameters_of,
+    check_moves,
+    parameter_names,
+)
 from ulna.identification.physical import pseudo_inertia
 from ulna.model import Model, dynamic_parameters
 from ulna.typing import ArrayLike, Floats
@@ -51,8 +56,9 @@ class Log:
 
         Raises:
             ShapeError, NonFiniteError: If it does not.
-            InputError: If it has no samples, or labels that are not those of the robot.
+            InputError: If it has no samples, or labels that are not those of the robot, or the robot has no joints.
         """
+        check_moves(model)
         names = {"q": model.position_names} | dict.fromkeys(("v", "a", "tau"), model.velocity_names)
         given = {"q": q, "v": v, "a": a, "tau": tau}
         arrays = {n: real_array(n, in_order(n, x, names[n])) for n, x in given.items()}

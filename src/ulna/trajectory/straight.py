@@ -126,6 +126,8 @@ def straight_through(robot: Any, points: ArrayLike, durations: ArrayLike) -> Tra
 
 
 def _configuration(model: Model, name: str, value: ArrayLike) -> Floats:
+    if not model.nq:
+        raise InputError(f"Model {model.name!r} has no joints that move, and so no trajectories.")
     q = vector(name, in_order(name, value, model.position_names), model.nq)
     off = np.abs(algorithms.normalize(model, q) - q)
     free = np.array(

@@ -10,7 +10,7 @@ import pytest
 
 import ulna
 from ulna.errors import InputError, MissingExtra, ModelError, ModelWarning, NonFiniteError, ShapeError
-from ulna.identification import identify
+from ulna.identification import base_parameters, identify
 from ulna.identification.blocks import Sought, fit_sums, sums_of
 from ulna.model import (
     FreeFlyer,
@@ -238,3 +238,13 @@ def test_a_long_log_is_reduced_in_parts_that_are_reported(robot: Robot) -> None:
 
     with pytest.raises(Stop):
         sums_of(robot, q, v, a, tau, Sought(), stop)
+
+
+def test_robots_without_joints_are_refused() -> None:
+    stone = Robot(ModelBuilder("stone").add_link("stone", Inertia.from_sphere(1.0, 0.1)).build())
+    with pytest.raises(InputError, match="'stone' has no joints that move"):
+        identify(stone, *np.zeros((4, 5, 0)))
+    with pytest.raises(InputError, match="'stone' has no joints that move"):
+        base_parameters(stone)
+    with pytest.raises(InputError, match="'stone' has no joints that move"):
+        ulna.trajectory.straight(stone, [], [], duration=1.0)
