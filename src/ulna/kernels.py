@@ -54,9 +54,6 @@ that take many operations for each pair of joints, whose loops are slowest besid
 _MANY_FOR_A_PAIR = 39
 """Operations."""
 
-_MIN_COLUMNS = 12
-"""Velocities of a robot from which on a quantity is compiled in its form of columns, where it has one."""
-
 _STAGED_BATCHES_ABOVE = 120_000
 """Operations, as they are estimated, above which batches are computed in stages, too: to compile the graph would take
 three seconds and more."""
@@ -91,7 +88,7 @@ def function(model: Model, name: str, *, parameters: str | Sequence[str] = (), *
     traced = _graph(model, name, chosen, names)
     if not names and (stages := _stages_of(model, quantity, chosen)) is not None:
         return replace(traced, columns=stages)
-    if quantity.columns is None or model.nv < _MIN_COLUMNS:
+    if quantity.columns is None or model.nv < quantity.columns_from:
         return traced
     from ulna.compiler.forms.columns import with_columns
 
@@ -159,11 +156,11 @@ def _stages_of(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> S
     if quantity.stages is None or model.nv < quantity.stages_from:
         return None
     form = quantity.stages(model, **chosen)
-    if (
-        form is None
-        or form.serves_batches
-        or estimated_nodes(model, quantity, chosen) < _STAGED_BATCHES_ABOVE
-    ):
+    if form is None:
+        return None
+    if model.nv < quantity.batches_from:
+        return replace(form, serves_batches=False)  # type: ignore[type-var]
+    if form.serves_batches or estimated_nodes(model, quantity, chosen) < _STAGED_BATCHES_ABOVE:
         return form
     return replace(form, serves_batches=True)  # type: ignore[type-var]
 
@@ -294,14 +291,16 @@ def _deferred(
 
     Single calls do not need the graph, which is traced when it is used.
     """
-    if model.nv < _MIN_COLUMNS or (quantity.columns is None and quantity.stages is None):
+    has_columns = quantity.columns is not None and model.nv >= quantity.columns_from
+    has_stages = quantity.stages is not None and model.nv >= quantity.stages_from
+    if form is None and not has_columns and not has_stages:
         return None
     from ulna.compiler.forms.columns import DeferredFunction, column_form
 
     if form is None:  # forms are traced in a fraction of the time: nothing is announced
         check_size(model, quantity, chosen)
     form = form or _stages_of(model, quantity, chosen)
-    if form is None and quantity.columns is not None:
+    if form is None and has_columns:
         shapes = shapes_of(model, quantity, chosen)
         form = column_form(quantity.build_columns(model, **chosen), quantity.name, **shapes)
     if form is None:

@@ -126,7 +126,8 @@ class Constraints(Part):
         inverts_mass=True,
         columns=kernels.of_frame_pairs(algorithms.columns_of_constrained_derivatives),
         stages=kernels.of_frame_pairs(algorithms.stages_of_constrained_derivatives),
-        stages_from=12,
+        stages_from=6,
+        batches_from=12,
     )
     def forward_dynamics_derivatives(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, constraints: AnyConstraints

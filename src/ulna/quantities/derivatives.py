@@ -42,6 +42,7 @@ class Derivatives(Part):
         returns="By q, v and a",
         nodes=(280, 129, 0),
         stages=algorithms.stages_of_inverse_dynamics_derivatives,
+        stages_from=7,
         **_FIXED,
     )
     def inverse_dynamics(
@@ -66,7 +67,9 @@ class Derivatives(Part):
         nodes=(330, 138, 18),
         inverts_mass=True,
         columns=with_external_forces(algorithms.columns_of_derivatives),
+        columns_from=6,
         stages=algorithms.stages_of_forward_dynamics_derivatives,
+        stages_from=12,
         **_FIXED,
     )
     def forward_dynamics(
@@ -88,6 +91,7 @@ class Derivatives(Part):
         returns="Momentum by q; its rate by q, v and a",
         nodes=850,
         stages=algorithms.stages_of_centroidal_derivatives,
+        stages_from=7,
     )
     def centroidal_momentum(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike

@@ -199,6 +199,7 @@ class Dynamics(Part):
         "(nv, nv) [N m s or N s]",
         nodes=(155, 77, 0),
         stages=algorithms.stages_of_coriolis_matrix,
+        stages_from=8,
     )
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Floats:
         """The matrix C of the Christoffel symbols: `C @ v + gravity = bias`, and `dM/dt - 2 C` is skew

@@ -67,6 +67,7 @@ class OperationalSpace(Part):
         nodes=(520, 119, 1.4),
         inverts_mass=True,
         stages=_stages_at_frame(algorithms.stages_of_operational_coriolis),
+        stages_from=7,
     )
     def coriolis(
         self,
@@ -86,6 +87,7 @@ class OperationalSpace(Part):
         nodes=(190, 52, 1.4),
         inverts_mass=True,
         stages=_stages_at_frame(algorithms.stages_of_operational_gravity),
+        stages_from=10,
     )
     def gravity(
         self,

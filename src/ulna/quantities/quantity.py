@@ -59,8 +59,11 @@ class Quantity:
         nodes: Coefficients of the size of its graph; see `ulna.quantities.size`.
         inverts_mass: Whether it needs the inverse of the mass matrix, which some models do not have.
         columns: Returns the same as a function of columns, for single calls; None for quantities without.
+        columns_from: From how many velocities of a robot on that form is used; below, straight-line code is faster.
         stages: Makes its form of stages for a model and options, for single calls; returns None for models without.
         stages_from: From how many velocities of a robot on that form is used; below, straight-line code is faster.
+        batches_from: From how many on batches may be computed in stages, too, which takes longer than straight-line
+            code does, and spares what that takes to compile.
     """
 
     name: str
@@ -73,8 +76,10 @@ class Quantity:
     nodes: tuple[float, float, float]
     inverts_mass: bool
     columns: Callable[..., Columns] | None = None
+    columns_from: int = 12
     stages: Callable[..., SecondForm | None] | None = None
     stages_from: int = 24
+    batches_from: int = 24
 
     def arguments(self, options: Mapping[str, Any]) -> Arguments:
         """Names and sizes of the kernel's arguments under these options."""
@@ -131,8 +136,10 @@ def quantity(
     nodes: float | tuple[float, float, float] = 120.0,
     inverts_mass: bool = False,
     columns: Callable[..., Columns] | None = None,
+    columns_from: int = 12,
     stages: Callable[..., SecondForm | None] | None = None,
     stages_from: int = 24,
+    batches_from: int = 24,
     direct: bool = False,
     returns: str = "",
     **about: str,
@@ -151,16 +158,18 @@ def quantity(
         nodes: As for `Quantity`; one number is the first.
         inverts_mass: As for `Quantity`.
         columns: As for `Quantity`.
+        columns_from: As for `Quantity`.
         stages: As for `Quantity`.
         stages_from: As for `Quantity`.
+        batches_from: As for `Quantity`.
         returns: What the result is, for the documentation, where the first sentence does not say it.
         **about: What to write of arguments, where it is not what `ulna.quantities.documentation` has for their names.
 
     Returns:
         The decorator; the method has the record as its attribute `quantity`.
     """
-    rest: dict[str, Any] = {"more": more, "result": result, "inverts_mass": inverts_mass}
-    rest |= {"columns": columns, "stages": stages, "stages_from": stages_from}
+    rest: Any = {"more": more, "result": result, "inverts_mass": inverts_mass, "batches_from": batches_from}
+    rest |= {"columns": columns, "columns_from": columns_from, "stages": stages, "stages_from": stages_from}
 
     def declare(method: F) -> F:
         parameters, defaults = _parameters_of(method)

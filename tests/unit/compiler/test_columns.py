@@ -121,12 +121,38 @@ def test_derivatives_have_no_columns(name, is_deferred):
         assert other.columns is None
 
 
-def test_narrow_registers_and_few_columns_take_the_graph():
+def test_narrow_registers_take_the_graph():
     f, target = _function(), jit.target()
     wide = replace(target, register_bytes=32, arithmetic=Arithmetic())
     assert "@column0(" in emit_single(f, wide)
     assert "@column0(" not in emit_single(f, replace(wide, register_bytes=16))
-    assert "@column0(" not in emit_single(f, replace(wide, register_bytes=256))
+
+
+def test_rows_shorter_than_a_register_take_narrower_ones():
+    f, target = _function(), replace(jit.target(), arithmetic=Arithmetic())
+    shortened = emit_single(f, replace(target, register_bytes=256))
+    assert shortened == emit_single(f, replace(target, register_bytes=128))
+    assert f"<{M} x double>" not in shortened and "load <16 x double>" in shortened
+
+
+@pytest.mark.parametrize("width", [3, 4, 5, 7])
+def test_forms_of_few_columns_equal_the_graph(width):
+    rng = np.random.default_rng(width)
+
+    def plain(a):
+        table = a[0, 1], 2.0 + np.sin(a[1, 1]), a[2, 2] * a[0, 0]
+        return np.stack([_body(table, a[:, k]) for k in range(width)], axis=1)
+
+    def form(a):
+        return Columns([a[0, 1], 2.0 + np.sin(a[1, 1]), a[2, 2] * a[0, 0]], [a], _body, N)
+
+    f = with_columns(trace(plain, a=(N, width)), form, a=(N, width))
+    kernel, a = compile(f), rng.normal(size=(9, N, width))
+    if jit.target().register_bytes >= 32:
+        assert ("@column0(" in kernel.ir()) == (width >= 4)
+    for x in a:
+        np.testing.assert_allclose(kernel(x), plain(x), rtol=1e-13, atol=1e-13)
+    np.testing.assert_allclose(kernel(a), [plain(x) for x in a], rtol=1e-13, atol=1e-13)
 
 
 def test_a_form_with_other_results_is_refused():

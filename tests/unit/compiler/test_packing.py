@@ -104,7 +104,8 @@ def test_a_packed_kernel_checks_its_inputs_as_before():
 
 @pytest.mark.parametrize("name", ["mass_matrix", "inverse_mass_matrix", "coriolis_matrix"])
 def test_matrices_of_a_tree_are_sparse(name):
-    model = random_model(np.random.default_rng(3), ("revolute", "prismatic"), 6, root="free_flyer", mimics=0)
+    kinds = ("revolute", "prismatic")
+    model = random_model(np.random.default_rng(3), kinds, 6, root="free_flyer", mimics=0, branching=0.6)
     robot, rng = ulna.Robot(model), np.random.default_rng(3)
     whole = robot.kernel(name)
     inputs = [np.array([robot.random_configuration(seed=k) for k in range(9)])]

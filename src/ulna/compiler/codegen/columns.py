@@ -9,6 +9,7 @@ so that no lane is idle beyond the row.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -43,7 +44,22 @@ def can_write_columns(f: Function | SecondForm, target: Target, element: DType) 
         element: Type of the array elements, "double" or "float".
 
     Returns:
-        Whether its registers are wide, a row has as many columns as one holds, and the matrices fit on the stack.
+        Whether there is a width of registers for it; see `columns_target`.
+    """
+    return columns_target(f, target, element) is not None
+
+
+def columns_target(f: Function | SecondForm, target: Target, element: DType) -> Target | None:
+    """The processor as a form of columns uses it: a robot of few joints takes narrower registers than there are.
+
+    Args:
+        f: A function with such a form, or the form.
+        target: The processor.
+        element: Type of the array elements, "double" or "float".
+
+    Returns:
+        The processor with the widest registers that hold no more numbers than a row has; None where these would be too
+        narrow, or the matrices do not fit on the stack.
     """
     form = f.columns if isinstance(f, Function) else f
     assert form is not None
@@ -51,8 +67,13 @@ def can_write_columns(f: Function | SecondForm, target: Target, element: DType) 
         form = form.whole
     columns = form.columns if isinstance(form, StagedForm) else form.outputs[0].shape[1]
     size = sum(port.size for port in form.outputs) * BYTES[element]
-    is_wide = target.register_bytes >= _NARROWEST and target.stack_space == 0
-    return is_wide and columns >= target.lanes(element) and size <= _MAX_SCRATCH
+    if target.stack_space != 0 or size > _MAX_SCRATCH:
+        return None
+    while target.register_bytes >= _NARROWEST:
+        if columns >= target.lanes(element):
+            return target
+        target = replace(target, register_bytes=target.register_bytes // 2)
+    return None
 
 
 def write_columns(module: Module, name: str, form: ColumnForm, target: Target, element: DType) -> None:

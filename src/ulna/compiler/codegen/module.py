@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Sequence
 
 from ulna.compiler.codegen.batch_loop import batch_loop
-from ulna.compiler.codegen.columns import can_write_columns, write_columns
+from ulna.compiler.codegen.columns import columns_target, write_columns
 from ulna.compiler.codegen.ir_text import BYTES, DType, Lanes, local_array
 from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.packed import write_packed
@@ -113,9 +113,10 @@ def emit_single(f: Function, target: Target, element: DType = "double") -> str:
         The text of an LLVM module.
     """
     module = Module()
-    if f.columns is not None and can_write_columns(f, target, element):
-        _write_form(module, "one", f.columns, target, element)
-        return module.text() + _wide_registers(target.lanes(element), element, _ALIGNED)
+    narrowed = None if f.columns is None else columns_target(f, target, element)
+    if f.columns is not None and narrowed is not None:
+        _write_form(module, "one", f.columns, narrowed, element)
+        return module.text() + _wide_registers(narrowed.lanes(element), element, _ALIGNED)
     _write_block(module, f, "one", Lanes(1, element), target.packed_sines, target)
     return module.text() + (_wide_registers(f.lanes, element, _ALIGNED) if f.lanes > 1 else "")
 
@@ -196,13 +197,14 @@ def emit_batch(f: Function, target: Target, element: DType = "double") -> str:
         lanes = 1
     wide = max(lanes, f.lanes)
     form = f.columns
-    if form is None or not form.serves_batches or not can_write_columns(f, target, element):
+    narrowed = None if form is None or not form.serves_batches else columns_target(f, target, element)
+    if form is None or narrowed is None:
         _write_block(module, f, "block", Lanes(lanes, element), 1, target)
     elif suits_sample_stages(form, target, element):
         write_sample_stages(module, form, target, element)
     else:
         lanes = 1
-        _write_form(module, "one", form, target, element)
+        _write_form(module, "one", form, narrowed, element)
         _write_block_of_one(module, f)
     module.declare("declare i32 @feclearexcept(i32)")
     module.definitions["batch"] = batch_loop(f, element, lanes)
@@ -221,7 +223,7 @@ def serves_batches_one_by_one(f: Function, target: Target, element: DType) -> bo
         Whether `one_by_one` is its loop over a batch.
     """
     form = f.columns
-    if form is None or not form.serves_batches or not can_write_columns(f, target, element):
+    if form is None or not form.serves_batches or columns_target(f, target, element) is None:
         return False
     return not suits_sample_stages(form, target, element)
 

@@ -1,0 +1,73 @@
+"""Derivatives and operational space of arms in stages equal the graphs of the same quantities, single calls and batches."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.random_models import random_model
+from ulna import kernels
+from ulna.compiler import compile
+from ulna.compiler.runtime import jit
+from ulna.model import FrameContact, Model
+from ulna.robot import Robot
+
+JOINTS = ["revolute", "continuous", "prismatic", "helical"]
+NAMES = [
+    "inverse_dynamics_derivatives",
+    "forward_dynamics_derivatives",
+    "centroidal_derivatives",
+    "coriolis_matrix",
+    "operational_coriolis",
+    "operational_gravity",
+    "constrained_dynamics_derivatives",
+]
+
+
+def arm(joints: int) -> Model:
+    """An arm with joints of several kinds."""
+    return random_model(np.random.default_rng(joints), JOINTS, joints, root=None, mimics=0, branching=0.0)
+
+
+def outputs(x: Any) -> tuple[Any, ...]:
+    return x if isinstance(x, tuple) else (x,)
+
+
+def compare(got: Any, expected: Any) -> None:
+    for values, right in zip(outputs(got), outputs(expected), strict=True):
+        np.testing.assert_allclose(values, right, rtol=1e-8, atol=1e-10 * np.abs(right).max())
+
+
+@pytest.mark.parametrize("joints", [6, 7, 8, 10, 13])
+@pytest.mark.parametrize("name", NAMES)
+def test_arms_in_stages_equal_the_graph(name, joints):
+    model, quantity = arm(joints), kernels.QUANTITIES[name]
+    options: dict[str, Any] = {}
+    if "constraints" in quantity.options:
+        options = {"constraints": (FrameContact(model.tool),)}
+    kernel = kernels.kernel(model, name, **options)
+    is_in_form = joints >= quantity.stages_from or (
+        quantity.columns is not None and joints >= quantity.columns_from
+    )
+    graph = compile(kernels._graph(model, name, kernels.choose(name, options)[1]))
+    assert graph.function.columns is None
+    assert (kernel.function.columns is not None) == is_in_form
+    if jit.target().register_bytes >= 32:
+        assert (kernel.ir() != graph.ir()) == is_in_form
+    rng = np.random.default_rng(joints)
+    q = np.array([Robot(model).random_configuration(seed=k) for k in range(11)])
+    arrays = [q, *(rng.normal(size=(11, port.size)) for port in kernel.function.inputs[1:])]
+    for k in range(3):
+        sample = [x[k] for x in arrays]
+        compare(kernel(*sample), graph(*sample))
+    compare(kernel(*arrays), graph(*arrays))
+
+
+@pytest.mark.parametrize("name", ["constrained_dynamics_derivatives", "forward_dynamics_derivatives"])
+def test_batches_of_arms_keep_the_graph(name):
+    model = arm(7)
+    options = {"constraints": (FrameContact(model.tool),)} if "constrained" in name else {}
+    form = kernels.kernel(model, name, **options).function.columns
+    assert form is not None and not form.serves_batches
