@@ -266,6 +266,7 @@ class Robot(
 
         Called with a contiguous array of the exact shape and type it costs about 100 ns. It lets nan through unless
         `checked`. It has `.operations`, `.graph`, `.ir()`, `.asm()`, `.jacobian()` and `.gufunc`.
+        The first call compiles it, and so does the first batch: call it once before a loop that must not wait.
 
         With `parameters=("inertia", "placement")` those numbers of the model are further arguments at the end, so that
         one kernel serves a batch of robots; `robot.parameters["inertia"]` is what this robot has for them.

@@ -208,7 +208,7 @@ class LoopedKernel(KernelBase):
         self._array_call, self._looped, self._remake = call, function, remake
         names = ", ".join(port.name for port in function.inputs)
         doc = f"{function.name}({names}): {function.signature}\n\n{function.doc}"
-        self.__dict__.update(__doc__=doc, _work=None)
+        self.__dict__.update(__doc__=doc)
 
     def __call__(self, *args: Any, **options: Any) -> Any:
         """Evaluates the kernel; see `ulna.compiler.runtime.kernel.compile`.

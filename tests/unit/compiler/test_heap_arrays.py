@@ -149,6 +149,7 @@ def test_threads_that_call_the_same_kernel_have_arrays_of_their_own() -> None:
 def test_a_child_forked_during_a_call_has_arrays() -> None:
     code = """
         kernel = t.gradient()
+        t.check_gradient(kernel)
         t.check_gradient(kernel, 40)
         x = np.random.default_rng(1).normal(size=(20000, 40))
         thread = threading.Thread(target=lambda: kernel(x, x))

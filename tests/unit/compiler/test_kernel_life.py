@@ -23,8 +23,10 @@ import pytest
 
 from ulna import numeric as nm
 from ulna.compiler import compile, trace
+from ulna.compiler.runtime import jit
 from ulna.compiler.runtime import object_layout as layout
 from ulna.compiler.runtime.kernel import KernelBase
+from ulna.errors import CompileError
 
 
 def _mixed(q, v):
@@ -388,7 +390,7 @@ def test_the_fast_call_works_on_this_interpreter():
 )
 def test_debug_output(capsys, monkeypatch):
     monkeypatch.setenv("ULNA_DEBUG", "graph,ir,asm,time")
-    compile(lambda x: x * 5.5, x=())
+    assert compile(lambda x: x * 5.5, x=())(2.0) == 11.0
     said = capsys.readouterr().out
     assert "[ulna] lambda()->(): 1 operations {'mul': 1}" in said
     assert "define ptr @entry" in said
@@ -430,3 +432,84 @@ def test_without_memory_for_a_result_a_call_raises_memory_error():
         [sys.executable, "-c", _NO_MEMORY], capture_output=True, text=True, timeout=600, check=False
     )
     assert child.returncode == 0, f"{child.returncode}: {child.stderr}"
+
+
+@pytest.fixture
+def compiled(monkeypatch) -> list[str]:
+    """What of kernels is compiled or loaded, by the name of its first function."""
+    names: list[str] = []
+    load = jit.load
+
+    def noted(f, ir, wanted):
+        names.append(wanted[0])
+        return load(f, ir, wanted)
+
+    monkeypatch.setattr(jit, "load", noted)
+    return names
+
+
+def test_single_calls_are_compiled_by_the_first_of_them_only(compiled):
+    kernel = compile(lambda x: np.stack([x[0] * 7.25, x[1]]), x=(2,))
+    if not kernel.is_fast:
+        pytest.skip("needs the fast call")
+    others = kernel.jacobian()
+    assert kernel.ir() and not compiled
+    assert kernel(np.ones((3, 2))).tolist() == [[7.25, 1.0]] * 3
+    assert compiled == ["batch"]
+    out = np.zeros(2)
+    assert kernel(np.ones(2), out=out) is out and out.tolist() == [7.25, 1.0]
+    assert compiled == ["batch", "entry"]
+    assert kernel([1.0, 2.0]).tolist() == [7.25, 2.0] and kernel(x=np.ones(2))[0] == 7.25
+    assert compiled == ["batch", "entry"]
+    assert others(np.ones(2)).tolist() == [[7.25, 0.0], [0.0, 1.0]]
+    assert compiled == ["batch", "entry", "entry"]
+
+
+def test_binding_a_kernel_compiles_it(compiled):
+    kernel, out = compile(lambda x: x * 7.5, x=(2,)), np.zeros(2)
+    bound = kernel.into(out)
+    assert compiled == (["entry"] if kernel.is_fast else [])
+    bound(np.ones(2))
+    assert out.tolist() == [7.5, 7.5]
+
+
+@pytest.mark.parametrize("count", [8])
+def test_threads_that_call_first_at_once_compile_once(compiled, count):
+    kernel = compile(lambda x: np.sin(x * 7.75), x=(40,))
+    x, begin, results = np.linspace(0.0, 1.0, 40), threading.Barrier(count), []
+
+    def call():
+        begin.wait()
+        results.append(kernel(x))
+
+    threads = [threading.Thread(target=call) for _ in range(count)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(compiled) == 1 and len(results) == count
+    for result in results:
+        np.testing.assert_allclose(result, np.sin(x * 7.75), rtol=1e-14)
+
+
+def test_a_kernel_that_cannot_be_compiled_raises_at_its_call(monkeypatch):
+    kernel = compile(lambda x: x * 8.25, x=(2,))
+    if not kernel.is_fast:
+        pytest.skip("needs the fast call")
+
+    def failing(*_):
+        raise CompileError("no code")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(jit, "load", failing)
+        with pytest.raises(CompileError, match="no code"):
+            kernel(np.ones(2))
+    assert kernel(np.ones(2)).tolist() == [8.25, 8.25]
+
+
+def test_a_kernel_that_was_never_called_is_freed():
+    kernel = compile(lambda x: x * 8.5, x=(2,))
+    kept = weakref.ref(kernel._array_call)
+    del kernel
+    gc.collect()
+    assert kept() is None

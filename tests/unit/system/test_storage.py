@@ -37,8 +37,7 @@ def place(tmp_path, monkeypatch) -> Path:
 def _stored() -> Any:
     """Compiles a kernel, and stores one object: of its single call, or of batches where there is no fast call."""
     kernel = compile(lambda x: x * 3.0 + 0.5, x=(2,))
-    if not kernel.is_fast:
-        kernel(np.ones((20, 2)))
+    kernel(np.ones(2) if kernel.is_fast else np.ones((20, 2)))
     return kernel
 
 

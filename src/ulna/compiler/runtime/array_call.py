@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from os import environ
 from typing import Any, final
 
 import numpy as np
@@ -13,11 +14,11 @@ from ulna.checks.arrays import batched_shape, check_core_shape, check_finite, re
 from ulna.checks.masked import check_not_masked
 from ulna.checks.quaternions import check_unit
 from ulna.compiler.codegen.ir_text import DType
-from ulna.compiler.codegen.module import emit_batch
+from ulna.compiler.codegen.module import emit_batch, serves_batches_one_by_one
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ports import Port, batch_shape, wrong_count
 from ulna.compiler.language.scalar import Value
-from ulna.compiler.runtime import gufunc, jit
+from ulna.compiler.runtime import entry_point, gufunc, jit
 from ulna.compiler.runtime.foreign import is_foreign, readable, reject_tables
 from ulna.compiler.runtime.shared_batch import share
 from ulna.compiler.runtime.shared_call import SharedCall, shared_call
@@ -62,7 +63,9 @@ class ArrayCall:
     ) -> None:
         self.function, self.dtype, self.checked, self.unit = function, dtype, checked, unit
         self.labels = {} if labels is None else dict(labels)
-        self.single: Callable[[], Any] = lambda: None  # the fast call, once there is one
+        # The kernel, where its single calls can be machine code, and that code, once it is needed.
+        self.single: Callable[[], Any] = lambda: None
+        self._single_code: tuple[jit.Code, gufunc.Plan] | None = None
         # NumPy's generalised ufuncs need an input, an output, axes longer than 0, and at most 64 arrays.
         ports = gufunc.ports_of(function)
         self.interpreted = (
@@ -95,14 +98,44 @@ class ArrayCall:
         """IR of the gufunc's inner loop."""
         return emit_batch(self.function, jit.target(), self.element)
 
+    def single_ir(self) -> str:
+        """IR of single calls; see `entry_point.entry_ir`."""
+        return entry_point.entry_ir(self.function, jit.target(), self.element, self.checked, self.unit)
+
+    def single_code(self) -> jit.Code:
+        """Machine code of single calls, compiled when it is first asked for; from then on the kernel runs it."""
+        with self._lock:
+            if self._single_code is None:
+                f, debugged = self.function, environ.get("ULNA_DEBUG", "")
+                ir = self.single_ir()
+                if "ir" in debugged.split(","):
+                    print(ir)
+                names = ("entry", "work", "batch") if self._is_batch_in_single_code() else ("entry", "work")
+                code = jit.load(f, ir, names)
+                if "asm" in debugged:
+                    print(jit.assembly(f, ir))
+                plan = gufunc.Plan(f, self.element, code.address("work"))
+                self._single_code = code, plan
+                if (kernel := self.single()) is not None:
+                    gufunc.set_code(kernel, code.address("entry"), plan)
+            return self._single_code[0]
+
+    def _is_batch_in_single_code(self) -> bool:
+        return serves_batches_one_by_one(self.function, jit.target(), self.element)
+
+    def _loop(self) -> jit.Code:
+        """Machine code that has the inner loop of the gufunc."""
+        if self.single() is not None and self._is_batch_in_single_code():
+            return self.single_code()
+        return jit.load(self.function, self.batch_ir(), ("batch",))
+
     @property
     def ufunc(self) -> Any:
         """The gufunc; its loop is compiled when it is first asked for."""
         if self._ufunc is None:
             with self._lock:
                 if self._ufunc is None:
-                    code = self.batch_code or jit.load(self.function, self.batch_ir(), ("batch",))
-                    self.batch_code = code
+                    self.batch_code = code = self._loop()
                     self._ufunc = gufunc.make_ufunc(self.function, code.address("batch"), code, self.element)
         return self._ufunc
 
@@ -146,6 +179,7 @@ class ArrayCall:
             self.check_values(arrays)
         fast_call = self.single() if batch == () and (out is None or self._is_exact(out)) else None
         if fast_call is not None:
+            self.single_code()
             exact = [self._exact(a) for a in arrays]
             if out is None:
                 return fast_call(*exact)

@@ -139,24 +139,22 @@ def make_instance(kind: type, words: dict[int, int]) -> Any:
     return instance
 
 
-def make_kernel(kind: type, code: int, plan: Plan, slow: Callable[..., Any], element: DType) -> Any:
-    """A kernel, of a type from `make_type`, that runs `entry` at address `code`.
+def make_kernel(kind: type, slow: Callable[..., Any], element: DType) -> Any:
+    """A kernel, of a type from `make_type`, whose calls go to a Python callable until `set_code`.
     All arguments must outlive it.
 
     Args:
         kind: The type.
-        code: Address of `entry` (see `entry_point.entry_ir`).
-        plan: Addresses and shapes for calls with `out=`.
-        slow: What a call goes to that `entry` does not take.
+        slow: What a call goes to that machine code does not take.
         element: Type of the array elements, "double" or "float".
 
     Returns:
         The instance of `kind`.
     """
     words = {
-        entry_point.VECTORCALL: code,
+        entry_point.VECTORCALL: _fast_call("with_out"),
         entry_point.SLOW: id(slow),
-        entry_point.PLAN: plan.address,
+        entry_point.PLAN: _plan_without_code(),
         entry_point.OTHERWISE: _fast_call("with_out"),
         entry_point.ARRAY_TYPE: id(np.ndarray),
         entry_point.DESCRIPTOR: id(object_layout.NUMPY_TYPE[element]),
@@ -167,6 +165,27 @@ def make_kernel(kind: type, code: int, plan: Plan, slow: Callable[..., Any], ele
         entry_point.FLOAT64: id(np.float64),
     }
     return make_instance(kind, words)
+
+
+@cache
+def _plan_without_code() -> int:
+    """Address of a plan with which `with_out` takes no arrays, and passes every call on."""
+    words = array("Q", [_common_words()["call"] if field == "call" else 0 for field in FIELDS])
+    _KEEP.append(words)
+    return words.buffer_info()[0]
+
+
+def set_code(kernel: Any, code: int, plan: Plan) -> None:
+    """Has a kernel run machine code from now on. All arguments must outlive it.
+
+    Args:
+        kernel: A kernel from `make_kernel`.
+        code: Address of `entry` (see `entry_point.entry_ir`).
+        plan: Addresses and shapes for calls with `out=`.
+    """
+    # Other threads may call meanwhile: `entry` works with either plan.
+    for offset, word in ((entry_point.VECTORCALL, code), (entry_point.PLAN, plan.address)):
+        ctypes.c_void_p.from_address(id(kernel) + offset).value = word
 
 
 def make_bound(kind: type, plan: Plan, slow: Callable[..., Any]) -> Any:

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ulna.compiler.codegen.module import serves_batches_one_by_one
 from ulna.compiler.language.function import Function, trace
 from ulna.compiler.language.graph import Graph
-from ulna.compiler.runtime import bound_call, entry_point, gufunc, jit
+from ulna.compiler.runtime import bound_call, gufunc, jit
 from ulna.compiler.runtime.array_call import ELEMENT, ArrayCall, Unit
 from ulna.compiler.runtime.differentiate import differentiated
 from ulna.errors import DtypeError, InputError, needed
@@ -31,7 +30,6 @@ class KernelBase:
     __slots__ = ()
 
     _array_call: ArrayCall
-    _work: int | None
 
     @property
     def function(self) -> Function:
@@ -75,7 +73,7 @@ class KernelBase:
 
     def ir(self, batch: bool = False) -> str:
         """LLVM IR of the single call, or of the loop over a batch."""
-        return self._array_call.batch_ir() if batch else _entry_ir(self._array_call)
+        return self._array_call.batch_ir() if batch else self._array_call.single_ir()
 
     def asm(self, batch: bool = False) -> str:
         """Assembly for this machine of the single call, or of the loop over a batch."""
@@ -240,7 +238,8 @@ class KernelBase:
         """
         inputs = _trailing_inputs(trailing_inputs=trailing_inputs, last_inputs=last_inputs, given=given)
         bound = gufunc.Binding(targets, watch, returns, inputs, holder, input_holders, condition)
-        return bound_call.bind(self, self._array_call, self._work, bound, otherwise)
+        work = self._array_call.single_code().address("work") if self.is_fast else None
+        return bound_call.bind(self, self._array_call, work, bound, otherwise)
 
     def draw(self, path: str | None = None) -> str:
         """The graph as an SVG picture; written to `path` when one is given."""
@@ -285,7 +284,7 @@ class SlowKernel(KernelBase):
 
     def __init__(self, array_call: ArrayCall) -> None:
         self._array_call = array_call
-        self.__dict__.update(__doc__=_doc(array_call.function), _work=None)
+        self.__dict__.update(__doc__=_doc(array_call.function))
 
     def __call__(self, *args: Any, **options: Any) -> Any:
         """Evaluates the kernel; see `Kernel`.
@@ -329,12 +328,6 @@ def native_type() -> Any:
     return _NATIVE
 
 
-def _entry_ir(array_call: ArrayCall) -> str:
-    return entry_point.entry_ir(
-        array_call.function, jit.target(), array_call.element, array_call.checked, array_call.unit
-    )
-
-
 def element_of(dtype: Any) -> np.dtype[Any]:
     """The type to compute in that `dtype` names.
 
@@ -359,7 +352,7 @@ def compile(
     labels: Mapping[str | int, Sequence[str]] | None = None,
     **shapes: tuple[int, ...] | int,
 ) -> Any:
-    """Makes a kernel of a traced function.
+    """Makes a kernel of a traced function; its machine code is made when it is first called, or bound by `into`.
 
     Args:
         f: A `Function`, or a Python function that is traced with `shapes` (see `trace`).
@@ -392,18 +385,8 @@ def compile(
         print(f"[ulna] {f.name}{f.signature}: {f.operations} operations {f.operation_counts}")
     if own_type is None or not f.outputs:
         return SlowKernel(array_call)
-    ir = _entry_ir(array_call)
-    if "ir" in os.environ.get("ULNA_DEBUG", "").split(","):
-        print(ir)
-    has_batch = serves_batches_one_by_one(f, jit.target(), array_call.element)
-    code = jit.load(f, ir, ("entry", "work", "batch") if has_batch else ("entry", "work"))
-    if has_batch:
-        array_call.batch_code = code
-    plan = gufunc.Plan(f, array_call.element, code.address("work"))
-    instance = gufunc.make_kernel(own_type, code.address("entry"), plan, array_call, array_call.element)
-    instance.__dict__.update(__doc__=_doc(f), _array_call=array_call, _work=code.address("work"))
-    gufunc.keep(instance, array_call, plan, code)
-    if "asm" in os.environ.get("ULNA_DEBUG", ""):
-        print(jit.assembly(f, ir))
+    instance = gufunc.make_kernel(own_type, array_call, array_call.element)
+    instance.__dict__.update(__doc__=_doc(f), _array_call=array_call)
+    gufunc.keep(instance, array_call)
     array_call.single = weakref.ref(instance)
     return instance
