@@ -9,6 +9,7 @@ import pytest
 
 import ulna
 from support.random_arms import CLOSED, GENERAL, model_of
+from ulna.formats.dh import model_from_dh, revolute
 from ulna.ik.analytic.chain import arm_of, movable
 from ulna.ik.analytic.closed import branch_numbers, branch_of
 from ulna.ik.analytic.geometry import arm_geometries
@@ -160,3 +161,20 @@ def test_a_general_arm_in_a_singular_pose_does_not_claim_all_solutions() -> None
     singular = Q[np.flatnonzero(least < 1e-9)[0]]
     assert not robot.ik_all(robot.fk(singular), q0=singular).complete
     assert robot.ik_all(robot.fk(np.linspace(0.2, 1.1, 6))).complete
+
+
+def test_where_elimination_is_singular_random_starts_find_what_it_loses() -> None:
+    """A Kinova Jaco, whose equations are singular wherever its fifth joint is at 0: random starts find what is left."""
+    d, a = [0.2755, 0.0, -0.0098, -0.2502, -0.08579, -0.2116], [0.0, 0.41, 0.0, 0.0, 0.0, 0.0]
+    alpha = np.deg2rad([90.0, 180.0, 90.0, 60.0, 60.0, 180.0])
+    rows = [revolute(d=x, a=y, alpha=z) for x, y, z in zip(d, a, alpha, strict=True)]
+    robot = ulna.Robot(model_from_dh(rows, name="jaco"))
+    Q = np.random.default_rng(4900).integers(-1, 2, (200, 6)) * 0.5 * np.pi
+    Q[:, 4], Q[:, 5] = -np.pi, Q[:, 5] + np.deg2rad(100.0)
+    values = np.linalg.svd(robot.jacobian(Q), compute_uv=False)
+    Q = Q[values[:, -1] > 1e-5 * values[:, 0]]
+    found = robot.ik_all(robot.fk(Q), limits=False)
+    gap = np.abs(found.q - Q[:, None])
+    gap = np.minimum(gap, np.abs(2.0 * np.pi - gap)).max(axis=-1)
+    assert len(Q) > 20 and not found.complete
+    assert (np.where(np.isnan(gap), np.inf, gap).min(axis=-1) > 1e-5).sum() <= 1

@@ -26,6 +26,7 @@ from ulna.typing import Floats
 _STARTS = 256
 _STEPS = 60
 _FEW_STEPS = 20
+_MORE_STARTS = 128  # where elimination may have lost some
 _MET = 1e-9  # errors below which a candidate counts as at the goal [m and rad]
 _SINGULAR = (
     1e-7  # the part of the largest singular value of the Jacobian below which the smallest counts as 0
@@ -211,7 +212,10 @@ class Elimination(Source):
                 x = 0.0 if free is None else value * free.scale + free.offset
                 G = local if free is None else local @ free.move(-x)
                 starts[i, j], condition = general.starts(remaining(self.arm, self.free, x), G)
-                complete &= condition < _MAX_CONDITION
+                if condition >= _MAX_CONDITION:
+                    complete = False
+                    drawn = np.random.default_rng(seed).uniform(-np.pi, np.pi, (_MORE_STARTS, 6))
+                    starts[i, j] = np.concatenate([starts[i, j], drawn])
         most = max((len(start) for start in starts.values()), default=0)
         q = np.full((len(T), len(free_values), max(most, 1), base.shape[-1]), np.nan)
         for (i, j), start in starts.items():
