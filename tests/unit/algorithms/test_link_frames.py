@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from support.random_models import KINDS, random_inertia, random_model, random_pose
-from ulna.algorithms import random
-from ulna.algorithms.multibody.link_frames import choose_link_frames
+from ulna.algorithms import frame_jacobian, frame_pose, random
+from ulna.algorithms.multibody.link_frames import choose_link_frames, frame_chain
 from ulna.algorithms.multibody.mass_moments import MassMoments, rotate_symmetric, rotation_axis, steiner
 from ulna.algorithms.multibody.prepared_model import prepare
-from ulna.algorithms.multibody.tree import poses, steps
+from ulna.algorithms.multibody.tree import chain, poses, steps, tip_pose
+from ulna.compiler import trace
 from ulna.model import Continuous, Model, ModelBuilder, Prismatic, Revolute
 from ulna.spatial import SE3, Motion
 
@@ -37,6 +38,28 @@ def same_frames(model: Model) -> None:
 
 def test_poses_and_motion_subspaces_are_the_same(model: Model) -> None:
     same_frames(model)
+
+
+@pytest.mark.parametrize("root", [None, "free_flyer"])
+def test_traced_poses_and_jacobians_of_frames_after_many_joints(root: str | None) -> None:
+    """They take optimised frames, and equal those in the frames that the model names."""
+    rng = np.random.default_rng(7)
+    model = random_model(rng, list(KINDS) * 2, root=root, mimics=3, branching=0.0)
+    q = random(model, rng)
+    numbers = {len(chain(model, frame)): frame for frame in model.frames}
+    frame = numbers[max(numbers)]
+    assert max(numbers) >= 24
+    optimised, _ = frame_chain(model, frame, np.array([None]))
+    assert optimised != chain(model, frame) and frame_chain(model, frame, q)[0] == chain(model, frame)
+    pose = trace(lambda q: frame_pose(model, q, frame).matrix(), q=(model.nq,))
+    plain = trace(lambda q: tip_pose(chain(model, frame), q, frame.placement).matrix(), q=(model.nq,))
+    assert pose.operations < plain.operations
+    np.testing.assert_allclose(pose(q), frame_pose(model, q, frame).matrix(), atol=1e-12)
+    for reference in ("world", "local", "local_world_aligned"):
+        jacobian = trace(lambda q, r=reference: frame_jacobian(model, q, frame, r), q=(model.nq,))
+        np.testing.assert_allclose(
+            jacobian(q), frame_jacobian(model, q, frame, reference), rtol=1e-11, atol=1e-11
+        )
 
 
 def test_an_axis_beside_a_coordinate_axis_keeps_its_direction() -> None:

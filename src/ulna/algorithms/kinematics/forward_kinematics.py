@@ -20,6 +20,7 @@ from collections.abc import Sequence
 
 from ulna.algorithms.multibody.batch_shapes import broadcast_motion, broadcast_pose
 from ulna.algorithms.multibody.body_motions import body_accelerations, body_velocities
+from ulna.algorithms.multibody.link_frames import frame_chain
 from ulna.algorithms.multibody.references import Reference, check_reference, in_reference, relevant_placement
 from ulna.algorithms.multibody.tree import (
     chain,
@@ -58,7 +59,8 @@ def frame_pose(model: Model, q: Array, frame: Frame) -> SE3:
     Returns:
         The pose, with the batch axes of `q` [m].
     """
-    return broadcast_pose(tip_pose(chain(model, frame), q, frame.placement), q)
+    tree, placement = frame_chain(model, frame, q)
+    return broadcast_pose(tip_pose(tree, q, placement), q)
 
 
 def frame_poses(model: Model, q: Array, frames: Sequence[Frame]) -> list[SE3]:

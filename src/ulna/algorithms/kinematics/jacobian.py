@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
+from ulna.algorithms.multibody.link_frames import frame_chain
 from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.algorithms.multibody.tree import Step, chain, poses, steps
 from ulna.model import Frame, Model
@@ -55,7 +56,8 @@ def frame_jacobian(
         J, shape (..., 6, nv), rows linear [m/rad, -] and angular [-, rad/m].
     """
     J = batch_zeros((6, model.nv), q)
-    for column in frame_columns(chain(model, frame), q, frame.placement, reference):
+    tree, placement = frame_chain(model, frame, q)
+    for column in frame_columns(tree, q, placement, reference):
         J[..., :3, column.index] += column.motion.linear
         J[..., 3:, column.index] += column.motion.angular
     return J

@@ -22,11 +22,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ulna.algorithms.multibody.tree import Step, steps
-from ulna.model import Continuous, JointKind, Model, Prismatic, Revolute
+from ulna.algorithms.multibody.tree import Step, chain, steps
+from ulna.model import Continuous, Frame, JointKind, Model, Prismatic, Revolute
 from ulna.numeric import is_symbolic
 from ulna.spatial import SE3
-from ulna.typing import Floats
+from ulna.typing import Array, Floats
 
 _EXACT = 1e-14
 _TURN_COST = {3: 0, 4: 6, 5: 12, 6: 15, 7: 18, 8: 24, 9: 30}  # operations by how many entries are not zero
@@ -34,6 +34,10 @@ _SLIDE_COST = (0, 4, 8, 12)
 _CHOICES = (
     8  # children from whose placements turns and slides are taken; the cost of each counts all children
 )
+_LONG, _LONGEST = 24, 200
+"""Steps of a chain for which the frames are chosen where only poses are asked for.
+
+Files of robots with fewer mostly have axes along coordinate axes; for more, the choice takes longer than compiling."""
 
 
 class LinkFrames(NamedTuple):
@@ -44,13 +48,35 @@ class LinkFrames(NamedTuple):
     """C: the pose of each moving frame in the one that the model names."""
 
 
-def choose_link_frames(model: Model) -> LinkFrames:
+def frame_chain(model: Model, frame: Frame, q: Array) -> tuple[Sequence[Step], SE3]:
+    """The steps between the world and a frame, and the frame's pose in the moving frame of the last one.
+
+    Args:
+        model: The robot.
+        frame: A frame of the model.
+        q: Configuration, shape (..., nq) [rad, m]. Where it is traced, the moving frames of many steps are optimised.
+
+    Returns:
+        The steps, root first, and the pose [m].
+    """
+    tree = chain(model, frame)
+    if not (_LONG <= len(tree) <= _LONGEST and is_symbolic(q)):
+        return tree, frame.placement
+    links = choose_link_frames(model, model.support(frame.joint))
+    return links.tree, links.frames[-1].inverse() @ frame.placement
+
+
+def choose_link_frames(model: Model, joints: Sequence[int] | None = None) -> LinkFrames:
     """The steps of a model between moving frames whose placements have as few entries other than 0 and 1 as possible.
 
     Args:
         model: The robot; where its placements are not numbers, the frames it names are returned.
+        joints: The joints whose steps are wanted, parents first and each with its parent; None for all.
+
+    Returns:
+        The steps between the new frames, and the poses of these in the old ones.
     """
-    old = steps(model)
+    old = steps(model, joints)
     if is_symbolic(*(x for s in old for x in (s.placement.rotation, s.placement.translation))):
         return LinkFrames(old, tuple(SE3.identity() for _ in old))
     children: list[list[int]] = [[] for _ in old]
