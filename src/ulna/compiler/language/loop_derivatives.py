@@ -25,7 +25,7 @@ from ulna.errors import TraceError
 
 SHORT_TAPE = 4096
 """The largest number of numbers on the tape of a loop, for each lane, where there may be many tapes (on the stack)."""
-LONG_TAPE = 24576
+LONG_TAPE = 28672
 """The same where there are few, and with other values of the iterations."""
 
 Cotangent = tuple[Any, Condition | None]
