@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import pickle
 import threading
+import weakref
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -333,3 +335,24 @@ def test_names_are_found_after_every_change_of_the_list(pin: Any) -> None:
     assert model.getJointId("another") == added and model.copy().getJointId("another") == added
     model.frames[1].name = "changed"
     assert model.existFrame("changed") and model.getFrameId("changed") == 1
+
+
+def test_data_and_copies_that_nobody_reads_go_at_once(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, q = model.createData(), np.zeros(6)
+    pin.computeAllTerms(model, data, q, np.ones(6))
+    masses = list(data.mass)
+    copied = data.copy()
+    again = copied.copy()
+    assert list(again.mass) == masses == list(copied.mass)
+    gc.disable()
+    try:
+        for make in (model.createData, data.copy, lambda: data.copy().copy()):
+            made = make()
+            pin.forwardKinematics(model, made, q)
+            assert made.oMi[2] is not None and made.v[1] is not None
+            gone = weakref.ref(made)
+            del made
+            assert gone() is None
+    finally:
+        gc.enable()

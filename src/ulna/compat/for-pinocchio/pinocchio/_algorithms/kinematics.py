@@ -123,6 +123,7 @@ def _moved_frames(model: CoreModel, frames: Sequence[Frame]) -> Any:
 
 
 _frames_calls, _global_calls = call_cache(2, weak=2), call_cache(2, weak=2)
+_frame_calls = call_cache(3, weak=2)
 
 
 @repeated_calls(_frames_calls)
@@ -154,6 +155,8 @@ def updateFramePlacements(model: Model, data: Data) -> None:
         step()
 
 
+@repeated_calls(_frame_calls)
+@checks_itself
 def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
     """Fills `data.oMf[frame_id]` from `data.oMi`, and returns a copy.
 
@@ -166,6 +169,7 @@ def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
     except (AttributeError, TypeError):  # of what is no model, no data, or no index
         T = NotImplemented
     if T is not NotImplemented:
+        _frame_calls.add(step, 0, model, data, frame_id)
         return T
     check_model_and_data("updateFramePlacement", model, data)
     check_frames(model, data)

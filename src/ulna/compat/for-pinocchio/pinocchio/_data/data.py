@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import copy
+import weakref
 from array import array
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, final
@@ -84,15 +85,20 @@ _FIELDS = (*MATRICES, *_SINGLE, *_LISTS, *_ASKED_RARELY)
 
 @final
 class _Lists(dict[str, Any]):
-    """Fields with an entry for each joint, and those that are one Motion, Force or Inertia, made when first read."""
+    """Fields with an entry for each joint, and those that are one Motion, Force or Inertia, made when first read.
+
+    They do not keep their Data, so that one which nobody reads any more goes at once, and not with the next collection.
+    """
 
     def __init__(self, data: Data) -> None:
-        self._data = data
+        self._data = weakref.ref(data)
+        self.masses: list[float] | None = None
+        """What `mass` begins with, where that is not -1 for all."""
 
     def __missing__(self, name: str) -> Any:
-        data = self._data
+        data: Any = self._data()
         if name == "mass":
-            made = _PerJoint(data, name, [-1.0] * data._arrays["com"].shape[0])
+            made = _PerJoint(data, name, self.masses or [-1.0] * data._arrays["com"].shape[0])
         elif name == "Ycrb":
             made = views(Inertia, data._arrays["composite inertias"])
         elif name in CENTRES:
@@ -104,6 +110,10 @@ class _Lists(dict[str, Any]):
         else:
             made = views(SE3 if name == "liMi" else Force if name in FORCES else Motion, data._arrays[name])
         return self.setdefault(name, made)  # another thread may have made it meanwhile
+
+    def present_masses(self) -> list[float] | None:
+        """The entries of `mass` as they are; None where nothing made them yet."""
+        return [*list.__iter__(self["mass"])] if "mass" in self else self.masses
 
 
 @final
@@ -271,7 +281,9 @@ class Data(CheckedAttributes, Saved, TreeFields):
     def __deepcopy__(self, memo: Any) -> Data:
         self._compute_deferred(but=_ASKED_RARELY)
         out = object.__new__(Data)
-        out.__dict__.update({k: x for k, x in self.__dict__.items() if k not in ("oMi", "oMf")})
+        out.__dict__.update(self.__dict__)
+        for name in ("oMi", "oMf"):
+            out.__dict__.pop(name, None)
         out._arrays = self._arrays.copied()
         out._known_states = set(self._known_states)
         solution = self._constraint_solution
@@ -282,7 +294,7 @@ class Data(CheckedAttributes, Saved, TreeFields):
             if self._marks[self._slots[field]]:
                 deferred, compiled, state = self._as_waiting(field)
                 out._defer(deferred, (field,), compiled, *state)
-        list.__setitem__(out._lists["mass"], slice(None), list.__iter__(self._lists["mass"]))
+        out._lists.masses = self._lists.present_masses()
         return out
 
     __copy__ = copy

@@ -265,8 +265,7 @@ class FieldStates:
 
     def _compute_deferred(self, but: Container[str] = ()) -> None:
         """Computes all deferred fields but some; those that are invalidated stay so."""
-        for field, slot in self._slots.items():
-            number = self._marks[slot]
+        for field, number in zip(self._slots, tuple(self._marks), strict=True):
             if (
                 number
                 and field not in but

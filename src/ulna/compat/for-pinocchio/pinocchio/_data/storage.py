@@ -108,7 +108,7 @@ class FieldArrays(dict[str, Floats]):
         """A copy of all arrays."""
         out = FieldArrays.__new__(FieldArrays)
         out._sizes = self._sizes
-        out.update((name, block.copy()) for name, block in self.items())
+        out.update(zip(self, map(np.ndarray.copy, self.values()), strict=True))
         return out
 
     def whole(self) -> dict[str, Floats]:

@@ -214,14 +214,11 @@ class GeometryObject(CheckedAttributes, HasPlacement, Saved):
     def copy(self) -> GeometryObject:
         """A copy that shares the geometry."""
         out = object.__new__(GeometryObject)
-        out.__dict__.update(self.__dict__)
-        out.__dict__.pop("_counters", None)
-        out._placement, out._scale, out._color = (
-            self._placement.copy(),
-            self._scale.copy(),
-            self._color.copy(),
-        )
-        out._keep(physicsMaterial=PhysicsMaterial(self.physicsMaterial))
+        own = out.__dict__  # attributes that are set are checked, which takes most of the time
+        own.update(self.__dict__)
+        own.pop("_counters", None)
+        own["_placement"], own["physicsMaterial"] = self._placement.copy(), self.physicsMaterial.copy()
+        own["_scale"], own["_color"] = self._scale.copy(), self._color.copy()
         return out
 
     __copy__ = copy

@@ -115,7 +115,9 @@ class PhysicsMaterial(CheckedAttributes):
 
     def copy(self) -> PhysicsMaterial:
         """A copy."""
-        return PhysicsMaterial(self)
+        out = object.__new__(PhysicsMaterial)
+        out.__dict__.update(self.__dict__)
+        return out
 
     def __eq__(self, other: object) -> bool:
         return vars(self) == vars(other) if isinstance(other, PhysicsMaterial) else NotImplemented

@@ -63,6 +63,7 @@ _ITEMS = ("M", "motion", "force", "inertia", "point")
 
 _EYE = np.eye(4)
 _ROTATION, _TRANSLATION = np.s_[:3, :3], np.s_[:3, 3]  # slices that are made once
+_FLOAT, _THREE = np.dtype(float), (3,)
 _new = object.__new__
 
 
@@ -171,7 +172,9 @@ class SE3:
 
     @translation.setter
     def translation(self, value: Any) -> None:
-        self._m[_TRANSLATION] = vector(value, 3, "translation")
+        if type(value) is not np.ndarray or value.dtype is not _FLOAT or value.shape != _THREE:
+            value = vector(value, 3, "translation")
+        self._m[_TRANSLATION] = value
 
     @property
     def homogeneous(self) -> Floats:
