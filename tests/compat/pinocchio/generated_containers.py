@@ -288,6 +288,11 @@ DOCUMENTED = (
     (r"accepted|error class", _done(r"l\[np\.int64\(1\)\]"), "numbers of NumPy are taken"),
     (r"accepted", _done(r"pin\.StdVec_\w+\(\(|pin\.StdVec_\w+\(x for"), "tuples and generators are taken"),
     (r"error class", _done(r"l\[2\*\*70\]"), "it is an IndexError, as for all lists"),
+    (
+        r"refused|error class|value",
+        _done(r".*", r"own_m\.(nqs|idx_vs)"),
+        "they are computed when they are read: changes of them raise, as they would have no effect",
+    ),
     (r"refused|error class", _done(_SLICES, _LIVE), "those of a model or a Data keep their length"),
     (r"value", _done(rf"{_SLICES}2, 1\)"), "slices that end before they begin"),
     (

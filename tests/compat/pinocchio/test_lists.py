@@ -229,3 +229,33 @@ def test_lists_are_compared_and_take_single_entries_as_there() -> None:
     pytest.importorskip("pinocchio")
     own, theirs = printed(LIKE_PINOCCHIO)
     assert own == theirs and len(own.splitlines()) == 11
+
+
+def test_changes_that_would_have_no_effect_are_refused(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data = model.createData()
+    lists = (
+        model.nqs,
+        model.nvs,
+        model.idx_qs,
+        model.idx_vs,
+        model.supports,
+        model.supports[2],
+        model.subtrees,
+        model.children,
+    )
+    for values in (*lists, data.lastChild, data.parents_fromRow, data.supports_fromRow):
+        before = list(values)
+        for change in (
+            lambda values=values: values.append(values[0]),
+            lambda values=values: values.__setitem__(1, values[0]),
+            lambda values=values: values.clear(),
+        ):
+            with pytest.raises(InputError, match="computed when it is read") as caught:
+                change()
+            assert isinstance(caught.value, TypeError)
+        assert list(values) == before and isinstance(values, pin.StdVec_Index) == isinstance(before[0], int)
+        changed, read = values.copy(), pickle.loads(pickle.dumps(values))
+        changed.append(values[0])
+        read.append(values[0])
+        assert len(changed) == len(read) == len(before) + 1

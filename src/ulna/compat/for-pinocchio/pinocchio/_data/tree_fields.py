@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pinocchio._containers.arrays import StdVec, not_applicable, views
+from pinocchio._containers.computed_lists import ComputedList
 from pinocchio._data.evaluated_model import evaluator_of
 from pinocchio._data.first_evaluation import TABLE_CALLS
 from pinocchio._data.states import FieldStates
@@ -28,23 +29,23 @@ class TreeFields(FieldStates):
     @property
     def lastChild(self) -> StdVec[int]:
         """For each joint the last joint that it moves, itself included."""
-        return StdVec([max(moved) for moved in _moved(self._model)])
+        return ComputedList([max(moved) for moved in _moved(self._model)])
 
     @property
     def nvSubtree(self) -> StdVec[int]:
         """For each joint how many entries of v move what it moves, its own included."""
         nvs = [0, *(joint.nv for joint in list(self._model.joints)[1:])]
-        return StdVec([sum(nvs[i] for i in moved) for moved in _moved(self._model)])
+        return ComputedList([sum(nvs[i] for i in moved) for moved in _moved(self._model)])
 
     @property
     def start_idx_v_fromRow(self) -> StdVec[int]:
         """For each entry of v the first one of its joint."""
-        return StdVec([start for start, _, _ in _rows(self._model)])
+        return ComputedList([start for start, _, _ in _rows(self._model)])
 
     @property
     def end_idx_v_fromRow(self) -> StdVec[int]:
         """For each entry of v the last one of its joint."""
-        return StdVec([start + size - 1 for start, size, _ in _rows(self._model)])
+        return ComputedList([start + size - 1 for start, size, _ in _rows(self._model)])
 
     @property
     def parents_fromRow(self) -> StdVec[int]:
@@ -72,14 +73,14 @@ class TreeFields(FieldStates):
             last = model.joints[before].idx_vExtended + model.joints[before].nvExtended - 1 if before else -1
             for row in range(joint.idx_vExtended, joint.idx_vExtended + joint.nvExtended):
                 out[row] = last if row == joint.idx_vExtended else row - 1
-        return StdVec(out)
+        return ComputedList(out)
 
     @property
     def mimic_subtree_joint(self) -> StdVec[int]:
         """For each mimic joint the first joint behind it that has entries of v of its own; 0 for none."""
         model, moved = self._model, _moved(self._model)
         mimicking = [i for i, joint in enumerate(model.joints) if joint.mimic is not None]
-        return StdVec(
+        return ComputedList(
             [min((j for j in moved[i] if model.joints[j].mimic is None), default=0) for i in mimicking]
         )
 
@@ -87,21 +88,21 @@ class TreeFields(FieldStates):
     def idx_vExtended_to_idx_v_fromRow(self) -> StdVec[int]:
         """For each entry of a v with those of mimic joints, the entry of v that it follows."""
         joints = sorted(list(self._model.joints)[1:], key=lambda joint: joint.idx_vExtended)
-        return StdVec([joint.idx_v + k for joint in joints for k in range(joint.nvExtended)])
+        return ComputedList([joint.idx_v + k for joint in joints for k in range(joint.nvExtended)])
 
     @property
     def supports_fromRow(self) -> StdVec[StdVec[int]]:
         """For each entry of v those from the world to it."""
         supports: list[StdVec[int]] = []
         for row, parent in enumerate(self.parents_fromRow):
-            supports.append(StdVec([*(supports[parent] if parent >= 0 else ()), row]))
-        return StdVec(supports)
+            supports.append(ComputedList([*(supports[parent] if parent >= 0 else ()), row]))
+        return ComputedList(supports)
 
     @property
     def nvSubtree_fromRow(self) -> StdVec[int]:
         """For each entry of v how many entries move what it moves, itself included."""
         below = self.nvSubtree
-        return StdVec(
+        return ComputedList(
             [below[joint] - (row - start) for row, (start, _, joint) in enumerate(_rows(self._model))]
         )
 

@@ -10,6 +10,7 @@ import numpy as np
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import StdVec, alike, vector
 from pinocchio._containers.attributes import AttributeKind, computed, read_only, text
+from pinocchio._containers.computed_lists import ComputedList
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.files import Saved, register
 from pinocchio._containers.keywords import by_name
@@ -85,58 +86,62 @@ class Model(Saved, Supports, KinematicTree):
     # sizes and the tree ---------------------------------------------------------------------------------
 
     nqs = property(
-        lambda self: StdVec(j.nq if j.kind else 0 for j in self.joints),
+        lambda self: ComputedList(j.nq if j.kind else 0 for j in self.joints),
         doc="For each joint its entries of q.",
     )
     nvs = property(
-        lambda self: StdVec(j.nv if j.kind else 0 for j in self.joints),
+        lambda self: ComputedList(j.nv if j.kind else 0 for j in self.joints),
         doc="For each joint its entries of v.",
     )
     idx_qs = property(
-        lambda self: StdVec(max(j.idx_q, 0) for j in self.joints), doc="For each joint where its q begins."
+        lambda self: ComputedList(max(j.idx_q, 0) for j in self.joints),
+        doc="For each joint where its q begins.",
     )
     idx_vs = property(
-        lambda self: StdVec(max(j.idx_v, 0) for j in self.joints), doc="For each joint where its v begins."
+        lambda self: ComputedList(max(j.idx_v, 0) for j in self.joints),
+        doc="For each joint where its v begins.",
     )
     nvExtendeds = property(
-        lambda self: StdVec(j.nvExtended if j.kind else 0 for j in self.joints),
+        lambda self: ComputedList(j.nvExtended if j.kind else 0 for j in self.joints),
         doc="Like nvs, mimic joints counted.",
     )
     idx_vExtendeds = property(
-        lambda self: StdVec(max(j.idx_vExtended, 0) for j in self.joints),
+        lambda self: ComputedList(max(j.idx_vExtended, 0) for j in self.joints),
         doc="Like idx_vs, mimic joints counted.",
     )
     mimicking_joints = property(
-        lambda self: StdVec(i for i, j in enumerate(self.joints) if j.mimic), doc="Joints that follow others."
+        lambda self: ComputedList(i for i, j in enumerate(self.joints) if j.mimic),
+        doc="Joints that follow others.",
     )
     mimicked_joints = property(
-        lambda self: StdVec(j.mimic[0] for j in self.joints if j.mimic), doc="The joints that those follow."
+        lambda self: ComputedList(j.mimic[0] for j in self.joints if j.mimic),
+        doc="The joints that those follow.",
     )
 
     @property
     def supports(self) -> StdVec[StdVec[int]]:
         """For each joint, the joints from the universe to it."""
-        supports: StdVec[StdVec[int]] = StdVec([StdVec([0])])
+        supports = [[0]]
         for i in range(1, self.njoints):
-            supports.append(StdVec([*supports[self.parents[i]], i]))
-        return supports
+            supports.append([*supports[self.parents[i]], i])
+        return ComputedList(map(ComputedList, supports))
 
     @property
     def subtrees(self) -> StdVec[StdVec[int]]:
         """For each joint, the joints it moves, itself included; the universe is not counted."""
-        subtrees: StdVec[StdVec[int]] = StdVec(StdVec() for _ in range(self.njoints))
+        subtrees: list[list[int]] = [[] for _ in range(self.njoints)]
         for i, support in enumerate(self.supports):
             for j in support if i else ():
                 subtrees[j].append(i)
-        return subtrees
+        return ComputedList(map(ComputedList, subtrees))
 
     @property
     def children(self) -> StdVec[StdVec[int]]:
         """For each joint, the joints that follow it at once."""
-        children: StdVec[StdVec[int]] = StdVec(StdVec() for _ in range(self.njoints))
+        children: list[list[int]] = [[] for _ in range(self.njoints)]
         for i in range(1, self.njoints):
             children[self.parents[i]].append(i)
-        return children
+        return ComputedList(map(ComputedList, children))
 
     def getChildJoints(self) -> StdVec[int]:
         """The joints that no other joint follows: the ends of the tree. Those after a joint are `children[i]`."""
