@@ -198,16 +198,18 @@ def computeDampedDelassusMatrixInverse(
         S = _damped_inverse(model, data, q, constraint_set, damping)
     data._delassus = constraint_set.shapes, _copies(constraint_set), damping
     for known in contact_datas:
-        known._left |= _LEFT
+        if _FIELD not in known._left:
+            known._left |= _LEFT
     return damping * S if scaled else S
 
 
 _LEFT = dict.fromkeys(DELASSUS_LEAVES, "computeDampedDelassusMatrixInverse")
+_FIELD = DELASSUS_LEAVES[0]  # no other function leaves anything there
 
 
 def _copies(constraint_set: ConstraintSet) -> list[Floats]:
     """The placements of constraints as they are now."""
-    return [place.copy() for place in constraint_set.places]
+    return [*map(np.ndarray.copy, constraint_set.places)]
 
 
 def _delassus_matrix(model: Model, data: Data, q: Any, constraint_set: ConstraintSet) -> Floats:
