@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from typing import Any, ClassVar, NoReturn, final
+from typing import Any, ClassVar, NoReturn, Self, final
 
 import numpy as np
 
@@ -40,6 +40,12 @@ class CheckedAttributes:
         if kind is computed and _holds(self, name, value):
             return
         object.__setattr__(self, name, value if kind is None else kind(self, name, value))
+
+    def _with_same(self) -> Self:
+        """A new object that holds the same values, without looking at them again."""
+        out = object.__new__(type(self))
+        out._keep(**vars(self))
+        return out
 
     def _keep(self, **values: Any) -> None:
         """Stores values of attributes as they are, also where users cannot assign to them."""

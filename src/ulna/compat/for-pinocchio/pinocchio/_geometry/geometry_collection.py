@@ -37,9 +37,7 @@ class CollisionPair(CheckedAttributes):
 
     def copy(self) -> CollisionPair:
         """A copy."""
-        out = object.__new__(CollisionPair)
-        out.__dict__.update(self.__dict__)
-        return out
+        return self._with_same()
 
     __copy__ = copy
 

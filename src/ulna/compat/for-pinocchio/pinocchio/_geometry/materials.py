@@ -115,9 +115,7 @@ class PhysicsMaterial(CheckedAttributes):
 
     def copy(self) -> PhysicsMaterial:
         """A copy."""
-        out = object.__new__(PhysicsMaterial)
-        out.__dict__.update(self.__dict__)
-        return out
+        return self._with_same()
 
     def __eq__(self, other: object) -> bool:
         return vars(self) == vars(other) if isinstance(other, PhysicsMaterial) else NotImplemented
