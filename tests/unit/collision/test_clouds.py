@@ -233,7 +233,7 @@ def test_plans_among_points_touch_none_between_their_samples() -> None:
     robot, random = panda(), np.random.default_rng(14)
     points = scan(1000)
     world = World().add("scan", PointCloud(points, 0.01), touches=["panda_link0"])
-    planner, found = Planner(robot, world), 0
+    planner, found = Planner(robot, world, method="spheres"), 0
     spheres = robot.collision.checker(world, method="spheres").spheres
     free = [x for x in configurations(60) if planner.plan(x, x)]
     for path in itertools.starmap(planner.plan, itertools.pairwise(free)):

@@ -13,7 +13,7 @@ import pytest
 import ulna
 from ulna.collision import World
 from ulna.errors import MissingExtra
-from ulna.geometry import Box
+from ulna.geometry import Box, PointCloud
 from ulna.planning import PathConstraint, Planner, Region
 from ulna.planning import exact_search as exact
 from ulna.spatial import SE3
@@ -134,3 +134,22 @@ def test_threads_find_the_same_paths() -> None:
     one, two = (planner.plan_all(START, goals, threads=threads) for threads in (None, 2))
     assert all(p.method == "exact" and p.is_certified for p in one)
     assert all((a.points == b.points).all() for a, b in zip(one, two, strict=True))
+
+
+def test_paths_among_points_keep_clear_of_them() -> None:
+    robot, rng = ulna.load("panda"), np.random.default_rng(4300)
+    direction = rng.normal(size=(400, 3))
+    direction *= rng.uniform(0.55, 0.9, (400, 1)) / np.linalg.norm(direction, axis=1)[:, None]
+    world = World().add("scan", PointCloud(direction + [0.0, 0.0, 0.4], 0.01), touches=["panda_link0"])
+    q = robot.random_configuration(300, seed=4300)
+    q = q[~np.asarray(robot.collides(q, world))]
+    refused = [x for x in q if robot.plan(x, x, world, method="spheres").touching]
+    found = 0
+    for a in refused[:12]:
+        p = robot.plan(a, a + 0.1 * rng.normal(size=7), world, timeout=1.0)
+        if p:
+            found += 1
+            assert p.method == "exact" and p.is_certified
+            states = np.concatenate([np.linspace(a, b, 300) for a, b in itertools.pairwise(p.points)])
+            assert np.asarray(robot.distance(states, world).distance).min() > 0.0
+    assert found > 2
