@@ -160,6 +160,7 @@ def test_little_memory_raises_or_ends_in_words_of_llvm(room):
         endings=(
             (-6, "LLVM ERROR"),
             (-6, "Can not add null object"),
+            (-6, "std::bad_alloc"),
             (127, "cannot allocate memory for thread-local data"),
         ),
     )
