@@ -44,7 +44,7 @@ class CheckedAttributes:
     def _with_same(self) -> Self:
         """A new object that holds the same values, without looking at them again."""
         out = object.__new__(type(self))
-        out._keep(**vars(self))
+        vars(out).update(vars(self))
         return out
 
     def _keep(self, **values: Any) -> None:
