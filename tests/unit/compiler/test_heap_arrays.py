@@ -151,13 +151,18 @@ def test_a_child_forked_during_a_call_has_arrays() -> None:
         kernel = t.gradient()
         t.check_gradient(kernel)
         t.check_gradient(kernel, 40)
-        x = np.random.default_rng(1).normal(size=(20000, 40))
-        thread = threading.Thread(target=lambda: kernel(x, x))
+        x, enough = np.random.default_rng(1).normal(size=(20000, 40)), threading.Event()
+
+        def call():  # it has the memory nearly all the time, so at forks, too
+            while not enough.is_set():
+                kernel(x, x)
+
+        thread = threading.Thread(target=call)
         thread.start()
         time.sleep(0.01)
         for _ in range(5):
             assert child(lambda: (t.check_gradient(kernel), t.check_gradient(kernel, 20))) == 0
-        assert thread.is_alive()  # so it had the memory at least at some forks
+        enough.set()
         thread.join()
     """
     run_script(script(dedent(code)))

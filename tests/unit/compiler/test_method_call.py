@@ -200,16 +200,21 @@ def test_calls_keep_nothing_and_lose_nothing() -> None:
     watched = [A, B, OUT, things, _TIMES[3.0, 2], FACTOR, None]
     for args, named in [*CALLS, *SLOWLY, *KERNEL_REFUSES]:
         outcome(METHOD, things, *args, **named)
-    RUNS.clear()
-    gc.collect()
-    before = [sys.getrefcount(x) for x in watched]
-    for _ in range(200):
-        for args, named in [*CALLS, *KERNEL_REFUSES, *SLOWLY]:
-            outcome(METHOD, things, *args, **named)
-    RUNS.clear()
-    gc.collect()
-    after = [sys.getrefcount(x) for x in watched]
-    assert all(abs(y - x) < 50 for x, y in zip(before, after, strict=True))
+
+    def references() -> list[int]:
+        RUNS.clear()
+        gc.collect()
+        return [sys.getrefcount(x) for x in watched]
+
+    def changes() -> list[int]:
+        before = references()
+        for _ in range(200):
+            for args, named in [*CALLS, *KERNEL_REFUSES, *SLOWLY]:
+                outcome(METHOD, things, *args, **named)
+        return [abs(y - x) for x, y in zip(before, references(), strict=True)]
+
+    # what calls keep they keep each time; other threads of the process may drop a hundred references to None meanwhile
+    assert min(max(changes()) for _ in range(3)) < 50
 
 
 def test_kernels_may_be_added_while_threads_call_others() -> None:
