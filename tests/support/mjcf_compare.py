@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from support.mjcf_physics import BALL, FREE, compiled, coupled_state, loaded, of_mujoco, of_ulna, same
+from ulna.model import Model
 from ulna.typing import Floats
 
 
@@ -28,6 +29,7 @@ def differences(source: str | Path, seed: int = 0) -> list[str]:
         "friction": np.abs(G.T) @ theirs["friction"] if joints != [*range(m.njnt)] else theirs["friction"],
         "contacts": {pair for pair in theirs["contacts"] if not _joined_to_world(m, pair)},
         "configurations": {name: _converted(m, k) for name, k in theirs["configurations"].items()},
+        **_within_followers(model, theirs["lower"], theirs["upper"]),
     }
     followed = np.array(expected.pop("equalities"))
     wrong = [
@@ -40,6 +42,18 @@ def differences(source: str | Path, seed: int = 0) -> list[str]:
     if np.abs(followed).max(initial=0.0) > 1e-9:
         wrong.append("equalities")
     return wrong
+
+
+def _within_followers(model: Model, lower: Floats, upper: Floats) -> dict[str, Floats]:
+    """Limits of joints, where leaders stay in the ranges of their followers unless that leaves no position."""
+    least, greatest = lower.copy(), upper.copy()
+    for j, joint in enumerate(model.joints):
+        if joint.mimic is not None:
+            k, ratio, offset = joint.mimic.source, joint.mimic.multiplier, joint.mimic.offset
+            ends = sorted(((lower[j] - offset) / ratio, (upper[j] - offset) / ratio))
+            least[k], greatest[k] = max(least[k], ends[0]), min(greatest[k], ends[1])
+    kept = least <= greatest
+    return {"lower": np.where(kept, least, lower), "upper": np.where(kept, greatest, upper)}
 
 
 def _joined_to_world(m: Any, pair: frozenset[str]) -> bool:

@@ -48,7 +48,9 @@ def test_random_problems(solver: str, first: int, count: int, tmp_path: Path) ->
     for seed, (own, real) in enumerate(answers, first):
         for time, (mine, its) in enumerate(zip(own, real, strict=True)):
             asked[seed % KINDS] += 1
-            assert mine.pop("noise", 0.0) < 1e-3 * max(1.0, np.abs(mine["impulses"]).max()), seed
+            grown = mine.get("primal_feasibility", 0.0)  # of iterates that grow without end
+            size = max(1.0, np.abs(mine["impulses"]).max(), grown)
+            assert mine.pop("noise", 0.0) < 1e-3 * size, seed
             its.pop("noise", None)
             same = mine["iterations"] == its["iterations"] and mine["converged"] == its["converged"]
             other_counts[seed % KINDS] += not same
