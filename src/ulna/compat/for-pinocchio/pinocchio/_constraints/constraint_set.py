@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, final
 
+import numpy as np
+
 from pinocchio._constraints.frame_pair import changes
 from pinocchio._constraints.rigid_constraint import checked_constraints, structures_of
 from pinocchio._containers.arrays import not_applicable
@@ -21,6 +23,8 @@ class ConstraintSet:
     Attributes:
         live: Of each constraint its placements, gains and wanted acceleration, the arrays that users write to.
         runs: What is bound, by the key of the algorithm.
+        delassus_places: The placements when a Delassus matrix was computed last, (c, 2, 4, 4).
+        left_fields: Fields of all its data in which a function noted that it leaves nothing; see `leave`.
     """
 
     def __init__(self, model: Model, models: Any, datas: Any) -> None:
@@ -33,8 +37,27 @@ class ConstraintSet:
             for x in (one._places, one._gains._v, known._views["contact_acceleration_desired"]._v)
         )
         self.runs: dict[Any, Any] = {}
+        self.delassus_places = np.zeros((len(self.shapes), 2, 4, 4))
+        self.left_fields: tuple[str, ...] = ()
         # Comparisons by `list`: with `==` a `StdVec` on the other side would compare entry by entry in Python.
         self.is_of_models, self.is_of_datas = self.models.__eq__, self.datas.__eq__
+
+    def note_places(self) -> None:
+        """Notes the present placements as those of a Delassus matrix, as its kernels do by themselves."""
+        for k, place in enumerate(self.places):
+            self.delassus_places[k] = place
+
+    def leave(self, function: str, fields: tuple[str, ...]) -> None:
+        """Notes in all data, once, that a function leaves something in fields in Pinocchio, and nothing here.
+
+        Args:
+            function: Its name.
+            fields: Their names; always the same tuple.
+        """
+        if self.left_fields is not fields:
+            for known in self.datas:
+                known._leave(function, fields)
+            self.left_fields = fields
 
     def matches(self, model: Model, models: Any, datas: Any) -> bool:
         """Whether the set was made for these constraints, and no placement has changed.

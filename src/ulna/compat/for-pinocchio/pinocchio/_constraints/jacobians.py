@@ -53,9 +53,9 @@ __all__ = [
 
 
 def _jacobian_directly(model: Any, data: Any, models: Any, datas: Any) -> Any:
-    """getConstraintsJacobian of constraints that are bound already; else NotImplemented."""
-    known = cached_constraint_set(model, data, models, datas)
-    return NotImplemented if known is None else known.runs["jacobian here"]()
+    """getConstraintsJacobian of constraints that are bound already; raises AttributeError or KeyError for others."""
+    known: Any = cached_constraint_set(model, data, models, datas)
+    return known.runs["jacobian here"]()
 
 
 @checks_itself
@@ -158,7 +158,12 @@ def computeDelassusMatrix(
     G = constraint_set.runs.get("delassus", not_applicable)(q)
     if G is NotImplemented:
         G = _delassus_matrix(model, data, q, constraint_set)
-    data._delassus = constraint_set.shapes, _copies(constraint_set), 1.0 / damping_of(mu) if mu else 0.0
+        constraint_set.note_places()
+    data._delassus = (
+        constraint_set.shapes,
+        constraint_set.delassus_places,
+        1.0 / damping_of(mu) if mu else 0.0,
+    )
     return with_inertia(G, damping_of(mu)) if mu else G
 
 
@@ -196,20 +201,10 @@ def computeDampedDelassusMatrixInverse(
     S = constraint_set.runs.get("damped inverse", not_applicable)(q, damping)
     if S is NotImplemented:
         S = _damped_inverse(model, data, q, constraint_set, damping)
-    data._delassus = constraint_set.shapes, _copies(constraint_set), damping
-    for known in contact_datas:
-        if _FIELD not in known._left:
-            known._left |= _LEFT
+        constraint_set.note_places()
+    data._delassus = constraint_set.shapes, constraint_set.delassus_places, damping
+    constraint_set.leave("computeDampedDelassusMatrixInverse", DELASSUS_LEAVES)
     return damping * S if scaled else S
-
-
-_LEFT = dict.fromkeys(DELASSUS_LEAVES, "computeDampedDelassusMatrixInverse")
-_FIELD = DELASSUS_LEAVES[0]  # no other function leaves anything there
-
-
-def _copies(constraint_set: ConstraintSet) -> list[Floats]:
-    """The placements of constraints as they are now."""
-    return [*map(np.ndarray.copy, constraint_set.places)]
 
 
 def _delassus_matrix(model: Model, data: Data, q: Any, constraint_set: ConstraintSet) -> Floats:
@@ -283,7 +278,8 @@ def _bind(
     kernel = compiled.compile(
         ("constraint", record.name, shapes), build, q=(model.nq,), **damping, **sizes_of(shapes)
     )
-    targets = [*results, *(data._target(name) for name in _FILLS), *side_targets]
+    fills = [data._target(name) for name in _FILLS]
+    targets = [*results, *fills, constraint_set.delassus_places, *side_targets]
     data._store_states(record)
     return kernel.into(
         *targets,
@@ -298,11 +294,18 @@ def _bind(
 def _delassus(shapes: Any, is_inverse: bool) -> Any:
     def build(core: CoreModel) -> Any:
         def run(q: Array, *others: Any) -> tuple[Any, ...]:
-            constraints = core_constraints(shapes, np.stack(others[is_inverse:]))
+            ends = np.stack(others[is_inverse:])
+            constraints = core_constraints(shapes, ends)
             G = algorithms.delassus_matrix(core, q, constraints)
             results = inverse_and_least_pivot(G, others[0]) if is_inverse else (G,)
             places = stacked(algorithms.joint_poses(core, q))
-            return *results, algorithms.mass_matrix(core, q), algorithms.joint_jacobians(core, q), places
+            return (
+                *results,
+                algorithms.mass_matrix(core, q),
+                algorithms.joint_jacobians(core, q),
+                places,
+                ends,
+            )
 
         return run
 
