@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from array import array
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, final
 
 import numpy as np
 
 from pinocchio._algorithms.jacobians import computeJointJacobiansTimeVariation
+from pinocchio._constraints._procedures.product import bound_product
 from pinocchio._constraints.bound_dynamics import (
     DERIVED,
     IMPACT_DERIVED,
@@ -139,9 +140,10 @@ class BoundDerivatives:
             _split(len(self.solution) - len(self.X_q), self.impact), filled, range(len(filled))
         )
         self.step, self.split = lambda: of_state(*self.inputs), lambda: split(self.solution, self.X_q)
+        self.multiply = partial(np.dot, self.W, self.B, self.solution)
 
     def _bind(self, kernel: Any, targets: list[Any], filled: list[Any], watch: Any) -> None:
-        """Binds the two kernels to their arrays."""
+        """Binds the two kernels, and the product between them, to their arrays."""
         self.step = kernel.into(
             *targets,
             returns=() if self.impact else _BY_TAU,
@@ -150,6 +152,7 @@ class BoundDerivatives:
             trailing_inputs=self.inputs,
         )
         m, n = self.X_q.shape
+        self.multiply = bound_product(self.W, self.B, self.solution)
         self.split = _splitter(n, m, self.impact).into(
             *filled,
             returns=() if self.impact else range(len(filled)),
@@ -171,7 +174,7 @@ class BoundDerivatives:
         by_tau = self.step()
         if by_tau is NotImplemented or not self.flag[0]:
             return NotImplemented
-        np.dot(self.W, self.B, self.solution)
+        self.multiply()
         by_state = self.split()
         data._arrays.update(self.outputs)
         if self.impact:
