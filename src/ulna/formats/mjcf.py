@@ -125,6 +125,7 @@ class _Reading:
         self._switches = Switches.of(compiled.model)
         self._drives = Drives(compiled.model, self._switches)
         self._joined = couplings(compiled.model, self._switches.equalities)
+        self._followers = self._joined.by_leader()
         self._touching = contacts(compiled.model, self._switches)
         self._links, self._joints = names_of(compiled.model, unnamed)
         self._taken_links, self._taken_joints = {*self._links}, {*self._joints}
@@ -213,10 +214,9 @@ class _Reading:
         }
         if drives.scalar_joint(j):
             lower, upper = self._range(j)
-            for follower, leader, multiplier, offset in self._joined.from_leaders() if mimic else ():
-                if leader == j:
-                    ends = sorted((end - offset) / multiplier for end in self._range(follower))
-                    lower, upper = max(lower, ends[0]), min(upper, ends[1])
+            for follower, multiplier, offset in self._followers.get(j, ()) if mimic else ():
+                ends = sorted((end - offset) / multiplier for end in self._range(follower))
+                lower, upper = max(lower, ends[0]), min(upper, ends[1])
             if lower > upper:  # they contradict each other
                 lower, upper = self._range(j)
             options["lower"], options["upper"] = lower, upper

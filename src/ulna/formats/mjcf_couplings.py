@@ -32,16 +32,16 @@ class Couplings:
     followed: dict[int, tuple[int, float, float]]
     expressed: frozenset[int]
 
-    def from_leaders(self) -> list[tuple[int, int, float, float]]:
-        """Each joint that follows, the joint at the end of its row that follows none, multiplier, offset."""
-        rows = []
+    def by_leader(self) -> dict[int, list[tuple[int, float, float]]]:
+        """By joint that follows none, the joints that follow it, others between them or not, as in `followed`."""
+        found: dict[int, list[tuple[int, float, float]]] = {}
         for j, (first, *numbers) in self.followed.items():
             leader, relation = first, (numbers[0], numbers[1])
             while leader in self.followed:
                 leader, multiplier, offset = self.followed[leader]
                 relation = _after(relation, (multiplier, offset))
-            rows.append((j, leader, *relation))
-        return rows
+            found.setdefault(leader, []).append((j, *relation))
+        return found
 
 
 def couplings(m: Any, equalities_on: bool = True) -> Couplings:
