@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ulna.compiler.procedures import Array1, Array2, Array3, f64, procedure
-from ulna.control.box_minimum import FREE, PLACE, ROWS, factorised, find_minimum, leaves
+from ulna.control.box_minimum import FREE, POINT, ROWS, factorised, find_minimum, is_outside
 from ulna.control.stages import StageDerivatives, TerminalDerivatives
 from ulna.typing import Floats
 
@@ -109,11 +109,11 @@ def _sweep(
         if not factorised(F.shape[1], Q, factor, box, numbers[0]):
             return False
         _solve(t, F.shape[1], Q, q, factor, box, gains, W)
-        if limits.shape[1] > 0 and leaves(t, F.shape[1], gains, limits):
+        if limits.shape[1] > 0 and is_outside(t, F.shape[1], gains, limits):
             find_minimum(t, F.shape[1], Q, q, factor, box, gains, limits, numbers[0])
             _solve(t, F.shape[1], Q, q, factor, box, gains, W)
             for i in range(factor.shape[0]):
-                gains[t, i, F.shape[1]] = box[PLACE, i]
+                gains[t, i, F.shape[1]] = box[POINT, i]
         _update(t, F.shape[1], V, v, Q, q, gains, numbers, W)
     return True
 

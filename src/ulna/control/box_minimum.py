@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from ulna.compiler.procedures import procedure
 
-FREE, PLACE, SLOPE, STEP, NEXT = 0, 1, 2, 3, 4
+FREE, POINT, SLOPE, STEP, NEXT = 0, 1, 2, 3, 4
 ROWS = 5
 """The rows of `box`, (ROWS, m): which entries are free (1 or 0), k, its slope, a step, and k after it."""
 
@@ -53,7 +53,7 @@ def factorised(n, Q, factor, box, mu):
 
 
 @procedure
-def leaves(t, n, gains, limits):
+def is_outside(t, n, gains, limits):
     """Whether k of a knot is outside its limits.
 
     Args:
@@ -65,11 +65,11 @@ def leaves(t, n, gains, limits):
     Returns:
         Whether an entry is.
     """
-    is_outside = False
+    found = False
     for i in range(gains.shape[1]):
         if gains[t, i, n] < limits[0, t, i] or gains[t, i, n] > limits[1, t, i]:
-            is_outside = True
-    return is_outside
+            found = True
+    return found
 
 
 @procedure(contract=True)
@@ -91,7 +91,7 @@ def find_minimum(t, n, Q, q, factor, box, gains, limits, mu):
         How often the slope was looked at.
     """
     for i in range(box.shape[1]):
-        box[PLACE, i] = _between(gains[t, i, n], limits[0, t, i], limits[1, t, i])
+        box[POINT, i] = min(max(gains[t, i, n], limits[0, t, i]), limits[1, t, i])
     rounds, part = 0, 1.0
     while part > 0.0 and rounds < _ROUNDS:
         _find_slope(n, Q, q, box, mu)
@@ -110,22 +110,13 @@ def find_minimum(t, n, Q, q, factor, box, gains, limits, mu):
     return rounds
 
 
-@procedure
-def _between(value, low, high):
-    if value < low:
-        return low
-    if value > high:
-        return high
-    return value
-
-
 @procedure(contract=True)
 def _find_slope(n, Q, q, box, mu):
     m = box.shape[1]
     for i in range(m):
-        total = q[n + i] + mu * box[PLACE, i]
+        total = q[n + i] + mu * box[POINT, i]
         for j in range(m):
-            total = total + Q[n + i, n + j] * box[PLACE, j]
+            total = total + Q[n + i, n + j] * box[POINT, j]
         box[SLOPE, i] = total
 
 
@@ -135,9 +126,9 @@ def _find_free(t, box, limits):
     is_changed = False
     for i in range(box.shape[1]):
         free = 1.0
-        if box[PLACE, i] <= limits[0, t, i] and box[SLOPE, i] >= 0.0:
+        if box[POINT, i] <= limits[0, t, i] and box[SLOPE, i] >= 0.0:
             free = 0.0
-        if box[PLACE, i] >= limits[1, t, i] and box[SLOPE, i] <= 0.0:
+        if box[POINT, i] >= limits[1, t, i] and box[SLOPE, i] <= 0.0:
             free = 0.0
         if free != box[FREE, i]:
             is_changed = True
@@ -171,22 +162,22 @@ def _descend(t, n, Q, box, limits, mu):
     while part > _SHORTEST:
         first, second, is_cut = 0.0, 0.0, False
         for i in range(m):
-            ahead = box[PLACE, i] + part * box[STEP, i]
-            box[NEXT, i] = _between(ahead, limits[0, t, i], limits[1, t, i])
+            ahead = box[POINT, i] + part * box[STEP, i]
+            box[NEXT, i] = min(max(ahead, limits[0, t, i]), limits[1, t, i])
             if box[NEXT, i] != ahead:
                 is_cut = True
         for i in range(m):
-            change = box[NEXT, i] - box[PLACE, i]
+            change = box[NEXT, i] - box[POINT, i]
             bend = mu * change
             for j in range(m):
-                bend = bend + Q[n + i, n + j] * (box[NEXT, j] - box[PLACE, j])
+                bend = bend + Q[n + i, n + j] * (box[NEXT, j] - box[POINT, j])
             first = first + change * box[SLOPE, i]
             second = second + 0.5 * change * bend
         if first == 0.0:
             return _WHOLE
         if first < 0.0 and first + second <= _SUFFICIENT * first:
             for i in range(m):
-                box[PLACE, i] = box[NEXT, i]
+                box[POINT, i] = box[NEXT, i]
             return _WHOLE if part == 1.0 and not is_cut else part
         part = 0.5 * part
     return 0.0

@@ -27,6 +27,7 @@ from ulna.ik.arguments import matrix_of
 from ulna.ik.branches import Branches, ik_all
 from ulna.ik.contacts import Contacts, Distances
 from ulna.ik.result import IKSolution
+from ulna.ik.singular import any_singular
 from ulna.ik.solve import Solver
 from ulna.typing import Array, ArrayLike, Floats
 
@@ -46,7 +47,6 @@ _FIRST, _MOST = 7, 64  # starting points of the first and of the largest round
 _FULL_RANGE_START = 64  # the starting point from which on they are drawn from the whole ranges
 _SAME_SOLUTION = 1e-3  # rad or m: solutions this near are one
 _CHECKED = 16  # configurations checked together; at first fewer, since the nearest is often free
-_SINGULAR = 1e-7  # the part of the Jacobian's largest singular value below which its smallest counts as 0
 _EXPLAINED = 32  # configurations examined to explain why there is no solution
 
 
@@ -307,8 +307,7 @@ class FreeSolver:
         problem = self.solver.problem
         frame = self.model.frame_name(problem.frames[0])
         J = kernels.kernel(self.model, "jacobian", frame=frame)(branches.q)[..., problem.velocities]
-        values = np.linalg.svd(J, compute_uv=False)
-        return bool((values[..., -1] > _SINGULAR * values[..., 0]).all())
+        return not any_singular(J)
 
     def _starts(
         self, home: Floats, first: Floats, branches: Branches | None, options: FreeOptions

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 import ulna
+from support.callers import call_at_once
 from ulna import numeric as nm
 from ulna.compiler import compile, trace
 from ulna.compiler.runtime.repeated_calls import call_cache, forget, repeated_calls
@@ -141,23 +142,14 @@ WORKS = (_single, _batch, _named_lists, _out, _bound, _compiled_again, _pickled,
 
 def in_threads(work: Callable[[int], None]) -> None:
     """Runs `work` in all threads from the same moment on; raises what one of them raised."""
-    errors: list[BaseException] = []
-    barrier = threading.Barrier(THREADS)
+    barrier, numbers = threading.Barrier(THREADS), iter(range(THREADS))
 
-    def run(number: int) -> None:
-        try:
-            barrier.wait(600)
-            work(number)
-        except BaseException as error:
-            errors.append(error)
+    def run() -> None:
+        number = next(numbers)
+        barrier.wait(600)
+        work(number)
 
-    threads = [threading.Thread(target=run, args=(k,)) for k in range(THREADS)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    if errors:
-        raise errors[0]
+    call_at_once(run, THREADS)
 
 
 def call_and_compile(rounds: int) -> None:

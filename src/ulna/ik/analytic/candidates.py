@@ -18,6 +18,7 @@ from ulna.ik.analytic.closed import branch_numbers, closed_form
 from ulna.ik.analytic.evaluation import candidate_evaluator, periods
 from ulna.ik.analytic.geometry import EXACT, ArmGeometry, arm_geometries, remaining
 from ulna.ik.analytic.refine import refined
+from ulna.ik.singular import any_singular
 from ulna.model import Model
 from ulna.spatial import SE3
 from ulna.system.cached import cached_property
@@ -28,9 +29,6 @@ _STEPS = 60
 _FEW_STEPS = 20
 _MORE_STARTS = 128  # where elimination may have lost some
 _MET = 1e-9  # errors below which a candidate counts as at the goal [m and rad]
-_SINGULAR = (
-    1e-7  # the part of the largest singular value of the Jacobian below which the smallest counts as 0
-)
 _MAX_CONDITION = 1e9
 """Condition number up to which elimination is trusted to have found every solution."""
 
@@ -114,10 +112,7 @@ class Source(ABC):
 
     def _is_singular(self, q: Floats) -> bool:
         """Whether in any of the configurations (m, nq) the arm moves without moving the frame, or nearly so."""
-        if not len(q):
-            return False
-        values = np.linalg.svd(self._kernels[1](q)[..., self._columns[1]], compute_uv=False)
-        return bool((values[:, -1] < _SINGULAR * values[:, 0]).any())
+        return len(q) > 0 and any_singular(self._kernels[1](q)[..., self._columns[1]])
 
     def refine(self, q: Floats, T: Floats, iterations: int) -> Floats:
         """Configurations (m, nq) led nearer to goals (m, 4, 4); the free joint stays where it is.

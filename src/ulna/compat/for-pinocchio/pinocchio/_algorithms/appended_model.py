@@ -12,7 +12,7 @@ from pinocchio._containers.arrays import alike
 from pinocchio._containers.named_configurations import StdMap_String_VectorXd
 from pinocchio._model.frame import Facts, Frame
 from pinocchio._model.model import Model
-from pinocchio._model.skeleton import Skeleton, gathered, renumbered
+from pinocchio._model.skeleton import Skeleton, gathered, remembered, renumbered
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
 from ulna import algorithms
@@ -62,8 +62,6 @@ def appended_model(first: Model, second: Model, at: int, aMb: SE3) -> tuple[Mode
 
 
 _KNOWN: dict[Any, Appended] = {}
-_MOST_KNOWN = 16
-"""How many results are kept for models with the same joints and frames, the newest last."""
 
 
 def _appended(first: Skeleton, second: Skeleton, at: int) -> Appended:
@@ -71,11 +69,7 @@ def _appended(first: Skeleton, second: Skeleton, at: int) -> Appended:
     known = _KNOWN.get(key)
     if known is not None and known.is_of(first, second):
         return known
-    _KNOWN.pop(key, None)
-    made = _KNOWN[key] = Appended(first, second, at)
-    for oldest in list(_KNOWN)[:-_MOST_KNOWN]:
-        _KNOWN.pop(oldest, None)
-    return made
+    return remembered(_KNOWN, key, Appended(first, second, at))
 
 
 @final

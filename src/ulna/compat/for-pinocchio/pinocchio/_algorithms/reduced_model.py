@@ -10,7 +10,7 @@ from pinocchio._containers.arrays import vector
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.named_configurations import StdMap_String_VectorXd
 from pinocchio._model.model import Model
-from pinocchio._model.skeleton import Skeleton, gathered, renumbered
+from pinocchio._model.skeleton import Skeleton, gathered, remembered, renumbered
 from pinocchio._spatial.bound_functions import BoundFunctions
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3
@@ -50,8 +50,6 @@ def reduced_model(model: Model, locked: list[int], reference: Any) -> tuple[Mode
 
 
 _KNOWN: dict[Any, _Structure] = {}
-_MOST_KNOWN = 16
-"""How many structures are kept for models with the same joints and frames, the newest last."""
 
 
 def _structure_of(skeleton: Skeleton, locked: list[int]) -> _Structure:
@@ -64,11 +62,7 @@ def _structure_of(skeleton: Skeleton, locked: list[int]) -> _Structure:
     ):
         return known
     _check(skeleton, locked)
-    _KNOWN.pop(key, None)
-    made = _KNOWN[key] = _Structure(skeleton, set(locked))
-    for oldest in list(_KNOWN)[:-_MOST_KNOWN]:
-        _KNOWN.pop(oldest, None)
-    return made
+    return remembered(_KNOWN, key, _Structure(skeleton, set(locked)))
 
 
 @final

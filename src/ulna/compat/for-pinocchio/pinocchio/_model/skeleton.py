@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -12,6 +12,8 @@ from pinocchio._model.frame import Facts
 from pinocchio._model.joint_model import JointModel
 from pinocchio._model.row_storage import RowStorage
 from ulna.typing import Floats
+
+Structure = TypeVar("Structure")
 
 SLOTS = {"placements": "_m", "inertias": "_p", "frames": "_m"}
 """The attribute in which joints' placements and inertias, and frames' placements, hold their arrays."""
@@ -138,3 +140,24 @@ def renumbered(
 def joints_with(attributes: Iterable[Attributes]) -> StdVec[JointModel]:
     """New joints of these classes and attributes."""
     return StdVec(kind._of_attributes(values) for kind, values in attributes)
+
+
+_MOST_REMEMBERED = 16
+
+
+def remembered(known: dict[Any, Structure], key: Any, made: Structure) -> Structure:
+    """Keeps what was made for models with the same joints and frames, as the newest of a few.
+
+    Args:
+        known: What is kept, the newest last.
+        key: What the models have in common.
+        made: What was made for them.
+
+    Returns:
+        The same.
+    """
+    known.pop(key, None)
+    known[key] = made
+    for oldest in list(known)[:-_MOST_REMEMBERED]:
+        known.pop(oldest, None)
+    return made

@@ -227,6 +227,22 @@ def _update(at, factors, fixed, W):
 
 
 @procedure
+def _find_velocities(at, velocities, W):
+    """The velocities G y + g."""
+    for i in range(len(at.G)):
+        velocities[i] = row_times(at.G, i, at.y, 0, W) + at.g[i]
+
+
+@procedure
+def _add_shift(rows, velocities, shifts, fixed):
+    """Adds De Saxce's shift to velocities where contacts slide, and leaves it in `shifts`."""
+    if fixed[SLIDING] > 0.0:
+        shift(rows, velocities, shifts)
+        for i in range(len(velocities)):
+            velocities[i] += shifts[i]
+
+
+@procedure
 def _record(rows, at, history, factors, fixed, k, W):
     """Records an iteration, before rho changes."""
     for i in range(len(at.G)):
@@ -234,12 +250,8 @@ def _record(rows, at, history, factors, fixed, k, W):
     at.records[k, 7] = distance(at.work, at.right, W)
     solve(factors, at.work, W)
     at.records[k, 8] = distance(at.work, at.x, W)
-    for i in range(len(at.G)):
-        at.work[i] = row_times(at.G, i, at.y, 0, W) + at.g[i]
-    if fixed[SLIDING] > 0.0:
-        shift(rows, at.work, at.right)
-        for i in range(len(at.work)):
-            at.work[i] += at.right[i]
+    _find_velocities(at, at.work, W)
+    _add_shift(rows, at.work, at.right, fixed)
     at.records[k, 2] = off_dual(rows, at.work)
     at.records[k, 0] = at.now[PRIMAL]
     at.records[k, 1] = at.now[DUAL]
@@ -282,28 +294,12 @@ def admm_iterations(
 
 
 @procedure
-def _add_shift(rows, at, fixed):
-    """Adds De Saxce's shift to z."""
-    if fixed[SLIDING] > 0.0:
-        shift(rows, at.z, at.s)
-        for i in range(len(at.z)):
-            at.z[i] += at.s[i]
-
-
-@procedure
-def _velocities(at, W):
-    """z = G y + g."""
-    for i in range(len(at.G)):
-        at.z[i] = row_times(at.G, i, at.y, 0, W) + at.g[i]
-
-
-@procedure
 def _first_iterates(rows, at, factors, fixed, has_impulses, has_velocities, W):
     """x, y, z and s from what is given, impulses in x, velocities in z: one follows from the other."""
     for i in range(len(at.s)):
         at.s[i] = 0.0
     if has_velocities:
-        _add_shift(rows, at, fixed)
+        _add_shift(rows, at.z, at.s, fixed)
         if not has_impulses:
             factorize(factors, at.G, at.now[MU], W)
             for i in range(len(at.x)):
@@ -314,8 +310,8 @@ def _first_iterates(rows, at, factors, fixed, has_impulses, has_velocities, W):
     if has_impulses or has_velocities:
         project(rows, at.x, at.y)
     if not has_velocities:
-        _velocities(at, W)
-        _add_shift(rows, at, fixed)
+        _find_velocities(at, at.z, W)
+        _add_shift(rows, at.z, at.s, fixed)
 
 
 @procedure(constants={"W": LANES})
@@ -348,12 +344,8 @@ def admm_start(
     at.now[WAITED] = 0.0
     at.now[ENDED] = 0.0
     at.now[WEIGHT] = at.now[MU]
-    for i in range(len(at.G)):
-        at.work[i] = row_times(at.G, i, at.y, 0, W) + at.g[i]
-    if fixed[SLIDING] > 0.0:
-        shift(rows, at.work, at.s)
-        for i in range(len(at.work)):
-            at.work[i] += at.s[i]
+    _find_velocities(at, at.work, W)
+    _add_shift(rows, at.work, at.s, fixed)
     at.now[PRIMAL] = 0.0
     at.now[DUAL] = off_dual(rows, at.work)
     at.now[POWER] = power(rows, at.work, at.y)
