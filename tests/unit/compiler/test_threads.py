@@ -13,6 +13,7 @@ import sys
 import sysconfig
 import threading
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -301,13 +302,16 @@ def drop_robots() -> None:
 
 _CHILD = """
 import sys, sysconfig
-sys.path.insert(0, sys.argv[1])
+sys.path[:0] = sys.argv[1:]
 import test_threads
 test_threads.{what}
 if sysconfig.get_config_var("Py_GIL_DISABLED"):
     assert not sys._is_gil_enabled()
 print("done")
 """
+
+_HERE = Path(__file__).resolve().parent
+_IMPORTED = str(_HERE), str(_HERE.parents[1])
 
 
 TOGETHER = (
@@ -324,7 +328,7 @@ def test_each_thread_gets_the_values_of_a_single_thread(what: str, fast: str, tm
     environment |= {"ULNA_FAST": fast} if fast else {}
     environment |= {"PYTHON_GIL": "0"} if sysconfig.get_config_var("Py_GIL_DISABLED") else {}
     done = subprocess.run(
-        [sys.executable, "-X", "faulthandler", "-c", _CHILD.format(what=what), os.path.dirname(__file__)],
+        [sys.executable, "-X", "faulthandler", "-c", _CHILD.format(what=what), *_IMPORTED],
         capture_output=True, text=True, env=environment, timeout=600, check=False,
     )  # fmt: skip
     assert done.returncode == 0 and done.stdout == "done\n", done.stderr[-4000:]
