@@ -91,7 +91,7 @@ def test_importing_ulna_imports_few_files() -> None:
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     imported = sorted(set(done.stdout.split()) - set(sys.builtin_module_names))  # those are no files
-    assert len(imported) <= 141, imported
+    assert len(imported) <= 142, imported
 
 
 def test_files_of_algorithms() -> None:

@@ -16,6 +16,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import kernels
+from ulna.checks.attributes import FixedAttributes
 from ulna.checks.quaternions import checked_configurations
 from ulna.checks.values import count as check_count
 from ulna.checks.values import flag, number, short_repr
@@ -63,7 +64,7 @@ _CHUNK = 512  # configurations whose spheres fit the second cache
 
 
 @final
-class SphereChecker:
+class SphereChecker(FixedAttributes):
     """Conservative collision checks of one robot, in one world, by spheres on its links.
 
     Links that never move take part by their real shapes; their spheres only serve against moving obstacles. Spheres
@@ -85,6 +86,22 @@ class SphereChecker:
         UnknownName: If spheres or pairs name no link.
     """
 
+    model: Model
+    world: World
+    missing: Missing
+    spheres: Spheres
+    pairs: tuple[LinkPair, ...]
+    attached: Mapping[str, Any]
+    carriers: dict[str, str]
+    attached_pairs: tuple[Any, ...]
+    covering: Spheres
+    """The spheres of the links, then those of attached objects."""
+    tables: tuple[Any, ...]
+    """Tables of proved clearance, by which some of the pairs are checked."""
+    sphere_pairs: tuple[LinkPair, ...]
+    """The pairs of links that are checked by spheres alone."""
+    table_checks: TableChecks
+
     def __init__(
         self,
         model: Model | Any,
@@ -98,7 +115,7 @@ class SphereChecker:
         model = model_of(model, "model")
         pairs = pairs if pairs is None else tuple(pairs)
         self._options = {"spheres": spheres, "pairs": pairs, "missing": missing, "tables": tables}
-        self.missing: Missing = missing
+        self.missing = missing
         self.model, self.world = model, World() if world is None else world
         self.spheres = _checked(fit(model, missing=missing) if spheres is None else spheres, model, missing)
         chosen = link_pairs(model) if pairs is None else checked_pairs(model, pairs)
@@ -108,13 +125,10 @@ class SphereChecker:
         self.attached, self.carriers = carried_bodies.spheres, carried_bodies.carriers
         self.attached_pairs = carried_bodies.pairs
         self.covering = Spheres({**self.spheres.links, **self.attached}) if self.attached else self.spheres
-        """The spheres of the links, then those of attached objects."""
         self._places = _places(self.covering)
         with_tables = spheres is None if tables is None else flag("tables", tables)
         self.tables = pair_tables(model, self.spheres, self.pairs, missing) if with_tables else ()
-        """Tables of proved clearance, by which some of the pairs are checked."""
         self.sphere_pairs = without_tables(self.pairs, self.tables)
-        """The pairs of links that are checked by spheres alone."""
         self.table_checks = TableChecks(model, self.world, self.spheres, self.tables, missing)
         self._apart = pairs_apart(model, self.world, self.covering, self.sphere_pairs, self.attached_pairs)
         checked = (*self.sphere_pairs, *self.attached_pairs)

@@ -13,6 +13,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import kernels
+from ulna.checks.attributes import FixedAttributes
 from ulna.collision import deferred, narrow
 from ulna.collision.attached import attached_solids
 from ulna.collision.broad_phase import BroadPhase
@@ -20,7 +21,7 @@ from ulna.collision.mask import pair_margins, pair_mask
 from ulna.collision.narrow import Narrow, NearestPoints, PosedSolids, Poses
 from ulna.collision.pairs import LinkPair, checked_pairs, link_pairs
 from ulna.collision.result import Distance, Proximity
-from ulna.collision.solids import Missing, link_solids, obstacle_solids
+from ulna.collision.solids import Missing, Solid, link_solids, obstacle_solids
 from ulna.collision.world import World
 from ulna.errors import InputError, ShapeError
 from ulna.model import Model
@@ -30,7 +31,7 @@ from ulna.typing import Array, ArrayLike, Floats
 
 
 @final
-class Checker:
+class Checker(FixedAttributes):
     """Collision checks of one robot, in one world, through coal.
 
     It keeps coal's objects between calls; a lock lets one thread in at a time. For more threads make more checkers.
@@ -50,6 +51,15 @@ class Checker:
         UnknownName: If a pair names no link.
     """
 
+    model: Model
+    world: World
+    solids: tuple[Solid, ...]
+    """The solids of the links, then those of attached objects, then those of the obstacles."""
+    pairs: tuple[LinkPair, ...]
+    mask: Array
+    """Which solids that move with the robot are checked against which of all, (n links and attached, n)."""
+    lock: Any
+
     def __init__(
         self,
         model: Model | Any,
@@ -68,10 +78,8 @@ class Checker:
         links, obstacles = link_solids(model, missing), obstacle_solids(self.world, missing)
         attached = attached_solids(model, self.world, missing)
         self.solids, count = (*links, *attached, *obstacles), len(links) + len(attached)
-        """The solids of the links, then those of attached objects, then those of the obstacles."""
         self.pairs = _link_pairs(model, self.world, pairs, without)
         self.mask = pair_mask(model, self.world, self.solids, count, self.pairs, without)
-        """Which solids that move with the robot are checked against which of all, (n links and attached, n)."""
         rounding = np.array([solid.rounding for solid in self.solids])
         margins = pair_margins(self.world, self.solids, count) + rounding[:count, None] + rounding
         self._broad = BroadPhase(model, self.world, links, attached, obstacles, self.mask, margins)

@@ -17,6 +17,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Any, final
 
+from ulna.checks.attributes import FixedAttributes
 from ulna.compiler import compile
 from ulna.errors import InputError
 from ulna.numeric import less, minimum, vector, where
@@ -25,7 +26,7 @@ from ulna.typing import Array, ArrayLike
 
 
 @final
-class Admittance:
+class Admittance(FixedAttributes):
     """How a goal yields to a force; see `admittance`."""
 
     def __init__(self) -> None:

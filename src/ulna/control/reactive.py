@@ -21,6 +21,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna import algorithms, numeric
+from ulna.checks.attributes import FixedAttributes
 from ulna.checks.values import checked_robot
 from ulna.errors import InputError, NonFiniteError, ShapeError
 from ulna.ik.qp import solve_box, solve_rows
@@ -30,7 +31,7 @@ from ulna.typing import Array, ArrayLike, Floats
 
 
 @final
-class Reactive:
+class Reactive(FixedAttributes):
     """A reactive controller of one frame, after Haviland & Corke's NEO.
 
     Args:
@@ -47,6 +48,9 @@ class Reactive:
         InputError: If a joint has several coordinates, `stop` is not less than `influence`, or a gain or a weight
             makes no sense.
     """
+
+    robot: Robot
+    """The robot."""
 
     def __init__(
         self,

@@ -15,6 +15,7 @@ from ulna.formats.mjcf_switches import Switches
 from ulna.formats.omitted import Omission, place
 
 ADD_TO_TAU = "Add their torques to `tau`."
+_FAR_FROM_EQUALITY = 1e-3  # [rad, m]; keyframes are written with few digits
 
 
 class OmissionSearch:
@@ -47,6 +48,7 @@ class OmissionSearch:
             *self._joint_forces(),
             *self._tendons(),
             *self._equalities(),
+            *self._keyframes(),
             *self._actuators(),
             *self._bodies(),
             *self._surroundings(),
@@ -121,6 +123,24 @@ class OmissionSearch:
             if matters and tendons:
                 places = tuple(self._location("tendon", m.tendon(t).name, t) for t in tendons)
                 yield Omission(f"<tendon {attribute}>", *effects[attribute], places)
+
+    def _keyframes(self) -> Iterator[Omission]:
+        """Keyframes in which a joint is not where it follows another one to."""
+        m, places = self._m, []
+        for k in range(m.nkey):
+            q = m.key_qpos[k][m.jnt_qposadr]
+            for j, (leader, multiplier, offset) in self._joined.followed.items():
+                there = multiplier * q[leader] + offset
+                if abs(q[j] - there) > _FAR_FROM_EQUALITY * max(1.0, abs(there)):
+                    joint, led = (
+                        f"{self._joints[j]!r} is at {q[j]:.4g}",
+                        f"{self._joints[leader]!r} to {there:.4g}",
+                    )
+                    key = self._location("key", m.key(k).name, k)
+                    places.append(f"{key} where {joint}, and follows {led}")
+        if places:
+            effect = "joints that follow others are where these lead them."
+            yield Omission("<key qpos>", effect, "Correct the keyframe, or the equality.", tuple(places))
 
     def _equalities(self) -> Iterator[Omission]:
         m = self._m

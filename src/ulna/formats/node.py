@@ -245,9 +245,17 @@ class Node:
         """Warn about child elements that look like a misspelling of a known one."""
         for node in self.children():
             if node.tag not in known:
-                suggestions = nearest_names(node.tag, known, 1, 0.8)
+                suggestions = nearest_names(node.tag, known, 1, 0.75)
                 if suggestions:
                     node.warn(f"<{node.tag}> is not known and is ignored; did you mean <{suggestions[0]}>?")
+
+    def warn_of_unknown_attributes(self, known: Sequence[str]) -> None:
+        """Warn about attributes other than the known ones, with the most similar of these that is not there."""
+        for name in self.attributes:
+            if name not in known:
+                missing = [n for n in known if not self.has(n)]
+                hint = nearest(name, missing, "; did you mean {}?")
+                self.warn(f"the attribute {short(name)!r} is not known and is ignored{hint}")
 
 
 def _local(tag: Any, namespace: str) -> str:

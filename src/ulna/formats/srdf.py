@@ -85,7 +85,7 @@ def read_srdf(path: str | os.PathLike[str]) -> SrdfDocument:
 
 
 def parse_srdf(data: bytes | str, file: str | None = None) -> SrdfDocument:
-    """The document that an SRDF text describes; unknown elements are ignored.
+    """The document that an SRDF text describes; unknown elements are ignored, with a warning if they look misspelt.
 
     Args:
         data: The text.
@@ -98,6 +98,7 @@ def parse_srdf(data: bytes | str, file: str | None = None) -> SrdfDocument:
         FormatError: the text is not an SRDF.
     """
     root = parse_markup(data, file, "robot", "SRDF")
+    _warn_of_unknown(root)
     groups: dict[str, SrdfGroup] = {}
     for node in root.children("group"):
         group = _group(node)
@@ -128,6 +129,47 @@ def parse_srdf(data: bytes | str, file: str | None = None) -> SrdfDocument:
         },
         file,
     )
+
+
+_CHILDREN = {
+    "robot": (
+        "group",
+        "group_state",
+        "disable_collisions",
+        "virtual_joint",
+        "end_effector",
+        "passive_joint",
+        "rotor_params",
+        "gripper",
+        "specificities",
+        "link_sphere_approximation",
+    ),
+    "group": ("joint", "link", "chain", "group"),
+    "group_state": ("joint",),
+    "rotor_params": ("joint",),
+}
+_ATTRIBUTES = {
+    ("robot", "group_state"): ("name", "group"),
+    ("robot", "end_effector"): ("name", "parent_link", "group", "parent_group"),
+    ("robot", "virtual_joint"): ("name", "type", "parent_frame", "child_link"),
+    ("robot", "disable_collisions"): ("link1", "link2", "reason"),
+    ("rotor_params", "joint"): ("name", "mass", "gear_ratio"),
+}
+_NOT_READ = ("disable_default_collisions", "enable_collisions")
+
+
+def _warn_of_unknown(root: Node) -> None:
+    """Warn about elements that look misspelt, and unknown attributes of those that are read."""
+    waiting = [root]
+    for parent in waiting:
+        parent.warn_of_unknown_children((*_CHILDREN[parent.tag], *_NOT_READ))
+        for node in parent.children():
+            if node.tag in _NOT_READ:
+                node.warn(f"<{node.tag}> is not read; write <disable_collisions> for each pair")
+            if (parent.tag, node.tag) in _ATTRIBUTES:
+                node.warn_of_unknown_attributes(_ATTRIBUTES[parent.tag, node.tag])
+            if parent is root and node.tag in _CHILDREN:
+                waiting.append(node)
 
 
 def _group(node: Node) -> SrdfGroup:

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 
-from ulna.formats.node import Node
+from ulna.formats.node import Node, short
 from ulna.formats.omitted import Omission, place
 
 ATTRIBUTES = {
@@ -21,6 +21,9 @@ ATTRIBUTES = {
     "joint": ("name", "type"),
 }
 """The attributes of the elements on which numbers of a model depend."""
+
+EXTENSIBLE = ("limit", "dynamics", "joint")
+"""To these vendors add attributes of their own: only those that resemble a known one are reported."""
 
 FASTER = ("acceleration", "deceleration", "jerk")
 SPRINGS = ("spring_stiffness", "spring_reference", "spring_k", "stiffness")
@@ -127,12 +130,15 @@ def _mujoco(root: Node) -> Iterator[str]:
 
 
 def _misspelt(root: Node) -> Iterator[str]:
-    """Attributes that look like a known one that is not there."""
+    """Attributes that look like a known one that is not there, and unknown ones where there are no others."""
     for node in _numbered(root):
+        known = ATTRIBUTES.get(node.tag, ())
         for attribute in node.attributes:
-            meant = _like(attribute, ATTRIBUTES.get(node.tag, ()))
+            meant = _like(attribute, known)
             if meant and not node.has(meant):
-                yield place(f"<{node.tag} {attribute}> (meant as {meant}?)", "", node.line)
+                yield place(f"<{node.tag} {short(attribute)}> (meant as {meant}?)", "", node.line)
+            elif known and attribute not in known and node.tag not in EXTENSIBLE:
+                yield place(f"<{node.tag} {short(attribute)}> (known: {', '.join(known)})", "", node.line)
 
 
 def _numbered(root: Node) -> Iterator[Node]:
@@ -151,8 +157,10 @@ def _numbered(root: Node) -> Iterator[Node]:
 def _like(attribute: str, known: tuple[str, ...]) -> str | None:
     if attribute in known or len(attribute) > LONGEST:
         return None
-    suggestions = difflib.get_close_matches(attribute.lower(), known, n=1, cutoff=0.8)
-    return suggestions[0] if suggestions else None
+    lowered = attribute.lower()
+    suggestions = difflib.get_close_matches(lowered, known, n=1, cutoff=0.8)
+    longer = [name for name in known if len(lowered) > 2 and name.startswith(lowered)]  # vel, eff, mult
+    return next(iter(suggestions or longer), None)
 
 
 def _local(tag: str) -> str:

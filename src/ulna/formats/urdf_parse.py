@@ -30,6 +30,9 @@ JOINT_KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "plan
 SHAPES = ("box", "cylinder", "sphere", "capsule", "mesh")
 
 _OF_LINK = ("inertial", "visual", "collision", "origin", "contact", "self_filter", "surface", "gravity")
+_OF_ROBOT = ("link", "joint", "material", "transmission", "gazebo", "sensor", "ros2_control")
+_OF_INERTIAL = ("origin", "mass", "inertia")
+_OF_BODY = ("origin", "geometry", "material", "verbose")
 _OF_JOINT = (
     "origin",
     "parent",
@@ -58,6 +61,7 @@ def parse_urdf(data: bytes | str, file: str | None = None) -> UrdfDocument:
     """
     root = parse_markup(data, file, "robot", "URDF")
     _reject_xacro(root)
+    root.warn_of_unknown_children(_OF_ROBOT)
     palette = Palette(root)
     links: dict[str, UrdfLink] = {}
     for node in root.children("link"):
@@ -130,6 +134,7 @@ def _link(node: Node, palette: Palette) -> UrdfLink:
 
 
 def _inertial(node: Node) -> UrdfInertial:
+    node.warn_of_unknown_children(_OF_INERTIAL)
     mass = node.required_child("mass", 'Write <mass value="..."/> in kg, or leave <inertial> out.').number(
         "value"
     )
@@ -150,6 +155,7 @@ def _bodies(link: Node, tag: str, palette: Palette) -> tuple[UrdfBody, ...]:
 
 def _body(node: Node, palette: Palette) -> UrdfBody | None:
     """The body of a visual or collision element; None, with a warning, where other readers leave it out, too."""
+    node.warn_of_unknown_children(_OF_BODY)
     geometry = node.required_child("geometry", f"Write <geometry><box size=.../></geometry> in <{node.tag}>.")
     oddity = _oddity(geometry)
     if oddity:

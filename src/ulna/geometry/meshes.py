@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import importlib
 import math
 import os
 import re
@@ -92,12 +93,11 @@ def _check_mesh_data(path: str, vertices: Floats, triangles: Array) -> None:
 def _scene(file: BinaryIO, path: str) -> Any:
     """What trimesh makes of an open mesh file."""
     with needed("trimesh", "mesh", "Reading mesh files"):
-        import trimesh
+        library = _trimesh()
     ending = os.path.splitext(path)[1].lower()
     if ending == ".dae":
         with needed("pycollada", "mesh", "Reading mesh files"):
             import collada  # noqa: F401
-    library: Any = trimesh
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # trimesh and pycollada warn about numpy and about odd files
@@ -105,6 +105,17 @@ def _scene(file: BinaryIO, path: str) -> Any:
             return library.load(file, file_type=ending[1:], resolver=resolver, force="scene", process=False)
     except Exception as error:  # any of a dozen parsers underneath
         raise InputError(f"Cannot read the mesh file {path!r}: {type(error).__name__}: {error}") from error
+
+
+def _trimesh() -> Any:
+    """The module trimesh.
+
+    As it is imported it catches every exception of what it imports in turn, KeyboardInterrupt too, and goes on without
+    SciPy. So another thread imports it, in which there are no signals.
+    """
+    from ulna.compiler.runtime.interrupt import interruptible
+
+    return interruptible(lambda: importlib.import_module("trimesh"))
 
 
 @functools.cache

@@ -68,7 +68,9 @@ def identify(
         prior: Dynamic parameters to stay near to, (10 nbodies,); None for the model's.
         ridge: How much staying near to the prior counts: what a deviation of every parameter by its own size costs,
             beside the mean squared residual [(N m)^2]. None for nothing, or for 1e-6 of the mean squared torque where
-            `physical`; there it is 1e-10 of that at least, so that one solution is the best.
+            `physical`; there it is 1e-10 of that at least, so that one solution is the best. The
+            default makes fits of noisy logs predict better, and leaves residuals of about 1e-4 of the torques where
+            data are exact; 0 leaves none.
         noise: Standard deviation of each joint's torque, (nv,) [N m, N]; "auto" estimates it from the residuals of a
             first fit; None treats all joints alike.
         width: Velocity within which Coulomb friction passes smoothly through zero [rad/s, m/s].

@@ -8,6 +8,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from ulna.checks.attributes import FixedAttributes
 from ulna.errors import ModelError, UnknownName
 from ulna.geometry import Geometry
 from ulna.model.check import (
@@ -31,7 +32,7 @@ from ulna.typing import ArrayLike, Floats
 Position = ArrayLike | Mapping[str, ValueOrSequence]
 
 
-class PartsBuilder:
+class PartsBuilder(FixedAttributes):
     """Collects links, joints, frames, configurations and groups, and checks each one.
 
     Args:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, final, get_args
 import numpy as np
 
 from ulna.checks.arrays import finite_array
+from ulna.checks.attributes import FixedAttributes
 from ulna.checks.labels import in_order
 from ulna.checks.values import flag, number, short_repr
 from ulna.collision import LinkPair, Spheres, World
@@ -140,7 +141,7 @@ def plan(
 
 
 @final
-class Planner:
+class Planner(FixedAttributes):
     """Plans for one robot in one world, and keeps what calls have in common: for many plans.
 
     Args:
@@ -169,6 +170,10 @@ class Planner:
         >>> [bool(planner.plan(q, q + [turn, 0, 0, 0, 0, 0, 0])) for turn in (0.5, 1.0)]
         [True, True]
     """
+
+    robot: Any
+    model: Any
+    scene: PlanningScene
 
     def __init__(
         self,

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from ulna.checks.attributes import FixedAttributes
 from ulna.model import Model
 
 
@@ -23,7 +24,7 @@ class KernelTable(Protocol):
     """`make(name, *options)` returns a kernel, and enters it in both tables."""
 
 
-class Part:
+class Part(FixedAttributes):
     """A group of methods of a robot, such as `robot.constraints`; its groups share their kernels.
 
     Args:

@@ -7,6 +7,7 @@ from typing import Any, Self, final
 
 import numpy as np
 
+from ulna.checks.attributes import FixedAttributes
 from ulna.checks.values import checked_robot, number, one_of, short_repr
 from ulna.errors import InputError, ShapeError
 from ulna.sim.recording_file import read_csv, write_csv
@@ -14,7 +15,7 @@ from ulna.typing import ArrayLike, Floats
 
 
 @final
-class Recording:
+class Recording(FixedAttributes):
     """Columns of numbers over time: "t" [s], "q", and further named columns.
 
     Times do not decrease. Where a row lacks a column it holds nan.

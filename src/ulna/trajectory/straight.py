@@ -130,15 +130,14 @@ def _configuration(model: Model, name: str, value: ArrayLike) -> Floats:
         raise InputError(f"Model {model.name!r} has no joints that move, and so no trajectories.")
     q = vector(name, in_order(name, value, model.position_names), model.nq)
     off = np.abs(algorithms.normalize(model, q) - q)
-    free = np.array(
-        [w for w in range(model.nq) if model.position_names[w].endswith(("qx", "qy", "qz", "qw"))], int
-    )
-    if free.size and off[free].max() > 1e-6:
-        k = int(free[np.argmax(off[free])])
-        raise InputError(
-            f"`{name}[{k}]`, {model.position_names[k]!r}, belongs to a quaternion that is not unit; "
-            "robot.configuration_space.normalize(q) makes it so."
-        )
+    for places in model.unit_vectors:
+        k = max(places, key=lambda place: off[place])
+        if off[k] > 1e-6:
+            kind = "a quaternion" if len(places) == 4 else "cosine and sine of an angle"
+            raise InputError(
+                f"`{name}[{k}]`, {model.position_names[k]!r}, belongs to {kind} whose length is not 1; "
+                "robot.configuration_space.normalize(q) makes it so."
+            )
     return q
 
 

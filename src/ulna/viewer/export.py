@@ -55,8 +55,17 @@ class ExportMethods(SceneMethods, abc.ABC):
 
     def __init__(self, title: str, theme: Theme | str, camera: Camera | None, floor: float | None) -> None:
         super().__init__()
-        self.title, self._theme = text("title", title), theme_of(theme)
+        self._title_of_files, self._theme = text("title", title), theme_of(theme)
         self._camera, self._floor = checked_camera(camera), checked_floor(floor)
+
+    @property
+    def title(self) -> str:
+        """The title of HTML files; that of the open page is the one it was made with."""
+        return self._title_of_files
+
+    @title.setter
+    def title(self, title: str) -> None:
+        self._title_of_files = text("title", title)
 
     @abc.abstractmethod
     def _simulated(self) -> Sequence[HandleMotion]:
@@ -213,7 +222,7 @@ class ExportMethods(SceneMethods, abc.ABC):
         if motion is not None or self._simulated():
             motions, show_time, length = self._motion(motion, None, None)
             times = frame_times(length, fps)
-        options: dict[str, Any] = {"title": self.title, "theme": self._theme, "floor": self._floor}
+        options: dict[str, Any] = {"title": self._title_of_files, "theme": self._theme, "floor": self._floor}
         view = checked_camera(camera) or self._camera
         with self._restoring_state(motions):
             if show_time is not None:

@@ -6,6 +6,7 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.attributes import FixedAttributes
 from ulna.checks.values import checked_robot, flag, short_repr
 from ulna.errors import InputError
 from ulna.system import forks
@@ -79,7 +80,7 @@ def show(
 
 
 @final
-class Show:
+class Show(FixedAttributes):
     """A robot in a page. `q` is where it stands; setting it moves the robot, the sliders and the target.
 
     Args:
@@ -92,6 +93,13 @@ class Show:
         theme: Colours of the surroundings.
         showing: What is drawn of the robot.
     """
+
+    robot: Any
+    scene: Scene
+    lock: Any
+    name: str
+    page: Page
+    teach_panel: TeachPanel
 
     def __init__(
         self,

@@ -61,6 +61,9 @@ class Viewer(ExportMethods):
         True
     """
 
+    panel: Panel
+    """The panel, for sliders, buttons, menus, texts and plots."""
+
     def __init__(
         self,
         port: int | None = None,
@@ -83,7 +86,6 @@ class Viewer(ExportMethods):
             Page(self.scene, title, port, host, camera, self._theme, floor, server=server) if page else None
         )
         self.panel = Panel(self._page)
-        """The panel, for sliders, buttons, menus, texts and plots."""
         self._simulation: Simulation | None = None
         self._timeline: Timeline | None = None
         if self._page is not None:

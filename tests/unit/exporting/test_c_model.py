@@ -89,3 +89,12 @@ def test_parameters_of_the_model_are_inputs(panda: ulna.Robot, tmp_path: Path) -
     place = ulna.export(panda, [("inverse_dynamics", {"parameters": "inertia"})], to="c", path=tmp_path / "x")
     assert "const double inertia[70]" in (place / "panda.h").read_text()
     library(place)
+
+
+@pytest.mark.parametrize("name", ["math", "string", "stdint"])
+def test_files_hide_no_header_of_c(tmp_path: Path, name: str) -> None:
+    """math.h in the folder is found before that of C, and nothing compiles."""
+    with pytest.raises(
+        InputError, match=f'{name}.h is a header of C itself. Choose another: name="{name}_robot"'
+    ):
+        ulna.export(ulna.load("ur5"), "fk", to="c", path=tmp_path / name, name=name)

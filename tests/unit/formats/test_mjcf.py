@@ -282,7 +282,8 @@ def test_a_leader_stays_in_the_ranges_of_its_followers() -> None:
 
 def test_keyframes_without_a_name_take_none_of_another() -> None:
     keys = '<keyframe><key qpos="0.1 0 0"/><key name="key_0" qpos="0.2 0 0"/></keyframe></mujoco>'
-    robot = ulna.load(CHAIN.replace("</mujoco>", keys))
+    with pytest.warns(ModelWarning, match="<key qpos> of key where 'k' is at 0, and follows 'j' to -0.1"):
+        robot = ulna.load(CHAIN.replace("</mujoco>", keys))
     assert {name: q.tolist() for name, q in robot.configurations.items()} == {
         "key_0_2": [0.1],
         "key_0": [0.2],

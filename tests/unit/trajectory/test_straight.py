@@ -7,7 +7,7 @@ import pytest
 
 from ulna import trajectory
 from ulna.errors import InputError
-from ulna.model import Continuous, FreeFlyer, Model, ModelBuilder, Revolute, Spherical
+from ulna.model import Circle, Continuous, FreeFlyer, Model, ModelBuilder, Revolute, Spherical
 from ulna.robot import Robot
 from ulna.spatial import SE3, SO3, Inertia, quat_exp
 
@@ -82,14 +82,14 @@ def test_it_can_be_time_optimal_under_torques(robot: Robot, ends: tuple[np.ndarr
 
 def test_mistakes_are_named(robot: Robot, ends: tuple[np.ndarray, np.ndarray]) -> None:
     q0, q1 = ends
-    with pytest.raises(InputError, match="not unit"):
+    with pytest.raises(InputError, match="length is not 1"):
         trajectory.straight(robot, q0, 1.1 * q1, duration=1.0)
     for k in range(3, 7):  # also where the others are 0
         doubled = q1.copy()
         doubled[3:7] = 2.0 * np.eye(4)[k - 3]
         name = robot.model.position_names[k]
         with pytest.raises(
-            InputError, match=rf"`q1\[{k}\]`, '{name}', belongs to a quaternion that is not unit"
+            InputError, match=rf"`q1\[{k}\]`, '{name}', belongs to a quaternion whose length is not 1"
         ):
             trajectory.straight(robot, q0, doubled, duration=1.0)
     with pytest.raises(InputError, match="neither was given"):
@@ -121,3 +121,18 @@ def test_several_lines_do_not_jump_by_turns_or_signs() -> None:
     for path in (t, chain):
         best = trajectory.time_optimal(path, robot, velocity=1.0, acceleration=2.0)
         assert best.duration == pytest.approx(4.0 * (3.0 / 1.0 + 1.0 / 2.0), rel=0.02)
+
+
+def test_units_are_known_by_joints_not_by_names() -> None:
+    """A joint may be called "aqx"; cosine and sine of an angle have length one, too."""
+    b = ModelBuilder("odd").add_link("base").add_link("arm").add_link("end")
+    b.add_joint("aqx", Continuous((0.0, 0.0, 1.0)), "base", "arm").add_joint(
+        "turn", Circle((0.0, 0.0, 1.0)), "arm", "end"
+    )
+    robot = Robot(b.build())
+    line = trajectory.straight(robot, [0.0, 1.0, 0.0], [7.0, 0.0, 1.0], duration=1.0)
+    np.testing.assert_allclose(line.end[1:], [0.0, 1.0], atol=1e-12)
+    with pytest.raises(
+        InputError, match=r"`q1\[1\]`, 'turn.*', belongs to cosine and sine of an angle whose"
+    ):
+        trajectory.straight(robot, [0.0, 1.0, 0.0], [0.0, 2.0, 0.0], duration=1.0)

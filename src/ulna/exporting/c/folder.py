@@ -13,6 +13,45 @@ from ulna.exporting.c.support import support_header
 from ulna.exporting.c.test_program import test_program
 from ulna.exporting.record import Export, ExportedFunction
 
+_STANDARD_HEADERS = frozenset(
+    [
+        "assert",
+        "complex",
+        "ctype",
+        "errno",
+        "fenv",
+        "float",
+        "inttypes",
+        "iso646",
+        "limits",
+        "locale",
+        "math",
+        "setjmp",
+        "signal",
+        "stdalign",
+        "stdarg",
+        "stdatomic",
+        "stdbit",
+        "stdbool",
+        "stdckdint",
+        "stddef",
+        "stdint",
+        "stdio",
+        "stdlib",
+        "stdnoreturn",
+        "string",
+        "strings",
+        "tgmath",
+        "threads",
+        "time",
+        "uchar",
+        "unistd",
+        "wchar",
+        "wctype",
+    ]
+)
+"""A file of one of these names hides the header from the sources, which include <math.h>."""
+
 
 def write(export: Export, folder: Path) -> None:
     """Writes header, sources, test program and CMakeLists.txt.
@@ -46,6 +85,11 @@ def write(export: Export, folder: Path) -> None:
 
 
 def _reject_reserved_names(export: Export) -> None:
+    if export.name in _STANDARD_HEADERS:
+        raise InputError(
+            f"The names of the files would begin with {export.name!r}: {export.name}.h is a header of C itself. "
+            f'Choose another: name="{export.name}_robot".'
+        )
     searches = [s.name for s in export.searches]
     taken = {"model", "min", "max", "sincos", "sincos_far", "support", "joint_names", "part"}
     taken |= {

@@ -7,6 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.attributes import FixedAttributes
 from ulna.checks.values import flag
 from ulna.compiler import compile, trace
 from ulna.errors import InputError, UnknownName
@@ -21,7 +22,7 @@ from ulna.typing import ArrayLike, Floats
 
 
 @final
-class DifferentialIK:
+class DifferentialIK(FixedAttributes):
     """Computes the joint velocities that best fulfil some tasks within some limits.
 
         ik = DifferentialIK(robot, [FrameTask("panda_hand"), PostureTask(1e-3, target="qr")])

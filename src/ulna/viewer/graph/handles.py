@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from ulna.checks.arrays import length_array, scale_factors
+from ulna.checks.attributes import FixedAttributes
 from ulna.checks.values import flag, fraction
 from ulna.errors import ShapeError
 from ulna.idioms import Explained, explained
 from ulna.typing import ArrayLike, Floats
-from ulna.viewer.attributes import FixedAttributes
 from ulna.viewer.colours import Colour, colour_parts, colours_parts
 from ulna.viewer.graph.content import Content, Copies, Lines, Points, Text, transforms
 from ulna.viewer.graph.node import checked_poses

@@ -39,6 +39,20 @@ class SceneGraph:
     when it is ready, so that a slow renderer does not slow down the program.
     """
 
+    __slots__ = (
+        "__weakref__",
+        "_appearance",
+        "_data",
+        "_deferred",
+        "_lock",
+        "_motion",
+        "_nodes",
+        "_parent_row",
+        "_rows",
+        "_rows_by_depth",
+        "_structure",
+    )
+
     def __init__(self) -> None:
         self._lock = forks.lock()
         self._nodes: dict[str, Node] = {}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, final
 
+from ulna.checks.attributes import FixedAttributes
 from ulna.checks.values import flag, text
 from ulna.errors import InputError
-from ulna.viewer.attributes import FixedAttributes
 
 
 @final

@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
+from ulna.checks.attributes import FixedAttributes
 from ulna.checks.values import flag, text
 from ulna.viewer.page import Page
 from ulna.viewer.panel.controls import Control, Folder, OfflineHandle
@@ -14,7 +15,7 @@ from ulna.viewer.panel.controls import Control, Folder, OfflineHandle
 _C = TypeVar("_C", bound=Control)
 
 
-class PanelBase:
+class PanelBase(FixedAttributes):
     """Adds controls to a page, or stores their values without one.
 
     Args:

@@ -8,6 +8,7 @@ from typing import Any, final
 
 import numpy as np
 
+from ulna.checks.attributes import FixedAttributes
 from ulna.checks.values import number
 from ulna.sim import Simulation
 from ulna.viewer.page import Page
@@ -23,7 +24,7 @@ _IDLE_TIME = 0.5  # s without a step after which a simulation is not running
 
 
 @final
-class Timeline:
+class Timeline(FixedAttributes):
     """Controls of time: play and pause, speed, a slider to scrub.
 
     Args:

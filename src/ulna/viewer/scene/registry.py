@@ -7,6 +7,7 @@ import itertools
 from collections.abc import Iterable
 from typing import Any
 
+from ulna.checks.attributes import FixedAttributes
 from ulna.checks.values import fraction, one_of
 from ulna.viewer.graph.content import Content
 from ulna.viewer.graph.handles import Handle
@@ -15,12 +16,14 @@ from ulna.viewer.mesh.surface import Surface
 from ulna.viewer.scene.scene import Scene
 
 
-class HandleRegistry(abc.ABC):
+class HandleRegistry(FixedAttributes, abc.ABC):
     """A scene whose things are found, replaced and removed by name."""
+
+    scene: Scene
+    """The scene: names, poses and looks of everything."""
 
     def __init__(self) -> None:
         self.scene = Scene()
-        """The scene: names, poses and looks of everything."""
         self._handles: dict[str, Handle] = {}
         self._counts: dict[str, int] = {}
 

@@ -14,6 +14,8 @@ from ulna.viewer.robot.robot_visual import RobotVisual
 class Scene(SceneGraph):
     """A tree of named nodes, see `SceneGraph`, with robots among them."""
 
+    __slots__ = ()
+
     def add_robot(
         self, robot: Any, q: ArrayLike, name: str | None = None, rgba: Colour | None = None
     ) -> RobotVisual:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import ulna
-from ulna.errors import InputError, UnknownName
+from ulna.errors import InputError, UnknownAttribute, UnknownName
 from ulna.geometry import Box, Geometry
 from ulna.viewer.panel.panel import Panel, ignore_value
 from ulna.viewer.viewer import Viewer
@@ -85,7 +85,7 @@ def test_a_control_is_out_of_use_for_a_while(panel: Panel, kind: str) -> None:
 @pytest.mark.parametrize("kind", MAKERS)
 def test_what_a_control_does_not_have_is_refused(panel: Panel, kind: str) -> None:
     control = MAKERS[kind](panel)
-    with pytest.raises(UnknownName, match="visible"):
+    with pytest.raises(UnknownAttribute, match="Did you mean 'visible'"):
         control.visibel = False
     control.remove()
 
