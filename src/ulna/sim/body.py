@@ -206,6 +206,12 @@ class Body:
             torque = {} if self._applied is None else {"tau": self._applied}
             self.recording.add(t, self._q, v=self._actual_qd, **torque)
 
+    def prepare(self) -> None:
+        """Compile what the first contact with a position limit takes, so that it does not hold up real time."""
+        limited = np.isfinite(self._stops.lower).any() or np.isfinite(self._stops.upper).any()
+        if self._control == "torque" and self._limits != "none" and limited and self._plant is not None:
+            self._plant.prepare_stops()
+
     def step(self, t: float, dt: float, substep: float) -> None:
         """Advance the robot in time.
 

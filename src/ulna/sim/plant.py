@@ -125,6 +125,13 @@ class Plant:
             low, high = low | below, high | above
         return stops.held(moved, low & (final <= 0.0), high & (final >= 0.0)), final
 
+    def prepare_stops(self) -> None:
+        """Compile what `euler_within` takes at the first contact with a stop."""
+        n = self.robot.nv
+        zeros = np.zeros(n)
+        self._inverse_mass(np.array(self.robot.neutral))
+        self._velocity_at_stops(np.eye(n), zeros, zeros, 1e-3, zeros, zeros)
+
     def rk4(self, q: Floats, v: Floats, torque: Torque, t: float, dt: float) -> tuple[Floats, Floats]:
         """A Runge-Kutta step of fourth order.
 

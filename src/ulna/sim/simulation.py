@@ -197,6 +197,9 @@ class Simulation:
         """
         if dt.__class__ is not float or not 0.0 < dt < math.inf:
             dt = checked_duration("dt", dt)
+        if self._realtime and self._origin is None:
+            for body in self._bodies:
+                body.prepare()
         for body in self._bodies:
             body.step(self._t, dt, self._substep)
         self._t += dt

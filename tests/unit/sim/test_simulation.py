@@ -9,7 +9,7 @@ import pytest
 import ulna
 from ulna.errors import InputError, NonFiniteError, ShapeError, UnknownName
 from ulna.model import ModelBuilder, Revolute
-from ulna.sim import Body, Simulation
+from ulna.sim import Body, Simulation, plant
 from ulna.spatial import SE3, Inertia
 
 
@@ -230,3 +230,24 @@ def test_simulations_are_pickled(panda: ulna.Robot) -> None:
         one.run(0.01)
     np.testing.assert_array_equal(again["panda"].q, sim["panda"].q)
     assert again.t == sim.t and len(again["panda"].recording) == 3
+
+
+@pytest.mark.parametrize("realtime", [True, False])
+def test_stops_are_compiled_before_real_time_runs(
+    panda: ulna.Robot, monkeypatch: pytest.MonkeyPatch, realtime: bool
+) -> None:
+    """The first contact with a limit compiled for a second, while the clock ran."""
+    compiled = []
+    monkeypatch.setattr(
+        plant, "compile", lambda f, *a, **k: compiled.append(f.__name__) or ulna.compile(f, *a, **k)
+    )
+    sim = Simulation(realtime=realtime, speed=1e3)
+    body = sim.add(panda, q=panda.configurations["qr"], control="torque", friction=None)
+    sim.step(1e-3)
+    assert ("settle" in compiled) == realtime
+    before = len(compiled)
+    q = panda.limits.upper.copy()
+    body.q, body.qd = q, np.ones(7)
+    sim.step(1e-3)
+    assert (len(compiled) > before) != realtime
+    assert (body.q <= q).all() and (body.qd <= 1e-12).all()
