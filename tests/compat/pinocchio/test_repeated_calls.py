@@ -305,3 +305,135 @@ def test_numbers_of_other_types_are_no_indices_after_equal_ones(call: str) -> No
         for wrong in ("1.0", "np.float64(1.0)", "np.True_", "np.array([1])", "1 + 0j"):
             with pytest.raises(TypeError):
                 eval(call.format(wrong), names)
+
+
+def _called_in_python(call: Any) -> list[str]:
+    """The names of the functions of Python that run in a call."""
+    names: list[str] = []
+    sys.setprofile(lambda frame, event, _: names.append(frame.f_code.co_name) if event == "call" else None)
+    try:
+        call()
+    finally:
+        sys.setprofile(None)
+    return names[1:]
+
+
+@pytest.fixture
+def bound_arm(pin: Any, compiled_at_once: None) -> tuple[Any, ...]:
+    """An arm with three contacts, whose Jacobian is bound."""
+    model = pin.buildSampleModelManipulator()
+    data, q = model.createData(), np.random.default_rng(5).uniform(-1.0, 1.0, 6)
+    pin.seed(5)
+    models = pin.StdVec_RigidConstraintModel()
+    models.extend(
+        pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, k, pin.SE3.Random(), pin.LOCAL)
+        for k in (3, 5, 6)
+    )
+    datas = pin.StdVec_RigidConstraintData()
+    datas.extend(one.createData() for one in models)
+    pin.forwardKinematics(model, data, q)
+    for _ in range(20):
+        pin.getConstraintsJacobian(model, data, models, datas)
+        pin.getConstraintJacobian(model, data, models[0], datas[0])
+    return model, data, q, models, datas
+
+
+def _jacobian_of(pin: Any, model: Any, q: Any, models: Any) -> Any:
+    """The same Jacobian from a Data that nothing is bound to."""
+    data = model.createData()
+    pin.forwardKinematics(model, data, q)
+    return np.vstack([pin.getConstraintJacobian(model, data, one, one.createData()) for one in models])
+
+
+def test_jacobians_of_constraints_are_repeated_without_python(pin: Any, bound_arm: Any) -> None:
+    from ulna.compiler.runtime.repeated_calls import RepeatedCalls
+
+    if not isinstance(pin.getConstraintsJacobian, RepeatedCalls):
+        pytest.skip("machine code cannot be called in this way here")
+    model, data, _, models, datas = bound_arm
+    assert not _called_in_python(lambda: pin.getConstraintsJacobian(model, data, models, datas))
+    one, known = models[0], datas[0]
+    assert not _called_in_python(lambda: pin.getConstraintJacobian(model, data, one, known))
+
+
+def _replaced(pin: Any, model: Any, models: Any, datas: Any) -> None:
+    list.__setitem__(models, 1, pin.RigidConstraintModel(pin.ContactType.CONTACT_6D, model, 4, pin.LOCAL))
+    list.__setitem__(datas, 1, models[1].createData())
+
+
+def _removed(pin: Any, model: Any, models: Any, datas: Any) -> None:
+    del models[0], datas[0]
+
+
+def _exchanged(pin: Any, model: Any, models: Any, datas: Any) -> None:
+    for entries in (models, datas):
+        entries.reverse()
+
+
+def _appended(pin: Any, model: Any, models: Any, datas: Any) -> None:
+    models.append(pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, 2, pin.LOCAL))
+    datas.append(models[-1].createData())
+
+
+def _moved(pin: Any, model: Any, models: Any, datas: Any) -> None:
+    models[1].joint1_placement.translation[:] = 0.5, 0.25, 0.125
+
+
+def _placed(pin: Any, model: Any, models: Any, datas: Any) -> None:
+    models[0].joint1_placement = pin.SE3.Random()
+
+
+def _turned(pin: Any, model: Any, models: Any, datas: Any) -> None:
+    models[0].reference_frame = pin.LOCAL_WORLD_ALIGNED
+
+
+def _carried_by_another(pin: Any, model: Any, models: Any, datas: Any) -> None:
+    models[0].joint1_id = 2
+
+
+def _longer(pin: Any, model: Any, models: Any, datas: Any) -> None:
+    model.jointPlacements[3].translation[:] = 0.5, 0.0, 0.25
+
+
+@pytest.mark.parametrize(
+    "change",
+    [_replaced, _removed, _exchanged, _appended, _moved, _placed, _turned, _carried_by_another, _longer],
+)
+def test_jacobians_of_constraints_follow_all_changes(pin: Any, bound_arm: Any, change: Any) -> None:
+    model, data, q, models, datas = bound_arm
+    before = pin.getConstraintsJacobian(model, data, models, datas)
+    change(pin, model, models, datas)
+    pin.forwardKinematics(model, data, q)
+    for _ in range(20):
+        wanted = _jacobian_of(pin, model, q, models)
+        np.testing.assert_allclose(pin.getConstraintsJacobian(model, data, models, datas), wanted, atol=1e-12)
+        first = pin.getConstraintJacobian(model, data, models[0], datas[0])
+        np.testing.assert_allclose(first, wanted[: len(first)], atol=1e-12)
+        q = q + 0.01
+        pin.forwardKinematics(model, data, q)
+    assert before.shape != wanted.shape or not np.allclose(before, wanted, atol=0.05)
+
+
+def test_jacobians_of_constraints_of_a_data_of_another_model(pin: Any, bound_arm: Any) -> None:
+    model, data, q, models, datas = bound_arm
+    other = model.copy()
+    other.jointPlacements[2].translation[:] = 0.0, 0.5, 0.0
+    for m in (other, model, other):
+        pin.forwardKinematics(m, data, q)
+        wanted = _jacobian_of(pin, m, q, models)
+        for _ in range(3):
+            np.testing.assert_allclose(pin.getConstraintsJacobian(m, data, models, datas), wanted)
+    with pytest.raises(InputError):
+        pin.getConstraintsJacobian(model, data, models, datas[:1])
+
+
+def test_lists_that_are_made_for_each_call_are_not_kept(pin: Any, bound_arm: Any) -> None:
+    model, data, _, models, datas = bound_arm
+    kept = []
+    for _ in range(40):
+        own = pin.StdVec_RigidConstraintModel()
+        list.extend(own, models)
+        pin.getConstraintsJacobian(model, data, own, list(datas))
+        kept.append(sys.getrefcount(own))
+        del own
+    assert max(kept) <= 3  # the name, the argument, and the set that compares it with the next one

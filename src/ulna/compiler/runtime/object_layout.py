@@ -28,6 +28,8 @@ TUPLE_SIZE, TUPLE_ITEMS = HEAD, tuple.__basicsize__  # CPython 3.14 keeps a hash
 TYPE_NUMBER = {"double": 12, "float": 11}
 NUMPY_TYPE = {"double": np.dtype(np.float64), "float": np.dtype(np.float32)}
 
+LIST_SIZE, LIST_ITEMS = HEAD, HEAD + WORD  # the address of the entries
+
 
 @cache
 def fast_call_works() -> bool:
@@ -61,7 +63,13 @@ def fast_call_works() -> bool:
     if ctypes.c_ssize_t.from_address(id(pair) + TUPLE_SIZE).value != 2:
         return False
     items = (ctypes.c_void_p * 2).from_address(id(pair) + TUPLE_ITEMS)
-    return tuple(items) == (id(probe), id(None))
+    if tuple(items) != (id(probe), id(None)):
+        return False
+    entries = [probe, None]
+    if ctypes.c_ssize_t.from_address(id(entries) + LIST_SIZE).value != 2:
+        return False
+    address = ctypes.c_void_p.from_address(id(entries) + LIST_ITEMS).value
+    return bool(address) and tuple((ctypes.c_void_p * 2).from_address(address)) == tuple(items)
 
 
 def holder_slot(holder: type) -> str:
@@ -128,13 +136,13 @@ def items_of(entries: list[Any]) -> int:
     """
     if not fast_call_works() or not has_gil():
         return 0
-    address = ctypes.c_void_p.from_address(id(entries) + HEAD + WORD).value or 0
+    address = ctypes.c_void_p.from_address(id(entries) + LIST_ITEMS).value or 0
     probe = object()
     counted = ctypes.c_int32.from_address(id(probe)).value
     more = (probe, probe)
     if ctypes.c_int32.from_address(id(probe)).value != counted + len(more):
         return 0
-    length = ctypes.c_ssize_t.from_address(id(entries) + HEAD).value
+    length = ctypes.c_ssize_t.from_address(id(entries) + LIST_SIZE).value
     if length != len(entries) or not address:
         return 0
     items = (ctypes.c_void_p * length).from_address(address)

@@ -3,12 +3,13 @@
 A function whose bound kernels belong to objects (a model, its data, the index of a frame) is called through a hash
 table. A row is keyed by the addresses of the first arguments, and holds the kernel that is bound for them. Machine code
 looks the row up and calls the kernel with the remaining arguments. The argument of the kernel may also stand between
-the keys (a placement before the reference frame). Where there is no row, or the kernel answers NotImplemented, the
-function itself is called; it adds rows.
+the keys (a placement before the reference frame). Keys that are lists must have the same entries, too, of which the
+row has the addresses. Where there is no row, or the kernel answers NotImplemented, the function itself is called; it
+adds rows.
 
 Addresses stay valid: rows hold references to their kernels and keys, but for keys that are referred to weakly; the rows
 of such an object are cleared before its memory is freed. Without a global lock each row has one of its own, until the
-call has a reference to the kernel.
+call has a reference to the kernel, and calls with lists, which may change meanwhile, have none.
 """
 
 from __future__ import annotations
@@ -23,14 +24,15 @@ from typing import Any, TypeVar, final
 from ulna.compiler.runtime import entry_point, gufunc, jit
 from ulna.compiler.runtime.bound_call import bound_type
 from ulna.compiler.runtime.fast_call import load_at
-from ulna.compiler.runtime.object_layout import WORD, c_function, has_gil
+from ulna.compiler.runtime.object_layout import LIST_ITEMS, LIST_SIZE, WORD, c_function, has_gil
 from ulna.system import forks
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 MOST_FIRST_ARGUMENTS = 4
+_KEYS = MOST_FIRST_ARGUMENTS + 1
 _ROW = (
-    MOST_FIRST_ARGUMENTS + 3
-)  # one more than all arguments, addresses of the first, that of the kernel, a mutex
+    _KEYS + 3
+)  # one more than all arguments, addresses of the first, of the kernel and of entries of lists, a mutex
 _BITS = 8
 _LARGEST_SHARED = 256  # CPython has one object for each number up to this one
 _SKIPPED = (
@@ -104,7 +106,7 @@ find:
 compare:
   %j = phi i64 [ 0, %find ], [ %j.next, %one ]
   %left = icmp ult i64 %j, %n
-  br i1 %left, label %one, label %known
+  br i1 %left, label %one, label %lists
 one:
   %j.after = icmp uge i64 %j, %kernel_argument
   %j.gap = zext i1 %j.after to i64
@@ -118,8 +120,47 @@ one:
   br i1 %same, label %compare, label %other
 other:
 {_LEAVE_ROW}  br label %slow
+lists:
+  %lists.p = getelementptr i8, ptr %row, i64 {(_KEYS + 1) * WORD}
+  %lists.0 = load ptr, ptr %lists.p
+  %no.lists = icmp eq ptr %lists.0, null
+  br i1 %no.lists, label %known, label %list.from
+list.from:  ; of each list its position among the arguments plus one, its length, its entries; 0 at the end
+  br label %list
+list:
+  %table = phi ptr [ %lists.0, %list.from ], [ %table.next, %list.same ]
+  %position = load i64, ptr %table
+  %is.end = icmp eq i64 %position, 0
+  br i1 %is.end, label %known, label %list.size
+list.size:
+  %argument.p0 = getelementptr ptr, ptr %args, i64 %position
+  %argument.p = getelementptr ptr, ptr %argument.p0, i64 -1
+  %argument = load ptr, ptr %argument.p
+{load_at("size", "argument", LIST_SIZE, "i64")}
+{load_at("size.wanted", "table", WORD, "i64")}
+  %entries = getelementptr i64, ptr %table, i64 2
+  %size.ok = icmp eq i64 %size, %size.wanted
+  br i1 %size.ok, label %items.of, label %other
+items.of:
+{load_at("items", "argument", LIST_ITEMS)}
+  br label %item
+item:
+  %e = phi i64 [ 0, %items.of ], [ %e.next, %item.of ]
+  %e.more = icmp ult i64 %e, %size
+  br i1 %e.more, label %item.of, label %list.same
+item.of:
+  %item.p = getelementptr i64, ptr %items, i64 %e
+  %item.given = load i64, ptr %item.p
+  %entry.p = getelementptr i64, ptr %entries, i64 %e
+  %item.kept = load i64, ptr %entry.p
+  %e.next = add nuw i64 %e, 1
+  %item.ok = icmp eq i64 %item.given, %item.kept
+  br i1 %item.ok, label %item, label %other
+list.same:
+  %table.next = getelementptr i64, ptr %entries, i64 %size
+  br label %list
 known:
-  %kernel.p = getelementptr i8, ptr %row, i64 {(_ROW - 2) * WORD}
+  %kernel.p = getelementptr i8, ptr %row, i64 {_KEYS * WORD}
   %kernel = load ptr, ptr %kernel.p
 {_word("incref")}
 {_word("decref")}
@@ -181,7 +222,7 @@ class _Table:
     """The rows of one function, and what they keep alive."""
 
     def __init__(self, first_arguments: int, kernel_argument: int | None) -> None:
-        self._to_skip = 0
+        self._to_skip, self._kernel_argument = 0, kernel_argument
         self._words = array("Q", bytes(WORD * _ROW << _BITS))
         self._references: list[Any] = [None] * (1 << _BITS)
         self.plan = array("Q", [first_arguments, self._words.buffer_info()[0], id(NotImplemented)])
@@ -196,26 +237,46 @@ class _Table:
             return
         if any(type(x) is int and not x <= _LARGEST_SHARED for x in arguments[weak:]):
             return
+        lists = [(k, x, list(x)) for k, x in enumerate(arguments) if isinstance(x, list)]
+        if lists and not has_gil():
+            return
         total = len(arguments) + remaining  # calls with other numbers of arguments have other rows
         for x in arguments:
             total = (total ^ id(x) >> 4) * _MULTIPLIER & _WORD_MASK
         row = total >> 64 - _BITS
         first = row * _ROW
         addresses = [id(x) for x in arguments] + [0] * (MOST_FIRST_ARGUMENTS - len(arguments))
-        values = array("Q", [len(arguments) + remaining + 1, *addresses, id(kernel)])
+        entries = self._entries_of(lists)
+        values = array(
+            "Q",
+            [
+                len(arguments) + remaining + 1,
+                *addresses,
+                id(kernel),
+                entries.buffer_info()[0] if lists else 0,
+            ],
+        )
         with _lock:
-            known = self._words[first : first + _ROW - 2]
-            self._to_skip = _SKIPPED if known[0] and known != values[:-1] else 0
+            known = self._words[first : first + _KEYS]
+            self._to_skip = _SKIPPED if known[0] and known != values[:_KEYS] else 0
             self._fill(first, _EMPTY)
-            self._references[row] = (arguments[weak:], kernel)
+            self._references[row] = (arguments[weak:], kernel, lists, entries)
             for x in arguments[:weak]:
                 _rows_with(x).add((self, row))
             self._fill(first, values)
 
+    def _entries_of(self, lists: list[tuple[int, Any, list[Any]]]) -> array[int]:
+        """The table of the entries of lists, each with its number among the keys."""
+        words, gap = array("Q"), _WORD_MASK if self._kernel_argument is None else self._kernel_argument
+        for k, _, entries in lists:
+            words.extend([k + (k >= gap) + 1, len(entries), *map(id, entries)])
+        words.append(0)
+        return words
+
     def clear(self, row: int, address: int) -> None:
         """Empties a row that has the address of an object."""
         first = row * _ROW
-        if address in self._words[first + 1 : first + _ROW - 2]:
+        if address in self._words[first + 1 : first + _KEYS]:
             self._fill(first, _EMPTY)
             self._references[row] = None
 

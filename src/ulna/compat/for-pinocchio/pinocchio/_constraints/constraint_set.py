@@ -24,6 +24,7 @@ class ConstraintSet:
         live: Of each constraint its placements, gains and wanted acceleration, the arrays that users write to.
         runs: What is bound, by the key of the algorithm.
         delassus_places: The placements when a Delassus matrix was computed last, (c, 2, 4, 4).
+        given: The lists that the set was asked for with last, in place of which others may have the same entries.
         left_fields: Fields of all its data in which a function noted that it leaves nothing; see `leave`.
     """
 
@@ -39,6 +40,7 @@ class ConstraintSet:
         self.runs: dict[Any, Any] = {}
         self.delassus_places = np.zeros((len(self.shapes), 2, 4, 4))
         self.left_fields: tuple[str, ...] = ()
+        self.given: tuple[Any, Any] = (None, None)
         # Comparisons by `list`: with `==` a `StdVec` on the other side would compare entry by entry in Python.
         self.is_of_models, self.is_of_datas = self.models.__eq__, self.datas.__eq__
 
@@ -46,6 +48,15 @@ class ConstraintSet:
         """Notes the present placements as those of a Delassus matrix, as its kernels do by themselves."""
         for k, place in enumerate(self.places):
             self.delassus_places[k] = place
+
+    def is_given_again(self, models: Any, datas: Any) -> bool:
+        """Whether the lists are those of the last such question, and not made for each call.
+
+        Returns:
+            Whether they are.
+        """
+        known, self.given = self.given, (models, datas)
+        return known[0] is models and known[1] is datas
 
     def leave(self, function: str, fields: tuple[str, ...]) -> None:
         """Notes in all data, once, that a function leaves something in fields in Pinocchio, and nothing here.

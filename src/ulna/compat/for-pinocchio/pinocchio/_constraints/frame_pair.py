@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, final
 
@@ -15,13 +16,15 @@ from pinocchio._containers.files import register
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3
 from ulna.errors import InputError
-from ulna.typing import Floats
+from ulna.typing import Array, Floats
 
 __all__ = ["BaumgarteCorrectorParameters", "ConstraintSelectionType", "ContactType"]
 
 
-changes = [0]
+changes = array("q", [0])
 """How often an attribute of any constraint was set; placements and gains are read at every call."""
+watched_changes: Array = np.frombuffer(changes, np.int64)
+"""The same number (1,), for kernels that are bound to constraints as they are."""
 
 
 class ContactType(_Named):

@@ -21,13 +21,13 @@ from pinocchio._constraints.delassus import (
     with_added_diagonal,
     with_inertia,
 )
+from pinocchio._constraints.frame_pair import watched_changes
 from pinocchio._constraints.kernels import core_constraints, jacobian_kernel, sizes_of
 from pinocchio._constraints.proximal_settings import damping_of
 from pinocchio._constraints.rigid_constraint import DELASSUS_LEAVES, RigidConstraint
 from pinocchio._constraints.workspace import PROPAGATORS
-from pinocchio._containers.arguments import ArgumentError, checked, checks_itself
+from pinocchio._containers.arguments import ArgumentError, check_model_and_data, checks_itself
 from pinocchio._containers.arrays import exact, not_applicable
-from pinocchio._containers.keywords import without_overloads
 from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import side_outputs
 from pinocchio._data.data import Data
@@ -39,6 +39,7 @@ from pinocchio._model.model import Model
 from pinocchio._tables.constraint_jacobians import constraint_jacobian as table_jacobian
 from pinocchio._tables.fields import WORST_CONDITION, NotByTable, TableFields
 from ulna import algorithms, linalg
+from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.errors import excerpt
 from ulna.model import Model as CoreModel
 from ulna.quantities.mass import with_mass
@@ -52,15 +53,11 @@ __all__ = [
 ]
 
 
-def _jacobian_directly(model: Any, data: Any, models: Any, datas: Any) -> Any:
-    """getConstraintsJacobian of constraints that are bound already; raises AttributeError or KeyError for others."""
-    known: Any = cached_constraint_set(model, data, models, datas)
-    return known.runs["jacobian here"]()
+_list_calls, _calls = (call_cache(4, weak=2) for _ in range(2))
 
 
+@repeated_calls(_list_calls)
 @checks_itself
-@without_overloads(_jacobian_directly)
-@checked
 def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, constraint_datas: Any) -> Floats:
     """The Jacobian (m, nv) of all constraints, at the configuration of the last kinematics or dynamics.
 
@@ -70,6 +67,29 @@ def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, con
     Returns:
         Jacobian (m, nv).
     """
+    step, known, J = _bound_jacobian(model, data, constraint_models, constraint_datas)
+    if J is NotImplemented:
+        return _jacobian_anew("getConstraintsJacobian", model, data, constraint_models, constraint_datas)
+    if known.is_given_again(constraint_models, constraint_datas):
+        _list_calls.add(step, 0, model, data, constraint_models, constraint_datas)
+    return J
+
+
+def _bound_jacobian(model: Any, data: Any, models: Any, datas: Any) -> tuple[Any, Any, Any]:
+    """What is bound to constraints, their set, and their Jacobian, or NotImplemented where that does not apply."""
+    try:
+        known: Any = cached_constraint_set(model, data, models, datas)
+        step = known.runs["jacobian here"]
+        return step, known, step()
+    except (LookupError, TypeError, ValueError, AttributeError):
+        return None, None, NotImplemented
+
+
+def _jacobian_anew(
+    function: str, model: Model, data: Data, constraint_models: Any, constraint_datas: Any
+) -> Floats:
+    """The Jacobian of constraints that nothing is bound to yet, or that have changed."""
+    check_model_and_data(function, model, data)
     constraint_set = cached_constraint_set(model, data, constraint_models, constraint_datas)
     data._require(data._q, "forwardKinematics(model, data, q), or constraintDynamics,")
     if constraint_set is None:
@@ -112,7 +132,7 @@ def _no_rows(model: Model) -> Floats:
 
 def _bind_jacobian(model: Model, data: Data, constraint_set: ConstraintSet, q: Floats) -> Any:
     """Binds the Jacobian of constraints to their placements and to the array of q."""
-    watch = model._watched("placements")  # first: see `run`
+    watch = [*model._watched("placements"), (watched_changes, watched_changes.copy())]  # first: see `run`
     kernel = jacobian_kernel(data._attach(model), constraint_set.shapes, model.nq)
     return BoundKernel(kernel, watch, trailing_inputs=(q, *constraint_set.places)).call
 
@@ -130,6 +150,8 @@ def check_constraints(constraint_models: Any) -> None:
             )
 
 
+@repeated_calls(_calls)
+@checks_itself
 def getConstraintJacobian(model: Model, data: Data, constraint_model: Any, constraint_data: Any) -> Floats:
     """The Jacobian (residualSize, nv) of one constraint; see `getConstraintsJacobian`.
 
@@ -140,7 +162,12 @@ def getConstraintJacobian(model: Model, data: Data, constraint_model: Any, const
     Returns:
         Jacobian (m, nv).
     """
-    return getConstraintsJacobian(model, data, [constraint_model], [constraint_data])
+    models, datas = [constraint_model], [constraint_data]
+    step, _, J = _bound_jacobian(model, data, models, datas)
+    if J is NotImplemented:
+        return _jacobian_anew("getConstraintJacobian", model, data, models, datas)
+    _calls.add(step, 0, model, data, constraint_model, constraint_data)
+    return J
 
 
 def computeDelassusMatrix(
