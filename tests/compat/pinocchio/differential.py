@@ -117,7 +117,6 @@ DOCUMENTED = (
     (r"accepted", r"\(AA\)\.fromRotationMatrix\(rotation=R\)", "its name there has a space"),
     (r"value", r"\(d\)\.Fcrb", "of the universe it is what a call before crba left there"),
     (r"value", r"\(d\)\.(f|h)", "the universe has no force and no momentum here"),
-    (r"value", r"\(d\)\.(D|U)", "factors are made when they are read, not by cholesky.decompose alone"),
     (r"value", r"\(d\)\.nvSubtree", "of the universe it is not initialised there"),
     (r"value", r"\(gd\)\.oMg|pin\.SE3\(\)|\(pin\.JointModelH\w\(\)\)\.pitch", "it is not initialised there"),
     (

@@ -88,7 +88,7 @@ _OTHER_SIZES = (
 )
 _COMPUTED = (
     r"A\d?_(local|world)|\w*(supports|subtrees|joints|indexes_vector|pattern_vector)|\w+_fromRow|lastChild|nvSubtree|"
-    r"(start|end)_idx_v_fromRow|mimic_\w+|o?Ya?crb|o?Yaba|D|U|osim|(constraint|contact)_chol|"
+    r"(start|end)_idx_v_fromRow|mimic_\w+|o?Ya?crb|o?Yaba|U|osim|(constraint|contact)_chol|"
     r"(collision|distance|contactPatch)(Requests|Results)|\w+_functors|\w+_drift|contact_acceleration\w*|"
     r"extended_motion_propagators_joint\d|lambdas_joint1|dlambda_d\w+"
 )

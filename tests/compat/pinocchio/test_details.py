@@ -11,7 +11,7 @@ import pytest
 
 from support.compat_packages import using
 from support.two_pythons import both
-from ulna.errors import InputError, ModelWarning, UnknownName
+from ulna.errors import InputError, ModelError, ModelWarning, UnknownName
 from ulna.robots.example_robot_data import files, share_folder
 
 needs_robots = pytest.mark.skipif(share_folder() is None, reason="example-robot-data is not installed")
@@ -50,6 +50,15 @@ def test_another_frame_of_the_same_name_warns(pin: Any) -> None:
     with pytest.warns(ModelWarning, match="'shoulder1_joint' already"):
         assert model.addFrame(pin.Frame("shoulder1_joint", 1, 0, at, pin.FrameType.JOINT)) == 1
     np.testing.assert_array_equal(model.frames[1].placement.translation, 0.0)
+
+
+def test_a_body_cannot_follow_the_frame_of_a_joint_that_has_none(pin: Any) -> None:
+    model = pin.Model()
+    joint = model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "hip")
+    with pytest.raises(ModelError, match="'hip' has no frame that 'leg' could follow.*addJointFrame"):
+        model.addBodyFrame("leg", joint, pin.SE3.Identity(), -1)
+    model.addJointFrame(joint)
+    assert model.addBodyFrame("leg", joint, pin.SE3.Identity(), -1) == 2
 
 
 def test_a_constraint_is_placed_after_the_first_call_of_a_model(pin: Any) -> None:

@@ -259,3 +259,41 @@ def test_changes_that_would_have_no_effect_are_refused(pin: Any) -> None:
         changed.append(values[0])
         read.append(values[0])
         assert len(changed) == len(read) == len(before) + 1
+
+
+_CONSTRAINTS = """
+import pinocchio as pin
+model = pin.buildSampleModelManipulator()
+made = [pin.PointAnchorConstraintModel(model, 3), pin.JointFrictionConstraintModel(model, [1]),
+        pin.FrameAnchorConstraintModel(model, 2), pin.JointLimitConstraintModel(model, [1, 2])]
+models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
+for one in made:
+    models.append(one)
+    models.append(pin.ConstraintModel(one))
+for one in models:
+    datas.append(one.createData())
+models[0] = models[2]
+models.extend(models[1:3])
+datas[1] = datas[3]
+del datas[0]
+for entries in (models, datas, models[2:5], models.copy(), datas.tolist()):
+    print(len(entries), [one.shortname() for one in entries])
+for entries, wrong in ((models, 3), (models, datas[0]), (datas, made[0]), (datas, None)):
+    try:
+        entries.append(wrong)
+    except Exception as error:
+        print(isinstance(error, TypeError), len(entries))
+"""
+
+
+def test_lists_of_constraints_take_all_kinds() -> None:
+    pytest.importorskip("pinocchio")
+    own, wanted = printed(_CONSTRAINTS)
+    assert own == wanted
+
+
+def test_texts_are_made_a_list_of_their_kind(pin: Any) -> None:
+    texts = pin.utils.fromListToVectorOfString(name for name in ("a", "b"))
+    assert type(texts) is pin.StdVec_StdString and texts.tolist() == ["a", "b"]
+    with pytest.raises(InputError, match="expected a str"):
+        pin.utils.fromListToVectorOfString([3])

@@ -106,6 +106,7 @@ def test_terms_of_the_articulated_bodies_make_accelerations(pin: Any) -> None:
     data, rng = model.createData(), np.random.default_rng(5)
     q = pin.integrate(model, pin.neutral(model), rng.standard_normal(model.nv))
     pin.crba(model, data, q)
+    pin.cholesky.decompose(model, data)
     for i in range(2, model.njoints):
         joint = data.joints[i]
         assert joint.Dinv[0] == pytest.approx(1.0 / data.D[model.joints[i].idx_v])
@@ -231,12 +232,40 @@ def test_pickles_of_joints_of_former_versions_are_read(pin: Any) -> None:
 def test_factors_of_the_mass_matrix(pin: Any) -> None:
     model = pin.buildSampleModelHumanoid()
     data = model.createData()
-    with pytest.raises(InputError, match="crba"):
-        _ = data.U
-    M = pin.crba(model, data, pin.neutral(model))
+    np.testing.assert_array_equal(data.U, np.eye(model.nv))
+    assert not data.D.any()
+    q = pin.neutral(model)
+    M = pin.crba(model, data, q)
+    assert not data.D.any()
+    np.testing.assert_array_equal(pin.cholesky.decompose(model, data), data.U)
     np.testing.assert_allclose(data.U @ np.diag(data.D) @ data.U.T, M, atol=1e-12)
-    np.testing.assert_allclose(pin.cholesky.decompose(model, data), data.U, atol=1e-11)
     assert np.array_equal(data.U, np.triu(data.U)) and (np.diag(data.U) == 1.0).all()
+
+
+def test_factors_stay_until_the_next_decomposition(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, q = model.createData(), np.linspace(0.1, 0.6, model.nq)
+    M = pin.crba(model, data, q)
+    pin.cholesky.decompose(model, data)
+    U, D = data.U.copy(), data.D.copy()
+    data.M *= 2.0
+    pin.crba(model, data, 2.0 * q)
+    for one in (data, data.copy(), pickle.loads(pickle.dumps(data))):
+        np.testing.assert_array_equal(one.U, U)
+        np.testing.assert_array_equal(one.D, D)
+    with pytest.raises(AttributeError, match="U"):
+        data.U = np.eye(model.nv)
+    with pytest.raises(ValueError, match="read-only"):
+        data.U[0, 1] = 3.0
+    data.D = np.arange(6.0)
+    data.D[0] = 7.0
+    np.testing.assert_array_equal(data.D, [7.0, 1.0, 2.0, 3.0, 4.0, 5.0])
+    v = np.ones(model.nv)
+    np.testing.assert_allclose(pin.cholesky.solve(model, data, v), np.linalg.solve(M, v), rtol=1e-9)
+    pin.forwardDynamics(model, data, q, v, v, np.eye(3, model.nv), np.zeros(3), 0.0)
+    np.testing.assert_allclose(data.U @ np.diag(data.D) @ data.U.T, M, atol=1e-12)
+    data.D[:] = 1.0
+    assert (data.D == 1.0).all()
 
 
 def test_columns_of_derivatives_add_those_of_mimic_joints(pin: Any) -> None:

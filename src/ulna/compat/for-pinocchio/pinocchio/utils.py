@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from pinocchio._containers.arrays import StdVec
+from pinocchio._containers.typed_lists import typed_list
 from pinocchio._spatial.motion_force import skew
 from pinocchio._spatial.random_numbers import generator
 from pinocchio._spatial.se3 import SE3ToXYZQUAT as se3ToXYZQUAT
@@ -99,9 +101,9 @@ def npToTuple(M: Any) -> Any:
     return npToTTuple(array)
 
 
-def fromListToVectorOfString(items: Any) -> list[str]:
-    """A list of strings."""
-    return [str(item) for item in items]
+def fromListToVectorOfString(items: Any) -> StdVec[str]:
+    """A `StdVec_StdString` of texts."""
+    return typed_list("StdVec_StdString", "str")([*items])
 
 
 __all__ = [

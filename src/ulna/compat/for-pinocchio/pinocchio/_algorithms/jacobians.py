@@ -35,7 +35,8 @@ from pinocchio._model.compiled_model import CompiledModel
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.small_kernels import pose
-from pinocchio._tables.frame_jacobians import frame_jacobian, frame_jacobian_rate
+from pinocchio._tables.evaluation import TableEvaluator
+from pinocchio._tables.frame_jacobians import frame_jacobian, frame_jacobian_rate, jacobian_of_columns
 from ulna import algorithms, spatial
 from ulna.algorithms.multibody.references import Reference
 from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
@@ -191,7 +192,7 @@ def _placed_jacobian(model: Model, data: Data, joint: int, placement: SE3, rf: A
     reference = reference_of(rf)
     q = data._require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
     if evaluator := loaded_evaluator(model, data, "J of frames"):
-        return frame_jacobian(evaluator, q, joint, placement._m, reference)[0]
+        return _stored_jacobian(model, data, evaluator, q, joint, placement._m, reference)[0]
     watch = model._watched("structure")
     compiled = data._attach(model)
     if model.nvExtended != model.nv:  # columns of mimic joints are not separate in `data.J`
@@ -221,6 +222,23 @@ def _placed_kernel(compiled: CompiledModel, joint: int, reference: Reference, **
     return compiled.compile(("J placed", joint, reference), build, placed=(4, 4), **shapes)
 
 
+def _stored_jacobian(
+    model: Model,
+    data: Data,
+    evaluator: TableEvaluator,
+    q: Floats,
+    joint: int,
+    placement: Floats,
+    reference: Reference,
+) -> tuple[Floats, Floats]:
+    """The Jacobian (6, nv) of a frame and its placement (4, 4), of `data.J` and `data.oMi`, which users may change."""
+    if model.nvExtended != model.nv:  # columns of mimic joints are not separate in `data.J`
+        J, _, T = frame_jacobian(evaluator, q, joint, placement, reference)
+        return J, T
+    read = data._arrays["J"], data._arrays["oMi"][joint]
+    return jacobian_of_columns(evaluator, *read, joint, placement, reference)
+
+
 def _bind_at(
     model: Model, data: Data, binding_key: tuple[Any, ...], key: Any, fixed_frame: Frame | None
 ) -> Floats:
@@ -229,7 +247,7 @@ def _bind_at(
     q = data._require(data._q_of_jacobians, "computeJointJacobians(model, data, q)")
     if evaluator := loaded_evaluator(model, data, "J of frames"):
         joint, placement = _carrier(model, key, fixed_frame)
-        J, _, T = frame_jacobian(evaluator, q, joint, placement, reference)
+        J, T = _stored_jacobian(model, data, evaluator, q, joint, placement, reference)
         if fixed_frame is None:
             data._arrays["oMf"][key] = T
         return J

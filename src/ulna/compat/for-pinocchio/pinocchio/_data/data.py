@@ -216,7 +216,6 @@ class Data(CheckedAttributes, Saved, TreeFields):
 
     _model: KinematicTree
     _known_states: set[str]
-    _damped: Any
     _marks: array[float]
     _lists: _Lists
 
@@ -280,6 +279,7 @@ class Data(CheckedAttributes, Saved, TreeFields):
 
     def __deepcopy__(self, memo: Any) -> Data:
         self._compute_deferred(but=_ASKED_RARELY)
+        self._keep_factors()
         out = object.__new__(Data)
         out.__dict__.update(self.__dict__)
         for name in ("oMi", "oMf"):
@@ -301,6 +301,7 @@ class Data(CheckedAttributes, Saved, TreeFields):
 
     def __getstate__(self) -> dict[str, Any]:
         self._compute_deferred()
+        self._keep_factors()
         energies = {name: getattr(self, name) for name in _ENERGIES}
         invalid = {
             name: ALGORITHMS[int(self._marks[k]) - 1].name

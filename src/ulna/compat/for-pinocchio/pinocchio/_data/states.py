@@ -76,6 +76,10 @@ class FieldStates:
     _impact_derivatives: Any = None
     """Those of an impact."""
     _delassus: Any
+    _damped: Any
+    """Dynamics with a Jacobian that ran last, and their damping."""
+    _factored_for: Any = None
+    """Those whose factors of the mass matrix are in the arrays."""
     _known_states: set[str]
     _q: Any
     _qv: Any

@@ -73,6 +73,8 @@ _SHAPES = {
     **dict.fromkeys((*MOTIONS, *FORCES), "n6"),
     **dict.fromkeys(CENTRES, "n3"),
     "composite inertias": "ni",
+    "U of mass": "vv",
+    "D of mass": "v",
     **{
         "hg": "6",
         "dhg": "6",

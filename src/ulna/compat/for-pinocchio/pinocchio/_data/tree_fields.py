@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arrays import StdVec, not_applicable, views
+from pinocchio._containers.arrays import StdVec, not_applicable, vector, views
 from pinocchio._containers.computed_lists import ComputedList
 from pinocchio._data.evaluated_model import evaluator_of
 from pinocchio._data.first_evaluation import TABLE_CALLS
@@ -18,7 +19,6 @@ from pinocchio._spatial.se3 import SE3
 from pinocchio._tables import recursions as r
 from pinocchio._tables.evaluation import about_center
 from ulna.compiler import compile as compile_function
-from ulna.errors import InputError
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
 
@@ -153,23 +153,47 @@ class TreeFields(FieldStates):
 
     @property
     def U(self) -> Floats:
-        """The unit upper triangle (nv, nv) of `data.M` = U diag(D) U^T."""
-        return self._factors_of_mass()[0]
+        """The unit upper triangle (nv, nv) of M = U diag(D) U^T, a copy; see `D`."""
+        return _read_only(self._factors_of_mass()[0])
 
     @property
     def D(self) -> Floats:
-        """The diagonal (nv,) of `data.M` = U diag(D) U^T."""
+        """The diagonal (nv,) of M = U diag(D) U^T, live, as `cholesky.decompose` or `forwardDynamics` left it.
+
+        Before these U is the identity and D zero.
+        """
         return self._factors_of_mass()[1]
 
+    @D.setter
+    def D(self, value: Any) -> None:
+        D = self._factors_of_mass()[1]
+        D[...] = vector(value, D.size, "D")
+
     def _factors_of_mass(self) -> tuple[Floats, Floats]:
-        try:
-            reversed_factor = np.linalg.cholesky(self._arrays["M"][::-1, ::-1])
-        except np.linalg.LinAlgError:
-            raise InputError(
-                "`data.M` has no factors: it is not positive definite. Call crba(model, data, q) first."
-            ) from None
-        roots = np.diag(reversed_factor)
-        return (reversed_factor / roots)[::-1, ::-1].copy(), (roots * roots)[::-1].copy()
+        """U, which is not kept, and D, which is."""
+        factors = self._decomposed()
+        if factors is not None:
+            return factors.upper(), factors.D
+        U, D = self._arrays["U of mass"], self._arrays["D of mass"]
+        if self._damped is not self._factored_for:  # forwardDynamics, or the like, came after
+            lower = np.linalg.cholesky(self._arrays["M"][::-1, ::-1])
+            roots = np.diag(lower)
+            U[...], D[...] = (lower / roots)[::-1, ::-1], (roots * roots)[::-1]
+            self._factored_for = self._damped
+        elif not U.any():
+            np.fill_diagonal(U, 1.0)
+        return U.copy(), D
+
+    def _decomposed(self) -> Any:
+        """The factors that `cholesky.decompose` left; None where it was not called, or another one came after."""
+        factors = self._bound_at.get("cholesky")
+        return None if factors is None or factors.outdated[0] else factors
+
+    def _keep_factors(self) -> None:
+        """Writes U and D into arrays, for copies, which have no bound kernels."""
+        if self._decomposed() is not None:
+            self._arrays["U of mass"][...], self._arrays["D of mass"][...] = self._factors_of_mass()
+            self._factored_for = self._damped
 
     def _composite_inertias(self) -> tuple[Floats, Floats]:
         """Parameters of the inertias (njoints, 13), and placements of the joints (njoints, 4, 4)."""
@@ -180,6 +204,12 @@ class TreeFields(FieldStates):
         out = evaluator.run(r.MASS, q)
         inertias = np.concatenate([np.zeros((1, 13)), about_center(evaluator.of_joints(out.B))])
         return inertias, np.concatenate([np.eye(4)[None], evaluator.placements()])
+
+
+def _read_only(array: Floats) -> Floats:
+    """The same array, of which entries cannot be changed: that would have no effect."""
+    array.flags.writeable = False
+    return array
 
 
 def _composite(model: CoreModel) -> Callable[[Array], Array]:

@@ -247,11 +247,20 @@ class KinematicTree(KernelCache):
 
         Returns:
             Its index.
+
+        Raises:
+            ModelError: The frame before it is to be that of the joint, which has none.
         """
         if previous_frame < 0:
             index(parentJoint, self.njoints, "joint", "model.getJointId(name) returns one.")
             joints = int(FrameType.JOINT) | int(FrameType.FIXED_JOINT)
-            previous_frame = self._frames_named(self.names[parentJoint], joints)[0]
+            found = self._frames_named(self.names[parentJoint], joints)
+            if not found:
+                raise ModelError(
+                    f"Joint {self.names[parentJoint]!r} has no frame that {body_name!r} could follow. Add it with "
+                    "addJointFrame(joint_id) first, or give the index of another frame."
+                )
+            previous_frame = found[0]
         return self._add_new_frame(body_name, parentJoint, previous_frame, body_placement, FrameType.BODY)
 
     def _add_new_frame(self, name: str, joint: int, frame: int, placement: SE3, type: FrameType) -> int:

@@ -35,6 +35,7 @@ from pinocchio._constraints.anchors import (
     PointContactConstraintData,
     PointContactConstraintModel,
 )
+from pinocchio._constraints.constraint_model import ConstraintData, ConstraintModel
 from pinocchio._constraints.joint_constraints import (
     JointFrictionConstraintData,
     JointFrictionConstraintModel,
@@ -193,8 +194,8 @@ StdVec_CollisionPair = StdVec[CollisionPair]
 StdVec_CollisionResult = StdVec[Any]
 StdVec_ComputeCollision = StdVec[Any]
 StdVec_ComputeDistance = StdVec[Any]
-StdVec_ConstraintData = StdVec[Any]
-StdVec_ConstraintModel = StdVec[Any]
+StdVec_ConstraintData = StdVec[ConstraintData]
+StdVec_ConstraintModel = StdVec[ConstraintModel]
 StdVec_Contact = StdVec[Any]
 StdVec_Data = StdVec[Data]
 StdVec_DistanceResult = StdVec[Any]

@@ -31,6 +31,26 @@ def frame_jacobian(
     return _in_frame(J, T, reference), evaluator.placements(), T
 
 
+def jacobian_of_columns(
+    evaluator: TableEvaluator, J: Floats, carrier: Floats, joint: int, placement: Floats, reference: Reference
+) -> tuple[Floats, Floats]:
+    """The Jacobian of a frame of a robot without mimic joints, from columns that are computed already.
+
+    Args:
+        J: The columns of all joints in the world (6, nv), linear rows first.
+        carrier: The placement in the world of the joint that carries the frame (4, 4) [m].
+        joint: That joint, 0 for the universe.
+        placement: The frame in the frame of the joint (4, 4) [m].
+        reference: Where the Jacobian is expressed.
+
+    Returns:
+        The Jacobian (6, nv), and the placement of the frame (4, 4).
+    """
+    carries = evaluator.by_entries(np.tile(evaluator.supports(joint)[:, None], 6))
+    T = carrier @ placement
+    return _in_frame(np.where(carries > 0.0, J, 0.0), T, reference), T
+
+
 def frame_jacobian_rate(
     evaluator: TableEvaluator, q: Floats, v: Floats, joint: int, placement: Floats, reference: Reference
 ) -> Floats:
