@@ -8,7 +8,7 @@ import ulna
 
 LANGUAGE = Path(ulna.__file__).parent / "compiler" / "language"
 FILES = ("ops", "graph", "simplify", "scalar", "interpreter", "differentiation", "function")
-OTHERS = {"__init__", "ports", "loop_derivatives", "kept_values"}
+OTHERS = {"__init__", "ports", "loop_derivatives", "kept_values", "cotangents", "custom_vjp", "vjp_rule"}
 MOST = 1600
 
 

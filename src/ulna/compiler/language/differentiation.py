@@ -10,8 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from ulna.compiler.language.cotangents import Cotangents
+from ulna.compiler.language.custom_vjp import add_by_rule, rules_by_first_value
 from ulna.compiler.language.graph import Graph
-from ulna.compiler.language.loop_derivatives import LONG_TAPE, copied, either, forward_loop, reverse_loop
+from ulna.compiler.language.loop_derivatives import LONG_TAPE, copied, forward_loop, reverse_loop
 from ulna.compiler.language.ops import TABLE, Op
 from ulna.compiler.language.scalar import Condition, Scalar, index_in
 from ulna.errors import TraceError
@@ -79,49 +81,6 @@ def forward(g: Graph, tangents: dict[int, int], outputs: Sequence[int]) -> list[
     return [index_in(g, d.get(o, 0.0)) for o in outputs]
 
 
-class _Cotangents:
-    """The cotangents of nodes, summed as they arrive.
-
-    One that came through one side of a `where` carries the condition and is set to zero only where it meets others:
-    multiplied as zero by the partials of the side not taken it could become nan, which are inf or nan there.
-    """
-
-    def __init__(self, g: Graph) -> None:
-        self._graph = g
-        self._of: dict[int, tuple[Any, Condition | None]] = {}
-
-    def __contains__(self, index: int) -> bool:
-        return index in self._of
-
-    def __getitem__(self, index: int) -> tuple[Any, Condition | None]:
-        return self._of[index]
-
-    def add(self, index: int, value: Any, condition: Condition | None) -> None:
-        """Adds `value`, which counts only where `condition`."""
-        if index not in self._of:
-            self._of[index] = value, condition
-            return
-        other, its_condition = self._of[index]
-        if _same(condition, its_condition):
-            self._of[index] = other + value, condition
-            return
-        self._of[index] = (
-            _where(its_condition, other) + _where(condition, value),
-            either(its_condition, condition),
-        )
-
-    def total(self, index: int) -> int:
-        """The node of the sum, zero where nothing arrived."""
-        if index not in self._of:
-            return index_in(self._graph, 0.0)
-        value, condition = self._of[index]
-        return index_in(self._graph, _where(condition, value))
-
-
-def _where(condition: Condition | None, value: Any) -> Any:
-    return value if condition is None else condition._where_(value, 0.0)
-
-
 def reverse(g: Graph, seeds: Sequence[tuple[Any, ...]], inputs: Sequence[int]) -> list[int]:
     """One sweep that adds the cotangents of `inputs` to a graph.
 
@@ -133,19 +92,23 @@ def reverse(g: Graph, seeds: Sequence[tuple[Any, ...]], inputs: Sequence[int]) -
     Returns:
         The nodes of the cotangents of `inputs`.
     """
-    order, cotangents = g.live([y for y, *_ in seeds]), _Cotangents(g)
+    order, cotangents = g.live([y for y, *_ in seeds]), Cotangents(g)
     for y, seed, *condition in seeds:
         cotangents.add(y, Scalar(g, seed), *(condition or [None]))
     reached = set(inputs)
     for index in order:  # only nodes that depend on the inputs carry a cotangent
         if any(a in reached for a in g.args[index]):
             reached.add(index)
+    rules = rules_by_first_value(g, order)
+    by_rule = {y for rule in rules.values() for y in rule.outputs}
     loop_cotangents: dict[int, dict[int, Any]] = {}  # cotangents of the final states of loops
     for index in reversed(order):
+        if index in rules:
+            add_by_rule(g, rules[index], cotangents, reached)
         if index in loop_cotangents:
             for a, item, condition in reverse_loop(g, index, loop_cotangents[index], reached, reverse):
                 cotangents.add(a, Scalar(g, item), condition)
-        if index not in cotangents or index not in reached or g.op[index] == Op.INPUT:
+        if index in by_rule or index not in cotangents or index not in reached or g.op[index] == Op.INPUT:
             continue
         if g.op[index] == Op.ITEM:
             loop_cotangents.setdefault(g.args[index][0], {})[g.data[index]] = cotangents[index]
@@ -154,7 +117,7 @@ def reverse(g: Graph, seeds: Sequence[tuple[Any, ...]], inputs: Sequence[int]) -
     return [cotangents.total(x) for x in inputs]
 
 
-def _add_to_arguments(g: Graph, index: int, cotangents: _Cotangents, reached: set[int]) -> None:
+def _add_to_arguments(g: Graph, index: int, cotangents: Cotangents, reached: set[int]) -> None:
     """Adds the cotangent of a node, times its partial derivatives, to those of its arguments."""
     value, condition = cotangents[index]
     if g.op[index] == Op.SELECT:
@@ -176,10 +139,6 @@ def _add_to_arguments(g: Graph, index: int, cotangents: _Cotangents, reached: se
             partial = _partial(g, index, position)
             if partial is not None:
                 cotangents.add(a, value * partial, condition)
-
-
-def _same(a: Condition | None, b: Condition | None) -> bool:
-    return a is b if a is None or b is None else a.index == b.index
 
 
 def _partial(g: Graph, index: int, position: int) -> Any:

@@ -9,6 +9,7 @@ from typing import Any
 
 from ulna.compiler.language.ops import TABLE, Op
 from ulna.compiler.language.simplify import simplify
+from ulna.compiler.language.vjp_rule import VjpRule
 from ulna.compiler.size_limit import most_operations, raise_too_large
 from ulna.data_classes import dataclass
 from ulna.errors import TraceError
@@ -66,6 +67,7 @@ class Graph:
         "op",
         "parent",
         "relaxed",
+        "rules",
         "zero",
     )
 
@@ -75,6 +77,7 @@ class Graph:
         self.data: list[Any] = []
         self.inputs: list[int] = []
         self.relaxed = relaxed
+        self.rules: list[VjpRule] = []
         self.parent = parent
         self.lanes = lanes if parent is None else parent.lanes
         self.zero = -1  # the node of 0.0, once there is one
@@ -86,7 +89,7 @@ class Graph:
         return len(self.op)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (self.op, self.args, self.data, self.inputs, self.relaxed, self.lanes)
+        return _rebuild, (self.op, self.args, self.data, self.inputs, self.relaxed, self.lanes, self.rules)
 
     def input(self) -> int:
         """A new input; inputs are numbered in the order they are made."""
@@ -256,8 +259,11 @@ class Graph:
         return index
 
 
-def _rebuild(op: Any, args: Any, data: Any, inputs: Any, relaxed: bool, lanes: int = 1) -> Graph:
+def _rebuild(
+    op: Any, args: Any, data: Any, inputs: Any, relaxed: bool, lanes: int = 1, rules: Any = ()
+) -> Graph:
     graph = Graph(relaxed=relaxed, lanes=lanes)
+    graph.rules = list(rules)
     graph.op, graph.args, graph.data, graph.inputs = list(op), list(args), list(data), list(inputs)
     for index, (o, a, d) in enumerate(zip(op, args, data, strict=True)):
         if o == Op.CONST:

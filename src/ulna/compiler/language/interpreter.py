@@ -12,6 +12,7 @@ import numpy as np
 
 from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.ops import TABLE, Op
+from ulna.compiler.language.vjp_rule import of_live_values
 
 
 def evaluate(
@@ -103,7 +104,12 @@ def copy_into(
         plain = len(args) - data.reads  # the other values are the states of the loops that it reads
         return copy_loop(target, data, [*args[:plain], *(target.args[items[0]][0] for items in args[plain:])])
 
-    return evaluate(source, inputs, nodes, operation=node, loop=loop, lane=target.lane, constant=constant)
+    rules = of_live_values(source.rules, source.live(nodes) if source.rules else ())
+    wanted = [*nodes, *(x for rule in rules for x in (*rule.inputs, *rule.outputs))]
+    made = evaluate(source, inputs, wanted, operation=node, loop=loop, lane=target.lane, constant=constant)
+    moved = iter(made[len(nodes) :])
+    target.rules += [rule.moved([next(moved) for _ in (*rule.inputs, *rule.outputs)]) for rule in rules]
+    return made[: len(nodes)]
 
 
 def _by_numpy(op: int, args: Sequence[Any]) -> Any:

@@ -16,6 +16,7 @@ from functools import partial, reduce
 from math import isqrt
 from typing import Any
 
+from ulna.compiler.language.cotangents import either
 from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.interpreter import copy_into
 from ulna.compiler.language.kept_values import values_to_keep
@@ -195,20 +196,6 @@ def _backward(
     return replace(_loop(reading, following, loop, 1, not loop.is_backward), plain=made)
 
 
-def either(a: Condition | None, b: Condition | None) -> Condition | None:
-    """Where a sum of two cotangents counts: where one of them does; None stands for everywhere.
-
-    Args:
-        a: Where the first one counts.
-        b: Where the second one counts.
-
-    Returns:
-        The condition of the same graph, or None.
-    """
-    both = None if a is None or b is None else a | b
-    return None if both is None or both.graph.op[both.index] == Op.BOOL else both  # c or not c
-
-
 def _where_states_count(loop: Loop, ends: Mapping[int, Condition | None]) -> dict[int, Condition | None]:
     """Where the cotangents of the states count, after any iteration, given that of final states.
 
@@ -295,6 +282,7 @@ def _tape_values(
 def _as_inputs(inner: Graph, following: Sequence[int], taped: Sequence[int]) -> tuple[Graph, list[int]]:
     """A graph that computes the same, with the nodes `taped` as its last inputs; and the nodes of `following`."""
     source = copy(inner)
+    source.rules = []  # which would keep what only they need
     for node in taped:
         number = len(source.inputs)
         if source.op[node] not in (Op.INPUT, Op.CONST):
