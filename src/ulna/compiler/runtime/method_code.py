@@ -249,11 +249,12 @@ slow:
 """
 
 
-def bind_ir(fields: Sequence[str]) -> str:
+def bind_ir(fields: Sequence[str], bound: str = "function") -> str:
     """IR of what such an object is as an attribute, `bind`: the function, or a method of it bound to an instance.
 
     Args:
         fields: The words of its plan, among them `incref` and `method_new`.
+        bound: What a bound method is of: the "function", or the object itself, "self".
 
     Returns:
         The definition.
@@ -274,7 +275,7 @@ bare:
   ret ptr %function
 bound:
 {method_new}
-  %method = call ptr %method_new(ptr %function, ptr %object)
+  %method = call ptr %method_new(ptr %{bound}, ptr %object)
   ret ptr %method
 }}
 """

@@ -103,7 +103,7 @@ def slot_offset(kind: type, name: str) -> int:
     if not fast_call_works():
         return 0
     probe, value = object.__new__(kind), object()
-    setattr(probe, name, value)
+    object.__setattr__(probe, name, value)
     places = range(HEAD, kind.__basicsize__, WORD)
     fitting = [
         place for place in places if ctypes.c_void_p.from_address(id(probe) + place).value == id(value)

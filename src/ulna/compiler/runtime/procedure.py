@@ -33,7 +33,7 @@ from ulna.compiler.imperative.effects import written
 from ulna.compiler.imperative.interpreter import interpret
 from ulna.compiler.imperative.program import ProgramReader
 from ulna.compiler.imperative.source import Definition
-from ulna.compiler.imperative.types import INT, Number
+from ulna.compiler.imperative.types import INT, Number, RecordType
 from ulna.compiler.runtime import procedure_cache
 from ulna.compiler.runtime.jit import load_known, target
 from ulna.compiler.runtime.procedure_arguments import (
@@ -149,7 +149,7 @@ class Procedure(Definition):
         places: dict[str, int] = {}
         for (name, type_), value in zip(compiled.parameters, arguments, strict=True):
             part, buffers = words_of(name, type_, value, name in compiled.writes)
-            places[name] = len(words)
+            places |= {f"{name}{rest}": len(words) + at for rest, at in _places_in(type_, value).items()}
             words += part
             alive += buffers
         return BoundProcedure(compiled, self._entry(is_checked), words, alive, places, are_arrays_private)
@@ -232,7 +232,7 @@ class BoundProcedure:
         entry: The address of its machine code.
         words: The arguments as machine words.
         alive: What must stay alive: the arrays among the arguments.
-        places: Where the words of each parameter begin.
+        places: Where the words of each parameter begin, and of each field of a record.
         are_arrays_private: Whether nothing can have happened to the arrays between calls.
     """
 
@@ -245,7 +245,7 @@ class BoundProcedure:
         places: Mapping[str, int],
         are_arrays_private: bool = False,
     ) -> None:
-        self._compiled, self._entry, self._held = compiled, entry, alive
+        self._compiled, self._entry, self._held, self._places = compiled, entry, alive, places
         self._numbers = {name: (places[name], t) for name, t in compiled.parameters if isinstance(t, Number)}
         arrays = [] if are_arrays_private else [a for a in alive if isinstance(a, np.ndarray)]
         self._arrays = [(a, layout(a)) for a in arrays]
@@ -256,6 +256,7 @@ class BoundProcedure:
         self._words = np.zeros(max(size, 1), np.int64)
         self._words[: len(words)] = words
         self._view = self._words.data  # read in half the time
+        self._bound = self._words[: len(words)], self._words[: len(words)].copy()
         self._fault = np.zeros(2, np.int64)
         arrays = self._words, self._fault
         self._pointers = tuple(ctypes.c_void_p(a.ctypes.data) for a in arrays)  # faster than plain numbers
@@ -282,6 +283,28 @@ class BoundProcedure:
             position += result_words(result)
         return one_or_all(results)
 
+    def addresses(self) -> tuple[int, int, int]:
+        """Where the machine code lies, the words that it reads, and where it writes faults."""
+        words, fault = (int(pointer.value or 0) for pointer in self._pointers)
+        return ctypes.cast(self._entry, ctypes.c_void_p).value or 0, words, fault
+
+    def address_of_word(self, name: str) -> int:
+        """Where the word with the address of an array lies.
+
+        Args:
+            name: The parameter, or `parameter.field` of a record.
+        """
+        return self.addresses()[1] + 8 * self._places[name]
+
+    def address_of_result(self) -> int:
+        """Where the first word of the result lies."""
+        return self.addresses()[1] + 8 * self._first
+
+    def restore(self) -> None:
+        """Has calls read the arrays and numbers that were bound, after others were written into the words."""
+        words, bound = self._bound
+        words[:] = bound
+
     def set(self, name: str, value: Number_) -> None:
         """Gives a number that was bound another value.
 
@@ -305,6 +328,16 @@ class BoundProcedure:
         if status >> 24 & 0xFF == DIVISION_BY_ZERO:
             raise DivisionByZero(file, line)
         raise OutOfBounds(file, line, *self._fault.tolist())
+
+
+def _places_in(type_: Any, value: Any) -> dict[str, int]:
+    """Where the words of an argument begin, "" for all of it, and of its fields."""
+    places, size = {"": 0}, 0
+    for field, kind in type_.fields if isinstance(type_, RecordType) else ():
+        inner = getattr(value, field)
+        places |= {f".{field}{rest}": size + at for rest, at in _places_in(kind, inner).items()}
+        size += len(words_of(field, kind, inner, False)[0])
+    return places
 
 
 @overload

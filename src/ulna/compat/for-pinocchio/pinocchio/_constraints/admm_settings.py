@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar, final
 
-import numpy as np
-
-from pinocchio._constraints.iterative_solver import ConstraintSolverResult, ToleranceSettings
+from pinocchio._constraints._procedures import admm_iterations as entries
+from pinocchio._constraints.iterative_solver import ConstraintSolverResult, ToleranceSettings, entry
 from pinocchio._containers.arguments import check_size
 from pinocchio._containers.arrays import StdVec
 from pinocchio._containers.attributes import AttributeKind, flag, number, one_of, whole
@@ -112,7 +111,7 @@ class ADMMSolverSettings(ToleranceSettings):
             )
 
     def numbers(self) -> tuple[float, ...]:
-        """The settings as `admm_iterations` takes them."""
+        """The settings as `admm_search` takes them."""
         rule = self.admm_update_rule
         return (
             self.tau,
@@ -132,6 +131,13 @@ class ADMMSolverSettings(ToleranceSettings):
             self.solve_ncp,
             self.rho_min_update_frequency,
             self.max_delassus_decomposition_updates,
+            self.mu_prox,
+            rule == ADMMUpdateRule.SPECTRAL,
+            self.spectral_rho_power_factor,
+            -1.0 if self.rho_init is None else self.rho_init,
+            self.spectral_rho_power_init,
+            self.warmstart_rho_with_previous_result,
+            self.max_iterations,
         )
 
 
@@ -144,36 +150,25 @@ class ADMMSolverResult(ConstraintSolverResult):
         delassus_decomposition_update_count: How many matrices were factorized, with one for the proximal weight alone.
     """
 
+    __slots__ = ()
+    _head, _vectors = entries.HEAD, 6
+    rho = entry(entries.RHO_OUT, number)
+    mu_prox = entry(entries.MU_OUT, number)
+    spectral_rho_power = entry(entries.EXPONENT_OUT, number)
+    delassus_decomposition_update_count = entry(entries.COUNT_OUT, whole)
+
     def reset(self) -> None:
         """Forgets the solution, and what the next search starts from."""
         super().reset()
-        self._shifted: Floats | None = None
-        self._shift: Floats | None = None
-        self.rho = self.mu_prox = self.spectral_rho_power = np.nan
-        self.delassus_decomposition_update_count = 0
-
-    def fill_weights(
-        self, shifted: Floats, shift: Floats, weights: tuple[float, float, float], factorizations: int
-    ) -> None:
-        """Stores what only ADMM has.
-
-        Args:
-            shifted: Velocities of the constraints with De Saxce's shift (m,) [m/s].
-            shift: De Saxce's shift (m,) [m/s].
-            weights: rho, the proximal weight [1/kg], and the power of the rule SPECTRAL [-].
-            factorizations: How many matrices were factorized.
-        """
-        self._shifted, self._shift = shifted, shift
-        self.rho, self.mu_prox, self.spectral_rho_power = weights
-        self.delassus_decomposition_update_count = factorizations
+        self._values[entries.COUNT_OUT] = 0.0
 
     def retrieveDualSolution(self, dual_solution: Floats) -> None:
         """Copies the velocities with De Saxce's shift into an array."""
-        dual_solution[...] = self._solution(self._shifted)
+        dual_solution[...] = self._vector(4)
 
     def retrieveDesaxceTerm(self, desaxce_term: Floats) -> None:
         """Copies De Saxce's shift into an array."""
-        desaxce_term[...] = self._solution(self._shift)
+        desaxce_term[...] = self._vector(5)
 
 
 _RECORDED = (
@@ -232,7 +227,7 @@ class ADMMSolverStats:
         """Adds iterations.
 
         Args:
-            records: Of each what `admm_iterations` records (iterations, 9).
+            records: Of each what `admm_search` records (iterations, 9).
         """
         for name, column in zip(_RECORDED, records.T.tolist(), strict=True):
             getattr(self, name).extend(map(int, column) if name == "anderson_size" else column)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from array import array
 from functools import lru_cache, reduce
-from typing import Any, final
+from typing import Any, Self, final
 
 import numpy as np
 
@@ -151,11 +151,20 @@ class DelassusOperator:
 
     __slots__ = ("_G", "_compliance", "_damping", "_solve_vector", "_unique")
 
+    def __copy__(self) -> Self:
+        other = object.__new__(type(self))
+        for kind in type(self).__mro__:
+            for name in getattr(kind, "__slots__", ()):
+                setattr(other, name, getattr(self, name))
+        other._damping, other._unique = self._damping.copy(), array("d", [0.0])
+        other._solve_vector = None
+        return other
+
     def _hold(self, G: Floats) -> None:
         if G.ndim != 2 or G.shape[0] != G.shape[1]:
             raise WrongShape("matrix", G.shape, "(n, n)")
         self._G = G
-        self._compliance = self._damping = np.zeros(len(G))
+        self._compliance, self._damping = np.zeros(len(G)), np.zeros(len(G))
         self._solve_vector: Any = None  # bound to these arrays when first called
         self._unique = array("d", [0.0])
 

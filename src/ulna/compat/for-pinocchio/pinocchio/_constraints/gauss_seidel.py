@@ -10,27 +10,26 @@ import numpy as np
 
 from pinocchio._constraints._procedures.gauss_seidel_rounds import (
     FIXED,
-    ROUNDS,
     Outcome,
     Problem,
-    gauss_seidel_rounds,
+    gauss_seidel_search,
 )
+from pinocchio._constraints._procedures.solver_rows import CONVERGED_OUT, HEAD
 from pinocchio._constraints.gauss_seidel_stats import PGSSolverStats
 from pinocchio._constraints.iterative_solver import (
     ConstraintSolverResult,
     IterativeSolver,
     ToleranceSettings,
     check_settings_and_result,
+    repeated,
 )
-from pinocchio._constraints.solver_problem import RowStorage, operator_for, sets_of
+from pinocchio._constraints.solver_problem import AT_ONCE, RowStorage, operator_for, sets_of
 from pinocchio._containers.arrays import vector
 from pinocchio._containers.attributes import AttributeKind, number
 from ulna.errors import InputError
+from ulna.typing import Floats
 
 __all__ = ["PGSConstraintSolver", "PGSSolverResult", "PGSSolverSettings"]
-
-_AT_ONCE = 1000
-"""So many rounds does one native call make, which Ctrl-C does not reach."""
 
 
 @final
@@ -57,14 +56,14 @@ class PGSSolverSettings(ToleranceSettings):
             )
 
     def numbers(self) -> tuple[float, ...]:
-        """The settings as `gauss_seidel_rounds` takes them."""
+        """The settings as `gauss_seidel_search` takes them."""
         return (
             self.absolute_feasibility_tol,
             self.absolute_complementarity_tol,
             self.relative_feasibility_tol,
             self.over_relaxation,
             self.solve_ncp,
-            0.0,
+            self.max_iterations,
         )
 
 
@@ -78,6 +77,7 @@ class PGSSolverResult(ConstraintSolverResult):
     __slots__ = ()
 
 
+@repeated
 @final
 class PGSConstraintSolver(IterativeSolver):
     """Finds impulses of constraints, one after the other, round after round.
@@ -118,69 +118,69 @@ class PGSConstraintSolver(IterativeSolver):
         sets = sets_of(constraint_models, constraint_datas)
         operator = operator_for(delassus, sets)
         m = operator.size()
-        g = vector(g, m, "g")
-        guess = result.take_guesses(m)[0]
+        velocities = vector(g, m, "g")
+        out = result.place_for(m)
         begun = time.perf_counter()
         sizes = len(sets.kinds), m
         storage: _Storage | None = self._storage
         if storage is None or storage.sizes != sizes:
             storage = self._storage = _Storage(sizes)
-        storage.fill(operator, g, sets, operator._compliance + operator._damping)
-        iterations = storage.search(guess, settings, packed, self.stats)
-        off, power, converged = storage.numbers.tolist()
-        result.fill(
-            storage.x[:m].copy(), storage.y[:m].copy(), iterations, bool(converged), (0.0, off, power)
-        )
+        self._calls = None  # until the arrays are those of such a search again
+        storage.put_sets(sets)
+        problem = operator._G, operator._compliance, operator._damping, velocities
+        storage.solve(problem, settings, packed, out, self.stats)
         self._finished(time.perf_counter() - begun, settings)
+        self._repeat(storage.run, delassus, g, constraint_models, constraint_datas, settings, result)
         return result.converged
 
 
 class _Storage(RowStorage):
-    """The iterates, and the procedure bound to them."""
+    """The iterates, and the procedure bound to them.
+
+    Attributes:
+        run: The procedure.
+    """
 
     def __init__(self, sizes: tuple[int, int]) -> None:
-        super().__init__(sizes)
-        self.x, self.y, *work = (self.vector() for _ in range(5))
-        self.numbers, self._fixed = np.zeros(3), np.zeros(len(FIXED))
-        self._fixed_bytes = self._fixed.data.cast("B")
-        self._problem = Problem(self.G, self.g, self.x, self.y, *work)
-        self._rounds = self._bound(np.zeros((0, 3)))
+        super().__init__(sizes, HEAD, 4)
+        vectors = [self.vector() for _ in range(5)]
+        self._numbers, self._fixed = np.zeros(3), np.zeros(len(FIXED))
+        self._settings = self._fixed.data.cast("B")
+        self._problem = Problem(self.G, self.g, *vectors)
+        self.run = self._bound(np.zeros((0, 3)))
 
-    def _bound(self, records: Any) -> Any:
+    def _bound(self, records: Floats) -> Any:
         """The procedure, which records rounds where there is room for them."""
-        outcome = Outcome(self.numbers, records)
-        return gauss_seidel_rounds.bind(
-            self.rows, self._problem, outcome, self._fixed, are_arrays_private=True
-        )
+        return gauss_seidel_search.bind(
+            self.given, self.rows, self._problem, Outcome(self._numbers, records), self._fixed, self.span,
+            are_arrays_private=True,
+        )  # fmt: skip
 
-    def search(self, guess: Any, settings: PGSSolverSettings, packed: bytes, stats: PGSSolverStats) -> int:
-        """Makes rounds; returns how many were not good enough.
+    def solve(
+        self,
+        problem: tuple[Floats, ...],
+        settings: PGSSolverSettings,
+        packed: bytes,
+        out: Floats,
+        stats: PGSSolverStats,
+    ) -> None:
+        """Makes rounds.
 
         Args:
-            guess: Impulses to start from (m,), or None.
+            problem: As `search` takes it.
             settings: When the search ends.
             packed: The same, as native code takes it.
+            out: What the solution is written into (n,); see `Given`.
             stats: What is filled, where the settings say so.
-
-        Returns:
-            The number of rounds before the last one, or of all.
         """
-        self.x[: self.m] = 0.0 if guess is None else guess
-        run, done, most = self._rounds, 0, int(settings.max_iterations) + 1
-        at_once = min(_AT_ONCE, most)
-        self._fixed_bytes[:] = packed
-        self.numbers[2] = 0.0
+        self._settings[:] = packed
         if stats.size():
             stats.reset()
+        most = int(settings.max_iterations) + 1
+        run, records = self.run, np.zeros((min(AT_ONCE, most) if settings.stat_record else 0, 3))
         if settings.stat_record:
-            records = np.zeros((at_once, 3))
             run = self._bound(records)
-        while done < most and not self.numbers[2]:
-            self._fixed[ROUNDS] = min(at_once, most - done)
-            made = run()
+        for first, done in self.search(run, problem, most, out):
             if settings.stat_record:
-                stats.add(records[: made + int(self.numbers[2])])
-            done += made
-        if settings.stat_record:
-            stats.iterations = done
-        return done
+                stats.add(records[: done - first + int(out[CONVERGED_OUT])])
+                stats.iterations = done

@@ -27,12 +27,24 @@ import numpy as np
 from pinocchio._constraints._procedures.anderson import History, accelerate, clear, remember
 from pinocchio._constraints._procedures.lanczos_steps import decompose, eigenvalue
 from pinocchio._constraints._procedures.solver_rows import (
+    CONVERGED_OUT,
+    DUAL_OUT,
+    HAS_IMPULSES_OUT,
+    HAS_VELOCITIES_OUT,
+    INT,
+    ITERATIONS_OUT,
     LANES,
+    POWER_OUT,
+    PRIMAL_OUT,
+    Given,
     Rows,
     distance,
     off_dual,
     power,
     project,
+    put,
+    read,
+    read_guess,
     row_times,
     shift,
     size_of,
@@ -40,25 +52,35 @@ from pinocchio._constraints._procedures.solver_rows import (
 from pinocchio._constraints._procedures.square_root_free import Factors, factorize, solve
 from ulna.compiler.procedures import Array1, Array2, f64, procedure
 
-RHO, MU, PRIMAL, DUAL, POWER, COUNT, WAITED, SIZE_X, SIZE_Y, SIZE_Z, BEFORE, ENDED, LARGEST, WEIGHT = NOW = (
-    range(14)
+RHO, MU, PRIMAL, DUAL, POWER, COUNT, WAITED, SIZE_X, SIZE_Y, SIZE_Z, BEFORE, ENDED, LARGEST, WEIGHT = range(
+    14
 )
-"""Entries of `Iterates.now`; BEFORE is the primal residual of the last extrapolation, WEIGHT that of the factors."""
+LEAST, EXPONENT = 14, 15
+NOW = range(16)
+"""Entries of `Iterates.now`; BEFORE is the primal residual of the last extrapolation, WEIGHT that of the factors,
+LARGEST and LEAST are the eigenvalues of the rule SPECTRAL, EXPONENT is its power."""
 X_AT, Y_AT, Z_AT, S_AT = 1, 2, 3, 4
 """Which of the vectors of `Iterates`, from g on, are x, y, z and s."""
 RECORDED = 9
 """So many numbers are recorded of an iteration."""
 
 
-FIXED = range(20)
+FIXED = range(24)
 TAU, TAU_PROX, DUAL_MOMENTUM, RHO_MOMENTUM, RHO_MIN, RHO_MAX, LEAST_CHANGE, RATIO, ABSOLUTE, RELATIVE = FIXED[
     :10
 ]
-LEAST_POWER, FACTOR, RULE, AUTOMATIC, SLIDING, WAIT, MOST, HAS_IMPULSES, HAS_VELOCITIES, NEEDS_EIGENVALUE = (
-    FIXED[10:]
-)
+LEAST_POWER, FACTOR, RULE, AUTOMATIC, SLIDING, WAIT, MOST, PROXIMAL, SPECTRAL, FACTOR_EXPONENT = FIXED[10:20]
+FIRST_RHO, FIRST_EXPONENT, IS_WARM, ITERATIONS = FIXED[20:]
 """Entries of `fixed`: the settings, FACTOR being by what SPECTRAL and LINEAR multiply rho; RULE 0 keeps it, 1
-multiplies it, 2 is that of OSQP. Then whether x and z are given, and whether the largest eigenvalue is asked for."""
+multiplies it, 2 is that of OSQP; PROXIMAL is the proximal weight, FACTOR_EXPONENT the exponent of which SPECTRAL makes
+its factor. Then rho at first, or -1 for one between the eigenvalues, the power of the rule SPECTRAL at first, whether
+both are those of the solution before, and how many iterations are made at most, which `span` follows."""
+RHO_OUT, MU_OUT, EXPONENT_OUT, COUNT_OUT = 7, 8, 9, 10
+HEAD = 11
+"""Entries of `Given.out` after those that all results have, and how many there are before the vectors; z and s follow
+those vectors that all have."""
+IN_VAIN, SOLVED, NOT_APART = 0, 1, 2
+"""What `admm_search` returns; NOT_APART: the rule SPECTRAL has no factor for equal eigenvalues."""
 
 
 class Basis(NamedTuple):
@@ -83,7 +105,7 @@ class Iterates(NamedTuple):
         g, x, y, z, s: (width,), see the module.
         X, Z: What the next iteration starts from, if its result is not extrapolated (width,).
         from_x, from_y, from_z: What the present iteration started from (width,).
-        work: (width,).
+        work, right: (width,).
         now: Numbers, see the constants.
         records: Of each iteration what `ADMMSolverStats` holds (iterations, 9).
     """
@@ -261,17 +283,8 @@ def _record(rows, at, history, factors, fixed, k, W):
     at.records[k, 6] = float(history.count[0])
 
 
-@procedure(constants={"W": LANES})
-def admm_iterations(
-    rows: Rows,
-    at: Iterates,
-    history: History,
-    factors: Factors,
-    fixed: Array1[f64],
-    first: int,
-    last: int,
-    W: int,
-) -> int:
+@procedure
+def _iterations(rows, at, history, factors, fixed, first, last, W):
     """Makes the iterations from `first` to the one before `last`, or to one that is good enough, which it returns.
 
     Where none was, it returns `last`.
@@ -314,42 +327,140 @@ def _first_iterates(rows, at, factors, fixed, has_impulses, has_velocities, W):
         _add_shift(rows, at.z, at.s, fixed)
 
 
-@procedure(constants={"W": LANES})
-def admm_start(
-    rows: Rows,
-    at: Iterates,
-    history: History,
-    factors: Factors,
-    basis: Basis,
-    fixed: Array1[f64],
-    W: int,
-) -> bool:
-    """Prepares the iterations; whether what they start from is a solution within the absolute tolerances.
+@procedure
+def _raised(base, exponent):
+    """A power of a number above zero."""
+    return np.exp(exponent * np.log(base)) if exponent != 0.0 else 1.0
 
-    `at.now[MU]` is the proximal weight of the settings, with which the largest eigenvalue counts.
-    """
-    if fixed[NEEDS_EIGENVALUE] > 0.0:
-        decompose(at.G, at.now[MU], basis.Q, basis.diagonal, basis.below, at.work, W)
-        at.now[LARGEST] = eigenvalue(basis.diagonal, basis.below, len(basis.diagonal) - 1, 1e-8)
-        if len(at.G) == 1:
-            at.now[LARGEST] = at.G[0, 0]
-    _first_iterates(rows, at, factors, fixed, fixed[HAS_IMPULSES] > 0.0, fixed[HAS_VELOCITIES] > 0.0, W)
-    clear(history)
+
+@procedure
+def _spectral(largest, least, exponent):
+    """A weight between the least and the greatest eigenvalue: sqrt(L l) (L / l)^exponent."""
+    return np.sqrt(largest * least) * _raised(largest / least, exponent)
+
+
+@procedure
+def _first_rho(at, fixed, rho, exponent):
+    """Sets rho, below 0 for one between the eigenvalues, and mu where it follows rho."""
+    if rho < 0.0:
+        largest = at.now[LARGEST]  # nan counts as 1
+        rho = _spectral(largest if abs(largest) >= 0.0 else 1.0, at.now[LEAST], exponent)
+    at.now[RHO] = max(min(rho, fixed[RHO_MAX]), fixed[RHO_MIN])
+    at.now[EXPONENT] = exponent
+    if fixed[AUTOMATIC] > 0.0:
+        at.now[MU] = at.now[RHO]
+
+
+@procedure
+def _note_first(at, W):
+    """Notes the first iterates as those of the iteration before."""
     _copy(at.x, at.X, W)
     _copy(at.z, at.Z, W)
     at.now[SIZE_X] = size_of(at.x, W)
     at.now[SIZE_Y] = size_of(at.y, W)
     at.now[SIZE_Z] = size_of(at.z, W)
     at.now[BEFORE] = np.inf
+    at.now[PRIMAL] = 0.0
     at.now[WAITED] = 0.0
     at.now[ENDED] = 0.0
     at.now[WEIGHT] = at.now[MU]
+
+
+@procedure
+def _begin(given, rows, at, history, factors, basis, fixed, has_matrix, W):
+    """Reads the problem, and prepares the iterations.
+
+    Returns SOLVED where what they start from is a solution within the absolute tolerances.
+    """
+    read(given, at.G, at.g, has_matrix, False)
+    has_impulses = read_guess(given, HEAD, 0, at.x)
+    has_velocities = read_guess(given, HEAD, 1, at.z)
+    least = np.inf
+    for i in range(len(at.G)):
+        least = min(least, given.compliance[i])
+    at.now[LEAST] = fixed[PROXIMAL]
+    if len(at.G) > 0:
+        at.now[LEAST] += least
+    rho, exponent = fixed[FIRST_RHO], fixed[FIRST_EXPONENT]
+    if fixed[IS_WARM] > 0.0 and abs(given.out[RHO_OUT]) >= 0.0:
+        rho, exponent = given.out[RHO_OUT], given.out[EXPONENT_OUT]
+    at.now[MU] = fixed[PROXIMAL]
+    at.now[COUNT] = 1.0
+    if fixed[SPECTRAL] > 0.0 or rho < 0.0:
+        decompose(at.G, at.now[MU], basis.Q, basis.diagonal, basis.below, at.work, W)
+        at.now[LARGEST] = eigenvalue(basis.diagonal, basis.below, len(basis.diagonal) - 1, 1e-8)
+        if len(at.G) == 1:
+            at.now[LARGEST] = at.G[0, 0]
+    _first_iterates(rows, at, factors, fixed, has_impulses, has_velocities, W)
+    clear(history)
+    _note_first(at, W)
     _find_velocities(at, at.work, W)
     _add_shift(rows, at.work, at.s, fixed)
-    at.now[PRIMAL] = 0.0
     at.now[DUAL] = off_dual(rows, at.work)
     at.now[POWER] = power(rows, at.work, at.y)
-    is_solved = at.now[POWER] <= fixed[LEAST_POWER] and at.now[DUAL] <= fixed[ABSOLUTE]
-    if is_solved:
+    _first_rho(at, fixed, rho, exponent)
+    if at.now[POWER] <= fixed[LEAST_POWER] and at.now[DUAL] <= fixed[ABSOLUTE]:
         _copy(at.work, at.z, W)
-    return is_solved
+        at.now[ENDED] = 1.0
+        return SOLVED
+    if fixed[SPECTRAL] > 0.0:
+        largest, least = at.now[LARGEST], at.now[LEAST]
+        if not largest > least:
+            return NOT_APART
+        fixed[FACTOR] = _raised(largest / least, fixed[FACTOR_EXPONENT])
+    return IN_VAIN
+
+
+@procedure
+def _end(given, at, iterations):
+    """Writes the last iterate, and the damping that the last factors have."""
+    m = len(at.G)
+    given.out[HAS_IMPULSES_OUT] = 0.0
+    given.out[HAS_VELOCITIES_OUT] = 0.0
+    given.out[PRIMAL_OUT] = at.now[PRIMAL]
+    given.out[DUAL_OUT] = at.now[DUAL]
+    given.out[POWER_OUT] = at.now[POWER]
+    given.out[ITERATIONS_OUT] = float(iterations)
+    given.out[CONVERGED_OUT] = at.now[ENDED]
+    given.out[RHO_OUT] = at.now[RHO]
+    given.out[MU_OUT] = at.now[MU]
+    given.out[EXPONENT_OUT] = at.now[EXPONENT]
+    given.out[COUNT_OUT] = at.now[COUNT]
+    put(given.out, HEAD, at.y, m)
+    put(given.out, HEAD + 4 * m, at.z, m)
+    put(given.out, HEAD + 5 * m, at.s, m)
+    for i in range(m):
+        given.out[HEAD + m + i] = at.z[i] - at.s[i]
+        given.damping[i] = at.now[WEIGHT]
+
+
+@procedure(constants={"W": LANES})
+def admm_search(
+    given: Given,
+    rows: Rows,
+    at: Iterates,
+    history: History,
+    factors: Factors,
+    basis: Basis,
+    fixed: Array1[f64],
+    span: Array1[INT],
+    W: int,
+) -> int:
+    """Makes the iterations from `span[0]` to the one before `span[1]`, or to one that is good enough; writes all.
+
+    The problem is read where the first is 0, but for G where `span[2]` says so. Returns whether an iteration is good
+    enough, or NOT_APART.
+    """
+    first, done = span[0], span[0]
+    state = IN_VAIN
+    if first == 0:
+        state = _begin(given, rows, at, history, factors, basis, fixed, span[2] > 0, W)
+        if state == NOT_APART:
+            return NOT_APART
+    if state == IN_VAIN:
+        done = _iterations(rows, at, history, factors, fixed, first, span[1], W)
+        if fixed[SPECTRAL] > 0.0:
+            largest, least = at.now[LARGEST], at.now[LEAST]
+            at.now[EXPONENT] = np.log(at.now[RHO] / np.sqrt(largest * least)) / np.log(largest / least)
+    _end(given, at, done)
+    return SOLVED if at.now[ENDED] > 0.0 else IN_VAIN

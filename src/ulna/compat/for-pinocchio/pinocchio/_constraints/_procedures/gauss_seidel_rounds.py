@@ -21,15 +21,28 @@ import numpy as np
 
 from pinocchio._constraints._procedures.solver_rows import (
     CONTACT,
+    CONVERGED_OUT,
+    DUAL_OUT,
+    HAS_IMPULSES_OUT,
+    HAS_VELOCITIES_OUT,
+    HEAD,
     HELD,
+    INT,
+    ITERATIONS_OUT,
     LANES,
+    POWER_OUT,
+    PRIMAL_OUT,
     PUSHED,
+    Given,
     Rows,
     distance,
     into_dual_cone,
     larger,
     off_dual,
     power_of_row,
+    put,
+    read,
+    read_guess,
     row_times,
     shift,
     size_of,
@@ -43,7 +56,7 @@ _LEAST = 1e-12
 
 FEASIBLE, COMPLEMENTARY, AT_REST, RELAXATION, SLIDING, ROUNDS = FIXED = range(6)
 """Entries of `fixed`: tolerances of dual feasibility, of complementarity, and of the relative change of impulses; the
-over-relaxation; whether recorded velocities are shifted; how many rounds are made at most."""
+over-relaxation; whether recorded velocities are shifted; how many rounds are made at most, which `span` follows."""
 
 
 class Problem(NamedTuple):
@@ -55,7 +68,7 @@ class Problem(NamedTuple):
         x: Impulses (width,).
         y: Velocities (width,).
         before: Impulses before the round (width,).
-        work: (width,), twice.
+        work, shifted: (width,).
     """
 
     G: Array2[f64]
@@ -168,10 +181,10 @@ def _off_in_the_end(rows, problem, sliding, W):
     return off_dual(rows, problem.work)
 
 
-@procedure(constants={"W": LANES})
-def gauss_seidel_rounds(rows: Rows, problem: Problem, outcome: Outcome, fixed: Array1[f64], W: int) -> int:
-    """Makes rounds until one is good enough, `fixed[ROUNDS]` at most; returns how many were not."""
-    for k in range(int(fixed[ROUNDS])):
+@procedure
+def _rounds(rows, problem, outcome, fixed, count, W):
+    """Makes rounds until one is good enough, `count` at most; returns how many were not."""
+    for k in range(count):
         before = size_of(problem.x, W)
         for n in range(0, len(problem.x), W):
             problem.before[n : n + W] = problem.x[n : n + W]
@@ -185,4 +198,36 @@ def gauss_seidel_rounds(rows: Rows, problem: Problem, outcome: Outcome, fixed: A
         if is_solved or change <= fixed[AT_REST] * max(size_of(problem.x, W), before):
             outcome.numbers[2] = 1.0
             return k
-    return int(fixed[ROUNDS])
+    return count
+
+
+@procedure(constants={"W": LANES})
+def gauss_seidel_search(
+    given: Given,
+    rows: Rows,
+    problem: Problem,
+    outcome: Outcome,
+    fixed: Array1[f64],
+    span: Array1[INT],
+    W: int,
+) -> bool:
+    """Makes the rounds from `span[0]` to the one before `span[1]`, or to one that is good enough; writes the solution.
+
+    The problem is read where the first is 0, but for G where `span[2]` says so. Returns whether a round is good enough.
+    """
+    m, first = len(given.g), span[0]
+    if first == 0:
+        read(given, problem.G, problem.g, span[2] > 0, True)
+        read_guess(given, HEAD, 0, problem.x)
+        outcome.numbers[2] = 0.0
+    done = first + _rounds(rows, problem, outcome, fixed, span[1] - first, W)
+    given.out[HAS_IMPULSES_OUT] = 0.0
+    given.out[HAS_VELOCITIES_OUT] = 0.0
+    given.out[PRIMAL_OUT] = 0.0
+    given.out[DUAL_OUT] = outcome.numbers[0]
+    given.out[POWER_OUT] = outcome.numbers[1]
+    given.out[ITERATIONS_OUT] = float(done)
+    given.out[CONVERGED_OUT] = outcome.numbers[2]
+    put(given.out, HEAD, problem.x, m)
+    put(given.out, HEAD + m, problem.y, m)
+    return outcome.numbers[2] > 0.0

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ulna.compiler.procedures import Array1, f64, greatest_of, procedure, sum_of
+from ulna.compiler.procedures import Array1, Array2, f64, greatest_of, procedure, sum_of
 
 HELD, CONTACT, PUSHED, BOUNDED = 0, 1, 2, 3
 LANES = 8
@@ -40,6 +40,64 @@ class Rows(NamedTuple):
     starts: Array1[INT]
     lower: Array1[f64]
     upper: Array1[f64]
+
+
+class Given(NamedTuple):
+    """A problem as it is given, and what its solution is written into.
+
+    Attributes:
+        G: Delassus matrix (m, m).
+        compliance: What is added to its diagonal (m,).
+        damping: The same (m,).
+        g: Velocities without impulses (m,).
+        out: Numbers, then vectors of m entries, as `ConstraintSolverResult` has them.
+    """
+
+    G: Array2[f64]
+    compliance: Array1[f64]
+    damping: Array1[f64]
+    g: Array1[f64]
+    out: Array1[f64]
+
+
+PRIMAL_OUT, DUAL_OUT, POWER_OUT, ITERATIONS_OUT, CONVERGED_OUT, HAS_IMPULSES_OUT, HAS_VELOCITIES_OUT = range(
+    7
+)
+HEAD = 7
+"""Entries of `Given.out` that all results begin with: the residuals, how many iterations, whether it has converged,
+and whether it has impulses and velocities to start from; and how many these are. Vectors follow, in this order: the
+impulses, the velocities, and both to start from."""
+
+
+@procedure
+def read(given, G, g, has_matrix, damped):
+    """Reads a problem into a matrix, where this has it not yet, and a vector; with `damped` the damping counts."""
+    for i in range(len(given.g)):
+        g[i] = given.g[i]
+        if not has_matrix:
+            for k in range(len(given.g)):
+                G[i, k] = given.G[i, k]
+        added = given.compliance[i]
+        if damped:
+            added += given.damping[i]
+        G[i, i] += added
+
+
+@procedure
+def read_guess(given, head, k, x):
+    """Reads impulses (k = 0) or velocities (k = 1) to start from, or zeros where there are none; whether there are."""
+    m = len(given.g)
+    has_guess = given.out[HAS_IMPULSES_OUT + k] > 0.0
+    for i in range(m):
+        x[i] = given.out[head + (2 + k) * m + i] if has_guess else 0.0
+    return has_guess
+
+
+@procedure
+def put(out, start, vector, m):
+    """Writes the first m entries of a vector into entries from `start` on."""
+    for i in range(m):
+        out[start + i] = vector[i]
 
 
 @procedure
