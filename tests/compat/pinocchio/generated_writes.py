@@ -116,6 +116,11 @@ DOCUMENTED = (
     (r"refused", _written(r"axis\d?", r"np\.zeros\(3\)"), "an axis has a direction"),
     (r"value", _written(r"axis\d?", r".*"), "axes are scaled to unit length"),
     (
+        r"refused|accepted|error class",
+        _written(r"axis", r"now \* 1\.5|np\.asfortranarray\(.*\)|np\.arange\(3\.0\)|\[0\.1, 0\.2, 0\.3\]"),
+        "a prismatic joint slides one metre a unit of q",
+    ),
+    (
         r"refused",
         _written(r"reference_frame", r"pin\.WORLD"),
         "no constraint is along the axes of the world's frame",

@@ -352,3 +352,40 @@ def test_flags_of_parallel_collisions_and_joints_of_geometries(pin: Any) -> None
         pin.computeCollisionsInParallel(1)
     with pytest.raises(InputError, match="'ball1' is on joint 1; the model has 1 joints"):
         pin.computeBodyRadius(pin.Model(), geometries, geometries.createData())
+
+
+def test_entries_of_what_is_computed_cannot_be_changed(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, geometry = model.createData(), pin.buildSampleGeometryModelManipulator(model)
+    pin.computeAllTerms(model, data, np.full(6, 0.3), np.zeros(6))
+    constraint = pin.FrameAnchorConstraintModel(model, 3)
+    anchor = constraint.createData()
+    constraint.calc(model, data, anchor)
+    planar = pin.JointModelPlanar().createData()
+    found = [pin.Model.gravity981, geometry.collisionPairMapping, planar.S, planar.StU, planar.UDinv]
+    found += [data.joints[2].S, data.joints[2].U, data.joints[2].Dinv, data.joints[2].UDinv, data.U]
+    found += [getattr(anchor, f"A{k}_{axes}") for k in ("", 1, 2) for axes in ("local", "world")]
+    found += [pin.JointModelRevoluteUnaligned(0, 1, 0).axis, pin.JointModelUniversal(1, 0, 0, 0, 1, 0).axis2]
+    for array in found:
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 7.5
+    joint = pin.JointModelRevoluteUnaligned(0, 1, 0)
+    joint.axis = np.array([0.0, 0.0, 1.0])
+    np.testing.assert_array_equal(joint.axis, [0.0, 0.0, 1.0])
+
+
+def test_sliding_joints_have_axes_of_unit_length(pin: Any) -> None:
+    """In Pinocchio one of length 3 moves three metres a unit of q."""
+    joint = pin.JointModelPrismaticUnaligned(0, 1, 0)
+    for make in (
+        lambda: pin.JointModelPrismaticUnaligned(np.array([0.0, 3.0, 0.0])),
+        lambda: pin.JointModelPrismaticUnaligned(0.0, 1.0, 2.0),
+        lambda: setattr(joint, "axis", np.array([0.0, 0.0, 0.5])),
+    ):
+        with pytest.raises(InputError, match=r"long; expected length 1.*limits by"):
+            make()
+    np.testing.assert_array_equal(joint.axis, [0.0, 1.0, 0.0])
+    joint.axis = np.array([0.577, 0.577, 0.577])
+    np.testing.assert_allclose(joint.axis, np.ones(3) / np.sqrt(3.0), rtol=1e-12)
+    turning = pin.JointModelRevoluteUnaligned(np.array([0.0, 3.0, 0.0]))
+    np.testing.assert_array_equal(turning.axis, [0.0, 1.0, 0.0])

@@ -12,7 +12,7 @@ from pinocchio._constraints.constraint_model import AnyConstraint, AnyConstraint
 from pinocchio._constraints.frame_pair import ConstraintSelectionType, FramePair
 from pinocchio._constraints.kernels import core_constraints
 from pinocchio._containers.arguments import OMITTED, ArgumentError
-from pinocchio._containers.arrays import vector
+from pinocchio._containers.arrays import fixed, vector
 from pinocchio._containers.attributes import AttributeKind, computed, entries, one_of, whole
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name
@@ -105,32 +105,32 @@ class _ConstraintState(AnyConstraintData):
     @property
     def A1_local(self) -> Floats:
         """The matrix (m, 6) that makes the constraint's velocity of the first joint's in its own axes."""
-        return self._projection(0, ReferenceFrame.LOCAL)
+        return fixed(self._projection(0, ReferenceFrame.LOCAL))
 
     @property
     def A2_local(self) -> Floats:
         """The same of the second joint's."""
-        return self._projection(1, ReferenceFrame.LOCAL)
+        return fixed(self._projection(1, ReferenceFrame.LOCAL))
 
     @property
     def A1_world(self) -> Floats:
         """The matrix (m, 6) that makes the constraint's velocity of the first joint's in the world."""
-        return self._projection(0, ReferenceFrame.WORLD)
+        return fixed(self._projection(0, ReferenceFrame.WORLD))
 
     @property
     def A2_world(self) -> Floats:
         """The same of the second joint's."""
-        return self._projection(1, ReferenceFrame.WORLD)
+        return fixed(self._projection(1, ReferenceFrame.WORLD))
 
     @property
     def A_local(self) -> Floats:
         """The sum of `A1_local` and `A2_local`."""
-        return self.A1_local + self.A2_local
+        return fixed(self.A1_local + self.A2_local)
 
     @property
     def A_world(self) -> Floats:
         """The sum of `A1_world` and `A2_world`: zero."""
-        return self.A1_world + self.A2_world
+        return fixed(self.A1_world + self.A2_world)
 
 
 @final

@@ -22,6 +22,7 @@ from ulna.errors import excerpt
 from ulna.typing import Floats
 
 Item = TypeVar("Item")
+AnyArray = TypeVar("AnyArray", bound="np.ndarray[Any, Any]")
 _FLOAT = np.dtype(np.float64)
 NO_INDEX = 2**64 - 1
 """What stands for the index of nothing, as in Pinocchio."""
@@ -182,6 +183,20 @@ def text(array: Floats) -> str:
     texts = [[f"{x:.6g}" for x in row] for row in rows]
     width = max([len(text_) for row in texts for text_ in row], default=0)
     return "\n".join([" ".join([text_.rjust(width) for text_ in row]) for row in texts])
+
+
+def fixed(array: AnyArray) -> AnyArray:
+    """A view of an array that is computed when it is read: entries cannot be assigned to, which would have no effect.
+
+    Args:
+        array: The array (...).
+
+    Returns:
+        The view.
+    """
+    view = array.view()
+    view.flags.writeable = False
+    return view
 
 
 def alike(one: Any, other: Any) -> bool:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arrays import StdVec, not_applicable, vector, views
+from pinocchio._containers.arrays import StdVec, fixed, not_applicable, vector, views
 from pinocchio._containers.computed_lists import ComputedList
 from pinocchio._data.evaluated_model import evaluator_of
 from pinocchio._data.first_evaluation import TABLE_CALLS
@@ -154,7 +154,7 @@ class TreeFields(FieldStates):
     @property
     def U(self) -> Floats:
         """The unit upper triangle (nv, nv) of M = U diag(D) U^T, a copy; see `D`."""
-        return _read_only(self._factors_of_mass()[0])
+        return fixed(self._factors_of_mass()[0])
 
     @property
     def D(self) -> Floats:
@@ -204,12 +204,6 @@ class TreeFields(FieldStates):
         out = evaluator.run(r.MASS, q)
         inertias = np.concatenate([np.zeros((1, 13)), about_center(evaluator.of_joints(out.B))])
         return inertias, np.concatenate([np.eye(4)[None], evaluator.placements()])
-
-
-def _read_only(array: Floats) -> Floats:
-    """The same array, of which entries cannot be changed: that would have no effect."""
-    array.flags.writeable = False
-    return array
 
 
 def _composite(model: CoreModel) -> Callable[[Array], Array]:

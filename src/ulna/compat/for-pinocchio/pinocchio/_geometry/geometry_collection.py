@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self, final
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import NO_INDEX, StdVec, alike, index
+from pinocchio._containers.arrays import NO_INDEX, StdVec, alike, fixed, index
 from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, read_only, whole
 from pinocchio._containers.files import Saved, register
 from pinocchio._containers.unknown_ids import UnknownId, known
@@ -198,7 +198,7 @@ class GeometryCollection(CheckedAttributes, Saved):
         out = np.full((self.ngeoms, self.ngeoms), -1, dtype=np.int32)
         for k, (i, j) in enumerate(self.collisionPairs):
             out[i, j] = out[j, i] = k
-        return out
+        return fixed(out)
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "_pair_calls"}

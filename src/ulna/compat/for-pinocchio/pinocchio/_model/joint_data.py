@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from pinocchio._containers.arguments import OMITTED
-from pinocchio._containers.arrays import StdVec, vector
+from pinocchio._containers.arrays import StdVec, fixed, vector
 from pinocchio._containers.attributes import read_only
 from pinocchio._model.joint_base import JointBase, present_names
 from pinocchio._spatial.motion_force import Motion
@@ -113,14 +113,14 @@ class JointData:
     def Dinv(self) -> Floats:
         """The inverse of S^T U and the armature, (nv, nv), or (1,)."""
         inverse = self._of_recursion()[1]
-        return inverse[0] if inverse.shape == (1, 1) else inverse
+        return fixed(inverse[0] if inverse.shape == (1, 1) else inverse)
 
     @property
     def UDinv(self) -> Floats:
         """U Dinv, (6, nv), or (6,) for one column."""
         terms = self._known_terms()
         if terms is None and self._shortname == "JointDataFreeFlyer":
-            return np.eye(6)
+            return fixed(np.eye(6))
         U, inverse = terms or self._of_recursion()
         return self._single_column(U @ inverse)
 
@@ -133,7 +133,7 @@ class JointData:
         return self._known_terms() or (np.zeros((6, columns)), np.zeros((columns, columns)))
 
     def _single_column(self, matrix: Floats) -> Floats:
-        return matrix[:, 0].copy() if matrix.shape[1] == 1 else matrix.copy()
+        return fixed(matrix[:, 0].copy() if matrix.shape[1] == 1 else matrix.copy())
 
     def shortname(self) -> str:
         """The name of its kind."""
@@ -242,8 +242,8 @@ for _name, _doc in _ATTRIBUTES.items():
 def _product(data: JointData) -> Floats:
     inverse: Floats = data._of_recursion()[1]
     if not inverse.any():
-        return inverse.copy()
-    return np.linalg.inv(inverse).astype(float)
+        return fixed(inverse.copy())
+    return fixed(np.linalg.inv(inverse).astype(float))
 
 
 def _placements_of_parts(data: JointData) -> StdVec[SE3]:

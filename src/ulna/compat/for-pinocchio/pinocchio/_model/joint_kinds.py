@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import real, vector
+from pinocchio._containers.arrays import fixed, real, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
 from pinocchio._model.joint_model import JointModel
@@ -81,10 +81,30 @@ def _motion_axis(axis: Axis) -> Any:
 def _axis_of(name: str, doc: str) -> property:
     """The property of an axis of a joint's kind, its field of that name."""
 
-    def write(self: JointModel, value: Any) -> None:
-        self._change_kind(**{name: unit_axis(vector(value, 3, name))})
+    def read(self: JointModel) -> Floats:
+        return fixed(np.array(getattr(self.kind, name)))
 
-    return property(lambda self: np.array(getattr(self.kind, name)), write, doc=doc)
+    def write(self: JointModel, value: Any) -> None:
+        direction = vector(value, 3, name)
+        if isinstance(self.kind, Prismatic):
+            _check_length(direction)
+        self._change_kind(**{name: unit_axis(direction)})
+
+    return property(read, write, doc=doc)
+
+
+def _check_length(axis: Floats) -> None:
+    """Checks that a joint slides one metre a unit of q, to 1 %: in Pinocchio it slides as far as its axis is long.
+
+    Raises:
+        ArgumentError: The axis has another length.
+    """
+    length = float(np.linalg.norm(axis))
+    if 0.0 < length < np.inf and abs(length - 1.0) > 0.01:
+        raise ArgumentError(
+            f"The axis of a prismatic joint is {axis.tolist()}, {length:.6g} long; expected length 1. Divide it by its "
+            f"length, and multiply q and its limits by {length:.6g} for the same motion."
+        )
 
 
 def _length_of(name: str, doc: str) -> property:
@@ -107,8 +127,10 @@ class _Unaligned(JointModel):
             raise ArgumentError(
                 f"{type(self).__name__} was given {axis}; expected an axis (3,), or three numbers."
             )
-        direction = axis[0] if len(axis) == 1 else axis or _AXES["X"]
-        self._set_kind(type(self).__name__, type(self)._make(unit_axis(vector(direction, 3, "axis"))))
+        direction = vector(axis[0] if len(axis) == 1 else axis or _AXES["X"], 3, "axis")
+        if self._make is Prismatic:
+            _check_length(direction)
+        self._set_kind(type(self).__name__, type(self)._make(unit_axis(direction)))
 
     axis = _axis_of("axis", "Its unit axis (3,).")
 

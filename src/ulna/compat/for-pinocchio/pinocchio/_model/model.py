@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, final
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import StdVec, alike, vector
+from pinocchio._containers.arrays import StdVec, alike, fixed, vector
 from pinocchio._containers.attributes import AttributeKind, computed, read_only, text
 from pinocchio._containers.computed_lists import ComputedList
 from pinocchio._containers.enums import FrameType
@@ -54,7 +54,7 @@ class Model(Saved, Supports, KinematicTree):
         effortLimit: Floats
         friction: Floats
 
-    gravity981: ClassVar[Floats] = np.array([0.0, 0.0, -9.81])
+    gravity981: ClassVar[Floats] = fixed(np.array([0.0, 0.0, -9.81]))
     _kinds: ClassVar[Mapping[str, AttributeKind]] = {
         "name": text,
         **dict.fromkeys(
