@@ -152,10 +152,12 @@ class ADMMSolverResult(ConstraintSolverResult):
 
     __slots__ = ()
     _head, _vectors = entries.HEAD, 6
-    rho = entry(entries.RHO_OUT, number)
-    mu_prox = entry(entries.MU_OUT, number)
-    spectral_rho_power = entry(entries.EXPONENT_OUT, number)
-    delassus_decomposition_update_count = entry(entries.COUNT_OUT, whole)
+    rho = entry(entries.RHO_OUT, number, "The weight of the consensus at the end.")
+    mu_prox = entry(entries.MU_OUT, number, "The proximal weight at the end [1/kg].")
+    spectral_rho_power = entry(entries.EXPONENT_OUT, number, "The power of the rule SPECTRAL [-].")
+    delassus_decomposition_update_count = entry(
+        entries.COUNT_OUT, whole, "How many matrices were factorized."
+    )
 
     def reset(self) -> None:
         """Forgets the solution, and what the next search starts from."""

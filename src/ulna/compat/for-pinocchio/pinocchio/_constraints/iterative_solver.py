@@ -111,12 +111,13 @@ class ToleranceSettings(CheckedAttributes):
             raise InputError(f"The tolerances are {tolerances}; expected numbers not below zero.")
 
 
-def entry(place: int, kind: AttributeKind) -> Any:
+def entry(place: int, kind: AttributeKind, text: str) -> Any:
     """An attribute that is an entry of the numbers of a result.
 
     Args:
         place: Its index.
         kind: What may be assigned to it; `whole` and `flag` are read as integers and truth values.
+        text: What it is.
 
     Returns:
         The property.
@@ -129,7 +130,7 @@ def entry(place: int, kind: AttributeKind) -> Any:
     def put(result: ConstraintSolverResult, value: Any) -> None:
         result._values[place] = kind(result, f"entry {place}", value)
 
-    return property(get, put)
+    return property(get, put, doc=text)
 
 
 class ConstraintSolverResult:
@@ -153,11 +154,11 @@ class ConstraintSolverResult:
     """All that `Given.out` is."""
     _size: int | None
     """How many rows there are, where there is a solution."""
-    primal_feasibility = entry(PRIMAL_OUT, number)
-    dual_feasibility = entry(DUAL_OUT, number)
-    complementarity = entry(POWER_OUT, number)
-    iterations = entry(ITERATIONS_OUT, whole)
-    converged = entry(CONVERGED_OUT, flag)
+    primal_feasibility = entry(PRIMAL_OUT, number, "How far impulses are from their sets.")
+    dual_feasibility = entry(DUAL_OUT, number, "How far velocities are from where they should be [m/s].")
+    complementarity = entry(POWER_OUT, number, "How much power impulses and velocities have.")
+    iterations = entry(ITERATIONS_OUT, whole, "How many iterations were not good enough.")
+    converged = entry(CONVERGED_OUT, flag, "Whether the solution is within the tolerances.")
 
     def __init__(self) -> None:
         self.reset()
