@@ -61,6 +61,9 @@ three seconds and more."""
 _MAX_STAGES = 200
 """Velocities of a robot up to which stages are used: some take straight-line code, compiled in 6 ms for each joint."""
 
+_MORE_FOR_SCANS = 50
+"""How many times as many for quantities whose stages are scans."""
+
 _made: weakref.WeakValueDictionary[Any, Any] = weakref.WeakValueDictionary()
 _recent: deque[Any] = deque(
     maxlen=64
@@ -135,7 +138,8 @@ def _stages_of_large(
     """
     from ulna.algorithms import is_serial
 
-    if model.nv > _MAX_STAGES or (quantity.columns is not None and not is_serial(model)):
+    limit = _MAX_STAGES * (_MORE_FOR_SCANS if quantity.scans else 1)
+    if model.nv > limit or (quantity.columns is not None and not is_serial(model)):
         return None
     if (
         quantity.inverts_mass and dtype != np.float64

@@ -182,6 +182,8 @@ if TYPE_CHECKING:
     from ulna.algorithms.kinematics.manipulability import manipulability as manipulability
     from ulna.algorithms.kinematics.manipulability import manipulability_gradient as manipulability_gradient
     from ulna.algorithms.kinematics.manipulability import measure_of as measure_of
+    from ulna.algorithms.kinematics.staged_chains import stages_of_frame_jacobian as stages_of_frame_jacobian
+    from ulna.algorithms.kinematics.staged_chains import stages_of_frame_pose as stages_of_frame_pose
     from ulna.algorithms.multibody.external_forces import External as External
     from ulna.algorithms.multibody.external_forces import at_joints as at_joints
     from ulna.algorithms.multibody.references import Reference as Reference
@@ -315,6 +317,7 @@ _NAMES = {
     "kinematics.jacobian_dot": ("frame_jacobian_dot", "joint_jacobians_dot"),
     "kinematics.jacobian_partials": ("jacobian_partials",),
     "kinematics.manipulability": ("asada", "manipulability", "manipulability_gradient", "measure_of"),
+    "kinematics.staged_chains": ("stages_of_frame_jacobian", "stages_of_frame_pose"),
     "multibody.external_forces": ("External", "at_joints"),
     "multibody.references": ("Reference",),
 }

@@ -30,6 +30,13 @@ def _frame_poses(model: Model, q: Array, frame: Any) -> Array:
     return algorithms.frame_pose(model, q, frame_of(model, frame)).matrix()
 
 
+def _stages_of_frame_pose(model: Model, frame: Any) -> Any:
+    """Of one frame; None for several."""
+    if frame == "all" or isinstance(frame, tuple):
+        return None
+    return algorithms.stages_of_frame_pose(model, frame_of(model, frame))
+
+
 def _stacked(model: Model, q: Array, frames: Sequence[Frame]) -> Array:
     matrices = [T.matrix() for T in algorithms.frame_poses(model, q, frames)]
     return np.stack(matrices, axis=-3) if matrices else np.zeros((*q.shape[:-1], 0, 4, 4))
@@ -59,6 +66,9 @@ class Kinematics(Part):
         name="fk",
         returns="T_world_frame, which maps coordinates of the frame to the world; of several frames (..., k, 4, 4)",
         nodes=58,
+        stages=_stages_of_frame_pose,
+        stages_from=16,
+        scans=True,
         frame='Name; None for the tool, a list of names for several, "all" for every frame, as in `frame_names`.',
     )
     def fk(
@@ -95,6 +105,9 @@ class Kinematics(Part):
         "(6, nv) [m/rad or 1, 1 or rad/m]",
         name="jacobian",
         nodes=70,
+        stages=of_frame(algorithms.stages_of_frame_jacobian),
+        stages_from=16,
+        scans=True,
     )
     def jacobian(
         self,

@@ -62,6 +62,7 @@ class Quantity:
         columns_from: From how many velocities of a robot on that form is used; below, straight-line code is faster.
         stages: Makes its form of stages for a model and options, for single calls; returns None for models without.
         stages_from: From how many velocities of a robot on that form is used; below, straight-line code is faster.
+        scans: Whether these stages are scans of a chain, whose code is as short for thousands of joints.
         batches_from: From how many on batches may be computed in stages, too, which takes longer than straight-line
             code does, and spares what that takes to compile.
     """
@@ -79,6 +80,7 @@ class Quantity:
     columns_from: int = 12
     stages: Callable[..., SecondForm | None] | None = None
     stages_from: int = 24
+    scans: bool = False
     batches_from: int = 24
 
     def arguments(self, options: Mapping[str, Any]) -> Arguments:
@@ -139,6 +141,7 @@ def quantity(
     columns_from: int = 12,
     stages: Callable[..., SecondForm | None] | None = None,
     stages_from: int = 24,
+    scans: bool = False,
     batches_from: int = 24,
     direct: bool = False,
     returns: str = "",
@@ -161,6 +164,7 @@ def quantity(
         columns_from: As for `Quantity`.
         stages: As for `Quantity`.
         stages_from: As for `Quantity`.
+        scans: As for `Quantity`.
         batches_from: As for `Quantity`.
         returns: What the result is, for the documentation, where the first sentence does not say it.
         **about: What to write of arguments, where it is not what `ulna.quantities.documentation` has for their names.
@@ -170,6 +174,7 @@ def quantity(
     """
     rest: Any = {"more": more, "result": result, "inverts_mass": inverts_mass, "batches_from": batches_from}
     rest |= {"columns": columns, "columns_from": columns_from, "stages": stages, "stages_from": stages_from}
+    rest["scans"] = scans
 
     def declare(method: F) -> F:
         parameters, defaults = _parameters_of(method)

@@ -22,7 +22,17 @@ from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.forms.columns import ColumnForm, row_places
 from ulna.compiler.forms.packed import PackedForm
-from ulna.compiler.forms.stages import AnyStage, Factors, Pairs, Products, Stage, StagedForm, Sweep
+from ulna.compiler.forms.stages import (
+    AnyStage,
+    Factors,
+    Pairs,
+    Products,
+    Scan,
+    Stage,
+    StagedForm,
+    Sweep,
+    without_scans,
+)
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ports import SecondForm
 
@@ -47,7 +57,7 @@ def suits_sample_stages(form: SecondForm, target: Target, element: DType) -> boo
     head = form.head if isinstance(form, ColumnForm) else form
     if not isinstance(head, StagedForm) or head.parts:
         return False
-    if any(isinstance(x, Sweep | Products) or _changes_width(x, head) for x in head.stages):
+    if any(isinstance(x, Sweep | Products | Scan) or _changes_width(x, head) for x in head.stages):
         return False
     writer = _SampleStagesWriter(Module(), form, head, target, element)
     return writer.size * BYTES[element] * writer.layout.lanes <= _MAX_MEMORY
@@ -87,6 +97,7 @@ class _SampleStagesWriter:
     def __init__(
         self, module: Module, form: SecondForm, head: StagedForm, target: Target, element: DType
     ) -> None:
+        head = without_scans(head)
         self.whole, self.form, self.module, self.target = form, head, module, target
         self.layout = Lanes(target.lanes(element), element)
         self.shapes = {f"i{k}": port.shape for k, port in enumerate(head.inputs)}
@@ -122,7 +133,7 @@ class _SampleStagesWriter:
                 self._factors(name, stage)
             elif isinstance(stage, Pairs):
                 self._pairs(name, stage)
-            elif isinstance(stage, Sweep | Products):
+            elif isinstance(stage, Sweep | Products | Scan):
                 raise AssertionError("stages with sweeps or products are not written for samples in lanes")
             elif stage.kind == "lanes":
                 self._columns(name, stage)

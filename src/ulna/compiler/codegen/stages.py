@@ -17,11 +17,12 @@ from ulna.compiler.codegen.node_writer import Module, Writer
 from ulna.compiler.codegen.products import write_products
 from ulna.compiler.codegen.row_factors import write_row_factors
 from ulna.compiler.codegen.rows import store
+from ulna.compiler.codegen.scans import write_scan
 from ulna.compiler.codegen.scheduling import Step, Store, parts, scratch_places
 from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.sweeps import SweepContext, tables_of, write_sweep
 from ulna.compiler.codegen.target import Target
-from ulna.compiler.forms.stages import Factors, Pairs, Products, Stage, StagedForm, Sweep, names_of
+from ulna.compiler.forms.stages import Factors, Pairs, Products, Scan, Stage, StagedForm, Sweep, names_of
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ops import Op
 
@@ -123,6 +124,8 @@ class _StagesWriter:
                 self.calls.append(f"  call void @{inner}({', '.join(given)})")
             elif isinstance(stage, Sweep):
                 self._sweep(inner, stage)
+            elif isinstance(stage, Scan):
+                self._scan(inner, stage)
             elif stage.kind == "lanes":
                 self._lanes(inner, stage)
             else:
@@ -278,6 +281,15 @@ class _StagesWriter:
         if stage.is_symmetric:
             write_mirror(self.module, f"{name}.mirror", self.layout, self.target, n)
             self.calls.append(f"  call void @{name}.mirror({self._at(stage.matrix, 0)})")
+
+    def _scan(self, name: str, stage: Scan) -> None:
+        for key in stage.tables:
+            if key in self.form.tables:
+                self._clear_table(key, set())
+        write_scan(self.module, name, stage, self.layout, self.target, self.row_length)
+        given = [self._at(key, first) for key, first in stage.vectors]
+        given += [self._at(key, 0) for key in stage.writes]
+        self.calls.append(f"  call void @{name}({', '.join(given)})")
 
     def _starts(self, writes: Sequence[str], n: int) -> list[int]:
         """The first of n columns of the registers; the last ones are computed twice where rows are not padded."""

@@ -170,7 +170,49 @@ class Sweep:
         return (*tables, self.matrix) if self.matrix else tables
 
 
-AnyStage = Stage | Pairs | Products | Factors | Sweep
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """A parallel prefix: states of a chain, each of which follows from the one before by an associative operation.
+
+    The columns are divided into segments, one for each lane; each lane walks along its own segment, then the ends of
+    the segments are joined, in as many rounds as two is to be doubled to have the lanes.
+
+    Attributes:
+        step: From a state, the known numbers of a column, and a number of each vector, to the next state, and what is
+            kept of the column, if anything.
+        join: From the state at the end of a segment and that of the following one, which begins with the identity, to
+            the state after both.
+        end: From the state after all columns to `whole`.
+        place: From the state where a segment begins, `whole`, and what is kept, to a column of each table; None for no
+            tables.
+        numbers: What is known, shape (rows, columns).
+        padding: The column with which a step leaves the state as it is, whatever the vectors hold.
+        start: The state before the first column.
+        identity: The state that changes none it is joined with.
+        vectors: Names of the vectors, and which of their numbers is that of the first column.
+        tables: Names of the tables that are computed.
+        whole: What `end` computes, a vector.
+    """
+
+    step: Function
+    join: Function
+    end: Function
+    place: Function | None
+    numbers: Any
+    padding: tuple[float, ...]
+    start: tuple[float, ...]
+    identity: tuple[float, ...]
+    vectors: tuple[tuple[str, int], ...]
+    tables: tuple[str, ...]
+    whole: str
+
+    @property
+    def writes(self) -> tuple[str, ...]:
+        """Names of what it computes."""
+        return (*self.tables, self.whole)
+
+
+AnyStage = Stage | Pairs | Products | Factors | Sweep | Scan
 
 
 class Part(NamedTuple):
@@ -198,6 +240,8 @@ def names_of(stage: AnyStage) -> list[str]:
         return [*own, *([stage.source] if stage.source else ()), *stage.writes]
     if isinstance(stage, Products):
         return [*stage.own, *stage.other, stage.write]
+    if isinstance(stage, Scan):
+        return [*(name for name, _ in stage.vectors), *stage.writes]
     return [name for names in (*stage.own, *stage.other, stage.writes) for name in names]
 
 
@@ -243,6 +287,8 @@ class StagedForm:
                 bodies += [stage.below, stage.above]
             elif isinstance(stage, Sweep):
                 bodies += [step.body for step in stage.passes]
+            elif isinstance(stage, Scan):
+                bodies += [stage.step, stage.join, stage.end, *([stage.place] if stage.place else ())]
         return sum(f.operations for f in bodies)
 
     @property
@@ -454,6 +500,64 @@ class Stages:
         self._arrays[matrix] = (self.columns, self.columns)
         self._stages.append(Sweep(tuple(made), source, matrix, not source))
 
+    def scan(
+        self,
+        step: Callable[..., Any],
+        join: Callable[..., Any],
+        numbers: Any,
+        padding: Sequence[float],
+        start: Sequence[float],
+        identity: Sequence[float],
+        vectors: Mapping[str, int],
+        whole: str,
+        end: Callable[..., Any] = lambda state: state,
+        place: Callable[..., Any] | None = None,
+        writes: Sequence[str] = (),
+    ) -> None:
+        """A stage that computes the states of a chain in segments; see `Scan`.
+
+        Args:
+            step: As for `Scan`: from the state, the numbers of a column, (rows,), and of each vector one, (1,), to the
+                next state and an array of what is kept.
+            join: As for `Scan`.
+            numbers: As for `Scan`.
+            padding: As for `Scan`.
+            start: As for `Scan`.
+            identity: As for `Scan`.
+            vectors: As for `Scan`.
+            whole: As for `Scan`.
+            end: As for `Scan`.
+            place: As for `Scan`.
+            writes: Names of the tables.
+        """
+        known, state = np.asarray(numbers, dtype=float), (len(identity),)
+        inner = self._traced(
+            step, {"state": state, "numbers": known.shape[:1], **dict.fromkeys(vectors, (1,))}
+        )
+        ends = self._traced(end, {"state": state})
+        tables = None
+        if place is not None:
+            shapes = {"before": state, "whole": (ends.outputs[0].size,), "kept": (inner.outputs[1].size,)}
+            tables = self._traced(place, shapes)
+            for name, port in zip(writes, tables.outputs, strict=True):
+                self._declare(name, (port.size, known.shape[1]))
+        self._declare(whole, (ends.outputs[0].size,), is_table=False)
+        self._stages.append(
+            Scan(
+                step=inner,
+                join=self._traced(join, {"before": state, "after": state}),
+                end=ends,
+                place=tables,
+                numbers=known,
+                padding=tuple(map(float, padding)),
+                start=tuple(map(float, start)),
+                identity=tuple(map(float, identity)),
+                vectors=tuple(vectors.items()),
+                tables=tuple(writes),
+                whole=whole,
+            )
+        )
+
     def factors(self, paths: Sequence[Sequence[int]], reads: str, writes: str) -> None:
         """The stage that factors a symmetric matrix; see `Factors`.
 
@@ -530,7 +634,9 @@ class Stages:
     def _check_order(self, outputs: Sequence[str]) -> None:
         is_written = False
         for stage in self._stages:
-            reads = stage.reads if isinstance(stage, Stage) else ()
+            reads: Sequence[str] = stage.reads if isinstance(stage, Stage) else ()
+            if isinstance(stage, Scan):
+                reads = [name for name, _ in stage.vectors]
             late = [name for name in reads if name in self._inputs and is_written]
             if late:
                 raise TraceError(
@@ -572,6 +678,47 @@ class Stages:
         return trace(f, name=name, **dict[str, Any](shapes))
 
 
+def without_scans(form: StagedForm) -> StagedForm:
+    """The form with straight-line code in place of scans: for samples in lanes, of which none is left for segments.
+
+    Args:
+        form: The form.
+
+    Returns:
+        The same computation.
+    """
+    return replace(
+        form, stages=tuple(_written_out(x, form) if isinstance(x, Scan) else x for x in form.stages)
+    )
+
+
+def _written_out(scan: Scan, form: StagedForm) -> Stage:
+    """A scan as straight-line code, column by column."""
+    sizes = {f"i{k}": port.size for k, port in enumerate(form.inputs)}
+
+    def run(*vectors: Any) -> tuple[Any, ...]:
+        state: Any = np.array(scan.start, dtype=object)
+        kept = []
+        for column, numbers in enumerate(scan.numbers.T):
+            own = [x[first + column][None] for x, (_, first) in zip(vectors, scan.vectors, strict=True)]
+            state, *rest = _as_tuple(scan.step(state, numbers, *own))
+            kept.append(rest)
+        (whole,) = _as_tuple(scan.end(state))
+        if scan.place is None:
+            return (whole,)
+        columns = [_as_tuple(scan.place(np.array(scan.identity), whole, *rest)) for rest in kept]
+        return *(np.stack(rows, axis=-1) for rows in zip(*columns, strict=True)), whole
+
+    names = [name for name, _ in scan.vectors]
+    shapes: dict[str, Any] = {f"x{k}": (sizes[name],) for k, name in enumerate(names)}
+    body = trace(run, name="scan", **shapes)
+    return Stage("straight", body, tuple(names), scan.writes, form.columns)
+
+
+def _as_tuple(results: Any) -> tuple[Any, ...]:
+    return results if isinstance(results, tuple) else (results,)
+
+
 def _renamed(stage: AnyStage, names: Mapping[str, str]) -> AnyStage:
     """The stage with inputs and outputs called as in the code."""
 
@@ -587,4 +734,7 @@ def _renamed(stage: AnyStage, names: Mapping[str, str]) -> AnyStage:
         return replace(stage, source=source, matrix=matrix)
     if isinstance(stage, Products):
         return replace(stage, write=all_of([stage.write])[0])
+    if isinstance(stage, Scan):
+        vectors = tuple((names.get(name, name), first) for name, first in stage.vectors)
+        return replace(stage, vectors=vectors, tables=all_of(stage.tables), whole=all_of([stage.whole])[0])
     return replace(stage, writes=all_of(stage.writes))
