@@ -157,7 +157,7 @@ def _stages_of_large(
 
 def _stages_of(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> SecondForm | None:
     """The form of stages of a quantity; None where it has none, or where the robot is too small for it."""
-    if quantity.stages is None or model.nv < quantity.stages_from:
+    if quantity.stages is None or not _is_large_enough(model, quantity):
         return None
     form = quantity.stages(model, **chosen)
     if form is None:
@@ -167,6 +167,15 @@ def _stages_of(model: Model, quantity: Quantity, chosen: Mapping[str, Any]) -> S
     if form.serves_batches or estimated_nodes(model, quantity, chosen) < _STAGED_BATCHES_ABOVE:
         return form
     return replace(form, serves_batches=True)  # type: ignore[type-var]
+
+
+def _is_large_enough(model: Model, quantity: Quantity) -> bool:
+    """Whether a robot has enough velocities for the form of stages of a quantity."""
+    if model.nv >= quantity.stages_from or quantity.chains_from is None:
+        return model.nv >= quantity.stages_from
+    from ulna.algorithms import chain_frames
+
+    return model.nv >= quantity.chains_from and chain_frames(model) is not None
 
 
 def looped(model: Model, name: str, **options: Any) -> LoopedFunction | None:
@@ -296,7 +305,7 @@ def _deferred(
     Single calls do not need the graph, which is traced when it is used.
     """
     has_columns = quantity.columns is not None and model.nv >= quantity.columns_from
-    has_stages = quantity.stages is not None and model.nv >= quantity.stages_from
+    has_stages = quantity.stages is not None and _is_large_enough(model, quantity)
     if form is None and not has_columns and not has_stages:
         return None
     from ulna.compiler.forms.columns import DeferredFunction, column_form

@@ -1,4 +1,4 @@
-"""Poses and Jacobians of long chains of revolute joints, computed in segments."""
+"""Poses, Jacobians and dynamics of long chains of revolute joints, computed in segments."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from ulna.algorithms.multibody.chain_frames import chain_frames
 from ulna.algorithms.multibody.tree import poses, steps
 from ulna.compiler.codegen.module import emit_single
 from ulna.compiler.runtime import jit
-from ulna.model import Model, ModelBuilder, Revolute
+from ulna.model import Model, ModelBuilder, PointContact, Revolute
 from ulna.robot import Robot
-from ulna.spatial import SE3
+from ulna.spatial import SE3, Inertia
 
 REFERENCES = ("world", "local", "local_world_aligned")
 
@@ -34,7 +34,8 @@ def chain(joints: int, seed: int = 0) -> Model:
         turn = (np.pi * (choice == 1), 0.0, 0.0) if choice < 2 else rng.uniform(-2.0, 2.0, 3)
         placement = SE3.from_rpy(turn)
         placement = SE3(placement.rotation, rng.uniform(-0.3, 0.3, 3) * (rng.random(3) < 0.7))
-        builder = builder.add_link(f"l{k + 1}")
+        mass, inertia = rng.uniform(0.5, 1.5), np.diag(rng.uniform(0.02, 0.03, 3))
+        builder = builder.add_link(f"l{k + 1}", Inertia.from_com(mass, rng.uniform(-0.2, 0.2, 3), inertia))
         joint = Revolute(axis)
         builder = builder.add_joint(f"j{k}", joint, f"l{k}", f"l{k + 1}", placement, lower=-3.0, upper=3.0)
     tip = SE3.trans(0.1, -0.2, 0.3) @ SE3.rx(0.7)
@@ -78,6 +79,72 @@ def test_segments_equal_the_definition(joints):
         np.testing.assert_allclose(kernel(np.stack([q, -q, q]))[2], right, atol=2e-13)
         single = kernels.kernel(model, name, dtype=np.float32, **dict(options))
         np.testing.assert_allclose(single(q.astype(np.float32)), right, atol=5e-5)
+
+
+DYNAMICS = {"centroidal_matrix": 1, "centroidal_momentum": 2, "mass_matrix": 1, "inverse_mass_matrix": 1}
+"""How many arguments they take."""
+
+
+@pytest.mark.parametrize("joints", [24, 33, 64, 81])
+@pytest.mark.parametrize("name", DYNAMICS)
+def test_dynamics_with_poses_in_segments_equal_the_definition(name, joints):
+    model = chain(joints, joints)
+    rng = np.random.default_rng(joints)
+    arrays = [rng.uniform(-3.0, 3.0, model.nq), rng.normal(size=model.nv)][: DYNAMICS[name]]
+    right = getattr(algorithms, name)(model, *arrays)
+    scale = np.abs(right).max()
+    kernel = kernels.kernel(model, name)
+    if jit.target().register_bytes >= 32:
+        assert kernel.function.columns is not None
+    for x in (kernel, pickle.loads(pickle.dumps(kernel))):
+        np.testing.assert_allclose(x(*arrays), right, rtol=1e-8, atol=1e-11 * scale)
+    batch = [np.stack([x, -x, x]) for x in arrays]
+    np.testing.assert_allclose(kernel(*batch)[2], right, rtol=1e-8, atol=1e-11 * scale)
+    np.testing.assert_array_equal(kernel(*batch)[0], kernel(*batch)[2])
+    if name != "inverse_mass_matrix":  # of which single precision loses too many digits
+        single = kernels.kernel(model, name, dtype=np.float32)(*(x.astype(np.float32) for x in arrays))
+        assert np.abs(single - right).max() < 3e-5 * scale
+
+
+def test_impacts_keep_frames_that_constraints_refer_to():
+    """Constraints are placed before poses are computed, in the frames that the model has then."""
+    model = chain(26, 4)
+    rng = np.random.default_rng(0)
+    q, v = rng.uniform(-3.0, 3.0, model.nq), rng.normal(size=model.nv)
+    kernel = kernels.kernel(model, "impulse_dynamics", constraints=(PointContact("tip"),))
+    after = kernel(q, v)[0]
+    J = algorithms.frame_jacobian(model, q, model.frame("tip"))[:3]
+    assert np.abs(J @ after).max() < 1e-7 * np.abs(after).max()
+
+
+@pytest.mark.parametrize("register_bytes", [32, 64])
+@pytest.mark.parametrize("name", DYNAMICS)
+def test_dynamics_in_all_widths_of_registers(name, register_bytes):
+    """Arrays end at pages without access."""
+    model = chain(29, 3)
+    f = kernels.kernel(model, name).function
+    rng = np.random.default_rng(3)
+    arrays = [rng.uniform(-3.0, 3.0, model.nq), rng.normal(size=model.nv)][: DYNAMICS[name]]
+    held = _computed(f, arrays, register_bytes, True)
+    right = getattr(algorithms, name)(model, *arrays)
+    np.testing.assert_allclose(held, right, rtol=1e-8, atol=1e-11 * np.abs(right).max())
+
+
+def _computed(f, arrays, register_bytes, at_end):
+    """What a kernel for registers of that width computes, between pages without access."""
+    ir = emit_single(f, replace(jit.target(), register_bytes=register_bytes))
+    code = jit.load_text(
+        ir.replace("define internal void @one(", "define void @one("), ("one",), has_loops=False
+    )
+    held = [
+        fenced(int(np.prod(port.shape)), float, at_end).reshape(port.shape)
+        for port in (*f.inputs, *f.outputs)
+    ]
+    for place, x in zip(held, arrays, strict=False):
+        place[...] = x
+    pointers = [ctypes.c_void_p(x.ctypes.data) for x in held]
+    ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * len(pointers))(code.address("one"))(*pointers)
+    return held[-1]
 
 
 def test_frames_within_the_chain_and_several_frames():
@@ -135,25 +202,15 @@ def test_all_widths_of_registers_touch_nothing_else(name, joints, register_bytes
     """Arrays begin or end at pages without access."""
     model = chain(joints, 3)
     f = kernels.kernel(model, name).function
-    ir = emit_single(f, replace(jit.target(), register_bytes=register_bytes))
-    code = jit.load_text(
-        ir.replace("define internal void @one(", "define void @one("), ("one",), has_loops=False
-    )
     q = np.random.default_rng(3).uniform(-3.0, 3.0, model.nq)
-    held = [
-        fenced(int(np.prod(port.shape)), float, at_end).reshape(port.shape)
-        for port in (*f.inputs, *f.outputs)
-    ]
-    held[0][...] = q
-    pointers = [ctypes.c_void_p(x.ctypes.data) for x in held]
-    ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * len(pointers))(code.address("one"))(*pointers)
+    got = _computed(f, [q], register_bytes, at_end)
     frame = model.frame("tip")
     right = (
         algorithms.frame_pose(model, q, frame).matrix()
         if name == "fk"
         else algorithms.frame_jacobian(model, q, frame)
     )
-    np.testing.assert_allclose(held[1], right, atol=1e-13)
+    np.testing.assert_allclose(got, right, atol=1e-13)
 
 
 def test_results_may_lie_on_the_argument():
@@ -215,3 +272,8 @@ def test_chains_of_100_joints_agree_with_pinocchio():
     for name in REFERENCES:
         J = pin.getFrameJacobian(twin.pin, data, index, getattr(pin, name.upper()))
         np.testing.assert_allclose(Robot(model).jacobian(q, reference=name), twin.columns(J), atol=2e-13)
+    v = np.random.default_rng(9).normal(size=model.nv)
+    theirs = twin.columns(pin.computeCentroidalMap(twin.pin, data, twin.q(q)))
+    assert np.abs(Robot(model).centroidal.momentum_matrix(q) - theirs).max() < 1e-12 * np.abs(theirs).max()
+    theirs = pin.computeCentroidalMomentum(twin.pin, data, twin.q(q), twin.v(v)).vector
+    assert np.abs(Robot(model).centroidal.momentum(q, v) - theirs).max() < 1e-12 * np.abs(theirs).max()

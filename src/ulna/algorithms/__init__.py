@@ -65,6 +65,9 @@ if TYPE_CHECKING:
         stages_of_centroidal_derivatives as stages_of_centroidal_derivatives,
     )
     from ulna.algorithms.derivatives.staged import stages_of_centroidal_matrix as stages_of_centroidal_matrix
+    from ulna.algorithms.derivatives.staged import (
+        stages_of_centroidal_momentum as stages_of_centroidal_momentum,
+    )
     from ulna.algorithms.derivatives.staged import stages_of_coriolis_matrix as stages_of_coriolis_matrix
     from ulna.algorithms.derivatives.staged import (
         stages_of_forward_dynamics_derivatives as stages_of_forward_dynamics_derivatives,
@@ -184,6 +187,7 @@ if TYPE_CHECKING:
     from ulna.algorithms.kinematics.manipulability import measure_of as measure_of
     from ulna.algorithms.kinematics.staged_chains import stages_of_frame_jacobian as stages_of_frame_jacobian
     from ulna.algorithms.kinematics.staged_chains import stages_of_frame_pose as stages_of_frame_pose
+    from ulna.algorithms.multibody.chain_frames import chain_frames as chain_frames
     from ulna.algorithms.multibody.external_forces import External as External
     from ulna.algorithms.multibody.external_forces import at_joints as at_joints
     from ulna.algorithms.multibody.references import Reference as Reference
@@ -224,6 +228,7 @@ _NAMES = {
     "derivatives.staged": (
         "stages_of_centroidal_derivatives",
         "stages_of_centroidal_matrix",
+        "stages_of_centroidal_momentum",
         "stages_of_coriolis_matrix",
         "stages_of_forward_dynamics_derivatives",
         "stages_of_inverse_dynamics_derivatives",
@@ -318,6 +323,7 @@ _NAMES = {
     "kinematics.jacobian_partials": ("jacobian_partials",),
     "kinematics.manipulability": ("asada", "manipulability", "manipulability_gradient", "measure_of"),
     "kinematics.staged_chains": ("stages_of_frame_jacobian", "stages_of_frame_pose"),
+    "multibody.chain_frames": ("chain_frames",),
     "multibody.external_forces": ("External", "at_joints"),
     "multibody.references": ("Reference",),
 }

@@ -34,7 +34,12 @@ class Centroidal(Part):
         """The matrix that maps `v` to the velocity of the centre of mass."""
         ...
 
-    @quantity(algorithms.centroidal_momentum, "(6,) [N s, N m s]")
+    @quantity(
+        algorithms.centroidal_momentum,
+        "(6,) [N s, N m s]",
+        stages=algorithms.stages_of_centroidal_momentum,
+        stages_from=24,
+    )
     def momentum(self, q: ArrayLike, v: ArrayLike) -> Floats:
         """The momentum about the centre of mass [Orin, Goswami & Lee 2013]."""
         ...
@@ -55,6 +60,7 @@ class Centroidal(Part):
         nodes=165,
         stages=algorithms.stages_of_centroidal_matrix,
         stages_from=60,
+        chains_from=24,
     )
     def momentum_matrix(self, q: ArrayLike) -> Floats:
         """The matrix that maps `v` to the momentum about the centre of mass [Orin, Goswami & Lee 2013]."""

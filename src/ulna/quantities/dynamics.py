@@ -163,6 +163,7 @@ class Dynamics(Part):
         nodes=(28, 28, 0),
         stages=algorithms.stages_of_mass_matrix,
         stages_from=60,
+        chains_from=24,
     )
     def mass_matrix(self, q: ArrayLike) -> Floats:
         """The joint-space mass matrix; armature counts [Featherstone 2008, section 6.2].

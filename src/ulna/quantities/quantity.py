@@ -62,6 +62,7 @@ class Quantity:
         columns_from: From how many velocities of a robot on that form is used; below, straight-line code is faster.
         stages: Makes its form of stages for a model and options, for single calls; returns None for models without.
         stages_from: From how many velocities of a robot on that form is used; below, straight-line code is faster.
+        chains_from: The same of chains of revolute joints that suit scans; None for as many.
         scans: Whether these stages are scans of a chain, whose code is as short for thousands of joints.
         batches_from: From how many on batches may be computed in stages, too, which takes longer than straight-line
             code does, and spares what that takes to compile.
@@ -80,6 +81,7 @@ class Quantity:
     columns_from: int = 12
     stages: Callable[..., SecondForm | None] | None = None
     stages_from: int = 24
+    chains_from: int | None = None
     scans: bool = False
     batches_from: int = 24
 
@@ -141,6 +143,7 @@ def quantity(
     columns_from: int = 12,
     stages: Callable[..., SecondForm | None] | None = None,
     stages_from: int = 24,
+    chains_from: int | None = None,
     scans: bool = False,
     batches_from: int = 24,
     direct: bool = False,
@@ -164,6 +167,7 @@ def quantity(
         columns_from: As for `Quantity`.
         stages: As for `Quantity`.
         stages_from: As for `Quantity`.
+        chains_from: As for `Quantity`.
         scans: As for `Quantity`.
         batches_from: As for `Quantity`.
         returns: What the result is, for the documentation, where the first sentence does not say it.
@@ -173,27 +177,37 @@ def quantity(
         The decorator; the method has the record as its attribute `quantity`.
     """
     rest: Any = {"more": more, "result": result, "inverts_mass": inverts_mass, "batches_from": batches_from}
+    rest["nodes"] = nodes if isinstance(nodes, tuple) else (nodes, 0.0, 0.0)
     rest |= {"columns": columns, "columns_from": columns_from, "stages": stages, "stages_from": stages_from}
-    rest["scans"] = scans
+    rest |= {"chains_from": chains_from, "scans": scans, "name": name or algorithm.__name__.lstrip("_")}
 
     def declare(method: F) -> F:
-        parameters, defaults = _parameters_of(method)
-        own_options = {key: value for key, value in defaults.items() if key not in OF_CALLS}
-        record = Quantity(
-            name=name or algorithm.__name__.lstrip("_"),
-            algorithm=algorithm,
-            arrays=tuple(n for n in parameters if n in ARRAYS) if arrays is None else arrays,
-            options=own_options if options is None else options,
-            summary=(method.__doc__ or "").split("\n\n", 1)[0],
-            nodes=nodes if isinstance(nodes, tuple) else (nodes, 0.0, 0.0),
-            **rest,
-        )
+        parameters, record = _parameters_of(method)[0], _record(method, algorithm, arrays, options, rest)
         made = method if options is not None and not direct else _generated(method, record, options is None)
         made.__doc__ = documented(method.__doc__, parameters, result, returns, inverts_mass, about)
         made.quantity = record  # type: ignore[attr-defined]
         return made
 
     return declare
+
+
+def _record(
+    method: Callable[..., Any],
+    algorithm: Callable[..., Any],
+    arrays: tuple[str, ...] | None,
+    options: Mapping[str, Any] | None,
+    rest: Mapping[str, Any],
+) -> Quantity:
+    """The quantity that a method declares; arrays and options are those of the method where they are None."""
+    parameters, defaults = _parameters_of(method)
+    own_options = {key: value for key, value in defaults.items() if key not in OF_CALLS}
+    return Quantity(
+        algorithm=algorithm,
+        arrays=tuple(n for n in parameters if n in ARRAYS) if arrays is None else arrays,
+        options=own_options if options is None else options,
+        summary=(method.__doc__ or "").split("\n\n", 1)[0],
+        **rest,
+    )
 
 
 def _parameters_of(method: Callable[..., Any]) -> tuple[tuple[str, ...], dict[str, Any]]:

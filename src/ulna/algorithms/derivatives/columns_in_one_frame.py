@@ -37,8 +37,18 @@ import numpy as np
 
 from ulna.algorithms.derivatives.inverse_dynamics import State, Subtree, states_of_moving_observers
 from ulna.algorithms.dynamics.mass_matrix_factors import rows_of_factors
+from ulna.algorithms.multibody.chain_frames import (
+    IDENTITY,
+    PADDING,
+    ChainFrames,
+    chain_frames,
+    following,
+    joined,
+    pose_numbers,
+    turned,
+)
 from ulna.algorithms.multibody.mass_moments import MassMoments
-from ulna.algorithms.multibody.prepared_model import prepare
+from ulna.algorithms.multibody.prepared_model import PreparedModel, prepare
 from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.algorithms.multibody.tree import shares_velocities, steps
 from ulna.compiler.forms.stages import PairFunction, Stages
@@ -47,6 +57,8 @@ from ulna.numeric import apply, cross, dot
 from ulna.spatial import SE3, Force, Motion
 from ulna.typing import Array
 
+_LONG = 24
+"""Velocities from which on poses of serial chains are computed in segments."""
 _UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
@@ -91,7 +103,7 @@ class OneFrame:
         self.model, self.prepared = model, prepare(model)
         self.tree = self.prepared.tree
         self.stages = Stages(name, model.nv, **inputs)
-        self._gravity = np.zeros(3)
+        self._gravity, self._is_scanned = np.zeros(3), False
         roots = [step for step in self.tree if step.parent < 0]
         self.is_floating = len(roots) == 1 and roots[0].kind.nv > 1
         """Whether the common frame is that of the only root."""
@@ -155,11 +167,52 @@ class OneFrame:
         self._bodies()
         self.stages.straight(self._kinematics, ("q", "v"), ("T", "s", "V", "dU"))
 
-    def poses(self) -> None:
-        """T and s from q; the constants of bodies."""
+    def poses(self, in_segments: bool = False) -> None:
+        """T and s from q; the constants of bodies.
+
+        Args:
+            in_segments: Whether long chains of revolute joints take frames of their own, whose poses are computed in
+                segments; nothing may have been taken from the tree or the prepared model before.
+        """
+        chain = chain_frames(self.model) if in_segments and self.model.nv >= _LONG else None
+        if chain is not None:
+            self._poses_of_chain(chain)
+            return
         self._bodies()
         still = np.zeros(self.model.nv)
         self.stages.straight(lambda q: self._kinematics(q, still)[:2], ("q",), ("T", "s"))
+
+    def _poses_of_chain(self, chain: ChainFrames) -> None:
+        """The same of a serial chain between its own frames, in segments."""
+        self.prepared = PreparedModel(self.model, chain.links.tree, chain.links.frames)
+        self.tree, self._is_scanned = self.prepared.tree, True
+        self._bodies()
+
+        def step(state: Array, numbers: Array, q: Array) -> tuple[Array, Array]:
+            pose = turned(state, numbers, q)
+            return following(pose, numbers), pose_numbers(pose)
+
+        def place(before: Array, whole: Array, local: Array) -> Array:
+            return joined(before, local)
+
+        def column(T: Array) -> Array:
+            axis = T[[2, 5, 8]]
+            return np.concatenate([cross(T[9:], axis), axis])
+
+        vectors = {"q": chain.first_q}
+        self.stages.scan(
+            step,
+            joined,
+            chain.numbers,
+            PADDING,
+            chain.start,
+            IDENTITY,
+            vectors,
+            "last",
+            place=place,
+            writes=("T",),
+        )
+        self.stages.lanes(column, ("T",), ("s",))
 
     def _bodies(self) -> None:
         bodies = np.zeros((10, self.model.nv))
@@ -312,8 +365,20 @@ class OneFrame:
 
     def composite_moments(self) -> None:
         """c and I of all bodies from a step outward, one below the other: `sums`."""
+        if self._is_scanned:
+            self.body_moments("own")
+            self._sum_along_chain()
+            return
         self.body_moments("sums")
         self.stages.rows(self.summed, ("sums",), "sums")
+
+    def _sum_along_chain(self) -> None:
+        """`sums` of a serial chain from `own`: all rows at once, which do not wait for each other."""
+
+        def add(state: Array, own: Array) -> tuple[Array, Array]:
+            return state + own, state + own
+
+        self.stages.walk(add, 9, ("own",), ("sums",), is_inward=True)
 
     def responses(self) -> None:
         """r of every column, from c and I."""

@@ -58,7 +58,7 @@ def stages_of_inverse_mass_matrix(model: Model) -> StagedForm | None:
     if not is_serial(model):
         return None
     frame = OneFrame("inverse_mass_matrix", model, q=(model.nq,))
-    frame.poses()
+    frame.poses(in_segments=True)
     frame.body_moments("own")
     articulate(frame)
     invert(frame, "inverse")

@@ -32,6 +32,7 @@ from ulna.algorithms.derivatives.serial_chains import accelerate, articulate, in
 from ulna.algorithms.dynamics.center_of_mass import total_mass
 from ulna.algorithms.dynamics.coriolis import MovingBodies
 from ulna.algorithms.dynamics.mass_matrix_factors import solution_by_rows
+from ulna.algorithms.multibody.chain_frames import chain_frames
 from ulna.compiler.forms.columns import ColumnForm, row_places
 from ulna.compiler.forms.stages import StagedForm
 from ulna.compiler.language.function import trace
@@ -189,16 +190,46 @@ def stages_of_centroidal_matrix(model: Model) -> StagedForm | None:
     if not suits_one_frame(model) or not total_mass(model):
         return None
     frame = OneFrame("centroidal_matrix", model, q=(model.nq,))
-    frame.poses()
+    _centroidal_columns(frame, total_mass(model))
+    return frame.stages.form("A")
+
+
+def stages_of_centroidal_momentum(model: Model) -> StagedForm | None:
+    """The momentum about the centre of mass, of long chains of revolute joints: the product of its matrix with v.
+
+    Args:
+        model: The robot; without mass it has no such form.
+
+    Returns:
+        The form; None for robots that need another one.
+    """
+    if not total_mass(model) or chain_frames(model) is None:
+        return None
+    frame = OneFrame("centroidal_momentum", model, q=(model.nq,), v=(model.nv,))
+    _centroidal_columns(frame, total_mass(model))
+    stages = frame.stages
+    stages.straight(lambda v: v[None], ("v",), ("rates",))
+    stages.lanes(lambda A, rates: A * rates[0], ("A", "rates"), ("shares",))
+    stages.straight(lambda shares: shares.sum(axis=1), ("shares",), ("h",))
+    return stages.form("h")
+
+
+def _centroidal_columns(frame: OneFrame, mass: float) -> None:
+    """A, the centroidal momentum matrix, from q.
+
+    Args:
+        frame: The stages.
+        mass: The robot's mass [kg].
+    """
+    frame.poses(in_segments=True)
     frame.composite_moments()
-    frame.center_of_mass(1.0 / total_mass(model))
+    frame.center_of_mass(1.0 / mass)
 
     def of_column(s: Array, sums: Array, mass: Array, c_G: Array, R: Array) -> Array:
         body = subtree(mass, np.concatenate([sums, np.zeros(18)])).body
         return _about(body.apply(motion(s)), c_G, R.reshape(3, 3))
 
     frame.stages.lanes(of_column, ("s", "sums", "mass", "c_G", "R"), ("A",))
-    return frame.stages.form("A")
 
 
 def stages_of_mass_matrix(model: Model) -> StagedForm | None:
@@ -213,7 +244,7 @@ def stages_of_mass_matrix(model: Model) -> StagedForm | None:
     if not suits_one_frame(model):
         return None
     frame = OneFrame("mass_matrix", model, q=(model.nq,))
-    frame.poses()
+    frame.poses(in_segments=True)
     frame.composite_moments()
     frame.responses()
     frame.mass_matrix("M")

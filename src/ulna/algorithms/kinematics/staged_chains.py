@@ -18,6 +18,7 @@ from ulna.algorithms.multibody.chain_frames import (
     chain_frames,
     following,
     joined,
+    pose_numbers,
     turned,
 )
 from ulna.algorithms.multibody.references import check_reference
@@ -106,8 +107,7 @@ def _scan(stages: Stages, chain: ChainFrames, placement: SE3, column: Any = None
         return following(pose, numbers), np.concatenate([pose.rotation[:, 2], pose.translation])
 
     def end(state: Array) -> Array:
-        tip = _pose(state) @ placement
-        return np.concatenate([tip.rotation.reshape(-1), tip.translation])
+        return pose_numbers(_pose(state) @ placement)
 
     writes = (table,) if table else ()
     vectors = {"q": chain.first_q}

@@ -168,12 +168,23 @@ def joined(before: Array, after: Array) -> Array:
 
     Args:
         before: A pose as `IDENTITY` has it, (12,).
-        after: Another one.
+        after: Another one, (12,).
 
     Returns:
         The product, (12,).
     """
-    pose = _pose(before) @ _pose(after)
+    return pose_numbers(_pose(before) @ _pose(after))
+
+
+def pose_numbers(pose: SE3) -> Array:
+    """The numbers of a pose.
+
+    Args:
+        pose: The pose.
+
+    Returns:
+        Its rotation, row by row, then its translation, (12,).
+    """
     return np.concatenate([pose.rotation.reshape(-1), pose.translation])
 
 
@@ -182,7 +193,7 @@ def turned(state: Array, numbers: Array, q: Array) -> SE3:
 
     Args:
         state: The pose of the moving frame where its angle is zero, (12,).
-        numbers: Those of the joint; see `ChainFrames`.
+        numbers: Those of the joint, (6,); see `ChainFrames`.
         q: The position, (1,) [rad].
 
     Returns:
@@ -199,7 +210,7 @@ def following(pose: SE3, numbers: Array) -> Array:
 
     Args:
         pose: That of the moving frame.
-        numbers: Those of the joint; see `ChainFrames`.
+        numbers: Those of the joint, (6,); see `ChainFrames`.
 
     Returns:
         The pose, (12,).

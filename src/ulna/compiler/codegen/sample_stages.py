@@ -50,17 +50,26 @@ def suits_sample_stages(form: SecondForm, target: Target, element: DType) -> boo
         element: Type of the array elements, "double" or "float".
 
     Returns:
-        Whether it has stages without sweeps and products, with tables of equally many columns where all rows are
-        computed alike, whose arrays are not too large for the stack and the second cache, and outputs in one part.
+        Whether it has stages without sweeps and products, and more than a scan, with tables of equally many columns
+        where all rows are computed alike, whose arrays are not too large for the stack and the second cache, and
+        outputs in one part.
     """
     form = form.whole if isinstance(form, PackedForm) else form
     head = form.head if isinstance(form, ColumnForm) else form
     if not isinstance(head, StagedForm) or head.parts:
         return False
-    if any(isinstance(x, Sweep | Products | Scan) or _changes_width(x, head) for x in head.stages):
+    if _is_scan_alone(head):
+        return False
+    if any(isinstance(x, Sweep | Products) or _changes_width(x, head) for x in head.stages):
         return False
     writer = _SampleStagesWriter(Module(), form, head, target, element)
     return writer.size * BYTES[element] * writer.layout.lanes <= _MAX_MEMORY
+
+
+def _is_scan_alone(form: StagedForm) -> bool:
+    """Whether all that follows a scan is straight-line code: then the lanes have the segments of one sample."""
+    rest = [x for x in form.stages if not isinstance(x, Scan)]
+    return len(rest) < len(form.stages) and all(isinstance(x, Stage) and x.kind == "straight" for x in rest)
 
 
 def _changes_width(stage: AnyStage, form: StagedForm) -> bool:

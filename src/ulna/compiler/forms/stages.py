@@ -535,12 +535,7 @@ class Stages:
             step, {"state": state, "numbers": known.shape[:1], **dict.fromkeys(vectors, (1,))}
         )
         ends = self._traced(end, {"state": state})
-        tables = None
-        if place is not None:
-            shapes = {"before": state, "whole": (ends.outputs[0].size,), "kept": (inner.outputs[1].size,)}
-            tables = self._traced(place, shapes)
-            for name, port in zip(writes, tables.outputs, strict=True):
-                self._declare(name, (port.size, known.shape[1]))
+        tables = None if place is None else self._placed(place, writes, known.shape[1], inner, ends)
         self._declare(whole, (ends.outputs[0].size,), is_table=False)
         self._stages.append(
             Scan(
@@ -557,6 +552,16 @@ class Stages:
                 whole=whole,
             )
         )
+
+    def _placed(
+        self, f: Callable[..., Any], writes: Sequence[str], columns: int, step: Function, end: Function
+    ) -> Function:
+        """The function that computes columns of tables after a scan."""
+        before, kept = (port.size for port in step.outputs)
+        body = self._traced(f, {"before": (before,), "whole": (end.outputs[0].size,), "kept": (kept,)})
+        for name, port in zip(writes, body.outputs, strict=True):
+            self._declare(name, (port.size, columns))
+        return body
 
     def factors(self, paths: Sequence[Sequence[int]], reads: str, writes: str) -> None:
         """The stage that factors a symmetric matrix; see `Factors`.
