@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ulna.checks.values import short_repr
+from ulna.checks.values import flag, short_repr
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, UnknownName
 from ulna.idioms import check_keywords
@@ -142,7 +142,14 @@ def load_model(
 
     if visuals not in catalogue.VISUALS:
         raise UnknownName("kind of visuals", visuals, catalogue.VISUALS)
-    options = _Options(root, visuals, tuple(package_dirs), mimic, _checked_args(xacro_args), bool(trusted))
+    options = _Options(
+        root,
+        visuals,
+        tuple(package_dirs),
+        flag("mimic", mimic),
+        _checked_args(xacro_args),
+        flag("trusted", trusted),
+    )
     if _is_file(name_or_path):
         model = _from_file(name_or_path, options)
     else:

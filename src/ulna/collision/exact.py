@@ -14,6 +14,7 @@ import numpy as np
 
 from ulna import kernels
 from ulna.checks.attributes import FixedAttributes
+from ulna.checks.values import flag
 from ulna.collision import deferred, narrow
 from ulna.collision.attached import attached_solids
 from ulna.collision.broad_phase import BroadPhase
@@ -71,6 +72,7 @@ class Checker(FixedAttributes):
         missing: Missing = "error",
     ) -> None:
         narrow.coal()
+        flag("convex", convex)
         model = model_of(model, "model")
         pairs, without = pairs if pairs is None else tuple(pairs), tuple(without)
         self._options = {"pairs": pairs, "without": without, "convex": convex, "missing": missing}
@@ -116,7 +118,7 @@ class Checker(FixedAttributes):
             ShapeError, DtypeError, NonFiniteError: If `q` or a pose cannot be one.
             UnknownName: If `moving` names no obstacle.
         """
-        margin = _number("margin", margin)
+        margin, broad_phase = _number("margin", margin), flag("broad_phase", broad_phase)
         if deferred.is_lazy_question(q, moving):
             options = {"margin": margin, "broad_phase": broad_phase}
             return deferred.ask(self, "collides", np.bool_, q, moving, options)
@@ -147,6 +149,7 @@ class Checker(FixedAttributes):
         Returns:
             The distances, with their batch shape.
         """
+        flag("broad_phase", broad_phase)
         if deferred.is_lazy_question(q, moving):
             options = {"stop_below": stop_below, "broad_phase": broad_phase}
             return deferred.distances(self, q, moving, options)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from ulna.checks.values import short_repr
+from ulna.checks.values import flag, short_repr
 from ulna.errors import InputError
 from ulna.model import FreeFlyer, Model
 from ulna.model.of_robot import model_of
@@ -36,8 +36,9 @@ def link_pairs(
         UnknownName: If `without` names a link that the model does not have.
     """
     model = model_of(model, "model")
+    flag("adjacent", adjacent)
     skip = {frozenset(pair) for pair in checked_pairs(model, without)}
-    if not disabled:
+    if not flag("disabled", disabled):
         skip |= {frozenset(pair) for pair in model.disabled_pairs}
     links = [link for link in model.links if link.collisions]
     # No joint has the number of a free flyer's parent: what it carries is no neighbour of anything.

@@ -162,6 +162,7 @@ def checked_numbers(
     *,
     default: float = 0.0,
     minimum: float = 0.0,
+    finite: bool = False,
     where: str = "",
 ) -> tuple[float, ...]:
     """As many numbers as are needed, not below a bound.
@@ -172,13 +173,14 @@ def checked_numbers(
         count: How many numbers are needed.
         default: What None stands for [any].
         minimum: The smallest valid number [any].
+        finite: Whether infinite numbers are refused, where they stand for no limit.
         where: The place in the file, for the message.
 
     Returns:
         The numbers.
 
     Raises:
-        ModelError: there are not so many, or one is below `minimum` or nan.
+        ModelError: there are not so many, or one is below `minimum`, nan, or infinite where `finite`.
     """
     if value is None:
         return (default,) * count
@@ -194,6 +196,8 @@ def checked_numbers(
         raise model_error(where, f"{subject} holds nan; expected numbers (inf for no limit).")
     if (out < minimum).any():
         raise model_error(where, f"{subject} is {out.min():g}; expected {minimum:g} or more.")
+    if finite and np.isinf(out).any():
+        raise model_error(where, f"{subject} is infinite; expected finite numbers.")
     return tuple(float(x) + 0.0 for x in out)
 
 

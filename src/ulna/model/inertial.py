@@ -15,7 +15,7 @@ import numpy as np
 
 from ulna.checks.arrays import check_finite, number_or_array, real_array
 from ulna.checks.labels import in_order
-from ulna.checks.values import generator, number, short_repr
+from ulna.checks.values import flag, generator, number, short_repr
 from ulna.errors import InputError, ModelError, ShapeError, UnknownName
 from ulna.model.assemble import aggregate
 from ulna.model.check import checked_inertia
@@ -57,6 +57,7 @@ def with_dynamic_parameters(model: Model, parameters: ArrayLike, *, check: bool 
     """
     p = real_array("parameters", parameters)
     count = len(model.joints)
+    flag("check", check)
     if p.shape not in ((10 * count,), (count, 10)):
         raise ShapeError("parameters", p.shape, f"({10 * count},): ten for each of {count} bodies")
     p = p.reshape(count, 10)

@@ -182,9 +182,15 @@ class PartsBuilder(FixedAttributes):
             limits=checked_limits(
                 name, kind, {"lower": lower, "upper": upper, "velocity": velocity, "effort": effort}, where
             ),
-            damping=checked_numbers(f"`damping` of joint {name!r}", damping, kind.nv, where=where),
-            friction=checked_numbers(f"`friction` of joint {name!r}", friction, kind.nv, where=where),
-            armature=checked_numbers(f"`armature` of joint {name!r}", armature, kind.nv, where=where),
+            damping=checked_numbers(
+                f"`damping` of joint {name!r}", damping, kind.nv, finite=True, where=where
+            ),
+            friction=checked_numbers(
+                f"`friction` of joint {name!r}", friction, kind.nv, finite=True, where=where
+            ),
+            armature=checked_numbers(
+                f"`armature` of joint {name!r}", armature, kind.nv, finite=True, where=where
+            ),
             mimic=checked_mimic(name, mimic, kind, where),
             where=where,
         )

@@ -27,7 +27,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna.checks.arrays import batched_array
-from ulna.checks.values import short_repr
+from ulna.checks.values import flag, short_repr
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError, UnknownName
 from ulna.model.change import with_gravity, with_root_joint
@@ -115,6 +115,7 @@ def with_parameters(model: Model, values: Mapping[str, Any], *, check: bool = Tr
         raise InputError(
             f"`values` is {short_repr(values)}; expected a dictionary from names of parameters to arrays."
         )
+    flag("check", check)
     checked_values = {name: _checked(model, name, value) for name, value in values.items()}
     for name in sorted(checked_values, key=parameter_names(model).index):
         value = checked_values[name]

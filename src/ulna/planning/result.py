@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import field
 from typing import TYPE_CHECKING, Any, Literal, final
 
+from ulna.checks.values import flag
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.planning.certificate import Certificate
@@ -124,6 +125,7 @@ class Plan:
         from ulna.planning.motion_path import motion_path
         from ulna.trajectory import time_optimal
 
+        flag("blend", blend)
         if not self:
             raise InputError(f"There is no path to move along: {self.reason}")
         if jerk is not None:

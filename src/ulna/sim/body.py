@@ -142,7 +142,7 @@ class Body:
 
     @property
     def q(self) -> Floats:
-        """The configuration, shape (nq,)."""
+        """The configuration, shape (nq,): a copy, so assign all of it; `body.q[0] = 1.0` changes the copy only."""
         return self._q.copy()
 
     @q.setter
@@ -158,7 +158,7 @@ class Body:
 
     @property
     def qd(self) -> Floats:
-        """The velocity, shape (nv,) [rad/s or m/s]."""
+        """The velocity, shape (nv,) [rad/s or m/s]: a copy, as `q`."""
         return self._qd.copy()
 
     @qd.setter
@@ -169,7 +169,7 @@ class Body:
 
     @property
     def qdd(self) -> Floats:
-        """The commanded acceleration, shape (nv,) [rad/s^2 or m/s^2]."""
+        """The commanded acceleration, shape (nv,) [rad/s^2 or m/s^2]: a copy, as `q`."""
         return self._qdd.copy()
 
     @qdd.setter
@@ -178,7 +178,7 @@ class Body:
 
     @property
     def tau(self) -> Any:
-        """The commanded torques, shape (nv,) [N m or N], or a function of t, q, qd that returns them."""
+        """The commanded torques, shape (nv,) [N m or N], a copy, or a function of t, q, qd that returns them."""
         return self._tau if callable(self._tau) else self._tau.copy()
 
     @tau.setter

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar, final, overload
 import numpy as np
 
 from ulna.checks.arrays import batched_array
-from ulna.checks.values import short_repr
+from ulna.checks.values import flag, short_repr
 from ulna.data_classes import dataclass
 from ulna.errors import InputError, ShapeError
 from ulna.idioms import Explained, explained
@@ -236,7 +236,7 @@ class SE3(PoseConstructors, metaclass=Explained):
             >>> T.translation
             array([0.2, 0. , 0. ])
         """
-        if straight:
+        if flag("straight", straight):
             s = column(t)
             rotation = SO3(self.rotation).interpolate(SO3(other.rotation), t).matrix
             return SE3(rotation, self.translation + s * (other.translation - self.translation))

@@ -375,6 +375,14 @@ REFUSED: dict[str, tuple[Build, str]] = {
         lambda: pair().add_joint("j", HINGE, "a", "b", velocity=-1.0),
         "`velocity` .* is -1",
     ),
+    "infinite damping": (
+        lambda: pair().add_joint("j", HINGE, "a", "b", damping=np.inf),
+        "`damping` of joint 'j' is infinite",
+    ),
+    "infinite armature": (
+        lambda: pair().add_joint("j", HINGE, "a", "b", armature=np.inf),
+        "`armature` of joint 'j' is infinite",
+    ),
     "negative damping": (lambda: pair().add_joint("j", HINGE, "a", "b", damping=-1.0), "`damping` .* is -1"),
     "a placement of nan": (
         lambda: pair().add_joint("j", HINGE, "a", "b", SE3.identity() @ SE3(np.eye(3), np.full(3, NAN))),

@@ -26,6 +26,7 @@ import numpy as np
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.checks.arrays import known_limits, number_or_array
 from ulna.checks.labels import in_order
+from ulna.checks.values import flag
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.ik.differential.task import Shapes
@@ -108,8 +109,7 @@ class PositionLimit(Limit):
 
     def __post_init__(self) -> None:
         check_gain(self.gain, self.label)
-        if not 0.0 <= self.margin < np.inf:
-            raise InputError(f"{self.label}: `margin` is {self.margin}; expected a number not below 0.")
+        _check_margin(self.margin, self.label)
 
     def bounds(self, model: Model, q: Array, dt: Any, *inputs: Array) -> Interval:
         """The interval that leads to the limits."""
@@ -160,6 +160,10 @@ class AccelerationLimit(Limit):
     braking: bool = True
     margin: float = 0.0
 
+    def __post_init__(self) -> None:
+        flag("braking", self.braking)
+        _check_margin(self.margin, self.label)
+
     def inputs(self, model: Model) -> Shapes:
         """The velocity before."""
         return {self.name or "v": (model.nv,)}
@@ -192,6 +196,12 @@ def check_gain(gain: float, label: str) -> None:
     """
     if not 0.0 < gain <= 1.0:
         raise InputError(f"{label}: `gain` is {gain}; expected above 0, at most 1.")
+
+
+def _check_margin(margin: float, label: str) -> None:
+    """Refuses a distance from limits that is none."""
+    if not 0.0 <= margin < np.inf:
+        raise InputError(f"{label}: `margin` is {margin}; expected a number not below 0.")
 
 
 def _speed_to_stop(distance: Any, a: float, dt: Any) -> Any:

@@ -19,6 +19,7 @@ from typing import Any, final
 import numpy as np
 
 from ulna.algorithms import frame_jacobian, frame_pose
+from ulna.checks.values import number
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.ik.differential.limits import Limit, Strip, check_gain
@@ -49,6 +50,7 @@ class PlaneLimit(Limit):
 
     def __post_init__(self) -> None:
         check_gain(self.gain, self.label)
+        number(f"height of {self.label}", self.height)
         normal = np.asarray(self.normal, dtype=float)
         if normal.shape != (3,) or not np.isclose(np.linalg.norm(normal), 1.0, atol=1e-6):
             raise InputError(f"{self.label}: `normal` is {self.normal}; expected a vector of length 1.")

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ulna.checks.values import flag
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
 from ulna.model import Model
@@ -55,6 +56,7 @@ class Task(ABC):
     adjustable: bool = False
 
     def __post_init__(self) -> None:
+        flag("adjustable", self.adjustable)
         if not 0.0 <= self.gain <= 1.0:
             raise InputError(f"{self.label}: `gain` is {self.gain}; expected a part of the error, 0 to 1.")
         if not 0.0 <= self.damping < np.inf:

@@ -48,7 +48,7 @@ class Handle(FixedAttributes, metaclass=Explained):
 
     @property
     def pose(self) -> Floats:
-        """Where it is in its group: T_group_thing, shape (4, 4).
+        """Where it is in its group: T_group_thing, shape (4, 4), a copy: assign all of it.
 
         An `SE3` can be assigned, too, and a place (3,), where it stands unturned.
         """
