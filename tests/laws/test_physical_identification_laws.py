@@ -229,3 +229,16 @@ def test_ctrl_c_ends_the_search(ur5: Robot, true: Robot) -> None:
 def test_invalid_noise_is_refused(ur5: Robot, noise: Any, physical: bool) -> None:
     with pytest.raises(InputError, match=r"`noise` is .*; expected finite numbers above zero"):
         identify(ur5, *log(ur5, 0.0, 5), noise=noise, physical=physical)
+
+
+@pytest.mark.parametrize("seed", [5000, 5009, 5011, 5015])
+def test_exact_torques_are_met_exactly(seed: int) -> None:
+    """The true bodies can exist, so the physical fit without a prior meets torques that include friction."""
+    rng = np.random.default_rng(seed)
+    robot = Robot(random_model(rng, joints=4, mimics=seed % 2))
+    q, v, a = robot.random_configuration(200, rng), *rng.uniform(-1.0, 1.0, (2, 200, robot.nv))
+    tau = robot.perturbed(0.3, seed=seed).inverse_dynamics(q, v, a, friction=True)
+    fit = identify(robot, q, v, a, tau, physical=True, ridge=0.0)
+    assert np.abs(fit.residuals).max() < 1e-5 * np.abs(tau).max()
+    again = Robot(fit.new_model).inverse_dynamics(q, v, a, friction=True)
+    np.testing.assert_allclose(again, tau, atol=1e-5 * np.abs(tau).max())

@@ -58,7 +58,8 @@ def identify(
         q: Configurations, shape (rows, nq) [rad, m].
         v: Velocities, shape (rows, nv) [rad/s, m/s].
         a: Accelerations, shape (rows, nv) [rad/s^2, m/s^2].
-        tau: Torques of the drives, shape (rows, nv) [N m, N].
+        tau: Torques of the drives, shape (rows, nv) [N m, N]: with the friction of the joints, so those of another
+            model are `inverse_dynamics(q, v, a, friction=True)`.
         armature: Whether to seek the inertia of the drives.
         damping: Whether to seek viscous friction.
         friction: Whether to seek Coulomb friction.
