@@ -17,7 +17,7 @@ from ulna.files import read_regular
 from ulna.system.storage import replacing
 from ulna.typing import Floats
 
-_INDEXED = re.compile(r"(.+?)((?:_\d{1,9})+)")
+_INDEXED = re.compile(r"(.+?)((?:_(?:0|[1-9][0-9]{0,8})){1,8})")
 
 
 def write_csv(columns: Mapping[str, Floats], path: str | Path) -> None:
@@ -122,8 +122,11 @@ def _numbers(rows: list[list[str]], width: int, source: Path) -> Floats:
 
 
 def _stacked(name: str, parts: dict[tuple[int, ...], Floats]) -> list[tuple[str, Floats]]:
-    """The columns of one array, in the order of their indices; or columns that only look like that, each separately."""
+    """The columns of one array, in the order of their indices; else those of names that end in a number themselves."""
     shape = tuple(k + 1 for k in max(parts)) if len({len(p) for p in parts}) == 1 else ()
-    if math.prod(shape) != len(parts) or set(parts) != set(np.ndindex(shape)):  # a title may have any number
-        return [(_title(name, place), values) for place, values in parts.items()]
-    return [(name, np.stack([parts[p] for p in np.ndindex(shape)], axis=-1).reshape(-1, *shape))]
+    if math.prod(shape) == len(parts) and set(parts) == set(np.ndindex(shape)):
+        return [(name, np.stack([parts[p] for p in np.ndindex(shape)], axis=-1).reshape(-1, *shape))]
+    longer: dict[str, dict[tuple[int, ...], Floats]] = {}
+    for place, values in parts.items():
+        longer.setdefault(_title(name, place[:1]), {})[place[1:]] = values
+    return [column for title, rest in longer.items() for column in _stacked(title, rest)]

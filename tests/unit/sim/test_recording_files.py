@@ -115,3 +115,22 @@ def test_rows_are_added_to_a_copy_alone() -> None:
     other.add(1.0, [2.0])
     run.add(0.5, [3.0])
     assert run.q.tolist() == [[1.0], [3.0]] and other.q.tolist() == [[1.0], [2.0]]
+
+
+def test_names_that_end_in_numbers_come_back(tmp_path: Path) -> None:
+    """Arrays "force_1" and "force_2" came back as columns of single numbers, and "x_01" as "x_1"."""
+    recording = Recording()
+    for k in range(3):
+        arrays = {"force_1": [1.0, k], "force_2": [2.0, k], "d_7": np.full((2, 2), k)}
+        recording.add(k, [1.0, 2.0], **arrays, x_01=3.0, x_1=4.0 + k, single_3=k, plain=np.ones((2, 3)))
+    recording.save(tmp_path / "a.csv")
+    again = Recording.load(tmp_path / "a.csv")
+    assert set(again.names) == set(recording.names)
+    for name in recording.names:
+        np.testing.assert_array_equal(again[name], recording[name])
+
+
+def test_titles_with_many_numbers_are_ordinary_ones(tmp_path: Path) -> None:
+    title = "x" + "_1" * 3000
+    (tmp_path / "a.csv").write_text(f"t,q_0,{title}\n0,1,2\n")
+    assert Recording.load(tmp_path / "a.csv")[title][0] == 2.0
