@@ -182,15 +182,9 @@ class PartsBuilder(FixedAttributes):
             limits=checked_limits(
                 name, kind, {"lower": lower, "upper": upper, "velocity": velocity, "effort": effort}, where
             ),
-            damping=checked_numbers(
-                f"`damping` of joint {name!r}", damping, kind.nv, finite=True, where=where
-            ),
-            friction=checked_numbers(
-                f"`friction` of joint {name!r}", friction, kind.nv, finite=True, where=where
-            ),
-            armature=checked_numbers(
-                f"`armature` of joint {name!r}", armature, kind.nv, finite=True, where=where
-            ),
+            damping=_of_drive("damping", damping, name, kind, where),
+            friction=_of_drive("friction", friction, name, kind, where),
+            armature=_of_drive("armature", armature, name, kind, where),
             mimic=checked_mimic(name, mimic, kind, where),
             where=where,
         )
@@ -352,3 +346,10 @@ def _reject_duplicate_name(
     if name in taken:
         first = f", the first one at {taken[name].where}" if taken[name].where else ""
         raise model_error(where, f"There are two {what}s named {name!r}{first}. Rename one of them.")
+
+
+def _of_drive(
+    what: str, value: ValueOrSequence, joint: str, kind: JointKind, where: str
+) -> tuple[float, ...]:
+    """Numbers of the drive of a joint, one for each velocity."""
+    return checked_numbers(f"`{what}` of joint {joint!r}", value, kind.nv, finite=True, where=where)
