@@ -51,4 +51,4 @@ def test_the_error_is_that_of_the_condition_numbers(
     known = kappa < 1e6  # beyond, nothing may be right
     assert (error / scale <= 15.0 * np.finfo(np.float32).eps / 2.0 * kappa)[known].all()
     assert known.sum() > 0.95 * SAMPLES
-    assert np.median(error / scale) < 1e-4
+    assert np.median((error / scale)[known]) < 1e-4
