@@ -313,10 +313,12 @@ def by_answer(
     """How many calls have the same outcome: of those that Pinocchio answers, and of those that it refuses."""
     answered: Counter[str] = Counter()
     refused: Counter[str] = Counter()
+    with_reason = 0
     for _, text, what, _, theirs in found:
         if "error" in theirs:
             refused[what] += has_answer(theirs)
         elif has_answer(theirs):
+            with_reason += not what or documented(what, text, reasons)
             on_purpose = what == "refused" and documented(what, text, reasons)
             answered["refused for a reason" if on_purpose else what] += 1
     whole = max(1, answered.total())
@@ -324,7 +326,8 @@ def by_answer(
     told = same + answered["refused for a reason"]
     return (
         f"Pinocchio returns a value: {same} of {whole} ({100 * same / whole:.2f} %) are the same here, "
-        f"{100 * told / whole:.2f} % with those that are refused for a reason; others {dict(answered.most_common())}\n"
+        f"{100 * told / whole:.2f} % with those that are refused for a reason, {100 * with_reason / whole:.2f} % with all "
+        f"that differ for one; others {dict(answered.most_common())}\n"
         f"Pinocchio raises: {refused['']} of {refused.total()} raise the same class here, {refused['error class']} another one, "
         f"{refused['accepted']} are accepted, {refused['crash']} cannot be made"
     )

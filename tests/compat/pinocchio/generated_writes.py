@@ -108,7 +108,7 @@ DOCUMENTED = (
     ),
     (
         r"value",
-        _written(r"joints|nvSubtree|oYaba", r"now|now\.copy\(\)|(list|tuple)\(now\)"),
+        _written(r"joints|nvSubtree|oYaba", r"now|now\.copy\(\)|type\(now\)\(now\)|(list|tuple)\(now\)"),
         "they hold other values, as calls say",
     ),
     (r"refused", _written(r"nv|(depth_joint|joint)\d\w*", r"-1"), "counts and indices are not below zero"),
@@ -142,6 +142,7 @@ DOCUMENTED = (
         "columns are taken for vectors",
     ),
     (r"accepted", _written(r"referenceConfigurations", r"\{\}"), "a dictionary is taken"),
+    (r"accepted", _written(r"\w+", r"\[\]|list\(now\)\[1:\]"), "an empty list is taken for what is empty"),
     (r"value", _written(r"f|h|Fcrb", r".*"), "those of the universe"),
     (r"crash", _written(r"\w+", r".*"), "the value cannot be made here"),
 )
