@@ -461,13 +461,13 @@ def test_pictures_and_films(
     env: Any, arm: Any, sg: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     image = pytest.importorskip("PIL.Image")
-    draw, sizes = env.viewer.picture, []
+    draw, sizes = type(env.viewer).picture, []
 
-    def small(path: Any = None, width: int = 1600, height: int = 1000, **more: Any) -> Any:
+    def small(viewer: Any, path: Any = None, width: int = 1600, height: int = 1000, **more: Any) -> Any:
         sizes.append((width, height))
-        return draw(path, width // 10, height // 10, **more)
+        return draw(viewer, path, width // 10, height // 10, **more)
 
-    monkeypatch.setattr(env.viewer, "picture", small)
+    monkeypatch.setattr(type(env.viewer), "picture", small)
     ball = sg.Sphere(0.1)
     ball.v = [0, 0.5, 0, 0, 0, 0]
     env.add(arm), env.add(ball)
