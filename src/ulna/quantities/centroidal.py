@@ -59,8 +59,7 @@ class Centroidal(Part):
         "(6, nv) [kg m or kg, kg m^2 or kg m]",
         nodes=165,
         stages=algorithms.stages_of_centroidal_matrix,
-        stages_from=60,
-        chains_from=24,
+        stages_from=24,
     )
     def momentum_matrix(self, q: ArrayLike) -> Floats:
         """The matrix that maps `v` to the momentum about the centre of mass [Orin, Goswami & Lee 2013]."""
