@@ -67,10 +67,111 @@ entry:
   ret void
 }
 
+define internal ptr @ulna.copy.rows.axis(ptr %s, ptr %p, ptr %steps, ptr %axes, i1 %out) noinline cold nounwind {
+entry:
+  %size = load i64, ptr %axes
+  %at.p = getelementptr i64, ptr %axes, i64 1
+  %at = load i64, ptr %at.p
+  %stride.p = getelementptr i64, ptr %steps, i64 %at
+  %stride = load i64, ptr %stride.p
+  %inner = getelementptr i64, ptr %axes, i64 2
+  %inner.size = load i64, ptr %inner
+  %is.last = icmp eq i64 %inner.size, 0
+  br i1 %is.last, label %numbers, label %more
+numbers:
+  %from = select i1 %out, ptr %s, ptr %p
+  %to = select i1 %out, ptr %p, ptr %s
+  %from.stride = select i1 %out, i64 8, i64 %stride
+  %to.stride = select i1 %out, i64 %stride, i64 8
+  %beyond = getelementptr double, ptr %s, i64 %size
+  br label %number
+number:
+  %j = phi i64 [ %size, %numbers ], [ %j.n, %number ]
+  %from.j = phi ptr [ %from, %numbers ], [ %from.n, %number ]
+  %to.j = phi ptr [ %to, %numbers ], [ %to.n, %number ]
+  %v = load double, ptr %from.j, align 8
+  store double %v, ptr %to.j, align 8
+  %from.n = getelementptr i8, ptr %from.j, i64 %from.stride
+  %to.n = getelementptr i8, ptr %to.j, i64 %to.stride
+  %j.n = sub i64 %j, 1
+  %j.over = icmp eq i64 %j.n, 0
+  br i1 %j.over, label %copied, label %number
+copied:
+  ret ptr %beyond
+more:
+  %k = phi i64 [ 0, %entry ], [ %k.n, %more ]
+  %s.k = phi ptr [ %s, %entry ], [ %s.n, %more ]
+  %p.k = phi ptr [ %p, %entry ], [ %p.n, %more ]
+  %s.n = call ptr @ulna.copy.rows.axis(ptr %s.k, ptr %p.k, ptr %steps, ptr %inner, i1 %out)
+  %p.n = getelementptr i8, ptr %p.k, i64 %stride
+  %k.n = add i64 %k, 1
+  %over = icmp eq i64 %k.n, %size
+  br i1 %over, label %done, label %more
+done:
+  ret ptr %s.n
+}
+define internal void @ulna.copy.rows(ptr %scratch, ptr %row, i64 %rows, i64 %last, ptr %steps, ptr %port, i1 %dense) noinline cold nounwind {
+entry:
+  %is.output = load i64, ptr %port
+  %out = icmp ne i64 %is.output, 0
+  %at.p = getelementptr i64, ptr %port, i64 1
+  %at = load i64, ptr %at.p
+  %stride.p = getelementptr i64, ptr %steps, i64 %at
+  %stride = load i64, ptr %stride.p
+  %size.p = getelementptr i64, ptr %port, i64 2
+  %size = load i64, ptr %size.p
+  %axes = getelementptr i64, ptr %port, i64 3
+  %first.p = getelementptr i64, ptr %port, i64 4
+  %first = load i64, ptr %first.p
+  %inside.p = getelementptr i64, ptr %steps, i64 %first
+  %inside = load i64, ptr %inside.p
+  %second.p = getelementptr i64, ptr %port, i64 5
+  %second = load i64, ptr %second.p
+  %is.line = icmp eq i64 %second, 0
+  %is.even = or i1 %dense, %is.line
+  %between = select i1 %dense, i64 8, i64 %inside
+  %from.stride = select i1 %out, i64 8, i64 %between
+  %to.stride = select i1 %out, i64 %between, i64 8
+  br label %next
+next:
+  %k = phi i64 [ 0, %entry ], [ %k.n, %copied ]
+  %s = phi ptr [ %scratch, %entry ], [ %s.n, %copied ]
+  %p = phi ptr [ %row, %entry ], [ %p.n, %copied ]
+  br i1 %is.even, label %numbers, label %axis
+numbers:
+  %from = select i1 %out, ptr %s, ptr %p
+  %to = select i1 %out, ptr %p, ptr %s
+  br label %number
+number:
+  %j = phi i64 [ %size, %numbers ], [ %j.n, %number ]
+  %from.j = phi ptr [ %from, %numbers ], [ %from.n, %number ]
+  %to.j = phi ptr [ %to, %numbers ], [ %to.n, %number ]
+  %v = load double, ptr %from.j, align 8
+  store double %v, ptr %to.j, align 8
+  %from.n = getelementptr i8, ptr %from.j, i64 %from.stride
+  %to.n = getelementptr i8, ptr %to.j, i64 %to.stride
+  %j.n = sub i64 %j, 1
+  %j.over = icmp eq i64 %j.n, 0
+  br i1 %j.over, label %copied, label %number
+axis:
+  %s.axis = call ptr @ulna.copy.rows.axis(ptr %s, ptr %p, ptr %steps, ptr %axes, i1 %out)
+  br label %copied
+copied:
+  %s.n = getelementptr double, ptr %s, i64 %size
+  %is.before = icmp ult i64 %k, %last
+  %step = select i1 %is.before, i64 %stride, i64 0
+  %p.n = getelementptr i8, ptr %p, i64 %step
+  %k.n = add i64 %k, 1
+  %over = icmp eq i64 %k.n, %rows
+  br i1 %over, label %done, label %next
+done:
+  ret void
+}
+@batch.port0 = private unnamed_addr constant [6 x i64] [i64 0, i64 0, i64 3, i64 3, i64 2, i64 0], align 8
+@batch.port1 = private unnamed_addr constant [6 x i64] [i64 1, i64 1, i64 3, i64 3, i64 3, i64 0], align 8
 define void @batch(ptr %args, ptr %dims, ptr %steps, ptr %data) nounwind {
 entry:
   %n = load i64, ptr %dims
-  %last = sub i64 %n, 1
   %a0.p = getelementptr ptr, ptr %args, i64 0
   %a0 = load ptr, ptr %a0.p
   %s0.p = getelementptr i64, ptr %steps, i64 0
@@ -96,6 +197,7 @@ entry:
 step:
   %i = phi i64 [ 0, %entry ], [ %next, %put2 ]
   %left = sub i64 %n, %i
+  %last = sub i64 %left, 1
   %many = icmp uge i64 %left, 4
   %single = icmp eq i64 %left, 1
   %rows = select i1 %single, i64 1, i64 4
@@ -106,33 +208,12 @@ step:
   %direct1 = and i1 %dense1, %simple
   br label %get0
 get0:
-  br i1 %direct0, label %get1, label %get0.row
-get0.row:
-  %get0.row.k = phi i64 [ 0, %get0 ], [ %get0.row.n, %get0.row.end ]
-  %get0.row.here = add i64 %i, %get0.row.k
-  %get0.row.beyond = icmp ugt i64 %get0.row.here, %last
-  %get0.row.at = select i1 %get0.row.beyond, i64 %last, i64 %get0.row.here
-  %get0.row.o = mul i64 %get0.row.at, %s0
-  %get0.row.p = getelementptr i8, ptr %a0, i64 %get0.row.o
-  br label %get0.x0
-get0.x0:
-  %get0.x0.k = phi i64 [ 0, %get0.row ], [ %get0.x0.n, %get0.x0.end ]
-  %get0.x0.m = mul i64 %get0.row.k, 3
-  %get0.x0.f = add i64 %get0.x0.m, %get0.x0.k
-  %get0.x0.o = mul i64 %get0.x0.k, %c0.0
-  %get0.x0.p = getelementptr i8, ptr %get0.row.p, i64 %get0.x0.o
-  %get0.s = getelementptr double, ptr %t0, i64 %get0.x0.f
-  %get0.v = load double, ptr %get0.x0.p, align 8
-  store double %get0.v, ptr %get0.s, align 8
-  br label %get0.x0.end
-get0.x0.end:
-  %get0.x0.n = add i64 %get0.x0.k, 1
-  %get0.x0.over = icmp eq i64 %get0.x0.n, 3
-  br i1 %get0.x0.over, label %get0.row.end, label %get0.x0
-get0.row.end:
-  %get0.row.n = add i64 %get0.row.k, 1
-  %get0.row.over = icmp eq i64 %get0.row.n, %rows
-  br i1 %get0.row.over, label %get1, label %get0.row
+  br i1 %direct0, label %get1, label %get0.copy
+get0.copy:
+  %get0.o = mul i64 %i, %s0
+  %get0.p = getelementptr i8, ptr %a0, i64 %get0.o
+  call void @ulna.copy.rows(ptr %t0, ptr %get0.p, i64 %rows, i64 %last, ptr %steps, ptr @batch.port0, i1 %dense0)
+  br label %get1
 get1:
   %o0 = mul i64 %i, %s0
   %p0 = getelementptr i8, ptr %a0, i64 %o0
@@ -147,33 +228,12 @@ get1:
   call void @block(ptr %r0, i64 %e0, ptr %r1, i64 %e1)
   br label %put1
 put1:
-  br i1 %direct1, label %put2, label %put1.row
-put1.row:
-  %put1.row.k = phi i64 [ 0, %put1 ], [ %put1.row.n, %put1.row.end ]
-  %put1.row.here = add i64 %i, %put1.row.k
-  %put1.row.beyond = icmp ugt i64 %put1.row.here, %last
-  %put1.row.at = select i1 %put1.row.beyond, i64 %last, i64 %put1.row.here
-  %put1.row.o = mul i64 %put1.row.at, %s1
-  %put1.row.p = getelementptr i8, ptr %a1, i64 %put1.row.o
-  br label %put1.x0
-put1.x0:
-  %put1.x0.k = phi i64 [ 0, %put1.row ], [ %put1.x0.n, %put1.x0.end ]
-  %put1.x0.m = mul i64 %put1.row.k, 3
-  %put1.x0.f = add i64 %put1.x0.m, %put1.x0.k
-  %put1.x0.o = mul i64 %put1.x0.k, %c1.0
-  %put1.x0.p = getelementptr i8, ptr %put1.row.p, i64 %put1.x0.o
-  %put1.s = getelementptr double, ptr %t1, i64 %put1.x0.f
-  %put1.v = load double, ptr %put1.s, align 8
-  store double %put1.v, ptr %put1.x0.p, align 8
-  br label %put1.x0.end
-put1.x0.end:
-  %put1.x0.n = add i64 %put1.x0.k, 1
-  %put1.x0.over = icmp eq i64 %put1.x0.n, 3
-  br i1 %put1.x0.over, label %put1.row.end, label %put1.x0
-put1.row.end:
-  %put1.row.n = add i64 %put1.row.k, 1
-  %put1.row.over = icmp eq i64 %put1.row.n, %count
-  br i1 %put1.row.over, label %put2, label %put1.row
+  br i1 %direct1, label %put2, label %put1.copy
+put1.copy:
+  %put1.o = mul i64 %i, %s1
+  %put1.p = getelementptr i8, ptr %a1, i64 %put1.o
+  call void @ulna.copy.rows(ptr %t1, ptr %put1.p, i64 %count, i64 %last, ptr %steps, ptr @batch.port1, i1 %dense1)
+  br label %put2
 put2:
   %next = add i64 %i, %count
   %end = icmp eq i64 %next, %n

@@ -44,10 +44,113 @@ entry:
   ret void
 }
 
+define internal ptr @ulna.copy.rows.axis(ptr %s, ptr %p, ptr %steps, ptr %axes, i1 %out) noinline cold nounwind {
+entry:
+  %size = load i64, ptr %axes
+  %at.p = getelementptr i64, ptr %axes, i64 1
+  %at = load i64, ptr %at.p
+  %stride.p = getelementptr i64, ptr %steps, i64 %at
+  %stride = load i64, ptr %stride.p
+  %inner = getelementptr i64, ptr %axes, i64 2
+  %inner.size = load i64, ptr %inner
+  %is.last = icmp eq i64 %inner.size, 0
+  br i1 %is.last, label %numbers, label %more
+numbers:
+  %from = select i1 %out, ptr %s, ptr %p
+  %to = select i1 %out, ptr %p, ptr %s
+  %from.stride = select i1 %out, i64 8, i64 %stride
+  %to.stride = select i1 %out, i64 %stride, i64 8
+  %beyond = getelementptr double, ptr %s, i64 %size
+  br label %number
+number:
+  %j = phi i64 [ %size, %numbers ], [ %j.n, %number ]
+  %from.j = phi ptr [ %from, %numbers ], [ %from.n, %number ]
+  %to.j = phi ptr [ %to, %numbers ], [ %to.n, %number ]
+  %v = load double, ptr %from.j, align 8
+  store double %v, ptr %to.j, align 8
+  %from.n = getelementptr i8, ptr %from.j, i64 %from.stride
+  %to.n = getelementptr i8, ptr %to.j, i64 %to.stride
+  %j.n = sub i64 %j, 1
+  %j.over = icmp eq i64 %j.n, 0
+  br i1 %j.over, label %copied, label %number
+copied:
+  ret ptr %beyond
+more:
+  %k = phi i64 [ 0, %entry ], [ %k.n, %more ]
+  %s.k = phi ptr [ %s, %entry ], [ %s.n, %more ]
+  %p.k = phi ptr [ %p, %entry ], [ %p.n, %more ]
+  %s.n = call ptr @ulna.copy.rows.axis(ptr %s.k, ptr %p.k, ptr %steps, ptr %inner, i1 %out)
+  %p.n = getelementptr i8, ptr %p.k, i64 %stride
+  %k.n = add i64 %k, 1
+  %over = icmp eq i64 %k.n, %size
+  br i1 %over, label %done, label %more
+done:
+  ret ptr %s.n
+}
+define internal void @ulna.copy.rows(ptr %scratch, ptr %row, i64 %rows, i64 %last, ptr %steps, ptr %port, i1 %dense) noinline cold nounwind {
+entry:
+  %is.output = load i64, ptr %port
+  %out = icmp ne i64 %is.output, 0
+  %at.p = getelementptr i64, ptr %port, i64 1
+  %at = load i64, ptr %at.p
+  %stride.p = getelementptr i64, ptr %steps, i64 %at
+  %stride = load i64, ptr %stride.p
+  %size.p = getelementptr i64, ptr %port, i64 2
+  %size = load i64, ptr %size.p
+  %axes = getelementptr i64, ptr %port, i64 3
+  %first.p = getelementptr i64, ptr %port, i64 4
+  %first = load i64, ptr %first.p
+  %inside.p = getelementptr i64, ptr %steps, i64 %first
+  %inside = load i64, ptr %inside.p
+  %second.p = getelementptr i64, ptr %port, i64 5
+  %second = load i64, ptr %second.p
+  %is.line = icmp eq i64 %second, 0
+  %is.even = or i1 %dense, %is.line
+  %between = select i1 %dense, i64 8, i64 %inside
+  %from.stride = select i1 %out, i64 8, i64 %between
+  %to.stride = select i1 %out, i64 %between, i64 8
+  br label %next
+next:
+  %k = phi i64 [ 0, %entry ], [ %k.n, %copied ]
+  %s = phi ptr [ %scratch, %entry ], [ %s.n, %copied ]
+  %p = phi ptr [ %row, %entry ], [ %p.n, %copied ]
+  br i1 %is.even, label %numbers, label %axis
+numbers:
+  %from = select i1 %out, ptr %s, ptr %p
+  %to = select i1 %out, ptr %p, ptr %s
+  br label %number
+number:
+  %j = phi i64 [ %size, %numbers ], [ %j.n, %number ]
+  %from.j = phi ptr [ %from, %numbers ], [ %from.n, %number ]
+  %to.j = phi ptr [ %to, %numbers ], [ %to.n, %number ]
+  %v = load double, ptr %from.j, align 8
+  store double %v, ptr %to.j, align 8
+  %from.n = getelementptr i8, ptr %from.j, i64 %from.stride
+  %to.n = getelementptr i8, ptr %to.j, i64 %to.stride
+  %j.n = sub i64 %j, 1
+  %j.over = icmp eq i64 %j.n, 0
+  br i1 %j.over, label %copied, label %number
+axis:
+  %s.axis = call ptr @ulna.copy.rows.axis(ptr %s, ptr %p, ptr %steps, ptr %axes, i1 %out)
+  br label %copied
+copied:
+  %s.n = getelementptr double, ptr %s, i64 %size
+  %is.before = icmp ult i64 %k, %last
+  %step = select i1 %is.before, i64 %stride, i64 0
+  %p.n = getelementptr i8, ptr %p, i64 %step
+  %k.n = add i64 %k, 1
+  %over = icmp eq i64 %k.n, %rows
+  br i1 %over, label %done, label %next
+done:
+  ret void
+}
+@batch.port0 = private unnamed_addr constant [6 x i64] [i64 0, i64 0, i64 1, i64 0, i64 0, i64 0], align 8
+@batch.port1 = private unnamed_addr constant [6 x i64] [i64 0, i64 1, i64 1, i64 0, i64 0, i64 0], align 8
+@batch.port2 = private unnamed_addr constant [6 x i64] [i64 1, i64 2, i64 1, i64 0, i64 0, i64 0], align 8
+@batch.port3 = private unnamed_addr constant [6 x i64] [i64 1, i64 3, i64 1, i64 0, i64 0, i64 0], align 8
 define void @batch(ptr %args, ptr %dims, ptr %steps, ptr %data) nounwind {
 entry:
   %n = load i64, ptr %dims
-  %last = sub i64 %n, 1
   %a0.p = getelementptr ptr, ptr %args, i64 0
   %a0 = load ptr, ptr %a0.p
   %s0.p = getelementptr i64, ptr %steps, i64 0
@@ -77,6 +180,7 @@ entry:
 step:
   %i = phi i64 [ 0, %entry ], [ %next, %put4 ]
   %left = sub i64 %n, %i
+  %last = sub i64 %left, 1
   %many = icmp uge i64 %left, 2
   %single = icmp eq i64 %left, 1
   %rows = select i1 %single, i64 1, i64 2
@@ -89,39 +193,19 @@ step:
   %direct3 = and i1 %dense3, %simple
   br label %get0
 get0:
-  br i1 %direct0, label %get1, label %get0.row
-get0.row:
-  %get0.row.k = phi i64 [ 0, %get0 ], [ %get0.row.n, %get0.row.end ]
-  %get0.row.here = add i64 %i, %get0.row.k
-  %get0.row.beyond = icmp ugt i64 %get0.row.here, %last
-  %get0.row.at = select i1 %get0.row.beyond, i64 %last, i64 %get0.row.here
-  %get0.row.o = mul i64 %get0.row.at, %s0
-  %get0.row.p = getelementptr i8, ptr %a0, i64 %get0.row.o
-  %get0.s = getelementptr double, ptr %t0, i64 %get0.row.k
-  %get0.v = load double, ptr %get0.row.p, align 8
-  store double %get0.v, ptr %get0.s, align 8
-  br label %get0.row.end
-get0.row.end:
-  %get0.row.n = add i64 %get0.row.k, 1
-  %get0.row.over = icmp eq i64 %get0.row.n, %rows
-  br i1 %get0.row.over, label %get1, label %get0.row
+  br i1 %direct0, label %get1, label %get0.copy
+get0.copy:
+  %get0.o = mul i64 %i, %s0
+  %get0.p = getelementptr i8, ptr %a0, i64 %get0.o
+  call void @ulna.copy.rows(ptr %t0, ptr %get0.p, i64 %rows, i64 %last, ptr %steps, ptr @batch.port0, i1 %dense0)
+  br label %get1
 get1:
-  br i1 %direct1, label %get2, label %get1.row
-get1.row:
-  %get1.row.k = phi i64 [ 0, %get1 ], [ %get1.row.n, %get1.row.end ]
-  %get1.row.here = add i64 %i, %get1.row.k
-  %get1.row.beyond = icmp ugt i64 %get1.row.here, %last
-  %get1.row.at = select i1 %get1.row.beyond, i64 %last, i64 %get1.row.here
-  %get1.row.o = mul i64 %get1.row.at, %s1
-  %get1.row.p = getelementptr i8, ptr %a1, i64 %get1.row.o
-  %get1.s = getelementptr double, ptr %t1, i64 %get1.row.k
-  %get1.v = load double, ptr %get1.row.p, align 8
-  store double %get1.v, ptr %get1.s, align 8
-  br label %get1.row.end
-get1.row.end:
-  %get1.row.n = add i64 %get1.row.k, 1
-  %get1.row.over = icmp eq i64 %get1.row.n, %rows
-  br i1 %get1.row.over, label %get2, label %get1.row
+  br i1 %direct1, label %get2, label %get1.copy
+get1.copy:
+  %get1.o = mul i64 %i, %s1
+  %get1.p = getelementptr i8, ptr %a1, i64 %get1.o
+  call void @ulna.copy.rows(ptr %t1, ptr %get1.p, i64 %rows, i64 %last, ptr %steps, ptr @batch.port1, i1 %dense1)
+  br label %get2
 get2:
   %o0 = mul i64 %i, %s0
   %p0 = getelementptr i8, ptr %a0, i64 %o0
@@ -146,39 +230,19 @@ get2:
   call void @block(ptr %r0, i64 %e0, ptr %r1, i64 %e1, ptr %r2, i64 %e2, ptr %r3, i64 %e3)
   br label %put2
 put2:
-  br i1 %direct2, label %put3, label %put2.row
-put2.row:
-  %put2.row.k = phi i64 [ 0, %put2 ], [ %put2.row.n, %put2.row.end ]
-  %put2.row.here = add i64 %i, %put2.row.k
-  %put2.row.beyond = icmp ugt i64 %put2.row.here, %last
-  %put2.row.at = select i1 %put2.row.beyond, i64 %last, i64 %put2.row.here
-  %put2.row.o = mul i64 %put2.row.at, %s2
-  %put2.row.p = getelementptr i8, ptr %a2, i64 %put2.row.o
-  %put2.s = getelementptr double, ptr %t2, i64 %put2.row.k
-  %put2.v = load double, ptr %put2.s, align 8
-  store double %put2.v, ptr %put2.row.p, align 8
-  br label %put2.row.end
-put2.row.end:
-  %put2.row.n = add i64 %put2.row.k, 1
-  %put2.row.over = icmp eq i64 %put2.row.n, %count
-  br i1 %put2.row.over, label %put3, label %put2.row
+  br i1 %direct2, label %put3, label %put2.copy
+put2.copy:
+  %put2.o = mul i64 %i, %s2
+  %put2.p = getelementptr i8, ptr %a2, i64 %put2.o
+  call void @ulna.copy.rows(ptr %t2, ptr %put2.p, i64 %count, i64 %last, ptr %steps, ptr @batch.port2, i1 %dense2)
+  br label %put3
 put3:
-  br i1 %direct3, label %put4, label %put3.row
-put3.row:
-  %put3.row.k = phi i64 [ 0, %put3 ], [ %put3.row.n, %put3.row.end ]
-  %put3.row.here = add i64 %i, %put3.row.k
-  %put3.row.beyond = icmp ugt i64 %put3.row.here, %last
-  %put3.row.at = select i1 %put3.row.beyond, i64 %last, i64 %put3.row.here
-  %put3.row.o = mul i64 %put3.row.at, %s3
-  %put3.row.p = getelementptr i8, ptr %a3, i64 %put3.row.o
-  %put3.s = getelementptr double, ptr %t3, i64 %put3.row.k
-  %put3.v = load double, ptr %put3.s, align 8
-  store double %put3.v, ptr %put3.row.p, align 8
-  br label %put3.row.end
-put3.row.end:
-  %put3.row.n = add i64 %put3.row.k, 1
-  %put3.row.over = icmp eq i64 %put3.row.n, %count
-  br i1 %put3.row.over, label %put4, label %put3.row
+  br i1 %direct3, label %put4, label %put3.copy
+put3.copy:
+  %put3.o = mul i64 %i, %s3
+  %put3.p = getelementptr i8, ptr %a3, i64 %put3.o
+  call void @ulna.copy.rows(ptr %t3, ptr %put3.p, i64 %count, i64 %last, ptr %steps, ptr @batch.port3, i1 %dense3)
+  br label %put4
 put4:
   %next = add i64 %i, %count
   %end = icmp eq i64 %next, %n

@@ -2,13 +2,15 @@
 
 The block takes `lanes` rows at a time where they lie, and a single row in all lanes alike. A port whose samples have
 strides inside, and every port of the last rows, fewer than lanes, go through a scratch of contiguous rows. No row is
-done twice, so a batch may be written over its own input.
+done twice, so a batch may be written over its own input. The function that copies rows is the same for all ports and
+functions, which keeps the loop short: it is compiled once (`rare_functions.py`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ulna.compiler.codegen.copy_rows import NAME, copying
 from ulna.compiler.codegen.instructions import Instructions
 from ulna.compiler.codegen.ir_text import BYTES, DType
 from ulna.compiler.language.function import Function
@@ -26,15 +28,19 @@ def batch_loop(f: Function, element: DType, lanes: int) -> str:
         lanes: Number of samples that `block` takes at a time.
 
     Returns:
-        The text of the definition, without declarations.
+        The text of the definition and of those that it needs, without declarations.
     """
     ports, inputs = [*f.inputs, *f.outputs], len(f.inputs)
     large = lanes * BYTES[element] * sum(p.size for p in ports) > _SCRATCH
     w = Instructions()
+    w.lines += copying(element).splitlines()
+    inner = len(ports)  # position in steps of the next stride inside samples
+    for k, port in enumerate(ports):
+        w.lines.append(_table(k, port, inner, k >= inputs))
+        inner += len(port.shape)
     w.begin_function("define void @batch(ptr %args, ptr %dims, ptr %steps, ptr %data) nounwind")
     w.let("n", "load i64, ptr %dims")
-    w.let("last", "sub i64 %n, 1")
-    inner = len(ports)  # position in steps of the next stride inside samples
+    inner = len(ports)
     for k, port in enumerate(ports):
         _arguments(w, k, port, inner, element)
         w.let(f"t{k}", f"alloca {element}, i64 {port.size if large else lanes * port.size}")
@@ -42,12 +48,12 @@ def batch_loop(f: Function, element: DType, lanes: int) -> str:
     w.branch(w.let("none", "icmp eq i64 %n, 0"), "done", "step")
     _step(w, len(ports), lanes, large)
     for k, port in enumerate(ports[:inputs]):
-        _move(w, f"get{k}", f"get{k + 1}", k, port, element, gather=True)
+        _move(w, f"get{k}", f"get{k + 1}", k, port, "%rows")
     w.open_block(f"get{inputs}")
     _call(w, ports, element)
     w.jump(f"put{inputs}")
     for k, port in enumerate(ports[inputs:], inputs):
-        _move(w, f"put{k}", f"put{k + 1}", k, port, element, gather=False)
+        _move(w, f"put{k}", f"put{k + 1}", k, port, "%count")
     w.open_block(f"put{len(ports)}")
     w.let("next", "add i64 %i, %count")
     w.branch(w.let("end", "icmp eq i64 %next, %n"), "done", "step")
@@ -64,6 +70,7 @@ def _step(w: Instructions, ports: int, lanes: int, large: bool) -> None:
     w.open_block("step")
     w.let("i", f"phi i64 [ 0, %entry ], [ %next, %put{ports} ]")
     w.let("left", "sub i64 %n, %i")
+    w.let("last", "sub i64 %left, 1")
     w.let("many", f"icmp uge i64 %left, {lanes}")
     if large:  # as many rows as lanes from where they lie, or one row
         odd = _any(w, "odd", [f"xor i1 %dense{k}, true" for k in range(ports)])
@@ -117,54 +124,31 @@ def _any(w: Instructions, tag: str, tests: Sequence[str]) -> str:
     return result
 
 
-def _move(
-    w: Instructions, label: str, following: str, k: int, port: Port, element: DType, gather: bool
-) -> None:
+def _move(w: Instructions, label: str, following: str, k: int, port: Port, rows: str) -> None:
     """Block `label`: copies rows from %i on between port k and its scratch, unless the block reads it directly.
 
     In go as many as the block takes, the last row again and again where there are no more; out come the real ones.
     """
     w.open_block(label)
-    w.branch(f"%direct{k}", following, f"{label}.row")
-    # One loop over the rows and one for each axis; the counters are the index.
-    bounds: list[int | str] = ["%rows" if gather else "%count", *port.shape]
-    strides = [f"%s{k}", *(f"%c{k}.{axis}" for axis in range(len(port.shape)))]
-    names = [f"{label}.row", *(f"{label}.x{axis}" for axis in range(len(port.shape)))]
-    pointer, flat = _open_loops(w, label, names, bounds, strides, f"%a{k}")
-    w.let(f"{label}.s", f"getelementptr {element}, ptr %t{k}, i64 {flat}")
-    source, target = (pointer, f"%{label}.s") if gather else (f"%{label}.s", pointer)
-    w.let(f"{label}.v", f"load {element}, ptr {source}, align {BYTES[element]}")
-    w.write(f"store {element} %{label}.v, ptr {target}, align {BYTES[element]}")
-    w.jump(f"{names[-1]}.end")
-    for level in reversed(range(len(names))):
-        name, after = names[level], f"{names[level - 1]}.end" if level else following
-        w.open_block(f"{name}.end")
-        w.let(f"{name}.n", f"add i64 %{name}.k, 1")
-        w.branch(w.let(f"{name}.over", f"icmp eq i64 %{name}.n, {bounds[level]}"), after, name)
+    if port.size == 0:
+        w.jump(following)
+        return
+    w.branch(f"%direct{k}", following, f"{label}.copy")
+    w.open_block(f"{label}.copy")
+    w.let(f"{label}.o", f"mul i64 %i, %s{k}")
+    row = w.let(f"{label}.p", f"getelementptr i8, ptr %a{k}, i64 %{label}.o")
+    table = f"ptr @batch.port{k}, i1 %dense{k}"
+    w.write(f"call void @{NAME}(ptr %t{k}, ptr {row}, i64 {rows}, i64 %last, ptr %steps, {table})")
+    w.jump(following)
 
 
-def _open_loops(
-    w: Instructions,
-    label: str,
-    names: Sequence[str],
-    bounds: Sequence[int | str],
-    strides: Sequence[str],
-    pointer: str,
-) -> tuple[str, str]:
-    """Begins the loops over rows and axes; the address of an entry in the port, and its number in the scratch."""
-    row = names[0]
-    w.open_block(row)
-    flat = w.let(f"{row}.k", f"phi i64 [ 0, %{label} ], [ %{row}.n, %{row}.end ]")
-    w.let(f"{row}.here", f"add i64 %i, %{row}.k")
-    w.let(f"{row}.beyond", f"icmp ugt i64 %{row}.here, %last")
-    index = w.let(f"{row}.at", f"select i1 %{row}.beyond, i64 %last, i64 %{row}.here")
-    for level, (name, stride) in enumerate(zip(names, strides, strict=True)):
-        if level:
-            w.jump(name)
-            w.open_block(name)
-            index = w.let(f"{name}.k", f"phi i64 [ 0, %{names[level - 1]} ], [ %{name}.n, %{name}.end ]")
-            w.let(f"{name}.m", f"mul i64 {flat}, {bounds[level]}")
-            flat = w.let(f"{name}.f", f"add i64 %{name}.m, {index}")
-        w.let(f"{name}.o", f"mul i64 {index}, {stride}")
-        pointer = w.let(f"{name}.p", f"getelementptr i8, ptr {pointer}, i64 %{name}.o")
-    return pointer, flat
+def _table(k: int, port: Port, inner: int, is_output: bool) -> str:
+    """A constant with what is known of port k, whose strides inside rows begin at `inner` in steps.
+
+    It has whether the port is an output, where in steps the stride of its rows is, how many numbers a row has, of each
+    axis its length and where its stride is, and a zero.
+    """
+    axes = [number for axis, size in enumerate(port.shape) for number in (size, inner + axis)]
+    numbers = [int(is_output), k, port.size, *(axes or (0, 0)), 0]
+    items = ", ".join(f"i64 {number}" for number in numbers)
+    return f"@batch.port{k} = private unnamed_addr constant [{len(numbers)} x i64] [{items}], align 8"

@@ -82,9 +82,10 @@ def with_arrays_on_heap(ir: str) -> str:
     """
     if " = alloca " not in ir:
         return ir
-    parts = re.split(r"^(?=define )", ir, flags=re.MULTILINE)
-    changed = [parts[0], *map(_changed, parts[1:])]
-    return ir if changed == parts else "".join(changed) + _MEMORY
+    first, *others = f"\n{ir}".split("\ndefine ")  # much faster than a regular expression
+    parts = [f"define {part}\n" for part in others]
+    changed = [_changed(part) if " = alloca " in part else part for part in parts]
+    return ir if changed == parts else "".join((f"{first}\n", *changed, _MEMORY))
 
 
 def bytes_on_heap(ir: str) -> int:

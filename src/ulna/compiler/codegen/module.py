@@ -17,7 +17,7 @@ from ulna.compiler.codegen.packed import write_packed
 from ulna.compiler.codegen.row_table import write_rows
 from ulna.compiler.codegen.rows import load, store
 from ulna.compiler.codegen.sample_stages import suits_sample_stages, write_sample_stages
-from ulna.compiler.codegen.scheduling import Store, parts, scratch_places
+from ulna.compiler.codegen.scheduling import Step, Store, parts, scratch_places
 from ulna.compiler.codegen.stages import write_stages
 from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.target import Target
@@ -31,6 +31,7 @@ from ulna.compiler.language.ports import SecondForm
 _MAX_TAPE_BYTES = 4_000_000
 """Size of all tapes of loops up to which several samples are computed in lanes; larger, one at a time [byte]."""
 
+_SCRATCH = "ptr noalias %scratch"
 _ALIGNED = ' "stackrealign"'
 """The attribute of functions whose spilled registers stay within a cache line.
 
@@ -67,12 +68,23 @@ def _write_block(module: Module, f: Function, name: str, layout: Lanes, pack: in
     if len(pieces) == 1:
         define(module, name, arguments, attributes, bodies[0])
         return
-    arguments.append("ptr noalias %scratch")
     calls = local_array("scratch", layout.real, max(slots.values(), default=0) + 1, target.stack_space)
-    for number, lines in enumerate(bodies):
-        define(module, f"{name}.{number}", arguments, attributes, lines)
-        calls.append(f"  call void @{name}.{number}({', '.join(arguments).replace('noalias ', '')})")
-    define(module, name, arguments[:-1], attributes, calls)
+    for number, (steps, lines) in enumerate(zip(pieces, bodies, strict=True)):
+        has_rows = writes_rows_last and number == len(pieces) - 1
+        given = [*_used(arguments, f, steps, number == 0, has_rows), _SCRATCH]
+        define(module, f"{name}.{number}", given, attributes, lines)
+        calls.append(f"  call void @{name}.{number}({', '.join(given).replace('noalias ', '')})")
+    define(module, name, arguments, attributes, calls)
+
+
+def _used(
+    arguments: Sequence[str], f: Function, steps: Sequence[Step], is_first: bool, has_rows: bool
+) -> list[str]:
+    """The ports that a part needs as arguments; most need none, and calls with many arguments are much code."""
+    inputs = len(f.inputs)
+    stored = {step.port for step in steps if isinstance(step, Store)}
+    outputs = [a for k, a in enumerate(arguments[inputs:]) if has_rows or k in stored]
+    return [*(arguments[:inputs] if is_first else ()), *outputs]
 
 
 def _store_columns(to: Writer, step: Store) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 
 from ulna import disk_cache
 from ulna.compiler.codegen.heap_arrays import with_arrays_on_heap
+from ulna.compiler.codegen.rare_functions import rare_functions_of, with_rare_functions_apart
 from ulna.compiler.codegen.target import Target, arithmetic_of, register_bytes
 from ulna.compiler.language.function import Function
 from ulna.compiler.runtime.interrupt import interruptible
@@ -25,7 +26,7 @@ from ulna.system import forks, process_end
 from ulna.system.collector import paused_collection
 
 # Part of the cache's key: change it with `optimised` and `_machine`.
-_RECIPE = "arrays on heap, inlining or level 1 of short loops, codegen 2 or 1, combined where small"
+_RECIPE = "rare functions apart, arrays on heap, inlining or level 1 of short loops, codegen 2 or 1, combined if small"
 # How much IR text of one call and of a batch LLVM compiles, about [byte/s].
 _SPEED = {"entry": 4e6, "batch": 2e6, "kernel": 2e6, "xla": 2e6, "f.all": 2e6}
 _LOOPS_SPEED = 3e5  # the same of procedures, whose loops are optimised [byte/s]
@@ -184,9 +185,10 @@ def _load(
             len(ir)
         ):  # in this thread and without the lock: watchers may do anything, forks included
             content = interruptible(partial(_object, key, ir, has_loops))
+    rare = {name: _rare_function(name, text) for name in rare_functions_of(content)}
     seconds = time.perf_counter() - start if is_new else 0.0
     with _lock:
-        code = _linked(content, names, seconds)
+        code = _linked(content, names, seconds, rare)
     if "time" in os.environ.get("ULNA_DEBUG", ""):
         print(
             f"[ulna] {', '.join(names)}: {1e3 * seconds:.1f} ms {'in LLVM' if is_new else '(from the cache)'}"
@@ -200,9 +202,47 @@ def _key(ir: str) -> str:
     return disk_cache.key(ir, t.triple, t.cpu, t.features, t.llvm, _RECIPE)
 
 
-def _linked(content: bytes, names: tuple[str, ...], seconds: float) -> Code:
-    """An object file in memory, all sections side by side, with the addresses of some of its definitions."""
+_rare_functions: dict[str, Code] = {}
+"""What kernels share, for as long as the process runs."""
+
+
+def _rare_function(name: str, text: Callable[[], str]) -> int:
+    """The address of a function that kernels share.
+
+    Args:
+        name: Its name.
+        text: Makes the text of a module that defines it, as it was before that was taken apart.
+
+    Returns:
+        The address.
+    """
+    code = _rare_functions.get(name)
+    if code is None:
+        key = _key(name)  # which has the hash of the text
+        content = _cached_object(key)
+        if content is None:
+            module = with_rare_functions_apart(text())[1][name]
+            content = interruptible(partial(_object, key, module, False))
+        with _lock:
+            code = _rare_functions.setdefault(name, _linked(content, (name,), 0.0, {}))
+    return code.address(name)
+
+
+def _linked(content: bytes, names: tuple[str, ...], seconds: float, rare: dict[str, int]) -> Code:
+    """An object file in memory, all sections side by side, with the addresses of some of its definitions.
+
+    Args:
+        content: The object file.
+        names: The names of the definitions.
+        seconds: How long LLVM worked.
+        rare: The addresses of what it shares with others, by name.
+
+    Returns:
+        The loaded code.
+    """
     library = llvm_library().JITLibraryBuilder().add_object_img(content).add_current_process()
+    for name, address in rare.items():
+        library.import_symbol(name, address)
     for name in names:
         library.export_symbol(name)
     number = next(_library_numbers)
@@ -348,8 +388,8 @@ def optimised(ir: str, has_loops: bool, machine: Any) -> Any:
 
 
 def _optimised_here(ir: str, has_loops: bool, machine: Any) -> Any:
-    """The optimised module for this process, whose large arrays lie on the heap."""
-    return optimised(with_arrays_on_heap(ir), has_loops, machine)
+    """The optimised module for this process, whose large arrays lie on the heap, without what kernels share."""
+    return optimised(with_arrays_on_heap(with_rare_functions_apart(ir)[0]), has_loops, machine)
 
 
 def _free(passes: Any) -> None:
