@@ -21,6 +21,8 @@ def vector(*components: Any) -> Array:
         array([2., 0.])
     """
     if is_symbolic(*components):
+        if not any(isinstance(c, (np.ndarray, np.generic)) for c in components):
+            return object_vector(components)
         components = tuple(np.broadcast_arrays(*(np.asarray(c, dtype=object) for c in components)))
         return np.stack(components, axis=-1)
     if all(isinstance(c, (float, int)) for c in components):

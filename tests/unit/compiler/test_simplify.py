@@ -14,7 +14,7 @@ from support.random_functions import BINARY, UNARY
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.interpreter import interpret
 from ulna.compiler.language.ops import TABLE, Op
-from ulna.compiler.language.simplify import simplify
+from ulna.compiler.language.simplify import PLAIN_FROM, simplify
 
 CONSTANTS = (*SPECIAL, 2.0, -8.0, 2.0**-1022, 2.0**1023, 3.0)
 X, Y = ("x",), ("y",)
@@ -196,6 +196,33 @@ def test_what_is_beside_zero_is_found_at_once_as_rules_find_it() -> None:
     exact = Graph(relaxed=False)
     y = exact.input()
     assert exact.node(Op.MUL, y, exact.constant(0.0)) not in (y, exact.constant(0.0))
+
+
+def test_sums_and_products_of_plain_nodes_are_simple() -> None:
+    """Graphs do not ask for a rule there."""
+    graph = Graph(relaxed=True)
+    x, y, c = graph.input(), graph.input(), graph.constant(2.0)
+    plain = [*(graph.node(op, x) for op in UNARY), *(graph.node(op, x, y) for op in BINARY)]
+    plain = [node for node in plain if graph.op[node] >= PLAIN_FROM]
+    assert len(plain) > 10
+    for op in (Op.ADD, Op.MUL):
+        for a in plain:
+            for b in plain:
+                assert simplify(graph, op, (a, b)) is None
+                assert graph.args[graph.node(op, a, b)] == (min(a, b), max(a, b))
+            assert simplify(graph, Op.MUL, (a, graph.constant(1.0))) == a  # but beside constants there are
+            assert graph.node(Op.ADD, a, graph.node(Op.NEG, c)) == graph.node(Op.ADD, graph.constant(-2.0), a)
+
+
+def test_equal_numbers_of_any_type_are_one_constant() -> None:
+    graph = Graph()
+    one, large = graph.constant(1.0), graph.constant(2.0**60)
+    for value in (1, np.float32(1.0), np.int64(1), True, np.float64(1.0)):
+        assert graph.constant(value) == one
+    assert graph.constant(2**60 + 1) == large  # as a float
+    for _ in range(2):  # the second time they are known
+        assert graph.data[graph.constant(0)].hex() == "0x0.0p+0"
+        assert graph.data[graph.constant(-0.0)].hex() == "-0x0.0p+0"
 
 
 def test_rewriting_ends_on_long_chains():

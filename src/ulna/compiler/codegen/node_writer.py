@@ -25,6 +25,8 @@ from ulna.compiler.language.ops import TABLE, Op
 _sincos_ir, _elementary_ir = cache(sincos_ir), cache(elementary_ir)  # the same text for every node
 
 
+_IS_CONDITION = [row.is_condition for row in TABLE]
+_CONST = int(Op.CONST)
 _ARITHMETIC = (int(Op.ADD), int(Op.SUB), int(Op.MUL), int(Op.DIV))
 
 
@@ -91,7 +93,8 @@ class Writer(Instructions):
         self.local_arrays: list[str] = []  # instructions that make them, for the function's first block
         self.tapes: dict[int, Tape] = {}  # of loops
         self.contract = " contract" if arithmetic.fused_multiply_add else ""
-        self._words = {op: f"{TABLE[op].llvm}{self.contract} {layout.real}" for op in _ARITHMETIC}
+        self._real = layout.real
+        self._words = {op: f"{TABLE[op].llvm}{self.contract} {self._real}" for op in _ARITHMETIC}
         self.names: dict[int, str] = {}
         self.captured_conditions: set[int] = set()  # inputs of a loop's body that are truth values
         self.rows: dict[str, list[str]] = {}  # pointers to each lane's row of a port, once they are needed
@@ -135,14 +138,16 @@ class Writer(Instructions):
     def node(self, index: int) -> None:
         """Writes one node; its arguments are written already."""
         g, layout = self.graph, self.layout
-        op, args, data = g.op[index], g.args[index], g.data[index]
+        op, args = g.op[index], g.args[index]
         word = self._words.get(op)
         if word is not None:  # most nodes are sums and products
-            self.assign(index, f"{word} {self.names[args[0]]}, {self.names[args[1]]}")
-        elif op == Op.CONST:
-            self.names[index] = _number(layout, data)
+            names = self.names
+            name = names[index] = f"%{self.prefix}v{index}"
+            self.lines.append(f"  {name} = {word} {names[args[0]]}, {names[args[1]]}")
+        elif op == _CONST:
+            self.names[index] = _number(layout, g.data[index])
         elif op == Op.BOOL:
-            self.names[index] = truth(layout, data)
+            self.names[index] = truth(layout, g.data[index])
         elif op in (Op.SIN, Op.COS):
             self.sincos([args[0]])
         elif op == Op.LANE:
@@ -152,9 +157,9 @@ class Writer(Instructions):
         elif op == Op.LEAST:
             self._least_lane(index, self.names[args[0]])
         elif op == Op.LOOP:
-            write_loop(self, index, data, args)
+            write_loop(self, index, g.data[index], args)
         elif op == Op.ITEM:
-            self.names[index] = self.names[args[0]].split()[data]
+            self.names[index] = self.names[args[0]].split()[g.data[index]]
         else:
             self.assign(index, self.instruction(op, [self.names[a] for a in args]))
 
@@ -289,7 +294,7 @@ class Writer(Instructions):
         Returns:
             Whether it is; also of an input of a loop's body that stands for a condition outside.
         """
-        return TABLE[self.graph.op[index]].is_condition or index in self.captured_conditions
+        return _IS_CONDITION[self.graph.op[index]] or index in self.captured_conditions
 
     def kind(self, index: int) -> str:
         """LLVM type of a node in all lanes.
@@ -300,7 +305,7 @@ class Writer(Instructions):
         Returns:
             The type.
         """
-        return self.layout.truth if self.is_condition(index) else self.layout.real
+        return self.layout.truth if self.is_condition(index) else self._real
 
     def _of_graph(self, graph: Graph, prefix: str, one_sample: bool) -> Writer:
         return Writer(

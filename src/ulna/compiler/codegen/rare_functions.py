@@ -49,7 +49,14 @@ def with_rare_functions_apart(ir: str) -> tuple[str, dict[str, str]]:
 
 
 def rare_functions_of(content: bytes) -> list[str]:
-    """The names of such functions that an object file refers to, each once."""
+    """The names of such functions that an object file refers to.
+
+    Args:
+        content: The object file.
+
+    Returns:
+        The names, each once.
+    """
     return sorted({name.decode() for name in _SYMBOL.findall(content)})
 
 

@@ -26,6 +26,7 @@ _MAX_WHOLE_BODY = {False: 4_000, True: 15_000}
 In lanes the scratch of parts is eight times as large: inverse kinematics of humanoids took a tenth to two fifths longer
 in parts."""
 _SINES = frozenset({int(Op.SIN), int(Op.COS)})
+_LOOP = int(Op.LOOP)
 _MAX_SINGLE_PART = 1_500
 """How many instructions in SIMD lanes stay in one part: passing values between parts is costly."""
 
@@ -58,9 +59,9 @@ def made(graph: Graph, step: Step) -> Sequence[int]:
     Returns:
         The nodes; none for a store.
     """
-    if isinstance(step, int):
-        loop = graph.data[step] if graph.op[step] == Op.LOOP else None
-        return (step,) if loop is None else range(step, step + 1 + loop.size)
+    if type(step) is int:  # most are; so it is found in less time
+        return (step,) if graph.op[step] != _LOOP else range(step, step + 1 + graph.data[step].size)
+    assert not isinstance(step, int)
     if isinstance(step, Store):
         return ()
     partners = (graph.find(op, argument) for argument in step.arguments for op in (Op.SIN, Op.COS))
@@ -77,8 +78,9 @@ def used(graph: Graph, step: Step) -> Sequence[int]:
     Returns:
         The nodes whose values it reads.
     """
-    if isinstance(step, int):
+    if type(step) is int:
         return graph.args[step]
+    assert not isinstance(step, int)
     return step.values if isinstance(step, Store) else step.arguments
 
 
@@ -166,7 +168,9 @@ def scratch_places(
     handed = {index for index in results if graph.op[index] in constant}
     last: dict[int, int] = {}
     for number, steps in enumerate(pieces):
-        last.update((index, number) for step in steps for index in used(graph, step))
+        for step in steps:
+            for index in used(graph, step):
+                last[index] = number
     slots: dict[int, int] = {}
     free: list[int] = []
     ending: list[list[int]] = [[] for _ in pieces]
@@ -202,7 +206,7 @@ def _pieces(order: Sequence[Step], count: int) -> list[list[Step]]:
 
 def _instructions(step: Step) -> int:
     """About how many instructions a step becomes; what stores take in lanes is not known here."""
-    return 60 if isinstance(step, Sines) else 1
+    return 60 if type(step) is Sines else 1
 
 
 def chunks(lanes: int, size: int) -> Iterator[tuple[int, int]]:
@@ -253,6 +257,11 @@ def _order(f: Function, lanes: int, pack: int) -> Iterator[Step]:
             waiting.setdefault(value, []).append(store)
     done: set[int] = set()
     for step in ordered(g, f.results, pack):
+        if type(step) is int and g.op[step] != _LOOP and step not in waiting:  # most are such
+            if step not in done:
+                done.add(step)
+                yield step
+            continue
         new = [index for index in made(g, step) if index not in done]
         if not new:
             continue

@@ -58,10 +58,10 @@ def write_steps(
         fetch: Loads an input that is not loaded at the beginning where it is first used; returns whether it has.
         put: Writes values of an output; None where no step does.
     """
-    g = to.graph
+    g, names = to.graph, to.names
     for step in steps:
         for index in used(g, step):
-            if index in to.names:
+            if index in names:
                 continue
             if g.op[index] in (Op.CONST, Op.BOOL):
                 to.node(index)
@@ -76,4 +76,4 @@ def write_steps(
             to.nodes(made(g, step))
         for index in made(g, step):
             if index in slots:
-                to.write(f"store {to.kind(index)} {to.names[index]}, {at(to, slots[index])}")
+                to.write(f"store {to.kind(index)} {names[index]}, {at(to, slots[index])}")

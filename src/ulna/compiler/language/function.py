@@ -17,6 +17,7 @@ from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.interpreter import copy_into, interpret
 from ulna.compiler.language.methods.counting import Countable
 from ulna.compiler.language.methods.derivatives import Differentiable
+from ulna.compiler.language.methods.fingerprints import fingerprint
 from ulna.compiler.language.methods.packing import Packable
 from ulna.compiler.language.ports import Port, SecondForm, Shape, batch_shape, wrong_count
 from ulna.compiler.language.scalar import Scalar, Value, index_in, innermost, number_in, tracing
@@ -112,7 +113,7 @@ class Function(Countable, Differentiable, Packable):
     @cached_property
     def fingerprint(self) -> str:
         """A hash of what is computed, the same in every process."""
-        return self.graph.fingerprint(self.results)
+        return fingerprint(self.graph, self.results)
 
     def draw(self, path: str | None = None) -> str:
         """The graph as an SVG picture, layered by depth; written to `path` when one is given."""

@@ -115,21 +115,23 @@ class Condition(Value):
 
 def _binary_method(op: int, *, swap: bool = False, doc: str = "") -> Callable[[Scalar, Any], Any]:
     """A method that makes the node of `op` on the value and its argument, or the other way round."""
-    result_type = Condition if TABLE[op].is_condition else None
+    is_condition, new = TABLE[op].is_condition, object.__new__
     op = int(op)  # a plain number: see simplify.py
 
     def method(self: Scalar, other: Any) -> Any:
         g = self.graph
-        if isinstance(other, Scalar):
-            if other.graph is g:
-                a, b = self.index, other.index
-            else:
-                g, a, b = meet(self, other)
+        if type(other) is Scalar and other.graph is g:
+            a, b = self.index, other.index
+        elif isinstance(other, Scalar):
+            g, a, b = meet(self, other)
         elif isinstance(other, _NUMBERS):
-            a, b = self.index, g.constant(float(other))
+            a, b = self.index, g.constant(other)
         else:
             return NotImplemented
-        return (result_type or Scalar)(g, g.node(op, b, a) if swap else g.node(op, a, b))
+        made = new(Condition if is_condition else Scalar)
+        made.graph = g
+        made.index = g.pair(op, b, a) if swap else g.pair(op, a, b)
+        return made
 
     method.__doc__ = doc
     return method

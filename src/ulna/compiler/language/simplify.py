@@ -42,6 +42,7 @@ class Graph(Protocol):
 # Plain numbers: in Python 3.11 members of an enumeration take longer to look up and to compare.
 _CONST, _NEG, _ADD, _SUB, _MUL = int(Op.CONST), int(Op.NEG), int(Op.ADD), int(Op.SUB), int(Op.MUL)
 _CONSTANT = frozenset({_CONST, int(Op.BOOL)})
+PLAIN_FROM = _NEG + 1  # no rule applies to sums and products of operations of this number or larger ones
 _FLOAT_FUNCTIONS: dict[int, Callable[..., float]] = {
     Op.ADD: operator.add,
     Op.SUB: operator.sub,

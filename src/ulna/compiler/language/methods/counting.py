@@ -9,6 +9,8 @@ from ulna.compiler.language.graph import Graph, Loop
 from ulna.compiler.language.ops import TABLE, Op
 from ulna.system.cached import cached_property
 
+_LOOP = int(Op.LOOP)
+
 
 class Countable:
     """Mixin of `Function`: counts of its operations."""
@@ -53,7 +55,8 @@ def _own_counts(graph: Graph, nodes: Sequence[int]) -> Counter[str]:
 
 def _loops(graph: Graph, nodes: Sequence[int]) -> Iterator[Loop]:
     """The loops that nodes depend on, and those within them."""
-    for data in (graph.data[index] for index in graph.live(nodes)):
-        if isinstance(data, Loop):
+    for index in graph.live(nodes):
+        if graph.op[index] == _LOOP:
+            data = graph.data[index]
             yield data
             yield from _loops(data.graph, [data.condition, *data.following])
