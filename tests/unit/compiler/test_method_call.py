@@ -208,13 +208,13 @@ def test_calls_keep_nothing_and_lose_nothing() -> None:
 
     def changes() -> list[int]:
         before = references()
-        for _ in range(200):
+        for _ in range(500):
             for args, named in [*CALLS, *KERNEL_REFUSES, *SLOWLY]:
                 outcome(METHOD, things, *args, **named)
         return [abs(y - x) for x, y in zip(before, references(), strict=True)]
 
-    # what calls keep they keep each time; other threads of the process may drop a hundred references to None meanwhile
-    assert min(max(changes()) for _ in range(3)) < 50
+    # What calls keep they keep each of 500 times; other threads of the process may drop some references to None meanwhile.
+    assert min(max(changes()) for _ in range(3)) < 250
 
 
 def test_kernels_may_be_added_while_threads_call_others() -> None:
