@@ -6,7 +6,6 @@ import ctypes
 import pickle
 from dataclasses import replace
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -165,6 +164,7 @@ def test_frames_within_the_chain_and_several_frames():
 
 def test_digits_of_a_long_product():
     """Beside 40 digits; what rounding errors of 300 products add up to."""
+    mpmath = pytest.importorskip("mpmath")
     model = chain(300, 5)
     q = np.random.default_rng(5).uniform(-3.0, 3.0, model.nq)
     with mpmath.workdps(40):

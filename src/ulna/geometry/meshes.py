@@ -7,6 +7,7 @@ import importlib
 import math
 import os
 import re
+import sys
 import warnings
 from collections.abc import Sequence
 from typing import Any, BinaryIO, NamedTuple
@@ -15,6 +16,7 @@ import numpy as np
 
 from ulna.errors import InputError, needed
 from ulna.files import open_regular, reject_special_files
+from ulna.system import ctrl_c
 from ulna.typing import Array, Floats
 
 FARTHEST = 1e15
@@ -111,11 +113,12 @@ def _trimesh() -> Any:
     """The module trimesh.
 
     As it is imported it catches every exception of what it imports in turn, KeyboardInterrupt too, and goes on without
-    SciPy. So another thread imports it, in which there are no signals.
+    SciPy. So Ctrl-C waits until it is imported.
     """
-    from ulna.compiler.runtime.interrupt import interruptible
-
-    return interruptible(lambda: importlib.import_module("trimesh"))
+    if "trimesh" not in sys.modules:
+        with ctrl_c.later():
+            importlib.import_module("trimesh")
+    return importlib.import_module("trimesh")
 
 
 @functools.cache

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import signal
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+
+from ulna.system import ctrl_c
 
 
 @contextmanager
@@ -19,23 +19,15 @@ def later() -> Iterator[None]:
     Raises:
         KeyboardInterrupt: If Ctrl-C came.
     """
-    is_main = threading.current_thread() is threading.main_thread()
-    if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield  # whoever has other plans for Ctrl-C keeps them
-        return
-    came: list[Any] = []
-    before = signal.signal(signal.SIGINT, lambda number, _: came.append(number))
-    can_block = hasattr(signal, "pthread_sigmask")
-    if can_block:
+    with ctrl_c.later() as is_postponed:
+        if not is_postponed or not hasattr(signal, "pthread_sigmask"):
+            yield  # whoever has other plans for Ctrl-C keeps them
+            return
         from multiprocessing import resource_tracker
 
         resource_tracker.ensure_running()  # the thread that starts it would have Ctrl-C no longer blocked
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if can_block else set()
-    try:
-        yield
-    finally:
-        if can_block:
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            yield
+        finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        signal.signal(signal.SIGINT, before)
-        if came:
-            raise KeyboardInterrupt
