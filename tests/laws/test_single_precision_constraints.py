@@ -7,7 +7,6 @@ import pytest
 
 from support.random_models import KINDS, random_model
 from ulna import algorithms
-from ulna.algorithms import Proximal
 from ulna.robot import Robot
 from ulna.typing import Floats
 
@@ -49,46 +48,7 @@ def test_the_error_is_that_of_the_condition_numbers(
     M, M_inv = robot.mass_matrix(q), robot.inverse_mass_matrix(q)
     D = J @ M_inv @ np.swapaxes(J, -1, -2)
     kappa = np.array([max(condition_number(m), condition_number(d)) for m, d in zip(M, D, strict=True)])
-    assert np.isfinite(error).all()
     known = kappa < 1e6  # beyond, nothing may be right
     assert (error / scale <= 15.0 * np.finfo(np.float32).eps / 2.0 * kappa)[known].all()
     assert known.sum() > 0.95 * SAMPLES
     assert np.median((error / scale)[known]) < 1e-4
-
-
-@pytest.mark.parametrize("solver", [Proximal(), Proximal(mu=0.0)], ids=["default", "without damping"])
-@pytest.mark.parametrize(
-    ("seed", "kinds", "root", "rows"),
-    [(40, ["planar", "revolute"], None, 5), (5002, ["revolute", "spherical"], "planar", 6)],
-)
-def test_dependent_rows_change_accelerations_by_rounding_only(
-    seed: int, kinds: list[str], root: str | None, rows: int, solver: Proximal
-) -> None:
-    rng = np.random.default_rng(seed)
-    model = random_model(rng, kinds, root=root, mimics=0)
-    robot = Robot(model)
-    q = algorithms.random(model, rng, (SAMPLES,)).astype(np.float32)
-    v, tau = rng.standard_normal((2, SAMPLES, model.nv)).astype(np.float32)
-    J = rng.standard_normal((SAMPLES, rows, model.nv)).astype(np.float32)
-    drift = rng.standard_normal((SAMPLES, rows)).astype(np.float32)
-    J[:, 2:4], drift[:, 2:4] = J[:, :2], drift[:, :2]  # twice the same
-    J[:, 4:], drift[:, 4:] = 0.0, 0.0
-    a = robot.kernel(NAME, rows=2)(*(x.astype(float) for x in (q, v, tau, J[:, :2], drift[:, :2])))[0]
-    found, forces, *_ = robot.kernel(NAME, rows=rows, solver=solver, dtype="float32")(q, v, tau, J, drift)
-    scale = np.maximum(np.abs(a), np.abs(robot.forward_dynamics(q, v, tau))).max(axis=-1)
-    error = np.abs(found - a).max(axis=-1) / scale
-    assert np.isfinite(forces).all()
-    assert error.max() < 2e-3 and np.median(error) < 2e-6
-
-
-def test_more_rows_than_velocities_give_finite_motion() -> None:
-    rng = np.random.default_rng(40)
-    model = random_model(rng, ["planar", "revolute"], mimics=0)
-    q = algorithms.random(model, rng, (SAMPLES,)).astype(np.float32)
-    v, tau = rng.standard_normal((2, SAMPLES, model.nv)).astype(np.float32)
-    rows = model.nv + 2
-    J, drift = rng.standard_normal((SAMPLES, rows, model.nv)), rng.standard_normal((SAMPLES, rows))
-    motion = Robot(model).kernel(NAME, rows=rows, dtype="float32")(
-        q, v, tau, *(x.astype(np.float32) for x in (J, drift))
-    )
-    assert all(np.isfinite(x).all() for x in motion)

@@ -18,11 +18,9 @@ class Proximal:
     Attributes:
         mu: Proximal parameter as a part of the mean diagonal entry of the Delassus matrix. 0 factors that matrix as it
             is: the fewest operations, for constraints known to be independent; a row that depends on rows after it
-            then gets no force. In single precision 1e-6 of each row's diagonal entry is added to a parameter between
-            0 and 1e-6.
+            then gets no force.
         tolerance: The rounds end when max|b - G f| is at most this times max|b|, b being the right-hand side of
-            G f = b; in single precision, for `mu` below 1e-6, also when it shrinks by less than
-            three tenths in a round.
+            G f = b.
         iterations: Rounds at most. 1 leaves the constraints compliant: b - G f = r f, r being `mu` times the mean
             diagonal entry of G.
     """
