@@ -19,6 +19,7 @@ from ulna.algorithms.multibody.chain_frames import (
     following,
     joined,
     pose_numbers,
+    pose_of,
     turned,
 )
 from ulna.algorithms.multibody.references import check_reference
@@ -50,7 +51,7 @@ def stages_of_frame_pose(model: Model, frame: Frame) -> StagedForm | None:
         return None
     stages = Stages("fk", chain.numbers.shape[1], q=(model.nq,))
     _scan(stages, chain, _tip(chain, frame))
-    stages.straight(lambda tip: _pose(tip).matrix(), ("tip",), ("T",))
+    stages.straight(lambda tip: pose_of(tip).matrix(), ("tip",), ("T",))
     return stages.form("T", serves_batches=len(chain.numbers[0]) > _STRAIGHT_BATCHES)
 
 
@@ -73,7 +74,7 @@ def stages_of_frame_jacobian(
         return None
 
     def column(before: Array, tip: Array, axis: Array) -> Array:
-        start, end = _pose(before), _pose(tip)
+        start, end = pose_of(before), pose_of(tip)
         z, p = apply(start.rotation, axis[:3]), apply(start.rotation, axis[3:]) + start.translation
         if reference == "world":
             return np.concatenate([cross(p, z), z])
@@ -107,15 +108,10 @@ def _scan(stages: Stages, chain: ChainFrames, placement: SE3, column: Any = None
         return following(pose, numbers), np.concatenate([pose.rotation[:, 2], pose.translation])
 
     def end(state: Array) -> Array:
-        return pose_numbers(_pose(state) @ placement)
+        return pose_numbers(pose_of(state) @ placement)
 
     writes = (table,) if table else ()
     vectors = {"q": chain.first_q}
     stages.scan(
         step, joined, chain.numbers, PADDING, chain.start, IDENTITY, vectors, "tip", end, column, writes
     )
-
-
-def _pose(numbers: Array) -> SE3:
-    """A pose of its rotation, row by row, and its translation."""
-    return SE3(numbers[:9].reshape(3, 3), numbers[9:])

@@ -173,7 +173,7 @@ def joined(before: Array, after: Array) -> Array:
     Returns:
         The product, (12,).
     """
-    return pose_numbers(_pose(before) @ _pose(after))
+    return pose_numbers(pose_of(before) @ pose_of(after))
 
 
 def pose_numbers(pose: SE3) -> Array:
@@ -199,7 +199,7 @@ def turned(state: Array, numbers: Array, q: Array) -> SE3:
     Returns:
         The pose.
     """
-    pose, angle = _pose(state), q[0] * numbers[0] + numbers[1]
+    pose, angle = pose_of(state), q[0] * numbers[0] + numbers[1]
     c, s = cos(angle), sin(angle)
     x, y, z = pose.rotation.T
     return SE3(np.stack([x * c + y * s, y * c - x * s, z], axis=-1), pose.translation)
@@ -221,5 +221,13 @@ def following(pose: SE3, numbers: Array) -> Array:
     return np.concatenate([R.reshape(-1), pose.translation + z * d + x * a])
 
 
-def _pose(numbers: Array) -> SE3:
+def pose_of(numbers: Array) -> SE3:
+    """The pose of its numbers.
+
+    Args:
+        numbers: Its rotation, row by row, then its translation, (12,).
+
+    Returns:
+        The pose.
+    """
     return SE3(numbers[:9].reshape(3, 3), numbers[9:])

@@ -9,6 +9,20 @@ from ulna.compiler.codegen.ir_text import BYTES, DType
 
 NAME = "ulna.copy.rows"
 
+_LOOP = """\
+number:
+  %j = phi i64 [ %size, %numbers ], [ %j.n, %number ]
+  %from.j = phi ptr [ %from, %numbers ], [ %from.n, %number ]
+  %to.j = phi ptr [ %to, %numbers ], [ %to.n, %number ]
+  %v = load ELEMENT, ptr %from.j, align SIZE
+  store ELEMENT %v, ptr %to.j, align SIZE
+  %from.n = getelementptr i8, ptr %from.j, i64 %from.stride
+  %to.n = getelementptr i8, ptr %to.j, i64 %to.stride
+  %j.n = sub i64 %j, 1
+  %j.over = icmp eq i64 %j.n, 0
+  br i1 %j.over, label %copied, label %number
+"""
+"""Copies `%size` numbers, more than none, from `%from` to `%to`."""
 _AXIS = """\
 define internal ptr @NAME.axis(ptr %s, ptr %p, ptr %steps, ptr %axes, i1 %out) RARE {
 entry:
@@ -28,18 +42,7 @@ numbers:
   %to.stride = select i1 %out, i64 %stride, i64 SIZE
   %beyond = getelementptr ELEMENT, ptr %s, i64 %size
   br label %number
-number:
-  %j = phi i64 [ %size, %numbers ], [ %j.n, %number ]
-  %from.j = phi ptr [ %from, %numbers ], [ %from.n, %number ]
-  %to.j = phi ptr [ %to, %numbers ], [ %to.n, %number ]
-  %v = load ELEMENT, ptr %from.j, align SIZE
-  store ELEMENT %v, ptr %to.j, align SIZE
-  %from.n = getelementptr i8, ptr %from.j, i64 %from.stride
-  %to.n = getelementptr i8, ptr %to.j, i64 %to.stride
-  %j.n = sub i64 %j, 1
-  %j.over = icmp eq i64 %j.n, 0
-  br i1 %j.over, label %copied, label %number
-copied:
+LOOPcopied:
   ret ptr %beyond
 more:
   %k = phi i64 [ 0, %entry ], [ %k.n, %more ]
@@ -87,18 +90,7 @@ numbers:
   %from = select i1 %out, ptr %s, ptr %p
   %to = select i1 %out, ptr %p, ptr %s
   br label %number
-number:
-  %j = phi i64 [ %size, %numbers ], [ %j.n, %number ]
-  %from.j = phi ptr [ %from, %numbers ], [ %from.n, %number ]
-  %to.j = phi ptr [ %to, %numbers ], [ %to.n, %number ]
-  %v = load ELEMENT, ptr %from.j, align SIZE
-  store ELEMENT %v, ptr %to.j, align SIZE
-  %from.n = getelementptr i8, ptr %from.j, i64 %from.stride
-  %to.n = getelementptr i8, ptr %to.j, i64 %to.stride
-  %j.n = sub i64 %j, 1
-  %j.over = icmp eq i64 %j.n, 0
-  br i1 %j.over, label %copied, label %number
-axis:
+LOOPaxis:
   %s.axis = call ptr @NAME.axis(ptr %s, ptr %p, ptr %steps, ptr %axes, i1 %out)
   br label %copied
 copied:
@@ -130,6 +122,7 @@ def copying(element: DType) -> str:
         The text of the definitions.
     """
     words = {
+        "LOOP": _LOOP,
         "NAME": NAME,
         "ELEMENT": element,
         "SIZE": str(BYTES[element]),

@@ -74,6 +74,13 @@ class _Spec(ctypes.Structure):
 _OFFSET, _OBJECT, _SLOT_OBJECT = 19, 6, 16
 _KEEP: list[Any] = []  # what CPython and NumPy keep pointers to
 
+LIKE_A_METHOD = 1 << 17 | 1 << 8
+"""Flags of types whose instances are methods of classes (Py_TPFLAGS_METHOD_DESCRIPTOR, IMMUTABLETYPE).
+
+By the first, calls pass the instance and make no bound method; Python specialises code only where the second is set,
+which saves 20 ns a call.
+"""
+
 
 def make_type(
     base: type, name: str, flags: int = 0, descriptor: int = 0, members: Mapping[str, int] | None = None

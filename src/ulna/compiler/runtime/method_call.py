@@ -30,9 +30,6 @@ from ulna.compiler.runtime.kernel import native_type
 from ulna.compiler.runtime.method_code import FIELDS, METHOD_IR
 from ulna.compiler.runtime.object_layout import c_function, slot_offset
 
-_METHOD_DESCRIPTOR = 1 << 17  # calls as a method pass the instance, and make no bound method
-_IMMUTABLE = 1 << 8  # Python specialises code only for descriptors of such types, which saves 20 ns a call
-
 
 class Tables(NamedTuple):
     """Where instances of a class keep their kernels."""
@@ -128,7 +125,7 @@ def _own_type() -> tuple[type, int, dict[str, int]] | None:
     kind = gufunc.make_type(
         object,
         "method_call",
-        flags=_METHOD_DESCRIPTOR | _IMMUTABLE,
+        flags=gufunc.LIKE_A_METHOD,
         descriptor=code.address("bind"),
         members={"__class__": entry_point.CLASS},
     )

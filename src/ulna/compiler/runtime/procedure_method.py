@@ -53,8 +53,6 @@ _FIELDS = (
 _RUN, _IS, _KIND, _ARRAY, _LIST, _LENGTH, _FLOAT = range(7)
 _ROW = 7  # what is examined, number of the argument, slot [byte], three words, where to write; see `Calls`
 _HEAD = 4  # how many arguments, the procedure's code, its words, where it writes faults
-_METHOD_DESCRIPTOR = 1 << 17  # calls as a method pass the instance, and make no bound method
-_IMMUTABLE = 1 << 8  # Python specialises code only for descriptors of such types
 
 
 def _word(name: str, kind: str = "ptr") -> str:
@@ -340,7 +338,7 @@ def _code() -> Any:
 def _own_type() -> type | None:
     if bound_type() is None or not has_gil():
         return None
-    flags, bind = _METHOD_DESCRIPTOR | _IMMUTABLE, _code().address("bind")
+    flags, bind = gufunc.LIKE_A_METHOD, _code().address("bind")
     return gufunc.make_type(object, "procedure_method", flags, bind, {"__class__": entry_point.CLASS})
 
 

@@ -28,8 +28,6 @@ from ulna.system import forks
 MOST_ARGUMENTS = 3
 _ROW = MOST_ARGUMENTS + 2  # how many arguments, the type of each, the kernel or 0
 _FIELDS = ("rows", "count_of_rows", "not_implemented", "call", "decref", "incref", "method_new")
-_METHOD_DESCRIPTOR = 1 << 17  # calls as a method pass the instance, and make no bound method
-_IMMUTABLE = 1 << 8  # Python specialises code only for descriptors of such types
 
 
 def _word(name: str, kind: str = "ptr") -> str:
@@ -145,7 +143,7 @@ def _own_type(is_method: bool) -> type | None:
         return None
     if not is_method:
         return gufunc.make_type(RepeatedCalls, "TypedCalls")
-    flags, bind = _METHOD_DESCRIPTOR | _IMMUTABLE, _code().address("bind")
+    flags, bind = gufunc.LIKE_A_METHOD, _code().address("bind")
     members = {"__class__": entry_point.CLASS}
     return gufunc.make_type(object, "typed_method", flags, bind, members)
 
