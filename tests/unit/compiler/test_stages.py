@@ -11,7 +11,7 @@ from ulna.compiler import compile, trace
 from ulna.compiler.codegen import sample_stages
 from ulna.compiler.codegen.module import emit_batch
 from ulna.compiler.codegen.sample_columns import column_groups
-from ulna.compiler.forms.stages import StagedForm, Stages
+from ulna.compiler.forms.stages import Beside, StagedForm, Stages
 from ulna.compiler.language.function import Function
 from ulna.compiler.runtime import jit
 from ulna.errors import TraceError
@@ -128,6 +128,32 @@ def test_rows_are_computed_alike():
     np.testing.assert_allclose(kernel(x[0]), rows_by_numbers(x[0]), rtol=1e-14)
     for got, row in zip(kernel(x), x, strict=True):
         np.testing.assert_allclose(got, rows_by_numbers(row), rtol=1e-14)
+
+
+@pytest.mark.parametrize(("dtype", "rtol"), [("float64", 1e-14), ("float32", 1e-6)])
+def test_matrices_side_by_side_are_one_output(dtype, rtol):
+    """One from straight-line code, the others a register of columns at a time; beside them, arrays one below the other."""
+
+    def beside():
+        stages = Stages("beside", 2 * N + 3, x=(N,))
+        stages.straight(lambda x: np.outer([1.0, 2.0], x), ("x",), ("t",))
+        stages.straight(lambda t: t[:, :3] + 1.0, ("t",), ("few",))
+        stages.lanes(lambda t: t * 3.0, ("t",), ("many",), N)
+        stages.lanes(lambda t: -t, ("t",), ("more",), N)
+        stages.lanes(lambda t: t * 5.0, ("t",), ("above",), N)
+        stages.lanes(lambda t: t[:1], ("t",), ("below",), N)
+        return stages.form(Beside(("few", "many", "more")), ("above", "below"))
+
+    def definition(x):
+        t = np.outer([1.0, 2.0], x)
+        rows = [np.concatenate([t[:, :3] + 1.0, 3.0 * t, -t], axis=1), np.concatenate([5.0 * t, t[:1]])]
+        return tuple(rows)
+
+    f = replace(trace(definition, x=(N,)), columns=beside())
+    assert [port.shape for port in f.columns.outputs] == [(2, 2 * N + 3), (3, N)]
+    x = np.random.default_rng(0).normal(size=N).astype(dtype)
+    for got, right in zip(compile(f, dtype=dtype)(x), definition(x.astype(float)), strict=True):
+        np.testing.assert_allclose(got, right, rtol=rtol)
 
 
 def batched() -> Function:

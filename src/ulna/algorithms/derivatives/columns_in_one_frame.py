@@ -337,7 +337,7 @@ class OneFrame:
         def of_body(
             T: Array, bodies: Array, V: Array, A: Array | None = None, *f: Array
         ) -> tuple[Array, ...]:
-            body = _moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
+            body = moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
             h = body.apply(motion(V))
             F = [] if A is None else numbers(body.apply(motion(A)) + motion(V).cross(h)) - sum(f)
             own = [*body.first, *_upper(body.second)]
@@ -356,7 +356,7 @@ class OneFrame:
         """
 
         def of_body(T: Array, bodies: Array, V: Array, A: Array, *f: Array) -> Array:
-            body = _moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
+            body = moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
             F = numbers(body.apply(motion(A)) + motion(V).cross(body.apply(motion(V)))) - sum(f)
             return np.array([*body.first, *_upper(body.second), *F], dtype=object)
 
@@ -397,8 +397,8 @@ class OneFrame:
         """
 
         def of_body(T: Array, bodies: Array) -> Array:
-            body = _moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
-            return np.array([*body.first, *_upper(body.second)], dtype=object)
+            body = moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
+            return moment_numbers(body)
 
         self.stages.lanes(of_body, ("T", "bodies"), (name,))
 
@@ -634,8 +634,37 @@ def subtree(mass: Array, sums: Array) -> Subtree:
     )
 
 
-def _moments(mass: Any, numbers: Array) -> MassMoments:
+def moments(mass: Any, numbers: Array) -> MassMoments:
+    """Mass moments from their numbers.
+
+    Args:
+        mass: The mass [kg].
+        numbers: First moment and upper triangle of the second, shape (9,) [kg m, kg m^2].
+
+    Returns:
+        The same by name.
+    """
     return MassMoments(mass, numbers[:3], _symmetric(list(numbers[3:])))
+
+
+def moment_numbers(body: MassMoments) -> Array:
+    """The first moment and the upper triangle of the second, shape (9,)."""
+    return np.array([*body.first, *_upper(body.second)], dtype=object)
+
+
+def about(force: Force, c: Array, R: Array) -> Array:
+    """A force about a point, along other axes.
+
+    Args:
+        force: A force about the origin [N, N m].
+        c: The point, shape (3,) [m].
+        R: The rotation to the other axes, shape (3, 3).
+
+    Returns:
+        Shape (6,), linear part first.
+    """
+    moment = force.angular - cross(c, force.linear)
+    return np.concatenate([apply(R, force.linear), apply(R, moment)])
 
 
 def numbers(x: Motion | Force) -> Array:

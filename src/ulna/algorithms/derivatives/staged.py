@@ -22,6 +22,7 @@ import numpy as np
 
 from ulna.algorithms.derivatives.columns_in_one_frame import (
     OneFrame,
+    about,
     caused_motions,
     motion,
     numbers,
@@ -29,6 +30,7 @@ from ulna.algorithms.derivatives.columns_in_one_frame import (
     suits_one_frame,
 )
 from ulna.algorithms.derivatives.serial_chains import accelerate, articulate, invert, is_serial, solve
+from ulna.algorithms.derivatives.staged_floating_base import centroidal_matrix_of_floating_base
 from ulna.algorithms.dynamics.center_of_mass import total_mass
 from ulna.algorithms.dynamics.coriolis import MovingBodies
 from ulna.algorithms.dynamics.mass_matrix_factors import solution_by_rows
@@ -37,7 +39,7 @@ from ulna.compiler.forms.columns import ColumnForm, row_places
 from ulna.compiler.forms.stages import StagedForm
 from ulna.compiler.language.function import trace
 from ulna.model import Model
-from ulna.numeric import apply, cross, dot
+from ulna.numeric import cross, dot
 from ulna.spatial import Force
 from ulna.typing import Array
 
@@ -189,6 +191,9 @@ def stages_of_centroidal_matrix(model: Model) -> StagedForm | None:
     """
     if not suits_one_frame(model) or not total_mass(model):
         return None
+    of_floating_base = centroidal_matrix_of_floating_base(model)
+    if of_floating_base is not None:
+        return of_floating_base
     frame = OneFrame("centroidal_matrix", model, q=(model.nq,))
     _centroidal_columns(frame, total_mass(model))
     return frame.stages.form("A")
@@ -227,7 +232,7 @@ def _centroidal_columns(frame: OneFrame, mass: float) -> None:
 
     def of_column(s: Array, sums: Array, mass: Array, c_G: Array, R: Array) -> Array:
         body = subtree(mass, np.concatenate([sums, np.zeros(18)])).body
-        return _about(body.apply(motion(s)), c_G, R.reshape(3, 3))
+        return about(body.apply(motion(s)), c_G, R.reshape(3, 3))
 
     frame.stages.lanes(of_column, ("s", "sums", "mass", "c_G", "R"), ("A",))
 
@@ -307,10 +312,4 @@ def _centroidal_column(
     dF_dv = dh + dh + rest
     dh = Force(dh.linear, dh.angular - cross(r.linear, drift[:3]))
     dF = Force(dF.linear, dF.angular - cross(r.linear, drift[3:]))
-    return tuple(_about(x, c_G, R.reshape(3, 3)) for x in (dh, dF, dF_dv, r))
-
-
-def _about(force: Force, c: Array, R: Array) -> Array:
-    """A force about a point, along the axes of the world."""
-    moment = force.angular - cross(c, force.linear)
-    return np.concatenate([apply(R, force.linear), apply(R, moment)])
+    return tuple(about(x, c_G, R.reshape(3, 3)) for x in (dh, dF, dF_dv, r))

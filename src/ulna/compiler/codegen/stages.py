@@ -163,6 +163,8 @@ class _StagesWriter:
         """How far the rows of an array lie apart."""
         if self.is_shared(key):
             return 1
+        if key in self.form.parts:
+            return self.form.parts[key].row_length
         is_table = key in self.form.tables or key in self.form.constants
         return self._padded(self.shapes[key][1]) if is_table else self.form.columns
 
@@ -186,10 +188,10 @@ class _StagesWriter:
         Returns:
             The place.
         """
-        if len(shape) < 2 or key not in self.form.tables:
+        if len(shape) < 2 or (key not in self.form.tables and key not in self.form.parts):
             return k
         row, column = divmod(k, shape[1])
-        return row * self._padded(shape[1]) + column
+        return row * self.row_length(key) + column
 
     def _straight(self, name: str, stage: Stage) -> None:
         f, element = stage.body, self.layout.dtype

@@ -222,11 +222,24 @@ class Part(NamedTuple):
         output: The output.
         start: The place in it where the array begins.
         shape: The shape of the array.
+        row_length: How far its rows lie apart.
     """
 
     output: str
     start: int
     shape: tuple[int, ...]
+    row_length: int
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Matrices that are one output, side by side.
+
+    Attributes:
+        names: Names of the matrices, which have equally many rows.
+    """
+
+    names: tuple[str, ...]
 
 
 def names_of(stage: AnyStage) -> list[str]:
@@ -576,7 +589,7 @@ class Stages:
 
     def form(
         self,
-        *outputs: str | Sequence[str],
+        *outputs: str | Sequence[str] | Beside,
         serves_batches: bool = False,
         zeros: Mapping[str, Any] | None = None,
         symmetric: Sequence[str] = (),
@@ -585,7 +598,7 @@ class Stages:
 
         Args:
             *outputs: Names of the arrays that the function returns; several names stand for these arrays, one below
-                the other.
+                the other, or side by side (`Beside`).
             serves_batches: Whether samples of a batch are computed in this form, too.
             zeros: For matrices which entries are zero whatever the inputs; None for what pairs of columns say.
             symmetric: Names of the matrices that are symmetric.
@@ -597,21 +610,20 @@ class Stages:
             TraceError: A stage reads an input after or while an output is written: arrays of results may be those of
                 arguments.
         """
-        groups = [(output,) if isinstance(output, str) else tuple(output) for output in outputs]
+        groups = [_names_of_output(output) for output in outputs]
         written = [name for group in groups for name in group]
         self._check_order(written)
         ports, parts = [], {}
         names = {name: f"i{k}" for k, name in enumerate(self._inputs)}
-        for k, group in enumerate(groups):
+        for k, (output, group) in enumerate(zip(outputs, groups, strict=True)):
             shapes = [self._arrays[name] for name in group]
-            rows = (sum(shape[0] for shape in shapes), *shapes[0][1:]) if len(group) > 1 else shapes[0]
-            ports.append(Port("out" if len(groups) == 1 else f"out{k}", rows))
-            starts = accumulate((math.prod(shape) for shape in shapes), initial=0)
             if len(group) == 1:
-                names[group[0]] = f"o{k}"
+                shape, names[group[0]] = shapes[0], f"o{k}"
             else:
-                arrays = zip(group, starts, shapes, strict=False)
-                parts |= {name: Part(f"o{k}", start, shape) for name, start, shape in arrays}
+                shape, places = _joined(shapes, isinstance(output, Beside))
+                arrays = zip(group, places, shapes, strict=True)
+                parts |= {name: Part(f"o{k}", place, own, shape[-1]) for name, place, own in arrays}
+            ports.append(Port("out" if len(groups) == 1 else f"out{k}", shape))
         inner = {name: shape for name, shape in self._arrays.items() if name not in written}
         return StagedForm(
             tuple(Port(name, shape) for name, shape in self._inputs.items()),
@@ -621,7 +633,7 @@ class Stages:
             frozenset(self._tables & inner.keys()),
             dict(self._constants),
             tuple(_renamed(stage, names) for stage in self._stages),
-            tuple(self._zeros(group, zeros or {}) for group in groups),
+            tuple(self._zeros(output, zeros or {}) for output in outputs),
             serves_batches,
             parts,
             frozenset(k for k, group in enumerate(groups) if set(group) & set(symmetric)),
@@ -658,11 +670,11 @@ class Stages:
                     "the input and another one that writes, since arrays of results may be those of arguments."
                 )
 
-    def _zeros(self, group: Sequence[str], known: Mapping[str, Any]) -> Any:
-        found = [known.get(name, self._zeros_of_pairs(name)) for name in group]
+    def _zeros(self, output: str | Sequence[str] | Beside, known: Mapping[str, Any]) -> Any:
+        found = [known.get(name, self._zeros_of_pairs(name)) for name in _names_of_output(output)]
         if len(found) == 1 or any(zeros is None for zeros in found):
             return found[0] if len(found) == 1 else None
-        return np.concatenate(found)
+        return np.concatenate(found, axis=1 if isinstance(output, Beside) else 0)
 
     def _zeros_of_pairs(self, output: str) -> Any:
         for stage in self._stages:
@@ -681,6 +693,21 @@ class Stages:
     def _traced(self, f: Callable[..., Any], shapes: Mapping[str, tuple[int, ...]]) -> Function:
         name: Any = f"{self.name}_{len(self._stages)}"
         return trace(f, name=name, **dict[str, Any](shapes))
+
+
+def _names_of_output(output: str | Sequence[str] | Beside) -> tuple[str, ...]:
+    if isinstance(output, Beside):
+        return output.names
+    return (output,) if isinstance(output, str) else tuple(output)
+
+
+def _joined(shapes: Sequence[tuple[int, ...]], side_by_side: bool) -> tuple[tuple[int, ...], list[int]]:
+    """The shape of arrays one below the other, or side by side, and where in it each of them begins."""
+    sizes = [shape[-1] if side_by_side else math.prod(shape) for shape in shapes]
+    starts = [0, *accumulate(sizes[:-1])]
+    if side_by_side:
+        return (shapes[0][0], sum(sizes)), starts
+    return (sum(shape[0] for shape in shapes), *shapes[0][1:]), starts
 
 
 def without_scans(form: StagedForm) -> StagedForm:
