@@ -14,7 +14,7 @@ from ulna import numeric as nm
 from ulna.compiler import compile, trace
 from ulna.compiler.codegen.elementary import OPERATIONS
 from ulna.compiler.codegen.module import emit_batch
-from ulna.compiler.codegen.target import Target, arithmetic_of
+from ulna.compiler.codegen.target import Target, arithmetic_of, wide_from
 from ulna.compiler.runtime import jit
 from ulna.compiler.runtime.entry_point import entry_ir
 
@@ -88,6 +88,40 @@ def test_other_processors_accept_the_code(triple, lanes, element):
 )
 def test_what_this_processor_computes_in_one_instruction(triple, features, fused):
     assert arithmetic_of(triple, features).fused_multiply_add is fused
+
+
+@pytest.mark.parametrize(
+    ("cpu", "features", "is_held_back"),
+    [
+        ("sapphirerapids", "+avx2,+avx512f", True),
+        ("rocketlake", "+avx2,+avx512f", True),
+        ("znver4", "+avx2,+avx512f", False),
+        ("skylake", "+avx2,-avx512f", False),
+    ],
+)
+def test_short_code_leaves_out_registers_that_hold_back_single_numbers(cpu, features, is_held_back):
+    target = replace(jit.target(), wide_from=wide_from(cpu, features))
+    assert target.sines_at_once(100, "double") == (4 if is_held_back else target.packed_sines)
+    assert (
+        target.sines_at_once(100, "float") == target.sines_at_once(100_000, "double") == target.packed_sines
+    )
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_sines_in_narrower_registers_are_the_same(monkeypatch, dtype):
+    """Of 11 angles, one of them huge; results are equal bit for bit."""
+    f = trace(lambda q: np.stack([np.sin(q), np.cos(q), np.sin(q) * 2.0]), q=(11,))
+    q = np.random.default_rng(4).uniform(-9.0, 9.0, (50, 11)).astype(dtype)
+    q[::7, 3] = 1e18
+    made = []
+    for least in (0, 10_000):
+        target = replace(jit.target(), wide_from=least)
+        monkeypatch.setattr(jit, "target", lambda target=target: target)
+        kernel = compile(f, dtype)
+        assert ("<8 x double>" in kernel.ir()) == (least == 0 and dtype is np.float64)
+        made.append(np.stack([kernel(x) for x in q]))
+    np.testing.assert_array_equal(*made)
+    np.testing.assert_allclose(made[0][1:7, 0], np.sin(q[1:7]), rtol=1e-12 if dtype is np.float64 else 1e-5)
 
 
 def test_a_processor_without_fused_products_computes_the_same(monkeypatch):

@@ -129,7 +129,8 @@ def emit_single(f: Function, target: Target, element: DType = "double") -> str:
     if f.columns is not None and narrowed is not None:
         _write_form(module, "one", f.columns, narrowed, element)
         return module.text() + _wide_registers(narrowed.lanes(element), element, _ALIGNED)
-    _write_block(module, f, "one", Lanes(1, element), target.packed_sines, target)
+    pack = target.sines_at_once(f.operations, element)
+    _write_block(module, f, "one", Lanes(1, element), pack, target)
     return module.text() + (_wide_registers(f.lanes, element, _ALIGNED) if f.lanes > 1 else "")
 
 

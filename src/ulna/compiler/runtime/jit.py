@@ -16,7 +16,7 @@ from typing import Any
 from ulna import disk_cache
 from ulna.compiler.codegen.heap_arrays import with_arrays_on_heap
 from ulna.compiler.codegen.rare_functions import rare_functions_of, with_rare_functions_apart
-from ulna.compiler.codegen.target import Target, arithmetic_of, register_bytes
+from ulna.compiler.codegen.target import Target, arithmetic_of, register_bytes, wide_from
 from ulna.compiler.language.function import Function
 from ulna.compiler.runtime.interrupt import interruptible
 from ulna.compiler.runtime.object_file import is_sound
@@ -94,14 +94,15 @@ def target() -> Target:
         llvm.initialize_native_target()
         llvm.initialize_native_asmprinter()
         features = llvm.get_host_cpu_features().flatten()
-        triple = llvm.get_process_triple()
+        triple, cpu = llvm.get_process_triple(), llvm.get_host_cpu_name()
         return Target(
             triple=triple,
-            cpu=llvm.get_host_cpu_name(),
+            cpu=cpu,
             features=features,
             llvm=".".join(map(str, llvm.llvm_version_info)),
             register_bytes=register_bytes(features),
             arithmetic=arithmetic_of(triple, features),
+            wide_from=wide_from(cpu, features),
         )
 
 
