@@ -262,6 +262,11 @@ class Asked:
             self.run(one, data, self.first, contacts)
         return data, contacts
 
+    def force_on_base(self, data):
+        """The force on the joints that stand on the universe, (6,), where forces of joints are right."""
+        standing = [k for k in range(1, self.model.njoints) if self.model.parents[k] == 0]
+        return sum(data.oMi[k].act(data.f[k]).vector for k in standing).tolist()
+
     def truths(self, given):
         """For each field the values that it may have at a state."""
         found = {name: [] for name in FIELDS.split()}
@@ -278,10 +283,14 @@ class Asked:
                 if self.run(call.format(a="gain"), data, given | {"gain": gain}, {}) is None:
                     pin.forwardKinematics(m, data, given["q"])
                     for name in names.split():
-                        found[name].append(field(data, name))
+                        values = {name: field(data, name)}
                         if name in IN_WORLD:
                             moved = [M.act(one) for M, one in zip(data.oMi, getattr(data, name), strict=True)]
-                            found[IN_WORLD[name]].append([x for one in moved for x in numbers(one, "")])
+                            values[IN_WORLD[name]] = [x for one in moved for x in numbers(one, "")]
+                        for field_name, one in values.items():
+                            found[field_name].append(one)
+                            if name == "f":
+                                found[field_name].append([*self.force_on_base(data), *one[6:]])
         found["ddq_dtau"] = found["Minv"]
         try:
             parts = pin.computeCentroidalDynamicsDerivatives(m, m.createData(), *(given[k] for k in "qva"))

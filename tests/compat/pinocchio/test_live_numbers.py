@@ -50,7 +50,8 @@ def _all(pin: Any, model: Any, data: Any) -> dict[str, Any]:
     """What every bound algorithm answers."""
     q, v, a, tau = _state(pin, model)
     tip = model.nframes - 1
-    found = {"rnea": pin.rnea(model, data, q, v, a), "f": np.array([f.vector for f in data.f])}
+    found = {"rnea": pin.rnea(model, data, q, v, a)}
+    found["f"] = np.array([f.vector for f in data.f[1:]])  # rnea leaves that of the universe, as in Pinocchio
     found |= {"aba": pin.aba(model, data, q, v, tau), "crba": pin.crba(model, data, q)}
     found |= {"nle": pin.nle(model, data, q, v), "g": pin.computeGeneralizedGravity(model, data, q)}
     found |= {"Minv": pin.computeMinverse(model, data, q), "C": pin.computeCoriolisMatrix(model, data, q, v)}

@@ -12,7 +12,7 @@ from pinocchio._algorithms.jacobians import JACOBIAN_RATES, rates
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import (
     ACCELERATIONS,
-    BODY_FORCES_BELOW_TOTAL,
+    BODY_FORCES,
     CENTERS_AND_VELOCITIES,
     JOINTS,
     SUBTREE_MOMENTA,
@@ -61,7 +61,7 @@ def _all_terms(model: CoreModel) -> Any:
     kernel=_all_terms,
     deferred=JOINTS
     | VELOCITIES_IN_WORLD
-    | BODY_FORCES_BELOW_TOTAL
+    | BODY_FORCES
     | SUBTREE_MOMENTA
     | ACCELERATIONS
     | CENTERS_AND_VELOCITIES,

@@ -19,6 +19,8 @@ from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import (
     ACCELERATIONS,
     BODIES,
+    BODIES_AND_BASE,
+    BODIES_AND_BASE_UNDER_FORCES,
     BODIES_UNDER_FORCES,
     BODY_FORCES,
     BODY_FORCES_AT_REST,
@@ -100,17 +102,9 @@ def _gravity(model: CoreModel) -> Any:
 
 
 def _forward(model: CoreModel) -> Any:
-    def run(q: Array, v: Array, tau: Array) -> tuple[Array, ...]:
-        ddq = algorithms.forward_dynamics(model, q, v, tau)
-        return ddq, ddq
-
-    return run
-
-
-def _forward_under_forces(model: CoreModel) -> Any:
-    def run(q: Array, v: Array, tau: Array, F: Array) -> tuple[Array, ...]:
-        ddq = algorithms.forward_dynamics(model, q, v, tau, split_forces(F))
-        return ddq, ddq, q, v, ddq
+    def run(q: Array, v: Array, tau: Array, *F: Array) -> tuple[Array, ...]:
+        ddq = algorithms.forward_dynamics(model, q, v, tau, *map(split_forces, F))
+        return ddq, ddq, ddq
 
     return run
 
@@ -205,19 +199,21 @@ def computeStaticTorque(model: Model, data: Data, q: Any, fext: Any) -> Floats:
 _ABA = Algorithm(
     "aba",
     "qvt",
-    ("ddq", "aba a"),
+    ("ddq", "aba a", "forward_dynamics a"),
     with_mass(_forward),
     (0,),
-    deferred=JOINTS | BODIES | ACCELERATIONS,
+    deferred=JOINTS | BODIES_AND_BASE | ACCELERATIONS,
+    states=("forward_dynamics", "articulated"),
     title="aba",
 )
 _ABA_UNDER_FORCES = Algorithm(
     "aba_under_forces",
     "qvtf",
-    ("ddq", "aba_under_forces a", "aba q", "aba v", "aba a"),
-    with_mass(_forward_under_forces),
+    ("ddq", "aba_under_forces a", "forward_dynamics a"),
+    with_mass(_forward),
     (0,),
-    deferred=JOINTS | BODIES_UNDER_FORCES | ACCELERATIONS,
+    deferred=JOINTS | BODIES_AND_BASE_UNDER_FORCES | ACCELERATIONS,
+    states=("forward_dynamics", "articulated"),
     title="aba",
 )
 
@@ -283,13 +279,15 @@ def crba(model: Model, data: Data, q: Any, convention: Convention = Convention.L
     deferred=JOINTS,
     depends_on="masses",
     invalidates=("Fcrb",),
-    default_state=("_q_of_joints", "aba(model, data, q, v, tau)"),
+    states=("articulated",),
+    default_state=("_q_of_articulated", "aba(model, data, q, v, tau)"),
 )
 def computeMinverse(model: Model, data: Data, q: Any = None) -> Floats:
     """The inverse of the mass matrix (nv, nv); kept in `data.Minv`.
 
     Args:
-        q: Configuration (nq,) [rad or m]; None for that of the last aba.
+        q: Configuration (nq,) [rad or m]; None for that of the last aba, of derivatives of it, or of this function,
+            whatever ran since.
 
     Returns:
         Matrix (nv, nv).

@@ -76,7 +76,7 @@ def _forward(model: CoreModel) -> Any:
         forces = [split_forces(x) for x in F]
         by_q, by_v, by_tau = algorithms.forward_dynamics_derivatives(model, q, v, tau, *forces)
         ddq = algorithms.forward_dynamics(model, q, v, tau, *forces)
-        return by_q, by_v, by_tau, by_tau, ddq, ddq, *rates(model)(q, v)
+        return by_q, by_v, by_tau, by_tau, ddq, ddq, ddq, *rates(model)(q, v)
 
     return run
 
@@ -114,11 +114,12 @@ _RNEA: dict[str, Any] = {
     "returns": (0, 1, 2),
     "states": ("derivatives",),
 }
-_ABA_FIELDS = ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq")
+_ABA_FIELDS = ("ddq_dq", "ddq_dv", "ddq_dtau", "Minv", "ddq", "forward_dynamics a")
 _ABA: dict[str, Any] = {
     "kernel": with_mass(_forward),
     "returns": (0, 1, 2),
     "invalidates": ("Fcrb",),
+    "states": ("forward_dynamics", "articulated"),
     "title": "computeABADerivatives",
 }
 _RNEA_UNDER_FORCES = Algorithm(
@@ -166,10 +167,11 @@ def computeABADerivatives(
 ) -> tuple[Floats, Floats, Floats]:
     """Derivatives of the accelerations by q, v and tau (the inverse mass matrix), (nv, nv) each; kept in `data`.
 
-    Without q, v and tau, those of the last aba; forces on the joints may stand in their place.
+    Without q, v and tau, those of the last aba, or of this function, whatever ran since; forces on the joints may stand
+    in their place.
 
     Args:
-        q: Configuration (nq,) [rad or m]; None for the state of the last aba.
+        q: Configuration (nq,) [rad or m]; None for the state of the last aba, or of this function.
 
     Returns:
         Three matrices (nv, nv).

@@ -17,12 +17,14 @@ STATES = {
     "jacobians": "q",
     "jacobian_rates": "qv",
     "derivatives": "qva",
-    "aba": "qva",
+    "forward_dynamics": "qva",
+    "articulated": "q",
 }
 """The states that results in a Data belong to, with a letter for each array.
 
 They are those of `oMi`, of `liMi` and `Data.joints`, of the velocities there, of `v`, of `a`, of `J`, of `dJ`, of
-derivatives of inverse dynamics, and of the last forward dynamics, whose accelerations are computed ones.
+derivatives of inverse dynamics, of the last forward dynamics, whose accelerations are computed ones, and of the
+articulated inertias that inverted the mass matrix last.
 """
 _STATE_OF = {
     "oMi": "placements",
@@ -69,7 +71,7 @@ class Algorithm:
         depends_on: What its results depend on; see `KernelCache._watched`.
         deferred: Fields that are computed when read, of its inputs (or of what it writes to `<name> a`).
         invalidates: Fields that hold an intermediate result after it in Pinocchio, and nothing here.
-        states: Names of states that its inputs are stored as, besides those of the fields it fills.
+        states: Names of states that its inputs, or what it fills, are stored as, besides those of the fields it fills.
         title: The name of the public function.
         number: What marks the fields that it left.
     """
@@ -99,7 +101,8 @@ class Algorithm:
             states.append("joints")
             if "v" in self.inputs and {"v", "ov"} & {*self.deferred, *self.fills}:
                 states.append("joint_velocities")
-        return stored | {f"{state} {letter}": letter for state in states for letter in STATES[state]}
+        parts = {f"{state} {letter}": letter for state in states for letter in STATES[state]}
+        return stored | {name: letter for name, letter in parts.items() if name not in self.fills}
 
     def has_fields_in(self, names: Container[str]) -> bool:
         """Whether all that it fills is among some fields, or is a state that it stores."""

@@ -18,8 +18,8 @@ from ulna import spatial
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
 
-_OF_BODIES = ("v", "ov", "h", "oh", "a_gf", "f", "oa_gf", "of")
-"""Fields whose first row, of the universe, is set with the others."""
+_MOTIONS = ("v", "ov", "a_gf", "oa_gf")
+"""Fields whose first row, the motion of the universe, is set with the others."""
 
 
 def split_forces(F: Array) -> list[spatial.Force | None]:
@@ -31,8 +31,9 @@ def split_forces(F: Array) -> list[spatial.Force | None]:
 class CompiledFields:
     """Fields that `functions(model, *inputs, forces)` computes: a function without arguments for each field.
 
-    `by_table` computes them for a model that is evaluated. The row of the universe is set here, unless an algorithm
-    fills it.
+    `by_table` computes them for a model that is evaluated. The row of the universe is set here where the field is a
+    motion, and where `totals` names the field: that row is computed under the name `field[0]` then. All others keep it,
+    for algorithms fill it.
     """
 
     def __init__(
@@ -40,10 +41,10 @@ class CompiledFields:
         inputs: str,
         functions: Callable[..., dict[str, Any]],
         by_table: Callable[..., dict[str, Floats]] | None = None,
-        universe_is_filled: bool = False,
+        totals: tuple[str, ...] = (),
     ) -> None:
         self._inputs, self._functions, self._by_table = inputs, functions, by_table
-        self._universe_is_filled = universe_is_filled
+        self._totals = totals
 
     def deferred(self) -> Deferred:
         """How they are computed when they are read."""
@@ -65,15 +66,16 @@ class CompiledFields:
             *state: The arrays (...) that they are computed from.
         """
         evaluator = table_of(data, compiled) if self._by_table else None
+        names = [*fields, *(f"{field}[0]" for field in self._with_universe(fields))]
         if self._by_table and evaluator:
             computed = self._by_table(evaluator, *state)
-            results = tuple(computed[field] for field in fields)
+            results = tuple(
+                computed[name] if name in computed else _of_universe(compiled, name) for name in names
+            )
         else:
             results = self._kernel(compiled, fields, state)(*state)
-        for field, values in zip(fields, results, strict=False):  # what follows is for `bind`
-            data._target(field)[...] = values
-        for field in self._with_universe(fields):
-            data._arrays[field][0] = _of_universe(compiled, field)
+        for name, values in zip(names, results, strict=False):  # what follows is for `bind`
+            data._target(name)[...] = values
 
     def bind(
         self, data: FieldStates, number: int, compiled: CompiledModel, fields: tuple[str, ...], *state: Floats
@@ -93,7 +95,7 @@ class CompiledFields:
         marks = [data._mark_of(field) for field in fields]
         return self._kernel(compiled, fields, state).into(
             *(data._target(field) for field in fields),
-            *(data._arrays[field][0] for field in self._with_universe(fields)),
+            *(data._target(f"{field}[0]") for field in self._with_universe(fields)),
             *marks,
             *(data._arrays[name] for name, _ in _states_of(fields)),
             watch=[(mark, np.array(float(number))) for mark in marks],
@@ -106,30 +108,34 @@ class CompiledFields:
     ) -> Any:
         """Of a state: the fields, rows of the universe, zeros for marks, and the state that `v` or `a` is of."""
         state_size = len(self._inputs.rstrip("f"))
-        with_universe, states = self._with_universe(fields), _states_of(fields)
+        with_universe = [f"{field}[0]" for field in self._with_universe(fields)]
+        states = _states_of(fields)
 
         def build(core: CoreModel) -> Any:
             def run(*args: Array) -> tuple[Any, ...]:
                 forces = split_forces(args[-1]) if len(args) > state_size else None
                 functions = self._functions(core, *args[:state_size], forces)
                 computed = [functions[field]() for field in fields]
-                universe = [_of_universe(core, field) for field in with_universe]
+                universe = [
+                    functions[name]() if name in functions else _of_universe(core, name)
+                    for name in with_universe
+                ]
                 return *computed, *universe, *([0.0] * len(fields)), *(args[k] for _, k in states)
 
             return run
 
         shapes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(state)}
-        key = self._functions, self._universe_is_filled, fields, len(state)
+        key = self._functions, self._totals, fields, len(state)
         return compiled.compile(key, build, **shapes)
 
     def _with_universe(self, fields: tuple[str, ...]) -> list[str]:
         """The fields whose row of the universe is set here."""
-        return [] if self._universe_is_filled else [field for field in fields if field in _OF_BODIES]
+        return [field for field in fields if field in (*_MOTIONS, *self._totals)]
 
 
-def _of_universe(model: Any, field: str) -> Array:
-    """That row, (6,): what does not move accelerates upwards relative to free fall."""
-    lift = -np.asarray(model.gravity) if field in ("a_gf", "oa_gf") else np.zeros(3)
+def _of_universe(model: Any, name: str) -> Array:
+    """That row of a motion, (6,): what does not move accelerates upwards relative to free fall."""
+    lift = -np.asarray(model.gravity) if name in ("a_gf[0]", "oa_gf[0]") else np.zeros(3)
     return np.concatenate([lift, np.zeros(3)])
 
 

@@ -39,9 +39,9 @@ def _compiled(
     inputs: str,
     functions: Callable[..., dict[str, Any]],
     by_table: Callable[..., dict[str, Floats]] | None = None,
-    universe_is_filled: bool = False,
+    totals: tuple[str, ...] = (),
 ) -> Deferred:
-    return CompiledFields(inputs, functions, by_table, universe_is_filled).deferred()
+    return CompiledFields(inputs, functions, by_table, totals).deferred()
 
 
 def _joint_placements(model: CoreModel, q: Array, _: Any) -> dict[str, Any]:
@@ -85,6 +85,11 @@ def _body_dynamics(model: CoreModel, q: Array, v: Array, a: Array, forces: Any) 
     def wrenches() -> list[Any]:
         return algorithms.joint_wrenches(model, q, v, a, forces)
 
+    def on_the_base() -> Array:
+        joints = zip(model.joints, poses, wrenches(), strict=True)
+        zero = spatial.Force(np.zeros(3), np.zeros(3))
+        return sum((T.act(F) for joint, T, F in joints if joint.parent < 0), zero).vector()
+
     return {
         "v": lambda: rows(velocities),
         "a_gf": lambda: rows(relative_to_free_fall),
@@ -95,6 +100,8 @@ def _body_dynamics(model: CoreModel, q: Array, v: Array, a: Array, forces: Any) 
         "oa_gf": lambda: _in_world(poses, relative_to_free_fall),
         "of": lambda: _in_world(poses, wrenches()),
         "oh": lambda: _in_world(poses, momenta),
+        "f[0]": on_the_base,
+        "of[0]": on_the_base,
     }
 
 
@@ -249,16 +256,18 @@ BODY_FORCES = dict.fromkeys(("a_gf", "f", "oa_gf", "of"), _BODY_DYNAMICS)
 """Accelerations relative to free fall, and the forces through the joints."""
 BODY_FORCES_AT_REST = dict.fromkeys(BODY_FORCES, _compiled("qf", _body_statics, by_table.statics))
 """The same at rest, where forces act on the joints."""
-BODY_FORCES_BELOW_TOTAL = {
-    **BODY_FORCES,
-    "f": _compiled("qva", _body_dynamics, by_table.dynamics, universe_is_filled=True),
-}
-"""The same, where `f[0]` is filled by the algorithm."""
 BODIES = {**VELOCITIES, **dict.fromkeys(("h", "oh"), _BODY_DYNAMICS), **BODY_FORCES}
 """The same, with velocities and momenta."""
 BODIES_UNDER_FORCES = dict.fromkeys(BODIES, _compiled("qvaf", _body_dynamics, by_table.dynamics))
 """The same, where forces act on the joints."""
-_SUBTREE_MOMENTA = _compiled("qva", _subtree_momenta, by_table.subtree_momenta, universe_is_filled=True)
+_WITH_TOTAL = ("f", "of")
+BODIES_AND_BASE = dict.fromkeys(BODIES, _compiled("qva", _body_dynamics, by_table.dynamics, _WITH_TOTAL))
+"""Those of `BODIES`; `f[0]` and `of[0]` are the force of the base on all joints that stand on it."""
+BODIES_AND_BASE_UNDER_FORCES = dict.fromkeys(
+    BODIES, _compiled("qvaf", _body_dynamics, by_table.dynamics, _WITH_TOTAL)
+)
+"""The same, where forces act on the joints."""
+_SUBTREE_MOMENTA = _compiled("qva", _subtree_momenta, by_table.subtree_momenta)
 SUBTREE_MOMENTA = {"h": _SUBTREE_MOMENTA}
 SUBTREE_MOMENTA_AND_RATES = dict.fromkeys(("h", "f"), _SUBTREE_MOMENTA)
 SUBTREE_MOMENTA_IN_WORLD = dict.fromkeys(("oh", "of"), _SUBTREE_MOMENTA)

@@ -90,6 +90,7 @@ class FieldStates:
     _qv_of_jacobians: Any
     _state_of_derivatives: Any
     _state_of_forward_dynamics: Any
+    _q_of_articulated: Any
 
     def _target(self, name: str) -> Floats:
         """Where an algorithm writes: the array of that name, of the joints but the universe, of the whole robot."""
@@ -326,7 +327,8 @@ for _attribute, _state in {
     "_q_of_jacobians": "jacobians",
     "_qv_of_jacobians": "jacobian_rates",
     "_state_of_derivatives": "derivatives",
-    "_state_of_forward_dynamics": "aba",
+    "_state_of_forward_dynamics": "forward_dynamics",
+    "_q_of_articulated": "articulated",
 }.items():
     setattr(FieldStates, _attribute, _stored_state(_state))
 

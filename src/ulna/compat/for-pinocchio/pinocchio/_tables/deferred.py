@@ -66,15 +66,17 @@ def dynamics(
         F: Forces on the joints (njoints - 1, 6) [N, N m].
 
     Returns:
-        The fields.
+        The fields, and under `f[0]` and `of[0]` the force of the base on the joints that stand on it (6,) [N, N m].
     """
     out = evaluator.run(r.DYNAMICS, q, v, a, F)
     T, V, A, H, W = (evaluator.of_joints(x) for x in (out.T, out.V, out.A, out.H, out.F))
     fall = np.concatenate([evaluator.gravity, np.zeros(3)])
-    oa_gf = in_world(T, A)
+    oa_gf, of = in_world(T, A), wrenches_in_world(T, W)
+    on_the_base = of[evaluator.stand_on_base()].sum(axis=0)
     return {
         **{"v": V, "h": H, "a_gf": A, "f": W, "ov": in_world(T, V)},
-        **{"oh": wrenches_in_world(T, H), "of": wrenches_in_world(T, W), "oa_gf": oa_gf, "oa": oa_gf + fall},
+        **{"oh": wrenches_in_world(T, H), "of": of, "oa_gf": oa_gf, "oa": oa_gf + fall},
+        **{"f[0]": on_the_base, "of[0]": on_the_base},
     }
 
 

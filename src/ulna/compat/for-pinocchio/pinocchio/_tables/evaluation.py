@@ -106,6 +106,10 @@ class TableEvaluator:
         """The rows of the steps whose moving frames are the joints'."""
         return rows[self.steps.of_joint]
 
+    def stand_on_base(self) -> Any:
+        """For each joint whether no joint moves it, (njoints - 1,)."""
+        return self.steps.table.parents[self.steps.first] < 0
+
     def subtree_sums(self, rows: Floats) -> Floats:
         """The sums of values of steps over all that each step moves, (steps, ...)."""
         sums, parents = rows.copy(), self.steps.table.parents.tolist()
