@@ -518,3 +518,13 @@ def test_copies_and_constants_are_new(pin: Any) -> None:
     block = M.homogeneous
     block[:] = 0.0
     assert pin.SE3(block) != M
+
+
+def test_places_far_away_are_subtracted_before_they_are_turned(pin: Any) -> None:
+    R = pin.exp3(np.array([0.3, -0.2, 0.5]))
+    at, other = np.array([1e6, -2e6, 3e6]), np.array([1e6 + 0.125, -2e6, 3e6 + 0.25])
+    A, B = pin.SE3(R, at), pin.SE3(R, other)
+    wanted = R.T @ (other - at)
+    np.testing.assert_allclose(A.actInv(B).translation, wanted, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(A.actInv(other), wanted, rtol=0, atol=1e-15)
+    np.testing.assert_array_equal(A.actInv(A).translation, 0.0)

@@ -275,10 +275,15 @@ def test_an_se3_acts_on_one_object(pin: Any) -> None:
             act()
 
 
-def test_quaternions_without_length_and_numbers_are_no_placements(pin: Any) -> None:
-    for w in (0.0, 1e-200):
-        with pytest.raises(InputError, match="expected unit length"):
-            pin.XYZQUATToSE3(np.array([1.0, 2.0, 3.0, 0.0, 0.0, 0.0, w]))
+def test_quaternions_of_another_length_and_numbers_are_no_placements(pin: Any) -> None:
+    for w in (0.0, 1e-200, 0.989, -0.5, 1.011, 7.0, np.nan):
+        values = np.array([1.0, 2.0, 3.0, 0.0, 0.0, 0.0, w])
+        for call in (pin.XYZQUATToSE3, lambda x: pin.XYZQUATToSE3(list(x)), pin.log6_quat):
+            with pytest.raises(InputError, match=r"long; expected length 1.*np.linalg.norm"):
+                call(values)
+        for R in (values[3:], pin.Quaternion(values[3:])):
+            with pytest.raises(InputError, match="expected length 1"):
+                pin.log3(R)
     frame = pin.buildSampleModelManipulator().frames[1]
     with pytest.raises(TypeError, match="expected a pinocchio.SE3"):
         frame.placement = 3

@@ -12,7 +12,7 @@ from pinocchio._containers.arrays import matrix, numbers, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.bound_functions import BoundFunctions, directly, without_gaps
 from pinocchio._spatial.motion_force import Motion
-from pinocchio._spatial.rotations import Quaternion
+from pinocchio._spatial.rotations import Quaternion, check_unit
 from pinocchio._spatial.se3 import SE3, as_placement
 from ulna import spatial
 from ulna.compiler import compile as compile_function
@@ -72,7 +72,8 @@ def log3(R: Any, theta: Any = OMITTED) -> Floats:
     """The rotation vector of a rotation.
 
     Args:
-        R: Rotation matrix (3, 3), a Quaternion, or its coefficients x, y, z, w, (4,).
+        R: Rotation matrix (3, 3), a Quaternion, or its coefficients x, y, z, w, (4,); as in Pinocchio, the vector is
+            as much too long as the quaternion is.
         theta: An array (1,) that takes the angle [rad]; it may be left out.
 
     Returns:
@@ -85,15 +86,16 @@ def log3(R: Any, theta: Any = OMITTED) -> Floats:
         turn = without_gaps(_EXACT["log3"], R)
         if turn is not NotImplemented:
             return turn
-    turned = R.matrix() if isinstance(R, Quaternion) else numbers(R, "R")
+    turned, length = R.coeffs() if isinstance(R, Quaternion) else numbers(R, "R"), 1.0
     if turned.shape in ((4,), (4, 1)):
-        turned = Quaternion(turned).matrix()
+        length = check_unit(turned.ravel(), "log3")
+        turned = Quaternion(turned / length).matrix()
     turn = _CONVERTING["log3"](matrix(turned, (3, 3), "R"))
     if isinstance(theta, np.ndarray) and theta.dtype == float and theta.size == 1:
         theta[...] = np.linalg.norm(turn)
     elif theta is not OMITTED:
         raise ArgumentError(f"`theta` is {theta!r}; expected an array (1,) of floats, which takes the angle.")
-    return turn
+    return length * turn
 
 
 def exp3_quat(w: Any) -> Floats:
@@ -123,8 +125,9 @@ def log6(M: Any) -> Motion:
 
 @by_name("q", "xyzquat")
 def log6_quat(xyzquat: Any) -> Motion:
-    """The Motion that leads to a position and quaternion xyzw (7,) in one second."""
+    """The Motion that leads to a position and quaternion xyzw (7,) in one second; the quaternion is scaled."""
     values = vector(xyzquat, 7, "xyzquat")
+    check_unit(values[3:], "log6_quat")
     return Motion._from(spatial.se3_log(spatial.SE3.from_quat_xyzw(values[3:], values[:3])))
 
 

@@ -21,6 +21,30 @@ from ulna.numeric import vector as numeric_vector
 from ulna.typing import Array, Floats
 
 _CONJUGATE = np.array([-1.0, -1.0, -1.0, 1.0])
+UNIT_TOLERANCE = 0.01
+"""By how much the length of a quaternion may be off where a rotation is made of it."""
+
+
+def check_unit(quat: Floats, function: str) -> float:
+    """Checks that a quaternion is of unit length, to 1 %: of others there is no rotation.
+
+    Args:
+        quat: Quaternion xyzw (4,).
+        function: What was called with it, for the message.
+
+    Returns:
+        Its length [-].
+
+    Raises:
+        ArgumentError: It has another length.
+    """
+    length = float(np.linalg.norm(quat))
+    if not abs(length - 1.0) < UNIT_TOLERANCE:
+        raise ArgumentError(
+            f"{function} was given a quaternion (x, y, z, w) of {quat.tolist()}, {length:.6g} long; expected length 1. "
+            "Divide it by its length; q[3:] /= np.linalg.norm(q[3:]) for a position and a quaternion."
+        )
+    return length
 
 
 @final

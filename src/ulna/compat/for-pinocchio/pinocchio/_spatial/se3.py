@@ -14,31 +14,32 @@ from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.bound_functions import BoundFunctions, directly, without_gaps
 from pinocchio._spatial.random_numbers import Random
-from pinocchio._spatial.rotations import coefficients_of, quaternion_of
+from pinocchio._spatial.rotations import UNIT_TOLERANCE, check_unit, coefficients_of, quaternion_of
 from pinocchio._spatial.small_kernels import pose, random_pose, small_kernel
 from ulna import spatial
-from ulna.errors import InputError
 from ulna.typing import Array, Floats
 
 
-def _turned(quat: Array) -> Array:
-    return spatial.quat_xyzw_to_matrix(spatial.quat_normalize(quat))
-
-
 def _placed(x: Array) -> Array:
-    return spatial.SE3(_turned(x[3:]), x[:3]).matrix()
+    return spatial.SE3(spatial.quat_xyzw_to_matrix(x[3:]), x[:3]).matrix()
 
 
 def _placed_and_valid(x: Array) -> tuple[Array, Any]:
-    """The placement of a position and a quaternion, and its squared length, less what rounds to zero."""
-    return _placed(x), x[3:] @ x[3:] - _SHORTEST
+    """The placement of a position and a quaternion, and a number above zero where its length is close to 1."""
+    off = x[3:] @ x[3:] - (1.0 + UNIT_TOLERANCE**2)
+    return _placed(x), (2.0 * UNIT_TOLERANCE) ** 2 - off * off
 
 
-_SHORTEST = 1e-150  # of a quaternion whose square is not rounded to zero
+def _quotient(a: Array, b: Array) -> Array:
+    """The second placement in the first; places are subtracted before they are turned, so that no digits are lost."""
+    back = a[:3, :3].T
+    return spatial.SE3(back @ b[:3, :3], back @ (b[:3, 3] - a[:3, 3])).matrix()
+
+
 _M, _V = (4, 4), (6,)
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "product": (lambda a, b: (pose(a) @ pose(b)).matrix(), _M, _M),
-    "quotient": (lambda a, b: (pose(a).inverse() @ pose(b)).matrix(), _M, _M),
+    "quotient": (_quotient, _M, _M),
     "inverse": (lambda a: pose(a).inverse().matrix(), _M),
     "action": (lambda a: pose(a).adjoint(), _M),
     "action back": (lambda a: pose(a).inverse().adjoint(), _M),
@@ -240,7 +241,7 @@ class SE3:
             return small_kernel("pose point")(self._m, item)
         if hasattr(item, "getRotation"):
             return self.act(SE3(item))
-        return self._point(item, self._m[:3, :3], self._m[:3, 3])
+        return self._m[:3, :3] @ vector(item, 3, "point") + self._m[:3, 3]
 
     @reads_names(*_ITEMS)
     def actInv(self, item: Any = None, **named: Any) -> Any:
@@ -261,8 +262,7 @@ class SE3:
             return item._moved_back(self)
         if hasattr(item, "getRotation"):
             return self.actInv(SE3(item))
-        back = self.inverse()
-        return self._point(item, back._m[:3, :3], back._m[:3, 3])
+        return self._m[:3, :3].T @ (vector(item, 3, "point") - self._m[:3, 3])
 
     def __mul__(self, item: Any) -> Any:
         if isinstance(item, SE3):
@@ -284,10 +284,6 @@ class SE3:
                 f"SE3.{function} was given two arguments, one as {', '.join(named)}; expected one."
             )
         return the_one(f"SE3.{function}", named, _ITEMS)
-
-    @staticmethod
-    def _point(item: Any, rotation: Floats, translation: Floats) -> Floats:
-        return rotation @ vector(item, 3, "point") + translation
 
     def isApprox(self, other: SE3, prec: float = 1e-12) -> bool:
         """Whether rotation and translation agree.
@@ -360,12 +356,12 @@ _ARRAY_FUNCTIONS = BoundFunctions(
 @directly(_XYZQUAT_FUNCTIONS.row("placed", np.ndarray))
 @by_name("array", "xyzquat", "tuple", "list")
 def XYZQUATToSE3(xyzquat: Any) -> SE3:
-    """The placement of a position and a quaternion xyzw in one array (7,)."""
+    """The placement of a position and a quaternion xyzw in one array (7,), whose length is 1 to 1 %.
+
+    As in Pinocchio, the quaternion is not scaled: of one that is not quite of unit length no exact rotation is made.
+    """
     values = vector(xyzquat, 7, "xyzquat")
-    if np.linalg.norm(values[3:]) < _SHORTEST:
-        raise InputError(
-            f"XYZQUATToSE3 was given a quaternion (x, y, z, w) of {values[3:]}; expected unit length."
-        )
+    check_unit(values[3:], "XYZQUATToSE3")
     return SE3._of(se3_kernel("placed")(values))
 
 

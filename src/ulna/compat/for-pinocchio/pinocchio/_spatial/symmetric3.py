@@ -212,7 +212,8 @@ class Symmetric3:
 
 
 def _packed(full: Floats) -> list[float]:
-    return [full[i, j] for i, j in ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))]
+    """The lower triangle, which counts in Pinocchio where a matrix is not symmetric."""
+    return [full[i, j] for i, j in ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))]
 
 
 def _summand(other: Any) -> Symmetric3:
