@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 import pickle
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 
 from support.compat_packages import using
-from support.two_pythons import both
+from support.two_pythons import both, printed
 from ulna.errors import InputError
 
 
@@ -110,7 +111,7 @@ def test_terms_of_the_articulated_bodies_make_accelerations(pin: Any) -> None:
     for i in range(2, model.njoints):
         joint = data.joints[i]
         assert joint.Dinv[0] == pytest.approx(1.0 / data.D[model.joints[i].idx_v])
-        np.testing.assert_allclose(joint.UDinv, joint.U * joint.Dinv)
+        np.testing.assert_allclose(joint.UDinv, joint.U * joint.Dinv[0])
     pin.forwardKinematics(model, data, q)
     placed = data.oMi[1]
     np.testing.assert_allclose(
@@ -291,3 +292,26 @@ def test_columns_of_derivatives_add_those_of_mimic_joints(pin: Any) -> None:
     pin.crba(both, whole, np.array([q[0], 2.0 * q[0]]))
     for here, there in zip(part.Fcrb, whole.Fcrb, strict=True):
         np.testing.assert_allclose(here, there @ [[1.0], [2.0]], atol=1e-12)
+
+
+_DATA_OF_JOINTS = """
+import json, numpy as np, pinocchio as pin
+model = pin.buildSampleModelHumanoid()
+data, own = model.createData(), pin.JointModelRX()
+pin.aba(model, data, pin.neutral(model), np.zeros(model.nv), np.zeros(model.nv))
+composite = pin.JointModelComposite(pin.JointModelRX(), pin.SE3.Identity())
+composite.addJoint(pin.JointModelRY())
+found = []
+for one in (own.createData(), pin.JointModel(own).createData(), model.joints[0].createData(), model.joints[2].createData(),
+            model.joints[1].createData(), model.joints[2].extract().createData(), data.joints[2], data.joints[2].extract(),
+            data.joints[1].extract(), composite.createData(), composite.createData().joints[1]):
+    found += [type(one).__name__, one.shortname()]
+    found += [list(np.shape(getattr(one, name))) for name in ("S", "U", "Dinv", "UDinv")]
+print(json.dumps(found))
+"""
+
+
+def test_data_of_joints_of_a_model_are_of_one_class() -> None:
+    pytest.importorskip("pinocchio")
+    own, wanted = map(json.loads, printed(_DATA_OF_JOINTS))
+    assert own == wanted and len(own) == 66

@@ -63,7 +63,7 @@ def live_joints(data: FieldStates) -> StdVec[JointData]:
         The data; each shows the state of the last algorithm whenever it is read.
     """
     joints = data._model.joints
-    out = StdVec(data_of(joint) for joint in joints)
+    out = StdVec(data_of(joint, of_any_kind=True) for joint in joints)
     for joint, made in zip(list(joints)[1:], list(out)[1:], strict=True):
         made.follow(LiveJoint(data, joint, made))
     return out

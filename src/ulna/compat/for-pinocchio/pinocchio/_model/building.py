@@ -169,7 +169,7 @@ class KinematicTree(KernelCache):
             raise InputError(
                 "The universe cannot be added as a joint; expected a JointModel such as JointModelRZ()."
             )
-        joint = joint_model.copy()
+        joint = joint_model.held()
         follows = joint.mimic is not None
         place = (joint.idx_q, joint.idx_v) if follows else (self.nq, self.nv)
         joint.setIndexes(self.njoints, *place, self.nvExtended)

@@ -74,6 +74,8 @@ class JointBase(CheckedAttributes):
     _shortname: str
     _wrapped: JointBase | None
     _mimic_shortname: str
+    _held = False
+    """Whether a model holds it: there it is a JointModel, whatever its kind, and its data are a JointData."""
 
     def __init__(self, other: JointBase | None = None) -> None:
         if other is None:
@@ -135,7 +137,15 @@ class JointBase(CheckedAttributes):
 
     def extract(self) -> JointBase:
         """The joint itself, of the class of its kind."""
-        return self.copy() if self._wrapped is None else self._wrapped.copy()
+        out = self.copy() if self._wrapped is None else self._wrapped.copy()
+        out.__dict__.pop("_held", None)
+        return out
+
+    def held(self) -> Self:
+        """A copy for a model."""
+        out = self.copy()
+        out.__dict__["_held"] = True
+        return out
 
     @property
     def parts(self) -> Sequence[Any]:

@@ -111,9 +111,9 @@ class JointData:
 
     @property
     def Dinv(self) -> Floats:
-        """The inverse of S^T U and the armature, (nv, nv), or (1,)."""
+        """The inverse of S^T U and the armature, (nv, nv); (1,) for one column, of data of the class of its kind."""
         inverse = self._of_recursion()[1]
-        return fixed(inverse[0] if inverse.shape == (1, 1) else inverse)
+        return fixed(inverse[0] if inverse.shape == (1, 1) and type(self) is not JointData else inverse)
 
     @property
     def UDinv(self) -> Floats:
@@ -140,8 +140,13 @@ class JointData:
         return self._shortname
 
     def extract(self) -> JointData:
-        """Itself."""
-        return self
+        """The same data as they are now, of the class of the joint's kind."""
+        out = self.copy()
+        if type(self) is not JointData or self._shortname not in CLASSES:
+            return out
+        made = object.__new__(CLASSES[self._shortname])
+        made.__dict__.update(out.__dict__)
+        return made
 
     def place(self, joint: JointBase, q: Any, v: Any) -> None:
         """Computes the state of the joint; see `JointModel.calc`.
@@ -303,17 +308,27 @@ CLASSES: dict[str, type[JointData]] = {
 globals().update(CLASSES)
 
 
-def data_of(joint: JointBase) -> JointData:
-    """Data for a joint, at its neutral position."""
+def data_of(joint: JointBase, of_any_kind: bool = False) -> JointData:
+    """Data for a joint, at its neutral position.
+
+    Args:
+        joint: The joint.
+        of_any_kind: Whether they are a JointData, else of the class of the joint's kind.
+
+    Returns:
+        The data.
+    """
     shortname = joint.shortname().replace("JointModel", "JointData")
-    cls = CLASSES.get(shortname) or CLASSES[f"{shortname}Tpl"]
+    kind = CLASSES.get(shortname) or CLASSES[f"{shortname}Tpl"]
+    cls = JointData if of_any_kind else kind
     data = cls.__new__(cls)
     JointData.__init__(data)
+    data._shortname = kind.__name__
     if joint.mimic is not None:
         data._mimic_shortname = (joint._mimic_shortname or type(joint).__name__).replace(
             "JointModel", "JointData"
         )
-    data._joints = StdVec(data_of(part) for part in joint.parts)
+    data._joints = StdVec(data_of(part, of_any_kind=True) for part in joint.parts)
     data._places = StdVec(getattr(joint, "jointPlacements", ()))
     if joint.kind is not None:
         data.place(joint, joint.kind.neutral(), np.zeros(joint.kind.nv))

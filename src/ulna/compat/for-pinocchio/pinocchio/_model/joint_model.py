@@ -14,8 +14,8 @@ class JointModel(JointBase):
     """A kind of joint and, once in a model, its index and its indices in q and v."""
 
     def createData(self) -> JointData:
-        """What `calc` writes into."""
-        return data_of(self)
+        """What `calc` writes into: a JointData for a joint of a model, else one of the class of its kind."""
+        return data_of(self, of_any_kind=self._held or type(self) is JointModel)
 
     def calc(self, jdata: JointData, q: Any, v: Any = None) -> None:
         """Computes the state of the joint.
