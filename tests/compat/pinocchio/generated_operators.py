@@ -46,7 +46,6 @@ DOCUMENTED = (
         r".*m\.referenceConfigurations.*",
         "a dictionary, which NumPy takes there for a sequence without entries",
     ),
-    (r"value", r"\(Y\) [+-] \(R\)", "of a matrix that is not symmetric another triangle counts"),
     (
         r"accepted",
         r"did\(Y, lambda x: operator\.i(add|sub)\(x, .*|len\(Q\)",
