@@ -43,9 +43,9 @@ def compilations(monkeypatch):
     seen: list[str] = []
     original = jit.optimised
 
-    def spy(ir: str, has_loops: bool, machine):
+    def spy(ir: str, passes: jit.Passes, machine):
         seen.append(ir)
-        return original(ir, has_loops, machine)
+        return original(ir, passes, machine)
 
     monkeypatch.setattr(jit, "optimised", spy)
     return seen
@@ -78,7 +78,7 @@ import sys
 from ulna.compiler import compile
 from ulna.compiler.runtime import jit, object_layout
 import numpy as np
-def refuse(ir, has_loops, machine):
+def refuse(ir, passes, machine):
     raise SystemExit("compiled")
 if sys.argv[1] == "refuse":
     jit.optimised = refuse

@@ -21,9 +21,9 @@ def modules(monkeypatch, tmp_path):
     seen: list[str] = []
     original = jit.optimised
 
-    def spy(ir: str, has_loops: bool, machine):
+    def spy(ir: str, passes: jit.Passes, machine):
         seen.append(ir)
-        return original(ir, has_loops, machine)
+        return original(ir, passes, machine)
 
     monkeypatch.setattr(jit, "optimised", spy)
     monkeypatch.setattr(jit, "_rare_functions", {})

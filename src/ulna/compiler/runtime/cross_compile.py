@@ -14,11 +14,11 @@ from typing import Literal
 
 from ulna import disk_cache
 from ulna.compiler.codegen.target import Target
-from ulna.compiler.runtime.jit import llvm_library, optimised
+from ulna.compiler.runtime.jit import llvm_library, optimised, passes_for
 from ulna.errors import CompileError, InputError
 
 Format = Literal["object", "assembly"]
-_RECIPE = "cross 2"
+_RECIPE = "cross 3"
 _START = "from ulna.compiler.runtime.cross_compile import compile_standard_input; compile_standard_input()"
 _TIMEOUT = 1800.0  # s; a guard against a back end that never ends
 
@@ -106,7 +106,7 @@ def compile_standard_input() -> None:
             codemodel="default",
             abiname=order["abi"],
         )
-        module = optimised(ir, order["has_loops"], machine)
+        module = optimised(ir, passes_for(ir, order["has_loops"]), machine)
     except (RuntimeError, CompileError) as error:
         sys.exit(str(error).strip())
     made = (

@@ -10,6 +10,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator
+from enum import Enum
 from functools import cache, lru_cache, partial
 from typing import Any
 
@@ -25,8 +26,8 @@ from ulna.errors import CompileError
 from ulna.system import forks, process_end
 from ulna.system.collector import paused_collection
 
-# Part of the cache's key: change it with `optimised` and `_machine`.
-_RECIPE = "rare functions apart, arrays on heap, inlining or level 1 of short loops, codegen 2 or 1, combined if small"
+# Part of the cache's key: change it with `Passes`, `optimised` and `_machine`.
+_RECIPE = "rare functions apart, arrays on heap, inlining, combined if small, level 1 of short loops, codegen 2 or 1"
 # How much IR text of one call and of a batch LLVM compiles, about [byte/s].
 _SPEED = {"entry": 4e6, "batch": 2e6, "kernel": 2e6, "xla": 2e6, "f.all": 2e6}
 _LOOPS_SPEED = 3e5  # the same of procedures, whose loops are optimised [byte/s]
@@ -34,14 +35,18 @@ _LOOPS_SPEED = 3e5  # the same of procedures, whose loops are optimised [byte/s]
 _ANNOUNCE_FROM = 0.5
 watchers: list[Callable[[str, str], None]] = []
 """Called with what is compiled and about how long it takes, where it is long, and with "" once it is done."""
-_LARGE = 200_000
-"""Characters of IR without loops from which on instructions are scheduled once, before registers are allocated.
+_SCHEDULED_TWICE = 200_000
+"""Characters of IR up to which instructions are scheduled once more, after registers are allocated.
 
-To schedule them again takes a fifth of LLVM's time. It makes small code up to 1.5 % faster, and large code not."""
+That takes a fifth of LLVM's time. It makes small code up to 1.5 % faster, and large code not."""
+_COMBINED = 100_000
+"""Characters of straight-line IR up to which LLVM combines instructions; a folded graph has few that it could."""
+_SHORT_LOOPS = 110_000
+"""Characters of IR with loops up to which LLVM runs all of its level 1.
+
+Longer ones are mostly arithmetic that is folded and shared already: level 1 takes a third of the time, for nothing."""
 _LONG_LOOPS = 500_000
-"""Characters of IR with loops from which on LLVM does not optimise these.
-
-Most of an iteration is then arithmetic that is folded and shared already, and to look at it takes half of the time."""
+"""Characters of IR with loops up to which instructions are combined, which makes single calls 2 % faster."""
 _library_numbers = itertools.count()
 # What LLVM keeps of an object file that was dropped, 10 kB, goes with the engine; making one takes 1.5 ms.
 _GROUP = 16
@@ -71,6 +76,14 @@ class _IsFinalizing:
 
     def __bool__(self, is_finalizing: Callable[[], bool] = sys.is_finalizing) -> bool:
         return is_finalizing()
+
+
+class Passes(Enum):
+    """What LLVM does with a module before it selects instructions."""
+
+    INLINING = "functions are inlined where that is asked for"
+    COMBINING = "the same, and instructions are combined"
+    LEVEL_1 = "all of level 1, which optimises loops"
 
 
 @dataclass(frozen=True)
@@ -117,9 +130,9 @@ def _new_machine(level: int = 2) -> Any:
 _machine_of_level = cache(_new_machine)
 
 
-def _machine(ir: str, has_loops: bool) -> Any:
+def _machine(ir: str, passes: Passes) -> Any:
     """LLVM's target machine for a module: with less effort where that is not missed."""
-    return _machine_of_level(1 if not has_loops and len(ir) > _LARGE else 2)
+    return _machine_of_level(1 if passes is not Passes.LEVEL_1 and len(ir) > _SCHEDULED_TWICE else 2)
 
 
 def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
@@ -133,7 +146,7 @@ def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
     Returns:
         The loaded code; it must live as long as it is called.
     """
-    return _load(_key(ir), lambda: ir, names, _has_loops(f, ir), partial(_announced, f, names[0]))
+    return _load(_key(ir), lambda: ir, names, _passes_of(f, ir), partial(_announced, f, names[0]))
 
 
 def load_text(ir: str, names: tuple[str, ...], has_loops: bool = True) -> Code:
@@ -147,7 +160,9 @@ def load_text(ir: str, names: tuple[str, ...], has_loops: bool = True) -> Code:
     Returns:
         The loaded code; it must live as long as it is called.
     """
-    return _load(_key(ir), lambda: ir, names, has_loops, lambda size: contextlib.nullcontext())
+    return _load(
+        _key(ir), lambda: ir, names, passes_for(ir, has_loops), lambda size: contextlib.nullcontext()
+    )
 
 
 def is_stored(ir: str) -> bool:
@@ -167,14 +182,14 @@ def load_known(digest: str, text: Callable[[], str], names: tuple[str, ...], tit
     Returns:
         The loaded code; it must live as long as it is called.
     """
-    return _load(_key(digest), text, names, True, partial(_announced_text, title))
+    return _load(_key(digest), text, names, Passes.LEVEL_1, partial(_announced_text, title))
 
 
 def _load(
     key: str,
     text: Callable[[], str],
     names: tuple[str, ...],
-    has_loops: bool,
+    passes: Passes,
     announced: Callable[[int], Any],
 ) -> Code:
     start = time.perf_counter()
@@ -185,7 +200,7 @@ def _load(
         with announced(
             len(ir)
         ):  # in this thread and without the lock: watchers may do anything, forks included
-            content = interruptible(partial(_object, key, ir, has_loops))
+            content = interruptible(partial(_object, key, ir, passes))
     rare = {name: _rare_function(name, text) for name in rare_functions_of(content)}
     seconds = time.perf_counter() - start if is_new else 0.0
     with _lock:
@@ -223,7 +238,7 @@ def _rare_function(name: str, text: Callable[[], str]) -> int:
         content = _cached_object(key)
         if content is None:
             module = with_rare_functions_apart(text())[1][name]
-            content = interruptible(partial(_object, key, module, False))
+            content = interruptible(partial(_object, key, module, passes_for(module, has_loops=False)))
         with _lock:
             code = _rare_functions.setdefault(name, _linked(content, (name,), 0.0, {}))
     return code.address(name)
@@ -283,21 +298,38 @@ def _cached_object(key: str) -> bytes | None:
     return content if content is not None and is_sound(content, target().triple) else None
 
 
-def _object(key: str, ir: str, has_loops: bool) -> bytes:
+def _object(key: str, ir: str, passes: Passes) -> bytes:
     """The object file of `ir`, which another thread, or a compilation that was interrupted, may have made by now."""
     with _lock:
         content = _cached_object(key)
         if content is None:
-            machine = _machine(ir, has_loops)
-            content = machine.emit_object(_optimised_here(ir, has_loops, machine))
+            machine = _machine(ir, passes)
+            content = machine.emit_object(_optimised_here(ir, passes, machine))
             disk_cache.write(key, content)
         return content
 
 
-def _has_loops(f: Function, ir: str) -> bool:
-    """Whether LLVM is to optimise loops; not in second forms, of which only the graph's, untraced yet, are known."""
-    is_long = len(ir) > _LONG_LOOPS
-    return not is_long and getattr(f, "untraced_operations", None) is None and f.has_loops
+def passes_for(ir: str, has_loops: bool) -> Passes:
+    """What LLVM is to do with a text.
+
+    Args:
+        ir: The text of an LLVM module.
+        has_loops: Whether it has loops that LLVM is to optimise, however long it is.
+
+    Returns:
+        The passes.
+    """
+    if has_loops:
+        return Passes.LEVEL_1
+    return Passes.COMBINING if len(ir) <= _COMBINED else Passes.INLINING
+
+
+def _passes_of(f: Function, ir: str) -> Passes:
+    """What LLVM is to do with the text of a function; of second forms the graph, and its loops, are not known yet."""
+    has_loops = getattr(f, "untraced_operations", None) is None and f.has_loops
+    if has_loops and _SHORT_LOOPS < len(ir) <= _LONG_LOOPS:
+        return Passes.COMBINING
+    return passes_for(ir, has_loops and len(ir) <= _LONG_LOOPS)
 
 
 def _announced(f: Function, what: str, size: int) -> Any:
@@ -349,12 +381,12 @@ def announced(text: str, what: str, seconds: float) -> Iterator[None]:
             watcher(what, "")
 
 
-def optimised(ir: str, has_loops: bool, machine: Any) -> Any:
-    """The module after inlining, which is enough for a folded and shared graph; with loops, after all of level 1.
+def optimised(ir: str, passes: Passes, machine: Any) -> Any:
+    """The module after its passes.
 
     Args:
         ir: The text of an LLVM module.
-        has_loops: Whether it has loops.
+        passes: What is done with it.
         machine: The target machine of LLVM that it is for.
 
     Returns:
@@ -377,20 +409,20 @@ def optimised(ir: str, has_loops: bool, machine: Any) -> Any:
     options.loop_vectorization = False  # lanes are explicit
     options.slp_vectorization = False
     builder = llvm.create_pass_builder(machine, options)
-    if not has_loops:
-        _inlining(is_large=len(ir) > _LARGE).run(module, builder)
+    if passes is not Passes.LEVEL_1:
+        _inlining(combines=passes is Passes.COMBINING).run(module, builder)
         return module
-    passes = builder.getModulePassManager()  # cannot run twice
+    manager = builder.getModulePassManager()  # cannot run twice
     try:
-        passes.run(module, builder)
+        manager.run(module, builder)
     finally:
-        _free(passes)
+        _free(manager)
     return module
 
 
-def _optimised_here(ir: str, has_loops: bool, machine: Any) -> Any:
+def _optimised_here(ir: str, passes: Passes, machine: Any) -> Any:
     """The optimised module for this process, whose large arrays lie on the heap, without what kernels share."""
-    return optimised(with_arrays_on_heap(with_rare_functions_apart(ir)[0]), has_loops, machine)
+    return optimised(with_arrays_on_heap(with_rare_functions_apart(ir)[0]), passes, machine)
 
 
 def _free(passes: Any) -> None:
@@ -404,12 +436,12 @@ def _free(passes: Any) -> None:
 
 
 @cache
-def _inlining(is_large: bool) -> Any:
-    """Inlining and, of small code, what follows; made once. A folded graph has no instructions to combine."""
+def _inlining(combines: bool) -> Any:
+    """Inlining, also with combined instructions; made once."""
     passes = llvm_library().create_new_module_pass_manager()
     passes.add_always_inliner_pass()
     passes.add_global_dead_code_eliminate_pass()
-    if not is_large:
+    if combines:
         passes.add_simplify_cfg_pass()
         passes.add_instruction_combine_pass()
     return passes
@@ -426,8 +458,9 @@ def assembly(f: Function, ir: str) -> str:
         The text of the assembly.
     """
     with _lock:
-        machine = _machine(ir, _has_loops(f, ir))
-        return machine.emit_assembly(_optimised_here(ir, _has_loops(f, ir), machine))
+        passes = _passes_of(f, ir)
+        machine = _machine(ir, passes)
+        return machine.emit_assembly(_optimised_here(ir, passes, machine))
 
 
 @dataclass(frozen=True)
@@ -464,7 +497,8 @@ def examined(f: Function, ir: str) -> Examined:
     state = "off" if disk_cache.folder() is None else "not stored" if content is None else "stored"
     with _lock:
         if content is None:
-            machine = _machine(ir, _has_loops(f, ir))
-            content = machine.emit_object(_optimised_here(ir, _has_loops(f, ir), machine))
+            passes = _passes_of(f, ir)
+            machine = _machine(ir, passes)
+            content = machine.emit_object(_optimised_here(ir, passes, machine))
         sections = llvm_library().ObjectFileRef.from_data(content).sections()
         return Examined(text, sum(s.size() for s in sections if s.is_text()), seconds, state)
