@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ulna import model as models
-from ulna.algorithms import Friction
+from ulna.algorithms import Friction, Proximal
 from ulna.algorithms.multibody.references import check_reference
 from ulna.checks.values import flag, short_repr
 from ulna.errors import InputError, UnknownName
@@ -58,6 +59,22 @@ def choose(name: str, options: Mapping[str, Any]) -> tuple[Quantity, dict[str, A
     for key, value in chosen.items():
         _check_option(key, value)
     return quantity, chosen
+
+
+def for_precision(options: Mapping[str, Any], dtype: str) -> dict[str, Any]:
+    """Options, with those that the type to compute in needs.
+
+    Args:
+        options: Options of a quantity, by name.
+        dtype: The type to compute in, "float64" or "float32".
+
+    Returns:
+        The options: in single precision, forces of constraints are refined.
+    """
+    solver = options.get("solver")
+    if dtype == "float64" or not isinstance(solver, Proximal) or solver.refine:
+        return dict(options)
+    return {**options, "solver": replace(solver, refine=True)}
 
 
 def _check_option(key: str, value: Any) -> None:

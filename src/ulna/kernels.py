@@ -22,6 +22,7 @@ from ulna.kernel_options import (
     check_device,
     choose,
     doc_of,
+    for_precision,
     labels,
     named_options,
     parameter_names,
@@ -237,6 +238,7 @@ def kernel(
     """
     check_device(device, checked)
     quantity, chosen = choose(name, options)
+    chosen = for_precision(chosen, compiler.element_of(dtype).name)
     names = parameter_names(model, parameters)
     key = (
         model.fingerprint,

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import ulna
 from ulna import spatial as sp
 from ulna.compiler import trace
 from ulna.numeric import apply, cross, dot, skew
@@ -347,6 +348,12 @@ def test_angle_and_axis_come_back(w: np.ndarray) -> None:
     close(np.linalg.norm(axis), 1.0)
     close(angle * axis, w)
     close(sp.angle_axis_to_matrix(angle, axis), sp.so3_exp(w))
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_the_axis_of_no_turn_is_x_in_either_precision(dtype: str) -> None:
+    angle, axis = ulna.compile(sp.matrix_to_angle_axis, rotation=(3, 3), dtype=dtype)(np.eye(3))
+    assert angle == 0.0 and axis.tolist() == [1.0, 0.0, 0.0]
 
 
 # batches, traces and symbols: the same source

@@ -82,8 +82,9 @@ def export(
         name = identifier(robot.name) if robot is not None else identifier(chosen[0][0])
     check_identifier("`name`", name, 'name="panda"')
     place = _checked_path(path)
-    functions, searches = records(model, chosen, of_kernels)
-    made = Export(name, model, functions, searches, _dtype(dtype, chosen), MappingProxyType(of_target))
+    element = _dtype(dtype, chosen)
+    functions, searches = records(model, chosen, of_kernels, element.name)
+    made = Export(name, model, functions, searches, element, MappingProxyType(of_target))
     manifest = {"target": to, "name": name, "kernels": [entry[0] for entry in chosen]}
     with atomic_folder(place, manifest) as folder:
         target.write(made, folder)

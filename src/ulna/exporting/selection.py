@@ -15,6 +15,7 @@ from ulna.compiler import Function, KernelBase
 from ulna.errors import InputError, UnknownName
 from ulna.exporting.record import Argument, ExportedFunction, ExportedSearch
 from ulna.ik.arguments import default_start, named_goals, problem_of, shift_of
+from ulna.kernel_options import for_precision
 from ulna.model import Model
 from ulna.quantities import QUANTITIES
 from ulna.quantities.documentation import ARRAYS, cited
@@ -126,7 +127,7 @@ def identifier(text: str) -> str:
 
 
 def records(
-    model: Model | None, chosen: Sequence[Entry], options: Mapping[str, Any]
+    model: Model | None, chosen: Sequence[Entry], options: Mapping[str, Any], dtype: str = "float64"
 ) -> tuple[tuple[ExportedFunction, ...], tuple[ExportedSearch, ...]]:
     """The functions and searches that are asked for.
 
@@ -134,6 +135,7 @@ def records(
         model: The robot, or None.
         chosen: What is asked for, from `entries`.
         options: Options of quantities, such as `frame`; each holds for all that know it.
+        dtype: The type to compute in, "float64" or "float32".
 
     Returns:
         Functions and searches.
@@ -158,7 +160,7 @@ def records(
         if item == "ik":
             searches.append(_search(name, model, mine))
         else:
-            functions.append(_of_quantity(name, model, item, mine))
+            functions.append(_of_quantity(name, model, item, mine, dtype))
     return tuple(functions), tuple(searches)
 
 
@@ -183,8 +185,11 @@ def options_of(item: Any) -> tuple[str, ...]:
     return (*QUANTITIES[item].options, "parameters")
 
 
-def _of_quantity(name: str, model: Model, item: str, options: Mapping[str, Any]) -> ExportedFunction:
-    quantity, function = QUANTITIES[item], kernels.function(model, item, **options)
+def _of_quantity(
+    name: str, model: Model, item: str, options: Mapping[str, Any], dtype: str
+) -> ExportedFunction:
+    quantity = QUANTITIES[item]
+    function = kernels.function(model, item, **for_precision({**quantity.options, **options}, dtype))
     summary, source = cited(quantity.summary)
     set_options = {key: _listed(value) for key, value in options.items() if value is not None and value != ()}
     choices = {**set_options, **kernels.named_options(model, quantity, options)}

@@ -1,4 +1,4 @@
-"""How much results may differ from recorded ones: more where a function multiplies the rounding of its inputs."""
+"""Which results must equal recorded ones, and how much they may differ: more where a function multiplies rounding."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ulna.compiler import Function
+from ulna.compiler.language.ops import Op
 from ulna.exporting.record import ExportedFunction
 from ulna.typing import Floats
 
@@ -44,6 +46,41 @@ def tolerance(f: ExportedFunction, samples: Sequence[Floats], dtype: str) -> flo
             difference = np.abs(change) / scale
             worst = max(worst, float(difference[np.isfinite(difference)].max(initial=0.0)))
     return max(TOLERANCE[dtype], _ROUNDINGS * worst * float(np.finfo(dtype).eps) / spacing)
+
+
+def compared_outputs(f: ExportedFunction, dtype: str) -> list[bool]:
+    """Which outputs are compared with recorded ones: in single precision, not those that count the rounds of a loop.
+
+    Rounding decides when a loop ends that goes on until nothing changes; results are recorded in double precision.
+
+    Args:
+        f: The function.
+        dtype: The type that is computed in, "float64" or "float32".
+
+    Returns:
+        For each output whether it is compared.
+    """
+    function, compared, start = f.function, [], 0
+    for port in function.outputs:
+        nodes = function.results[start : start + port.size]
+        start += port.size
+        counts = bool(nodes) and all(_counts_rounds(function, node) for node in nodes)
+        compared.append(dtype == "float64" or not counts)
+    return compared
+
+
+def _counts_rounds(function: Function, node: int) -> bool:
+    """Whether a result is the state of a loop that grows by one a round."""
+    g = function.graph
+    if g.op[node] != Op.ITEM:
+        return False
+    loop, item = g.data[g.args[node][0]], g.data[node]
+    inner, following = loop.graph, loop.following[item]
+    if inner.op[following] != Op.ADD:
+        return False
+    terms = inner.args[following]
+    grows = any(inner.op[k] == Op.CONST and inner.data[k] == 1.0 for k in terms)
+    return grows and any(inner.op[k] == Op.INPUT and inner.data[k] == item for k in terms)
 
 
 def _outputs(f: ExportedFunction, samples: Sequence[Floats]) -> list[Floats]:

@@ -13,6 +13,9 @@ from typing import Any
 
 import numpy as np
 
+_ABOVE_ONE = 1.0 + 1e-10
+"""A number above 1, which rounds to 1 in single precision."""
+
 
 def is_symbolic(*values: Any) -> bool:
     """Whether any value is a traced scalar, a symbol, or an object array of them."""
@@ -167,6 +170,32 @@ def where(condition: Any, a: Any, b: Any) -> Any:
     if not is_symbolic(condition, a, b):
         return np.where(condition, a, b)[()]  # a number, not an array without axes, for numbers
     return _elementwise(_where, condition, a, b)
+
+
+def is_double(scale: Any) -> Any:
+    """Whether a function computes in double precision. Compilers know the answer in single precision.
+
+    Args:
+        scale: Numbers above zero that the function computed, shape (...) [any]; 1e-300 or more.
+
+    Returns:
+        Truth values, shape (...); false where `scale` is 0 or nan.
+    """
+    return less(scale, scale * _ABOVE_ONE)
+
+
+def by_precision(scale: Any, double: Any, single: Any) -> Any:
+    """A constant for double precision, another one for single precision.
+
+    Args:
+        scale: As for `is_double`.
+        double: The number in double precision, shape (...) [any].
+        single: The number in single precision, and where `scale` is 0 or nan, shape (...), the same unit.
+
+    Returns:
+        Shape (...).
+    """
+    return where(is_double(scale), double, single)
 
 
 def minimum(a: Any, b: Any) -> Any:

@@ -21,7 +21,7 @@ import numpy as np
 
 from ulna.checks.values import short_repr
 from ulna.errors import InputError
-from ulna.numeric import apply, arctan2, cross, dot, less, matrix, sincos, sqrt, vector, where
+from ulna.numeric import apply, arctan2, by_precision, cross, dot, less, matrix, sincos, sqrt, vector, where
 from ulna.spatial.batched import core_shapes
 from ulna.spatial.quaternion import log_of_rotation
 from ulna.typing import Array
@@ -274,7 +274,7 @@ def matrix_to_angle_axis(rotation: Array) -> tuple[Any, Array]:
     """The angle (...) in [0, pi] [rad] and the unit axis (..., 3); the axis is x where the angle is 0."""
     w = log_of_rotation(rotation)[0]
     angle2 = dot(w, w)
-    zero = less(angle2, 1e-300)
+    zero = less(angle2, by_precision(angle2, 1e-300, 1e-36))
     angle = sqrt(where(zero, 1.0, angle2))
     x, y, z = (w[..., n] / angle for n in range(3))
     axis = vector(where(zero, 1.0, x), where(zero, 0.0, y), where(zero, 0.0, z))

@@ -18,6 +18,7 @@ from ulna.cli import main
 from ulna.errors import InputError, UnknownName
 from ulna.exporting.objects.processors import PROCESSORS
 from ulna.exporting.objects.symbols import undefined_symbols
+from ulna.model import PointContact
 from ulna.quantities import QUANTITIES
 
 KERNELS = ["fk", "jacobian", "inverse_dynamics", "ik"]
@@ -104,6 +105,21 @@ def run_test_program(place: Path, compiler: str, *runner: str) -> str:
 def test_the_test_program_passes_here(panda: ulna.Robot, tmp_path: Path, options: dict[str, Any]) -> None:
     place, _ = exported(panda, ["fk", "ik"], tmp_path / "x", triple="x86_64-linux-gnu", **options)
     assert "ik: 8 of 8 goals met" in run_test_program(place, "gcc")
+
+
+@pytest.mark.skipif(
+    platform.machine() != "x86_64" or sys.platform != "linux", reason="links an object file of x86-64 Linux"
+)
+@pytest.mark.parametrize("times", [1, 2])
+def test_constraints_in_single_precision_pass_the_test_program(
+    panda: ulna.Robot, tmp_path: Path, times: int
+) -> None:
+    held = (PointContact("panda_hand"),) * times
+    kernels = ["constrained_dynamics", "impulse_dynamics"]
+    place, _ = exported(
+        panda, kernels, tmp_path / "x", triple="x86_64-linux-gnu", dtype="float32", constraints=held
+    )
+    assert run_test_program(place, "gcc").count("largest difference") == 2
 
 
 @pytest.mark.slow

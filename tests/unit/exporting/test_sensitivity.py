@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import ulna
+from ulna import numeric
 from ulna.exporting.selection import entries, records
-from ulna.exporting.sensitivity import TOLERANCE, tolerance
+from ulna.exporting.sensitivity import TOLERANCE, compared_outputs, tolerance
 
 
 def exported(kernel):
@@ -35,3 +36,21 @@ def test_all_recorded_values_of_an_operational_inertia_pass(tmp_path):
     robot = ulna.load("panda")
     functions, _ = records(robot.model, entries("operational_inertia"), {})
     assert tolerance(functions[0], functions[0].samples, "float64") > 1e-11
+
+
+def test_rounds_are_not_compared_in_single_precision():
+    def halved(x):
+        y, rounds = numeric.loop(lambda y, n: y > 1e-6, lambda y, n: (0.5 * y, n + 1.0), (x, 0.0), 60)
+        return y, rounds, rounds + 1.0
+
+    f = exported(ulna.compile(halved, x=()))
+    assert compared_outputs(f, "float64") == [True, True, True]
+    assert compared_outputs(f, "float32") == [True, False, True]
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_iterations_of_constrained_dynamics_are_rounds(dtype):
+    robot = ulna.load("panda")
+    found = entries("forward_dynamics_with_jacobian")
+    (f,), _ = records(robot.model, found, {}, dtype)
+    assert compared_outputs(f, dtype) == [True, True, True, dtype == "float64"]

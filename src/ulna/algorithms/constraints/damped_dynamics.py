@@ -17,13 +17,14 @@ Budhiraja & Mansard, Proximal and sparse resolution of constrained dynamic equat
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
 from typing import Any, NamedTuple, final
 
 import numpy as np
 
 from ulna import numeric
-from ulna.algorithms.constraints.dynamics import constrained_response
-from ulna.algorithms.constraints.proximal_solver import largest, largest_entry
+from ulna.algorithms.constraints.dynamics import Product, constrained_response
+from ulna.algorithms.constraints.proximal_solver import dependent_part, largest, largest_entry
 from ulna.algorithms.dynamics.crba import mass_matrix
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors
 from ulna.algorithms.dynamics.rnea_point_accelerations import bias_forces
@@ -67,10 +68,10 @@ class DampedMotion(NamedTuple):
     """The largest entry of what is left of the constraints, (...)."""
 
 
-_DEPENDENT_PIVOT = 1e-12
-"""Without damping: a pivot that keeps less than this part of its diagonal entry depends on others."""
 _IMMOVABLE = 1e-24
 """A pivot that is not above this is that of something no force moves."""
+_LARGEST_GROWTH = 2.0**15
+"""In single precision: the largest S_ii G_ii with which forces have derivatives."""
 
 
 def damped_dynamics(
@@ -129,7 +130,7 @@ def _damped_response(M: Array, J: Array, drive: Array, g: Array, damped: Damped)
         damped: The damping, and when the rounds end.
     """
 
-    def solve(G: Array, b: list[Any]) -> tuple[Any, ...]:
+    def solve(G: Array, b: list[Any], _product: Product) -> tuple[Any, ...]:
         return _rounds(damped_factors(G, vector(*[damped.mu] * len(b))), b, len(b), damped)
 
     a, forces, (count, change) = constrained_response(Factors(M), J, drive, g, solve)
@@ -150,10 +151,29 @@ def damped_factors(G: Array, mu: Array) -> Factors:
     """
     m = G.shape[-1]
     damps = [numeric.less(0.0, mu[..., i][()]) for i in range(m)]
-    floors = [
-        numeric.where(damps[i], _IMMOVABLE, _DEPENDENT_PIVOT * G[..., i, i] + _IMMOVABLE) for i in range(m)
-    ]
+    part = dependent_part(reduce(numeric.maximum, [G[..., i, i] for i in range(m)])) if m else 0.0
+    floors = [numeric.where(damps[i], _IMMOVABLE, part * G[..., i, i] + _IMMOVABLE) for i in range(m)]
     return Factors(G + np.eye(m) * mu[..., None, :], floors)
+
+
+def are_unique(factors: Factors, G: Array, S: Array) -> Any:
+    """Whether the forces without damping are unique, and so have derivatives.
+
+    In single precision also not where rounding errors of G move them by more than some thousandths: where the part of a
+    row that does not depend on others, 1 / (S_ii G_ii) of its square, is small.
+
+    Args:
+        factors: Those of G without damping.
+        G: Delassus matrix, shape (..., m, m) [1/kg].
+        S: Its inverse, shape (..., m, m) [kg].
+
+    Returns:
+        Truth values, shape (...).
+    """
+    diagonals = [(S[..., i, i], G[..., i, i]) for i in range(G.shape[-1])]
+    growth = reduce(numeric.maximum, [entry * inverse for inverse, entry in diagonals])
+    limit = numeric.by_precision(growth, np.inf, _LARGEST_GROWTH)
+    return numeric.less(0.0, reduce(numeric.minimum, factors.reciprocals)) & numeric.less(growth, limit)
 
 
 def _rounds(factors: Factors, b: Sequence[Any], m: int, damped: Damped) -> tuple[Sequence[Any], Any, Any]:

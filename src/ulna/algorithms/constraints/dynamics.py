@@ -41,6 +41,9 @@ from ulna.model.constraint import FramePair
 from ulna.numeric import apply, matrix, vector
 from ulna.typing import Array
 
+Product = Callable[[Sequence[Any]], list[Any]]
+"""The product of the Delassus matrix with a vector, entry by entry."""
+
 
 class ConstrainedMotion(NamedTuple):
     """How a bound robot accelerates."""
@@ -217,11 +220,15 @@ def _response(
 ) -> tuple[Array, Array, Any]:
     """a, f and the rounds, for M a = drive + J^T f and J a + g + R f = 0."""
 
-    def solve(G: Array, b: list[Any]) -> tuple[Any, ...]:
-        if not is_zero(compliance):
-            R = compliance[..., None, None] if isinstance(compliance, np.ndarray) else compliance
-            G = G + R * np.eye(len(b))
-        return solve_proximal(G, b, settings)
+    def solve(G: Array, b: list[Any], product: Product) -> tuple[Any, ...]:
+        if is_zero(compliance):
+            return solve_proximal(G, b, settings, product)
+        R = compliance[..., None, None] if isinstance(compliance, np.ndarray) else compliance
+
+        def softened(f: Sequence[Any]) -> list[Any]:
+            return [x + compliance * entry for x, entry in zip(product(f), f, strict=True)]
+
+        return solve_proximal(G + R * np.eye(len(b)), b, settings, softened)
 
     a, forces, (iterations,) = constrained_response(factors, J, drive, g, solve)
     return a, forces, iterations
@@ -232,7 +239,7 @@ def constrained_response(
     J: Array,
     drive: Array,
     g: Array,
-    solve: Callable[[Array, list[Any]], tuple[Any, ...]],
+    solve: Callable[[Array, list[Any], Product], tuple[Any, ...]],
 ) -> tuple[Array, Array, tuple[Any, ...]]:
     """The motion a and the forces f of M a = drive + J^T f and J a + g = 0.
 
@@ -241,7 +248,8 @@ def constrained_response(
         J: Constraint Jacobian, shape (..., m, nv).
         drive: Torques, shape (..., nv) [N m, N].
         g: Constraint drift, shape (..., m) [m/s^2, rad/s^2].
-        solve: Solves G f = b for the Delassus matrix G; returns the entries of f and whatever else there is.
+        solve: Solves G f = b for the Delassus matrix G, given also f -> G f; returns the entries of f and whatever
+            else there is.
 
     Returns:
         a, shape (..., nv), f, shape (..., m), and what else `solve` returned.
@@ -250,7 +258,7 @@ def constrained_response(
     y = factors.inward([drive[..., k][()] for k in range(len(factors.lower))])
     z = [entry * reciprocal for entry, reciprocal in zip(y, factors.reciprocals, strict=True)]
     b = [-sum((entry * z[k] for k, entry in column.items()), g[..., i][()]) for i, column in enumerate(Y)]
-    forces, *more = solve(delassus_of(factors, Y), b)
+    forces, *more = solve(delassus_of(factors, Y), b, delassus_product(factors, Y))
     for column, force in zip(Y, forces, strict=True):
         for k, entry in column.items():
             y[k] = y[k] + entry * force
@@ -292,3 +300,25 @@ def delassus_of(factors: Factors, Y: Sequence[dict[int, Any]]) -> Array:
         for j in range(i + 1):
             G[i][j] = G[j][i] = sum(scaled[k] * entry for k, entry in Y[j].items() if k in scaled)
     return matrix(G)
+
+
+def delassus_product(factors: Factors, Y: Sequence[dict[int, Any]]) -> Product:
+    """The product Y^T (D^-1 (Y f)), which has no rounding errors of the Delassus matrix.
+
+    Args:
+        factors: L and D of the mass matrix.
+        Y: What `solve_transposed_columns` returns.
+
+    Returns:
+        G f as a function of f.
+    """
+
+    def product(f: Sequence[Any]) -> list[Any]:
+        y: dict[int, Any] = {}
+        for column, force in zip(Y, f, strict=True):
+            for k, entry in column.items():
+                y[k] = y[k] + entry * force if k in y else entry * force
+        z = {k: entry * factors.reciprocals[k] for k, entry in y.items()}
+        return [sum(entry * z[k] for k, entry in column.items()) for column in Y]
+
+    return product

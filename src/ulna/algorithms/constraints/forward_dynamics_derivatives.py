@@ -18,14 +18,14 @@ Source: Carpentier & Mansard 2018, section III; Budhiraja, Carpentier & Mansard 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ulna import numeric
-from ulna.algorithms.constraints.damped_dynamics import damped_factors
+from ulna.algorithms.constraints.damped_dynamics import are_unique, damped_factors
 from ulna.algorithms.constraints.dynamics import (
+    Product,
     constrained_response,
     delassus_of,
     solve_transposed_columns,
@@ -219,9 +219,10 @@ def _solver(
     factors = Factors(mass_matrix(model, q))
     Y = solve_transposed_columns(factors, J)
     m = len(Y)
-    of_forces = damped_factors(delassus_of(factors, Y), vector(*[0.0] * m))
+    G = delassus_of(factors, Y)
+    of_forces = damped_factors(G, vector(*[0.0] * m))
 
-    def solve(_G: Array, b: list[Any]) -> tuple[Any, ...]:
+    def solve(_G: Array, b: list[Any], _product: Product) -> tuple[Any, ...]:
         return (of_forces.solve(b),)
 
     a, forces, _ = constrained_response(factors, J, tau - bias_forces(model, q, v), g, solve)
@@ -231,7 +232,7 @@ def _solver(
     ]
     terms = bound_terms(model, q, v, a, forces, np.zeros((len(frame_pairs), 2)), np.zeros(m), pairs_with_ends)
     S = of_forces.inverse()
-    unique = numeric.less(0.0, reduce(numeric.minimum, of_forces.reciprocals))
+    unique = are_unique(of_forces, G, S)
     S = matrix([[numeric.where(unique, S[i, j], np.nan) for j in range(m)] for i in range(m)])
     g_q, g_v = _by_state(model, q, v, frame_pairs, terms)
     rotated = terms._replace(g_q=_rotate_blocks(terms.X, g_q), g_v=_rotate_blocks(terms.X, g_v))

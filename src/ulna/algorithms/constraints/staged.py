@@ -24,13 +24,13 @@ l(x) = x.linear + x.angular x p, its acceleration, seen from its body, changes b
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import reduce
 from typing import Any
 
 import numpy as np
 
 from ulna import numeric
-from ulna.algorithms.constraints.damped_dynamics import damped_factors
+from ulna.algorithms.constraints.damped_dynamics import are_unique, damped_factors
+from ulna.algorithms.constraints.dynamics import delassus_product
 from ulna.algorithms.constraints.forward_dynamics_derivatives import BoundSolver
 from ulna.algorithms.constraints.proximal_solver import Proximal, largest_entry, solve_proximal
 from ulna.algorithms.derivatives.columns_in_one_frame import (
@@ -341,11 +341,18 @@ class _Contacts:
             settings: How the forces are computed.
         """
 
-        def solved(*tables: Array) -> tuple[Array, Array]:
-            forces, count = solve_proximal(*self._system(tables), settings)
+        def solved(table: Array, *tables: Array) -> tuple[Array, Array]:
+            Y = [
+                dict(zip(path, column, strict=True))
+                for path, rows in zip(self._paths, tables[2 * len(self.frame_pairs) :], strict=True)
+                for column in rows.T
+            ]
+            product = delassus_product(self.factors(table), Y)
+            forces, count = solve_proximal(*self._system(tables), settings, product)
             return vector(*forces), vector(count)
 
-        self.frame.stages.straight(solved, (*self._names("G"), *self._names("b")), ("f", "rounds"))
+        names = (*self._names("G"), *self._names("b"), *self._names("Y"))
+        self.frame.stages.straight(solved, ("factors", *names), ("f", "rounds"))
 
     def unique_forces(self) -> None:
         """`f`, what the forces do to bodies, and Y and S for columns, nan where forces are not unique."""
@@ -366,8 +373,8 @@ class _Contacts:
             if frame_pair.size == 6:
                 moment = moment + apply(back, forces[start + 3 : start + 6])
             wrenches += [*force, *moment]
-        unique = numeric.less(0.0, reduce(numeric.minimum, factors.reciprocals))
         S = factors.inverse()
+        unique = are_unique(factors, G, S)
         shared = [entry for Y in tables[2 * count : -1] for entry in Y.T.reshape(-1)]
         shared += [numeric.where(unique, S[i, j], np.nan) for i in range(self.size) for j in range(i + 1)]
         return forces, np.array(wrenches, dtype=object), np.array(shared, dtype=object)

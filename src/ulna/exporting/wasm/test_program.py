@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ulna.exporting.record import Export, ExportedFunction, ExportedSearch
-from ulna.exporting.sensitivity import tolerance
+from ulna.exporting.sensitivity import compared_outputs, tolerance
 
 _MAX_CASES = 3000
 """Recorded numbers of a function."""
@@ -35,12 +35,15 @@ def _recorded(f: ExportedFunction, dtype: str) -> dict[str, Any]:
     """Inputs and outputs of some samples, and the largest difference that passes."""
     size = sum(a.size for a in (*f.inputs, *f.outputs))
     count = min(len(f.samples[0]) if f.samples else 1, max(1, _MAX_CASES // max(size, 1)))
-    recorded = []
+    compared, recorded = compared_outputs(f, dtype), []
     for k in range(count):
         values = [np.asarray(s[k]) for s in f.samples]
         results = f.function(*values)
         each = (results,) if f.function.single else results
-        outputs = [[x if np.isfinite(x) else None for x in np.ravel(r).tolist()] for r in each]
+        outputs = [
+            [x if is_compared and np.isfinite(x) else None for x in np.ravel(r).tolist()]
+            for r, is_compared in zip(each, compared, strict=True)
+        ]
         recorded.append({"inputs": [v.tolist() for v in values], "outputs": outputs})
     samples = [np.asarray(s[:count]) for s in f.samples]
     return {"samples": recorded, "tolerance": tolerance(f, samples, dtype)}
@@ -68,7 +71,7 @@ for (const [name, { samples, tolerance }] of Object.entries(functions)) {
       const got = outputs.length === 1 ? results : results[k];
       const scale = Math.max(1, ...expected.map(Math.abs));
       expected.forEach((x, i) => {
-        if (x === null) return; // not finite
+        if (x === null) return; // not finite, or not compared
         largest = Math.max(largest, Math.abs((typeof got === "number" ? got : got[i]) - x) / scale);
       });
     });
