@@ -1,4 +1,9 @@
-"""Columns of a recording as a .csv file: a header row of names, and a row for each time."""
+"""Columns of a recording as a .csv file: a header row of names, and a row for each time.
+
+Entries of arrays have titles such as "q_0" and "T_0_3". Where such titles would be read as another array, as those of
+two numbers named "force_0" and "force_1", brackets separate the name from the indices: "force_0[]" for a number,
+"force_0[2]" for an entry.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +11,7 @@ import csv
 import io
 import math
 import re
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -17,7 +23,9 @@ from ulna.files import read_regular
 from ulna.system.storage import replacing
 from ulna.typing import Floats
 
-_INDEXED = re.compile(r"(.+?)((?:_(?:0|[1-9][0-9]{0,8})){1,8})")
+_INDEX = "(?:0|[1-9][0-9]{0,8})"
+_INDEXED = re.compile(f"(.+?)((?:_{_INDEX}){{1,8}})")
+_BRACKETED = re.compile(rf"(.*)\[((?:{_INDEX}(?:,{_INDEX}){{0,7}})?)\]", re.DOTALL)
 
 
 def write_csv(columns: Mapping[str, Floats], path: str | Path) -> None:
@@ -28,17 +36,12 @@ def write_csv(columns: Mapping[str, Floats], path: str | Path) -> None:
         path: The file, .csv.
 
     Raises:
-        InputError: The path does not end in .csv, there are no rows, or two columns of the file have one name.
+        InputError: The path does not end in .csv, or there are no rows.
     """
     target = _checked(path)
     if not columns:
         raise InputError("The recording has no rows; there is nothing to save.")
-    head = [_title(name, place) for name, values in columns.items() for place in np.ndindex(values.shape[1:])]
-    double = next((title for title in head if head.count(title) > 1), None)
-    if double is not None:
-        raise InputError(
-            f"Two columns of the file would have the name {double!r}; expected other names of columns."
-        )
+    head = _header(columns)
     table = np.column_stack([values.reshape(len(values), -1) for values in columns.values()])
     with replacing(target) as place, open(place, "w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([head, *table.tolist()])
@@ -65,16 +68,7 @@ def read_csv(path: str | Path) -> dict[str, Floats]:
     except (OSError, ValueError, csv.Error) as error:
         raise InputError(f"The file {str(path)!r} cannot be read: {error}.") from None
     table = _numbers(rows, len(head), source)
-    columns_by_name: dict[str, dict[tuple[int, ...], Floats]] = {}
-    for title, values in zip((name.strip() for name in head), table.T, strict=True):
-        match = _INDEXED.fullmatch(title)
-        name, place = (match[1], tuple(map(int, match[2][1:].split("_")))) if match else (title, ())
-        if place in columns_by_name.setdefault(name, {}):
-            raise InputError(f"{source} has two columns {title!r}.")
-        columns_by_name[name][place] = values
-    columns = {
-        title: values for name, parts in columns_by_name.items() for title, values in _stacked(name, parts)
-    }
+    columns = _arrays(head, table, source)
     if not {"t", "q"} <= columns.keys() or columns["t"].ndim != 1:
         raise InputError(
             f"{source} has the columns {', '.join(head[:8])}; expected 't' and 'q_0', 'q_1', ... in the header row. "
@@ -105,8 +99,64 @@ def _checked(path: Any) -> Path:
     return Path(path)
 
 
-def _title(name: str, place: tuple[int, ...]) -> str:
-    return "_".join([name, *map(str, place)])
+def _title(name: str, place: tuple[int, ...], brackets: bool = False) -> str:
+    return f"{name}[{','.join(map(str, place))}]" if brackets else "_".join([name, *map(str, place)])
+
+
+def _header(columns: Mapping[str, Floats]) -> list[str]:
+    """A title for each entry; names whose entries would be read as another array have brackets."""
+    cells = [(name, place) for name, values in columns.items() for place in np.ndindex(values.shape[1:])]
+    bracketed: set[str] = set()
+    while True:
+        head = [_title(name, place, name in bracketed) for name, place in cells]
+        wrong = _misread(columns, cells, head) - bracketed
+        if not wrong:
+            return head
+        base = {name: _parsed(name.strip())[0] for name in columns}
+        bracketed |= {n for n in base if base[n] != n and wrong & {n, base[n]}} - bracketed or wrong
+
+
+def _misread(
+    columns: Mapping[str, Floats], cells: list[tuple[str, tuple[int, ...]]], head: list[str]
+) -> set[str]:
+    """The names whose entries are not read back from these titles as they are."""
+    counts = Counter(title.strip() for title in head)
+    wrong = {name for title, (name, _) in zip(head, cells, strict=True) if counts[title.strip()] > 1}
+    if not wrong:
+        numbers = dict(zip(cells, range(len(cells)), strict=True))
+        read = _arrays(head, np.arange(float(len(cells)))[None], Path())
+        for name, values in columns.items():
+            places = [numbers[name, place] for place in np.ndindex(values.shape[1:])]
+            same = name in read and read[name].shape[1:] == values.shape[1:]
+            if not same or read[name].reshape(-1).tolist() != places:
+                wrong.add(name)
+    return wrong
+
+
+def _arrays(head: list[str], table: Floats, source: Path) -> dict[str, Floats]:
+    """The arrays whose entries are the columns of a table with these titles."""
+    parts: dict[tuple[str, bool], dict[tuple[int, ...], Floats]] = {}
+    for title, values in zip((t.strip() for t in head), table.T, strict=True):
+        name, place, brackets = _parsed(title)
+        if place in parts.setdefault((name, brackets), {}):
+            raise InputError(f"{source} has two columns {title!r}.")
+        parts[name, brackets][place] = values
+    columns: dict[str, Floats] = {}
+    for (name, brackets), of_name in parts.items():
+        for title, values in _stacked(name, of_name, brackets):
+            if title in columns:
+                raise InputError(f"{source} has two columns {title!r}.")
+            columns[title] = values
+    return columns
+
+
+def _parsed(title: str) -> tuple[str, tuple[int, ...], bool]:
+    """The name of an array, the place in it that a title names, and whether the title has brackets."""
+    if match := _BRACKETED.fullmatch(title):
+        return match[1], tuple(map(int, match[2].split(","))) if match[2] else (), True
+    if match := _INDEXED.fullmatch(title):
+        return match[1], tuple(map(int, match[2][1:].split("_"))), False
+    return title, (), False
 
 
 def _numbers(rows: list[list[str]], width: int, source: Path) -> Floats:
@@ -121,11 +171,15 @@ def _numbers(rows: list[list[str]], width: int, source: Path) -> Floats:
         raise InputError(f"{source} holds what is no number: {error}.") from None
 
 
-def _stacked(name: str, parts: dict[tuple[int, ...], Floats]) -> list[tuple[str, Floats]]:
+def _stacked(
+    name: str, parts: dict[tuple[int, ...], Floats], brackets: bool = False
+) -> list[tuple[str, Floats]]:
     """The columns of one array, in the order of their indices; else those of names that end in a number themselves."""
     shape = tuple(k + 1 for k in max(parts)) if len({len(p) for p in parts}) == 1 else ()
     if math.prod(shape) == len(parts) and set(parts) == set(np.ndindex(shape)):
         return [(name, np.stack([parts[p] for p in np.ndindex(shape)], axis=-1).reshape(-1, *shape))]
+    if brackets:
+        return [(_title(name, place, brackets), values) for place, values in parts.items()]
     longer: dict[str, dict[tuple[int, ...], Floats]] = {}
     for place, values in parts.items():
         longer.setdefault(_title(name, place[:1]), {})[place[1:]] = values

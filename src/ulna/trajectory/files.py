@@ -47,7 +47,7 @@ def save(trajectory: Trajectory, path: str | Path, rate: float | None = None) ->
         array([1. , 0.5])
     """
     target = _checked_path(path)
-    if target.suffix == ".npz":
+    if target.suffix.lower() == ".npz":
         if not isinstance(trajectory, Polynomial) or not isinstance(trajectory.space, Vectors):
             raise InputError(f"{trajectory!r} is no plain polynomial, which .npz keeps; save it as .csv.")
         names = np.array(trajectory.space.names)
@@ -56,7 +56,7 @@ def save(trajectory: Trajectory, path: str | Path, rate: float | None = None) ->
             np.savez(
                 place, times=trajectory.times, coefficients=trajectory.coefficients, names=names, kind=kind
             )
-    elif target.suffix == ".csv":
+    elif target.suffix.lower() == ".csv":
         t, q, v, a = trajectory.sample(rate=1000.0 if rate is None else rate)
         names = trajectory.space.names
         head = ["t", *trajectory.space.columns, *(f"v_{n}" for n in names), *(f"a_{n}" for n in names)]
@@ -89,7 +89,7 @@ def load(path: str | Path) -> Polynomial:
         2.0
     """
     source = _checked_path(path)
-    if source.suffix not in (".npz", ".csv"):
+    if source.suffix.lower() not in (".npz", ".csv"):
         raise InputError(f"`path` is {str(path)!r}; expected a file name that ends in .npz or .csv.")
     try:
         data = read_regular(source)
@@ -98,7 +98,7 @@ def load(path: str | Path) -> Polynomial:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InputError(f"The file {str(path)!r} cannot be read: {reason}.") from None
-    return _from_npz(data, source) if source.suffix == ".npz" else _from_csv(data, source)
+    return _from_npz(data, source) if source.suffix.lower() == ".npz" else _from_csv(data, source)
 
 
 def _from_npz(data: bytes, source: Path) -> Polynomial:
@@ -168,6 +168,8 @@ def _columns(head: list[str], source: Path) -> tuple[Any, ...]:
         n, left = divmod(width, kinds)
         names, prefixes = head[1 : n + 1], ("v_", "a_")[: kinds - 1]
         rates = [[f"{prefix}{name}" for name in names] for prefix in prefixes]
+        if n and head[n + 1 :] == [rate for of_kind in rates for rate in of_kind]:  # as `save` writes them
+            return names, *(list(range(k * n + 1, (k + 1) * n + 1)) for k in range(1, kinds))
         if n and not left and len({*head}) == width + 1 and {*head[n + 1 :]} == {*rates[0], *rates[-1]}:
             return names, *([head.index(rate) for rate in of_kind] for of_kind in rates)
     # other programs call velocities otherwise: v_1 beside q_1

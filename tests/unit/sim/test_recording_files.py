@@ -93,12 +93,41 @@ def test_a_column_with_a_huge_number_in_its_name_is_an_ordinary_one(tmp_path: Pa
     assert run.names == ("t", "q", f"x_{number}") and run.q.tolist() == [[1.0, 2.0]]
 
 
-def test_columns_that_a_file_could_not_tell_apart_are_refused(tmp_path: Path) -> None:
-    run = Recording()
-    run.add(0.0, [1.0], tau=[2.0, 3.0], tau_1=4.0)
-    with pytest.raises(InputError, match="Two columns of the file would have the name 'tau_1'"):
-        run.save(tmp_path / "log.csv")
-    assert not list(tmp_path.iterdir())
+@pytest.mark.parametrize(
+    ("columns", "head"),
+    [
+        ({"tau": (2,), "tau_1": ()}, "tau_0,tau_1,tau_1[]"),
+        ({"force_0": (), "force_1": ()}, "force_0[],force_1[]"),
+        ({"force_0": (2,), "force_1": (2,)}, "force_0[0],force_0[1],force_1[0],force_1[1]"),
+        ({"d_0": (1, 2)}, '"d_0[0,0]","d_0[0,1]"'),
+        ({"q_5": (), "x_0": (), "y[0]": (), "y[7]": ()}, "q_5[],x_0[],y[0],y[7]"),
+        ({"y[0]": ()}, "y[0][]"),
+        ({"t ": (), "": (2,), "x[]": (2,)}, "t [],[0],[1],x[]_0,x[]_1"),
+        ({"f_0": (2,), "f_1": (3,)}, "f_0_0,f_0_1,f_1_0,f_1_1,f_1_2"),
+    ],
+)
+def test_columns_whose_titles_would_be_those_of_others_come_back(
+    tmp_path: Path, columns: dict[str, tuple[int, ...]], head: str
+) -> None:
+    """Numbers "force_0" and "force_1" came back as one array "force"; "tau_1" beside "tau" was refused."""
+    rng, run = np.random.default_rng(6000), Recording()
+    for k in range(3):
+        run.add(k, rng.normal(size=2), **{name: rng.normal(size=shape) for name, shape in columns.items()})
+    run.save(tmp_path / "log.csv")
+    assert (tmp_path / "log.csv").read_text().splitlines()[0] == "t,q_0,q_1," + head
+    again = Recording.load(tmp_path / "log.csv")
+    assert again.names == run.names
+    for name in run.names:
+        np.testing.assert_array_equal(again[name], run[name])
+
+
+def test_brackets_of_other_programs_are_read(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("t,q[0],q[1],x[2],u [m]\n0,1,2,3,4\n")
+    run = Recording.load(tmp_path / "log.csv")
+    assert run.names == ("t", "q", "x[2]", "u [m]") and run.q.tolist() == [[1.0, 2.0]]
+    (tmp_path / "log.csv").write_text("t,q_0,x,x[]\n0,1,2,3\n")
+    with pytest.raises(InputError, match="two columns 'x'"):
+        Recording.load(tmp_path / "log.csv")
 
 
 @pytest.mark.parametrize("time", ["nan", "inf"])

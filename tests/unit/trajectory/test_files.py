@@ -107,14 +107,19 @@ def test_broken_files_are_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "names", [("v_left", "a_right"), ("a_1", "v_1"), ('q"1', '"q'), ("new\nline", "t,1")]
+    "names",
+    [
+        *[("v_left", "a_right"), ("a_1", "v_1"), ('q"1', '"q'), ("new\nline", "t,1")],
+        *[("x", "v_x"), ("v_x", "x"), ("x", "a_x", "v_x"), ("t", "v_t"), ("v", "v_v", "a_v", "v_a_v")],
+    ],
 )
 def test_joints_of_any_name_come_back_from_a_table(tmp_path: Path, names: tuple[str, ...]) -> None:
     builder = ModelBuilder("arm").add_link("base")
     for k, name in enumerate(names):
         builder.add_link(f"link{k}")
         builder.add_joint(name, Revolute((0, 0, 1)), "base" if k == 0 else f"link{k - 1}", f"link{k}")
-    move = trajectory.straight(ulna.Robot(builder.build()), [0.0, 0.0], [1.0, -0.5], duration=2.0)
+    robot = ulna.Robot(builder.build())
+    move = trajectory.straight(robot, robot.neutral, np.linspace(1.0, -0.5, robot.nq), duration=2.0)
     move.save(tmp_path / "move.csv", rate=50)
     again = trajectory.load(tmp_path / "move.csv")
     assert again.space.names == names
