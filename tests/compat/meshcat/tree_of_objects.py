@@ -27,6 +27,13 @@ def refused(call: Any, *expected: str) -> None:
         raise AssertionError(expected)
 
 
+def classes_of_scenes() -> None:
+    shared = mg.Box([1.0, 1.0, 1.0]), mg.MeshPhongMaterial()
+    assert all(isinstance(one, mg.ReferenceSceneElement) for one in shared)
+    assert issubclass(mg.ReferenceSceneElement, mg.SceneElement)
+    assert not isinstance(mg.Mesh(*shared), mg.ReferenceSceneElement)
+
+
 def visualizer() -> MeshcatVisualizer:
     model = pin.buildSampleModelManipulator()
     geometries = pin.buildSampleGeometryModelManipulator(model)
@@ -341,6 +348,7 @@ def main() -> None:
     assert viz.viewer.get_image(40, 30).size == (40, 30) and "<html" in viz.viewer.static_html().lower()
     removal(viz)
     transformations()
+    classes_of_scenes()
     assert meshcat.Visualizer is type(viz.viewer)
     assert Visualizer.MESHCAT.value is MeshcatVisualizer
     refused(lambda: RVizVisualizer(viz.model), "MeshcatVisualizer")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import pickle
 import subprocess
 import sys
 from collections import Counter
@@ -215,3 +217,88 @@ def test_what_is_held_is_taken_as_there() -> None:
     pytest.importorskip("pinocchio")
     own, theirs = printed(AS_THERE)
     assert own == theirs and "tool True True" in own
+
+
+_OTHER_SIZES = """
+import json, numpy as np, pinocchio as pin
+model = pin.buildSampleModelManipulator()
+data, q = model.createData(), np.linspace(0.1, 0.6, 6)
+models, datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
+models.append(pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, 3, pin.LOCAL))
+datas.append(models[0].createData())
+pin.initConstraintDynamics(model, data, models, datas)
+found = []
+for name in ("lambda_c", "impulse_c", "lambda_c_prox", "primal_rhs_contact", "q_in", "v_in", "a_in", "tau_in"):
+    for value in (np.zeros(0), np.array([2.0]), np.arange(3.0), np.arange(7.0)):
+        setattr(data, name, value)
+        value[:] = 9.0
+        found.append(getattr(data, name).tolist())
+for name in ("osim", "dac_da", "dac_dq", "dac_dv", "dvc_dq"):
+    for value in (np.array([2.0]), np.eye(2, 3), np.eye(5)):
+        setattr(data, name, value)
+        found.append(getattr(data, name).tolist())
+for name in ("Ivx", "vxI"):
+    setattr(data, name, getattr(data, name)[1:])
+    found.append(len(getattr(data, name)))
+print(json.dumps(found))
+"""
+
+
+def test_fields_whose_size_constraints_decide_take_arrays_of_any_size() -> None:
+    """As do those that no algorithm reads."""
+    pytest.importorskip("pinocchio")
+    own, wanted = map(json.loads, printed(_OTHER_SIZES))
+    assert len(own) == len(wanted) == 32 + 15 + 2
+    for mine, theirs in zip(own, wanted, strict=True):
+        np.testing.assert_allclose(mine, theirs, rtol=1e-9, atol=1e-9)
+
+
+def test_what_fills_such_a_field_next_decides_its_size(pin: Any) -> None:
+    """Native calls too; Pinocchio ends the process there."""
+    model = pin.buildSampleModelManipulator()
+    data, q = model.createData(), np.linspace(0.1, 0.6, 6)
+    models = [pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, 3, pin.LOCAL)]
+    datas = [models[0].createData()]
+    pin.initConstraintDynamics(model, data, models, datas)
+    for k in range(5):
+        pin.constraintDynamics(model, data, k * q, q, q, models, datas)
+        forces = data.lambda_c.copy()
+        data.lambda_c = np.zeros(7)
+        assert data.lambda_c.shape == (7,)
+        pin.constraintDynamics(model, data, k * q, q, q, models, datas)
+        np.testing.assert_allclose(data.lambda_c, forces, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("lambda_c", np.eye(3)), ("q_in", None), ("osim", np.zeros((2, 2, 2)))]
+)
+def test_what_is_no_such_array_is_refused(pin: Any, name: str, value: Any) -> None:
+    data = scope(pin)["d"]
+    with pytest.raises((ValueError, TypeError), match=name):
+        setattr(data, name, value)
+
+
+def test_matrices_of_anchors_are_those_of_the_last_calc(pin: Any) -> None:
+    """What is written into their placements changes them at the next `calc`, as there."""
+    names = scope(pin)
+    anchor = pin.PointAnchorConstraintModel(names["m"], 3)
+    data = anchor.createData()
+    anchor.calc(names["m"], names["d"], data)
+    before = np.array(data.A1_local)
+    data.oMc1 = pin.SE3(np.eye(3), np.arange(3.0))
+    np.testing.assert_array_equal(data.A1_local, before)
+    assert before.any()
+
+
+def test_types_of_what_is_held_make_copies(pin: Any) -> None:
+    names = scope(pin)
+    pin.computeSubtreeMasses(names["m"], names["d"])
+    for values in (names["d"].mass, names["d"].com):
+        made = type(values)(values)
+        assert made is not values and np.array_equal(list(made), list(values))
+        again = pickle.loads(pickle.dumps(values))
+        assert np.array_equal(list(again), list(values))
+    material = names["g"].geometryObjects[0].meshMaterial
+    assert type(material)(material) == material
+    with pytest.raises(TypeError, match="GeometryNoMaterial"):
+        pin.GeometryNoMaterial(3)

@@ -69,3 +69,153 @@ def test_factors_of_the_mass_matrix_are_those_of_the_last_decomposition() -> Non
     assert len(own) == len(wanted) == 30
     for mine, theirs in zip(own, wanted, strict=True):
         np.testing.assert_allclose(mine, theirs, rtol=1e-9, atol=1e-9)
+
+
+_MOTIONS = """
+import json, numpy as np, pinocchio as pin
+found = []
+references = pin.LOCAL, pin.WORLD, pin.LOCAL_WORLD_ALIGNED
+placement = pin.SE3(pin.exp3(np.array([0.3, -0.2, 0.5])), np.array([-0.1, 0.4, 0.7]))
+
+
+def moved(list_, k):
+    entry = list_[k]
+    list_[k] = entry * placement if isinstance(entry, pin.SE3) else pin.Motion(1.5 * entry.vector + 0.1 * k)
+
+
+def changed(data, name):
+    if name in ("J", "dJ"):
+        getattr(data, name)[1:4] *= 1.5
+    elif name:
+        for k in range(1, len(getattr(data, name))):
+            moved(getattr(data, name), k)
+
+
+for model in (pin.buildSampleModelManipulator(), pin.buildSampleModelHumanoid()):
+    data = model.createData()
+    q = pin.integrate(model, pin.neutral(model), np.linspace(-0.5, 0.8, model.nv))
+    v, a = np.linspace(-1.0, 1.0, model.nv), np.linspace(0.3, 2.0, model.nv)
+    for name in ("", "oMi", "v", "ov", "a", "oa", "J", "dJ") * ROUNDS:
+        pin.computeForwardKinematicsDerivatives(model, data, q, v, a)
+        changed(data, name)
+        for joint in (0, 2, model.njoints - 1):
+            for reference in references:
+                found.append(pin.getJointJacobianTimeVariation(model, data, joint, reference).tolist())
+                for call in (pin.getJointVelocityDerivatives, pin.getJointAccelerationDerivatives):
+                    found += [x.tolist() for x in call(model, data, joint, reference)]
+                for call in (pin.getFrameVelocityDerivatives, pin.getFrameAccelerationDerivatives):
+                    found += [x.tolist() for x in call(model, data, model.nframes - 1, reference)]
+                    found += [x.tolist() for x in call(model, data, joint, placement, reference)]
+                if reference == pin.WORLD:
+                    continue
+                for call in (pin.getPointVelocityDerivatives, pin.getPointClassicAccelerationDerivatives):
+                    found += [x.tolist() for x in call(model, data, joint, placement, reference)]
+        for reference in references:
+            found.append(pin.getFrameJacobianTimeVariation(model, data, model.nframes - 1, reference).tolist())
+        found.append(data.oMf[model.nframes - 1].homogeneous.tolist())
+print(json.dumps(found))
+"""
+
+
+@pytest.mark.parametrize("rounds", [1, 2])
+def test_rates_and_derivatives_are_of_the_motions_and_columns_that_are_there(rounds: int) -> None:
+    """After two rounds all of them are compiled and bound."""
+    pytest.importorskip("pinocchio")
+    own, wanted = map(json.loads, printed(_MOTIONS.replace("ROUNDS", str(rounds))))
+    assert len(own) == len(wanted) == 2 * 8 * (3 * (3 * 19 + 2 * 6) + 4) * rounds
+    for mine, theirs in zip(own, wanted, strict=True):
+        np.testing.assert_allclose(mine, theirs, rtol=1e-9, atol=1e-9)
+
+
+_SUMS = """
+import json, numpy as np, pinocchio as pin
+found = []
+placement = pin.SE3(pin.exp3(np.array([0.3, -0.2, 0.5])), np.array([-0.1, 0.4, 0.7]))
+
+
+def changed(data, name):
+    for k in range(1, len(getattr(data, name)) if name else 0):
+        entry = getattr(data, name)[k]
+        getattr(data, name)[k] = entry * placement if isinstance(entry, pin.SE3) else pin.Motion(1.5 * entry.vector + k)
+
+
+def center(model, data):
+    return [pin.centerOfMass(model, data), *data.com, *data.vcom, *data.acom, *data.mass]
+
+
+def momentum(model, data):
+    return [pin.computeCentroidalMomentum(model, data).vector, data.com[0], *(h.vector for h in data.h)]
+
+
+def rate(model, data):
+    momentum = pin.computeCentroidalMomentumTimeVariation(model, data)
+    return [momentum.vector, data.hg.vector, *(f.vector for f in data.f)]
+
+
+def energies(model, data):
+    mechanical = pin.computeMechanicalEnergy(model, data)
+    return [mechanical, data.kinetic_energy, data.potential_energy]
+
+
+def columns(model, data):
+    return [pin.computeJointJacobians(model, data), pin.getJointJacobian(model, data, 2, pin.LOCAL)]
+
+
+def center_columns(model, data):
+    return [pin.jacobianCenterOfMass(model, data), data.com[0], data.J, data.mass[1]]
+
+
+for model in (pin.buildSampleModelManipulator(), pin.buildSampleModelHumanoid()):
+    model.armature = np.linspace(0.1, 0.5, model.nv)
+    data = model.createData()
+    q = pin.integrate(model, pin.neutral(model), np.linspace(-0.5, 0.8, model.nv))
+    v, a = np.linspace(-1.0, 1.0, model.nv), np.linspace(0.3, 2.0, model.nv)
+    calls = (center, momentum, rate, energies, columns, center_columns, lambda *x: [pin.computeKineticEnergy(*x)],
+             lambda *x: [pin.computePotentialEnergy(*x)])
+    for name in ("", "oMi", "liMi", "v", "a") * ROUNDS:
+        for call in calls:
+            pin.forwardKinematics(model, data, q, v, a)
+            changed(data, name)
+            model.inertias[2].mass *= 1.1
+            found += [np.array(x).tolist() for x in call(model, data)]
+            found += [M.homogeneous.tolist() for M in data.oMi] + [V.vector.tolist() for V in data.v]
+print(json.dumps(found))
+"""
+
+
+@pytest.mark.parametrize("rounds", [1, 2])
+def test_energies_momenta_and_centres_are_of_the_placements_and_motions_that_are_there(rounds: int) -> None:
+    """Of the masses of the moment, as a change of them shows; none of these calls overwrites what it reads."""
+    pytest.importorskip("pinocchio")
+    own, wanted = map(json.loads, printed(_SUMS.replace("ROUNDS", str(rounds))))
+    assert len(own) == len(wanted) > 4000 * rounds
+    for mine, theirs in zip(own, wanted, strict=True):
+        np.testing.assert_allclose(mine, theirs, rtol=1e-9, atol=1e-9)
+
+
+_ENTRIES = """
+import json, numpy as np, pinocchio as pin
+model = pin.buildSampleModelManipulator()
+data, q, v, a = model.createData(), np.linspace(0.1, 0.6, 6), np.linspace(-1.0, 1.0, 6), np.linspace(0.0, 1.0, 6)
+found = []
+for change in (lambda entry, x: x, lambda entry, x: 2.0 * x, lambda entry, x: x.reshape(x.shape + (1,) * (x.ndim == 1))):
+    for name in ("com", "vcom", "acom", "B"):
+        pin.computeCoriolisMatrix(model, data, q, v)
+        pin.crba(model, data, q)
+        pin.centerOfMass(model, data, q, v, a)
+        entries = getattr(data, name)
+        entry = entries[2]
+        found.append(np.array(entry).tolist())
+        entries[2] = change(entry, np.array(entry) + 1.0)
+        found += [np.array(entries[2]).tolist(), np.array(getattr(data, name)[2]).tolist()]
+print(json.dumps(found))
+"""
+
+
+def test_entries_that_were_assigned_are_filled_by_the_next_call() -> None:
+    """An array that is put into a list of a Data is copied there, so that the next call writes over it."""
+    pytest.importorskip("pinocchio")
+    own, wanted = map(json.loads, printed(_ENTRIES))
+    assert len(own) == len(wanted) == 36
+    for mine, theirs in zip(own, wanted, strict=True):
+        np.testing.assert_allclose(mine, theirs, rtol=1e-9, atol=1e-9)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from collections.abc import Iterator
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from support.compat_packages import using
+from support.two_pythons import printed
 from ulna import spatial
 
 
@@ -528,3 +530,55 @@ def test_places_far_away_are_subtracted_before_they_are_turned(pin: Any) -> None
     np.testing.assert_allclose(A.actInv(B).translation, wanted, rtol=0, atol=1e-15)
     np.testing.assert_allclose(A.actInv(other), wanted, rtol=0, atol=1e-15)
     np.testing.assert_array_equal(A.actInv(A).translation, 0.0)
+
+
+_WITH_ARRAYS = """
+import json, operator, numpy as np, pinocchio as pin
+model = pin.buildSampleModelManipulator()
+turn = pin.AngleAxis(0.3, np.array([0.0, 0.0, 1.0]))
+objects = pin.Symmetric3(np.eye(3)), turn, pin.Quaternion(turn.matrix())
+found = [str(one * np.zeros(0)) for one in objects] + [str(operator.imul(turn, np.zeros(0)))]
+named = model.referenceConfigurations
+texts = ("np.asarray(named)", "named + np.float64(2.0)", "np.float64(2.0) - named", "named == np.float64(2.0)",
+         "np.array([named, named])", "np.zeros(0) + named", "np.arange(3) + named", "named + 1.0", "len(named)")
+for postures in ({}, {"b": np.arange(6.0), "a": np.ones((6, 1))}):
+    for name, q in postures.items():
+        named[name] = q
+    for text in texts:
+        try:
+            value = eval(text)
+            found.append([str(np.shape(value)), str(getattr(value, "dtype", "")), str(value)])
+        except Exception as error:
+            found.append(type(error).__name__)
+    found += [named[name].tolist() for name in postures]
+print(json.dumps(found))
+"""
+
+
+def test_arrays_and_objects_meet_as_in_pinocchio() -> None:
+    """A product with an array without entries is empty; named configurations are a sequence of pairs for NumPy."""
+    pytest.importorskip("pinocchio")
+    own, wanted = map(json.loads, printed(_WITH_ARRAYS))
+    assert len(own) == len(wanted) == 4 + 2 * 9 + 2
+    assert own == wanted
+
+
+def test_checks_of_arguments_look_for_no_names_in_a_data(pin: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """That search, for the message of a name that is missing, takes milliseconds."""
+    from pinocchio._data import data as module
+
+    model = pin.buildSampleModelManipulator()
+    data, q = model.createData(), np.linspace(0.1, 0.6, 6)
+    pin.forwardKinematics(model, data, q, q)
+    searched: list[str] = []
+    monkeypatch.setattr(module, "missing_field_message", lambda name, _: searched.append(name) or name)
+    for call in (
+        pin.computeKineticEnergy,
+        pin.computePotentialEnergy,
+        pin.centerOfMass,
+        pin.computeJointJacobians,
+    ):
+        call(model, data)
+    assert not searched
+    assert not hasattr(data, "oMj")
+    assert searched == ["oMj"]

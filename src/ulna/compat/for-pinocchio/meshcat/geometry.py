@@ -19,6 +19,7 @@ from meshcat.materials import (
     MeshPhongMaterial,
     MeshToonMaterial,
     PointsMaterial,
+    ReferenceSceneElement,
     SceneElement,
 )
 from ulna.errors import ShapeError
@@ -49,6 +50,7 @@ __all__ = [
     "Points",
     "PointsGeometry",
     "PointsMaterial",
+    "ReferenceSceneElement",
     "SceneElement",
     "Sphere",
     "StlMeshGeometry",
@@ -57,7 +59,7 @@ __all__ = [
 ]
 
 
-class Geometry(SceneElement):
+class Geometry(ReferenceSceneElement):
     """A form without a material."""
 
     def intrinsic_transform(self) -> Floats:

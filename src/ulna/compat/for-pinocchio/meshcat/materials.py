@@ -11,7 +11,11 @@ class SceneElement:
     """Anything that a scene consists of."""
 
 
-class Material(SceneElement):
+class ReferenceSceneElement(SceneElement):
+    """What objects of a scene refer to: forms and materials, which several objects may share."""
+
+
+class Material(ReferenceSceneElement):
     """How a form looks."""
 
 

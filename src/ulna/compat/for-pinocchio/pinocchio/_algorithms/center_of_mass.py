@@ -7,6 +7,14 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.jacobians import JACOBIANS, columns
+from pinocchio._algorithms.stored_sums import (
+    CENTER_COLUMNS,
+    MOMENTUM,
+    MOMENTUM_RATE,
+    OfFields,
+    columns_of_fields,
+)
+from pinocchio._algorithms.stored_sums import CENTERS as FIELD_CENTERS
 from pinocchio._containers.arguments import OMITTED, checks_itself, wrong_model
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import KinematicLevel
@@ -144,19 +152,34 @@ def centerOfMass(
         Position (3,) [m].
     """
     if q is None:
-        state = _stored_motion(data, kinematic_level)
-    else:
-        state = [x for x in (q, v, a) if x is not None]
+        return _with_masses(model, data, FIELD_CENTERS[_known_level(data, kinematic_level)])[0].copy()
+    state = [x for x in (q, v, a) if x is not None]
     return run(model, data, (_POSITION, _VELOCITY, _ACCELERATION)[len(state) - 1], *state)
 
 
-def _stored_motion(data: Data, level: Any) -> list[Floats]:
-    """The state of the last forwardKinematics: all that it was given, at least up to a KinematicLevel."""
+def _known_level(data: Data, level: Any) -> int:
+    """Up to which derivative a Data knows motions, which is at least up to a KinematicLevel."""
     q = data._require(data._q, "forwardKinematics(model, data, q)")
-    states = [(q,), *(s for s in (data._qv, data._qva) if s is not None and np.array_equal(s[0], q))]
-    if isinstance(level, KinematicLevel) and len(states[-1]) <= level:
+    known = 0
+    for state in (data._qv, data._qva):
+        known += state is not None and np.array_equal(state[0], q)
+    if isinstance(level, KinematicLevel) and known < level:
         data._require(None, "forwardKinematics(model, data, q, v, a)")
-    return [x.copy() for x in states[-1]]
+    return known
+
+
+def _center_jacobian_of_fields(model: Model, data: Data) -> Any:
+    J = columns_of_fields(model, data, CENTER_COLUMNS)
+    if J is not NotImplemented:
+        computeSubtreeMasses(model, data)
+    return J
+
+
+def _with_masses(model: Model, data: Data, sums: OfFields) -> Any:
+    """Runs an algorithm whose inputs are fields of the Data, and fills the masses of subtrees, too."""
+    result = sums.run(model, data)
+    computeSubtreeMasses(model, data)
+    return result
 
 
 @algorithm(
@@ -166,6 +189,7 @@ def _stored_motion(data: Data, level: Any) -> list[Floats]:
     deferred=JOINTS | CENTERS,
     depends_on="masses",
     default_state=("_q", "forwardKinematics(model, data, q)"),
+    of_fields=_center_jacobian_of_fields,
     calls=("model data compute_subtree_coms:bool?", "model data q compute_subtree_coms:bool?"),
 )
 def jacobianCenterOfMass(
@@ -425,6 +449,7 @@ def computeCentroidalMapTimeVariation(model: Model, data: Data, q: Any, v: Any) 
     deferred=_WITH_VELOCITY | SUBTREE_MOMENTA,
     depends_on="masses",
     default_state=("_qv", "forwardKinematics(model, data, q, v)"),
+    of_fields=lambda model, data: _with_masses(model, data, MOMENTUM),
     returns_field="hg",
 )
 def computeCentroidalMomentum(model: Model, data: Data, q: Any = None, v: Any = None) -> Force:
@@ -445,6 +470,7 @@ def computeCentroidalMomentum(model: Model, data: Data, q: Any = None, v: Any = 
     deferred=_WITH_VELOCITY | ACCELERATIONS_IN_WORLD | SUBTREE_MOMENTA_AND_RATES,
     depends_on="masses",
     default_state=("_qva", "forwardKinematics(model, data, q, v, a)"),
+    of_fields=lambda model, data: _with_masses(model, data, MOMENTUM_RATE),
     returns_field="dhg",
 )
 def computeCentroidalMomentumTimeVariation(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from pinocchio._algorithms.stored_sums import KINETIC_ENERGY, MECHANICAL_ENERGY, POTENTIAL_ENERGY, OfFields
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import JOINTS, VELOCITIES_IN_WORLD, rows, stacked
 from pinocchio._data.functions import algorithm
@@ -44,6 +45,10 @@ def _mechanical(model: CoreModel) -> Any:
     return lambda q, v: (*energies(model, q, v), *_placed(model, q, v))
 
 
+def _number(energy: OfFields) -> Any:
+    return lambda model, data: float(energy.run(model, data))
+
+
 _WITH_VELOCITY: dict[str, Any] = {
     "returns_number": True,
     "deferred": JOINTS | VELOCITIES_IN_WORLD,
@@ -52,13 +57,18 @@ _WITH_VELOCITY: dict[str, Any] = {
 
 
 @algorithm(
-    fills=("energy K", "oMi", "v"), kernel=_kinetic, returns=(0,), depends_on="masses", **_WITH_VELOCITY
+    fills=("energy K", "oMi", "v"),
+    kernel=_kinetic,
+    returns=(0,),
+    depends_on="masses",
+    of_fields=_number(KINETIC_ENERGY),
+    **_WITH_VELOCITY,
 )
 def computeKineticEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:
     """The kinetic energy [J]; kept in `data.kinetic_energy`.
 
     Args:
-        q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
+        q: Configuration (nq,) [rad or m]; None for the placements and velocities that `data` holds.
 
     Returns:
         The energy [J].
@@ -73,12 +83,13 @@ def computeKineticEnergy(model: Model, data: Data, q: Any = None, v: Any = None)
     returns_number=True,
     deferred=JOINTS,
     default_state=("_q", "forwardKinematics(model, data, q)"),
+    of_fields=_number(POTENTIAL_ENERGY),
 )
 def computePotentialEnergy(model: Model, data: Data, q: Any = None) -> float:
     """The potential energy [J]; kept in `data.potential_energy`.
 
     Args:
-        q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
+        q: Configuration (nq,) [rad or m]; None for the placements and velocities that `data` holds.
 
     Returns:
         The energy [J].
@@ -90,13 +101,14 @@ def computePotentialEnergy(model: Model, data: Data, q: Any = None) -> float:
     fills=("energy K", "energy P", "energy K + P", "oMi", "v"),
     kernel=_mechanical,
     returns=(2,),
+    of_fields=_number(MECHANICAL_ENERGY),
     **_WITH_VELOCITY,
 )
 def computeMechanicalEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:
     """Kinetic plus potential energy [J]; kept in `data.mechanical_energy`.
 
     Args:
-        q: Configuration (nq,) [rad or m]; None for the state of the last forwardKinematics.
+        q: Configuration (nq,) [rad or m]; None for the placements and velocities that `data` holds.
 
     Returns:
         The energy [J].

@@ -44,6 +44,18 @@ class Place(NamedTuple):
         return () if self.placement is None else (self.placement._m,)
 
     @property
+    def holders(self) -> tuple[SE3, ...]:
+        """The object that holds the placement, or nothing: what kernels take that are bound to a Data."""
+        return () if self.placement is None else (self.placement,)
+
+    def on_joint(self, model: Model) -> tuple[int, Floats | None]:
+        """The joint that carries the frame, and the placement (4, 4) of the frame there; None for that of the joint."""
+        if self.frame_id is not None:
+            frame = model.frames[self.frame_id]
+            return frame.parentJoint, frame.placement._m
+        return self.joint, None if self.placement is None else self.placement._m
+
+    @property
     def shapes(self) -> dict[str, Any]:
         """The shapes of these inputs."""
         return {} if self.placement is None else {"placed": (4, 4)}

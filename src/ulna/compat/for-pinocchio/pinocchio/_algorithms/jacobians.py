@@ -19,6 +19,8 @@ from pinocchio._algorithms.frame_arguments import (
     repeated_call,
 )
 from pinocchio._algorithms.kinematics import updateFramePlacement, updateFramePlacements
+from pinocchio._algorithms.stored_motions import bound_to_fields, carrier_of, jacobian_rate, placement_of
+from pinocchio._algorithms.stored_sums import COLUMNS, columns_of_fields
 from pinocchio._containers.arguments import check_model_and_data, checks_itself
 from pinocchio._containers.arrays import exact, index, not_applicable
 from pinocchio._containers.enums import reference_of
@@ -28,8 +30,9 @@ from pinocchio._data.binding import run_at_frame
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import JOINTS_AFTER_KINEMATICS, VELOCITIES_IN_WORLD, rows, stacked
 from pinocchio._data.evaluated_model import kernels_for
-from pinocchio._data.first_evaluation import loaded_evaluator, store
+from pinocchio._data.first_evaluation import TABLE_CALLS, loaded_evaluator, store
 from pinocchio._data.functions import algorithm
+from pinocchio._data.states import compiled_for
 from pinocchio._model.bound_kernels import BoundKernel, not_read
 from pinocchio._model.compiled_model import CompiledModel
 from pinocchio._model.model import Model
@@ -105,6 +108,7 @@ _JACOBIAN_AND_PLACEMENTS = Algorithm(
     depends_on="placements",
     deferred=JOINTS_AFTER_KINEMATICS,
     default_state=("_q", "forwardKinematics(model, data, q)"),
+    of_fields=lambda model, data: columns_of_fields(model, data, COLUMNS),
 )
 def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
     """Fills `data.J` (columns in WORLD), `data.oMi` and `data.liMi`; returns J (6, nv).
@@ -418,23 +422,43 @@ def _bind_dot(
 ) -> Floats:
     """The time derivative of the Jacobian of a frame, computed and bound for the next time; see `_bind_at`."""
     reference = reference_of(binding_key[1])
-    read = data._require(data._qv_of_jacobians, "computeJointJacobiansTimeVariation(model, data, q, v)")
+    state = data._require(data._qv_of_jacobians, "computeJointJacobiansTimeVariation(model, data, q, v)")
+    compiled_for(model, data)
+    if model.nvExtended != model.nv:  # columns of mimic joints are not separate in `data.J`
+        return _rate_at_state(model, data, reference, key, fixed_frame, state)
+    joint = model.frames[key].parentJoint if fixed_frame is None else fixed_frame.joint + 1
+    carrier = carrier_of(model, joint, fixed_frame is None, reference)
+    fields = {"local": ("v",), "world": (), "local_world_aligned": ("ov",)}[reference]
+    for field in fields:
+        data._read(field)
+    arrays = data._arrays
+    placement = placement_of(model.frames[key].placement._m if fixed_frame is None else None)
+    twist = [arrays[field][joint] for field in fields]
+    read = [*placement, arrays["oMi"][joint], arrays["J"], arrays["dJ"], *twist]
+    function = jacobian_rate(carrier)
+    if model.first_calls.includes("dJ of frames", TABLE_CALLS):
+        return function(*read)
+    watch = model._watched_frames() if fixed_frame is None else model._watched("structure")
+    step = bound_to_fields(model, data, ("dJ of fields", carrier), function, read, fields, watch)
+    if data._model is model:
+        data._bound_at[binding_key] = step, binding_key[1]
+    return step()
+
+
+def _rate_at_state(
+    model: Model, data: Data, reference: Reference, key: Any, fixed_frame: Frame | None, state: Any
+) -> Floats:
+    """The time derivative of the Jacobian of a frame at a state, of models with mimic joints."""
     if evaluator := loaded_evaluator(model, data, "dJ of frames"):
-        q, v = read
-        joint, placement = _carrier(model, key, fixed_frame)
+        (q, v), (joint, placement) = state, _carrier(model, key, fixed_frame)
         return frame_jacobian_rate(evaluator, q, v, joint, placement, reference)
-    watch = model._watched("placements") + ([] if fixed_frame is not None else model._watched("frame", key))
-    compiled = data._attach(model)
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         frame = fixed_frame or frames[key]
         return lambda q, v: algorithms.frame_jacobian_dot(core, q, v, frame, reference)
 
     shapes: dict[str, Any] = {"q": (model.nq,), "v": (model.nv,)}
-    kernel = compiled.live(compiled.compile_at_frames(("dJ", key, reference), build, **shapes))
-    step = BoundKernel(kernel, not_read(kernel, watch), trailing_inputs=read).call
-    data._bound_at[binding_key] = step, binding_key[1]
-    return step()
+    return data._attach(model).compile_at_frames(("dJ", key, reference), build, **shapes)(*state)
 
 
 def computeJointKinematicHessians(model: Model, data: Data, q: Any = None) -> None:

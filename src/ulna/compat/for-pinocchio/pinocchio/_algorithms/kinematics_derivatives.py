@@ -16,15 +16,25 @@ from pinocchio._algorithms.frame_arguments import (
 )
 from pinocchio._algorithms.jacobians import computeJointJacobiansTimeVariation
 from pinocchio._algorithms.kinematics import forwardKinematics
-from pinocchio._containers.arrays import index, not_applicable
+from pinocchio._algorithms.stored_motions import (
+    bound_to_fields,
+    carrier_of,
+    has_constant_subspaces,
+    motion_derivatives,
+    placement_of,
+    point_derivatives,
+)
+from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame, reference_of
+from pinocchio._data.algorithm import STATES
 from pinocchio._data.data import Data
-from pinocchio._data.evaluated_model import EvaluatedModel, kernels_for
-from pinocchio._data.first_evaluation import loaded_evaluator
-from pinocchio._model.bound_kernels import not_read
+from pinocchio._data.evaluated_model import NUMBER_CALLS, kernels_for
+from pinocchio._data.first_evaluation import TABLE_CALLS, loaded_evaluator
+from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
 from pinocchio._tables.world_derivatives import WorldDerivatives
 from ulna import algorithms
+from ulna.algorithms.multibody.references import Reference
 from ulna.model import Frame
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
@@ -146,9 +156,10 @@ def _motions(
 ) -> Any:
     """The derivatives of a frame's motion; bound at `binding_key` for the next time."""
     reference, of_model = reference_of(rf), place.frame_id is not None
-    watch = model._watched("placements")  # first: see `run`
-    watch += model._watched("frame", place.frame_id) if of_model else []
     state = data._require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
+    compiled_for(model, data)
+    if _fields_are_of_one_state(model, data):
+        return _stored_motions(model, data, place, reference, with_a, binding_key)
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         def run(*inputs: Array) -> tuple[Array, ...]:
@@ -162,24 +173,59 @@ def _motions(
     kernels = kernels_for(model, data, "motion derivatives")
     name = "acceleration derivatives" if with_a else "velocity derivatives"
     kernel = kernels.compile_at_frames((name, place.key, reference), build, **place.shapes, **_sizes(model))
-    if isinstance(kernels, EvaluatedModel):
-        *results, T = kernel(*place.inputs, *state)
-        if of_model:
-            data._arrays["oMf"][place.frame_id] = T
+    *results, T = kernel(*place.inputs, *state)
+    if of_model:
+        data._arrays["oMf"][place.frame_id] = T
+    return tuple(results)
+
+
+def _stored_motions(
+    model: Model, data: Data, place: Place, reference: Reference, with_a: bool, binding_key: tuple[Any, ...]
+) -> Any:
+    """The derivatives of a frame's motion out of what the Data holds; bound at `binding_key` for the next time."""
+    joint, placement = place.on_joint(model)
+    carrier = carrier_of(model, joint, placement is not None, reference)
+    fields = ("ov", "oa", "v") if with_a else ("ov",)
+    for field in fields:
+        data._read(field)
+    arrays = data._arrays
+    read = [*placement_of(placement), arrays["oMi"][joint], arrays["J"], arrays["ov"]]
+    read += [arrays["dJ"], arrays["oa"], arrays["v"][joint]] if with_a else []
+    function, of_model = motion_derivatives(carrier, with_a), place.frame_id is not None
+    placed = arrays["oMf"][place.frame_id] if of_model else np.empty((4, 4))
+    if model.first_calls.includes("motion derivatives", TABLE_CALLS):
+        *results, placed[...] = function(*read)
         return tuple(results)
-    live = kernels.live(kernel)
-    placed = data._arrays["oMf"][place.frame_id] if of_model else np.empty((4, 4))
-    outputs = [np.zeros(port.shape) for port in live.function.outputs[:-1]]
-    step = live.into(
-        *outputs,
-        placed,
-        returns=tuple(range(len(outputs))),
-        watch=[*not_read(live, watch), (data._mark_of("a"), np.zeros(()))],
-        otherwise=not_applicable,
-        trailing_inputs=state,
+    watch = model._watched_frames() if of_model else model._watched("structure")
+    step = bound_to_fields(
+        model,
+        data,
+        ("motion derivatives of fields", carrier, with_a),
+        function,
+        read,
+        fields,
+        watch=[*watch, *_equal_states(data)],
+        last_target=placed,
+        passes_placement=place.placement is not None,
     )
-    data._bound_at[binding_key] = step, binding_key[1]
-    return step(*place.inputs)
+    if data._model is model:
+        data._bound_at[binding_key] = step, binding_key[1]
+    return step(*place.holders)
+
+
+def _fields_are_of_one_state(model: Model, data: Data) -> bool:
+    """Whether Jacobians and motions in a Data are of one state, and each column is that of one joint."""
+    known = {"placements", "velocities", "jacobians", "jacobian_rates"} <= data._known_states
+    same = known and all(np.array_equal(x, y) for x, y in _equal_states(data))
+    return same and model.nvExtended == model.nv and has_constant_subspaces(model)
+
+
+def _equal_states(data: Data) -> list[tuple[Floats, Floats]]:
+    """Pairs of arrays (...) that are equal while Jacobians and motions in a Data are of one state."""
+    data._read("v")
+    names = ("placements", "velocities", "jacobians", "jacobian_rates")
+    keys = [(f"{name} {x}", f"accelerations {x}") for name in names for x in STATES[name]]
+    return [(data._arrays[one], data._arrays[other]) for one, other in keys]
 
 
 def _sizes(model: Model) -> dict[str, Any]:
@@ -224,6 +270,9 @@ def _point(model: Model, data: Data, joint_id: int, placement: Any, rf: Any) -> 
     place = Place(None, *at_placement(model, joint_id, placement))
     state = data._require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
     reference: Any = reference_of(rf)
+    compiled_for(model, data)
+    if reference_of(rf) != "world" and _fields_are_of_one_state(model, data):
+        return _stored_point(model, data, place, reference)
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         def run(*inputs: Array) -> Any:
@@ -235,6 +284,22 @@ def _point(model: Model, data: Data, joint_id: int, placement: Any, rf: Any) -> 
     kernels, shapes = kernels_for(model, data, "point derivatives"), place.shapes | _sizes(model)
     kernel = kernels.compile_at_frames(("point", place.key, reference), build, **shapes)
     return kernel(*place.inputs, *state)
+
+
+def _stored_point(model: Model, data: Data, place: Place, reference: Reference) -> Any:
+    """Derivatives of how a point moves, out of what the Data holds."""
+    joint, placement = place.on_joint(model)
+    carrier = carrier_of(model, joint, True, reference)
+    for field in ("ov", "oa"):
+        data._read(field)
+    arrays, function = data._arrays, point_derivatives(carrier)
+    names = ("J", "ov", "dJ", "oa")
+    read = [*placement_of(placement), arrays["oMi"][joint], *(arrays[name] for name in names)]
+    if model.first_calls.includes("point derivatives", NUMBER_CALLS):
+        return function(*read)
+    sizes: dict[str, Any] = {name: x.shape for name, x in zip(("M", "oMi", *names), read, strict=True)}
+    key = "point derivatives of fields", carrier
+    return model._compiled_structure().compile(key, lambda _: function, **sizes)(*read)
 
 
 def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:

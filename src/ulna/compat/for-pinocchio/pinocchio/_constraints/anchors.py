@@ -50,6 +50,7 @@ class _ConstraintState(AnyConstraintData):
 
     __slots__ = (
         "_J",
+        "_oMc",
         "_oMi",
         "c1Mc2",
         "constraint_acceleration_biais_term",
@@ -77,6 +78,8 @@ class _ConstraintState(AnyConstraintData):
         m = self._rows
         self._J: Floats | None = None
         self._oMi: Floats | None = None
+        self._oMc: list[SE3] = []
+        """Both frames of the constraint in the world when `calc` was called."""
         self.constraint_acceleration_biais_term = np.zeros(m)
         self.oMc1, self.oMc2, self.c1Mc2 = SE3(), SE3(), SE3()
         self.constraint_position_error = np.zeros(m)
@@ -87,9 +90,9 @@ class _ConstraintState(AnyConstraintData):
     def _of_world(self) -> Floats:
         """The matrix (m, 6) that makes the constraint's velocity of the second joint's, both in the world."""
         if len(self.constraint_position_error) == 6:
-            return self.oMc1.toActionMatrixInverse()
-        to_point = np.hstack([np.eye(3), -skew(self.oMc2.translation)])
-        return self.oMc1.rotation.T @ to_point
+            return self._oMc[0].toActionMatrixInverse()
+        to_point = np.hstack([np.eye(3), -skew(self._oMc[1].translation)])
+        return self._oMc[0].rotation.T @ to_point
 
     def _projection(self, end: int, rf: ReferenceFrame) -> Floats:
         """The matrix (m, 6) that makes the constraint's velocity of that of its first or second joint (0, 1)."""
@@ -255,6 +258,7 @@ class _Anchor(FramePair, AnyConstraint):
         np.matmul(oMi[self.joint2_id], self._places[1], out=constraint_data.oMc2._m)
         constraint_data.c1Mc2 = constraint_data.oMc1.actInv(constraint_data.oMc2)
         constraint_data._oMi = oMi[[self.joint1_id, self.joint2_id]]
+        constraint_data._oMc = [constraint_data.oMc1.copy(), constraint_data.oMc2.copy()]
 
     def _ends(self, data: Data, constraint_data: Any, rf: Any) -> list[tuple[int, Floats]]:
         joints = ((self.joint1_id, self.getA1), (self.joint2_id, self.getA2))

@@ -91,6 +91,11 @@ def matrix(value: Any, shape: tuple[int, ...], name: str) -> Floats:
     return array
 
 
+def is_empty(value: Any) -> bool:
+    """Whether a value is an array (0,), whose product with an object NumPy makes entry by entry: it is empty."""
+    return isinstance(value, np.ndarray) and value.shape == (0,)
+
+
 def rows_of(value: Any, rows: int, name: str) -> Floats:
     """A vector, or a matrix, of so many rows.
 
@@ -293,9 +298,13 @@ class StdVec(list[Item], Generic[Item]):
             return
         assign = getattr(self[key], "_assign", None)
         if assign is None:
-            super().__setitem__(key, self._checked(value))
+            self._replace(key, self._checked(value))
         else:
             assign(value)
+
+    def _replace(self, key: Any, entry: Any) -> None:
+        """Puts an entry, a new copy, in place of another one."""
+        super().__setitem__(key, entry)
 
     def __contains__(self, entry: Any) -> bool:
         if isinstance(entry, (np.ndarray, list)) or (self and isinstance(_entry_at(self, 0), np.ndarray)):
@@ -354,6 +363,25 @@ class StdVec(list[Item], Generic[Item]):
             The list.
         """
         return [copy.copy(entry) for entry in self] if deep_copy else list(self)
+
+
+class ArrayRows(StdVec[Any]):
+    """The rows of an array: what is assigned to an entry is written into the array."""
+
+    def _replace(self, key: Any, entry: Any) -> None:
+        row = _entry_at(self, key)
+        if isinstance(row, np.ndarray):
+            row[...] = (
+                vector(entry, row.size, "entry") if row.ndim == 1 else matrix(entry, row.shape, "entry")
+            )
+        else:
+            super()._replace(key, entry)
+
+    def _like(self, entries: list[Any]) -> StdVec[Any]:
+        return StdVec(entries)
+
+
+ArrayRows.__name__ = "StdVec"  # as scripts see it
 
 
 def entries_of(value: Any, name: str) -> list[Any]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, final
 
+import numpy as np
+
 from pinocchio._containers.arrays import numbers
 from ulna.typing import Floats
 
@@ -52,4 +54,9 @@ class StdMap_String_VectorXd(dict[str, Floats]):
         return out
 
     def __setitem__(self, key: str, value: Any) -> None:
-        super().__setitem__(key, numbers(value, key).copy())
+        q = numbers(value, key).copy()
+        super().__setitem__(key, q.reshape(-1) if q.ndim == 2 and q.shape[1] == 1 else q)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray[Any, Any]:
+        """What NumPy takes it for: the sequence of its entries, of numbers where there are none."""
+        return np.array(list(self), dtype if dtype is not None or not self else object)

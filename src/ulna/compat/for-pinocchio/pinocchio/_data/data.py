@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
 
-from pinocchio._containers.arrays import StdVec, matrix, real, vector, views
+from pinocchio._containers.arguments import WrongShape
+from pinocchio._containers.arrays import ArrayRows, StdVec, matrix, numbers, real, vector, views
 from pinocchio._containers.attributes import (
     AttributeKind,
     CheckedAttributes,
@@ -47,12 +48,35 @@ from ulna.errors import InputError
 from ulna.typing import Floats
 
 
-class _PerJoint(StdVec[Any]):
+class _PerJoint(ArrayRows):
     """Values of the joints, which are computed when they are read; that of the universe may be there before."""
 
-    def __init__(self, data: Data, name: str, entries: Any) -> None:
-        super().__init__(entries)
-        self._data, self._name = data, name
+    _data: Data
+    _name: str
+
+    def __new__(cls, *parts: Any) -> Any:
+        """A list of its own: what scripts make of the type of such values."""
+        return StdVec(*parts)
+
+    @classmethod
+    def of(cls, data: Data, name: str, entries: Any) -> _PerJoint:
+        """The values of a field.
+
+        Args:
+            data: The Data.
+            name: The field.
+            entries: What is there before it is computed.
+
+        Returns:
+            The values, live.
+        """
+        out = list.__new__(cls)
+        list.extend(out, entries)
+        out._data, out._name = data, name
+        return out
+
+    def __reduce__(self) -> Any:
+        return StdVec, ([*self],)
 
     def __getitem__(self, key: Any) -> Any:
         if key != 0 or self._name == "mass":
@@ -61,9 +85,6 @@ class _PerJoint(StdVec[Any]):
 
     def __iter__(self) -> Any:
         return (self[i] for i in range(len(self)))
-
-    def _like(self, entries: list[Any]) -> StdVec[Any]:
-        return StdVec(entries)
 
 
 watch(_PerJoint, lambda values: values._data._read(values._name), *READS, *CHANGES)
@@ -98,13 +119,13 @@ class _Lists(dict[str, Any]):
     def __missing__(self, name: str) -> Any:
         data: Any = self._data()
         if name == "mass":
-            made = _PerJoint(data, name, self.masses or [-1.0] * data._arrays["com"].shape[0])
+            made = _PerJoint.of(data, name, self.masses or [-1.0] * data._arrays["com"].shape[0])
         elif name == "Ycrb":
             made = views(Inertia, data._arrays["composite inertias"])
         elif name in CENTRES:
-            made = _PerJoint(data, name, data._arrays[name])
+            made = _PerJoint.of(data, name, data._arrays[name])
         elif name in MATRIX_LISTS:
-            made = StdVec(data._arrays[name])
+            made = ArrayRows(data._arrays[name])
         elif name in _SINGLE:
             made = _SINGLE[name]._of(data._arrays[name])
         else:
@@ -260,7 +281,7 @@ class Data(CheckedAttributes, Saved, TreeFields):
         self._require(self._q_of_joints, "aba(model, data, q, v, tau)")
         check_articulated(self._model)
         self._read("Yaba")
-        return StdVec(self._arrays[name])
+        return ArrayRows(self._arrays[name])
 
     def _settle(self, name: str) -> None:
         """Makes a field ready to be assigned to: what is to be computed with it later must not overwrite it."""
@@ -356,11 +377,39 @@ def _block(name: str) -> property:
 
     def put(self: Data, value: Any) -> None:
         array = self._arrays[name]
-        values = vector(value, array.size, name) if array.ndim == 1 else matrix(value, array.shape, name)
+        if set(MATRICES[name]) == {"0"}:
+            values = _of_any_size(name, value, len(MATRICES[name]))
+        else:
+            values = vector(value, array.size, name) if array.ndim == 1 else matrix(value, array.shape, name)
         self._settle(name)
-        array[...] = values
+        _put_array(self, name, values)
 
     return property(get, put, doc=f"`{name}` as the last algorithm left it, live; assigning copies into it.")
+
+
+def _of_any_size(name: str, value: Any, axes: int) -> Floats:
+    """An array for a field of one or two axes whose size no model decides: constraints do, or programs.
+
+    As in Pinocchio, vectors are taken as columns of a matrix, and matrices of one column are read as vectors.
+    """
+    if not isinstance(value, (list, tuple, np.ndarray)):
+        raise refused(name, value, "numbers")
+    values = numbers(value, name)
+    if values.ndim not in (1, axes) and not (values.ndim == 2 and (values.size == 0 or 1 in values.shape)):
+        raise WrongShape(name, values.shape, "(n,)" if axes == 1 else "(n, m)")
+    if axes == 2 and values.size == 1:
+        return values.reshape(1, 1)
+    return values if axes == 2 and values.ndim == 2 and values.shape[1] != 1 else values.reshape(-1)
+
+
+def _put_array(data: Data, name: str, values: Floats) -> None:
+    """Copies values into a field, or has it hold a copy of them where its size changes."""
+    array = data._arrays[name]
+    if array.shape == values.shape:
+        array[...] = values
+    else:
+        data._arrays[name] = values.copy()
+        forget(data)  # kernels that write to the array before
 
 
 def _entries(name: str) -> property:
@@ -412,14 +461,21 @@ def _put_numbers(name: str) -> Any:
 def _unused(name: str, shape: str) -> property:
     def get(self: Data) -> Any:
         array = self._arrays[name]
-        return views(SE3, array) if shape == "n44" else StdVec(array) if shape == "n66" else array
+        return views(SE3, array) if shape == "n44" else ArrayRows(array) if shape == "n66" else array
 
     def put(self: Data, value: Any) -> None:
-        in_lists = shape in ("n44", "n66")
-        if not isinstance(value, (list, tuple) if in_lists else (list, tuple, np.ndarray)):
-            raise refused(name, value, "a list with an entry for each joint" if in_lists else "numbers")
+        present = self._arrays[name]
+        if present.ndim == 1:
+            _put_array(self, name, _of_any_size(name, value, 1))
+            return
+        if not isinstance(value, (list, tuple)):
+            raise refused(name, value, "a list of matrices")
         rows = [x.homogeneous if isinstance(x, SE3) else x for x in value]
-        self._arrays[name][...] = matrix(rows, self._arrays[name].shape, name)
+        _put_array(
+            self,
+            name,
+            matrix(rows or np.zeros((0, *present.shape[1:])), (len(rows), *present.shape[1:]), name),
+        )
 
     return property(get, put, doc=f"`{name}`: no algorithm reads or writes it; programs may.")
 

@@ -30,6 +30,7 @@ def algorithm(
     kernel: Callable[..., Any],
     *,
     default_state: tuple[str, str] | None = None,
+    of_fields: Callable[[Any, Any], Any] | None = None,
     forces: Algorithm | None = None,
     returns_field: str = "",
     returns_number: bool = False,
@@ -42,6 +43,7 @@ def algorithm(
         fills, kernel: See `Algorithm`.
         default_state: For a q that may be left out: the attribute of Data with the state to take then, and the call
             that stores it.
+        of_fields: What runs in place of the algorithm when q is left out, on what the Data holds, where it applies.
         forces: The record of the algorithm under forces on the joints, for functions that take `fext`.
         returns_field: A field of Data to return, in place of outputs.
         returns_number: Whether the output that is returned is one number.
@@ -62,13 +64,14 @@ def algorithm(
             state, rest = args[: len(inputs)], args[len(inputs) :]
             if default_state is not None and state[0] is None:
                 stored = data._require(getattr(data, default_state[0]), default_state[1])
+                if of_fields is not None and (result := of_fields(model, data)) is not NotImplemented:
+                    return getattr(data, returns_field) if returns_field else result
                 state = (stored,) if len(inputs) == 1 else tuple(x.copy() for x in stored)
             if forces is not None and rest[0] is not None:
                 result = run(model, data, forces, *state, *checked_forces(rest[0], model.njoints))
             else:
                 result = run(model, data, made, *state)
-            if returns_number:
-                return float(result)
+            result = float(result) if returns_number else result
             return getattr(data, returns_field) if returns_field else result
 
         functools.update_wrapper(general, function)

@@ -8,10 +8,12 @@ from typing import Any, ClassVar, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import vector
 from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, number, one_of
 from pinocchio._containers.enums import _Named
 from pinocchio._containers.files import register
+from ulna.errors import excerpt
 from ulna.typing import Floats
 
 __all__ = [
@@ -25,9 +27,13 @@ __all__ = [
 
 
 @final
-@dataclasses.dataclass
+@dataclasses.dataclass(init=False)
 class GeometryNoMaterial:
-    """Nothing is said of how it shines."""
+    """Nothing is said of how it shines: `GeometryNoMaterial()`, or a copy of another one."""
+
+    def __init__(self, other: GeometryNoMaterial | None = None) -> None:
+        if not (other is None or isinstance(other, GeometryNoMaterial)):
+            raise ArgumentError(f"GeometryNoMaterial was given {excerpt(repr(other))}; expected another one.")
 
     __hash__ = object.__hash__
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, final
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import exact, matrix, numbers, real, text, vector
+from pinocchio._containers.arrays import exact, is_empty, matrix, numbers, real, text, vector
 from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, entries, number
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
@@ -365,7 +365,7 @@ class AngleAxis(CheckedAttributes):
     def __mul__(self, other: Any) -> Any:
         if isinstance(other, (AngleAxis, Quaternion)):
             return Quaternion(self) * Quaternion(other)
-        return self.matrix() @ vector(other, 3, "v")
+        return NotImplemented if is_empty(other) else self.matrix() @ vector(other, 3, "v")
 
     def __str__(self) -> str:
         return f"angle: {self.angle:.6g}\naxis: {text(self.axis)}\n"

@@ -381,7 +381,9 @@ def SE3ToXYZQUATtuple(M: SE3) -> tuple[float, ...]:
 
 def as_placement(value: Any) -> Any:
     """The placement that a transform of coal is; all else as it is."""
-    return SE3(value) if hasattr(value, "getRotation") else value
+    return (
+        SE3(value) if hasattr(type(value), "getRotation") else value
+    )  # of the type: a Data looks for near names
 
 
 CONVERSIONS["SE3"] = as_placement

@@ -22,7 +22,8 @@ def pose(m: Array) -> spatial.SE3:
     return spatial.SE3(m[:3, :3], m[:3, 3])
 
 
-def _body(p: Array) -> spatial.Inertia:
+def body(p: Array) -> spatial.Inertia:
+    """The inertia of mass, lever and inertia about it row by row (13,) [kg, m, kg m^2]."""
     xx, yy, zz = p[4], p[8], p[12]
     xy, xz, yz = 0.5 * (p[5] + p[7]), 0.5 * (p[6] + p[10]), 0.5 * (p[9] + p[11])
     moments: Any = matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -48,7 +49,7 @@ def _lever(first_moment: Array, mass: Any) -> Array:
 
 
 def _sum(p: Array, o: Array) -> Array:
-    a, b = _body(p), _body(o)
+    a, b = body(p), body(o)
     mass = a.mass + b.mass
     divisor = where(less(0.0, mass * mass), mass, 1.0)
     way, share = b.com - a.com, b.mass / divisor
@@ -65,7 +66,7 @@ def spread(d: Array) -> Array:
 
 
 def _difference(p: Array, o: Array) -> Array:
-    return _from_parameters(_body(p).parameters() - _body(o).parameters())
+    return _from_parameters(body(p).parameters() - body(o).parameters())
 
 
 def _from_parameters(d: Array) -> Array:
@@ -77,14 +78,14 @@ def _from_parameters(d: Array) -> Array:
 
 def _inverse(p: Array) -> Array:
     """The inverse of the 6x6 inertia; see Featherstone, eq. (2.74)."""
-    body = _body(p)
-    (a, b, c), (_, d, e), (_, _, f) = body.inertia
+    own = body(p)
+    (a, b, c), (_, d, e), (_, _, f) = own.inertia
     cofactors = [d * f - e * e, c * e - b * f, b * e - c * d, a * f - c * c, b * c - a * e, a * d - b * b]
     det = a * cofactors[0] + b * cofactors[1] + c * cofactors[2]
     xx, xy, xz, yy, yz, zz = (x / det for x in cofactors)
     turn: Any = matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    lever: Any = skew(body.com)
-    corner = np.eye(3) / body.mass - lever @ turn @ lever
+    lever: Any = skew(own.com)
+    corner = np.eye(3) / own.mass - lever @ turn @ lever
     return np.concatenate(
         [np.concatenate([corner, lever @ turn], axis=1), np.concatenate([-turn @ lever, turn], axis=1)]
     )
@@ -179,14 +180,14 @@ _M, _P, _V, _Q, _X = (4, 4), (13,), (6,), (4,), (3,)
 INERTIAS: dict[str, tuple[Any, ...]] = {
     "sum": (_sum, _P, _P),
     "difference": (_difference, _P, _P),
-    "moved": (lambda m, p: _numbers(pose(m).act(_body(p))), _M, _P),
-    "moved back": (lambda m, p: _numbers(pose(m).act_inverse(_body(p))), _M, _P),
+    "moved": (lambda m, p: _numbers(pose(m).act(body(p))), _M, _P),
+    "moved back": (lambda m, p: _numbers(pose(m).act_inverse(body(p))), _M, _P),
     "random": Random(_random_inertia, even=10),
 }
 """What makes inertias."""
 FORCES: dict[str, tuple[Any, ...]] = {
-    "momentum": (lambda p, v: _body(p).apply(_motion(v)).vector(), _P, _V),
-    "rate": (lambda p, v: _motion(v).cross(_body(p).apply(_motion(v))).vector(), _P, _V),
+    "momentum": (lambda p, v: body(p).apply(_motion(v)).vector(), _P, _V),
+    "rate": (lambda p, v: _motion(v).cross(body(p).apply(_motion(v))).vector(), _P, _V),
 }
 """What makes forces of an inertia and a velocity."""
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
@@ -195,17 +196,17 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "excess": (six_excess, _V, _V, ()),
     "motion matrix": (lambda v: _motion(v).cross_matrix(), _V),
     "motion dual": (_dual, _V),
-    "inertia matrix": (lambda p: _body(p).matrix(), _P),
+    "inertia matrix": (lambda p: body(p).matrix(), _P),
     "inertia inverse": (_inverse, _P),
-    "inertia energy": (lambda p, v: _motion(v).dot(_body(p).apply(_motion(v))), _P, _V),
-    "inertia v x I": (lambda p, v: _dual(v) @ _body(p).matrix(), _P, _V),
-    "inertia I v x": (lambda p, v: _body(p).matrix() @ _motion(v).cross_matrix(), _P, _V),
+    "inertia energy": (lambda p, v: _motion(v).dot(body(p).apply(_motion(v))), _P, _V),
+    "inertia v x I": (lambda p, v: _dual(v) @ body(p).matrix(), _P, _V),
+    "inertia I v x": (lambda p, v: body(p).matrix() @ _motion(v).cross_matrix(), _P, _V),
     "inertia rate": (
-        lambda p, v: _dual(v) @ _body(p).matrix() - _body(p).matrix() @ _motion(v).cross_matrix(),
+        lambda p, v: _dual(v) @ body(p).matrix() - body(p).matrix() @ _motion(v).cross_matrix(),
         _P,
         _V,
     ),
-    "inertia parameters": (lambda p: _body(p).parameters(), _P),
+    "inertia parameters": (lambda p: body(p).parameters(), _P),
     "inertia of parameters": (_from_parameters, (10,)),
     "quaternion product": (spatial.quat_multiply, _Q, _Q),
     "quaternion point": (lambda q, x: spatial.quat_xyzw_to_matrix(q) @ x, _Q, _X),

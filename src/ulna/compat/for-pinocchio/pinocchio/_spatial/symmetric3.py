@@ -7,7 +7,7 @@ from typing import Any, Self, final
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError, is_number
-from pinocchio._containers.arrays import matrix, real, text, vector
+from pinocchio._containers.arrays import is_empty, matrix, real, text, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.motion_force import skew
 from pinocchio._spatial.random_numbers import generator
@@ -180,7 +180,9 @@ class Symmetric3:
     def __mul__(self, other: Any) -> Any:
         if is_number(other):
             return Symmetric3(self._d * other)
-        return NotImplemented if np.ndim(other) == 0 else self.matrix() @ vector(other, 3, "v")
+        if np.ndim(other) == 0 or is_empty(other):
+            return NotImplemented
+        return self.matrix() @ vector(other, 3, "v")
 
     def __imul__(self, factor: Any) -> Self:
         self._d[...] *= real(factor, "factor")
