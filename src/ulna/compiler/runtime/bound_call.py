@@ -7,7 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.compiler.runtime import gufunc
+from ulna.compiler.runtime import gufunc, native_types
 from ulna.compiler.runtime.array_call import ArrayCall
 from ulna.compiler.runtime.gufunc import Binding
 from ulna.compiler.runtime.object_layout import holder_slot
@@ -202,7 +202,7 @@ def bound_type() -> type | None:
     """The type of bound kernels that are machine code; None where there is none."""
     with _lock:
         if not _types:
-            _types.append(gufunc.make_type(Bound, "Bound"))
+            _types.append(native_types.make_type(Bound, "Bound"))
         return _types[0]
 
 

@@ -1,8 +1,8 @@
-"""The Python types whose instances are machine code, and NumPy generalised ufuncs around compiled loops.
+"""Objects that Python calls as machine code, and NumPy generalised ufuncs around compiled loops.
 
-A kernel and a bound kernel are instances of small types made here through CPython's own type factory; their vectorcall
-slots point to JIT-compiled code (see `entry_point`, `fast_call`). Where the layout that code relies on differs (another
-interpreter, another NumPy), there are no such types, and everything goes through the ufunc.
+A kernel and a bound kernel are instances of small types (see `native_types`); their vectorcall slots point to
+JIT-compiled code (see `entry_point`, `fast_call`). Where the layout that code relies on differs (another interpreter,
+another NumPy), there are no such types, and everything goes through the ufunc.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import platform
 import sys
 import weakref
 from array import array
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any, NamedTuple, final
 
@@ -21,7 +21,7 @@ import numpy as np
 from ulna.compiler.codegen.ir_text import DType
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ports import Port
-from ulna.compiler.runtime import entry_point, jit, object_layout
+from ulna.compiler.runtime import entry_point, jit, native_types, object_layout
 from ulna.compiler.runtime.fast_call import FAST_CALL_IR, FIELDS, REUSED
 from ulna.compiler.runtime.free_threaded_call import GUARDED_BOUND_IR
 from ulna.compiler.runtime.object_layout import (
@@ -29,121 +29,12 @@ from ulna.compiler.runtime.object_layout import (
     VALUE,
     array_function,
     c_function,
-    fast_call_works,
     has_gil,
     ufunc_function,
 )
 from ulna.typing import Array as AnyArray
 
-
-class _MemberDef(ctypes.Structure):
-    _fields_ = (
-        ("name", ctypes.c_char_p),
-        ("type", ctypes.c_int),
-        ("offset", ctypes.c_ssize_t),
-        ("flags", ctypes.c_int),
-        ("doc", ctypes.c_char_p),
-    )
-
-
-class _GetSetDef(ctypes.Structure):
-    _fields_ = (
-        ("name", ctypes.c_char_p),
-        ("get", ctypes.c_void_p),
-        ("set", ctypes.c_void_p),
-        ("doc", ctypes.c_char_p),
-        ("closure", ctypes.c_void_p),
-    )
-
-
-class _Slot(ctypes.Structure):
-    _fields_ = (("slot", ctypes.c_int), ("pointer", ctypes.c_void_p))
-
-
-class _Spec(ctypes.Structure):
-    _fields_ = (
-        ("name", ctypes.c_char_p),
-        ("basicsize", ctypes.c_int),
-        ("itemsize", ctypes.c_int),
-        ("flags", ctypes.c_uint),
-        ("slots", ctypes.POINTER(_Slot)),
-    )
-
-
-# Kinds of members: Py_ssize_t, a Python object, and one that need not be there.
-_OFFSET, _OBJECT, _SLOT_OBJECT = 19, 6, 16
-_KEEP: list[Any] = []  # what CPython and NumPy keep pointers to
-
-LIKE_A_METHOD = 1 << 17 | 1 << 8
-"""Flags of types whose instances are methods of classes (Py_TPFLAGS_METHOD_DESCRIPTOR, IMMUTABLETYPE).
-
-By the first, calls pass the instance and make no bound method; Python specialises code only where the second is set,
-which saves 20 ns a call.
-"""
-
-
-def make_type(
-    base: type, name: str, flags: int = 0, descriptor: int = 0, members: Mapping[str, int] | None = None
-) -> type | None:
-    """A subtype of `base` (which has no fields) whose instances are called through a pointer in each instance.
-
-    Args:
-        base: The base class, which has no fields.
-        name: Name of the new type.
-        flags: Further flags of the type.
-        descriptor: Address of what `__get__` is to be; 0 for none.
-        members: Attributes that are objects, each in a word of the instance: its offset [byte].
-
-    Returns:
-        The type, or None where `fast_call_works()` is False.
-    """
-    if not fast_call_works():
-        return None
-    rows = [
-        ("__vectorcalloffset__", _OFFSET, entry_point.VECTORCALL),
-        ("__dictoffset__", _OFFSET, entry_point.DICT),
-        ("__weaklistoffset__", _OFFSET, entry_point.WEAKREFS),
-        *((name, _OBJECT, offset) for name, offset in (members or {}).items()),
-    ]
-    names = [row[0].encode() for row in rows]
-    fields = (_MemberDef * (len(rows) + 1))()
-    for field, text, (_, sort, offset) in zip(fields, names, rows, strict=False):
-        field.name, field.type, field.offset, field.flags = text, sort, offset, 1  # 1: read only
-    get, put = c_function("PyObject_GenericGetDict"), c_function("PyObject_GenericSetDict")
-    properties = (_GetSetDef * 2)(_GetSetDef(b"__dict__", get, put, None, None), _GetSetDef())
-    slots = (_Slot * 5)(
-        _Slot(50, c_function("PyVectorcall_Call")),  # Py_tp_call
-        _Slot(72, ctypes.addressof(fields)),  # Py_tp_members
-        _Slot(73, ctypes.addressof(properties)),  # Py_tp_getset
-        _Slot(54, descriptor) if descriptor else _Slot(0, None),  # Py_tp_descr_get
-        _Slot(0, None),
-    )
-    # HAVE_VERSION_TAG (no effect since 3.10), HAVE_VECTORCALL, DISALLOW_INSTANTIATION
-    flags |= (1 << 18) | (1 << 11) | (1 << 7)
-    called = f"{base.__module__}.{name}".encode()
-    spec = _Spec(called, entry_point.END, 0, flags, slots)
-    _KEEP.extend((fields, names, properties, slots, called, spec))
-    factory = ctypes.pythonapi.PyType_FromSpecWithBases
-    factory.restype, factory.argtypes = ctypes.py_object, [ctypes.POINTER(_Spec), ctypes.py_object]
-    return factory(ctypes.byref(spec), (base,))
-
-
-def make_instance(kind: type, words: dict[int, int]) -> Any:
-    """An instance of a type from `make_type`.
-
-    Args:
-        kind: The type.
-        words: By their offset in the instance [byte], the words to fill it with; what they point to must outlive it.
-
-    Returns:
-        The instance.
-    """
-    allocate = ctypes.pythonapi.PyType_GenericAlloc
-    allocate.restype, allocate.argtypes = ctypes.py_object, [ctypes.py_object, ctypes.c_ssize_t]
-    instance = allocate(kind, 0)
-    for offset, word in words.items():
-        ctypes.c_void_p.from_address(id(instance) + offset).value = word
-    return instance
+_KEEP: list[Any] = []  # what NumPy keeps pointers to
 
 
 def make_kernel(kind: type, slow: Callable[..., Any], element: DType) -> Any:
@@ -171,7 +62,7 @@ def make_kernel(kind: type, slow: Callable[..., Any], element: DType) -> Any:
         entry_point.FLOAT: id(float),
         entry_point.FLOAT64: id(np.float64),
     }
-    return make_instance(kind, words)
+    return native_types.make_instance(kind, words)
 
 
 @cache
@@ -212,7 +103,7 @@ def make_bound(kind: type, plan: Plan, slow: Callable[..., Any]) -> Any:
         entry_point.SLOW: id(slow),
         entry_point.PLAN: plan.address,
     }
-    return make_instance(kind, words)
+    return native_types.make_instance(kind, words)
 
 
 def keep(instance: Any, *needed: Any) -> None:
@@ -377,7 +268,7 @@ def _common_words() -> dict[str, int]:
     }
 
 
-_SLOT = _MemberDef(b"value", _SLOT_OBJECT, VALUE, 0, None)
+_SLOT = native_types.MemberDef(b"value", native_types.SLOT_OBJECT, VALUE, 0, None)
 
 
 @cache

@@ -11,7 +11,7 @@ import numpy as np
 
 from ulna.compiler.language.function import Function, trace
 from ulna.compiler.language.graph import Graph
-from ulna.compiler.runtime import bound_call, gufunc, jit
+from ulna.compiler.runtime import bound_call, gufunc, jit, native_types
 from ulna.compiler.runtime.array_call import ELEMENT, ArrayCall, Unit
 from ulna.compiler.runtime.differentiate import differentiated
 from ulna.errors import DtypeError, InputError, needed
@@ -324,7 +324,7 @@ def native_type() -> Any:
     global _NATIVE, _native_made
     with _native_lock:
         if not _native_made:
-            _NATIVE, _native_made = gufunc.make_type(KernelBase, "Kernel"), True
+            _NATIVE, _native_made = native_types.make_type(KernelBase, "Kernel"), True
     return _NATIVE
 
 

@@ -25,7 +25,7 @@ from array import array
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from ulna.compiler.runtime import entry_point, gufunc, jit
+from ulna.compiler.runtime import entry_point, jit, native_types
 from ulna.compiler.runtime.kernel import native_type
 from ulna.compiler.runtime.method_code import FIELDS, METHOD_IR
 from ulna.compiler.runtime.object_layout import c_function, slot_offset
@@ -93,7 +93,7 @@ def method_call(
         "names": rows[0].buffer_info()[0], "defaults": rows[1].buffer_info()[0],
     }  # fmt: skip
     plan = array("Q", [int(values[field]) for field in FIELDS])
-    instance = gufunc.make_instance(
+    instance = native_types.make_instance(
         type_,
         {
             entry_point.VECTORCALL: code,
@@ -122,10 +122,10 @@ def _own_type() -> tuple[type, int, dict[str, int]] | None:
     if kernel_type is None:
         return None
     code = jit.load_text(METHOD_IR, ("method", "bind"), has_loops=False)
-    kind = gufunc.make_type(
+    kind = native_types.make_type(
         object,
         "method_call",
-        flags=gufunc.LIKE_A_METHOD,
+        flags=native_types.LIKE_A_METHOD,
         descriptor=code.address("bind"),
         members={"__class__": entry_point.CLASS},
     )

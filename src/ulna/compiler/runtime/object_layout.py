@@ -169,3 +169,5 @@ def ufunc_function(number: int) -> int:
 
 ARRAY_NEW, SCALAR_NEW, UFUNC_FROM_SIGNATURE = 93, 60, 31
 """Numbers of PyArray_New, PyArray_Scalar and PyUFunc_FromFuncAndDataAndSignature."""
+NEW_FROM_DESCRIPTOR, SET_BASE = 94, 282
+"""Numbers of PyArray_NewFromDescr and PyArray_SetBaseObject."""

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple, final
 
 import numpy as np
 
-from ulna.compiler.runtime import entry_point, gufunc, jit
+from ulna.compiler.runtime import entry_point, jit, native_types
 from ulna.compiler.runtime.bound_call import bound_type
 from ulna.compiler.runtime.fast_call import load_at
 from ulna.compiler.runtime.method_code import bind_ir
@@ -338,8 +338,8 @@ def _code() -> Any:
 def _own_type() -> type | None:
     if bound_type() is None or not has_gil():
         return None
-    flags, bind = gufunc.LIKE_A_METHOD, _code().address("bind")
-    return gufunc.make_type(object, "procedure_method", flags, bind, {"__class__": entry_point.CLASS})
+    flags, bind = native_types.LIKE_A_METHOD, _code().address("bind")
+    return native_types.make_type(object, "procedure_method", flags, bind, {"__class__": entry_point.CLASS})
 
 
 def procedure_method(function: Callable[..., Any], owner: type, slot: str) -> Callable[..., Any]:
@@ -361,7 +361,7 @@ def procedure_method(function: Callable[..., Any], owner: type, slot: str) -> Ca
         *(c_function(name) for name in ("PyObject_Vectorcall", "Py_IncRef", "PyMethod_New")),
     ]  # fmt: skip
     plan = array("Q", words)
-    made = gufunc.make_instance(
+    made = native_types.make_instance(
         kind,
         {
             entry_point.VECTORCALL: _code().address("method"),

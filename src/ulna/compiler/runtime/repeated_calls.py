@@ -21,7 +21,7 @@ from array import array
 from collections.abc import Callable
 from typing import Any, TypeVar, final
 
-from ulna.compiler.runtime import entry_point, gufunc, jit
+from ulna.compiler.runtime import entry_point, jit, native_types
 from ulna.compiler.runtime.bound_call import bound_type
 from ulna.compiler.runtime.fast_call import load_at
 from ulna.compiler.runtime.object_layout import LIST_ITEMS, LIST_SIZE, WORD, c_function, has_gil
@@ -349,7 +349,7 @@ class CallCache:
 
 @functools.cache
 def _own_type() -> type | None:
-    return gufunc.make_type(RepeatedCalls, "RepeatedCalls")
+    return native_types.make_type(RepeatedCalls, "RepeatedCalls")
 
 
 @functools.cache
@@ -420,6 +420,6 @@ def _looked_up(function: Any, table: _Table | None) -> Any:
         entry_point.SLOW: id(function),
         entry_point.PLAN: table.plan.buffer_info()[0],
     }
-    made = gufunc.make_instance(kind, words)
+    made = native_types.make_instance(kind, words)
     _KEEP.append((made, function, table))
     return functools.update_wrapper(made, function)

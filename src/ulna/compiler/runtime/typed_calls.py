@@ -17,7 +17,7 @@ from array import array
 from collections.abc import Callable, Mapping
 from typing import Any, final
 
-from ulna.compiler.runtime import entry_point, gufunc, jit
+from ulna.compiler.runtime import entry_point, jit, native_types
 from ulna.compiler.runtime.bound_call import bound_type
 from ulna.compiler.runtime.fast_call import load_at
 from ulna.compiler.runtime.method_code import bind_ir
@@ -142,10 +142,10 @@ def _own_type(is_method: bool) -> type | None:
     if bound_type() is None:
         return None
     if not is_method:
-        return gufunc.make_type(RepeatedCalls, "TypedCalls")
-    flags, bind = gufunc.LIKE_A_METHOD, _code().address("bind")
+        return native_types.make_type(RepeatedCalls, "TypedCalls")
+    flags, bind = native_types.LIKE_A_METHOD, _code().address("bind")
     members = {"__class__": entry_point.CLASS}
-    return gufunc.make_type(object, "typed_method", flags, bind, members)
+    return native_types.make_type(object, "typed_method", flags, bind, members)
 
 
 def typed_calls(
@@ -187,7 +187,7 @@ def typed_calls(
     }
     if is_method:
         words[entry_point.CLASS] = id(types.FunctionType)
-    made = gufunc.make_instance(kind, words)
+    made = native_types.make_instance(kind, words)
     _KEEP.append((made, general, table))
     return functools.update_wrapper(made, function, (*functools.WRAPPER_ASSIGNMENTS, *_OF_FUNCTIONS))
 

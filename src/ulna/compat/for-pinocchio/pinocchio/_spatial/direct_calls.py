@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,8 @@ from pinocchio._spatial.motion_force import Force, Motion
 from pinocchio._spatial.rotations import Quaternion
 from pinocchio._spatial.se3 import MATRICES, PLACEMENTS, SE3
 from pinocchio._spatial.small_kernels import SMALL, equality, pose_excess, six_excess, truth_within
+from ulna.compiler.runtime.array_property import array_property
+from ulna.typing import Array
 
 _SHAPES: dict[type, tuple[int, ...]] = {
     SE3: (4, 4),
@@ -41,6 +44,13 @@ def _direct(kind: type, names: str, *rows: Row) -> None:
         else:
             made = called_directly(member, *rows, is_method=True)
         setattr(kind, name, made)
+
+
+def _assigned(kind: type, name: str, part: Callable[[Array], Array], reads: bool = True) -> None:
+    """Has a property of a class, a part of the array that it holds, assigned, and read, without Python."""
+    made: Any = array_property(inspect.getattr_static(kind, name), kind, _SHAPES[kind], part, reads)
+    made.__set_name__(kind, name)
+    setattr(kind, name, made)
 
 
 def _function_of(method: Any) -> Any:
@@ -81,6 +91,8 @@ def _placements() -> None:
     point = SMALL.row("pose point", SE3, np.ndarray)
     _direct(SE3, "__mul__ __matmul__ act", PLACEMENTS.row("product", SE3, SE3), point, *moved)
     _direct(SE3, "actInv", PLACEMENTS.row("quotient", SE3, SE3), *back)
+    _assigned(SE3, "rotation", lambda m: m[:3, :3])
+    _assigned(SE3, "translation", lambda m: m[:3, 3])
     _direct(SE3, "inverse __invert__", PLACEMENTS.row("inverse", SE3))
     _direct(SE3, "homogeneous np", MATRICES.row("itself", SE3))
     _direct(SE3, "action toActionMatrix", MATRICES.row("action", SE3))
@@ -97,6 +109,9 @@ _MOVED = {Motion: Motion._made, Force: Force._made, Inertia: BODIES}
 def _motions_and_forces() -> None:
     for kind, other in ((Motion, Force), (Force, Motion)):
         own = kind._made
+        _assigned(kind, "linear", lambda v: v[:3])
+        _assigned(kind, "angular", lambda v: v[3:])
+        _assigned(kind, "vector", lambda v: v, reads=False)  # which is the array itself
         _direct(kind, "__add__", own.row("sum", kind, kind))
         _direct(kind, "__sub__", own.row("difference", kind, kind))
         _direct(kind, "__neg__", own.row("opposite", kind))
@@ -111,8 +126,10 @@ def _inertias() -> None:
     _direct(Inertia, "__add__", BODIES.row("sum", Inertia, Inertia))
     _direct(Inertia, "__sub__", BODIES.row("difference", Inertia, Inertia))
     _direct(Inertia, "__mul__", FORCES_OF_BODIES.row("momentum", Inertia, Motion))
-    _direct(Inertia, "mass", SMALL.row("mass", Inertia, holder=float))
+    _assigned(Inertia, "mass", lambda p: p[0:1].reshape(()))
+    _assigned(Inertia, "lever", lambda p: p[1:4])
     _direct(Inertia, "inertia", SMALL.row("moments", Inertia))
+    _assigned(Inertia, "inertia", lambda p: p[4:].reshape(3, 3), reads=False)  # which is a copy
     _direct(Inertia, "matrix np", SMALL.row("inertia matrix", Inertia))
     _direct(Inertia, "inverse", SMALL.row("inertia inverse", Inertia))
     _direct(Inertia, "vtiv", SMALL.row("inertia energy", Inertia, Motion, holder=float))
@@ -122,6 +139,8 @@ def _inertias() -> None:
 
 
 def _quaternions() -> None:
+    for place, letter in enumerate("xyzw"):
+        _assigned(Quaternion, letter, lambda c, place=place: c[place : place + 1].reshape(()))
     product = SMALL.row("quaternion product", Quaternion, Quaternion, holder=Quaternion)
     _direct(Quaternion, "__mul__", product, SMALL.row("quaternion point", Quaternion, np.ndarray))
     _direct(Quaternion, "matrix toRotationMatrix", SMALL.row("quaternion matrix", Quaternion))
