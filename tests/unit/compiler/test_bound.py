@@ -215,6 +215,51 @@ def test_what_is_given_otherwise_gets_the_arguments(kernel, targets):
     assert step() == ()
 
 
+def _with_gaps(x):
+    """The same values in other layouts: columns, reversed, Fortran order, one value again and again."""
+    wide = np.zeros([3 * n for n in x.shape])
+    part = wide[tuple(slice(1, None, 3) for _ in x.shape)]
+    part[...] = x
+    backwards = x[tuple(slice(None, None, -1) for _ in x.shape)].copy()
+    return part, backwards[tuple(slice(None, None, -1) for _ in x.shape)], np.asfortranarray(x)
+
+
+@pytest.mark.parametrize("shape", [(1,), (3,), (16,), (3, 3), (4, 4), (2, 8), (16, 1), (1, 16)])
+def test_small_arrays_with_gaps_are_taken_as_they_are(shape):
+    x, y = np.random.default_rng(3).normal(size=(2, *shape))
+    kernel = compile(lambda a, b: a - 2.0 * b, a=shape, b=shape)
+    step = kernel.into(np.zeros(shape), returns=(0,), otherwise=_refused)
+    wanted = x - 2.0 * y
+    for a in (x, *_with_gaps(x)):
+        for b in (y, *_with_gaps(y)):
+            np.testing.assert_array_equal(step(a, b), wanted)
+    same = np.broadcast_to(0.5, shape)
+    np.testing.assert_array_equal(step(same, y), 0.5 - 2.0 * y)
+
+
+def test_other_arrays_with_gaps_are_left_to_the_function():
+    small = compile(lambda a: 2.0 * a, a=(3,)).into(np.zeros(3), returns=(0,), otherwise=_refused)
+    column = np.zeros((3, 2))[:, 1]
+    shifted = np.frombuffer(bytearray(8 * 6 + 1), dtype=float, offset=1)[::2]  # not aligned
+    swapped = np.zeros(6, ">f8")[::2]
+    for wrong in (np.zeros(8)[::2], np.zeros((3, 2))[:, 1:], column.astype(np.float32), shifted, swapped):
+        assert small(wrong) == "refused"
+    assert small(column).tolist() == [0.0, 0.0, 0.0]
+    large = compile(lambda a: 2.0 * a, a=(17,)).into(np.zeros(17), returns=(0,), otherwise=_refused)
+    assert large(np.zeros(34)[::2]) == "refused" and large(np.zeros(17)).tolist() == [0.0] * 17
+    three = compile(lambda a: 2.0 * a, a=(2, 2, 2)).into(
+        np.zeros((2, 2, 2)), returns=(0,), otherwise=_refused
+    )
+    assert three(np.zeros((2, 2, 2)).T) == "refused"
+
+
+def test_views_of_the_target_are_read_before_it_is_written():
+    x = np.arange(4.0)
+    step = compile(lambda a: a[::-1] + 1.0, a=(4,)).into(x, otherwise=_refused)
+    step(x[::-1])
+    assert x.tolist() == [1.0, 2.0, 3.0, 4.0]
+
+
 def test_watching_needs_somewhere_to_go_and_whole_words(kernel, targets):
     with pytest.raises(InputError, match="otherwise"):
         kernel.into(*targets, watch=[(Q, Q.copy())])

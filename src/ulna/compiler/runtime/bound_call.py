@@ -9,6 +9,7 @@ import numpy as np
 
 from ulna.compiler.runtime import gufunc, native_types
 from ulna.compiler.runtime.array_call import ArrayCall
+from ulna.compiler.runtime.fast_call import MOST_GATHERED
 from ulna.compiler.runtime.gufunc import Binding
 from ulna.compiler.runtime.object_layout import holder_slot
 from ulna.errors import DtypeError, InputError, NonFiniteError, ShapeError
@@ -157,10 +158,16 @@ class _CheckedCall:
         args = self.unwrapped(args)
         ports, dtype = self.array_call.function.inputs, self.array_call.dtype
         ports = ports[: len(ports) - len(self.trailing_inputs)]
+        kinds += [None] * (len(ports) - len(kinds))
         return len(args) == len(ports) and all(
-            (type(a) is np.ndarray and a.dtype is dtype and a.shape == p.shape and _is_readable(a))
+            (
+                type(a) is np.ndarray
+                and a.dtype is dtype
+                and a.shape == p.shape
+                and (_is_readable(a) or (kind is None and _is_gathered(a)))
+            )
             or (p.shape == () and dtype == np.float64 and type(a) in (float, np.float64))
-            for a, p in zip(args, ports, strict=True)
+            for a, p, kind in zip(args, ports, kinds, strict=True)
         )
 
 
@@ -178,6 +185,12 @@ class _CheckedFallback:
 
 def _is_readable(array: Array) -> bool:
     return array.flags.c_contiguous and array.flags.aligned
+
+
+def _is_gathered(array: Array) -> bool:
+    """Whether compiled code takes an array with gaps."""
+    small = array.ndim in (1, 2) and 0 < array.size <= MOST_GATHERED
+    return small and array.dtype == np.float64 and array.flags.aligned
 
 
 def _layout(array: Array) -> tuple[Any, ...]:

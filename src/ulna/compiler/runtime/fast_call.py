@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from ulna.compiler.runtime.entry_point import PLAN, SLOW
 from ulna.compiler.runtime.object_layout import (
+    ALIGNED,
     ARRAY_DESCRIPTOR,
     DATA,
     FLAGS,
@@ -17,9 +18,11 @@ from ulna.compiler.runtime.object_layout import (
     NDIM,
     OWNED,
     READABLE,
+    STEPS,
     TUPLE_ITEMS,
     TUPLE_SIZE,
     TYPE,
+    TYPE_NUMBER,
     VALUE,
     WEAK_REFERENCES,
     WORD,
@@ -46,6 +49,8 @@ FIELDS = (
 """The words of a plan."""
 PORT, RETURN = 5, 4
 WATCH = 3 + 2 * PORT
+MOST_GATHERED = 16
+"""So many entries may an array with gaps have for a bound kernel to take it without Python."""
 REUSED = 2
 """So many of the last instances are written to again when nobody else has them: two, for `x = f()` in a loop."""
 
@@ -148,10 +153,120 @@ refused:
 """
 
 
+_GATHERED = f"""
+; Copies a small float64 array with gaps, such as a column of a matrix; says whether it is of a port's shape.
+define internal i1 @gathered(ptr %plan, ptr %port, ptr %object, ptr %to) noinline nounwind {{
+entry:
+{_word("array_type")}
+{_word("type_number", "i64")}
+{load_at("kind", "object", TYPE)}
+{load_at("holder", "port", 4 * WORD)}
+{load_at("axes", "port", 0, "i64")}
+  %is.array = icmp eq ptr %kind, %array_type
+  %is.bare = icmp eq ptr %holder, null
+  %is.double = icmp eq i64 %type_number, {TYPE_NUMBER["double"]}
+  %axes.0 = sub i64 %axes, 1
+  %axes.ok = icmp ult i64 %axes.0, 2
+  %plain = and i1 %is.array, %is.bare
+  %known = and i1 %is.double, %axes.ok
+  %may = and i1 %plain, %known
+  br i1 %may, label %fields, label %no
+fields:
+{load_at("descr", "object", ARRAY_DESCRIPTOR)}
+{load_at("ndim", "object", NDIM, "i32")}
+{load_at("flags", "object", FLAGS, "i32")}
+{load_at("descriptor", "port", 3 * WORD)}
+  %descr.ok = icmp eq ptr %descr, %descriptor
+  %axes.32 = trunc i64 %axes to i32
+  %ndim.ok = icmp eq i32 %ndim, %axes.32
+  %got = and i32 %flags, {ALIGNED}
+  %flags.ok = icmp eq i32 %got, {ALIGNED}
+  %both = and i1 %descr.ok, %ndim.ok
+  %all = and i1 %both, %flags.ok
+  br i1 %all, label %first, label %no
+first:
+{load_at("given", "object", LENGTHS)}
+{load_at("steps", "object", STEPS)}
+{load_at("expected", "port", WORD)}
+{load_at("data", "object", DATA)}
+  %rows = load i64, ptr %given
+  %wanted0 = load i64, ptr %expected
+  %same0 = icmp eq i64 %rows, %wanted0
+  %step0 = load i64, ptr %steps
+  %is.plane = icmp eq i64 %axes, 2
+  br i1 %same0, label %second, label %no
+second:
+  br i1 %is.plane, label %plane, label %sizes
+plane:
+{load_at("given1", "given", WORD, "i64")}
+{load_at("wanted1", "expected", WORD, "i64")}
+{load_at("step1", "steps", WORD, "i64")}
+  %same1 = icmp eq i64 %given1, %wanted1
+  br i1 %same1, label %sizes, label %no
+sizes:
+  %columns = phi i64 [ 1, %second ], [ %given1, %plane ]
+  %step.in.row = phi i64 [ 0, %second ], [ %step1, %plane ]
+  %rows.0 = sub i64 %rows, 1
+  %columns.0 = sub i64 %columns, 1
+  %rows.ok = icmp ult i64 %rows.0, {MOST_GATHERED}
+  %columns.ok = icmp ult i64 %columns.0, {MOST_GATHERED}
+  %sizes.ok = and i1 %rows.ok, %columns.ok
+  %size = mul i64 %rows, %columns
+  %size.ok = icmp ule i64 %size, {MOST_GATHERED}
+  %small = and i1 %sizes.ok, %size.ok
+  br i1 %small, label %row, label %no
+row:
+  %i = phi i64 [ 0, %sizes ], [ %i.next, %row.end ]
+  %at.row = phi ptr [ %data, %sizes ], [ %at.row.next, %row.end ]
+  %to.row = phi ptr [ %to, %sizes ], [ %to.next, %row.end ]
+  br label %entry.of
+entry.of:
+  %j = phi i64 [ 0, %row ], [ %j.next, %entry.of ]
+  %at = phi ptr [ %at.row, %row ], [ %at.next, %entry.of ]
+  %to.at = phi ptr [ %to.row, %row ], [ %to.next, %entry.of ]
+  %x = load double, ptr %at, align 8
+  store double %x, ptr %to.at, align 8
+  %at.next = getelementptr i8, ptr %at, i64 %step.in.row
+  %to.next = getelementptr double, ptr %to.at, i64 1
+  %j.next = add nuw i64 %j, 1
+  %j.more = icmp ult i64 %j.next, %columns
+  br i1 %j.more, label %entry.of, label %row.end
+row.end:
+  %at.row.next = getelementptr i8, ptr %at.row, i64 %step0
+  %i.next = add nuw i64 %i, 1
+  %i.more = icmp ult i64 %i.next, %rows
+  br i1 %i.more, label %row, label %yes
+yes:
+  ret i1 true
+no:
+  ret i1 false
+}}
+"""
+
+
 def _collect(
-    table: str, count: str, source: str, wanted: int, label: str, then: str, first: str = "0"
+    table: str,
+    count: str,
+    source: str,
+    wanted: int,
+    label: str,
+    then: str,
+    first: str = "0",
+    gathers: bool = False,
 ) -> str:
-    """Lines that take `%count` objects from `%source` into `%pointers`, from place `first` on; a loop named `label`."""
+    """Lines that take `%count` objects from `%source` into `%pointers`, from place `first` on; a loop named `label`.
+
+    With `gathers`, small arrays with gaps are copied to the stack, and taken there.
+    """
+    otherwise, data, gather = "slow", f"{label}.data", ""
+    if gathers:
+        otherwise, data = f"{label}.gaps", f"{label}.chosen"
+        gather = f"""{label}.gaps:
+  %{label}.copy = alloca [{MOST_GATHERED} x double]
+  %{label}.is.copied = call i1 @gathered(ptr %plan, ptr %{label}.port, ptr %{label}.object, ptr %{label}.copy)
+  br i1 %{label}.is.copied, label %{label}.good, label %slow
+"""
+    chosen = f"  %{data} = phi ptr [ %{label}.data, %{label}.one ], [ %{label}.copy, %{label}.gaps ]\n"
     return f"""  br label %{label}
 {label}:
   %{label}.k = phi i64 [ 0, %{label}.from ], [ %{label}.next, %{label}.good ]
@@ -164,11 +279,11 @@ def _collect(
   %{label}.port = getelementptr i8, ptr %{table}, i64 %{label}.at
   %{label}.data = call ptr @take(ptr %plan, ptr %{label}.port, ptr %{label}.object, i32 {wanted})
   %{label}.bad = icmp eq ptr %{label}.data, null
-  br i1 %{label}.bad, label %slow, label %{label}.good
-{label}.good:
-  %{label}.place = add nuw i64 %{label}.k, {first}
+  br i1 %{label}.bad, label %{otherwise}, label %{label}.good
+{gather}{label}.good:
+{chosen if gathers else ""}  %{label}.place = add nuw i64 %{label}.k, {first}
   %{label}.to = getelementptr ptr, ptr %pointers, i64 %{label}.place
-  store ptr %{label}.data, ptr %{label}.to
+  store ptr %{data}, ptr %{label}.to
   %{label}.next = add nuw i64 %{label}.k, 1
   br label %{label}"""
 
@@ -250,7 +365,7 @@ _BOUND = f"""
   %begin = and i1 %plain, %count.ok
   br i1 %begin, label %in.from, label %slow
 in.from:
-{_collect("ports_in", "inputs", "args", READABLE, "in", "watch.from")}
+{_collect("ports_in", "inputs", "args", READABLE, "in", "watch.from", gathers=True)}
 watch.from:
 {_word("watch_count", "i64")}
 {_word("watched")}
@@ -572,7 +687,7 @@ def bound_ir(define: str, slow: str) -> str:
 ; A kernel bound to arrays: compares what is watched, writes into the arrays, returns copies of some of them.
 ; Nothing of Python runs between the examination of the arrays and their last use.
 {define}{_HEAD}{_BOUND}{slow}"""
-    return _TAKE + _DIFFER + _COPIED + _REUSED + bound
+    return _TAKE + _GATHERED + _DIFFER + _COPIED + _REUSED + bound
 
 
 FAST_CALL_IR = {"with_out": _TAKE + _GIVEN, "bound": bound_ir("define ptr @bound", SLOW_IR)}

@@ -208,7 +208,8 @@ class KernelBase:
             watch: Pairs of arrays (...) of whole 8-byte words. A call works while both of each pair hold the same
                 bits.
             otherwise: Called with the arguments, and its result returned, where these are not exactly arrays of the
-                right type and shape, or what is watched differs or has another shape or type than at first. Without it,
+                right type and shape, without gaps if they have more than 16 entries, or what is watched differs or has
+                another shape or type than at first. Without it,
                 arguments are converted as the kernel does, and one sample is computed. It must not hold the bound
                 kernel: such a reference cycle is never freed. The arrays are examined before it is called, which takes
                 2 us, unless it has an attribute `examines_arrays`, since it calls a kernel bound to the same ones.
