@@ -41,7 +41,13 @@ def _twist(T: Array) -> Array:
     return spatial.se3_log(spatial.SE3(T[:3, :3], T[:3, 3])).vector()
 
 
+def _placement_in_seven(v: Array) -> Array:
+    return np.concatenate([spatial.se3_exp(v).translation, spatial.quat_exp(v[3:])])
+
+
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
+    "exp3 as quaternion": (spatial.quat_exp, (3,)),
+    "exp6 as seven": (_placement_in_seven, (6,)),
     "exp3": (spatial.so3_exp, (3,)),
     "log3": (spatial.so3_log, (3, 3)),
     "exp6": (lambda x: spatial.se3_exp(x).matrix(), (6,)),
@@ -100,7 +106,7 @@ def log3(R: Any, theta: Any = OMITTED) -> Floats:
 
 def exp3_quat(w: Any) -> Floats:
     """The quaternion xyzw (4,) of a rotation vector (3,) [rad]."""
-    return np.array(spatial.quat_exp(vector(w, 3, "w")))
+    return _CONVERTING["exp3 as quaternion"](vector(w, 3, "w"))
 
 
 @directly(_PLACEMENTS.row("exp6", Motion), _PLACEMENTS.row("exp6", np.ndarray))
@@ -112,11 +118,10 @@ def exp6(v: Any) -> SE3:
 
 def exp6_quat(v: Any) -> Floats:
     """The same as position and quaternion xyzw (7,)."""
-    M = exp6(v)
-    return np.concatenate([M.translation, exp3_quat(v.angular if isinstance(v, Motion) else np.ravel(v)[3:])])
+    return _CONVERTING["exp6 as seven"](_six(v))
 
 
-@directly(_MOTIONS.row("log6", SE3))
+@directly(_MOTIONS.row("log6", SE3), _MOTIONS.row("log6", np.ndarray))
 @by_name("M", "homegeneous_matrix")
 def log6(M: Any) -> Motion:
     """The Motion that leads to a placement (SE3 or 4x4) in one second."""

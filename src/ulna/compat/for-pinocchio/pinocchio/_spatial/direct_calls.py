@@ -17,7 +17,15 @@ from pinocchio._spatial.inertia import BODIES, FORCES_OF_BODIES, Inertia
 from pinocchio._spatial.motion_force import Force, Motion
 from pinocchio._spatial.rotations import Quaternion
 from pinocchio._spatial.se3 import MATRICES, PLACEMENTS, SE3
-from pinocchio._spatial.small_kernels import SMALL, equality, pose_excess, six_excess, truth_within
+from pinocchio._spatial.small_kernels import (
+    SMALL,
+    equality,
+    inertia_excess,
+    pose_excess,
+    six_excess,
+    smallness,
+    truth_within,
+)
 from ulna.compiler.runtime.array_property import array_property
 from ulna.typing import Array
 
@@ -28,6 +36,13 @@ _SHAPES: dict[type, tuple[int, ...]] = {
     Inertia: (13,),
     Quaternion: (4,),
 }
+_NOTHING: dict[type, tuple[str, Any]] = {
+    SE3: ("isIdentity", lambda m: m - np.eye(4)),
+    Motion: ("isZero", lambda v: v),
+    Force: ("isZero", lambda v: v),
+    Inertia: ("isZero", lambda p: p),
+}
+"""What says whether they are nearly nothing, and the numbers that are to be small then."""
 _EXCESS: dict[type, Any] = {SE3: pose_excess, Motion: six_excess, Force: six_excess}
 
 
@@ -75,7 +90,16 @@ def _shared(kind: type) -> None:
             "agreement": (lambda a, b: truth_within(excess(a, b, 1e-12)), shape, shape),
             "agreement within": (lambda a, b, prec: truth_within(excess(a, b, prec)), shape, shape, ()),
         }
+    if kind in _NOTHING:
+        _, numbers = _NOTHING[kind]
+        functions |= {
+            "nothing": (lambda x: smallness(numbers(x), 1e-12), shape),
+            "nothing within": (lambda x, prec: smallness(numbers(x), prec), shape, ()),
+        }
     own = BoundFunctions(functions, holder=kind)
+    if kind in _NOTHING:
+        within = own.row("nothing within", kind, float, holder=bool)
+        _direct(kind, _NOTHING[kind][0], own.row("nothing", kind, holder=bool), within)
     _direct(kind, "__eq__", own.row("equality", kind, kind, holder=bool))
     if kind is not Quaternion:
         _direct(kind, "copy __copy__ cast", own.row("copy", kind))
@@ -89,8 +113,9 @@ def _placements() -> None:
         [table.row(name, SE3, kind) for kind, table in _MOVED.items()] for name in ("moved", "moved back")
     )
     point = SMALL.row("pose point", SE3, np.ndarray)
+    point_back = SMALL.row("pose point back", SE3, np.ndarray)
     _direct(SE3, "__mul__ __matmul__ act", PLACEMENTS.row("product", SE3, SE3), point, *moved)
-    _direct(SE3, "actInv", PLACEMENTS.row("quotient", SE3, SE3), *back)
+    _direct(SE3, "actInv", PLACEMENTS.row("quotient", SE3, SE3), point_back, *back)
     _assigned(SE3, "rotation", lambda m: m[:3, :3])
     _assigned(SE3, "translation", lambda m: m[:3, 3])
     _direct(SE3, "inverse __invert__", PLACEMENTS.row("inverse", SE3))
@@ -116,13 +141,26 @@ def _motions_and_forces() -> None:
         _direct(kind, "__sub__", own.row("difference", kind, kind))
         _direct(kind, "__neg__", own.row("opposite", kind))
         _direct(kind, "__mul__ __rmul__", *[own.row("product", kind, x) for x in (float, np.float64)])
+        _direct(kind, "__truediv__", *[own.row("quotient", kind, x) for x in (float, np.float64)])
+        _direct(kind, "se3Action", own.row("moved by", kind, SE3))
+        _direct(kind, "se3ActionInverse", own.row("moved back by", kind, SE3))
         _direct(kind, "dot", SMALL.row("power", kind, other, holder=float))
         _direct(kind, "Random", own.row("random"))
         _direct(kind, "Zero", copies_of(np.zeros(6), kind))
     _direct(Motion, "cross __xor__", *[kind._made.row("cross", Motion, kind) for kind in (Motion, Force)])
 
+    _direct(Motion, "action", SMALL.row("motion matrix", Motion))
+    _direct(Motion, "dualAction", SMALL.row("motion dual", Motion))
+
 
 def _inertias() -> None:
+    agreement = {
+        "agreement": (lambda p, o: truth_within(inertia_excess(p, o, 1e-12)), (13,), (13,)),
+        "agreement within": (lambda p, o, prec: truth_within(inertia_excess(p, o, prec)), (13,), (13,), ()),
+    }
+    own = BoundFunctions(agreement, holder=Inertia)
+    within = own.row("agreement within", Inertia, Inertia, float, holder=bool)
+    _direct(Inertia, "isApprox", own.row("agreement", Inertia, Inertia, holder=bool), within)
     _direct(Inertia, "__add__", BODIES.row("sum", Inertia, Inertia))
     _direct(Inertia, "__sub__", BODIES.row("difference", Inertia, Inertia))
     _direct(Inertia, "__mul__", FORCES_OF_BODIES.row("momentum", Inertia, Motion))
@@ -144,6 +182,20 @@ def _quaternions() -> None:
     product = SMALL.row("quaternion product", Quaternion, Quaternion, holder=Quaternion)
     _direct(Quaternion, "__mul__", product, SMALL.row("quaternion point", Quaternion, np.ndarray))
     _direct(Quaternion, "matrix toRotationMatrix", SMALL.row("quaternion matrix", Quaternion))
+    _direct(Quaternion, "norm", SMALL.row("quaternion norm", Quaternion, holder=float))
+    _direct(Quaternion, "dot", SMALL.row("quaternion dot", Quaternion, Quaternion, holder=float))
+    for name, function in (
+        ("normalized", "quaternion of length 1"),
+        ("inverse", "quaternion inverse"),
+        ("conjugate", "quaternion conjugate"),
+    ):
+        _direct(Quaternion, name, SMALL.row(function, Quaternion, holder=Quaternion))
+    _direct(Quaternion, "isApprox", SMALL.row("quaternion agreement", Quaternion, Quaternion, holder=bool))
+    _direct(
+        Quaternion, "angularDistance", SMALL.row("quaternion angle", Quaternion, Quaternion, holder=float)
+    )
+    slerp = SMALL.row("quaternion slerp", Quaternion, float, Quaternion, holder=Quaternion)
+    _direct(Quaternion, "slerp", slerp)
 
 
 def call_small_objects_directly() -> None:

@@ -50,6 +50,9 @@ class Inertia:
 
     @reads_names("mass lever inertia", "clone")
     def __init__(self, *parts: Any, **named: Any) -> None:
+        if len(parts) == 1 and type(parts[0]) is Inertia and not named:
+            self._p = parts[0]._p.copy()
+            return
         numbers = NotImplemented if named or len(parts) != 3 else _ARRAY_FUNCTIONS["parts"](*parts)
         if numbers is NotImplemented:
             self._set(*parts, **named)
@@ -301,7 +304,7 @@ class Inertia:
 
     def setZero(self) -> None:
         """Makes it that of nothing."""
-        self._p[:] = 0.0
+        self._p.fill(0.0)
 
     def setIdentity(self) -> None:
         """Makes it 1 kg at the origin with unit moments."""
@@ -309,7 +312,7 @@ class Inertia:
 
     def setRandom(self) -> None:
         """Draws it anew; see `Random`."""
-        self._assign(Inertia.Random())
+        self._p[:] = Inertia.Random()._p
 
     def isZero(self, prec: float = 1e-12) -> bool:
         """Whether all its numbers are at most `prec`."""
@@ -357,7 +360,7 @@ class Inertia:
             raise ArgumentError(
                 f"An Inertia {sign} was given {excerpt(repr(other))}; expected another Inertia."
             )
-        self._assign(BODIES[function](self._p, other._p))
+        self._p[:] = BODIES[function](self._p, other._p)._p
         return self
 
     def __sub__(self, other: Any) -> Inertia:

@@ -11,7 +11,7 @@ from pinocchio._containers.arrays import matrix, numbers, real, text, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.bound_functions import BoundFunctions, directly, without_gaps
-from pinocchio._spatial.random_numbers import Random, generator
+from pinocchio._spatial.random_numbers import Random
 from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.small_kernels import pose, small_kernel
 from ulna import numeric, spatial
@@ -32,11 +32,18 @@ class _Six:
 
     @reads_names("linear angular", "array", "clone")
     def __init__(self, *parts: Any, **named: Any) -> None:
-        numbers = NotImplemented if named else _SIX["parts" if len(parts) == 2 else "copy"](*parts)
-        if numbers is NotImplemented:
+        if named:
             self._set(*parts, **named)
+        elif not parts:
+            self._v = np.zeros(6)
+        elif len(parts) == 1 and type(parts[0]) is type(self):
+            self._v = parts[0]._v.copy()
         else:
-            self._v = numbers
+            numbers = _SIX["parts" if len(parts) == 2 else "copy"](*parts)
+            if numbers is NotImplemented:
+                self._set(*parts)
+            else:
+                self._v = numbers
 
     @by_name("linear angular", "array", "clone")
     def _set(self, *parts: Any) -> None:
@@ -108,11 +115,11 @@ class _Six:
 
     def setZero(self) -> None:
         """Makes it zero."""
-        self._v[:] = 0.0
+        self._v.fill(0.0)
 
     def setRandom(self) -> None:
         """Draws it anew; see `Random`."""
-        self._v[:] = generator().uniform(-1.0, 1.0, 6)
+        self._v[:] = self._made["random"]()._v
 
     def copy(self) -> Self:
         """A copy."""
@@ -167,19 +174,19 @@ class _Six:
         )
 
     def __iadd__(self, other: Self) -> Self:
-        self._v += _entries(other, type(self), "other", "+=")
+        self._v += other._v if type(other) is type(self) else _entries(other, type(self), "other", "+=")
         return self
 
     def __isub__(self, other: Self) -> Self:
-        self._v -= _entries(other, type(self), "other", "-=")
+        self._v -= other._v if type(other) is type(self) else _entries(other, type(self), "other", "-=")
         return self
 
     def __neg__(self) -> Self:
         return self._made["opposite"](self._v)
 
     def __mul__(self, factor: Any) -> Any:
-        if type(factor) is float:
-            return self._made["product"](self._v, factor)
+        if type(factor) is float or type(factor) is int:
+            return self._made["product"](self._v, float(factor))
         return self._of(self._v * factor) if is_number(factor) else NotImplemented
 
     __rmul__ = __mul__
@@ -312,6 +319,9 @@ def _functions(kind: Any) -> dict[str, tuple[Any, ...]]:
         "difference": (lambda v, w: v - w, _V, _V),
         "opposite": (lambda v: -v, _V),
         "product": (lambda v, x: x * v, _V, ()),
+        "quotient": (lambda v, x: v / x, _V, ()),
+        "moved by": (lambda v, m: pose(m).act(kind(v[:3], v[3:])).vector(), _V, _M),
+        "moved back by": (lambda v, m: pose(m).act_inverse(kind(v[:3], v[3:])).vector(), _V, _M),
         "cross": (cross, _V, _V),
     }
 

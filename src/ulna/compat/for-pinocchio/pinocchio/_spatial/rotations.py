@@ -11,7 +11,7 @@ import numpy as np
 from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import exact, is_empty, matrix, numbers, real, text, vector
 from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, entries, number
-from pinocchio._containers.keywords import by_name
+from pinocchio._containers.keywords import by_name, reads_names
 from pinocchio._spatial.bound_functions import BoundFunctions, without_gaps
 from pinocchio._spatial.small_kernels import small_kernel
 from ulna import spatial
@@ -20,6 +20,7 @@ from ulna.numeric import less, where
 from ulna.numeric import vector as numeric_vector
 from ulna.typing import Array, Floats
 
+_IDENTITY = np.array([0.0, 0.0, 0.0, 1.0])
 _CONJUGATE = np.array([-1.0, -1.0, -1.0, 1.0])
 UNIT_TOLERANCE = 0.01
 """By how much the length of a quaternion may be off where a rotation is made of it."""
@@ -53,17 +54,34 @@ class Quaternion:
 
     __slots__ = ("_c",)
 
+    @reads_names("w x y z", "R", "vec4", "aa", "quat", "u v")
+    def __init__(self, *parts: Any, **named: Any) -> None:
+        known = NotImplemented
+        if len(parts) == 1 and not named:
+            one = parts[0]
+            if type(one) is Quaternion:
+                known = one._c.copy()
+            elif type(one) is np.ndarray and one.shape == (4,) and one.dtype == float:
+                known = one.copy()
+            else:
+                known = _OF_MATRIX["quaternion"](one)
+        elif not (parts or named):
+            known = _IDENTITY.copy()
+        if known is NotImplemented:
+            self._set(*parts, **named)
+        else:
+            self._c = known
+
     @by_name("w x y z", "R", "vec4", "aa", "quat", "u v")
-    def __init__(self, *parts: Any) -> None:
+    def _set(self, *parts: Any) -> None:
+        """Sets a new instance to what it is made of."""
         if len(parts) == 4:
             w, x, y, z = parts
             self._c = numbers([x, y, z, w], "w, x, y, z")
-        elif not parts:
-            self._c = np.array([0.0, 0.0, 0.0, 1.0])
         elif len(parts) == 1:
             self._c = _coefficients(parts[0])
         elif len(parts) == 2:
-            self._c = np.array([0.0, 0.0, 0.0, 1.0])
+            self._c = _IDENTITY.copy()
             self.setFromTwoVectors(*parts)
         else:
             raise ArgumentError(
@@ -182,7 +200,7 @@ class Quaternion:
 
     def setIdentity(self) -> Quaternion:
         """Makes it the identity."""
-        self._c[:] = 0.0, 0.0, 0.0, 1.0
+        self._c[:] = _IDENTITY
         return self
 
     @by_name("quat", "aa", "other")
@@ -295,7 +313,14 @@ def quaternion_of(R: Array) -> Array:
     return numeric_vector(*(where(less(lead, 0.0), -entry, entry) for entry in quaternion))
 
 
-_OF_MATRIX = BoundFunctions({"quaternion": (quaternion_of, (3, 3))}, exact=True)
+def _angle_and_axis(R: Array) -> Array:
+    angle, axis = spatial.matrix_to_angle_axis(R)
+    return np.concatenate([[angle], axis])
+
+
+_OF_MATRIX = BoundFunctions(
+    {"quaternion": (quaternion_of, (3, 3)), "angle and axis": (_angle_and_axis, (3, 3))}, exact=True
+)
 
 
 def coefficients_of(R: Floats) -> Floats:
@@ -329,8 +354,9 @@ class AngleAxis(CheckedAttributes):
     @by_name("rotation", "R")
     def fromRotationMatrix(self, R: Any) -> AngleAxis:
         """Takes over a rotation matrix."""
-        angle, axis = spatial.matrix_to_angle_axis(matrix(R, (3, 3), "R"))
-        self.angle, self.axis = float(angle), np.array(axis)
+        turn = np.ascontiguousarray(matrix(R, (3, 3), "R"))
+        four = _OF_MATRIX["angle and axis"](turn)
+        self.angle, self.axis = float(four[0]), four[1:].copy()
         return self
 
     def matrix(self) -> Floats:

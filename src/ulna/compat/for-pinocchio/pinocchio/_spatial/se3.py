@@ -14,7 +14,13 @@ from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.bound_functions import BoundFunctions, directly, without_gaps
 from pinocchio._spatial.random_numbers import Random
-from pinocchio._spatial.rotations import UNIT_TOLERANCE, check_unit, coefficients_of, quaternion_of
+from pinocchio._spatial.rotations import (
+    UNIT_TOLERANCE,
+    Quaternion,
+    check_unit,
+    coefficients_of,
+    quaternion_of,
+)
 from pinocchio._spatial.small_kernels import pose, random_pose, small_kernel
 from ulna import spatial
 from ulna.typing import Array, Floats
@@ -79,13 +85,21 @@ class SE3:
         if named:
             self._set(*parts, **named)
         elif len(parts) == 2:
-            placement = _ARRAY_FUNCTIONS["placement"](*parts)
+            turn, place = parts
+            placement = _ARRAY_FUNCTIONS["placement"](
+                turn.matrix() if type(turn) is Quaternion else turn, place
+            )
             if placement is NotImplemented:
                 self._set(*parts)
             else:
                 self._m = placement
+        elif not parts:
+            self._m = _EYE.copy()
         elif len(parts) == 1 and type(parts[0]) is SE3:
             self._m = parts[0]._m.copy()
+        elif type(parts[0]) is np.ndarray and parts[0].shape == _M and parts[0].dtype is _FLOAT:
+            self._m = parts[0].copy()
+            self._m[3] = _EYE[3]
         else:
             self._set(*parts)
 
@@ -127,9 +141,12 @@ class SE3:
         return self
 
     def _assign(self, other: Any) -> None:
+        if type(other) is SE3:
+            self._m[:] = other._m
+            return
         if isinstance(other, numbers.Number):  # SE3(1) is the identity
             raise ArgumentError(f"A placement was given {other!r}; expected an SE3.")
-        self._m[:] = other._m if isinstance(other, SE3) else SE3(other)._m
+        self._m[:] = (other if isinstance(other, SE3) else SE3(other))._m
 
     def _pose(self) -> spatial.SE3:
         return pose(self._m)
@@ -405,6 +422,9 @@ class HasPlacement:
 
     @placement.setter
     def placement(self, M: SE3) -> None:
+        if type(M) is SE3:
+            self.placement._assign(M)
+            return
         _placement_of(self, "placement", as_placement(M))
 
 

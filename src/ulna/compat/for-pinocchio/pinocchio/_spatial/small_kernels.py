@@ -172,6 +172,36 @@ def equality(a: Array, b: Array) -> Any:
     return truth_within(sum((where(less(gap, 0.0), -gap, gap) for gap in gaps), 0.0))
 
 
+def smallness(x: Array, prec: Any) -> Any:
+    """Whether no entry is larger than a bound.
+
+    Args:
+        x: Numbers (...).
+        prec: The bound [any].
+
+    Returns:
+        See `truth_within`.
+    """
+    sizes = (where(less(y, 0.0), -y, y) for y in x.reshape(-1))
+    # a difference that is nan, where one of both is, is no truth
+    larger = (where(less(y, prec), 0.0, where(less(prec, y), 1.0, y - prec)) for y in sizes)
+    return truth_within(sum(larger, 0.0))
+
+
+def inertia_excess(p: Array, o: Array, prec: Any) -> Any:
+    """By how much the numbers of inertias differ by more than a part of their norm, or of 1 where that is less.
+
+    Args:
+        p: Inertia (13,).
+        o: Another one (13,).
+        prec: The part [-].
+
+    Returns:
+        The excess, at most zero where both agree.
+    """
+    return _norm(p - o) - prec * maximum(1.0, _norm(p))
+
+
 def _angle(a: Array, b: Array) -> Array:
     return _norm(spatial.quat_log(spatial.quat_multiply(spatial.quat_conjugate(a), b)))
 
@@ -192,6 +222,7 @@ FORCES: dict[str, tuple[Any, ...]] = {
 """What makes forces of an inertia and a velocity."""
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "pose point": (lambda m, x: m[:3, :3] @ x + m[:3, 3], _M, _X),
+    "pose point back": (lambda m, x: m[:3, :3].T @ (x - m[:3, 3]), _M, _X),
     "pose excess": (pose_excess, _M, _M, ()),
     "excess": (six_excess, _V, _V, ()),
     "motion matrix": (lambda v: _motion(v).cross_matrix(), _V),
@@ -212,7 +243,14 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "quaternion point": (lambda q, x: spatial.quat_xyzw_to_matrix(q) @ x, _Q, _X),
     "quaternion matrix": (spatial.quat_xyzw_to_matrix, _Q),
     "quaternion between": (spatial.quat_slerp, _Q, _Q, ()),
+    "quaternion slerp": (lambda q, t, r: spatial.quat_slerp(q, r, t), _Q, (), _Q),
     "quaternion angle": (_angle, _Q, _Q),
+    "quaternion norm": (_norm, _Q),
+    "quaternion of length 1": (lambda q: q / _norm(q), _Q),
+    "quaternion inverse": (lambda q: spatial.quat_conjugate(q) / (q @ q), _Q),
+    "quaternion conjugate": (spatial.quat_conjugate, _Q),
+    "quaternion dot": (lambda q, r: q @ r, _Q, _Q),
+    "quaternion agreement": (lambda q, r: truth_within(_norm(q - r) - 1e-12), _Q, _Q),
     "power": (lambda v, f: v @ f, _V, _V),
     "mass": (lambda p: 1.0 * p[0], _P),
     "moments": (lambda p: 1.0 * p[4:].reshape(3, 3), _P),
