@@ -236,6 +236,11 @@ def _of_one_kind(first: Any, entry: Any) -> bool:
 _entry_at = list.__getitem__
 
 
+def copied(entry: Any) -> Any:
+    """A copy of an entry, by its own method where it has one: `copy.copy` takes some 1 us to find it."""
+    return entry.copy() if hasattr(entry, "copy") else copy.copy(entry)
+
+
 class StdVec(list[Item], Generic[Item]):
     """A list; what is assigned to an entry is copied into it, so that references to the entry see it.
 
@@ -249,7 +254,7 @@ class StdVec(list[Item], Generic[Item]):
     def __init__(self, *parts: Any) -> None:
         if len(parts) == 2 and is_index(parts[0]):
             check_size(parts[0], "size")
-            super().__init__([copy.copy(parts[1]) for _ in range(parts[0])])
+            super().__init__([copied(parts[1]) for _ in range(parts[0])])
         else:
             try:
                 super().__init__(*parts)
@@ -260,7 +265,7 @@ class StdVec(list[Item], Generic[Item]):
 
     def copy(self) -> StdVec[Item]:
         """A copy, with copies of the entries."""
-        return self._like([copy.copy(entry) for entry in self])
+        return self._like([copied(entry) for entry in self])
 
     def _like(self, entries: list[Any]) -> StdVec[Item]:
         """A list of this kind of these entries, which it takes."""
@@ -279,9 +284,14 @@ class StdVec(list[Item], Generic[Item]):
             return entries
         if entries and type(entries[0]) in (int, float, str, bool):
             return self._like(entries)
-        return self._like([entry.copy() if hasattr(entry, "copy") else copy.copy(entry) for entry in entries])
+        return self._like([copied(entry) for entry in entries])
 
     def __setitem__(self, key: Any, value: Any) -> None:
+        if key.__class__ is int:
+            own = self[key]
+            if own.__class__ is value.__class__ and hasattr(own, "_assign"):
+                own._assign(value)
+                return
         if isinstance(key, slice):
             first, end, step = key.indices(len(self))
             places = range(first, end, step)
@@ -339,7 +349,7 @@ class StdVec(list[Item], Generic[Item]):
             raise ArgumentError(
                 f"A list of {kind} was given {excerpt(repr(entry))}; expected another {kind}."
             )
-        return copy.copy(entry)
+        return copied(entry)
 
     def reserve(self, new_cap: int) -> None:
         """Nothing: lists grow by themselves.
@@ -362,7 +372,7 @@ class StdVec(list[Item], Generic[Item]):
         Returns:
             The list.
         """
-        return [copy.copy(entry) for entry in self] if deep_copy else list(self)
+        return [copied(entry) for entry in self] if deep_copy else list(self)
 
 
 class ArrayRows(StdVec[Any]):

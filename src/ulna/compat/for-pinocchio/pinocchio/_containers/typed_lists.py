@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError, SizeError, WrongShape, is_index, is_number
-from pinocchio._containers.arrays import StdVec, entries_of, numbers
+from pinocchio._containers.arrays import StdVec, copied, entries_of, numbers
 from ulna.errors import excerpt
 
 _SHAPES = {
@@ -76,6 +76,10 @@ class TypedList(StdVec[Any], metaclass=_ListClass):
     def _checked(self, entry: Any) -> Any:
         return self._take(entry)
 
+    def append(self, entry: Any) -> None:
+        """Adds a copy of an entry at the end."""
+        list.append(self, self._take(entry))
+
     def extend(self, entries: Any) -> None:
         """Adds copies of entries at the end."""
         list.extend(self, self._all(entries))
@@ -97,7 +101,11 @@ class TypedList(StdVec[Any], metaclass=_ListClass):
                 return  # as there
             list.__setitem__(self, key, self._all([value] if one else value))
             return
-        entry, own = self._take(value), self[key]
+        own = list.__getitem__(self, key)
+        if own.__class__ is value.__class__ and hasattr(own, "_assign"):
+            own._assign(value)
+            return
+        entry = self._take(value)
         if isinstance(own, np.ndarray) and own.shape == entry.shape:
             own[...] = entry  # so that references to it see it
         else:
@@ -122,11 +130,17 @@ class TypedList(StdVec[Any], metaclass=_ListClass):
         return self
 
     def _part(self, entries: list[Any]) -> Any:
-        return entries if self._kind is np.ndarray else type(self)(entries)
+        return entries if self._kind is np.ndarray else self._copies(entries)
+
+    def _copies(self, entries: list[Any]) -> Self:
+        """A list of this kind, with copies of entries of another one."""
+        made = type(self).__new__(type(self))
+        list.extend(made, map(self._take, entries))
+        return made
 
     def copy(self) -> Self:
         """A copy, with copies of the entries."""
-        return type(self)(self)
+        return self._copies(self)
 
     __copy__ = copy
 
@@ -213,4 +227,4 @@ def _object(name: str, kind: type, make: Callable[[Any], Any] | None, entry: Any
         if make is None or not isinstance(entry, list):
             raise _wrong(name, entry, f"a {kind.__name__}")
         return make(entry)
-    return copy.copy(entry)
+    return copied(entry)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import copy
 import weakref
 from array import array
 from collections.abc import Mapping
@@ -293,12 +292,15 @@ class Data(CheckedAttributes, Saved, TreeFields):
 
     def copy(self) -> Data:
         """A copy."""
-        return copy.deepcopy(self)
+        return self._copied()
 
     def __getattr__(self, name: str) -> Any:
         raise AttributeError(missing_field_message(name, dir(type(self))), name=name, obj=None)
 
     def __deepcopy__(self, memo: Any) -> Data:
+        return self._copied()
+
+    def _copied(self) -> Data:
         self._compute_deferred(but=_ASKED_RARELY)
         self._keep_factors()
         out = object.__new__(Data)

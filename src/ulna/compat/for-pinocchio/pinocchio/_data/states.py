@@ -7,6 +7,7 @@ invalidated it), -1 where it waits in `Data._waiting`. Bound algorithms write th
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Sequence
+from itertools import compress
 from typing import Any, ClassVar, NamedTuple, final
 
 from pinocchio._containers.arguments import check_layout
@@ -270,7 +271,8 @@ class FieldStates:
 
     def _compute_deferred(self, but: Container[str] = ()) -> None:
         """Computes all deferred fields but some; those that are invalidated stay so."""
-        for field, number in zip(self._slots, tuple(self._marks), strict=True):
+        for field in compress(self._slots, self._marks.tolist()):
+            number = self._marks[self._slots[field]]  # 0 where it was computed with another one
             if (
                 number
                 and field not in but

@@ -110,7 +110,7 @@ class FieldArrays(dict[str, Floats]):
         """A copy of all arrays."""
         out = FieldArrays.__new__(FieldArrays)
         out._sizes = self._sizes
-        out.update(zip(self, map(np.ndarray.copy, self.values()), strict=True))
+        out.update({name: values.copy() for name, values in self.items()})
         return out
 
     def whole(self) -> dict[str, Floats]:

@@ -9,7 +9,7 @@ from pinocchio._containers.arrays import NO_INDEX, index
 from pinocchio._containers.attributes import one_of, text
 from pinocchio._containers.enums import FrameType
 from pinocchio._containers.files import register
-from pinocchio._containers.keywords import by_name
+from pinocchio._containers.keywords import by_name, reads_names
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.se3 import SE3, HasPlacement, as_placement
 from ulna.errors import excerpt
@@ -31,19 +31,41 @@ def _index_of(value: Any, what: str) -> int:
     return index(value, NO_INDEX + 1, what, f"model.get{what.capitalize()}Id(name) returns one.")
 
 
+_ORDERS = (
+    "name parent_joint placement type inertia",
+    "name parent_joint parent_frame placement type inertia",
+    "other",
+    "clone",
+)
+_USUAL_KINDS = ((str, int, SE3, FrameType), (str, int, int, SE3, FrameType))
+_NOTHING = Inertia()
+"""The inertia of frames that were made without one: it never changes."""
+
+
 @final
 class Frame(HasPlacement):
     """`Frame(name, parentJoint, parentFrame, placement, type, inertia)`; parent frame and inertia may be left out."""
 
     __slots__ = ("_counters", "_facts", "_inertia", "_placement")
 
-    @by_name(
-        "name parent_joint placement type inertia",
-        "name parent_joint parent_frame placement type inertia",
-        "other",
-        "clone",
-    )
-    def __init__(self, *parts: Any) -> None:
+    @reads_names(*_ORDERS)
+    def __init__(self, *parts: Any, **named: Any) -> None:
+        kinds = tuple(map(type, parts))
+        facts: Any
+        if kinds == (Frame,) and not named:
+            facts, placement = parts[0]._facts_now(), parts[0]._placement
+        elif kinds in _USUAL_KINDS and not named and 0 <= parts[1] <= NO_INDEX and 0 <= parts[-3] <= NO_INDEX:
+            name, joint, *before, placement, type_ = parts
+            facts = name, type_, joint, *(before or (0,)), _NOTHING
+        else:
+            self._set(*parts, **named)
+            return
+        self._facts, self._placement = facts, placement.copy()
+        self._inertia, self._counters = None, ()
+
+    @by_name(*_ORDERS)
+    def _set(self, *parts: Any) -> None:
+        """Sets a new instance to what it is made of."""
         if len(parts) == 1 and isinstance(parts[0], Frame):
             parts = parts[0]._parts()
         values = [as_placement(part) for part in parts]
