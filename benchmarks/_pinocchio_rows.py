@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from _pinocchio_object_rows import ASSIGNMENTS, CONSTRUCTORS, OPERATIONS, objects_to_change
+
 SPAN = 2e-4  # of each measurement [s]: short, so that few are interrupted where other work runs beside
 KINDS = "all kinds"
 """A chain of all kinds of joints, in place of a URDF."""
@@ -248,6 +250,9 @@ GROUPS = {
     "models": MODELS,
     "getters": GETTERS,
     "objects": OBJECTS,
+    "assignments": ASSIGNMENTS,
+    "constructors": CONSTRUCTORS,
+    "operations": OPERATIONS,
     "constraints": CONSTRAINTS,
     "geometries": GEOMETRIES,
     "solvers": SOLVERS,
@@ -274,6 +279,7 @@ def prepared(group: str, source: str, root: str, feet: str) -> Callable[[], dict
         "models": lambda: _model_inputs(pin, names),
         "getters": lambda: _algorithm_inputs(pin, names),
         "objects": lambda: _small_objects(pin),
+        **dict.fromkeys(("assignments", "constructors", "operations"), lambda: _changing_objects(pin, names)),
         "constraints": lambda: _contacts(pin, names, *feet.split(",")),
         "geometries": lambda: _shapes(pin, names, source),
         "solvers": lambda: _contact_problems(pin, m),
@@ -437,6 +443,11 @@ def _small_objects(pin: Any) -> dict[str, Any]:
             "quat": pin.Quaternion(M.rotation),
         },
     }
+
+
+def _changing_objects(pin: Any, names: dict[str, Any]) -> dict[str, Any]:
+    small = _small_objects(pin)
+    return small | objects_to_change(pin, names | small)
 
 
 def _contacts(pin: Any, names: dict[str, Any], kind: str, *joints: str) -> dict[str, Any]:

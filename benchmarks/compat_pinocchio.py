@@ -30,7 +30,7 @@ Times = dict[str, tuple[float, float]]
 
 def _robots_of(group: str) -> list[str]:
     """The robots that the calls of a group are timed on: small objects and solvers need none, contacts a robot that stands."""
-    if group in ("objects", "solvers"):
+    if group in ("objects", "assignments", "constructors", "operations", "solvers"):
         return ["UR5"]
     if group == "geometries":
         return ["UR5", "Panda", "Solo12"]
