@@ -323,3 +323,35 @@ def test_copies_of_data_compute_what_waits(pin: Any) -> None:
         np.testing.assert_array_equal(one.f[3].vector, wanted)
         assert not np.shares_memory(one.tau, data.tau) and type(one.M) is np.ndarray
     assert not np.allclose(data.f[3].vector, wanted)
+
+
+def test_parameters_and_matrices_of_small_objects(pin: Any) -> None:
+    body, v, M = pin.Inertia.Random(), pin.Motion.Random(), pin.SE3.Random()
+    parameters = body.toDynamicParameters()
+    I = body.matrix()[3:, 3:]
+    moments = [I[0, 0], I[0, 1], I[1, 1], I[0, 2], I[1, 2], I[2, 2]]
+    np.testing.assert_allclose(parameters, [body.mass, *(body.mass * body.lever), *moments], atol=1e-14)
+    for form in (parameters, parameters.tolist(), np.repeat(parameters, 2)[::2]):
+        assert pin.Inertia.FromDynamicParameters(form).isApprox(body, 1e-12)
+    with pytest.raises(ValueError):
+        pin.Inertia.FromDynamicParameters(parameters[:9])
+    turn = pin.skew(v.angular)
+    np.testing.assert_array_equal(v.homogeneous, np.block([[turn, v.linear[:, None]], [np.zeros((1, 4))]]))
+    N = M * pin.exp6(v)
+    for part in (0.25, np.float64(0.25)):
+        between = pin.SE3.Interpolate(M, N, part)
+        assert between.isApprox(M * pin.exp6(0.25 * pin.log6(M.inverse() * N)), 1e-10)
+    assert pin.SE3.Interpolate(M, N, 0).isApprox(M, 1e-12) and pin.SE3.Interpolate(M, N, 1).isApprox(N, 1e-12)
+    with pytest.raises((ValueError, TypeError)):
+        pin.SE3.Interpolate(M, N, "a")
+
+
+def test_lists_of_numbers_texts_and_arrays_are_copied(pin: Any) -> None:
+    for entries, kind in ((["a", "b", "c"], pin.StdVec_StdString), ([1, 2, 3], pin.StdVec_Index)):
+        values = kind(entries)
+        assert list(values.copy()) == list(values[:]) == entries and list(values[1:]) == entries[1:]
+        assert type(values.copy()) is kind
+    vectors = pin.StdVec_Vector3([np.zeros(3), np.ones(3)])
+    again = vectors.copy()
+    again[0][:] = 7.0
+    assert vectors[0].tolist() == [0.0] * 3 and again[0].tolist() == [7.0] * 3

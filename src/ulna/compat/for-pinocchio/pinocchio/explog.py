@@ -104,6 +104,7 @@ def log3(R: Any, theta: Any = OMITTED) -> Floats:
     return length * turn
 
 
+@directly(_EXACT.row("exp3 as quaternion", np.ndarray))
 def exp3_quat(w: Any) -> Floats:
     """The quaternion xyzw (4,) of a rotation vector (3,) [rad]."""
     return _CONVERTING["exp3 as quaternion"](vector(w, 3, "w"))
@@ -116,6 +117,7 @@ def exp6(v: Any) -> SE3:
     return _PLACEMENTS["exp6"](_six(v))
 
 
+@directly(_EXACT.row("exp6 as seven", Motion), _EXACT.row("exp6 as seven", np.ndarray))
 def exp6_quat(v: Any) -> Floats:
     """The same as position and quaternion xyzw (7,)."""
     return _CONVERTING["exp6 as seven"](_six(v))

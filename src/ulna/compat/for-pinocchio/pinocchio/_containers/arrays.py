@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Iterable
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -241,6 +242,14 @@ def copied(entry: Any) -> Any:
     return entry.copy() if hasattr(entry, "copy") else copy.copy(entry)
 
 
+def copies(entries: Iterable[Any]) -> list[Any]:
+    """A list of copies of entries."""
+    try:
+        return [entry.copy() for entry in entries]
+    except AttributeError:  # some have no such method
+        return [copied(entry) for entry in entries]
+
+
 class StdVec(list[Item], Generic[Item]):
     """A list; what is assigned to an entry is copied into it, so that references to the entry see it.
 
@@ -265,7 +274,7 @@ class StdVec(list[Item], Generic[Item]):
 
     def copy(self) -> StdVec[Item]:
         """A copy, with copies of the entries."""
-        return self._like([copied(entry) for entry in self])
+        return self._like(copies(self))
 
     def _like(self, entries: list[Any]) -> StdVec[Item]:
         """A list of this kind of these entries, which it takes."""
@@ -284,7 +293,7 @@ class StdVec(list[Item], Generic[Item]):
             return entries
         if entries and type(entries[0]) in (int, float, str, bool):
             return self._like(entries)
-        return self._like([copied(entry) for entry in entries])
+        return self._like(copies(entries))
 
     def __setitem__(self, key: Any, value: Any) -> None:
         if key.__class__ is int:

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError, SizeError, WrongShape, is_index, is_number
-from pinocchio._containers.arrays import StdVec, copied, entries_of, numbers
+from pinocchio._containers.arrays import StdVec, copied, copies, entries_of, numbers
 from ulna.errors import excerpt
 
 _SHAPES = {
@@ -135,7 +135,7 @@ class TypedList(StdVec[Any], metaclass=_ListClass):
     def _copies(self, entries: list[Any]) -> Self:
         """A list of this kind, with copies of entries of another one."""
         made = type(self).__new__(type(self))
-        list.extend(made, map(self._take, entries))
+        list.extend(made, copies(entries))
         return made
 
     def copy(self) -> Self:

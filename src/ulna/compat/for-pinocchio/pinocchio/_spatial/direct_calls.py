@@ -123,6 +123,7 @@ def _placements() -> None:
     _direct(SE3, "action toActionMatrix", MATRICES.row("action", SE3))
     _direct(SE3, "actionInverse toActionMatrixInverse", MATRICES.row("action back", SE3))
     _direct(SE3, "dualAction toDualActionMatrix", MATRICES.row("dual action", SE3))
+    _direct(SE3, "Interpolate", PLACEMENTS.row("interpolation", SE3, SE3, float))
     _direct(SE3, "Random", PLACEMENTS.row("random"))
     _direct(SE3, "Identity", copies_of(np.eye(4), SE3))
 
@@ -150,6 +151,7 @@ def _motions_and_forces() -> None:
     _direct(Motion, "cross __xor__", *[kind._made.row("cross", Motion, kind) for kind in (Motion, Force)])
 
     _direct(Motion, "action", SMALL.row("motion matrix", Motion))
+    _direct(Motion, "homogeneous", SMALL.row("motion homogeneous", Motion))
     _direct(Motion, "dualAction", SMALL.row("motion dual", Motion))
 
 
@@ -171,6 +173,9 @@ def _inertias() -> None:
     _direct(Inertia, "matrix np", SMALL.row("inertia matrix", Inertia))
     _direct(Inertia, "inverse", SMALL.row("inertia inverse", Inertia))
     _direct(Inertia, "vtiv", SMALL.row("inertia energy", Inertia, Motion, holder=float))
+    _direct(Inertia, "toDynamicParameters", SMALL.row("inertia parameters", Inertia))
+    of_parameters = SMALL.row("inertia of parameters", np.ndarray, holder=Inertia)
+    _direct(Inertia, "FromDynamicParameters", of_parameters)
     _direct(Inertia, "Random", BODIES.row("random"))
     _direct(Inertia, "Zero", copies_of(np.zeros(13), Inertia))
     _direct(Inertia, "Identity", copies_of(Inertia.Identity()._p, Inertia))

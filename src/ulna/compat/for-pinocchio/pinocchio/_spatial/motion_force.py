@@ -257,9 +257,7 @@ class Motion(_Six):
     @property
     def homogeneous(self) -> Floats:
         """The 4x4 matrix whose exponential is the displacement of one second."""
-        out = np.zeros((4, 4))
-        out[:3, :3], out[:3, 3] = skew(self._v[3:]), self._v[:3]
-        return out
+        return small_kernel("motion homogeneous")(self._v)
 
 
 @final

@@ -56,7 +56,7 @@ class Quaternion:
 
     @reads_names("w x y z", "R", "vec4", "aa", "quat", "u v")
     def __init__(self, *parts: Any, **named: Any) -> None:
-        known = NotImplemented
+        known: Any = NotImplemented
         if len(parts) == 1 and not named:
             one = parts[0]
             if type(one) is Quaternion:
@@ -67,6 +67,8 @@ class Quaternion:
                 known = _OF_MATRIX["quaternion"](one)
         elif not (parts or named):
             known = _IDENTITY.copy()
+        elif len(parts) == 4 and all(type(part) is float for part in parts):
+            known = np.array((*parts[1:], parts[0]))
         if known is NotImplemented:
             self._set(*parts, **named)
         else:
@@ -332,12 +334,13 @@ def coefficients_of(R: Floats) -> Floats:
 class AngleAxis(CheckedAttributes):
     """A rotation by an angle [rad] about a unit axis: `AngleAxis(angle, axis)`, `(R)`, `(quaternion)`."""
 
+    angle: float
+    axis: Floats
     _kinds: ClassVar[Mapping[str, AttributeKind]] = {"angle": number, "axis": entries}
 
     @by_name("angle axis", "R", "quaternion", "copy")
     def __init__(self, *parts: Any) -> None:
-        self.angle: float = 0.0
-        self.axis: Floats = np.array([1.0, 0.0, 0.0])
+        self._keep(angle=0.0, axis=np.array([1.0, 0.0, 0.0]))
         if len(parts) == 2:
             self.angle, self.axis = parts
         elif len(parts) == 1:
@@ -356,7 +359,7 @@ class AngleAxis(CheckedAttributes):
         """Takes over a rotation matrix."""
         turn = np.ascontiguousarray(matrix(R, (3, 3), "R"))
         four = _OF_MATRIX["angle and axis"](turn)
-        self.angle, self.axis = float(four[0]), four[1:].copy()
+        self._keep(angle=float(four[0]), axis=four[1:].copy())
         return self
 
     def matrix(self) -> Floats:

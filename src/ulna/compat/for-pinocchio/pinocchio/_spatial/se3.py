@@ -423,7 +423,7 @@ class HasPlacement:
     @placement.setter
     def placement(self, M: SE3) -> None:
         if type(M) is SE3:
-            self.placement._assign(M)
+            self._placement._m[:] = M._m
             return
         _placement_of(self, "placement", as_placement(M))
 

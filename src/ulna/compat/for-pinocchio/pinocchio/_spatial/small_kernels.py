@@ -42,6 +42,11 @@ def _dual(v: Array) -> Array:
     return -_motion(v).cross_matrix().T
 
 
+def _homogeneous(v: Array) -> Array:
+    top = np.concatenate([skew(v[3:]), v[:3, None]], axis=1)
+    return np.concatenate([top, np.zeros((1, 4))])
+
+
 def _lever(first_moment: Array, mass: Any) -> Array:
     """The centre of mass, the origin where there is no mass."""
     divisor = where(less(0.0, mass * mass), mass, 1.0)
@@ -226,6 +231,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "pose excess": (pose_excess, _M, _M, ()),
     "excess": (six_excess, _V, _V, ()),
     "motion matrix": (lambda v: _motion(v).cross_matrix(), _V),
+    "motion homogeneous": (_homogeneous, _V),
     "motion dual": (_dual, _V),
     "inertia matrix": (lambda p: body(p).matrix(), _P),
     "inertia inverse": (_inverse, _P),
