@@ -189,8 +189,8 @@ class Preparation:
                 return
             try:
                 self._make(name)
+                disk_cache.write(self._marks[name], b"")  # before who waits goes on, and prepares it again
                 self.seconds[name] = time.perf_counter() - self._began
-                disk_cache.write(self._marks[name], b"")
             except Exception as error:  # raised where somebody waits
                 self.errors[name] = error
             with self._condition:
