@@ -117,6 +117,14 @@ def test_lists_have_entries_of_one_kind(pin: Any, kind: str, right: str, wrong: 
         assert isinstance(caught.value, (AttributeError, TypeError))
 
 
+@pytest.mark.parametrize("kind", ["StdVec_Motion", "StdVec_Index", "StdVec_Matrix6x", "StdVec_Model"])
+def test_a_wrong_value_is_named_before_a_missing_place(pin: Any, kind: str) -> None:
+    with pytest.raises(TypeError, match="expected"):
+        getattr(pin, kind)()[0] = object()
+    with pytest.raises(IndexError):
+        pin.StdVec_Motion()[0] = pin.Motion.Random()
+
+
 def test_lists_of_a_model_are_of_their_kind(pin: Any) -> None:
     model = pin.buildSampleModelManipulator()
     assert isinstance(model.inertias, pin.StdVec_Inertia) and not isinstance(model.inertias, pin.StdVec_SE3)

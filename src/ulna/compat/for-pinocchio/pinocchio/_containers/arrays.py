@@ -296,11 +296,6 @@ class StdVec(list[Item], Generic[Item]):
         return self._like(copies(entries))
 
     def __setitem__(self, key: Any, value: Any) -> None:
-        if key.__class__ is int:
-            own = self[key]
-            if own.__class__ is value.__class__ and hasattr(own, "_assign"):
-                own._assign(value)
-                return
         if isinstance(key, slice):
             first, end, step = key.indices(len(self))
             places = range(first, end, step)

@@ -101,11 +101,10 @@ class TypedList(StdVec[Any], metaclass=_ListClass):
                 return  # as there
             list.__setitem__(self, key, self._all([value] if one else value))
             return
-        own = list.__getitem__(self, key)
-        if own.__class__ is value.__class__ and hasattr(own, "_assign"):
-            own._assign(value)
+        if value.__class__ is self._kind and hasattr(value, "_assign"):
+            self[key]._assign(value)  # without a copy
             return
-        entry = self._take(value)
+        entry, own = self._take(value), self[key]
         if isinstance(own, np.ndarray) and own.shape == entry.shape:
             own[...] = entry  # so that references to it see it
         else:
