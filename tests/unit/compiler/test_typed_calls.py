@@ -15,7 +15,8 @@ import pytest
 from ulna import numeric
 from ulna.compiler import compile
 from ulna.compiler.runtime.repeated_calls import RepeatedCalls
-from ulna.compiler.runtime.typed_calls import typed_calls
+from ulna.compiler.runtime.typed_calls import TypedCalls, typed_calls
+from ulna.errors import InputError
 
 asked: list[tuple[str, tuple[Any, ...]]] = []
 
@@ -169,3 +170,8 @@ def test_threads_share_a_function():
     for thread in threads:
         thread.join()
     assert not wrong
+
+
+def test_rows_of_more_types_than_machine_code_compares_are_refused() -> None:
+    with pytest.raises(InputError, match="has 4 types; expected at most 3"):
+        TypedCalls(((float,) * 4,))

@@ -23,6 +23,7 @@ from ulna.compiler.runtime.fast_call import load_at
 from ulna.compiler.runtime.method_code import bind_ir
 from ulna.compiler.runtime.object_layout import TYPE, WORD, c_function
 from ulna.compiler.runtime.repeated_calls import RepeatedCalls
+from ulna.errors import InputError
 from ulna.system import forks
 
 MOST_ARGUMENTS = 3
@@ -102,11 +103,20 @@ class TypedCalls:
 
     Args:
         kinds: For each row the exact types of the arguments, at most three.
+
+    Raises:
+        InputError: A row has more.
     """
 
     def __init__(self, kinds: tuple[tuple[type, ...], ...]) -> None:
         self._kinds, self._kernels = kinds, [None] * len(kinds)
         self._words = array("Q")
+        longest = max(kinds, key=len, default=())
+        if len(longest) > MOST_ARGUMENTS:
+            raise InputError(
+                f"A row of typed calls has {len(longest)} types; expected at most {MOST_ARGUMENTS}, as many as machine "
+                "code compares."
+            )
         for row in kinds:
             rest = [0] * (MOST_ARGUMENTS - len(row))
             self._words.extend([len(row), *map(id, row), *rest, 0])
