@@ -45,6 +45,7 @@ from ulna.algorithms.multibody.chain_frames import (
     following,
     joined,
     pose_numbers,
+    pose_of,
     turned,
 )
 from ulna.algorithms.multibody.mass_moments import MassMoments
@@ -307,7 +308,7 @@ class OneFrame:
             for k, frame in acting:
                 number = self.carrier(frame.joint)
                 column = self.tree[number].indices[-1]
-                pose = SE3(T[:9, column].reshape(3, 3), T[9:, column])
+                pose = pose_of(T[:, column])
                 pose = pose @ self.prepared.frames[number].inverse() @ frame.placement
                 wrench = Force(f_ext[k, :3], f_ext[k, 3:])
                 f[:, column] = f[:, column] + numbers(self._seen(wrench, pose, q, reference))
@@ -337,12 +338,12 @@ class OneFrame:
         def of_body(
             T: Array, bodies: Array, V: Array, A: Array | None = None, *f: Array
         ) -> tuple[Array, ...]:
-            body = moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
+            body = moments(bodies[0], bodies[1:]).to_outer_frame(pose_of(T))
             h = body.apply(motion(V))
             F = [] if A is None else numbers(body.apply(motion(A)) + motion(V).cross(h)) - sum(f)
-            own = [*body.first, *_upper(body.second)]
+            own = moment_numbers(body)
             rows = [*own, *numbers(h), *_upper(body.rate(motion(V))), *F]
-            return np.array(rows, dtype=object), np.array(own, dtype=object)
+            return np.array(rows, dtype=object), own
 
         reads = ("T", "bodies", "V", "A", *external) if with_forces else ("T", "bodies", "V")
         self.stages.lanes(of_body, reads, ("sums", "own"))
@@ -356,9 +357,9 @@ class OneFrame:
         """
 
         def of_body(T: Array, bodies: Array, V: Array, A: Array, *f: Array) -> Array:
-            body = moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
+            body = moments(bodies[0], bodies[1:]).to_outer_frame(pose_of(T))
             F = numbers(body.apply(motion(A)) + motion(V).cross(body.apply(motion(V)))) - sum(f)
-            return np.array([*body.first, *_upper(body.second), *F], dtype=object)
+            return np.array([*moment_numbers(body), *F], dtype=object)
 
         self.stages.lanes(of_body, ("T", "bodies", "V", "A", *external), ("sums",))
         self.stages.rows(self.summed, ("sums",), "sums")
@@ -397,7 +398,7 @@ class OneFrame:
         """
 
         def of_body(T: Array, bodies: Array) -> Array:
-            body = moments(bodies[0], bodies[1:]).to_outer_frame(SE3(T[:9].reshape(3, 3), T[9:]))
+            body = moments(bodies[0], bodies[1:]).to_outer_frame(pose_of(T))
             return moment_numbers(body)
 
         self.stages.lanes(of_body, ("T", "bodies"), (name,))

@@ -25,6 +25,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ulna.algorithms.derivatives.columns_in_one_frame import about, moment_numbers, moments
+from ulna.algorithms.multibody.chain_frames import pose_numbers, pose_of
 from ulna.algorithms.multibody.prepared_model import PreparedModel, prepare
 from ulna.algorithms.multibody.tree import Step
 from ulna.compiler.forms.stages import Beside, StagedForm, Stages
@@ -81,8 +82,7 @@ def _form(prepared: PreparedModel, turned: Sequence[Array]) -> StagedForm:
     def of_body(T: Array, bodies: Array) -> Array:
         known = np.zeros(9, dtype=object)
         known[is_there] = bodies
-        pose = SE3(T[:9].reshape(3, 3), T[9:])
-        return moment_numbers(moments(0.0, known).to_outer_frame(pose))
+        return moment_numbers(moments(0.0, known).to_outer_frame(pose_of(T)))
 
     stages.lanes(of_body, ("T", "bodies"), ("own",), count)
     stages.rows(_summed(prepared.tree), ("own",), "sums")
@@ -109,7 +109,7 @@ def _poses(tree: Sequence[Step], turned: Sequence[Array]) -> Callable[[Array], t
         T, found = np.zeros((12, len(turned)), dtype=object), [SE3.identity()]
         for step, axes in zip(tree[1:], turned, strict=True):
             pose = step.pose(found[step.parent], q)
-            T[:, _column(step)] = [*(pose.rotation @ axes).reshape(-1), *pose.translation]
+            T[:, _column(step)] = pose_numbers(SE3(pose.rotation @ axes, pose.translation))
             found.append(pose)
         return T, tree[0].pose(None, q).rotation.reshape(-1)
 
