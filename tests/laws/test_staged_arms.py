@@ -24,6 +24,7 @@ NAMES = [
     "operational_gravity",
     "constrained_dynamics_derivatives",
 ]
+FROM_MORE_JOINTS = ["coriolis_matrix", "operational_gravity"]
 
 
 def arm(joints: int) -> Model:
@@ -71,3 +72,26 @@ def test_batches_of_arms_keep_the_graph(name):
     options = {"constraints": (FrameContact(model.tool),)} if "constrained" in name else {}
     form = kernels.kernel(model, name, **options).function.columns
     assert form is not None and not form.serves_batches
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in FROM_MORE_JOINTS])
+def test_arms_in_stages_are_as_precise_in_float32_as_the_graph(name):
+    """Rows shorter than a register of eight numbers take registers of four."""
+    model, options = arm(7), dict[str, Any]()
+    if "constraints" in kernels.QUANTITIES[name].options:
+        options = {"constraints": (FrameContact(model.tool),)}
+    kernel = kernels.kernel(model, name, np.float32, **options)
+    function = kernels._graph(model, name, kernels.choose(name, options)[1])
+    graph, exact = compile(function, np.float32), compile(function)
+    assert kernel.function.columns is not None
+    if jit.target().register_bytes >= 32:
+        assert "<4 x float>" in kernel.ir() and "<8 x float>" not in kernel.ir()
+    rng = np.random.default_rng(7000)
+    for seed in range(3):
+        q = Robot(model).random_configuration(seed=seed)
+        sample = [q, *(rng.normal(size=port.size) for port in kernel.function.inputs[1:])]
+        sample = [x.astype(np.float32) for x in sample]
+        right = outputs(exact(*(x.astype(float) for x in sample)))
+        for got, same, values in zip(outputs(kernel(*sample)), outputs(graph(*sample)), right, strict=True):
+            allowed = 10 * np.abs(same - values).max() + 3e-6 * np.abs(values).max()
+            assert np.abs(got - values).max() <= allowed

@@ -28,7 +28,8 @@ from ulna.compiler.language.ops import Op
 from ulna.compiler.language.ports import SecondForm
 
 _MAX_SCRATCH = 400_000  # of the matrices, which lie on the stack [byte]
-_NARROWEST = 32  # registers that are worth it [byte]
+_NARROWEST = 32  # widest registers of a processor for which the form is worth it [byte]
+_FEWEST_LANES = 4  # columns in a register, where a row has fewer than the widest holds
 _MORE_OPERATIONS = 1.3
 """How many times as many operations shared code of columns may have as their own."""
 _PRODUCTS = frozenset(map(int, (Op.MUL, Op.DIV, Op.NEG)))
@@ -67,9 +68,9 @@ def columns_target(f: Function | SecondForm, target: Target, element: DType) -> 
         form = form.whole
     columns = form.columns if isinstance(form, StagedForm) else form.outputs[0].shape[1]
     size = sum(port.size for port in form.outputs) * BYTES[element]
-    if target.stack_space != 0 or size > _MAX_SCRATCH:
+    if target.stack_space != 0 or size > _MAX_SCRATCH or target.register_bytes < _NARROWEST:
         return None
-    while target.register_bytes >= _NARROWEST:
+    while target.lanes(element) >= _FEWEST_LANES:
         if columns >= target.lanes(element):
             return target
         target = replace(target, register_bytes=target.register_bytes // 2)
