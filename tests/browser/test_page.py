@@ -109,7 +109,7 @@ def test_no_request_leaves_the_machine(visit: Visit) -> None:
 
 def test_setting_q_moves_the_robot_and_the_pixels(visit: Visit) -> None:
     before = visit.picture()
-    q = visit.show.q
+    q = visit.show.q.copy()
     q[0], q[3] = 0.9, -1.5
     visit.show.q = q
     assert wait(visit.agrees)
@@ -128,7 +128,7 @@ def test_a_slider_moves_the_robot(visit: Visit) -> None:
 
 
 def test_sliders_follow_the_program(visit: Visit) -> None:
-    q = visit.show.q
+    q = visit.show.q.copy()
     q[6] = -0.75
     visit.show.q = q
     slider = visit.tab.get_by_role("slider").nth(6)
@@ -187,7 +187,7 @@ def test_dragging_the_target_moves_the_tool(visit: Visit) -> None:
 
 
 def test_a_newcomer_sees_what_is_there_now(visit: Visit, chromium: Any) -> None:
-    q = visit.show.q
+    q = visit.show.q.copy()
     q[0] = -1.2
     visit.show.q = q
     assert wait(visit.agrees)
@@ -204,7 +204,7 @@ def test_a_newcomer_sees_what_is_there_now(visit: Visit, chromium: Any) -> None:
 
 def test_a_lost_connection_is_taken_up_again(visit: Visit) -> None:
     visit.show.page.server._websock_server.disconnect_all_clients()
-    q = visit.show.q
+    q = visit.show.q.copy()
     q[0] = 0.77
     visit.show.q = q
     assert wait(visit.agrees)
@@ -213,7 +213,7 @@ def test_a_lost_connection_is_taken_up_again(visit: Visit) -> None:
 def test_a_tab_that_slept_has_the_newest_when_it_wakes(visit: Visit) -> None:
     devtools = visit.context.new_cdp_session(visit.tab)
     devtools.send("Page.setWebLifecycleState", {"state": "frozen"})  # as behind a closed lid
-    q = visit.show.q
+    q = visit.show.q.copy()
     for angle in np.linspace(0.0, 1.1, 120):
         q[0] = angle
         visit.show.q = q

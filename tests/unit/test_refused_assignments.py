@@ -60,7 +60,10 @@ def test_public_objects_refuse_unknown_attributes() -> None:
 def test_misspelt_settings_are_named(panda: ulna.Robot) -> None:
     viewer = ulna.Viewer(page=False)
     arm, box = viewer.add(panda, "ready"), viewer.add(Box([0.1, 0.1, 0.1]))
+    simulation = ulna.Simulation()
     for thing, wrong, right in (
+        (simulation.add(panda), "contrl", "control"),
+        (simulation, "sped", "speed"),
         (viewer, "tittle", "title"),
         (viewer, "camra", "camera"),
         (arm, "opacty", "opacity"),
@@ -72,6 +75,52 @@ def test_misspelt_settings_are_named(panda: ulna.Robot) -> None:
             setattr(thing, wrong, 1)
     viewer.title = "Cell 7"
     assert viewer.title == "Cell 7"
+
+
+def test_misspelt_attributes_that_are_read_are_named(panda: ulna.Robot) -> None:
+    simulation, scene = ulna.Simulation(), ulna.Viewer(page=False).scene
+    for thing, wrong, right in (
+        (simulation.add(panda), "recordng", "recording"),
+        (simulation, "paussed", "paused"),
+        (scene, "snapshoot", "snapshot"),
+    ):
+        with pytest.raises(UnknownAttribute, match=f"no attribute '{wrong}'. Did you mean '{right}'"):
+            getattr(thing, wrong)
+        assert not hasattr(thing, "_private")
+    with pytest.raises(AttributeError, match="`poses` of Scene cannot be assigned to"):
+        scene.poses = np.zeros((0, 4, 4))  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def test_arrays_where_writing_would_have_no_effect_are_read_only(panda: ulna.Robot) -> None:
+    viewer, body = ulna.Viewer(page=False), ulna.sim.Body(panda)
+    body.target = panda.neutral
+    arm = viewer.add(panda, "ready")
+    cloud, line = viewer.points(np.zeros((3, 3))), viewer.line([(0, 0, 0), (1, 0, 0)])
+    boxes = viewer.copies(Box([0.1, 0.1, 0.1]), np.stack([np.eye(4), np.eye(4)]))
+    boxes.colors = "red"
+    others = [viewer.arrow((0, 0, 1)), viewer.fleet(panda, np.zeros((2, 7)))]
+    names = ("q", "qd", "qdd", "tau", "target", "pose", "position", "world_pose", "scale", "points", "vector")
+    seen = 0
+    for thing in (body, arm, cloud, line, boxes, *others):
+        for name in (*names, "poses", "positions", "colors"):
+            array = getattr(thing, name, None)
+            if array is not None:
+                seen += 1
+                with pytest.raises(ValueError, match="read-only"):
+                    array[...] = 1.0
+    assert seen == 39
+    arm.q, body.q = arm.q + 0.1, body.q + 0.1
+    np.testing.assert_allclose(arm.q - panda.configurations["ready"], 0.1)
+    np.testing.assert_allclose(body.q - panda.neutral, 0.1)
+
+
+def test_points_of_a_plan_are_read_only(panda: ulna.Robot) -> None:
+    q = panda.configurations["ready"]
+    plan = panda.plan(q, q + [0.3, 0, 0, 0, 0, 0, 0], margin=0.001)
+    for array in (plan.points, plan.deviation_bounds):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0.0
+    plan.trajectory(acceleration=4.0)
 
 
 def test_what_is_fixed_is_not_replaced(panda: ulna.Robot) -> None:

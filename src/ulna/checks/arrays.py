@@ -176,6 +176,19 @@ def finite_array(name: str, value: Any, expected: str = "numbers") -> Floats:
     return out
 
 
+def read_only(array: Array) -> Array:
+    """An array that NumPy refuses to write to: for copies, where writing would have no effect.
+
+    Args:
+        array: An array that nobody else holds, shape (...) [any].
+
+    Returns:
+        The same array, shape (...) [any].
+    """
+    array.setflags(write=False)
+    return array
+
+
 def known_limits(limits: Floats) -> Floats:
     """Limits of speed or effort; a limit of zero says in files that none is known, and is infinite here.
 

@@ -56,14 +56,14 @@ def unknown_attribute(subject: str, name: str, there: Iterable[str]) -> Attribut
     """The error for an attribute that is not there; it says what to use.
 
     Args:
-        subject: A key of `IDIOMS`.
+        subject: What it is; names of other libraries are known for the keys of `IDIOMS`.
         name: The attribute asked for.
         there: Names of the attributes that exist, for the nearest of them.
 
     Returns:
         The error to raise.
     """
-    idiom = IDIOMS[subject].get(name)
+    idiom = IDIOMS.get(subject, {}).get(name)
     if name.startswith("_"):  # asked for by Python, IPython, copy or pickle, never by a user
         return AttributeError(f"The {subject} has no attribute {name!r}.")
     if idiom is None:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import field
 from typing import TYPE_CHECKING, Any, Literal, final
 
+from ulna.checks.arrays import read_only
 from ulna.checks.values import flag
 from ulna.data_classes import dataclass
 from ulna.errors import InputError
@@ -29,7 +30,7 @@ class Plan:
         outcome: "solved"; or what stood in the way: the "start" or "goal" touches something or is out of limits, the
             goal's pose is "unreachable", or the limit of "iterations" or of "time" was reached.
         reason: The same as a sentence, with links, obstacles, joints and by how much.
-        points: Configurations, shape (n, nq) [rad, m]; none where there is no path.
+        points: Configurations, shape (n, nq) [rad, m], read-only; none where there is no path.
         certificate: Which edges are proved free between their points; None where there is no path.
         goal: Which of the goals was reached; -1 for none.
         iterations: Samples that the search took.
@@ -64,6 +65,11 @@ class Plan:
     tree: SearchTree | None = field(default=None, repr=False)
     touching: tuple[str, str] | None = None
     method: Literal["spheres", "exact"] = "spheres"
+
+    def __post_init__(self) -> None:
+        read_only(self.points)  # what is certified holds for them
+        if self.deviation_bounds is not None:
+            read_only(self.deviation_bounds)
 
     def __bool__(self) -> bool:
         return self.success

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Self, final
 
+from ulna.checks.attributes import FixedAttributes
 from ulna.checks.values import duration as checked_duration
 from ulna.checks.values import flag, number, one_of, short_repr, step_count
 from ulna.checks.values import function as checked_function
@@ -25,7 +26,7 @@ def _nobody() -> bool:
 
 
 @final
-class Simulation:
+class Simulation(FixedAttributes):
     """Robots with a common clock.
 
     Args:
@@ -42,9 +43,10 @@ class Simulation:
         array([0.2, 0. , 0. , 0. , 0. , 0. , 0. ])
     """
 
-    __slots__ = (  # so that an assignment to a misspelt setting is refused
+    __slots__ = (
         "__weakref__",
         "_bodies",
+        "_can_resume",
         "_listeners",
         "_origin",
         "_paused",
@@ -53,21 +55,32 @@ class Simulation:
         "_steps",
         "_substep",
         "_t",
-        "can_resume",
-        "waiting",
+        "_waiting",
     )
 
     def __init__(self, realtime: bool = False, speed: float = 1.0, substep: float = 1e-3) -> None:
         self._realtime, self._substep = flag("realtime", realtime), checked_duration("substep", substep)
         self._speed, self._paused = number("speed", speed, _SPEED, above=0.0), False
-        self.can_resume: Callable[[], bool] = _nobody
-        """Whether a user can end a pause; called during a pause, which ends when it returns False."""
-        self.waiting = False
-        """Whether a step waits for the end of a pause."""
+        self._can_resume: Callable[[], bool] = _nobody
+        self._waiting = False
         self._bodies: list[Body] = []
         self._listeners: list[Callable[[Simulation], object]] = []
         self._t, self._steps = 0.0, 0
         self._origin: tuple[float, float] | None = None
+
+    @property
+    def can_resume(self) -> Callable[[], bool]:
+        """Whether a user can end a pause; called during a pause, which ends when it returns False."""
+        return self._can_resume
+
+    @can_resume.setter
+    def can_resume(self, can_resume: Callable[[], bool]) -> None:
+        self._can_resume = checked_function("can_resume", can_resume)
+
+    @property
+    def waiting(self) -> bool:
+        """Whether a step waits for the end of a pause."""
+        return self._waiting
 
     @property
     def patience(self) -> Callable[[], bool]:
@@ -108,7 +121,7 @@ class Simulation:
 
     @property
     def paused(self) -> bool:
-        """Whether a step in real time waits, as long as `patience` allows."""
+        """Whether a step in real time waits, as long as `can_resume` allows."""
         return self._paused
 
     @paused.setter
@@ -250,9 +263,9 @@ class Simulation:
 
     def _wait(self) -> None:
         while self._paused and self.can_resume():
-            self._origin, self.waiting = None, True
+            self._origin, self._waiting = None, True
             time.sleep(0.02)
-        self.waiting = False
+        self._waiting = False
         now = time.perf_counter()
         if self._origin is None:
             self._origin = now, self._t

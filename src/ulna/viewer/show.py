@@ -136,7 +136,7 @@ class Show(FixedAttributes):
 
     @property
     def q(self) -> Floats:
-        """The configuration, shape (nq,)."""
+        """The configuration, shape (nq,), read-only: assign all of it."""
         return self._visual.q
 
     @q.setter

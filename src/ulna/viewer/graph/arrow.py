@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ulna.checks.arrays import length_array
+from ulna.checks.arrays import length_array, read_only
 from ulna.checks.values import MAX_LENGTH, length, number
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour, colour
@@ -37,8 +37,8 @@ class Arrow(Handle):
 
     @property
     def vector(self) -> Floats:
-        """The vector it shows, in the axes of its group, shape (3,): such as a displacement [m] or a force [N]."""
-        return self._vector.copy()
+        """The vector it shows, in the axes of its group, shape (3,), read-only: a displacement [m] or a force [N]."""
+        return read_only(self._vector.copy())
 
     @vector.setter
     def vector(self, vector: ArrayLike) -> None:
@@ -58,7 +58,7 @@ class Arrow(Handle):
     def _draw(self) -> None:
         length_drawn = self._size * float(np.linalg.norm(self._vector))
         tip = min(5.0 * self._radius, 0.5 * length_drawn)
-        pose, top = self.pose, np.eye(4)
+        pose, top = np.array(self.pose), np.eye(4)
         pose[:3, :3] = rotation_to(self._vector)
         top[2, 3] = length_drawn - tip
         least = 1e-9  # nothing has no direction

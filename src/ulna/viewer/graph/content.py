@@ -8,7 +8,7 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.checks.arrays import length_array, scale_factors
+from ulna.checks.arrays import length_array, read_only, scale_factors
 from ulna.checks.former_names import former_fields
 from ulna.checks.values import length, text
 from ulna.errors import ShapeError
@@ -194,8 +194,7 @@ class Copies(Content):
         if self.colours is not None:
             object.__setattr__(self, "colours", _colours(self.colours, len(poses)))
         scales = scale_factors("scales", 1.0 if self.scales is None else self.scales, len(poses))
-        scales.setflags(write=False)
-        object.__setattr__(self, "scales", scales)
+        object.__setattr__(self, "scales", read_only(scales))
 
     @property
     def bounding_points(self) -> Floats:
@@ -290,9 +289,7 @@ def transforms(positions: ArrayLike, quat_xyzw: ArrayLike | None = None) -> Floa
 
 def _read_only(name: str, value: ArrayLike, *shape: int | None) -> Floats:
     """A read-only copy of lengths of that shape [m], None for any length."""
-    out = length_array(name, value, *shape)
-    out.setflags(write=False)
-    return out
+    return read_only(length_array(name, value, *shape))
 
 
 def _colours(value: Any, count: int) -> Array:

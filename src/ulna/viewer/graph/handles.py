@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ulna.checks.arrays import length_array, scale_factors
+from ulna.checks.arrays import length_array, read_only, scale_factors
 from ulna.checks.attributes import FixedAttributes
 from ulna.checks.values import flag, fraction
 from ulna.errors import ShapeError
@@ -48,11 +48,11 @@ class Handle(FixedAttributes, metaclass=Explained):
 
     @property
     def pose(self) -> Floats:
-        """Where it is in its group: T_group_thing, shape (4, 4), a copy: assign all of it.
+        """Where it is in its group: T_group_thing, shape (4, 4), read-only: assign all of it.
 
         An `SE3` can be assigned, too, and a place (3,), where it stands unturned.
         """
-        return self._scene.pose(self._name)
+        return read_only(self._scene.pose(self._name))
 
     @pose.setter
     def pose(self, pose: Any) -> None:
@@ -60,20 +60,20 @@ class Handle(FixedAttributes, metaclass=Explained):
 
     @property
     def position(self) -> Floats:
-        """Where it is in its group [m], shape (3,)."""
+        """Where it is in its group [m], shape (3,), read-only: assign all of it."""
         return self.pose[:3, 3]
 
     @position.setter
     def position(self, position: ArrayLike) -> None:
-        pose = self.pose
+        pose = self._scene.pose(self._name)
         pose[:3, 3] = length_array("position", position, 3)
         self._scene.set_pose(self._name, pose)
 
     @property
     def world_pose(self) -> Floats:
-        """Where it is in the world: T_world_thing, shape (4, 4)."""
+        """Where it is in the world: T_world_thing, shape (4, 4), read-only."""
         snapshot = self._scene.snapshot()
-        return snapshot.poses[self._scene.row(self._name)]
+        return read_only(snapshot.poses[self._scene.row(self._name)])
 
     @property
     def color(self) -> tuple[float, float, float] | None:
@@ -102,8 +102,8 @@ class Handle(FixedAttributes, metaclass=Explained):
 
     @property
     def scale(self) -> Floats:
-        """A factor along each axis, shape (3,); one number can be assigned for all three."""
-        return self._scene.appearance(self._name, "scale")
+        """A factor along each axis, shape (3,), read-only; one number can be assigned for all three."""
+        return read_only(self._scene.appearance(self._name, "scale"))
 
     @scale.setter
     def scale(self, scale: ArrayLike) -> None:
@@ -144,7 +144,7 @@ class PointCloud(Handle):
 
     @property
     def points(self) -> Floats:
-        """Where they are [m], shape (n, 3)."""
+        """Where they are [m], shape (n, 3), read-only: assign all of them."""
         return self._content().positions
 
     @points.setter
@@ -161,7 +161,10 @@ class PointCloud(Handle):
 
     @property
     def colors(self) -> Floats:
-        """Red, green, blue from 0 to 1 of each, shape (n, 3); one colour can be assigned for all, as `color`."""
+        """Red, green, blue from 0 to 1 of each, shape (n, 3), read-only.
+
+        One colour can be assigned for all, as `color`.
+        """
         return self._content().colours
 
     @colors.setter
@@ -190,10 +193,10 @@ class Polyline(Handle):
 
     @property
     def points(self) -> Floats:
-        """Its points [m], shape (n, 3)."""
+        """Its points [m], shape (n, 3), read-only: assign all of them."""
         self._scene.update_deferred()  # the path of a robot is drawn later than the robot moves
         segments = self._content().segments
-        return np.concatenate([segments[:1, 0], segments[:, 1]])
+        return read_only(np.concatenate([segments[:1, 0], segments[:, 1]]))
 
     @points.setter
     def points(self, points: ArrayLike) -> None:
@@ -223,7 +226,7 @@ class Instances(Handle):
 
     @property
     def poses(self) -> Floats:
-        """T_group_copy of each, shape (n, 4, 4)."""
+        """T_group_copy of each, shape (n, 4, 4), read-only: assign all of them."""
         return self._content().poses
 
     @poses.setter
@@ -232,7 +235,7 @@ class Instances(Handle):
 
     @property
     def positions(self) -> Floats:
-        """Where they are [m], shape (n, 3)."""
+        """Where they are [m], shape (n, 3), read-only: assign all of them."""
         return self._content().poses[:, :3, 3]
 
     @positions.setter
@@ -245,7 +248,7 @@ class Instances(Handle):
 
     @property
     def colors(self) -> Floats | None:
-        """Red, green, blue from 0 to 1 of each, shape (n, 3); None for the thing's own.
+        """Red, green, blue from 0 to 1 of each, shape (n, 3), read-only; None for the thing's own.
 
         One colour can be assigned for all, as `color`.
         """

@@ -9,7 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.arrays import read_only
+from ulna.checks.attributes import FixedAttributes
 from ulna.errors import UnknownName
+from ulna.idioms import unknown_attribute
 from ulna.system import forks
 from ulna.typing import Array, ArrayLike, Floats
 from ulna.viewer.colours import Colour
@@ -29,7 +32,16 @@ _COLUMNS: dict[str, tuple[Any, type]] = {
 }
 
 
-class SceneGraph:
+class _Changes:
+    """How often the set of nodes, poses, and looks changed; counted in less time than by the scene itself."""
+
+    __slots__ = ("appearance", "motion", "structure")
+
+    def __init__(self) -> None:
+        self.structure = self.motion = self.appearance = 0
+
+
+class SceneGraph(FixedAttributes):
     """A tree of named nodes: `arm/hand/finger` belongs to `arm/hand`, which belongs to `arm`.
 
     Groups appear by themselves. A node's pose is in its group's frame; a
@@ -41,16 +53,14 @@ class SceneGraph:
 
     __slots__ = (
         "__weakref__",
-        "_appearance",
+        "_changes",
         "_data",
         "_deferred",
         "_lock",
-        "_motion",
         "_nodes",
         "_parent_row",
         "_rows",
         "_rows_by_depth",
-        "_structure",
     )
 
     def __init__(self) -> None:
@@ -61,7 +71,7 @@ class SceneGraph:
         self._data = {name: np.zeros((0, *np.shape(value)), kind) for name, (value, kind) in _COLUMNS.items()}
         self._rows_by_depth: list[tuple[Array, Array]] | None = []
         self._deferred: dict[int, Callable[[], None]] = {}
-        self._structure = self._motion = self._appearance = 0
+        self._changes = _Changes()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -77,16 +87,19 @@ class SceneGraph:
 
     @property
     def poses(self) -> Floats:
-        """The world poses T_world_node, shape (n, 4, 4)."""
-        return self.snapshot().poses
+        """The world poses T_world_node, shape (n, 4, 4), read-only."""
+        return read_only(self.snapshot().poses)
 
     @property
     def version(self) -> tuple[int, int, int]:
         """Three counters: changes of the set of nodes, of poses, of looks."""
-        return self._structure, self._motion, self._appearance
+        return self._changes.structure, self._changes.motion, self._changes.appearance
 
     def __contains__(self, name: object) -> bool:
         return name in self._nodes
+
+    def __getattr__(self, name: str) -> Any:
+        raise unknown_attribute("scene", name, dir(type(self)))
 
     def snapshot(self) -> Snapshot:
         """The whole scene at one instant."""
@@ -129,7 +142,7 @@ class SceneGraph:
         """
         with self._lock:
             self._deferred[id(key)] = function
-            self._motion += 1
+            self._changes.motion += 1
 
     def update_deferred(self) -> None:
         """Make the updates now that wait for the next snapshot."""
@@ -204,7 +217,7 @@ class SceneGraph:
             for key, (value, _) in _COLUMNS.items():
                 self._data[key][self._rows[name]] = matrix if key == "pose" else value
             self._nodes[name] = node
-            self._structure += 1
+            self._changes.structure += 1
         return node
 
     def _append(self, name: str, parent: int) -> None:
@@ -235,7 +248,7 @@ class SceneGraph:
             self._parent_row = new_row[self._parent_row[keep]]
             self._data = {key: value[keep] for key, value in self._data.items()}
             self._rows_by_depth = None
-            self._structure += 1
+            self._changes.structure += 1
 
     def set_poses(self, poses: ArrayLike, rows: Any = slice(None)) -> None:
         """Write poses T_group_node.
@@ -246,7 +259,7 @@ class SceneGraph:
         """
         with self._lock:
             self._data["pose"][: len(self._nodes)][rows] = poses
-            self._motion += 1
+            self._changes.motion += 1
 
     def set_pose(self, name: str, pose: ArrayLike) -> None:
         """Write the pose T_group_node of one node.
@@ -271,7 +284,7 @@ class SceneGraph:
         """
         with self._lock:
             self._nodes[name] = replace(self.node(name), surfaces=tuple(surfaces))
-            self._structure += 1
+            self._changes.structure += 1
 
     def set_content(self, name: str, content: Content) -> None:
         """Replace the content of a node; its surfaces remain.
@@ -282,7 +295,7 @@ class SceneGraph:
         """
         with self._lock:
             self._nodes[name] = replace(self.node(name), content=content)
-            self._structure += 1
+            self._changes.structure += 1
 
     def appearance(self, name: str, key: str) -> Any:
         """An appearance value of a node itself, without those of its groups.
@@ -311,7 +324,7 @@ class SceneGraph:
             if key == "scale" and (self._parent_row[: len(self._nodes)] == row).any():
                 check_uniform_scale(name, np.broadcast_to(value, 3))
             self._data[key][row] = value
-            self._appearance += 1
+            self._changes.appearance += 1
 
     look, set_look, together, later = appearance, set_appearance, atomic, defer
     """Old names."""

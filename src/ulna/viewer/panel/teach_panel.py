@@ -207,7 +207,7 @@ class TeachPanel:
         step = self._follower.step(self._last, goal)
         if step.converged and not self.gizmo.is_dragged:  # as near as can be: the target returns to the tool
             self.goal = None
-            self._shown_q.fill(np.nan)
+            self._shown_q = np.full_like(self._last, np.nan)
         self._move(step.q)
 
     def _move(self, q: Floats) -> None:

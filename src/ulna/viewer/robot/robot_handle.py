@@ -8,7 +8,7 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.checks.arrays import shaped_array
+from ulna.checks.arrays import read_only, shaped_array
 from ulna.checks.values import one_of
 from ulna.sim import Body
 from ulna.system import forks
@@ -51,7 +51,7 @@ class RobotHandle(RobotOverlays):
 
     @property
     def q(self) -> Floats:
-        """The configuration, shape (nq,); the name of one of the robot's own can be assigned, too."""
+        """The configuration, shape (nq,), read-only: assign all of it, or the name of one of the robot's own."""
         return self._visual.q if self._body is None else self._body.q
 
     @q.setter
@@ -82,8 +82,8 @@ class RobotHandle(RobotOverlays):
 
     @property
     def qd(self) -> Floats:
-        """The velocity, shape (nv,) [rad/s or m/s]."""
-        return self._qd.copy() if self._body is None else self._body.qd
+        """The velocity, shape (nv,) [rad/s or m/s], read-only, as `q`."""
+        return read_only(self._qd.copy()) if self._body is None else self._body.qd
 
     @qd.setter
     def qd(self, qd: ArrayLike) -> None:

@@ -6,7 +6,7 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.checks.arrays import shaped_array
+from ulna.checks.arrays import read_only, shaped_array
 from ulna.errors import ShapeError
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.graph.content import Copies
@@ -55,8 +55,8 @@ class RobotInstances:
 
     @property
     def q(self) -> Floats:
-        """The configurations, shape (n, nq)."""
-        return self._q.copy()
+        """The configurations, shape (n, nq), read-only."""
+        return read_only(self._q.copy())
 
     def move(self, q: ArrayLike) -> None:
         """Set configurations `q`, shape (n, nq). The poses of the links are computed before the next snapshot."""
@@ -96,7 +96,7 @@ class RobotInstancesHandle(Handle):
 
     @property
     def q(self) -> Floats:
-        """The configurations, shape (n, nq)."""
+        """The configurations, shape (n, nq), read-only: assign all of them."""
         return self._ghosts.q
 
     @q.setter

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, final
 
+from ulna.checks.arrays import read_only
 from ulna.typing import ArrayLike, Floats
 from ulna.viewer.colours import Colour
 from ulna.viewer.graph.node import node_name, pose_or_position
@@ -74,8 +75,8 @@ class RobotVisual:
 
     @property
     def q(self) -> Floats:
-        """The configuration it shows, shape (nq,)."""
-        return self._current_q().copy()
+        """The configuration it shows, shape (nq,), read-only."""
+        return read_only(self._current_q().copy())
 
     @property
     def show(self) -> RobotDisplay:

@@ -110,7 +110,7 @@ class AnnotationMethods(HandleRegistry):
         out = add_arrow(
             self.scene, node, vector, DEFAULT_SHAPE_COLOUR if color is None else color, radius, size
         )
-        matrix = out.pose
+        matrix = np.array(out.pose)
         matrix[:3, 3] = origin
         out.pose = matrix
         self._register(out, opacity)
