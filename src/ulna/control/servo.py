@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from math import isnan
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -52,7 +51,8 @@ def p_servo(
     Raises:
         ShapeError: A pose is not (..., 4, 4), or the gain is neither one number nor six.
         NonFiniteError: A pose or the gain holds nan or inf.
-        InputError: What should be a pose is none: scaled, transposed, or empty. It would seem reached.
+        InputError: What should be a pose is none: scaled, transposed, or empty. It would seem reached. Or
+            `threshold` is negative: no goal would ever be reached.
         UnknownName: There is no such method.
         DtypeError: The gain holds no numbers.
 
@@ -65,8 +65,8 @@ def p_servo(
     """
     if not isinstance(method, str) or method not in _METHODS:
         raise UnknownName("method", method, _METHODS)
-    if type(threshold) is not float or isnan(threshold):
-        threshold = number("threshold", threshold)
+    if type(threshold) is not float or not threshold >= 0.0:
+        threshold = number("threshold", threshold, "a number of zero or more [m and rad]", least=0.0)
     try:
         factors = gain if type(gain) is float else np.asarray(gain, dtype=float)
     except (TypeError, ValueError):

@@ -114,3 +114,10 @@ def test_an_invalid_pose_is_never_reached(method: str) -> None:
             p_servo(np.stack([np.eye(4), bad]), np.eye(4), method=method)
     assert p_servo(np.eye(4).round(4), np.eye(4), method=method)[1]
     assert p_servo(np.zeros((0, 4, 4)), np.eye(4), method=method)[0].shape == (0, 6)
+
+
+@pytest.mark.parametrize("threshold", [-0.1, -1, float("nan"), -np.inf])
+def test_a_threshold_below_zero_is_refused(threshold: float) -> None:
+    with pytest.raises(InputError, match="`threshold`.*zero or more"):
+        p_servo(np.eye(4), np.eye(4), threshold=threshold)
+    assert not p_servo(np.eye(4), np.eye(4), threshold=0.0)[1]
