@@ -131,7 +131,7 @@ def ik_all(
     *,
     joints: Sequence[str] | None = None,
     free: str | None = None,
-    samples: int | ArrayLike = 32,
+    samples: int | ArrayLike | None = None,
     limits: bool = True,
     turns: bool = False,
     position_tolerance: float = 1e-9,
@@ -147,7 +147,7 @@ def ik_all(
         q0: Configuration (nq,) or (..., nq) [rad or m] whose nearest solutions come first; None for neutral.
         joints: Names of the joints that may move; None for the last seven that move the frame.
         free: The joint of a seven-joint arm that is held at samples; None for the one that suits best.
-        samples: Number of samples of the free joint, or the values themselves, (s,) [rad or m].
+        samples: Number of samples of the free joint, or the values themselves, (s,) [rad or m]; None for 32.
         limits: Whether to leave out what is outside the joint limits.
         turns: Whether to list solutions that differ by whole turns within the limits.
         position_tolerance: Largest distance from the goal [m].
@@ -216,7 +216,7 @@ def _deferred(
     q0: Any,
     joints: tuple[str, ...] | None,
     free: str | None,
-    samples: int | ArrayLike,
+    samples: int | ArrayLike | None,
     options: dict[str, Any],
 ) -> Branches:
     """The solutions of poses in lazy or labelled arrays; the free joint has the same values in every block."""
@@ -231,7 +231,8 @@ def _deferred(
     source = source_of(model, frame, joints, free, _fixed_values(base, fixed))
     values = _values(model, source, samples, base if is_single and q0 is not None else None)
     max_solutions = source.max_candidates * len(values) * (_turns(source) if options["turns"] else 1)
-    solve_block = partial(_solve_block, model, frame, joints, free, values, options)
+    given = None if source.free is None else values
+    solve_block = partial(_solve_block, model, frame, joints, free, given, options)
     arrays = deferred.branches(solve_block, T, q0, model.nq, model.position_names, max_solutions)
     q, position_error, rotation_error, total, miss, complete = arrays
     method = _method(source, values)
@@ -294,14 +295,19 @@ def _fixed_values(base: Floats, places: tuple[int, ...]) -> tuple[float, ...]:
     return tuple(values[0].tolist())
 
 
-def _values(model: Model, source: Source, samples: int | ArrayLike, q0: Floats | None) -> Floats:
+def _values(model: Model, source: Source, samples: int | ArrayLike | None, q0: Floats | None) -> Floats:
     """Values of the free coordinate; where it is given, that of one `q0` comes first."""
     if source.free is None:
+        if samples is not None:
+            raise InputError(
+                f"`samples` is {short_repr(samples)}, but no joint of this arm is given values, as one of seven joints "
+                "is; expected None."
+            )
         return _ONE
     axis = source.arm.axes[source.free]
     if isinstance(samples, (list, tuple, np.ndarray)) and np.ndim(samples):
         return shaped_array("samples", samples, None)
-    count = _sample_count(samples, axis.name)
+    count = 32 if samples is None else _sample_count(samples, axis.name)
     lower, upper = model.lower_position[axis.index], model.upper_position[axis.index]
     if np.isfinite(lower) and np.isfinite(upper):
         grid = np.linspace(lower, upper, count + 2)[1:-1]

@@ -27,7 +27,7 @@ class Branching(Part):
         *,
         joints: Sequence[str] | None = None,
         free: str | None = None,
-        samples: int | ArrayLike = 32,
+        samples: int | ArrayLike | None = None,
         limits: bool = True,
         turns: bool = False,
         position_tolerance: float = 1e-9,
@@ -49,7 +49,8 @@ class Branching(Part):
             joints: Names of the joints that may move; None for the last ones that move the frame
                 by seven coordinates.
             free: The joint of a seven-joint arm that is given values; None for the one that suits best.
-            samples: How many values, evenly spaced between its limits, and that in `q0`; or the values, (n,).
+            samples: How many values, evenly spaced between its limits, and that in `q0`; or the values, (n,). None
+                for 32; arms of other numbers of joints take none.
             limits: Whether to leave out what is outside the joint limits.
             turns: Whether to list a solution again for every whole turn that the limits of a joint allow.
             position_tolerance: Largest distance from the goal [m].

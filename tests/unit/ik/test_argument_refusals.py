@@ -31,6 +31,15 @@ REFUSED: list[tuple[Callable[[ulna.Robot, Any], Any], type[Exception], str]] = [
 ]
 
 
+def test_samples_of_an_arm_that_takes_none_are_refused() -> None:
+    ur5 = ulna.load("ur5")
+    T = ur5.fk(ur5.configurations["ready"])
+    for samples in (32, [0.0, 1.0]):
+        with pytest.raises(InputError, match="no joint of this arm is given values"):
+            ur5.ik_all(T, samples=samples)
+    assert ur5.ik_all(T).q.shape[-1] == 6
+
+
 @pytest.mark.parametrize(("call", "error", "text"), REFUSED, ids=[text for *_, text in REFUSED])
 def test_it_is_refused(panda: ulna.Robot, call: Any, error: type[Exception], text: str) -> None:
     with pytest.raises(error, match=text):
