@@ -86,7 +86,12 @@ class Program:
         if not self.tasks and not self.constraints:
             raise InputError("There is no task; expected at least one, such as FrameTask(robot.tool).")
         for task in self.objectives:
-            task.costs(self.model)
+            costs = task.costs(self.model)
+            if costs.size and not costs.any():
+                raise InputError(
+                    f"{task.label}: all costs are 0, so it would have no effect; give one above 0, or leave it out. "
+                    "One that is `adjustable` fades out with a factor of 0."
+                )
         for task in self.constraints:
             if task.adjustable:
                 raise InputError(

@@ -109,9 +109,10 @@ def test_costs_can_be_faded(panda: ulna.Robot, q, goal) -> None:
     assert ik.inputs == (HAND, "posture", "panda_hand_scale")
     other = q + 0.01
     for scale in (0.0, 0.3, 1.0):
-        fixed = DifferentialIK(panda, [FrameTask(HAND, scale, scale), PostureTask(1e-2)])
+        reaching = [FrameTask(HAND, scale, scale, target=goal)] if scale else []
+        fixed = DifferentialIK(panda, [*reaching, PostureTask(1e-2, target=other)])
         v = ik.velocity(q, DT, goal, other, panda_hand_scale=scale)
-        np.testing.assert_allclose(v, fixed.velocity(q, DT, goal, other), atol=1e-9)
+        np.testing.assert_allclose(v, fixed.velocity(q, DT), atol=1e-9)
     np.testing.assert_array_equal(ik.velocity(q, DT, goal, other), v)
 
 
@@ -465,3 +466,13 @@ def test_constants_of_tasks_that_are_no_numbers_are_refused(panda: ulna.Robot, t
 def test_recover_is_true_or_false(panda: ulna.Robot) -> None:
     with pytest.raises(InputError, match="`recover` is 'no'"):
         DifferentialIK(panda, [FrameTask(HAND)], recover="no")  # pyright: ignore[reportArgumentType]
+
+
+def test_a_task_of_no_cost_is_refused(panda: ulna.Robot) -> None:
+    with pytest.raises(
+        InputError, match=r"panda_hand: all costs are 0, .* or leave it out\. One that is `adjustable`"
+    ):
+        DifferentialIK(panda, [FrameTask("panda_hand", position_cost=0.0, orientation_cost=0.0)])
+    with pytest.raises(InputError, match="all costs are 0"):
+        DifferentialIK(panda, [FrameTask("panda_hand"), PostureTask(np.zeros(7), target="ready")])
+    DifferentialIK(panda, [FrameTask("panda_hand", position_cost=0.0)])
