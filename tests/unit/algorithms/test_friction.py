@@ -87,6 +87,25 @@ def test_payload_capacity_of_batches_and_wrenches() -> None:
     assert np.isnan(weak[1]) and np.isnan(weak[3])
 
 
+def test_joints_without_load_hold_any_multiple_in_either_precision() -> None:
+    """Torques of rounding errors, some 1e-6 N m in float32, made millions of kilograms of what is no limit."""
+    robot = ulna.load("panda")
+    q = robot.random_configuration(200, seed=7001)
+    exact = robot.payload_capacity(q)
+    limits, load = np.full(7, 50.0), np.array([0.0, 0.0, -9.81, 0.0, 0.0, 0.0])
+    expected = robot.payload_capacity(q, effort=limits)
+    single = robot.kernel("payload_multiples", dtype="float32")(q, load, limits)
+    assert np.isinf(exact[:, 0]).all() and np.isinf(expected[:, 0]).all() and np.isinf(single[:, 0]).all()
+    np.testing.assert_array_equal(np.isinf(single), np.isinf(expected))
+    same = np.isfinite(expected)
+    np.testing.assert_allclose(single[same], expected[same], rtol=0.02)
+    small = robot.payload_capacity(q, wrench=1e-9 * load, effort=limits)  # the answer scales with the load
+    np.testing.assert_allclose(small[same], 1e9 * expected[same], rtol=1e-9)
+    assert np.isinf(robot.payload_capacity(q[0], wrench=np.zeros(6), effort=limits)).all()
+    with pytest.raises(InputError, match="`effort` holds -1"):
+        robot.payload_capacity(q[0], effort=-np.ones(7))
+
+
 def test_of_drives_keeps_both_directions() -> None:
     model = ulna.load("ur5").model
     name = model.joint_names[1]

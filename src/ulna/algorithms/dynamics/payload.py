@@ -9,7 +9,8 @@
 | t | further torques for one such load | (nv) | [N m] or [N] | t = -J^T w |
 | c | multiples that the joints can hold | (nv) | [1] | g + c t within -limit and limit |
 
-Source: Siciliano, section 3.8 (statics). A joint the load does not burden holds any multiple: inf. Where a joint cannot
+Source: Siciliano, section 3.8 (statics). A joint the load does not burden, but for
+rounding, holds any multiple: inf. Where a joint cannot
 even hold the robot the answer is nan.
 """
 
@@ -21,7 +22,7 @@ from ulna.algorithms.dynamics.rnea_point_accelerations import gravity_forces
 from ulna.algorithms.kinematics.jacobian import frame_jacobian
 from ulna.algorithms.multibody.references import Reference
 from ulna.model import Frame, Model
-from ulna.numeric import apply, less, where
+from ulna.numeric import apply, by_precision, less, where
 from ulna.typing import Array
 
 
@@ -54,6 +55,8 @@ def payload_multiples(
     backward = less(t, 0.0)
     size = where(backward, -t, t)
     margin = limit - where(backward, -g, g)  # in the direction of the load
-    is_loaded = less(1e-12, size)
+    scale = np.sum(size, axis=-1, keepdims=True) + np.sum(abs(wrench), axis=-1, keepdims=True)
+    least = by_precision(scale, 1e-12, 2.0**-18) * scale  # what rounding makes of no torque
+    is_loaded = less(least, size)
     multiple = where(is_loaded, margin / where(is_loaded, size, 1.0), np.inf)
     return where(less(limit, where(less(g, 0.0), -g, g)), np.nan, multiple)
