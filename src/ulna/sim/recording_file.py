@@ -2,7 +2,8 @@
 
 Entries of arrays have titles such as "q_0" and "T_0_3". Where such titles would be read as another array, as those of
 two numbers named "force_0" and "force_1", brackets separate the name from the indices: "force_0[]" for a number,
-"force_0[2]" for an entry.
+"force_0[2]" for an entry. An array without entries, such as the configuration of a robot without joints, has one title
+with its shape, "q[:0]", and zeros below it.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from ulna.typing import Floats
 
 _INDEX = "(?:0|[1-9][0-9]{0,8})"
 _INDEXED = re.compile(f"(.+?)((?:_{_INDEX}){{1,8}})")
+_EMPTY = re.compile(rf"(.*)\[:((?:{_INDEX},)*0(?:,{_INDEX})*)\]", re.DOTALL)
 _BRACKETED = re.compile(rf"(.*)\[((?:{_INDEX}(?:,{_INDEX}){{0,7}})?)\]", re.DOTALL)
 
 
@@ -41,8 +43,13 @@ def write_csv(columns: Mapping[str, Floats], path: str | Path) -> None:
     target = _checked(path)
     if not columns:
         raise InputError("The recording has no rows; there is nothing to save.")
-    head = _header(columns)
-    table = np.column_stack([values.reshape(len(values), -1) for values in columns.values()])
+    filled = {name: values for name, values in columns.items() if 0 not in values.shape[1:]}
+    empty = {name: values for name, values in columns.items() if name not in filled}
+    head = _header(filled) + [f"{name}[:{_place(values.shape[1:])}]" for name, values in empty.items()]
+    table = np.column_stack(
+        [values.reshape(len(values), -1) for values in filled.values()]
+        + [np.zeros(len(values)) for values in empty.values()]
+    )
     with replacing(target) as place, open(place, "w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([head, *table.tolist()])
 
@@ -99,8 +106,12 @@ def _checked(path: Any) -> Path:
     return Path(path)
 
 
+def _place(numbers: tuple[int, ...]) -> str:
+    return ",".join(map(str, numbers))
+
+
 def _title(name: str, place: tuple[int, ...], brackets: bool = False) -> str:
-    return f"{name}[{','.join(map(str, place))}]" if brackets else "_".join([name, *map(str, place)])
+    return f"{name}[{_place(place)}]" if brackets else "_".join([name, *map(str, place)])
 
 
 def _header(columns: Mapping[str, Floats]) -> list[str]:
@@ -136,12 +147,17 @@ def _misread(
 def _arrays(head: list[str], table: Floats, source: Path) -> dict[str, Floats]:
     """The arrays whose entries are the columns of a table with these titles."""
     parts: dict[tuple[str, bool], dict[tuple[int, ...], Floats]] = {}
+    columns: dict[str, Floats] = {}
     for title, values in zip((t.strip() for t in head), table.T, strict=True):
+        if match := _EMPTY.fullmatch(title):
+            if match[1] in columns:
+                raise InputError(f"{source} has two columns {match[1]!r}.")
+            columns[match[1]] = np.zeros((len(values), *map(int, match[2].split(","))))
+            continue
         name, place, brackets = _parsed(title)
         if place in parts.setdefault((name, brackets), {}):
             raise InputError(f"{source} has two columns {title!r}.")
         parts[name, brackets][place] = values
-    columns: dict[str, Floats] = {}
     for (name, brackets), of_name in parts.items():
         for title, values in _stacked(name, of_name, brackets):
             if title in columns:

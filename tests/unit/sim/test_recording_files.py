@@ -163,3 +163,21 @@ def test_titles_with_many_numbers_are_ordinary_ones(tmp_path: Path) -> None:
     title = "x" + "_1" * 3000
     (tmp_path / "a.csv").write_text(f"t,q_0,{title}\n0,1,2\n")
     assert Recording.load(tmp_path / "a.csv")[title][0] == 2.0
+
+
+def test_arrays_without_entries_come_back(tmp_path: Path) -> None:
+    """Those of robots without joints could not be saved: NumPy cannot reshape them."""
+    recording = Recording()
+    for k in range(3):
+        recording.add(
+            k, np.zeros(0), tau=np.zeros((2, 0, 3)), force=[1.0, k], **{"x[:0]": k, "y[:0]": [k, 1.0]}
+        )
+    recording.save(tmp_path / "a.csv")
+    again = Recording.load(tmp_path / "a.csv")
+    assert set(again.names) == set(recording.names)
+    for name in recording.names:
+        np.testing.assert_array_equal(again[name], recording[name])
+        assert again[name].shape == recording[name].shape
+    (tmp_path / "b.csv").write_text("t,q[:0],q[:0]\n0,0,0\n", encoding="utf-8")
+    with pytest.raises(InputError, match="two columns 'q'"):
+        Recording.load(tmp_path / "b.csv")
