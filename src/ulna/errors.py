@@ -27,7 +27,8 @@ UlnaError
 
 UlnaWarning (UserWarning)
 ├── ModelWarning                     a model file is odd but usable (a missing mesh, a massless link)
-└── CacheWarning                     the kernel cache cannot be used; costs time, never correctness
+├── CacheWarning                     the kernel cache cannot be used; costs time, never correctness
+└── TraceWarning                     a function calls what happens once, while it is compiled
 """
 
 from __future__ import annotations
@@ -458,3 +459,7 @@ class ModelWarning(UlnaWarning):
 
 class CacheWarning(UlnaWarning):
     """The kernel cache cannot be used; costs time, never correctness."""
+
+
+class TraceWarning(UlnaWarning):
+    """A function that is compiled calls a clock or draws random numbers; this happens once, not with each call."""

@@ -377,6 +377,7 @@ def compile(
             shapes,
             f"Give it: compile(f, {missing[0]}=(3,)), or pass the robot.",
         )
+    _warn_of_frozen_calls(f)
     traced = compiler.trace(function_of(f, names), **{name: shapes[name] for name in names})
     if device == "cuda":
         from ulna.compiler.runtime.cuda_kernel import CudaKernel
@@ -384,6 +385,14 @@ def compile(
         return CudaKernel(traced, dtype)
     labels = {} if robot is None else kernels.labels(robot.model, traced)
     return compiler.compile(traced, dtype, checked, labels=labels)
+
+
+def _warn_of_frozen_calls(f: Callable[..., Any]) -> None:
+    """Warns of clocks and random numbers in functions of users; importing what finds them takes 2 ms."""
+    if not (getattr(f, "__module__", None) or "").startswith("ulna."):
+        from ulna.checks.frozen_calls import warn_of_frozen_calls
+
+        warn_of_frozen_calls(f, stacklevel=4)
 
 
 def _argument_names(f: Callable[..., Any], shapes: Mapping[str, Any]) -> list[str]:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna.checks.frozen_calls import warn_of_frozen_calls
 from ulna.checks.parameters import function_of, names_to_pass
 from ulna.compiler import Function, trace
 from ulna.control.systems import System
@@ -31,6 +32,7 @@ def extra_shapes(
         InputError: If the cost takes fewer arguments, or another is called as one of a stage.
         UnknownName: If a shape is missing, or there is no argument for one.
     """
+    warn_of_frozen_calls(cost, stacklevel=5)
     names = names_to_pass(cost, shapes)
     call = f"cost({', '.join(first)}, ...)"
     if len(names) < len(first):

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ulna import numeric
+from ulna.checks.frozen_calls import warn_of_frozen_calls
 from ulna.checks.values import checked_robot, count, function, number
 from ulna.compiler import compile, trace
 from ulna.control.stage_costs import CostParts, extra_shapes
@@ -223,7 +224,8 @@ def custom_stage(
         UnknownName: If the shape of an argument is missing.
     """
     nx, nu = count("nx", nx), count("nu", nu)
-    traced = trace(function("step", step), name="step", x=(nx,), u=(nu,))
+    warn_of_frozen_calls(function("step", step))
+    traced = trace(step, name="step", x=(nx,), u=(nu,))
     if [port.shape for port in traced.outputs] != [(nx,)]:
         shown = ", ".join(str(port.shape) for port in traced.outputs)
         raise InputError(f"`step` returns the shape {shown}; expected ({nx},), the next state.")
