@@ -32,9 +32,14 @@ CONSTRUCTORS = {
     "Motion(Motion)": "pin.Motion(x)",
     "Inertia(Inertia)": "pin.Inertia(Y)",
     "Inertia.FromBox": "pin.Inertia.FromBox(1.0, 0.1, 0.2, 0.3)",
+    "Inertia.FromEllipsoid": "pin.Inertia.FromEllipsoid(1.0, 0.1, 0.2, 0.3)",
+    "Inertia.FromSphere": "pin.Inertia.FromSphere(1.0, 0.1)",
+    "Inertia.FromCylinder": "pin.Inertia.FromCylinder(1.0, 0.1, 0.2)",
+    "Inertia.FromCapsule": "pin.Inertia.FromCapsule(1.0, 0.1, 0.2)",
     "Quaternion(w, x, y, z)": "pin.Quaternion(1.0, 0.0, 0.0, 0.0)",
     "Quaternion(M.rotation)": "pin.Quaternion(M.rotation)",
     "Quaternion(coefficients)": "pin.Quaternion(four[3])",
+    "Quaternion.FromTwoVectors": "pin.Quaternion.FromTwoVectors(p, six[:3])",
     "AngleAxis(R)": "pin.AngleAxis(R)",
     "Frame(name, joint, frame, M, type)": "pin.Frame('a', 1, 0, M, kind)",
     "Frame(Frame)": "pin.Frame(frame)",
@@ -74,12 +79,20 @@ OPERATIONS = {
     "log3(M.rotation)": "pin.log3(M.rotation)",
     "log6(matrix)": "pin.log6(four)",
     "exp6_quat": "pin.exp6_quat(six)",
+    "log6_quat": "pin.log6_quat(seven)",
     "Jlog6": "pin.Jlog6(M)",
     "rpy.matrixToRpy(M.rotation)": "pin.rpy.matrixToRpy(M.rotation)",
+    "rpy.computeRpyJacobian": "pin.rpy.computeRpyJacobian(p)",
+    "rpy.computeRpyJacobian, WORLD": "pin.rpy.computeRpyJacobian(p, pin.WORLD)",
+    "rpy.computeRpyJacobianInverse": "pin.rpy.computeRpyJacobianInverse(p)",
+    "rpy.computeRpyJacobianTimeDerivative": "pin.rpy.computeRpyJacobianTimeDerivative(p, p)",
+    "classicAcceleration": "pin.classicAcceleration(x, w)",
+    "classicAcceleration at a placement": "pin.classicAcceleration(x, w, M)",
     "Frame.copy": "frame.copy()",
     "Frame == Frame": "frame == other",
     "str(Frame)": "str(frame)",
     "GeometryObject.copy": "geometry.copy()",
+    "GeometryObject == GeometryObject": "geometry == same_geometry",
     "StdVec_SE3[1:3]": "places[1:3]",
     "StdVec_SE3.copy": "places.copy()",
     "StdVec_SE3.append": "more.append(M)",
@@ -90,6 +103,23 @@ OPERATIONS = {
     "model.nframes": "model.nframes",
     "model.nqs": "model.nqs",
     "model.supports[i]": "model.supports[1]",
+}
+JOINTS = {
+    "data.joints": "d.joints",
+    "data.joints[i]": "d.joints[end]",
+    "data.joints[i].M": "d.joints[end].M",
+    "data.joints[i].S": "d.joints[end].S",
+    "data.joints[i].M after kinematics": "pin.forwardKinematics(m, d, q); d.joints[end].M",
+    "model.joints[i].createData": "m.joints[end].createData()",
+    "model.joints[i].calc(data, q)": "joint.calc(joint_data, q)",
+    "model.joints[i].calc(data, q, v)": "joint.calc(joint_data, q, v)",
+    "model.joints[1].createData": "m.joints[1].createData()",
+    "model.joints[1].calc(data, q, v)": "first.calc(first_data, q, v)",
+    "JointModelRX().createData": "single.createData()",
+    "JointModelRX().calc(data, q, v)": "single.calc(single_data, q[:1], v[:1])",
+    "joint data.M": "joint_data.M",
+    "joint data.S": "joint_data.S",
+    "joint data.v": "joint_data.v",
 }
 
 
@@ -118,9 +148,28 @@ def objects_to_change(pin: Any, names: dict[str, Any]) -> dict[str, Any]:
         **{"frame": frame, "other": pin.Frame(frame), "kind": pin.FrameType.OP_FRAME, "sphere": sphere},
         **{
             "geometry": pin.GeometryObject("a", 1, M, sphere),
+            "same_geometry": pin.GeometryObject("a", 1, M, sphere),
             "kept": [pin.Motion.Random(), names["Y"].copy()],
         },
         **{"places": places, "more": more, "forces": forces, "model": model, "data": data},
         "armature": np.zeros(model.nv),
         "refill": lambda title, count: more.__delitem__(slice(None)) if "append" in title else None,
     }
+
+
+def joints_to_change(pin: Any, names: dict[str, Any]) -> dict[str, Any]:
+    """What the rows of joints name: joints of a model, and one in none, with their data.
+
+    Args:
+        pin: Pinocchio, or the package.
+        names: What is there already: a model `m`, its Data `d`, and a state.
+
+    Returns:
+        The others.
+    """
+    m, d, q, v, end = (names[x] for x in ("m", "d", "q", "v", "end"))
+    pin.forwardKinematics(m, d, q, v)
+    joint, first, single = m.joints[end], m.joints[1], pin.JointModelRX()
+    single.setIndexes(1, 0, 0)
+    made = {"joint": joint, "first": first, "single": single}
+    return made | {f"{name}_data": one.createData() for name, one in made.items()}

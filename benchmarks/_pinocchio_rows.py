@@ -10,7 +10,14 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from _pinocchio_object_rows import ASSIGNMENTS, CONSTRUCTORS, OPERATIONS, objects_to_change
+from _pinocchio_object_rows import (
+    ASSIGNMENTS,
+    CONSTRUCTORS,
+    JOINTS,
+    OPERATIONS,
+    joints_to_change,
+    objects_to_change,
+)
 
 SPAN = 2e-4  # of each measurement [s]: short, so that few are interrupted where other work runs beside
 KINDS = "all kinds"
@@ -226,6 +233,7 @@ CONSTRAINTS = {
 GEOMETRIES = {
     "GeometryModel.createData": "gm.createData()",
     "GeometryModel.copy": "gm.copy()",
+    "GeometryObject == its copy": "gm.geometryObjects[0] == one_geometry",
     "GeometryObject.placement": "gm.geometryObjects[0].placement",
     "updateGeometryPlacements(q)": "pin.updateGeometryPlacements(m, d, gm, gd, q)",
     "updateGeometryPlacements": "pin.updateGeometryPlacements(m, d, gm, gd)",
@@ -253,6 +261,7 @@ GROUPS = {
     "assignments": ASSIGNMENTS,
     "constructors": CONSTRUCTORS,
     "operations": OPERATIONS,
+    "joints": JOINTS,
     "constraints": CONSTRAINTS,
     "geometries": GEOMETRIES,
     "solvers": SOLVERS,
@@ -280,6 +289,7 @@ def prepared(group: str, source: str, root: str, feet: str) -> Callable[[], dict
         "getters": lambda: _algorithm_inputs(pin, names),
         "objects": lambda: _small_objects(pin),
         **dict.fromkeys(("assignments", "constructors", "operations"), lambda: _changing_objects(pin, names)),
+        "joints": lambda: joints_to_change(pin, names),
         "constraints": lambda: _contacts(pin, names, *feet.split(",")),
         "geometries": lambda: _shapes(pin, names, source),
         "solvers": lambda: _contact_problems(pin, m),
@@ -488,4 +498,5 @@ def _shapes(pin: Any, names: dict[str, Any], urdf: str) -> dict[str, Any]:
     pin.updateGeometryPlacements(m, d, gm, gd, q)
     pin.updateGeometryPlacements(m, d, spheres, spheres_data, q)
     pin.computeDistances(gm, gd)
-    return {"gm": gm, "gd": gd, "spheres": spheres, "spheres_data": spheres_data}
+    one = gm.geometryObjects[0].copy()
+    return {"gm": gm, "gd": gd, "spheres": spheres, "spheres_data": spheres_data, "one_geometry": one}

@@ -32,6 +32,8 @@ def _robots_of(group: str) -> list[str]:
     """The robots that the calls of a group are timed on: small objects and solvers need none, contacts a robot that stands."""
     if group in ("objects", "assignments", "constructors", "operations", "solvers"):
         return ["UR5"]
+    if group == "joints":
+        return ["UR5", "Talos"]
     if group == "geometries":
         return ["UR5", "Panda", "Solo12"]
     if group == "constraints":

@@ -69,6 +69,14 @@ pin.JointModelRevoluteUnaligned(1, 0, 0).axis; pin.JointModelPrismaticUnaligned(
 str(j); k.shortname(); k.extract().shortname(); j.idx_q; j.idx_v; j.id; j.nvExtended; x.joint_q
 ! e = pin.JointModelComposite(pin.JointModelRX(), A); e = e.addJoint(pin.JointModelPY(), A); e.setIndexes(1, 0, 0); y = e.createData()
 ! e.calc(y, np.array([0.1, 0.2]), np.ones(2))
+! own = list(m.joints)[1:]; z = [j.createData() for j in own]; n3 = 3 * list(zip(own, z))
+! _ = [j.calc(x, q, v) for j, x in n3]
+[x.M for x in z]; [x.v for x in z]; [x.c for x in z]; [x.S for x in z]; [x.joint_q for x in z]
+! zero = pin.neutral(m)
+! _ = [j.calc(x, zero) for j, x in n3]
+[x.M for x in z]; [x.v for x in z]; [x.S for x in z]; [x.joint_q for x in z]
+! before = d.joints[1]; _ = pin.forwardKinematics(m, d, pin.neutral(m), 2 * v); after = d.joints[1]; place = z[0].M; place.setRandom()
+before.M; before.v; after.M; after.v; z[0].M; m.joints[2].createData().M
 y.M; y.v; y.c; y.S; y.joint_v; m.joints[1].createData().shortname(); pin.JointModelTranslation().shortname()
 ! n = pin.transformJointIntoMimic(pin.buildSampleModelManipulator(), 1, 3, 2.0, 0.1); g = n.createData(); u = np.linspace(0, 1, n.nq)
 ! pin.forwardKinematics(n, g, u, u, 0 * u)

@@ -168,3 +168,46 @@ def test_what_is_no_slot_is_refused() -> None:
     calls = Calls(product.run, (product, *arguments))
     with pytest.raises(InputError, match="no slot"):
         calls.take_float(type("Plain", (), {})(), "scale", product.scale)
+
+
+class Doubling:
+    """Fills an array with another one, times a scale where there is one; calls answer None."""
+
+    __slots__ = ("calls", "counted")
+
+    def __init__(self) -> None:
+        self.calls, self.counted = None, 0
+
+    def apply(self, out: Any, x: Any, scale: Any = None) -> None:
+        """out = x, or scale x."""
+        self.counted += 1
+
+
+@procedure
+def _filled(x: Array1[f64], scale: Array1[f64], out: Array1[f64]) -> int:
+    for i in range(len(out)):
+        out[i] = scale[0] * x[i]
+    return 1
+
+
+def test_calls_with_other_numbers_of_arguments_have_tables_of_their_own_and_may_return_none() -> None:
+    Doubling.apply = procedure_method(Doubling.apply, Doubling, "calls")  # type: ignore[method-assign]
+    if not has_machine_code(Doubling, "apply"):
+        pytest.skip("needs machine code")
+    one, out, x, scale = Doubling(), np.zeros(3), np.arange(3.0), np.array([2.0])
+    table, kept = None, []
+    for arguments in ((out, x), (out, x, scale)):
+        run = _filled.bind(np.zeros(3), np.ones(1), np.zeros(3), are_arrays_private=True)
+        calls = Calls(run, (one, *arguments), returns_none=True)
+        for k, name in enumerate(("out", "x", "scale")[: len(arguments)], start=1):
+            calls.take_array(Slot(k), name, name == "out")
+        kept.append(table)
+        table, alive = calls.table(table)
+        kept.append(alive)
+    one.calls = table
+    assert one.apply(out, x) is None and out.tolist() == [0.0, 1.0, 2.0]
+    assert one.apply(out, x, scale) is None and out.tolist() == [0.0, 2.0, 4.0]
+    assert one.counted == 0
+    one.apply(out, x[:2])
+    one.apply(out, x, None)
+    assert one.counted == 2

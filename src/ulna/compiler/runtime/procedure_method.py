@@ -48,11 +48,12 @@ from ulna.errors import InputError
 from ulna.typing import Array
 
 _FIELDS = (
-    "kind", "slot", "array_type", "descriptor", "float_type", "true", "false", "call", "incref", "method_new",
+    "kind", "slot", "array_type", "descriptor", "float_type", "true", "false", "none", "call", "incref", "method_new",
 )  # fmt: skip
 _RUN, _IS, _KIND, _ARRAY, _LIST, _LENGTH, _FLOAT = range(7)
 _ROW = 7  # what is examined, number of the argument, slot [byte], three words, where to write; see `Calls`
-_HEAD = 4  # how many arguments, the procedure's code, its words, where it writes faults
+# how many arguments, the procedure's code, its words, where it writes faults, whether None is returned, another table
+_HEAD = 6
 
 
 def _word(name: str, kind: str = "ptr") -> str:
@@ -88,11 +89,18 @@ holder.of:
   %holder.ok = icmp eq ptr %holder.kind, %array_type
   br i1 %holder.ok, label %head, label %slow
 head:
-{load_at("table", "holder", DATA)}
+{load_at("table.0", "holder", DATA)}
+  br label %look
+look:
+  %table = phi ptr [ %table.0, %head ], [ %table.next, %other ]
 {load_at("wanted", "table", 0, "i64")}
   %count.ok = icmp eq i64 %wanted, %count
   %first = getelementptr i64, ptr %table, i64 {_HEAD}
-  br i1 %count.ok, label %rows, label %slow
+  br i1 %count.ok, label %rows, label %other
+other:  ; calls with another number of arguments may have a table, too
+{load_at("table.next", "table", 5 * WORD)}
+  %no.other = icmp eq ptr %table.next, null
+  br i1 %no.other, label %slow, label %look
 rows:
   br label %row
 row:
@@ -202,11 +210,15 @@ run:
 answer:
 {_word("true")}
 {_word("false")}
+{_word("none")}
 {_word("incref")}
+{load_at("is.none", "table", 4 * WORD, "i64")}
+  %has.truth = icmp eq i64 %is.none, 0
   %is.true = icmp eq i64 %result, 1
   %truth = select i1 %is.true, ptr %true, ptr %false
-  call void %incref(ptr %truth)
-  ret ptr %truth
+  %found.it = select i1 %has.truth, ptr %truth, ptr %none
+  call void %incref(ptr %found.it)
+  ret ptr %found.it
 slow:
 {_word("call")}
 {load_at("callable", "self", entry_point.SLOW)}
@@ -236,10 +248,11 @@ class Calls:
     Args:
         run: The procedure; it returns 0 or 1 as the answer, another number where the method is to be run.
         arguments: The arguments, with the object first.
+        returns_none: Whether the method returns None, whatever the answer.
     """
 
-    def __init__(self, run: BoundProcedure, arguments: Sequence[Any]) -> None:
-        self._run, self._arguments = run, tuple(arguments)
+    def __init__(self, run: BoundProcedure, arguments: Sequence[Any], returns_none: bool = False) -> None:
+        self._run, self._arguments, self._returns_none = run, tuple(arguments), returns_none
         self._rows, self._alive = array("Q"), list[Any]([run])
 
     def _row(self, sort: int, of: Slot, words: Sequence[int], target: int = 0) -> None:
@@ -311,9 +324,17 @@ class Calls:
         )
         self._alive += [owner, target]
 
-    def table(self) -> tuple[Array, Any]:
-        """What an object has to have in its slot, and what must stay alive as long."""
-        head = [len(self._arguments), *self._run.addresses()]
+    def table(self, other: Array | None = None) -> tuple[Array, Any]:
+        """What an object has to have in its slot, and what must stay alive as long.
+
+        Args:
+            other: The table (n,) of calls with another number of arguments, which must stay alive, too.
+
+        Returns:
+            Both.
+        """
+        following = 0 if other is None else other.__array_interface__["data"][0]
+        head = [len(self._arguments), *self._run.addresses(), int(self._returns_none), following]
         end = [_RUN, 0, 0, self._run.address_of_result(), 0, 0, 0]
         return np.array([*head, *self._rows, *end], np.uint64), self._alive
 
@@ -357,7 +378,7 @@ def procedure_method(function: Callable[..., Any], owner: type, slot: str) -> Ca
     if kind is None or not offset:
         return function
     words = [
-        id(owner), offset, id(np.ndarray), id(np.dtype(np.float64)), id(float), id(True), id(False),
+        id(owner), offset, id(np.ndarray), id(np.dtype(np.float64)), id(float), id(True), id(False), id(None),
         *(c_function(name) for name in ("PyObject_Vectorcall", "Py_IncRef", "PyMethod_New")),
     ]  # fmt: skip
     plan = array("Q", words)

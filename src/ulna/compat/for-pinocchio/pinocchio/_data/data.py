@@ -260,7 +260,10 @@ class Data(CheckedAttributes, Saved, TreeFields):
     @property
     def joints(self) -> StdVec[Any]:
         """For each joint its placement, subspace, velocity and bias at the state of the last algorithm; live."""
-        return live_joints(self)
+        joints = self.__dict__.get("_live_joints")
+        if joints is None:
+            joints = self.__dict__["_live_joints"] = live_joints(self)
+        return joints
 
     @property
     def Yaba(self) -> StdVec[Floats]:
@@ -305,7 +308,7 @@ class Data(CheckedAttributes, Saved, TreeFields):
         self._keep_factors()
         out = object.__new__(Data)
         out.__dict__.update(self.__dict__)
-        for name in ("oMi", "oMf"):
+        for name in ("oMi", "oMf", "_live_joints"):
             out.__dict__.pop(name, None)
         out._arrays = self._arrays.copied()
         out._known_states = set(self._known_states)

@@ -19,19 +19,23 @@ class LiveJoint:
 
     def __init__(self, data: FieldStates, joint: Any, target: JointData) -> None:
         self._data, self._joint, self._target = data, joint, target
-        self._seen: Any = None
+        self._seen = b""
 
     def update(self) -> None:
         """Writes the present state into the data of the joint, where it has changed."""
-        q, velocity_state = self._data._q_of_joints, self._data._qv_of_joints
-        present = [None if x is None else x.tobytes() for x in (q, *(velocity_state or ()))]
+        known, arrays = self._data._known_states, self._data._arrays
+        present = b""
+        if "joints" in known:
+            present = arrays["joints q"].tobytes()
+        if "joint_velocities" in known:
+            present += arrays["joint_velocities q"].tobytes() + arrays["joint_velocities v"].tobytes()
         if present == self._seen:
             return
         self._seen = present
-        if velocity_state is not None:
-            self._joint.calc(self._target, *velocity_state)
-        if q is not None:
-            self._joint.calc(self._target, q)
+        if "joint_velocities" in known:
+            self._joint.calc(self._target, arrays["joint_velocities q"], arrays["joint_velocities v"])
+        if "joints" in known:
+            self._joint.calc(self._target, arrays["joints q"])
 
     @property
     def has_terms(self) -> bool:

@@ -44,8 +44,16 @@ def present_names(state: dict[str, Any]) -> dict[str, Any]:
 
 
 class JointBase(CheckedAttributes):
-    """A kind of joint and, once in a model, its index and its places in q and v."""
+    """A kind of joint and, once in a model, its index and its places in q and v.
 
+    Its slots hold what is known until an attribute changes, which copies begin without: how `calc` runs without Python,
+    and the data that `createData` copies.
+    """
+
+    __slots__ = ("__dict__", "__weakref__", "_calls", "_neutral", "_tables")
+    _calls: Any
+    _neutral: Any
+    _tables: Any
     _kinds: ClassVar[Mapping[str, AttributeKind]] = dict.fromkeys(
         ("id", "idx_q", "idx_v", "idx_vExtended", "nq", "nv"), read_only
     )
@@ -167,7 +175,7 @@ class JointBase(CheckedAttributes):
         """
         extended = idx_v if idx_vExtended is None else idx_vExtended
         self.__dict__.update(id=joint_id, idx_q=idx_q, idx_v=idx_v, idx_vExtended=extended)
-        LAST_CHANGE[0] = next(_numbers_of_changes)
+        self._count_change()
 
     def hasSameIndexes(self, other: JointBase) -> bool:
         """Whether another joint stands at the same place."""
@@ -190,15 +198,28 @@ class JointBase(CheckedAttributes):
 
     def __setattr__(self, name: str, value: Any) -> None:
         super().__setattr__(name, value)
-        LAST_CHANGE[0] = next(_numbers_of_changes)
+        self._count_change()
 
     def _keep(self, **values: Any) -> None:
         super()._keep(**values)
+        self._count_change()
+
+    def _count_change(self) -> None:
+        """Counts a change of an attribute, and forgets what was known."""
         LAST_CHANGE[0] = next(_numbers_of_changes)
+        self._know(_calls=None, _tables=None, _neutral=None)
+
+    def _know(self, **values: Any) -> None:
+        """Fills slots."""
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(present_names(state))
-        LAST_CHANGE[0] = next(_numbers_of_changes)
+        self._count_change()
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, JointBase):

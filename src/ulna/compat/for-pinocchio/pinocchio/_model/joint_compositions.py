@@ -12,6 +12,7 @@ from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
 from pinocchio._model.joint_base import NOWHERE
 from pinocchio._model.joint_model import JointModel
+from pinocchio._model.repeated_joint_calls import repeated
 from pinocchio._spatial.se3 import SE3
 from ulna.errors import InputError, UnknownName
 from ulna.model import (
@@ -142,4 +143,4 @@ class JointModelMimic(JointModel):
         self._keep(nq=0, nv=0, idx_q=followed.idx_q, idx_v=followed.idx_v)
 
 
-register(JointModelComposite, JointModelMimic)
+register(JointModelComposite, repeated(JointModelMimic))

@@ -7,14 +7,17 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from pinocchio._containers.arguments import OMITTED
+from pinocchio._containers.arguments import OMITTED, ArgumentError
 from pinocchio._containers.arrays import StdVec, fixed, vector
 from pinocchio._containers.attributes import read_only
 from pinocchio._model.joint_base import JointBase, present_names
+from pinocchio._model.joint_state import Sizes, filler, parts_of_state, state_size
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
+from ulna.errors import excerpt
 from ulna.typing import Floats
 
+_new = object.__new__
 _KINDS = (
     *("RX", "RY", "RZ", "RUBX", "RUBY", "RUBZ", "PX", "PY", "PZ", "HX", "HY", "HZ"),
     *(
@@ -53,6 +56,9 @@ class LiveState(Protocol):
         ...
 
 
+_SLOTS = ("_block", "_mimic_shortname", "_shortname", "_sizes")
+
+
 class JointData:
     """The state of one joint: `joint.createData()`, filled by `joint.calc(data, q, v)`; `data.joints` has those of all.
 
@@ -67,21 +73,62 @@ class JointData:
         c: Motion
         joint_q: Floats
         joint_v: Floats
-        joints: StdVec[JointData]
+
+    __slots__ = ("__dict__", "__weakref__", *_SLOTS)
+    _block: Floats
+    """The state; see `joint_state`."""
+    _sizes: Sizes
+    _shortname: str
+    _mimic_shortname: str
+    _views: tuple[Any, ...] | None = None
+    """M, v and c, which refer to the state, and views of S, joint_q, joint_v and S as it is read."""
+    _live: LiveState | None = None
+    _terms: tuple[Floats, Floats] | None = None
+    _joints: Sequence[JointData] = ()
+    _places: Sequence[SE3] = ()
 
     def __init__(self, other: JointData | None = None) -> None:
-        self._live: LiveState | None = None
-        self._M, self._v, self._c = SE3(), Motion(), Motion()
-        self._subspace = np.zeros((6, 1))
-        self._joint_q: Floats = np.zeros(0)
-        self._joint_v: Floats = np.zeros(0)
-        self._shortname = type(self).__name__
-        self._mimic_shortname = ""
-        self._joints: StdVec[JointData] = StdVec()
-        self._terms: tuple[Floats, Floats] | None = None
-        self._places: StdVec[SE3] = StdVec()
+        self._shortname, self._mimic_shortname = type(self).__name__, ""
+        self._resize((1, 0, 0))
         if other is not None:
-            self.__dict__.update(other.copy().__dict__)
+            self._become(other.copy())
+
+    def _become(self, other: JointData) -> None:
+        """Takes over all of another one, which nobody else has."""
+        self.__dict__.clear()
+        self.__dict__.update(other.__dict__)
+        for name in _SLOTS:
+            setattr(self, name, getattr(other, name))
+
+    def _assign(self, other: JointData) -> None:
+        """Takes over what another one is, as an entry of a list does; `data.joints` until the next algorithm."""
+        if not isinstance(other, JointData):
+            raise ArgumentError(f"A joint's data were given {excerpt(repr(other))}; expected a JointData.")
+        self._update()
+        live = self._live
+        self._become(other.copy())
+        self._live = live
+
+    def _resize(self, sizes: Sizes) -> None:
+        """Begins a new state of these sizes, at the identity."""
+        self._sizes, self._block, self._views = sizes, np.zeros(state_size(sizes)), None
+        self._block[:15:5] = 1.0
+        self._block[15] = 1.0
+
+    def _parts(self) -> tuple[Any, ...]:
+        views = self._views
+        if views is None:
+            M, v, c, *rest = parts_of_state(self._block, self._sizes)
+            one = rest[0][:, 0] if rest[0].shape[1] == 1 else rest[0]
+            self._views = views = SE3._of(M), Motion._of(v), Motion._of(c), *rest, one
+        return views
+
+    def new_like(self) -> JointData:
+        """New data of the same joint, in the same state; they follow none, and have no parts."""
+        out = _new(type(self))
+        out._block, out._sizes = self._block.copy(), self._sizes
+        out._shortname, out._mimic_shortname = self._shortname, self._mimic_shortname
+        return out
 
     def follow(self, live: LiveState) -> None:
         """Has all attributes belong to the state that is there when they are read."""
@@ -93,16 +140,30 @@ class JointData:
     def subspace(self) -> Floats:
         """The motion subspace (6, nv), which nothing writes to."""
         self._update()
-        return self._subspace
+        return self._parts()[3]
 
     def _update(self) -> None:
         if self._live is not None:
             self._live.update()
 
     @property
+    def joints(self) -> StdVec[JointData]:
+        """Of a composite joint: the data of its parts."""
+        self._update()
+        return self._joints if isinstance(self._joints, StdVec) else StdVec()
+
+    @joints.setter
+    def joints(self, value: Any) -> None:
+        read_only(self, "joints", value)
+
+    @property
     def S(self) -> Floats:
         """The motion subspace (6, nv), or (6,) for one column: the velocity is S times the rates."""
-        return self._single_column(self.subspace)
+        if self._live is not None:
+            self._live.update()
+        out = (self._views or self._parts())[6].copy()
+        out.setflags(False)
+        return out
 
     @property
     def U(self) -> Floats:
@@ -145,7 +206,7 @@ class JointData:
         if type(self) is not JointData or self._shortname not in CLASSES:
             return out
         made = object.__new__(CLASSES[self._shortname])
-        made.__dict__.update(out.__dict__)
+        made._become(out)
         return made
 
     def place(self, joint: JointBase, q: Any, v: Any) -> None:
@@ -159,45 +220,54 @@ class JointData:
         kind = joint.kind
         if kind is None:
             return
-        self._joint_q = vector(q, kind.nq, "q").copy()
-        scaling, at = 1.0, self._joint_q
-        if joint.mimic is not None:
-            _, scaling, offset = joint.mimic
-            at = scaling * at + offset
-        self._M = SE3._of(np.array(kind.transform(at).matrix(), dtype=float))
-        columns = [s.vector() for s in kind.motion_subspace(at)]
-        self._subspace = scaling * np.stack([np.asarray(c, dtype=float) for c in columns], axis=1)
-        if v is not None:
-            self._joint_v = vector(v, kind.nv, "v").copy()
-            self._v = Motion._of(self._subspace @ self._joint_v)
-            self._c = Motion._of(np.array(kind.bias(at, scaling * self._joint_v).vector(), dtype=float))
+        at, rate = vector(q, kind.nq, "q"), None if v is None else vector(v, kind.nv, "v")
+        sizes = kind.nv, kind.nq, kind.nv
+        if self._sizes != sizes:
+            before = self._parts()
+            self._resize(sizes)
+            for part, old in zip(self._parts()[1:3], before[1:3], strict=True):
+                part._assign(old)
+        filler(kind, *(joint.mimic or (0, 1.0, 0.0))[1:]).fill(self._block, at, rate)
         start = first = 0
-        parts = joint.parts
-        for part, data in zip(parts, self._joints, strict=True):
+        for part, data in zip(joint.parts, self._joints, strict=True):
             end, last = start + part.nq, first + part.nv
-            data.place(part, self._joint_q[start:end], None if v is None else self._joint_v[first:last])
+            data.place(part, at[start:end], None if rate is None else rate[first:last])
             start, first = end, last
 
     def copy(self) -> JointData:
         """A copy; it stays as it is."""
-        out = object.__new__(type(self))
         self._update()
-        out.__dict__.update(self.__dict__)
+        out = self.new_like()
         out._terms = self._known_terms() if self._live is None or self._live.has_terms else None
-        out._live = None
-        out._M, out._v, out._c = self._M.copy(), self._v.copy(), self._c.copy()
-        out._joints = StdVec(part.copy() for part in self._joints)
+        if self._joints:
+            out._joints, out._places = StdVec(part.copy() for part in self._joints), self._places
         return out
 
     __copy__ = copy
 
     def __getstate__(self) -> dict[str, Any]:
-        return self.copy().__dict__ if self._live is not None else self.__dict__
+        own = self.copy()
+        S, q, v = own._parts()[3:6]
+        arrays = {"_M": own.M, "_v": own.v, "_c": own.c, "_subspace": S, "_joint_q": q, "_joint_v": v}
+        names = {"_shortname": own._shortname, "_mimic_shortname": own._mimic_shortname}
+        rest = {"_terms": own._terms, "_joints": own._joints, "_places": own._places}
+        return names | rest | arrays
 
     def __setstate__(self, state: dict[str, Any]) -> None:
+        names = {name: f"_{name}" for name in (*_ATTRIBUTES, "joints")}  # of former versions
+        values = {names.get(name, name): value for name, value in present_names(state).items()}
+        M, v, c, S, joint_q, joint_v = (
+            values.pop(name) for name in ("_M", "_v", "_c", "_subspace", "_joint_q", "_joint_v")
+        )
+        for name, value in values.items():
+            setattr(self, name, value)
         self._live = None
-        names = {name: f"_{name}" for name in _ATTRIBUTES}  # of former versions
-        self.__dict__.update({names.get(name, name): value for name, value in present_names(state).items()})
+        self._resize((S.shape[1], joint_q.size, joint_v.size))
+        parts = self._parts()
+        for part, value in zip(parts[:3], (M, v, c), strict=True):
+            part._assign(value)
+        for part, value in zip(parts[3:6], (S, joint_q, joint_v), strict=True):
+            part[...] = value
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, JointData):
@@ -221,10 +291,11 @@ class JointData:
     __repr__ = __str__
 
 
-def _attribute(name: str, doc: str) -> property:
+def _attribute(name: str, place: int, doc: str) -> property:
     def get(self: JointData) -> Any:
-        self._update()
-        return self.__dict__[f"_{name}"]
+        if self._live is not None:
+            self._live.update()
+        return (self._views or self._parts())[place].copy()
 
     def put(self: JointData, value: Any) -> None:
         read_only(self, name, value)
@@ -233,15 +304,15 @@ def _attribute(name: str, doc: str) -> property:
 
 
 _ATTRIBUTES = {
-    "M": "Where the moving frame is in the fixed frame.",
-    "v": "The velocity of the moving frame, in its own axes.",
-    "c": "The bias (dS/dt) v.",
-    "joint_q": "The joint's entries of q.",
-    "joint_v": "The joint's entries of v.",
-    "joints": "Of a composite joint: the data of its parts.",
+    "M": (0, "Where the moving frame is in the fixed frame, a copy."),
+    "v": (1, "The velocity of the moving frame, in its own axes, a copy."),
+    "c": (2, "The bias (dS/dt) v, a copy."),
+    "joint_q": (4, "The joint's entries of q, a copy."),
+    "joint_v": (5, "The joint's entries of v, a copy."),
 }
-for _name, _doc in _ATTRIBUTES.items():
-    setattr(JointData, _name, _attribute(_name, _doc))
+"""Where they are among the parts of the state, and what they are."""
+for _name, (_place, _doc) in _ATTRIBUTES.items():
+    setattr(JointData, _name, _attribute(_name, _place, _doc))
 
 
 def _product(data: JointData) -> Floats:
@@ -268,7 +339,8 @@ def _about_axis(self: JointData, axis: Any = OMITTED) -> None:
         return
     direction = vector(axis, 3, "axis")
     turns = type(self).__name__ != "JointDataPrismaticUnaligned"
-    self._subspace = np.concatenate([np.zeros(3), direction] if turns else [direction, np.zeros(3)])[:, None]
+    rows = slice(3, 6) if turns else slice(0, 3)
+    self._parts()[3][rows, 0] = direction
 
 
 _OF_SOME_KINDS: dict[str, tuple[tuple[str, ...], Any]] = {
@@ -328,12 +400,13 @@ def data_of(joint: JointBase, of_any_kind: bool = False) -> JointData:
         data._mimic_shortname = (joint._mimic_shortname or type(joint).__name__).replace(
             "JointModel", "JointData"
         )
-    data._joints = StdVec(data_of(part, of_any_kind=True) for part in joint.parts)
-    data._places = StdVec(getattr(joint, "jointPlacements", ()))
+    if shortname == "JointDataComposite":
+        data._joints = StdVec(data_of(part, of_any_kind=True) for part in joint.parts)
+        data._places = StdVec(getattr(joint, "jointPlacements", ()))
     if joint.kind is not None:
         data.place(joint, joint.kind.neutral(), np.zeros(joint.kind.nv))
     elif shortname == "JointDataComposite":
-        data._subspace = np.zeros((6, 0))
+        data._resize((0, 0, 0))
     return data
 
 

@@ -11,6 +11,7 @@ from pinocchio._containers.arrays import fixed, real, vector
 from pinocchio._containers.files import register
 from pinocchio._containers.keywords import by_name
 from pinocchio._model.joint_model import JointModel
+from pinocchio._model.repeated_joint_calls import repeated
 from ulna.model import (
     Circle,
     Composite,
@@ -295,4 +296,4 @@ def prismatic(axis: Any) -> JointModel:
     return along(axis, (JointModelPX, JointModelPY, JointModelPZ), JointModelPrismaticUnaligned)
 
 
-register(*(globals()[_name] for _name in __all__))
+register(*(repeated(globals()[_name]) for _name in __all__))
