@@ -13,6 +13,7 @@ import pytest
 
 from support.compat_packages import using
 from ulna import spatial
+from ulna.errors import InputError
 
 
 @pytest.fixture(scope="module")
@@ -355,3 +356,73 @@ def test_lists_of_numbers_texts_and_arrays_are_copied(pin: Any) -> None:
     again = vectors.copy()
     again[0][:] = 7.0
     assert vectors[0].tolist() == [0.0] * 3 and again[0].tolist() == [7.0] * 3
+
+
+def test_solids_are_those_that_python_makes_of_other_numbers(pin: Any) -> None:
+    rng = np.random.default_rng(7004)
+    for name, count in {
+        "FromBox": 4,
+        "FromEllipsoid": 4,
+        "FromSphere": 2,
+        "FromCylinder": 3,
+        "FromCapsule": 3,
+    }.items():
+        make = getattr(pin.Inertia, name)
+        for _ in range(3):
+            numbers = rng.uniform(0.1, 2.0, count)
+            native, plain = make(*numbers.tolist()), make(*numbers)  # numbers of NumPy
+            np.testing.assert_allclose(_numbers(native), _numbers(plain), rtol=1e-14)
+            assert (native.mass, native.lever.tolist()) == (numbers[0], [0.0, 0.0, 0.0])
+    for name in ("FromCylinder", "FromCapsule"):
+        with pytest.raises(InputError, match="radius"):
+            getattr(pin.Inertia, name)(1.0, -0.1, 0.2)
+        with pytest.raises(InputError):
+            getattr(pin.Inertia, name)(1.0, math.nan, 0.2)
+    with pytest.raises(OverflowError):
+        pin.Inertia.FromBox(1.0, 1e200, 0.1, 0.1)
+
+
+def test_least_rotations_between_vectors_at_all_angles(pin: Any) -> None:
+    rng = np.random.default_rng(7005)
+    for angle in (0.0, 1e-9, 1.0, 3.0, math.pi - 1e-3, math.pi - 1e-6, math.pi - 1e-9, math.pi):
+        u, w = rng.normal(size=(2, 3))
+        u /= np.linalg.norm(u)
+        axis = np.cross(u, w) / np.linalg.norm(np.cross(u, w))
+        v = spatial.angle_axis_to_matrix(angle, axis) @ u
+        for scale in (1.0, 7.0):
+            turn = pin.Quaternion.FromTwoVectors(scale * u, v)
+            assert turn.norm() == pytest.approx(1.0, abs=1e-15)
+            np.testing.assert_allclose(turn * u, v, atol=1e-8 if angle > 3.14 else 1e-15)
+            same = pin.Quaternion().setFromTwoVectors(scale * u, v)
+            np.testing.assert_allclose(turn.coeffs(), same.coeffs(), atol=1e-15)
+    assert pin.Quaternion.FromTwoVectors(u, u.copy()).coeffs().tolist() == [0.0, 0.0, 0.0, 1.0]
+
+
+def test_rates_of_roll_pitch_and_yaw_in_both_frames(pin: Any) -> None:
+    rng = np.random.default_rng(7006)
+    for _ in range(4):
+        angles, rates = rng.uniform(-1.4, 1.4, 3), rng.normal(size=3)
+        R, E = spatial.rpy_to_matrix(angles), spatial.rpy_rate_matrix(angles)
+        for frame, wanted in (((), R.T @ E), ((pin.LOCAL,), R.T @ E), ((pin.WORLD,), E)):
+            for form in (angles, angles.tolist(), np.repeat(angles, 2)[::2]):
+                np.testing.assert_allclose(pin.rpy.computeRpyJacobian(form, *frame), wanted, atol=1e-15)
+                inverse = pin.rpy.computeRpyJacobianInverse(form, *frame)
+                np.testing.assert_allclose(inverse @ wanted, np.eye(3), atol=1e-14)
+            change = pin.rpy.computeRpyJacobianTimeDerivative(angles, rates, *frame)
+            ahead, back = (pin.rpy.computeRpyJacobian(angles + h * rates, *frame) for h in (1e-6, -1e-6))
+            np.testing.assert_allclose(change, (ahead - back) / 2e-6, atol=1e-8)
+    with pytest.raises(InputError, match="rpydot"):
+        pin.rpy.computeRpyJacobianTimeDerivative(angles, rates[:2])
+
+
+def test_classic_accelerations_and_logarithms_of_seven_numbers(pin: Any) -> None:
+    v, a, M = pin.Motion.Random(), pin.Motion.Random(), pin.SE3.Random()
+    wanted = a.linear + np.cross(v.angular, v.linear)
+    np.testing.assert_allclose(pin.classicAcceleration(v, a), wanted, atol=1e-15)
+    moved = pin.classicAcceleration(M.actInv(v), M.actInv(a))
+    np.testing.assert_allclose(pin.classicAcceleration(v, a, M), moved, atol=1e-14)
+    seven = pin.SE3ToXYZQUAT(M)
+    for form in (seven, seven.tolist(), seven * [1, 1, 1, 1.005, 1.005, 1.005, 1.005]):
+        np.testing.assert_allclose(pin.log6_quat(form).vector, pin.log6(M).vector, atol=1e-13)
+    with pytest.raises(InputError, match="length 1"):
+        pin.log6_quat(1.1 * seven)

@@ -173,5 +173,5 @@ def test_threads_share_a_function():
 
 
 def test_rows_of_more_types_than_machine_code_compares_are_refused() -> None:
-    with pytest.raises(InputError, match="has 4 types; expected at most 3"):
-        TypedCalls(((float,) * 4,))
+    with pytest.raises(InputError, match="has 5 types; expected at most 4"):
+        TypedCalls(((float,) * 5,))

@@ -26,7 +26,7 @@ from ulna.compiler.runtime.repeated_calls import RepeatedCalls
 from ulna.errors import InputError
 from ulna.system import forks
 
-MOST_ARGUMENTS = 3
+MOST_ARGUMENTS = 4
 _ROW = MOST_ARGUMENTS + 2  # how many arguments, the type of each, the kernel or 0
 _FIELDS = ("rows", "count_of_rows", "not_implemented", "call", "decref", "incref", "method_new")
 
@@ -102,7 +102,7 @@ class TypedCalls:
     """The rows of a function; see `typed_calls`.
 
     Args:
-        kinds: For each row the exact types of the arguments, at most three.
+        kinds: For each row the exact types of the arguments, at most four.
 
     Raises:
         InputError: A row has more.
@@ -168,7 +168,7 @@ def typed_calls(
     Args:
         function: The function; called whenever there is no kernel for a call, or that answers NotImplemented. It gives
             the same answers.
-        makers: By the exact types of arguments, at most three, what makes the bound kernel when such a call is first
+        makers: By the exact types of arguments, at most four, what makes the bound kernel when such a call is first
             made. It takes these very arguments.
         is_method: Whether it is a method of a class, whose first argument is the instance.
 

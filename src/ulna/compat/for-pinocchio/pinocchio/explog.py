@@ -12,7 +12,7 @@ from pinocchio._containers.arrays import matrix, numbers, vector
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.bound_functions import BoundFunctions, directly, without_gaps
 from pinocchio._spatial.motion_force import Motion
-from pinocchio._spatial.rotations import Quaternion, check_unit
+from pinocchio._spatial.rotations import UNIT_TOLERANCE, Quaternion, check_unit
 from pinocchio._spatial.se3 import SE3, as_placement
 from ulna import spatial
 from ulna.compiler import compile as compile_function
@@ -45,6 +45,13 @@ def _placement_in_seven(v: Array) -> Array:
     return np.concatenate([spatial.se3_exp(v).translation, spatial.quat_exp(v[3:])])
 
 
+def _twist_of_seven(x: Array) -> tuple[Array, Any]:
+    """The logarithm of a position and a quaternion, and a number above zero where its length is close to 1."""
+    T = spatial.SE3.from_quat_xyzw(x[3:], x[:3])
+    off = x[3:] @ x[3:] - (1.0 + UNIT_TOLERANCE**2)
+    return spatial.se3_log(T).vector(), (2.0 * UNIT_TOLERANCE) ** 2 - off * off
+
+
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "exp3 as quaternion": (spatial.quat_exp, (3,)),
     "exp6 as seven": (_placement_in_seven, (6,)),
@@ -62,7 +69,9 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
 _EXACT = BoundFunctions(_FUNCTIONS, exact=True)
 _CONVERTING = BoundFunctions(_FUNCTIONS)
 _PLACEMENTS = BoundFunctions({"exp6": _FUNCTIONS["exp6"]}, holder=SE3)
-_MOTIONS = BoundFunctions({"log6": _FUNCTIONS["log6"]}, holder=Motion)
+_MOTIONS = BoundFunctions(
+    {"log6": _FUNCTIONS["log6"], "log6 of seven": (_twist_of_seven, (7,))}, holder=Motion
+)
 
 
 @directly(_EXACT.row("exp3", np.ndarray))
@@ -130,6 +139,7 @@ def log6(M: Any) -> Motion:
     return _MOTIONS["log6"](M._m if type(M) is SE3 else _placement(M)._m)
 
 
+@directly(_MOTIONS.row("log6 of seven", np.ndarray))
 @by_name("q", "xyzquat")
 def log6_quat(xyzquat: Any) -> Motion:
     """The Motion that leads to a position and quaternion xyzw (7,) in one second; the quaternion is scaled."""

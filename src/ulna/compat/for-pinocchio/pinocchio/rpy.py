@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, check_text
-from pinocchio._containers.arrays import exact, matrix, real, vector
+from pinocchio._containers.arguments import ArgumentError, check_text, checks_itself
+from pinocchio._containers.arrays import exact, matrix, real
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._containers.keywords import by_name
 from pinocchio._spatial.bound_functions import BoundFunctions, directly, without_gaps
-from pinocchio._spatial.motion_force import skew
 from ulna import numeric, spatial
+from ulna.compiler.runtime.repeated_calls import CallCache, call_cache, repeated_calls
 from ulna.errors import UnknownName
 from ulna.typing import Floats
 
@@ -25,11 +25,28 @@ def _split(R: Any) -> Any:
     return numeric.vector(numeric.arctan2(s * R[0, 2] - c * R[1, 2], c * R[1, 1] - s * R[0, 1]), pitch, yaw)
 
 
+def _local_rates(rpy: Any) -> Any:
+    return spatial.rpy_to_matrix(rpy).T @ spatial.rpy_rate_matrix(rpy)
+
+
+def _local_derivative(rpy: Any, rates: Any) -> Any:
+    """The rate of R^T E, where R turns with E rates."""
+    E = spatial.rpy_rate_matrix(rpy)
+    turning: Any = numeric.skew(E @ rates)
+    return spatial.rpy_to_matrix(rpy).T @ (spatial.rpy_rate_matrix_dot(rpy, rates) - turning @ E)
+
+
 _EXACT = BoundFunctions(
     {
         "matrix": (spatial.rpy_to_matrix, (3,)),
         "of angles": (lambda *rpy: spatial.rpy_to_matrix(numeric.vector(*rpy)), (), (), ()),
         "rpy": (_split, (3, 3)),
+        "local rates": (_local_rates, (3,)),
+        "world rates": (spatial.rpy_rate_matrix, (3,)),
+        "local inverse": (lambda x: spatial.rpy_rate_matrix_inverse(x) @ spatial.rpy_to_matrix(x), (3,)),
+        "world inverse": (spatial.rpy_rate_matrix_inverse, (3,)),
+        "local derivative": (_local_derivative, (3,), (3,)),
+        "world derivative": (spatial.rpy_rate_matrix_dot, (3,), (3,)),
     },
     exact=True,
 )
@@ -83,6 +100,10 @@ class UnknownAxis(UnknownName, ValueError):
     """An axis other than x, y and z."""
 
 
+_jacobian_calls, _inverse_calls = (call_cache(1, weak=0, kernel_argument=0) for _ in range(2))
+
+
+@repeated_calls(_jacobian_calls)
 def computeRpyJacobian(rpy: Any, reference_frame: ReferenceFrame = ReferenceFrame.LOCAL) -> Floats:
     """The matrix from the rates of roll, pitch and yaw to the angular velocity.
 
@@ -94,11 +115,10 @@ def computeRpyJacobian(rpy: Any, reference_frame: ReferenceFrame = ReferenceFram
     Returns:
         Matrix (3, 3).
     """
-    R = rpyToMatrix(rpy)
-    in_world = np.array(spatial.rpy_rate_matrix(vector(rpy, 3, "rpy")))
-    return R.T @ in_world if _is_local(reference_frame) else in_world
+    return _answer("rates", reference_frame, _jacobian_calls, rpy)
 
 
+@repeated_calls(_inverse_calls)
 def computeRpyJacobianInverse(rpy: Any, reference_frame: ReferenceFrame = ReferenceFrame.LOCAL) -> Floats:
     """The inverse of `computeRpyJacobian`.
 
@@ -110,10 +130,11 @@ def computeRpyJacobianInverse(rpy: Any, reference_frame: ReferenceFrame = Refere
     Returns:
         Matrix (3, 3).
     """
-    inverse = np.array(spatial.rpy_rate_matrix_inverse(vector(rpy, 3, "rpy")))
-    return inverse @ rpyToMatrix(rpy) if _is_local(reference_frame) else inverse
+    return _answer("inverse", reference_frame, _inverse_calls, rpy)
 
 
+@directly(_EXACT.row("local derivative", np.ndarray, np.ndarray))
+@checks_itself
 def computeRpyJacobianTimeDerivative(
     rpy: Any, rpydot: Any, reference_frame: ReferenceFrame = ReferenceFrame.LOCAL
 ) -> Floats:
@@ -128,12 +149,17 @@ def computeRpyJacobianTimeDerivative(
     Returns:
         Matrix (3, 3) [1/s].
     """
-    angles, rates = vector(rpy, 3, "rpy"), vector(rpydot, 3, "rpydot")
-    E, in_world = (
-        np.array(f) for f in (spatial.rpy_rate_matrix(angles), spatial.rpy_rate_matrix_dot(angles, rates))
-    )
-    return rpyToMatrix(rpy).T @ (in_world - skew(E @ rates) @ E) if _is_local(reference_frame) else in_world
+    return _answer("derivative", reference_frame, None, rpy, rpydot)
 
 
-def _is_local(reference_frame: Any) -> bool:
-    return reference_of(reference_frame) == "local"
+def _answer(function: str, reference_frame: Any, calls: CallCache | None, *angles: Any) -> Floats:
+    """One of the functions of angles, and of their rates; calls of one argument like it run no Python any more."""
+    kernel = _EXACT[f"{'local' if reference_of(reference_frame) == 'local' else 'world'} {function}"]
+    if calls is not None and isinstance(reference_frame, ReferenceFrame):
+        calls.add(kernel, 1, reference_frame)
+        if reference_frame is ReferenceFrame.LOCAL:
+            calls.add(kernel, 1)
+    found = kernel(*angles)
+    if found is NotImplemented:
+        found = kernel(*(exact(x, 3, name) for x, name in zip(angles, ("rpy", "rpydot"), strict=False)))
+    return found

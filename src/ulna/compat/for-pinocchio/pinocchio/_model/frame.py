@@ -37,9 +37,21 @@ _ORDERS = (
     "other",
     "clone",
 )
-_USUAL_KINDS = ((str, int, SE3, FrameType), (str, int, int, SE3, FrameType))
 _NOTHING = Inertia()
 """The inertia of frames that were made without one: it never changes."""
+
+
+def _is_usual(name: Any, joint: Any, frame: Any, placement: Any, type_: Any) -> bool:
+    """Whether the parts of a frame are of the usual types, and the indices what they may be."""
+    return (
+        type(name) is str
+        and type(joint) is int
+        and type(frame) is int
+        and type(placement) is SE3
+        and type(type_) is FrameType
+        and 0 <= joint <= NO_INDEX
+        and 0 <= frame <= NO_INDEX
+    )
 
 
 @final
@@ -50,18 +62,23 @@ class Frame(HasPlacement):
 
     @reads_names(*_ORDERS)
     def __init__(self, *parts: Any, **named: Any) -> None:
-        kinds = tuple(map(type, parts))
-        facts: Any
-        if kinds == (Frame,) and not named:
+        count = 0 if named else len(parts)
+        facts: Any = None
+        if count == 1 and type(parts[0]) is Frame:
             facts, placement = parts[0]._facts_now(), parts[0]._placement
-        elif kinds in _USUAL_KINDS and not named and 0 <= parts[1] <= NO_INDEX and 0 <= parts[-3] <= NO_INDEX:
-            name, joint, *before, placement, type_ = parts
-            facts = name, type_, joint, *(before or (0,)), _NOTHING
-        else:
+        elif count == 5:
+            name, joint, frame, placement, type_ = parts
+            if _is_usual(name, joint, frame, placement, type_):
+                facts = name, type_, joint, frame, _NOTHING
+        elif count == 4:
+            name, joint, placement, type_ = parts
+            if _is_usual(name, joint, 0, placement, type_):
+                facts = name, type_, joint, 0, _NOTHING
+        if facts is None:
             self._set(*parts, **named)
-            return
-        self._facts, self._placement = facts, placement.copy()
-        self._inertia, self._counters = None, ()
+        else:
+            self._facts, self._placement = facts, placement.copy()
+            self._inertia, self._counters = None, ()
 
     @by_name(*_ORDERS)
     def _set(self, *parts: Any) -> None:

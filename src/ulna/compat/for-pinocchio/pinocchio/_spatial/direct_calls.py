@@ -176,6 +176,11 @@ def _inertias() -> None:
     _direct(Inertia, "toDynamicParameters", SMALL.row("inertia parameters", Inertia))
     of_parameters = SMALL.row("inertia of parameters", np.ndarray, holder=Inertia)
     _direct(Inertia, "FromDynamicParameters", of_parameters)
+    for name, solid, count in (
+        *(("FromBox", "box", 4), ("FromEllipsoid", "ellipsoid", 4), ("FromSphere", "ball", 2)),
+        *(("FromCylinder", "cylinder", 3), ("FromCapsule", "capsule", 3)),
+    ):
+        _direct(Inertia, name, BODIES.row(solid, *[float] * count))
     _direct(Inertia, "Random", BODIES.row("random"))
     _direct(Inertia, "Zero", copies_of(np.zeros(13), Inertia))
     _direct(Inertia, "Identity", copies_of(Inertia.Identity()._p, Inertia))
@@ -199,6 +204,8 @@ def _quaternions() -> None:
     _direct(
         Quaternion, "angularDistance", SMALL.row("quaternion angle", Quaternion, Quaternion, holder=float)
     )
+    vectors = SMALL.row("quaternion between vectors", np.ndarray, np.ndarray, holder=Quaternion)
+    _direct(Quaternion, "FromTwoVectors", vectors)
     slerp = SMALL.row("quaternion slerp", Quaternion, float, Quaternion, holder=Quaternion)
     _direct(Quaternion, "slerp", slerp)
 

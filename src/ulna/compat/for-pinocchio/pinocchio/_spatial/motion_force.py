@@ -13,7 +13,7 @@ from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.bound_functions import BoundFunctions, directly, without_gaps
 from pinocchio._spatial.random_numbers import Random
 from pinocchio._spatial.se3 import SE3
-from pinocchio._spatial.small_kernels import pose, small_kernel
+from pinocchio._spatial.small_kernels import SMALL, pose, small_kernel
 from ulna import numeric, spatial
 from ulna.errors import excerpt
 from ulna.typing import Array, Floats
@@ -357,6 +357,10 @@ def skewSquare(u: Any, v: Any) -> Floats:
     return skew(u) @ skew(v)
 
 
+@directly(
+    SMALL.row("classic acceleration", Motion, Motion),
+    SMALL.row("classic acceleration at a placement", Motion, Motion, SE3),
+)
 def classicAcceleration(
     spatial_velocity: Motion, spatial_acceleration: Motion, placement: Any = None
 ) -> Floats:

@@ -67,8 +67,8 @@ class Quaternion:
                 known = _OF_MATRIX["quaternion"](one)
         elif not (parts or named):
             known = _IDENTITY.copy()
-        elif len(parts) == 4 and all(type(part) is float for part in parts):
-            known = np.array((*parts[1:], parts[0]))
+        elif len(parts) == 4 and not named:
+            known = _OF_MATRIX["four numbers"](*parts)
         if known is NotImplemented:
             self._set(*parts, **named)
         else:
@@ -133,9 +133,9 @@ class Quaternion:
             This quaternion.
         """
         a, b = (x / np.linalg.norm(x) for x in (vector(u, 3, "u"), vector(v, 3, "v")))
-        half = 1.0 + a @ b
-        axis = np.cross(a, b) if half > 1e-12 else np.cross(a, np.eye(3)[np.abs(a).argmin()])
-        self._c[:] = *axis, max(half, 0.0) if half > 1e-12 else 0.0
+        half = 0.5 * (a + b) @ (a + b)
+        axis = np.cross(a, b - a) if half > 5e-15 else np.cross(a, np.eye(3)[np.abs(a).argmin()])
+        self._c[:] = *axis, half if half > 5e-15 else 0.0
         return self._scaled()
 
     def _scaled(self) -> Quaternion:
@@ -321,7 +321,12 @@ def _angle_and_axis(R: Array) -> Array:
 
 
 _OF_MATRIX = BoundFunctions(
-    {"quaternion": (quaternion_of, (3, 3)), "angle and axis": (_angle_and_axis, (3, 3))}, exact=True
+    {
+        "quaternion": (quaternion_of, (3, 3)),
+        "angle and axis": (_angle_and_axis, (3, 3)),
+        "four numbers": (lambda w, x, y, z: 1.0 * numeric_vector(x, y, z, w), (), (), (), ()),
+    },
+    exact=True,
 )
 
 
@@ -338,8 +343,18 @@ class AngleAxis(CheckedAttributes):
     axis: Floats
     _kinds: ClassVar[Mapping[str, AttributeKind]] = {"angle": number, "axis": entries}
 
+    @reads_names("angle axis", "R", "quaternion", "copy")
+    def __init__(self, *parts: Any, **named: Any) -> None:
+        four = NotImplemented if named or len(parts) != 1 else _OF_MATRIX["angle and axis"](parts[0])
+        if four is NotImplemented:
+            self._set(*parts, **named)
+        else:
+            own = self.__dict__  # attributes that are set are checked
+            own["angle"], own["axis"] = four.item(0), four[1:].copy()
+
     @by_name("angle axis", "R", "quaternion", "copy")
-    def __init__(self, *parts: Any) -> None:
+    def _set(self, *parts: Any) -> None:
+        """Sets a new instance to what it is made of."""
         self._keep(angle=0.0, axis=np.array([1.0, 0.0, 0.0]))
         if len(parts) == 2:
             self.angle, self.axis = parts

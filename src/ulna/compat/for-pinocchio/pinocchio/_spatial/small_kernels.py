@@ -13,7 +13,7 @@ import numpy as np
 from pinocchio._spatial.bound_functions import BoundFunctions
 from pinocchio._spatial.random_numbers import Random
 from ulna import spatial
-from ulna.numeric import less, matrix, maximum, minimum, sincos, skew, sqrt, vector, where
+from ulna.numeric import cross, less, matrix, maximum, minimum, sincos, skew, sqrt, vector, where
 from ulna.typing import Array
 
 
@@ -94,6 +94,82 @@ def _inverse(p: Array) -> Array:
     return np.concatenate(
         [np.concatenate([corner, lever @ turn], axis=1), np.concatenate([-turn @ lever, turn], axis=1)]
     )
+
+
+def _centred(mass: Any, x: Any, y: Any, z: Any) -> Array:
+    """A body about its centre, with these squared radii of gyration [m^2]."""
+    return vector(mass, 0.0, 0.0, 0.0, mass * x, 0.0, 0.0, 0.0, mass * y, 0.0, 0.0, 0.0, mass * z)
+
+
+_LARGEST = 1e150
+"""Above it, squares may overflow, which is for Python to say."""
+
+
+def _none_is_large(*lengths: Any) -> Any:
+    return reduce(minimum, (where(less(x * x, _LARGEST * _LARGEST), 1.0, 0.0) for x in lengths))
+
+
+def _none_is_negative(*values: Any) -> Any:
+    return reduce(minimum, (where(less(x, 0.0), 0.0, where(less(x, _LARGEST), 1.0, 0.0)) for x in values))
+
+
+def _box(mass: Any, x: Any, y: Any, z: Any) -> tuple[Array, Any]:
+    a, b, c = (length * length / 12 for length in (x, y, z))
+    return _centred(mass, b + c, a + c, a + b), _none_is_large(x, y, z)
+
+
+def _ellipsoid(mass: Any, x: Any, y: Any, z: Any) -> tuple[Array, Any]:
+    a, b, c = (length * length / 5 for length in (x, y, z))
+    return _centred(mass, b + c, a + c, a + b), _none_is_large(x, y, z)
+
+
+def _ball(mass: Any, radius: Any) -> tuple[Array, Any]:
+    squared = 0.4 * (radius * radius)
+    return _centred(mass, squared, squared, squared), _none_is_large(radius)
+
+
+def _cylinder(mass: Any, radius: Any, length: Any) -> tuple[Array, Any]:
+    across = radius * radius / 4 + length * length / 12
+    return _centred(mass, across, across, radius * radius / 2), _none_is_negative(mass, radius, length)
+
+
+def _capsule(mass: Any, radius: Any, length: Any) -> tuple[Array, Any]:
+    """See `spatial.Inertia.from_capsule`."""
+    whole = length + 4 * radius / 3  # volume over pi radius^2
+    share, squared = length / whole, radius * radius
+    half_sphere = 2 * squared / 5 + length * length / 4 + 3 * length * radius / 8
+    across = share * (squared / 4 + length * length / 12) + (1 - share) * half_sphere
+    along = share * squared / 2 + (1 - share) * 2 * squared / 5
+    is_usual = where(less(0.0, whole), _none_is_negative(mass, radius, length), 0.0)
+    return _centred(mass, across, across, along), is_usual
+
+
+def _classic(v: Array, a: Array) -> Array:
+    return a[:3] + cross(v[3:], v[:3])
+
+
+def _classic_at(v: Array, a: Array, m: Array) -> Array:
+    there = pose(m)
+    return _classic(there.act_inverse(_motion(v)).vector(), there.act_inverse(_motion(a)).vector())
+
+
+def between(u: Array, v: Array) -> tuple[Array, Any]:
+    """The quaternion of the least rotation that turns the direction of u into that of v.
+
+    Of unit vectors a, b at an angle t it is (a x b, |a + b|^2 / 2) / |a + b|, for |a + b| = 2 cos(t/2).
+
+    Args:
+        u: Vector (3,), in any unit [-].
+        v: Vector (3,), in any unit [-].
+
+    Returns:
+        Quaternion (4,) [-], and a number above zero unless they point away from each other, or one of them is zero.
+    """
+    a, b = u / _norm(u), v / _norm(v)
+    both = a + b
+    length = _norm(both)
+    raw = np.concatenate([cross(a, b - a), [0.5 * length * length]])  # exact where they are the same
+    return raw / _norm(raw), length - 1e-7
 
 
 def _random_rotation(even: Array) -> Array:
@@ -218,6 +294,11 @@ INERTIAS: dict[str, tuple[Any, ...]] = {
     "moved": (lambda m, p: _numbers(pose(m).act(body(p))), _M, _P),
     "moved back": (lambda m, p: _numbers(pose(m).act_inverse(body(p))), _M, _P),
     "random": Random(_random_inertia, even=10),
+    "box": (_box, (), (), (), ()),
+    "ellipsoid": (_ellipsoid, (), (), (), ()),
+    "ball": (_ball, (), ()),
+    "cylinder": (_cylinder, (), (), ()),
+    "capsule": (_capsule, (), (), ()),
 }
 """What makes inertias."""
 FORCES: dict[str, tuple[Any, ...]] = {
@@ -257,6 +338,9 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "quaternion conjugate": (spatial.quat_conjugate, _Q),
     "quaternion dot": (lambda q, r: q @ r, _Q, _Q),
     "quaternion agreement": (lambda q, r: truth_within(_norm(q - r) - 1e-12), _Q, _Q),
+    "quaternion between vectors": (between, _X, _X),
+    "classic acceleration": (_classic, _V, _V),
+    "classic acceleration at a placement": (_classic_at, _V, _V, _M),
     "power": (lambda v, f: v @ f, _V, _V),
     "mass": (lambda p: 1.0 * p[0], _P),
     "moments": (lambda p: 1.0 * p[4:].reshape(3, 3), _P),
