@@ -426,3 +426,63 @@ def test_classic_accelerations_and_logarithms_of_seven_numbers(pin: Any) -> None
         np.testing.assert_allclose(pin.log6_quat(form).vector, pin.log6(M).vector, atol=1e-13)
     with pytest.raises(InputError, match="length 1"):
         pin.log6_quat(1.1 * seven)
+
+
+def test_new_models_have_nothing_in_common(pin: Any) -> None:
+    one, other = pin.Model(), pin.Model()
+    assert one == other == pin.Model(one)
+    joint = one.addJoint(0, pin.JointModelRX(), pin.SE3.Random(), "a")
+    one.gravity.linear = np.ones(3)
+    one.name = "changed"
+    assert (joint, one.njoints, other.njoints, pin.Model().njoints) == (1, 2, 1, 1)
+    assert pin.Model().gravity.linear.tolist() == other.gravity.linear.tolist() == [0.0, 0.0, -9.81]
+    assert (pin.Model().name, pin.Model().nframes, len(pin.Model().referenceConfigurations)) == ("", 1, 0)
+
+
+def test_geometries_made_and_copied_share_their_shape_alone(pin: Any) -> None:
+    coal = pytest.importorskip("coal")
+    M, ball = pin.SE3.Random(), coal.Sphere(0.1)
+    quick, named = pin.GeometryObject("a", 1, M, ball), pin.GeometryObject("a", 1, ball, M)
+    assert (
+        quick
+        == named
+        == quick.copy()
+        == pickle.loads(pickle.dumps(quick))
+        != pin.GeometryObject("a", 2, M, ball)
+    )
+    assert (
+        quick
+        == pin.GeometryObject("a", 1, M, coal.Sphere(0.1))
+        != pin.GeometryObject("a", 1, M, coal.Sphere(0.2))
+    )
+    assert quick.parentFrame == 2**64 - 1
+    assert pin.GeometryObject("a", 1, 3, M, ball).parentFrame == 3
+    copied = quick.copy()
+    copied.meshColor[0], copied.physicsMaterial.elasticity = 0.5, 0.25
+    copied.meshScale = np.full(3, 2.0)
+    copied.placement.translation = np.zeros(3)
+    assert (quick.meshColor[0], quick.physicsMaterial.elasticity, quick.meshScale.tolist()) == (
+        0.9,
+        0.0,
+        [1.0] * 3,
+    )
+    assert quick.placement == M
+    assert quick != copied
+    assert copied.geometry is quick.geometry
+    again = pickle.loads(pickle.dumps(copied))
+    assert (again.meshColor[0], again.physicsMaterial.elasticity, again.meshScale.tolist()) == (
+        0.5,
+        0.25,
+        [2.0] * 3,
+    )
+
+
+def test_pairs_of_geometries_are_kept_by_pickles_and_copies(pin: Any) -> None:
+    pair = pin.CollisionPair(2, 5)
+    assert pickle.loads(pickle.dumps(pair)) == copy.copy(pair) == pair.copy() == pin.CollisionPair(5, 2)
+    pair.copy().first = 7
+    assert (pair.first, pair.second) == (2, 5)
+    with pytest.raises(InputError):
+        pin.CollisionPair(3, 3)
+    with pytest.raises(InputError):
+        pair.first = -1

@@ -18,14 +18,29 @@ from pinocchio._model.building import KinematicTree
 from ulna.errors import InputError, excerpt
 from ulna.typing import Array, Floats
 
+_new = object.__new__
+
 
 @final
 class CollisionPair(CheckedAttributes):
     """Indices of two geometries, in any order."""
 
     _kinds: ClassVar[Mapping[str, AttributeKind]] = {"first": whole, "second": whole}
+    __slots__ = ("first", "second")
+    first: int
+    second: int
 
     def __init__(self, index1: int | None = None, index2: int | None = None) -> None:
+        if (
+            type(index1) is int
+            and type(index2) is int
+            and 0 <= index1 <= NO_INDEX
+            and 0 <= index2 <= NO_INDEX
+            and index1 != index2
+        ):
+            _set_first(self, index1)  # attributes that are set are checked
+            _set_second(self, index2)
+            return
         if (index1 is None) != (index2 is None):
             raise ArgumentError("CollisionPair was given one index; expected two, or none.")
         both = (NO_INDEX, NO_INDEX) if index1 is None else (index1, index2)
@@ -37,9 +52,18 @@ class CollisionPair(CheckedAttributes):
 
     def copy(self) -> CollisionPair:
         """A copy."""
-        return self._with_same()
+        out = _new(CollisionPair)
+        _set_first(out, self.first)
+        _set_second(out, self.second)
+        return out
 
     __copy__ = copy
+
+    def __getstate__(self) -> dict[str, int]:
+        return {"first": self.first, "second": self.second}
+
+    def __setstate__(self, state: dict[str, int]) -> None:
+        self.first, self.second = state["first"], state["second"]
 
     def _assign(self, other: CollisionPair) -> None:
         """Takes over the indices of another one, as an entry of a list does."""
@@ -61,6 +85,9 @@ class CollisionPair(CheckedAttributes):
         return f"collision pair ({self.first},{self.second})\n"
 
     __repr__ = __str__
+
+
+_set_first, _set_second = vars(CollisionPair)["first"].__set__, vars(CollisionPair)["second"].__set__
 
 
 def _count(objects: GeometryList) -> None:
@@ -214,7 +241,7 @@ class GeometryCollection(CheckedAttributes, Saved):
         return self._copied(GeometryObject.clone)
 
     def _copied(self, copied: Callable[[GeometryObject], GeometryObject]) -> Self:
-        out = type(self)()
+        out = _new(type(self))
         out._take([copied(g) for g in self.geometryObjects], [p.copy() for p in self.collisionPairs])
         return out
 

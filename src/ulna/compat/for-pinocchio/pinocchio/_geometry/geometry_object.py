@@ -70,6 +70,29 @@ def _arguments(
     return name, ints, placement, geometry, values
 
 
+_USUAL = {
+    **{"meshPath": "", "meshTexturePath": "", "overrideMaterial": False, "disableCollision": False},
+    **{"_mesh_loader": None, "_shape": None},
+}
+_USUAL_LOOKS = np.array([1.0, 1.0, 1.0, *_GREY])
+_MADE_WHEN_READ = {"meshMaterial": GeometryNoMaterial, "physicsMaterial": PhysicsMaterial}
+"""Attributes that a geometry does not have until they are read, with what they are then."""
+_new = object.__new__
+
+
+def _are_usual(name: Any, joint: Any, frame: Any, placement: Any, geometry: Any) -> bool:
+    """Whether the parts of a geometry are a name, indices, a placement and a shape of coal."""
+    return (
+        type(name) is str
+        and type(joint) is int
+        and type(frame) is int
+        and type(placement) is SE3
+        and 0 <= joint <= NO_INDEX
+        and 0 <= frame <= NO_INDEX
+        and hasattr(type(geometry), "computeLocalAABB")
+    )
+
+
 @final
 class GeometryObject(CheckedAttributes, HasPlacement, Saved):
     """One geometry on a joint.
@@ -94,36 +117,58 @@ class GeometryObject(CheckedAttributes, HasPlacement, Saved):
         "name parent_joint placement collision_geometry " + " ".join(_NAMES),
     )
     def __init__(self, *parts: Any, **named: Any) -> None:
-        parts = (named.pop("otherGeometryObject"),) if named.keys() == {"otherGeometryObject"} else parts
-        if len(parts) == 1 and isinstance(parts[0], GeometryObject):
-            self.__dict__.update(parts[0].copy().__dict__)
+        count = 0 if named else len(parts)
+        if count == 5:
+            name, joint, frame, placement, geometry = parts
+        elif count == 4:
+            (name, joint, placement, geometry), frame = parts, NO_INDEX
+        else:
+            parts = (named.pop("otherGeometryObject"),) if named.keys() == {"otherGeometryObject"} else parts
+            if len(parts) == 1 and isinstance(parts[0], GeometryObject):
+                self.__dict__.update(parts[0].copy().__dict__)
+            else:
+                self._set(*parts, **named)
             return
+        if _are_usual(name, joint, frame, placement, geometry):
+            own = self.__dict__  # attributes that are set are checked
+            own.update(_USUAL)
+            own["name"], own["parentJoint"], own["parentFrame"], own["_coal"] = name, joint, frame, geometry
+            own["_placement"], own["_looks"] = placement.copy(), _USUAL_LOOKS.copy()
+        else:
+            self._set(*parts)
+
+    def _set(self, *parts: Any, **named: Any) -> None:
+        """Sets a new instance to what it is made of."""
         self.name, ints, placement, geometry, values = _arguments(parts, named)
         self.parentJoint = index(ints[0], NO_INDEX + 1, "joint", "model.getJointId(name) returns one.")
         """The index of the joint it moves with."""
         frame = ints[1] if len(ints) == 2 else NO_INDEX
         self.parentFrame = index(frame, NO_INDEX + 1, "frame", "model.getFrameId(name) returns one.")
         """The index of the frame it belongs to; 2**64 - 1 for none."""
-        self._placement = SE3(placement)
-        is_shape = isinstance(geometry, Shape)
-        self._shape: Shape | None = geometry if is_shape else None
-        self._coal: Any = None if is_shape else geometry
+        scale = vector(values.get("mesh_scale", np.ones(3)), 3, "meshScale")
+        color = vector(values.get("mesh_color", _GREY), 4, "meshColor")
+        self._placement, self._looks = SE3(placement), np.concatenate([scale, color])
+        self._shape, self._coal = (geometry, None) if isinstance(geometry, Shape) else (None, geometry)
         self._mesh_loader: Any = None
         self.meshPath = str(values.get("mesh_path", ""))
         """The file of the mesh; "BOX", "SPHERE", ... for other shapes of a URDF file; else empty."""
-        self._scale = np.array(vector(values.get("mesh_scale", np.ones(3)), 3, "meshScale"))
         self.overrideMaterial = bool(values.get("override_material", False))
         """Whether `meshColor` hides the mesh's own colours."""
-        self._color = np.array(vector(values.get("mesh_color", _GREY), 4, "meshColor"))
         self.meshTexturePath = str(values.get("mesh_texture_path", ""))
         """The file of a texture; empty for none."""
-        self.meshMaterial = values.get("mesh_material", GeometryNoMaterial())
-        """How its surface shines."""
-        self.physicsMaterial = PhysicsMaterial()
-        """What it is made of."""
+        if "mesh_material" in values:
+            self.meshMaterial = values["mesh_material"]
         self.disableCollision = False
         """Whether pairs of it are left out when collisions are computed."""
 
+    _shape: Shape | None
+    _coal: Any
+    _looks: Floats
+    """Factors of the mesh, and its colour (7,)."""
+    meshMaterial: GeometryNoMaterial | GeometryPhongMaterial
+    """How its surface shines."""
+    physicsMaterial: PhysicsMaterial
+    """What it is made of."""
     _counters: tuple[Array, ...] = ()
     """Counts of changes (1,) of the lists that it is in, once placements are bound to them."""
 
@@ -147,26 +192,30 @@ class GeometryObject(CheckedAttributes, HasPlacement, Saved):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
+        if "_scale" in state:  # of pickles
+            self.__dict__["_looks"] = np.concatenate(
+                [self.__dict__.pop(name) for name in ("_scale", "_color")]
+            )
         for counter in self._counters:
             counter[0] += 1
 
     @property
     def meshScale(self) -> Floats:
         """Factors of the mesh along x, y, z, live."""
-        return self._scale
+        return self._looks[:3]
 
     @meshScale.setter
     def meshScale(self, value: Any) -> None:
-        self._scale[:] = vector(value, 3, "meshScale")
+        self._looks[:3] = vector(value, 3, "meshScale")
 
     @property
     def meshColor(self) -> Floats:
         """Red, green, blue, opacity from 0 to 1, live."""
-        return self._color
+        return self._looks[3:]
 
     @meshColor.setter
     def meshColor(self, value: Any) -> None:
-        self._color[:] = vector(value, 4, "meshColor")
+        self._looks[3:] = vector(value, 4, "meshColor")
 
     @property
     def geometry(self) -> Any:
@@ -209,16 +258,18 @@ class GeometryObject(CheckedAttributes, HasPlacement, Saved):
         return mesh and bool(self.meshPath) and self.meshPath not in _SHAPE_NAMES
 
     def _mesh(self) -> Mesh:
-        return Mesh(self.meshPath, tuple(self._scale.tolist()), missing=not os.path.isfile(self.meshPath))
+        return Mesh(self.meshPath, tuple(self._looks[:3].tolist()), missing=not os.path.isfile(self.meshPath))
 
     def copy(self) -> GeometryObject:
         """A copy that shares the geometry."""
-        out = object.__new__(GeometryObject)
+        out = _new(GeometryObject)
         own = out.__dict__  # attributes that are set are checked, which takes most of the time
         own.update(self.__dict__)
-        own.pop("_counters", None)
-        own["_placement"], own["physicsMaterial"] = self._placement.copy(), self.physicsMaterial.copy()
-        own["_scale"], own["_color"] = self._scale.copy(), self._color.copy()
+        if "_counters" in own:
+            del own["_counters"]
+        if "physicsMaterial" in own:
+            own["physicsMaterial"] = own["physicsMaterial"].copy()
+        own["_placement"], own["_looks"] = own["_placement"].copy(), own["_looks"].copy()
         return out
 
     __copy__ = copy
@@ -234,9 +285,12 @@ class GeometryObject(CheckedAttributes, HasPlacement, Saved):
 
     def __getstate__(self) -> dict[str, Any]:
         shape = self._shape or _shape_of(self._coal)
-        own = {name: value for name, value in self.__dict__.items() if name != "_counters"}
+        _ = self.meshMaterial, self.physicsMaterial  # they are made by now
+        own = {name: value for name, value in self.__dict__.items() if name not in ("_counters", "_looks")}
         return {
             **own,
+            "_scale": self._looks[:3].copy(),
+            "_color": self._looks[3:].copy(),
             "_shape": shape,
             "_coal": None if shape else self._coal,
             "_mesh_loader": None,
@@ -257,28 +311,35 @@ class GeometryObject(CheckedAttributes, HasPlacement, Saved):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, GeometryObject):
             return NotImplemented
-        keys = (
-            *(
-                "name",
-                "parentJoint",
-                "parentFrame",
-                "placement",
-                "meshPath",
-                "meshTexturePath",
-                "meshMaterial",
-            ),
-            *("shape", "overrideMaterial", "disableCollision"),
-        )
+        own, its = self.__dict__, other.__dict__
         return (
-            all(getattr(self, key) == getattr(other, key) for key in keys)
-            and np.array_equal(self._scale, other._scale)
-            and np.array_equal(self._color, other._color)
-            and (self.shape is not None or self._coal == other._coal)
+            own["name"] == its["name"]
+            and own["parentJoint"] == its["parentJoint"]
+            and own["parentFrame"] == its["parentFrame"]
+            and own["_placement"] == its["_placement"]
+            and own["_looks"].tolist() == its["_looks"].tolist()
+            and own["meshPath"] == its["meshPath"]
+            and own["meshTexturePath"] == its["meshTexturePath"]
+            and own["overrideMaterial"] == its["overrideMaterial"]
+            and own["disableCollision"] == its["disableCollision"]
+            and (
+                own.get("meshMaterial") is its.get("meshMaterial") or self.meshMaterial == other.meshMaterial
+            )
+            and (
+                (own["_coal"] is its["_coal"] and own["_shape"] is its["_shape"]) or self._has_shape_of(other)
+            )
         )
+
+    def _has_shape_of(self, other: GeometryObject) -> bool:
+        """Whether two shapes, which are not one object, are equal."""
+        shape = self.shape
+        return shape == other.shape and (shape is not None or self._coal == other._coal)
 
     __hash__ = object.__hash__
 
     def __getattr__(self, name: str) -> Any:
+        if name in _MADE_WHEN_READ:
+            return self.__dict__.setdefault(name, _MADE_WHEN_READ[name]())
         text = f"'GeometryObject' object has no attribute {name!r}. {replacement_message('GeometryObject', name)}"
         raise AttributeError(text.rstrip(), name=name, obj=self)
 

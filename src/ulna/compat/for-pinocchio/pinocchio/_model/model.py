@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
@@ -70,7 +71,11 @@ class Model(Saved, Supports, KinematicTree):
     def __init__(self, other: Model | None = None) -> None:
         if other is not None:
             self._become_copy(other)
-            return
+        else:
+            self.__dict__.update(_empty(), _numbers=_empty()["_numbers"].copy())
+
+    def _begin(self) -> None:
+        """Makes a new object a model of the universe alone."""
         self._create_storage()
         self.name = ""
         """The name of the model."""
@@ -266,6 +271,15 @@ class Model(Saved, Supports, KinematicTree):
         """
         self._check_gravity()
         return core_model(self)
+
+
+@cache
+def _empty() -> dict[str, Any]:
+    """The attributes of a model of the universe alone, as copies have them."""
+    first, copied = object.__new__(Model), object.__new__(Model)
+    first._begin()
+    copied._become_copy(first)
+    return vars(copied)
 
 
 _KINDS_OF_LISTS = {"names": NameList, "_placements": OwnerList, "_inertias": OwnerList}
