@@ -57,6 +57,7 @@ OPERATIONS = {
     "SE3.isIdentity": "M.isIdentity()",
     "Motion / 2": "x / 2.0",
     "Motion * 2 (whole)": "x * 2",
+    "Motion / 2 (whole)": "x / 2",
     "Motion += Motion": "kept[0] += x",
     "Inertia += Inertia": "kept[1] += Y",
     "Motion == Motion": "x == w",
@@ -74,6 +75,10 @@ OPERATIONS = {
     "Quaternion.inverse": "quat.inverse()",
     "Quaternion.norm": "quat.norm()",
     "Quaternion.slerp": "quat.slerp(0.3, turned)",
+    "Quaternion.normalize": "turned.normalize()",
+    "Quaternion *= Quaternion": "kept[2] *= quat",
+    "Symmetric3 * vector": "symmetric * p",
+    "Symmetric3 + Symmetric3": "symmetric + symmetric",
     "copy.copy(SE3)": "copy.copy(M)",
     "copy.deepcopy(Motion)": "copy.deepcopy(x)",
     "log3(M.rotation)": "pin.log3(M.rotation)",
@@ -88,6 +93,7 @@ OPERATIONS = {
     "rpy.computeRpyJacobianTimeDerivative": "pin.rpy.computeRpyJacobianTimeDerivative(p, p)",
     "classicAcceleration": "pin.classicAcceleration(x, w)",
     "classicAcceleration at a placement": "pin.classicAcceleration(x, w, M)",
+    "rpy.rotate": "pin.rpy.rotate('x', 0.3)",
     "Frame.copy": "frame.copy()",
     "Frame == Frame": "frame == other",
     "str(Frame)": "str(frame)",
@@ -103,6 +109,10 @@ OPERATIONS = {
     "model.nframes": "model.nframes",
     "model.nqs": "model.nqs",
     "model.supports[i]": "model.supports[1]",
+    "model.subtrees[i]": "model.subtrees[1]",
+    "model.children[i]": "model.children[1]",
+    "model.existBodyName": "model.existBodyName(body)",
+    "model.getBodyId": "model.getBodyId(body)",
 }
 JOINTS = {
     "data.joints": "d.joints",
@@ -149,10 +159,12 @@ def objects_to_change(pin: Any, names: dict[str, Any]) -> dict[str, Any]:
         **{
             "geometry": pin.GeometryObject("a", 1, M, sphere),
             "same_geometry": pin.GeometryObject("a", 1, M, sphere),
-            "kept": [pin.Motion.Random(), names["Y"].copy()],
+            "kept": [pin.Motion.Random(), names["Y"].copy(), pin.Quaternion(names["N"].rotation)],
         },
         **{"places": places, "more": more, "forces": forces, "model": model, "data": data},
         "armature": np.zeros(model.nv),
+        "symmetric": pin.Symmetric3.Random(),
+        "body": next(f.name for f in model.frames if f.type == pin.FrameType.BODY),
         "refill": lambda title, count: more.__delitem__(slice(None)) if "append" in title else None,
     }
 

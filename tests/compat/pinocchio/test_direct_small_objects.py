@@ -26,7 +26,7 @@ def pin() -> Iterator[Any]:
 
 def _numbers(one: Any) -> Any:
     """The array that an object holds."""
-    return next(getattr(one, name) for name in ("_m", "_v", "_p", "_c") if hasattr(one, name))
+    return next(getattr(one, name) for name in ("_m", "_v", "_p", "_c", "_d") if hasattr(one, name))
 
 
 PARTS = {
@@ -486,3 +486,88 @@ def test_pairs_of_geometries_are_kept_by_pickles_and_copies(pin: Any) -> None:
         pin.CollisionPair(3, 3)
     with pytest.raises(InputError):
         pair.first = -1
+
+
+@pytest.mark.parametrize("name", ["Motion", "Force", "Inertia", "Symmetric3"])
+def test_sums_change_the_object_itself(pin: Any, name: str) -> None:
+    kind = getattr(pin, name)
+    for _ in range(3):  # the first call of each makes the code
+        one, other = kind.Random(), kind.Random()
+        more, less, same, array = one + other, one - other, one, _numbers(one)
+        one += other
+        assert one is same and _numbers(one) is array and one == more
+        one -= other
+        assert one.isApprox(more - other) and same is one
+        one = kind(less)
+        one += one
+        assert one.isApprox(less + less)
+        one -= one
+        assert one.isZero(1e-9)
+    with pytest.raises(TypeError):
+        one += "text"
+    array.flags.writeable = False
+    for _ in range(2):
+        with pytest.raises(ValueError, match="read-only"):
+            same += other
+    nothing = kind.Zero()
+    assert nothing.isZero(0.0) and nothing is not kind.Zero()
+
+
+def test_factors_may_be_whole_numbers(pin: Any) -> None:
+    for name in ("Motion", "Force", "Symmetric3"):
+        one = getattr(pin, name).Random()
+        for factor in (0, 3, -2, 10**30, 2.5, np.float64(2.5), np.int64(3), np.float32(0.5)):
+            for _ in range(2):
+                np.testing.assert_array_equal(_numbers(one * factor), _numbers(one) * float(factor))
+                if name != "Symmetric3" and factor:
+                    np.testing.assert_array_equal(np.array(factor * one), _numbers(one) * float(factor))
+                    np.testing.assert_array_equal(_numbers(one / factor), _numbers(one) / float(factor))
+        with pytest.raises(OverflowError):
+            one * 10**400
+        kept, same = getattr(pin, name)(one), one
+        one *= 2
+        assert one.isApprox(kept + kept) and (one is same) == (name == "Symmetric3")
+
+
+def test_symmetric_matrices_are_those_of_numpy(pin: Any) -> None:
+    for _ in range(3):
+        S, R, v = (
+            pin.Symmetric3.Random(),
+            pin.SE3.Random().rotation,
+            np.random.default_rng(7000).normal(size=3),
+        )
+        full = S.matrix()
+        xx, xy, yy, xz, yz, zz = S.data
+        assert full.tolist() == [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+        np.testing.assert_allclose(S * v, full @ v, rtol=1e-14, atol=1e-15)
+        np.testing.assert_allclose(S * R[0], full @ R[0], rtol=1e-14, atol=1e-15)  # a view with gaps
+        assert S.vtiv(v) == pytest.approx(v @ full @ v, rel=1e-13) and type(S.vtiv(v)) is float
+        np.testing.assert_allclose(S.rotate(R).matrix(), R @ full @ R.T, rtol=1e-13, atol=1e-14)
+        assert pin.Symmetric3(full) == S and S.isApprox(pin.Symmetric3(full)) and (-S) == S * -1.0
+        assert pin.Symmetric3.Identity().matrix().tolist() == np.eye(3).tolist()
+        assert copy.copy(S) == S == copy.deepcopy(S) and copy.copy(S) is not S
+        assert not S.isApprox(S + pin.Symmetric3.Identity(), 1e-6) and S != S + S
+
+
+def test_quaternions_change_themselves(pin: Any) -> None:
+    for _ in range(3):
+        one, other = pin.Quaternion(0.1, 0.2, 0.3, 0.4), pin.Quaternion(pin.SE3.Random().rotation)
+        product, same = one * other, one
+        one *= other
+        assert one is same and one.isApprox(product)
+        assert one.squaredNorm() == pytest.approx(one.norm() ** 2)
+        assert one.normalize() is one and one.norm() == pytest.approx(1.0)
+        assert one.assign(other) is one and one == other and one is not other
+        np.testing.assert_allclose(one._transformVector(np.ones(3)), one.matrix() @ np.ones(3), rtol=1e-14)
+        assert pin.Quaternion.Identity() == pin.Quaternion(1.0, 0.0, 0.0, 0.0)
+
+
+def test_rotations_about_axes_are_those_of_roll_pitch_and_yaw(pin: Any) -> None:
+    for k, axis in enumerate("xyz"):
+        for angle in (0.3, -2, np.float64(1.5), np.float32(0.5)):
+            rpy = np.zeros(3)
+            rpy[k] = angle
+            np.testing.assert_allclose(pin.rpy.rotate(axis, angle), pin.rpy.rpyToMatrix(rpy), atol=1e-15)
+        first = pin.rpy.rotate(axis, 0.3)
+        first[0, 0] = 7.0
+        assert pin.rpy.rotate(axis, 0.3)[0, 0] != 7.0

@@ -14,6 +14,7 @@ import pytest
 
 from ulna import numeric
 from ulna.compiler import compile
+from ulna.compiler.runtime.object_layout import has_gil
 from ulna.compiler.runtime.repeated_calls import RepeatedCalls
 from ulna.compiler.runtime.typed_calls import TypedCalls, typed_calls
 from ulna.errors import InputError
@@ -40,6 +41,12 @@ class Pair:
         """The pair, so many times."""
         asked.append(("scaled", (self, factor)))
         return Pair(*(factor * self.values))
+
+    def __iadd__(self, other):
+        """The sum in place."""
+        asked.append(("change", (self, other)))
+        self.values += other.values
+        return self
 
 
 class Derived(Pair):
@@ -70,8 +77,15 @@ Pair.scaled = typed_calls(
     {
         (Pair,): kernel(lambda a: 2.0 * a, Pair, a=(2,)),
         (Pair, float): kernel(lambda a, x: x * a, Pair, a=(2,), x=()),
+        (Pair, int): kernel(lambda a, x: x * a, Pair, a=(2,), x=()),
     },
     is_method=True,
+)
+Pair.__iadd__ = typed_calls(
+    Pair.__iadd__,
+    {(Pair, Pair): kernel(lambda a, b: a + b, Pair, Pair, a=(2,), b=(2,))},
+    is_method=True,
+    in_place=16,
 )
 
 
@@ -107,6 +121,54 @@ def test_known_types_run_no_python():
         assert [name for name, _ in asked] == ["sum", "sum", "scaled", "scaled"]  # the first call of each
 
 
+def test_whole_numbers_are_taken_as_floats():
+    a = Pair(1.0, 2.0)
+    a.scaled(3)
+    asked.clear()
+    for factor in (0, -3, 2**53 + 1, 10**300):
+        once = a.scaled(factor)
+        assert once.values.tolist() == [float(factor), 2.0 * float(factor)]
+    assert not is_native() or not asked
+    with pytest.raises(OverflowError):
+        a.scaled(10**400)
+    with pytest.raises(TypeError, match="unsupported operand"):
+        a.scaled(3) + 2
+    assert a.scaled(True).values.tolist() == [1.0, 2.0]
+    before = sys.getrefcount(a), sys.getrefcount(10**300)
+    for _ in range(100):
+        a.scaled(10**300)
+    assert (sys.getrefcount(a), sys.getrefcount(10**300)) == before
+
+
+def test_methods_change_their_instance():
+    a, b = Pair(1.0, 2.0), Pair(3.0, 4.0)
+    same, array = a, a.values
+    a += b
+    asked.clear()
+    a += b
+    a += a
+    assert a is same and a.values is array and array.tolist() == [14.0, 20.0]
+    assert not (isinstance(length, RepeatedCalls) and has_gil()) or not asked
+    array.flags.writeable = False
+    with pytest.raises(ValueError, match="read-only"):
+        a += b
+    assert array.tolist() == [14.0, 20.0]
+    wide = Pair(0.0, 0.0)
+    wide.values = np.zeros(4)[::2]
+    wide += b
+    assert wide.values.tolist() == [3.0, 4.0]
+    with pytest.raises(AttributeError):
+        a += 2
+    derived = Derived(1.0, 1.0)
+    derived += b
+    assert type(derived) is Derived and derived.values.tolist() == [4.0, 5.0]
+    counts = [sys.getrefcount(x) for x in (a, b)]
+    array.flags.writeable = True
+    for _ in range(100):
+        a += b
+    assert [sys.getrefcount(x) for x in (a, b)] == counts
+
+
 def test_other_calls_reach_the_function():
     a = Pair(1.0, 2.0)
     a + a
@@ -115,7 +177,10 @@ def test_other_calls_reach_the_function():
         a + "text"
     assert (Derived(1.0, 2.0) + a).values.tolist() == [2.0, 4.0]
     assert (a + np.arange(4)[::2]).values.tolist() == [1.0, 4.0]  # no float64
-    assert a.scaled(factor=3.0).values.tolist() == [3.0, 6.0] and a.scaled(3).values.tolist() == [3.0, 6.0]
+    assert a.scaled(factor=3.0).values.tolist() == [3.0, 6.0] and a.scaled(np.int64(3)).values.tolist() == [
+        3.0,
+        6.0,
+    ]
     assert len(asked) == 5
     with pytest.raises(TypeError, match="takes from 1 to 2 positional arguments but 4 were given"):
         a.scaled(1.0, 2.0, 3.0)

@@ -2,8 +2,9 @@
 
 A function that means something else for other types (a placement times a placement, a point, a motion) has a row for
 each: how many arguments, the exact types of each, and the bound kernel that answers. Machine code looks for the row of
-a call, and calls its kernel with the same arguments. Where there is none, where the kernel is not made yet, or where it
-answers NotImplemented, the function itself is called.
+a call, and calls its kernel with the same arguments, an int among them as a float. Where there is none, where the
+kernel is not made yet, or where it answers NotImplemented, the function itself is called. A method that changes its
+instance (`x += y`) has kernels that return a new one, whose numbers are copied into the array that the instance holds.
 
 What stands for the function in a module or a class looks like it: read as an attribute of a class or of an instance, it
 is the function. A kernel stays in its row once it is there, so that machine code needs no reference of its own.
@@ -21,23 +22,38 @@ from ulna.compiler.runtime import entry_point, jit, native_types
 from ulna.compiler.runtime.bound_call import bound_type
 from ulna.compiler.runtime.fast_call import load_at
 from ulna.compiler.runtime.method_code import bind_ir
-from ulna.compiler.runtime.object_layout import TYPE, WORD, c_function
+from ulna.compiler.runtime.object_layout import (
+    DATA,
+    FLAGS,
+    TYPE,
+    VALUE,
+    WORD,
+    WRITEABLE,
+    c_function,
+    has_gil,
+    holder_slot,
+)
 from ulna.compiler.runtime.repeated_calls import RepeatedCalls
 from ulna.errors import InputError
 from ulna.system import forks
 
 MOST_ARGUMENTS = 4
-_ROW = MOST_ARGUMENTS + 2  # how many arguments, the type of each, the kernel or 0
-_FIELDS = ("rows", "count_of_rows", "not_implemented", "call", "decref", "incref", "method_new")
+_ROW = (
+    MOST_ARGUMENTS + 3
+)  # how many arguments, the type of each, the place of an int plus 1 or 0, the kernel or 0
+_FIELDS = (
+    "rows", "count_of_rows", "not_implemented", "call", "decref", "incref", "method_new",
+    "float_of", "float_new", "occurred", "clear", "bytes_of_array",
+)  # fmt: skip
 
 
 def _word(name: str, kind: str = "ptr") -> str:
     return load_at(name, "plan", _FIELDS.index(name) * WORD, kind)
 
 
-_IR = f"""
-define ptr @typed(ptr %self, ptr %args, i64 %flagged, ptr %keywords) nounwind {{
+_FIND = f"""(ptr %self, ptr %args, i64 %flagged, ptr %keywords) nounwind {{
 entry:
+  %with.float = alloca [{MOST_ARGUMENTS} x ptr]
 {load_at("plan", "self", entry_point.PLAN)}
 {_word("rows")}
 {_word("count_of_rows", "i64")}
@@ -77,14 +93,49 @@ found:
   br i1 %missing, label %slow, label %run
 run:
 {_word("not_implemented")}
+{_word("decref")}
 {load_at("code", "kernel", entry_point.VECTORCALL)}
-  %result = call ptr %code(ptr %kernel, ptr %args, i64 %count, ptr null)
+  %int.p = getelementptr i8, ptr %row, i64 {(_ROW - 2) * WORD}
+  %int.place = load i64, ptr %int.p
+  %no.int = icmp eq i64 %int.place, 0
+  br i1 %no.int, label %as.given, label %convert
+as.given:
+  %result.of.given = call ptr %code(ptr %kernel, ptr %args, i64 %count, ptr null)
+  br label %answered
+convert:
+{_word("float_of")}
+{_word("float_new")}
+{_word("occurred")}
+  %int.at = sub i64 %int.place, 1
+  %int.from = getelementptr ptr, ptr %args, i64 %int.at
+  %int = load ptr, ptr %int.from
+  %number = call double %float_of(ptr %int)
+  %error = call ptr %occurred()
+  %fits = icmp eq ptr %error, null
+  br i1 %fits, label %number.of, label %too.large
+too.large:
+{_word("clear")}
+  call void %clear()
+  br label %slow
+number.of:
+  %float = call ptr %float_new(double %number)
+  %no.float = icmp eq ptr %float, null
+  br i1 %no.float, label %failed, label %replace
+failed:
+  ret ptr null
+replace:
+  %bytes = mul nuw i64 %count, {WORD}
+  call void @llvm.memcpy.p0.p0.i64(ptr %with.float, ptr %args, i64 %bytes, i1 false)
+  %float.to = getelementptr ptr, ptr %with.float, i64 %int.at
+  store ptr %float, ptr %float.to
+  %result.of.float = call ptr %code(ptr %kernel, ptr %with.float, i64 %count, ptr null)
+  call void %decref(ptr %float)
+  br label %answered
+answered:
+  %result = phi ptr [ %result.of.given, %as.given ], [ %result.of.float, %replace ]
   %refused = icmp eq ptr %result, %not_implemented
   br i1 %refused, label %again, label %done
-done:
-  ret ptr %result
 again:
-{_word("decref")}
   call void %decref(ptr %result)
   br label %slow
 slow:
@@ -92,7 +143,37 @@ slow:
 {load_at("callable", "self", entry_point.SLOW)}
   %result.slowly = call ptr %call(ptr %callable, ptr %args, i64 %flagged, ptr %keywords)
   ret ptr %result.slowly
+"""
+_IR = f"""
+define ptr @typed{_FIND}
+done:
+  ret ptr %result
 }}
+
+; The result is an instance like the first argument, which takes over its numbers, and is returned.
+define ptr @in_place{_FIND}
+done:
+  %is.error = icmp eq ptr %result, null
+  br i1 %is.error, label %failed, label %change
+change:  ; the kernel found that the array of the first argument has no gaps, and the shape of the result
+{_word("bytes_of_array", "i64")}
+{_word("incref")}
+  %first = load ptr, ptr %args
+{load_at("array", "first", VALUE)}
+{load_at("flags", "array", FLAGS, "i32")}
+{load_at("to", "array", DATA)}
+{load_at("made", "result", VALUE)}
+{load_at("from", "made", DATA)}
+  %got = and i32 %flags, {WRITEABLE}
+  %may.write = icmp eq i32 %got, {WRITEABLE}
+  br i1 %may.write, label %write, label %again
+write:
+  call void @llvm.memcpy.p0.p0.i64(ptr %to, ptr %from, i64 %bytes_of_array, i1 false)
+  call void %decref(ptr %result)
+  call void %incref(ptr %first)
+  ret ptr %first
+}}
+declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)
 """
 _CODE = _IR + bind_ir(_FIELDS)
 
@@ -102,13 +183,14 @@ class TypedCalls:
     """The rows of a function; see `typed_calls`.
 
     Args:
-        kinds: For each row the exact types of the arguments, at most four.
+        kinds: For each row the exact types of the arguments, at most four, one of which may be int.
+        bytes_of_array: Where results are copied into the first argument: the size of the array that it holds [byte].
 
     Raises:
         InputError: A row has more.
     """
 
-    def __init__(self, kinds: tuple[tuple[type, ...], ...]) -> None:
+    def __init__(self, kinds: tuple[tuple[type, ...], ...], bytes_of_array: int = 0) -> None:
         self._kinds, self._kernels = kinds, [None] * len(kinds)
         self._words = array("Q")
         longest = max(kinds, key=len, default=())
@@ -119,9 +201,11 @@ class TypedCalls:
             )
         for row in kinds:
             rest = [0] * (MOST_ARGUMENTS - len(row))
-            self._words.extend([len(row), *map(id, row), *rest, 0])
+            place_of_int = row.index(int) + 1 if int in row else 0
+            self._words.extend([len(row), *map(id, row), *rest, place_of_int, 0])
         self.plan = array("Q", [self._words.buffer_info()[0], len(kinds), id(NotImplemented)])
         self.plan.extend(c_function(name) for name in _FUNCTIONS)
+        self.plan.append(bytes_of_array)
 
     def put(self, row: int, kernel: Any) -> None:
         """Has calls of a row answered by a bound kernel from now on, unless it is not machine code.
@@ -136,14 +220,17 @@ class TypedCalls:
                 self._words[(row + 1) * _ROW - 1] = id(kernel)
 
 
-_FUNCTIONS = ("PyObject_Vectorcall", "Py_DecRef", "Py_IncRef", "PyMethod_New")
+_FUNCTIONS = (
+    *("PyObject_Vectorcall", "Py_DecRef", "Py_IncRef", "PyMethod_New"),
+    *("PyLong_AsDouble", "PyFloat_FromDouble", "PyErr_Occurred", "PyErr_Clear"),
+)
 _lock = forks.lock(forks.KERNEL)
 _KEEP: list[Any] = []
 
 
 @functools.cache
 def _code() -> Any:
-    return jit.load_text(_CODE, ("typed", "bind"), has_loops=False)
+    return jit.load_text(_CODE, ("typed", "in_place", "bind"), has_loops=False)
 
 
 @functools.cache
@@ -162,6 +249,7 @@ def typed_calls(
     function: Callable[..., Any],
     makers: Mapping[tuple[type, ...], Callable[[], Any]],
     is_method: bool = False,
+    in_place: int = 0,
 ) -> Callable[..., Any]:
     """What stands for a function so that calls with arguments of known types take no time of Python.
 
@@ -171,6 +259,8 @@ def typed_calls(
         makers: By the exact types of arguments, at most four, what makes the bound kernel when such a call is first
             made. It takes these very arguments.
         is_method: Whether it is a method of a class, whose first argument is the instance.
+        in_place: Of a method that changes and returns its instance, of a class with one slot that holds an array: the
+            size of that array [byte]. Its kernels return new instances, whose numbers are copied.
 
     Returns:
         The object; the function itself where machine code cannot be called in this way.
@@ -178,7 +268,9 @@ def typed_calls(
     kind = _own_type(is_method)
     if kind is None:
         return function
-    waiting, table = dict(makers), TypedCalls(tuple(makers))
+    if in_place and not (has_gil() and all(holder_slot(kinds[0]) for kinds in makers)):
+        return function
+    waiting, table = dict(makers), TypedCalls(tuple(makers), in_place)
     places = {kinds: row for row, kinds in enumerate(makers)}
 
     @functools.wraps(function)
@@ -191,7 +283,7 @@ def typed_calls(
         return function(*args, **named)
 
     words = {
-        entry_point.VECTORCALL: _code().address("typed"),
+        entry_point.VECTORCALL: _code().address("in_place" if in_place else "typed"),
         entry_point.SLOW: id(general),
         entry_point.PLAN: table.plan.buffer_info()[0],
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -50,6 +51,10 @@ _EXACT = BoundFunctions(
     },
     exact=True,
 )
+_AXES = ("x", "y", "z")
+_TURNS = BoundFunctions(
+    {axis: (partial(spatial.rotation_about, k), ()) for k, axis in enumerate(_AXES)}, exact=True
+)
 
 
 @directly(_EXACT.row("of angles", float, float, float), _EXACT.row("matrix", np.ndarray))
@@ -89,11 +94,13 @@ def rotate(axis: str, angle: float) -> Floats:
     Raises:
         UnknownAxis: Another axis.
     """
+    if type(angle) is float and type(axis) is str and axis in _AXES:
+        return _TURNS[axis](angle)
     turn = real(angle, "angle")
     check_text(axis, "axis")
-    if axis not in ("x", "y", "z"):
-        raise UnknownAxis("axis", axis, ("x", "y", "z"))
-    return np.array(spatial.rotation_about("xyz".index(axis), turn))
+    if axis not in _AXES:
+        raise UnknownAxis("axis", axis, _AXES)
+    return _TURNS[axis](turn)
 
 
 class UnknownAxis(UnknownName, ValueError):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import itertools
-import math
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from pinocchio._containers.arguments import (
     checks_itself,
     wrong_model,
 )
-from pinocchio._containers.arrays import StdVec, exact, rows_of, vector
+from pinocchio._containers.arrays import StdVec, exact, not_applicable, rows_of
 from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.lie_group import first_or_second
@@ -24,7 +23,7 @@ from pinocchio._model.live_parameters import FREE
 from pinocchio._model.model import Model
 from pinocchio._model.quaternion_signs import quaternion_starts, with_continuous_signs
 from pinocchio._spatial.random_numbers import STATE, drawn, normal_deviates
-from ulna import algorithms
+from ulna import algorithms, numeric
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.errors import InputError
@@ -67,6 +66,7 @@ def neutral(model: Model) -> Floats:
     return q.copy()
 
 
+_PRECISION = 1e-12
 _random_calls = call_cache(1, weak=1)
 
 
@@ -216,9 +216,13 @@ def _bound(model: Model, name: str, *state: Any) -> Any:
     if result is NotImplemented:
         maker = _OWN_KERNELS.get(name)
         kernel = model._compiled_structure().core_kernel(name) if maker is None else maker(model)
-        setattr(model, f"_{name}", BoundKernel(kernel, holder=float if name == "distance" else None).call)
+        setattr(model, f"_{name}", BoundKernel(kernel, holder=_NUMBERS.get(name)).call)
         result = getattr(model, f"_{name}")(*state)
     return result
+
+
+_NUMBERS = {"distance": float, "is_normalized": bool, "is_normalized_within": bool}
+"""What is one number, or a truth value."""
 
 
 def _integration(model: Model) -> Any:
@@ -262,6 +266,11 @@ _OWN_KERNELS = {
     "integrate": _integration,
     "squared_distance": _squared_distances,
     "normalize": _normalization,
+    "tangent_map": lambda model: model._compiled_structure().compile(
+        "tangent map", _tangent_map, q=(model.nq,)
+    ),
+    "is_normalized": lambda model: _lengths(model, ()),
+    "is_normalized_within": lambda model: _lengths(model, ("prec",)),
 }
 """What is no kernel of Ulna as it is."""
 
@@ -280,10 +289,11 @@ def interpolate(model: Model, q1: Any, q2: Any, alpha: float) -> Floats:
     Returns:
         Configuration (nq,) [rad or m].
     """
-    result = model._interpolate(q1, q2, alpha)
+    result = model._interpolate(q1, q2, float(alpha) if type(alpha) is int else alpha)
     if result is NotImplemented:
         return _bound(model, "interpolate", *_exact_pair(model, q1, q2), float(alpha))
-    _interpolate_calls.add(model._interpolate, 3, model)
+    if type(alpha) is float:
+        _interpolate_calls.add(model._interpolate, 3, model)
     return result
 
 
@@ -308,6 +318,11 @@ def distance(model: Model, q1: Any, q2: Any) -> float:
     return result
 
 
+_squared_calls = call_cache(1, weak=1)
+
+
+@repeated_calls(_squared_calls)
+@checked
 def squaredDistance(model: Model, q1: Any, q2: Any) -> Floats:
     """For each joint, the squared length of its part of the difference.
 
@@ -316,7 +331,8 @@ def squaredDistance(model: Model, q1: Any, q2: Any) -> Floats:
     """
     result = model._squared_distance(q1, q2)
     if result is NotImplemented:
-        result = _bound(model, "squared_distance", *_exact_pair(model, q1, q2))
+        return _bound(model, "squared_distance", *_exact_pair(model, q1, q2))
+    _squared_calls.add(model._squared_distance, 2, model)
     return result
 
 
@@ -350,7 +366,12 @@ def normalize(model: Model, q: Any) -> Floats:
     return result
 
 
-def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
+_normalized_calls, _normalized_within_calls = (call_cache(1, weak=1) for _ in range(2))
+
+
+@repeated_calls(_normalized_calls, _normalized_within_calls)
+@checked
+def isNormalized(model: Model, q: Any, prec: float = _PRECISION) -> bool:
     """Whether quaternions, and pairs of cosine and sine, have unit length.
 
     Args:
@@ -362,13 +383,33 @@ def isNormalized(model: Model, q: Any, prec: float = 1e-12) -> bool:
     Raises:
         InputError: `prec` is below zero, or nan.
     """
-    entries = vector(q, model.nq, "q")
+    if prec is _PRECISION:
+        result = model._is_normalized(q)
+        if result is NotImplemented:
+            return _bound(model, "is_normalized", exact(q, model.nq, "q"))
+        _normalized_calls.add(model._is_normalized, 1, model)
+        return result
+    entries = exact(q, model.nq, "q")
     if not prec >= 0.0:
         raise InputError(f"isNormalized: `prec` is {prec}; expected 0 or more.")
-    if model._unit_parts is None:
-        model._unit_parts = [slice(*place) for *place, is_unit in _compared_together(model) if is_unit]
-    units = [entries[part] for part in model._unit_parts]
-    return all([abs(math.sqrt(unit @ unit) - 1.0) < prec for unit in units])
+    result = _bound(model, "is_normalized_within", entries, float(prec))
+    _normalized_within_calls.add(model._is_normalized_within, 2, model)
+    return result
+
+
+def _lengths(model: Model, more: tuple[str, ...]) -> Any:
+    """The kernel of `isNormalized`; without an answer, nan, for a tolerance below 0, and for nan."""
+    parts = tuple(part for part in _compared_together(model) if part[-1])
+    shapes: dict[str, Any] = {"q": (model.nq,)} | dict.fromkeys(more, ())
+
+    def run(q: Array, prec: Any = _PRECISION) -> Any:
+        same = 1.0
+        for first, end, _ in parts:
+            gap = numeric.sqrt(q[first:end] @ q[first:end]) - 1.0
+            same = where(less(where(less(gap, 0.0), -gap, gap), prec), same, 0.0)
+        return where(less(prec, 0.0), np.nan, where(less(-1.0, prec), same, np.nan))
+
+    return model._compiled_structure().compile(("normalized", parts, more), lambda _: run, **shapes)
 
 
 _same_calls = call_cache(1, weak=1)
@@ -450,33 +491,75 @@ _SMALLEST = 5e-324
 """What is less than it is at most 0."""
 
 
+_integrate_derivative_calls, _difference_derivative_calls = (call_cache(1, weak=1) for _ in range(2))
+
+
+@repeated_calls(_integrate_derivative_calls)
+@checked
 def dIntegrate(model: Model, q: Any, v: Any, argument_position: Any = None) -> Any:
     """The derivatives (nv, nv) of `integrate` by q and v; one of them for ARG0 or ARG1.
 
     Args:
         v: Velocity times duration (nv,) [rad or m].
-        argument_position: ARG0 or ARG1 for one of the derivatives; None for both.
+        argument_position: ARG0 or ARG1 for one of the derivatives; both where it is left out.
 
     Returns:
         A pair of matrices (nv, nv), or one.
     """
-    both = model._compiled_structure().core_kernel("integrate_derivatives")(
-        vector(q, model.nq, "q"), vector(v, model.nv, "v")
-    )
-    return _chosen(both, argument_position)
+    which = _which(argument_position)
+    result = model._integrate_derivatives[which](q, v)
+    if result is NotImplemented:
+        state = exact(q, model.nq, "q"), exact(v, model.nv, "v")
+        return _bound_derivatives(model, "integrate_derivatives", which, *state)
+    if which == _BOTH:
+        _integrate_derivative_calls.add(model._integrate_derivatives[which], 2, model)
+    return result
 
 
+@repeated_calls(_difference_derivative_calls)
+@checked
 def dDifference(model: Model, q1: Any, q2: Any, argument_position: Any = None) -> Any:
     """The derivatives (nv, nv) of `difference` by q1 and q2; one of them for ARG0 or ARG1.
 
     Args:
-        argument_position: ARG0 or ARG1 for one of the derivatives; None for both.
+        argument_position: ARG0 or ARG1 for one of the derivatives; both where it is left out.
 
     Returns:
         A pair of matrices (nv, nv), or one.
     """
-    both = model._compiled_structure().core_kernel("difference_derivatives")(*_pair(model, q1, q2))
-    return _chosen(both, argument_position)
+    which = _which(argument_position)
+    result = model._difference_derivatives[which](q1, q2)
+    if result is NotImplemented:
+        return _bound_derivatives(model, "difference_derivatives", which, *_exact_pair(model, q1, q2))
+    if which == _BOTH:
+        _difference_derivative_calls.add(model._difference_derivatives[which], 2, model)
+    return result
+
+
+_BOTH = 2
+
+
+def _which(position: Any) -> int:
+    """The argument that a derivative is by: 0 or 1; 2 for both, where it is left out."""
+    if position is ArgumentPosition.ARG0:
+        return 0
+    if position is ArgumentPosition.ARG1:
+        return 1
+    return _BOTH if position is None else first_or_second(position)
+
+
+def _bound_derivatives(model: Model, name: str, which: int, *state: Any) -> Any:
+    """The derivatives, by kernels that are bound where they do not apply."""
+    result = getattr(model, f"_{name}")[which](*state)
+    if result is NotImplemented:
+        kernel = model._compiled_structure().core_kernel(name)
+        bound = []
+        for returns in ((0,), (1,), (0, 1)):
+            targets = [np.zeros(output.shape) for output in kernel.function.outputs]
+            bound.append(kernel.into(*targets, returns=returns, otherwise=not_applicable))
+        setattr(model, f"_{name}", tuple(bound))
+        result = bound[which](*state)
+    return result
 
 
 def dIntegrateTransport(model: Model, q: Any, v: Any, Jin: Any, argument_position: Any) -> Floats:
@@ -498,14 +581,22 @@ def dIntegrateTransport(model: Model, q: Any, v: Any, Jin: Any, argument_positio
     )
 
 
+_tangent_calls = call_cache(1, weak=1)
+
+
+@repeated_calls(_tangent_calls)
+@checked
 def tangentMap(model: Model, q: Any) -> Floats:
     """The matrix (nq, nv) from velocities to the rates of the entries of q.
 
     Returns:
         Matrix (nq, nv).
     """
-    kernel = model._compiled_structure().compile("tangent map", _tangent_map, q=(model.nq,))
-    return kernel(vector(q, model.nq, "q"))
+    result = model._tangent_map(q)
+    if result is NotImplemented:
+        return _bound(model, "tangent_map", exact(q, model.nq, "q"))
+    _tangent_calls.add(model._tangent_map, 1, model)
+    return result
 
 
 def _tangent_map(model: Any) -> Any:
@@ -564,13 +655,3 @@ def getTangentToConfigurationSparsitySegment(model: Model) -> tuple[StdVec[int],
 
 def _exact_pair(model: Model, q1: Any, q2: Any) -> tuple[Floats, Floats]:
     return exact(q1, model.nq, "q1"), exact(q2, model.nq, "q2")
-
-
-def _pair(model: Model, q1: Any, q2: Any) -> tuple[Floats, Floats]:
-    return vector(q1, model.nq, "q1"), vector(q2, model.nq, "q2")
-
-
-def _chosen(both: Any, position: Any) -> Any:
-    if position is None:
-        return both
-    return both[first_or_second(position)]

@@ -19,6 +19,7 @@ from typing import Any, TypeVar, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import check_layout
 from pinocchio._containers.arrays import not_applicable
 from pinocchio._data.data import Data
 from pinocchio._data.evaluated_model import NUMBER_CALLS, EvaluatedModel
@@ -67,13 +68,14 @@ class OfFields:
         Raises:
             InputError: The Data does not fit the model.
         """
-        compiled_for(model, data)
+        check_layout(model, data)
         fields = [name for name in self.reads if name in data._slots]
         for field in fields:
             data._read(field)
         step = data._bound_at.get(self.name, not_applicable) if data._model is model else not_applicable
         result = step()
         if result is NotImplemented:
+            compiled_for(model, data)
             result = self._run_anew(model, data, fields)
         data._mark_filled(*(name for name in self.fills if name in data._slots))
         return result

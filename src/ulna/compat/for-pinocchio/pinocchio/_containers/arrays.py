@@ -34,6 +34,11 @@ def not_applicable(*_: Any) -> Any:
     return NotImplemented
 
 
+def is_float_array(value: Any) -> bool:
+    """Whether a value is an array of floats that is no matrix of NumPy, and of no other class."""
+    return type(value) is np.ndarray and value.dtype == _FLOAT
+
+
 def vector(value: Any, size: int, name: str) -> Floats:
     """A vector: arrays of any number type, columns, `np.matrix`, lists and tuples are taken.
 
@@ -49,7 +54,7 @@ def vector(value: Any, size: int, name: str) -> Floats:
         WrongShape: it has another size.
         InputError: it holds no numbers.
     """
-    if type(value) is np.ndarray and value.dtype == _FLOAT and value.shape == (size,):
+    if is_float_array(value) and value.shape == (size,):
         return value
     array = numbers(value, name)
     if array.shape not in ((size,), (size, 1)) and not (isinstance(value, np.matrix) and array.size == size):
@@ -263,7 +268,7 @@ class StdVec(list[Item], Generic[Item]):
     def __init__(self, *parts: Any) -> None:
         if len(parts) == 2 and is_index(parts[0]):
             check_size(parts[0], "size")
-            super().__init__([copied(parts[1]) for _ in range(parts[0])])
+            super().__init__(copies([parts[1]] * int(parts[0])))
         else:
             try:
                 super().__init__(*parts)
@@ -310,11 +315,11 @@ class StdVec(list[Item], Generic[Item]):
             for place, entry in zip(places, entries, strict=True):
                 self[place] = entry
             return
-        assign = getattr(self[key], "_assign", None)
-        if assign is None:
-            self._replace(key, self._checked(value))
+        own: Any = self[key]
+        if hasattr(own, "_assign"):
+            own._assign(value)
         else:
-            assign(value)
+            self._replace(key, self._checked(value))
 
     def _replace(self, key: Any, entry: Any) -> None:
         """Puts an entry, a new copy, in place of another one."""

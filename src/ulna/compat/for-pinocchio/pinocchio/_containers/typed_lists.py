@@ -10,8 +10,15 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from pinocchio._containers.arguments import ArgumentError, SizeError, WrongShape, is_index, is_number
-from pinocchio._containers.arrays import StdVec, copied, copies, entries_of, numbers
+from pinocchio._containers.arguments import (
+    ArgumentError,
+    SizeError,
+    WrongShape,
+    check_size,
+    is_index,
+    is_number,
+)
+from pinocchio._containers.arrays import StdVec, copied, copies, entries_of, is_float_array, numbers
 from ulna.errors import excerpt
 
 _SHAPES = {
@@ -22,6 +29,7 @@ _SHAPES = {
 }
 """Sizes of arrays; None for any."""
 _UNSIGNED = ("StdVec_Index",)
+_new = list.__new__
 
 
 class _ListClass(type):
@@ -47,13 +55,19 @@ class TypedList(StdVec[Any], metaclass=_ListClass):
 
     _kind: ClassVar[Any] = object
     _take: ClassVar[Any] = staticmethod(copy.copy)
+    _shape: ClassVar[Any] = None
+    """The shape of entries that are arrays of one shape."""
+    _copies_itself: ClassVar[bool] = False
+    """Whether entries have methods that make a copy, and that take over another entry."""
+    _is_plain: ClassVar[bool] = False
+    """Whether entries are numbers or texts."""
 
     def __init__(self, *parts: Any, other: Any = None, size: Any = None, value: Any = None) -> None:
         given = (*parts, *(part for part in (other, size, value) if part is not None))
         super().__init__()
         if len(given) == 2 and is_index(given[0]):
-            entry = self._take(given[1])
-            super().__init__(given[0], entry)
+            count, entry = check_size(given[0], "size"), self._take(given[1])
+            list.extend(self, self._copied([entry] * count))
         elif len(given) == 1:
             list.extend(self, self._all(given[0]))
         elif given:
@@ -78,7 +92,8 @@ class TypedList(StdVec[Any], metaclass=_ListClass):
 
     def append(self, entry: Any) -> None:
         """Adds a copy of an entry at the end."""
-        list.append(self, self._take(entry))
+        usual = self._copies_itself and entry.__class__ is self._kind
+        list.append(self, entry.copy() if usual else self._take(entry))
 
     def extend(self, entries: Any) -> None:
         """Adds copies of entries at the end."""
@@ -94,6 +109,12 @@ class TypedList(StdVec[Any], metaclass=_ListClass):
         super().insert(place, self._take(entry))
 
     def __setitem__(self, key: Any, value: Any) -> None:
+        if self._copies_itself and value.__class__ is self._kind and key.__class__ is int:
+            list.__getitem__(self, key)._assign(value)  # without a copy
+            return
+        if self._is_plain and key.__class__ is int:
+            list.__setitem__(self, key, self._take(value))
+            return
         if isinstance(key, slice):
             one = self._is_entry(value)
             first, end, step = key.indices(len(self))
@@ -101,10 +122,11 @@ class TypedList(StdVec[Any], metaclass=_ListClass):
                 return  # as there
             list.__setitem__(self, key, self._all([value] if one else value))
             return
-        if value.__class__ is self._kind and hasattr(value, "_assign"):
-            self[key]._assign(value)  # without a copy
+        if self._copies_itself and value.__class__ is self._kind:
+            self[key]._assign(value)
             return
-        entry, own = self._take(value), self[key]
+        usual = is_float_array(value) and value.shape == self._shape
+        entry, own = value if usual else self._take(value), self[key]
         if isinstance(own, np.ndarray) and own.shape == entry.shape:
             own[...] = entry  # so that references to it see it
         else:
@@ -128,14 +150,23 @@ class TypedList(StdVec[Any], metaclass=_ListClass):
         self.extend(entries)
         return self
 
-    def _part(self, entries: list[Any]) -> Any:
+    def __getitem__(self, key: Any) -> Any:
+        if key.__class__ is not slice:
+            return list.__getitem__(self, key)
+        entries = list.__getitem__(self, key)
         return entries if self._kind is np.ndarray else self._copies(entries)
 
     def _copies(self, entries: list[Any]) -> Self:
         """A list of this kind, with copies of entries of another one."""
-        made = type(self).__new__(type(self))
-        list.extend(made, copies(entries))
+        made = _new(self.__class__)
+        list.extend(made, self._copied(entries))
         return made
+
+    def _copied(self, entries: list[Any]) -> list[Any]:
+        """Copies of entries of this kind; numbers and texts themselves, which never change."""
+        if self._copies_itself:
+            return [entry.copy() for entry in entries]
+        return entries if self._is_plain else copies(entries)
 
     def copy(self) -> Self:
         """A copy, with copies of the entries."""
@@ -174,16 +205,22 @@ def typed_list(name: str, kind: str) -> Any:
 def _members(name: str, kind: str) -> dict[str, Any]:
     """The class of entries, and what makes one of what users pass."""
     if kind == "float":
-        return {"_kind": float, "_take": staticmethod(partial(_number, name))}
+        return {"_kind": float, "_take": staticmethod(partial(_number, name)), "_is_plain": True}
     if kind == "int":
-        return {"_kind": int, "_take": staticmethod(partial(_whole, name))}
+        return {"_kind": int, "_take": staticmethod(partial(_whole, name)), "_is_plain": True}
     if kind == "bool":
-        return {"_kind": bool, "_take": staticmethod(partial(_flag, name))}
+        return {"_kind": bool, "_take": staticmethod(partial(_flag, name)), "_is_plain": True}
     if kind == "Floats":
-        return {"_kind": np.ndarray, "_take": staticmethod(partial(_array, name))}
+        shape = None if None in _SHAPES[name] else _SHAPES[name]
+        return {"_kind": np.ndarray, "_take": staticmethod(partial(_array, name)), "_shape": shape}
     cls = str if kind == "str" else getattr(sys.modules["pinocchio"], kind)
     make = cls if isinstance(cls, _ListClass) else None
-    return {"_kind": cls, "_take": staticmethod(partial(_object, name, cls, make))}
+    return {
+        "_kind": cls,
+        "_take": staticmethod(partial(_object, name, cls, make)),
+        "_copies_itself": hasattr(cls, "copy") and hasattr(cls, "_assign"),
+        "_is_plain": cls is str,
+    }
 
 
 def _wrong(name: str, entry: Any, expected: str) -> ArgumentError:
@@ -191,12 +228,16 @@ def _wrong(name: str, entry: Any, expected: str) -> ArgumentError:
 
 
 def _number(name: str, entry: Any) -> float:
+    if type(entry) is float:
+        return entry
     if not is_number(entry):
         raise _wrong(name, entry, "a real number")
     return float(entry)
 
 
 def _whole(name: str, entry: Any) -> int:
+    if type(entry) is int and entry >= 0:
+        return entry
     if not is_index(entry) and not isinstance(entry, bool):
         raise _wrong(name, entry, "a whole number")
     number = entry.__index__()
@@ -212,6 +253,8 @@ def _flag(name: str, entry: Any) -> bool:
 
 
 def _array(name: str, entry: Any) -> Any:
+    if is_float_array(entry) and entry.shape == _SHAPES[name]:
+        return entry.copy("K")
     array, shape = np.array(numbers(entry, "entry"), dtype=float), _SHAPES[name]
     whole = (*array.shape, *([1] * (len(shape) - array.ndim)))  # a vector is one column
     fits = array.ndim > 0 and len(whole) == len(shape)

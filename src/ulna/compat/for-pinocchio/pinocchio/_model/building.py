@@ -85,8 +85,12 @@ class KinematicTree(KernelCache):
         fix = "Ask existFrame(name) first where it may be missing."
         return UnknownId.of(self.nframes, "frame", name, [f.name for f in self.frames if f.type & types], fix)
 
+    @checks_itself
     def getBodyId(self, name: str) -> int:
         """The index of the frame of a body; see `getFrameId`."""
+        known = self._index_of_frames().bodies.get(name, -1) if isinstance(name, str) else -1
+        if known >= 0:
+            return known
         return self.getFrameId(name, FrameType.BODY)
 
     @checks_itself
@@ -106,13 +110,9 @@ class KinematicTree(KernelCache):
         Returns:
             Whether there is.
         """
-        try:
-            current = type is OMITTED and self._frame_changes.item() == self._indexed_changes
-            if current and name in self._frame_index.by_name:
-                return True
-        except TypeError:  # cannot be a key
-            pass
         check_text(name, "name")
+        if type is OMITTED:
+            return name in self._index_of_frames().by_name
         types = self._frame_type(type)
         return bool(self._frames_named(name, types))
 
@@ -121,9 +121,11 @@ class KinematicTree(KernelCache):
         indices, frames = self._index_of_frames().by_name.get(name, ()), self._frames
         return [i for i in indices if frames[i]._facts[1] & types]
 
+    @checks_itself
     def existBodyName(self, name: str) -> bool:
         """Whether there is a body of that name."""
-        return self.existFrame(name, FrameType.BODY)
+        check_text(name, "name")
+        return name in self._index_of_frames().bodies
 
     @staticmethod
     def _frame_type(type: Any) -> int:

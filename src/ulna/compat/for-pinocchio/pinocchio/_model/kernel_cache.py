@@ -59,13 +59,14 @@ class KernelCache(LiveParameters):
     _structure: CompiledModel | None = None
     _integrate = _difference = _distance = _normalize = _interpolate = staticmethod(not_applicable)
     _squared_distance = _is_same = _random = _random_within_own_limits = staticmethod(not_applicable)
+    _tangent_map = _is_normalized = _is_normalized_within = staticmethod(not_applicable)
+    _integrate_derivatives = _difference_derivatives = (not_applicable,) * 3
+    """By the first argument, by the second, and by both."""
     _total_mass: Any = staticmethod(not_applicable)
     first_calls: FirstCalls
     """How often its functions were called before they were compiled."""
     _joint_table: Any = None
     """Its `JointTable`, made when first needed."""
-    _unit_parts: list[slice] | None = None
-    """Which entries of q are of unit length together, found when first needed."""
 
     def _changed(self) -> None:
         """Joints were added: kernels compiled before no longer apply, and Data made before do not fit."""
@@ -174,13 +175,17 @@ _BOUND = (
         "_interpolate",
         "_squared_distance",
         "_is_same",
+        "_tangent_map",
+        "_is_normalized",
+        "_is_normalized_within",
+        "_integrate_derivatives",
+        "_difference_derivatives",
     ),
     *("_random", "_random_within_own_limits", "_total_mass"),
 )
 """Kernels that are bound to a model when they are first called."""
 _OF_KERNELS = (
     *("_variants", "_with_inputs", "_compiled_for", "_newest", "_structure", "_new_neutral", "_joint_table"),
-    "_unit_parts",
     *_BOUND,
 )
 """What belongs to the kernels of a model."""

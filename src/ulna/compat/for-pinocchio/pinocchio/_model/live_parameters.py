@@ -15,6 +15,7 @@ import numpy as np
 from pinocchio._containers.arguments import WrongShape
 from pinocchio._containers.arrays import StdVec, entries_of, numbers
 from pinocchio._containers.attributes import CheckedAttributes, checked_list
+from pinocchio._containers.enums import FrameType
 from pinocchio._containers.named_configurations import StdMap_String_VectorXd
 from pinocchio._model.frame import JOINT_FRAMES, Facts, Frame
 from pinocchio._model.joint_base import LAST_CHANGE
@@ -125,13 +126,15 @@ class FrameIndex:
     Attributes:
         places: For each name that one frame alone has, its index.
         by_name: For each name the indices of its frames.
+        bodies: For each name that frames of bodies have, the index of the one; -1 where several have it.
         of_joint: For each joint the index of the first frame of type JOINT or FIXED_JOINT on it.
     """
 
-    __slots__ = ("by_name", "of_joint", "places")
+    __slots__ = ("bodies", "by_name", "of_joint", "places")
 
     def __init__(self, frames: Iterable[Frame]) -> None:
         self.by_name: dict[str, list[int]] = {}
+        self.bodies: dict[str, int] = {}
         self.of_joint: dict[int, int] = {}
         self.places: dict[str, int] = {}
         for place, frame in enumerate(frames):
@@ -151,6 +154,8 @@ class FrameIndex:
             self.places[name] = place
         else:
             self.places.pop(name, None)
+        if kind is FrameType.BODY:
+            self.bodies[name] = -1 if name in self.bodies else place
         if kind in JOINT_FRAMES:
             self.of_joint.setdefault(joint, place)
 
@@ -373,6 +378,9 @@ class LiveParameters(CheckedAttributes):
 
     @gravity.setter
     def gravity(self, value: Any) -> None:
+        if type(value) is Motion:
+            self._gravity._assign(value)
+            return
         array = numbers(value.vector if isinstance(value, Motion) else value, "gravity")
         if array.size not in (3, 6):
             raise WrongShape("gravity", array.shape, "a Motion, or 3 or 6 numbers")

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
+from operator import is_
 from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import StdVec, alike, fixed, vector
+from pinocchio._containers.arrays import StdVec, alike, fixed, is_float_array, vector
 from pinocchio._containers.attributes import AttributeKind, computed, read_only, text
 from pinocchio._containers.computed_lists import ComputedList
 from pinocchio._containers.enums import FrameType
@@ -20,17 +21,52 @@ from pinocchio._data.data import Data
 from pinocchio._model.building import KinematicTree
 from pinocchio._model.core_model import core_model
 from pinocchio._model.frame import Frame
+from pinocchio._model.joint_base import LAST_CHANGE
 from pinocchio._model.joint_kinds import JointModel
 from pinocchio._model.live_parameters import PER_Q, PER_V
 from pinocchio._model.name_list import NameList
 from pinocchio._model.row_storage import OwnerList
 from pinocchio._model.skeleton import Skeleton
-from pinocchio._model.supports import Supports
+from pinocchio._model.supports import Supports, children_of, subtrees_of, supports_of
 from pinocchio._spatial.inertia import Inertia
 from pinocchio._spatial.motion_force import Motion
 from pinocchio._spatial.se3 import SE3
 from ulna.errors import excerpt
 from ulna.typing import Floats
+
+
+def _per_joint(name: str, number: Callable[[Any], int], doc: str) -> Any:
+    """A list of one number of each joint, which is made anew when a joint has changed."""
+
+    def get(self: Model) -> StdVec[int]:
+        joints, known = self.joints, self._lists_of_joints
+        if (
+            known[0] != LAST_CHANGE[0]
+            or len(known[1]) != len(joints)
+            or not all(map(is_, known[1], joints))
+            or known[2]
+        ):
+            has_parts = any([joint._has_parts for joint in joints])  # which may change without being counted
+            known = self.__dict__["_lists_of_joints"] = LAST_CHANGE[0], list(joints), has_parts, {}
+        if name not in known[3]:
+            known[3][name] = ComputedList(map(number, joints))
+        return known[3][name]
+
+    return property(get, doc=doc)
+
+
+def _of_parents(name: str, make: Callable[[list[int]], list[list[int]]], doc: str) -> Any:
+    """A list of joints for each joint, which is made anew when the tree has changed."""
+
+    def get(self: Model) -> StdVec[StdVec[int]]:
+        parents, known = self.parents, self._lists_of_parents
+        if not list.__eq__(known[0], parents):
+            known = self.__dict__["_lists_of_parents"] = list(parents), {}
+        if name not in known[1]:
+            known[1][name] = ComputedList(map(ComputedList, make(known[0])))
+        return known[1][name]
+
+    return property(get, doc=doc)
 
 
 @final
@@ -55,6 +91,10 @@ class Model(Saved, Supports, KinematicTree):
         effortLimit: Floats
         friction: Floats
 
+    _lists_of_joints: tuple[Any, ...] = -1, [], False, {}
+    """The last change of a joint, the joints then, whether some have parts, and lists of their numbers."""
+    _lists_of_parents: tuple[list[int], dict[str, Any]] = [], {}
+    """For each joint the joint before it, and lists that are made of these."""
     gravity981: ClassVar[Floats] = fixed(np.array([0.0, 0.0, -9.81]))
     _kinds: ClassVar[Mapping[str, AttributeKind]] = {
         "name": text,
@@ -90,29 +130,15 @@ class Model(Saved, Supports, KinematicTree):
 
     # sizes and the tree ---------------------------------------------------------------------------------
 
-    nqs = property(
-        lambda self: ComputedList(j.nq if j.kind else 0 for j in self.joints),
-        doc="For each joint its entries of q.",
+    nqs = _per_joint("nqs", lambda j: j.nq if j.kind else 0, "For each joint its entries of q.")
+    nvs = _per_joint("nvs", lambda j: j.nv if j.kind else 0, "For each joint its entries of v.")
+    idx_qs = _per_joint("idx_qs", lambda j: max(j.idx_q, 0), "For each joint where its q begins.")
+    idx_vs = _per_joint("idx_vs", lambda j: max(j.idx_v, 0), "For each joint where its v begins.")
+    nvExtendeds = _per_joint(
+        "nvExtendeds", lambda j: j.nvExtended if j.kind else 0, "Like nvs, mimic joints counted."
     )
-    nvs = property(
-        lambda self: ComputedList(j.nv if j.kind else 0 for j in self.joints),
-        doc="For each joint its entries of v.",
-    )
-    idx_qs = property(
-        lambda self: ComputedList(max(j.idx_q, 0) for j in self.joints),
-        doc="For each joint where its q begins.",
-    )
-    idx_vs = property(
-        lambda self: ComputedList(max(j.idx_v, 0) for j in self.joints),
-        doc="For each joint where its v begins.",
-    )
-    nvExtendeds = property(
-        lambda self: ComputedList(j.nvExtended if j.kind else 0 for j in self.joints),
-        doc="Like nvs, mimic joints counted.",
-    )
-    idx_vExtendeds = property(
-        lambda self: ComputedList(max(j.idx_vExtended, 0) for j in self.joints),
-        doc="Like idx_vs, mimic joints counted.",
+    idx_vExtendeds = _per_joint(
+        "idx_vExtendeds", lambda j: max(j.idx_vExtended, 0), "Like idx_vs, mimic joints counted."
     )
     mimicking_joints = property(
         lambda self: ComputedList(i for i, j in enumerate(self.joints) if j.mimic),
@@ -122,31 +148,13 @@ class Model(Saved, Supports, KinematicTree):
         lambda self: ComputedList(j.mimic[0] for j in self.joints if j.mimic),
         doc="The joints that those follow.",
     )
-
-    @property
-    def supports(self) -> StdVec[StdVec[int]]:
-        """For each joint, the joints from the universe to it."""
-        supports = [[0]]
-        for i in range(1, self.njoints):
-            supports.append([*supports[self.parents[i]], i])
-        return ComputedList(map(ComputedList, supports))
-
-    @property
-    def subtrees(self) -> StdVec[StdVec[int]]:
-        """For each joint, the joints it moves, itself included; the universe is not counted."""
-        subtrees: list[list[int]] = [[] for _ in range(self.njoints)]
-        for i, support in enumerate(self.supports):
-            for j in support if i else ():
-                subtrees[j].append(i)
-        return ComputedList(map(ComputedList, subtrees))
-
-    @property
-    def children(self) -> StdVec[StdVec[int]]:
-        """For each joint, the joints that follow it at once."""
-        children: list[list[int]] = [[] for _ in range(self.njoints)]
-        for i in range(1, self.njoints):
-            children[self.parents[i]].append(i)
-        return ComputedList(map(ComputedList, children))
+    supports = _of_parents("supports", supports_of, "For each joint, the joints from the universe to it.")
+    subtrees = _of_parents(
+        "subtrees",
+        subtrees_of,
+        "For each joint, the joints it moves, itself included; the universe is not counted.",
+    )
+    children = _of_parents("children", children_of, "For each joint, the joints that follow it at once.")
 
     def getChildJoints(self) -> StdVec[int]:
         """The joints that no other joint follows: the ends of the tree. Those after a joint are `children[i]`."""
@@ -302,7 +310,9 @@ def _array(key: str, size: str) -> property:
         return self._arrays[key]
 
     def put(self: Model, value: Any) -> None:
-        self._arrays[key][:] = vector(value, getattr(self, size), key)
+        own = self._arrays[key]
+        usual = is_float_array(value) and value.shape == own.shape
+        own[:] = value if usual else vector(value, getattr(self, size), key)
 
     return property(get, put, doc=f"`{key}` of all joints, ({size},), live; assigning copies into it.")
 

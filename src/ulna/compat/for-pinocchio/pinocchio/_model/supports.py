@@ -2,12 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from pinocchio._containers.arrays import StdVec
 from ulna.typing import Floats
+
+
+def supports_of(parents: Sequence[int]) -> list[list[int]]:
+    """For each joint, the joints from the universe to it.
+
+    Args:
+        parents: For each joint the joint before it, the universe first.
+    """
+    supports = [[0]]
+    for i in range(1, len(parents)):
+        supports.append([*supports[parents[i]], i])
+    return supports
+
+
+def subtrees_of(parents: Sequence[int]) -> list[list[int]]:
+    """For each joint, the joints it moves, itself included; the universe is not counted."""
+    subtrees: list[list[int]] = [[] for _ in parents]
+    for i, support in enumerate(supports_of(parents)):
+        for j in support if i else ():
+            subtrees[j].append(i)
+    return subtrees
+
+
+def children_of(parents: Sequence[int]) -> list[list[int]]:
+    """For each joint, the joints that follow it at once."""
+    children: list[list[int]] = [[] for _ in parents]
+    for i in range(1, len(parents)):
+        children[parents[i]].append(i)
+    return children
 
 
 class Supports:

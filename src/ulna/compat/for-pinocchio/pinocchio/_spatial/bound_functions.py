@@ -15,7 +15,7 @@ from ulna.compiler.runtime.typed_calls import typed_calls
 from ulna.typing import Floats
 
 Row = tuple[tuple[type, ...], Callable[[], Any]]
-_AS_THEY_ARE = (np.ndarray, float, np.float64)
+_AS_THEY_ARE = (np.ndarray, float, np.float64, int)
 """Types of arguments that hold no array in a slot."""
 
 
@@ -123,18 +123,19 @@ def directly(*rows: Row) -> Callable[[Any], Any]:
     return lambda function: called_directly(function, *rows)
 
 
-def called_directly(function: Any, *rows: Row, is_method: bool = False) -> Any:
+def called_directly(function: Any, *rows: Row, is_method: bool = False, in_place: int = 0) -> Any:
     """A function whose calls with arguments of known types run no Python; see `typed_calls`.
 
     Args:
         function: The function.
         *rows: The types, and what makes the kernel; see `BoundFunctions.row`.
         is_method: Whether it is a method of a class.
+        in_place: Of a method that changes its instance, the size of the array that this holds [byte].
 
     Returns:
         What stands for it, its other arguments checked.
     """
-    made = typed_calls(checked(function), dict(rows), is_method)
+    made = typed_calls(checked(function), dict(rows), is_method, in_place)
     made.arguments_checked = True  # type: ignore[attr-defined]
     return made
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -20,12 +21,13 @@ from pinocchio._spatial.se3 import MATRICES, PLACEMENTS, SE3
 from pinocchio._spatial.small_kernels import (
     SMALL,
     equality,
-    inertia_excess,
+    excess_of_all,
     pose_excess,
     six_excess,
     smallness,
     truth_within,
 )
+from pinocchio._spatial.symmetric3 import Symmetric3
 from ulna.compiler.runtime.array_property import array_property
 from ulna.typing import Array
 
@@ -35,15 +37,25 @@ _SHAPES: dict[type, tuple[int, ...]] = {
     Force: (6,),
     Inertia: (13,),
     Quaternion: (4,),
+    Symmetric3: (6,),
 }
 _NOTHING: dict[type, tuple[str, Any]] = {
     SE3: ("isIdentity", lambda m: m - np.eye(4)),
     Motion: ("isZero", lambda v: v),
     Force: ("isZero", lambda v: v),
     Inertia: ("isZero", lambda p: p),
+    Symmetric3: ("isZero", lambda d: d),
 }
 """What says whether they are nearly nothing, and the numbers that are to be small then."""
-_EXCESS: dict[type, Any] = {SE3: pose_excess, Motion: six_excess, Force: six_excess}
+_EXCESS: dict[type, Any] = {
+    SE3: pose_excess,
+    Motion: six_excess,
+    Force: six_excess,
+    Inertia: excess_of_all,
+    Symmetric3: excess_of_all,
+}
+_NUMBERS = (float, np.float64, int)
+"""Types of factors and divisors."""
 
 
 def _direct(kind: type, names: str, *rows: Row) -> None:
@@ -59,6 +71,17 @@ def _direct(kind: type, names: str, *rows: Row) -> None:
         else:
             made = called_directly(member, *rows, is_method=True)
         setattr(kind, name, made)
+
+
+def _changes(kind: type, names: str, *rows: Row) -> None:
+    """Has methods that change and return their instance called directly: their rows make new instances."""
+    size = 8 * math.prod(_SHAPES[kind])
+    for name in names.split():
+        setattr(
+            kind,
+            name,
+            called_directly(inspect.getattr_static(kind, name), *rows, is_method=True, in_place=size),
+        )
 
 
 def _assigned(kind: type, name: str, part: Callable[[Array], Array], reads: bool = True) -> None:
@@ -84,6 +107,7 @@ def _shared(kind: type) -> None:
     functions: dict[str, tuple[Any, ...]] = {
         "copy": (lambda x: 1.0 * x, shape),
         "equality": (equality, shape, shape),
+        "other": (lambda x, y: 1.0 * y, shape, shape),
     }
     if excess is not None:
         functions |= {
@@ -101,11 +125,29 @@ def _shared(kind: type) -> None:
         within = own.row("nothing within", kind, float, holder=bool)
         _direct(kind, _NOTHING[kind][0], own.row("nothing", kind, holder=bool), within)
     _direct(kind, "__eq__", own.row("equality", kind, kind, holder=bool))
+    _changes(kind, "assign" if kind is Quaternion else "_assign", own.row("other", kind, kind))
     if kind is not Quaternion:
-        _direct(kind, "copy __copy__ cast", own.row("copy", kind))
+        _direct(kind, "copy cast", own.row("copy", kind))
+        kind.__copy__ = _copied  # type: ignore[attr-defined]
     if excess is not None:
         within = own.row("agreement within", kind, kind, float, holder=bool)
         _direct(kind, "isApprox", own.row("agreement", kind, kind, holder=bool), within)
+
+
+def _copied(self: Any) -> Any:
+    """A copy."""
+    return self.copy()  # `copy.copy` asks the class for its method, which runs Python whatever it is
+
+
+_copied.__name__ = _copied.__qualname__ = "__copy__"
+
+
+def _sums(kind: Any) -> None:
+    """Sums and differences."""
+    for name, sign in (("sum", "add"), ("difference", "sub")):
+        row = (BODIES if kind is Inertia else kind._made).row(name, kind, kind)
+        _direct(kind, f"__{sign}__", row)
+        _changes(kind, f"__i{sign}__", row)
 
 
 def _placements() -> None:
@@ -138,11 +180,10 @@ def _motions_and_forces() -> None:
         _assigned(kind, "linear", lambda v: v[:3])
         _assigned(kind, "angular", lambda v: v[3:])
         _assigned(kind, "vector", lambda v: v, reads=False)  # which is the array itself
-        _direct(kind, "__add__", own.row("sum", kind, kind))
-        _direct(kind, "__sub__", own.row("difference", kind, kind))
+        _sums(kind)
         _direct(kind, "__neg__", own.row("opposite", kind))
-        _direct(kind, "__mul__ __rmul__", *[own.row("product", kind, x) for x in (float, np.float64)])
-        _direct(kind, "__truediv__", *[own.row("quotient", kind, x) for x in (float, np.float64)])
+        _direct(kind, "__mul__ __rmul__", *[own.row("product", kind, x) for x in _NUMBERS])
+        _direct(kind, "__truediv__", *[own.row("quotient", kind, x) for x in _NUMBERS])
         _direct(kind, "se3Action", own.row("moved by", kind, SE3))
         _direct(kind, "se3ActionInverse", own.row("moved back by", kind, SE3))
         _direct(kind, "dot", SMALL.row("power", kind, other, holder=float))
@@ -156,15 +197,7 @@ def _motions_and_forces() -> None:
 
 
 def _inertias() -> None:
-    agreement = {
-        "agreement": (lambda p, o: truth_within(inertia_excess(p, o, 1e-12)), (13,), (13,)),
-        "agreement within": (lambda p, o, prec: truth_within(inertia_excess(p, o, prec)), (13,), (13,), ()),
-    }
-    own = BoundFunctions(agreement, holder=Inertia)
-    within = own.row("agreement within", Inertia, Inertia, float, holder=bool)
-    _direct(Inertia, "isApprox", own.row("agreement", Inertia, Inertia, holder=bool), within)
-    _direct(Inertia, "__add__", BODIES.row("sum", Inertia, Inertia))
-    _direct(Inertia, "__sub__", BODIES.row("difference", Inertia, Inertia))
+    _sums(Inertia)
     _direct(Inertia, "__mul__", FORCES_OF_BODIES.row("momentum", Inertia, Motion))
     _assigned(Inertia, "mass", lambda p: p[0:1].reshape(()))
     _assigned(Inertia, "lever", lambda p: p[1:4])
@@ -192,7 +225,12 @@ def _quaternions() -> None:
     product = SMALL.row("quaternion product", Quaternion, Quaternion, holder=Quaternion)
     _direct(Quaternion, "__mul__", product, SMALL.row("quaternion point", Quaternion, np.ndarray))
     _direct(Quaternion, "matrix toRotationMatrix", SMALL.row("quaternion matrix", Quaternion))
+    _changes(Quaternion, "__imul__", product)
+    _changes(Quaternion, "normalize", SMALL.row("quaternion of length 1", Quaternion, holder=Quaternion))
+    _direct(Quaternion, "Identity", copies_of(np.array([0.0, 0.0, 0.0, 1.0]), Quaternion))
+    _direct(Quaternion, "_transformVector", SMALL.row("quaternion point", Quaternion, np.ndarray))
     _direct(Quaternion, "norm", SMALL.row("quaternion norm", Quaternion, holder=float))
+    _direct(Quaternion, "squaredNorm", SMALL.row("quaternion squared norm", Quaternion, holder=float))
     _direct(Quaternion, "dot", SMALL.row("quaternion dot", Quaternion, Quaternion, holder=float))
     for name, function in (
         ("normalized", "quaternion of length 1"),
@@ -210,11 +248,25 @@ def _quaternions() -> None:
     _direct(Quaternion, "slerp", slerp)
 
 
+def _symmetric_matrices() -> None:
+    _sums(Symmetric3)
+    products = [Symmetric3._made.row("product", Symmetric3, x) for x in _NUMBERS]
+    _direct(Symmetric3, "__mul__", *products, SMALL.row("symmetric product", Symmetric3, np.ndarray))
+    _changes(Symmetric3, "__imul__", *products)
+    _direct(Symmetric3, "__neg__", Symmetric3._made.row("opposite", Symmetric3))
+    _direct(Symmetric3, "matrix", SMALL.row("symmetric matrix", Symmetric3))
+    _direct(Symmetric3, "rotate", Symmetric3._made.row("rotated", Symmetric3, np.ndarray))
+    _direct(Symmetric3, "vtiv", SMALL.row("symmetric square", Symmetric3, np.ndarray, holder=float))
+    _direct(Symmetric3, "Zero", copies_of(np.zeros(6), Symmetric3))
+    _direct(Symmetric3, "Identity", copies_of(Symmetric3.Identity()._d, Symmetric3))
+
+
 def call_small_objects_directly() -> None:
-    """Has what is called often of placements, motions, forces, inertias and quaternions called by machine code."""
+    """Has what is called often of placements, motions, inertias, quaternions and the like called by machine code."""
     for kind in _SHAPES:
         _shared(kind)
     _placements()
     _motions_and_forces()
     _inertias()
     _quaternions()
+    _symmetric_matrices()

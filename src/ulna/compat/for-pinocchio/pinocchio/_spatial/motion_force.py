@@ -13,7 +13,7 @@ from pinocchio._containers.keywords import by_name, reads_names, the_one
 from pinocchio._spatial.bound_functions import BoundFunctions, directly, without_gaps
 from pinocchio._spatial.random_numbers import Random
 from pinocchio._spatial.se3 import SE3
-from pinocchio._spatial.small_kernels import SMALL, pose, small_kernel
+from pinocchio._spatial.small_kernels import SIX_NUMBERS, SMALL, pose, small_kernel
 from ulna import numeric, spatial
 from ulna.errors import excerpt
 from ulna.typing import Array, Floats
@@ -313,11 +313,7 @@ def _functions(kind: Any) -> dict[str, tuple[Any, ...]]:
         "random": Random(lambda even: 2.0 * even - 1.0, even=6),
         "moved": (lambda m, v: pose(m).act(kind(v[:3], v[3:])).vector(), _M, _V),
         "moved back": (lambda m, v: pose(m).act_inverse(kind(v[:3], v[3:])).vector(), _M, _V),
-        "sum": (lambda v, w: v + w, _V, _V),
-        "difference": (lambda v, w: v - w, _V, _V),
-        "opposite": (lambda v: -v, _V),
-        "product": (lambda v, x: x * v, _V, ()),
-        "quotient": (lambda v, x: v / x, _V, ()),
+        **SIX_NUMBERS,
         "moved by": (lambda v, m: pose(m).act(kind(v[:3], v[3:])).vector(), _V, _M),
         "moved back by": (lambda v, m: pose(m).act_inverse(kind(v[:3], v[3:])).vector(), _V, _M),
         "cross": (cross, _V, _V),

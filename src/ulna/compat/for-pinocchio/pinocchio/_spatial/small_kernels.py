@@ -62,6 +62,26 @@ def _sum(p: Array, o: Array) -> Array:
     return _numbers(spatial.Inertia(mass, com, a.inertia + b.inertia + (a.mass * share) * spread(way)))
 
 
+def symmetric(d: Array) -> Array:
+    """The symmetric matrix (3, 3) of xx, xy, yy, xz, yz, zz, (6,)."""
+    xx, xy, yy, xz, yz, zz = d
+    return matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def rotated(d: Array, R: Array) -> Array:
+    """R S R^T of a symmetric matrix S.
+
+    Args:
+        d: The matrix as xx, xy, yy, xz, yz, zz, (6,).
+        R: Matrix (3, 3).
+
+    Returns:
+        The product (6,), as `d`.
+    """
+    turned = R @ symmetric(d) @ R.T
+    return np.stack([turned[i, j] for i, j in ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))])
+
+
 def spread(d: Array) -> Array:
     """|d|^2 I - d d^T: the moments of a unit mass at d."""
     x, y, z = d
@@ -269,12 +289,12 @@ def smallness(x: Array, prec: Any) -> Any:
     return truth_within(sum(larger, 0.0))
 
 
-def inertia_excess(p: Array, o: Array, prec: Any) -> Any:
-    """By how much the numbers of inertias differ by more than a part of their norm, or of 1 where that is less.
+def excess_of_all(p: Array, o: Array, prec: Any) -> Any:
+    """By how much all numbers together differ by more than a part of their norm, or of 1 where that is less.
 
     Args:
-        p: Inertia (13,).
-        o: Another one (13,).
+        p: Numbers (n,), such as those of an inertia.
+        o: As many (n,).
         prec: The part [-].
 
     Returns:
@@ -333,6 +353,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "quaternion slerp": (lambda q, t, r: spatial.quat_slerp(q, r, t), _Q, (), _Q),
     "quaternion angle": (_angle, _Q, _Q),
     "quaternion norm": (_norm, _Q),
+    "quaternion squared norm": (lambda q: q @ q, _Q),
     "quaternion of length 1": (lambda q: q / _norm(q), _Q),
     "quaternion inverse": (lambda q: spatial.quat_conjugate(q) / (q @ q), _Q),
     "quaternion conjugate": (spatial.quat_conjugate, _Q),
@@ -345,7 +366,18 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "mass": (lambda p: 1.0 * p[0], _P),
     "moments": (lambda p: 1.0 * p[4:].reshape(3, 3), _P),
     "turn": (spatial.angle_axis_to_matrix, (), _X),
+    "symmetric matrix": (symmetric, _V),
+    "symmetric product": (lambda d, x: symmetric(d) @ x, _V, _X),
+    "symmetric square": (lambda d, x: x @ (symmetric(d) @ x), _V, _X),
 }
+SIX_NUMBERS: dict[str, tuple[Any, ...]] = {
+    "sum": (lambda v, w: v + w, _V, _V),
+    "difference": (lambda v, w: v - w, _V, _V),
+    "opposite": (lambda v: -v, _V),
+    "product": (lambda v, x: x * v, _V, ()),
+    "quotient": (lambda v, x: v / x, _V, ()),
+}
+"""What makes six numbers of others, as motions, forces and symmetric matrices have."""
 
 
 SMALL = BoundFunctions(_FUNCTIONS)

@@ -9,8 +9,10 @@ import numpy as np
 from pinocchio._containers.arguments import ArgumentError, is_number
 from pinocchio._containers.arrays import is_empty, matrix, real, text, vector
 from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.bound_functions import BoundFunctions
 from pinocchio._spatial.motion_force import skew
 from pinocchio._spatial.random_numbers import generator
+from pinocchio._spatial.small_kernels import SIX_NUMBERS, rotated
 from ulna.typing import Floats
 
 
@@ -19,6 +21,8 @@ class Symmetric3:
     """A symmetric 3x3 matrix, stored as xx, xy, yy, xz, yz, zz: `Symmetric3(matrix)`, or those six numbers."""
 
     __slots__ = ("_d",)
+
+    _made: BoundFunctions
 
     @by_name("I", "a0 a1 a2 a3 a4 a5", "other", "clone")
     def __init__(self, *parts: Any) -> None:
@@ -221,3 +225,6 @@ def _packed(full: Floats) -> list[float]:
 def _summand(other: Any) -> Symmetric3:
     """What may be added: a Symmetric3, or a matrix (3, 3)."""
     return other if isinstance(other, Symmetric3) else Symmetric3(matrix(other, (3, 3), "summand"))
+
+
+Symmetric3._made = BoundFunctions({**SIX_NUMBERS, "rotated": (rotated, (6,), (3, 3))}, holder=Symmetric3)
