@@ -27,11 +27,12 @@ from ulna import algorithms
 from ulna.algorithms.dynamics.operational_space import Task
 from ulna.checks.values import checked_robot, flag
 from ulna.control.bounds import within_effort
+from ulna.control.gains import law_with_gains
 from ulna.errors import InputError
 from ulna.kernels import frame_of
 from ulna.linalg import solve_spd
 from ulna.numeric import vector
-from ulna.robot import Robot, compile
+from ulna.robot import Robot
 from ulna.spatial import so3_log
 from ulna.typing import Array
 
@@ -64,7 +65,7 @@ def impedance(
         bounded: Whether torques are kept within the effort limits.
 
     Returns:
-        The kernel `law`.
+        The kernel `law`; it refuses negative gains.
 
     Raises:
         UnknownName: If there is no such frame.
@@ -116,7 +117,7 @@ def operational_space(
         bounded: Whether torques are kept within the effort limits.
 
     Returns:
-        The kernel `law`.
+        The kernel `law`; it refuses negative gains.
 
     Raises:
         UnknownName: If there is no such frame.
@@ -142,6 +143,9 @@ def operational_space(
     return _compiled(law, robot, acceleration_goal=(6,), kp=(6,), kd=(6,))
 
 
+_GAINS = ("stiffness", "damping", "kp", "kd", "stiffness_rest", "damping_rest")
+
+
 def _check(regularisation: float) -> None:
     if not isinstance(regularisation, (int, float, np.number)) or not 0.0 < regularisation < np.inf:
         raise InputError(
@@ -152,7 +156,7 @@ def _check(regularisation: float) -> None:
 
 def _compiled(law: Any, robot: Robot, **shapes: Any) -> Any:
     posture = dict(zip(_POSTURE, ((robot.nq,), (robot.nv,), (robot.nv,)), strict=True))
-    return compile(law, robot, checked=True, T_goal=(4, 4), twist_goal=(6,), **shapes, **posture)
+    return law_with_gains(law, robot, _GAINS, T_goal=(4, 4), twist_goal=(6,), **shapes, **posture)
 
 
 def _task_error(robot: Robot, frame: Any, q: Array, v: Array, T_goal: Array) -> _TaskError:

@@ -22,8 +22,9 @@ from ulna import algorithms
 from ulna.algorithms import Friction
 from ulna.checks.values import checked_robot, flag
 from ulna.control.bounds import within_effort
+from ulna.control.gains import law_with_gains
 from ulna.quantities.forces import friction_law
-from ulna.robot import Robot, compile
+from ulna.robot import Robot
 from ulna.typing import Array
 
 
@@ -39,7 +40,7 @@ def joint_pd(robot: Robot, *, bounded: bool = True) -> Any:
         bounded: Whether torques are kept within the effort limits.
 
     Returns:
-        The kernel `law`.
+        The kernel `law`; it refuses negative gains.
 
     Example:
         >>> robot = ulna.load("panda")
@@ -55,15 +56,9 @@ def joint_pd(robot: Robot, *, bounded: bool = True) -> Any:
         tau = stiffness * e + damping * (v_goal - v) + algorithms.gravity_forces(model, q)
         return within_effort(model, tau) if bounded else tau
 
-    return compile(
-        law,
-        robot,
-        checked=True,
-        q_goal=(robot.nq,),
-        v_goal=(robot.nv,),
-        stiffness=(robot.nv,),
-        damping=(robot.nv,),
-    )
+    nv = robot.nv
+    gains = {"stiffness": (nv,), "damping": (nv,)}
+    return law_with_gains(law, robot, tuple(gains), q_goal=(robot.nq,), v_goal=(nv,), **gains)
 
 
 def computed_torque(robot: Robot, *, bounded: bool = True, friction: bool | Friction = False) -> Any:
@@ -80,7 +75,7 @@ def computed_torque(robot: Robot, *, bounded: bool = True, friction: bool | Fric
             velocity: at the measured one, noise about standstill would switch Coulomb friction.
 
     Returns:
-        The kernel `law`.
+        The kernel `law`; it refuses negative gains.
 
     Example:
         >>> robot = ulna.load("panda")
@@ -100,6 +95,5 @@ def computed_torque(robot: Robot, *, bounded: bool = True, friction: bool | Fric
         return within_effort(model, tau) if bounded else tau
 
     nv = robot.nv
-    return compile(
-        law, robot, checked=True, q_goal=(robot.nq,), v_goal=(nv,), a_goal=(nv,), kp=(nv,), kd=(nv,)
-    )
+    gains = {"kp": (nv,), "kd": (nv,)}
+    return law_with_gains(law, robot, tuple(gains), q_goal=(robot.nq,), v_goal=(nv,), a_goal=(nv,), **gains)

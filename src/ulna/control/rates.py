@@ -16,9 +16,10 @@ from ulna import algorithms
 from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.checks.values import checked_robot, flag
 from ulna.control.bounds import within_speed
+from ulna.control.gains import law_with_gains
 from ulna.kernels import frame_of
 from ulna.linalg import solve_damped
-from ulna.robot import Robot, compile
+from ulna.robot import Robot
 from ulna.typing import Array
 
 
@@ -42,7 +43,7 @@ def resolved_rate(
         bounded: Whether all joints are slowed alike until none exceeds its velocity limit.
 
     Returns:
-        The kernel `law`.
+        The kernel `law`; it refuses a negative damping.
 
     Raises:
         UnknownName: If there is no such frame or reference.
@@ -58,4 +59,4 @@ def resolved_rate(
         v = v_rest + solve_damped(J, wanted, damping * damping + 1e-14)
         return within_speed(model, v) if bounded else v
 
-    return compile(law, robot, checked=True, twist=(6,), damping=(), v_rest=(robot.nv,))
+    return law_with_gains(law, robot, ("damping",), twist=(6,), damping=(), v_rest=(robot.nv,))

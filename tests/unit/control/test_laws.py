@@ -1,6 +1,7 @@
 """Control laws: the published formulas, and robots that come to rest where they should, driven by torques."""
 
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
@@ -323,3 +324,41 @@ def test_admittance_over_impedance_yields_to_a_pushing_hand(panda):
     log = simulate(panda, q0, torque=drive, duration=3.0, dt=1e-3)
     moved = T[:3, :3].T @ (panda.fk(log.q[-1])[:3, 3] - T[:3, 3])
     np.testing.assert_allclose(moved, [0.03, 0.0, 0.0], atol=1e-3)
+
+
+def test_negative_gains_are_refused(panda: ulna.Robot) -> None:
+    """A law with one drove the robot away from its goal without a word."""
+    q, zero, rest = panda.configurations["ready"], np.zeros(7), (panda.neutral, np.ones(7), np.ones(7))
+    T, six = panda.fk(q), np.zeros(6)
+    laws: list[tuple[Any, list[Any], list[int]]] = [
+        (control.joint_pd(panda), [q, zero, q, zero, np.ones(7), np.ones(7)], [4, 5]),
+        (control.computed_torque(panda), [q, zero, q, zero, zero, np.ones(7), np.ones(7)], [5, 6]),
+        (control.impedance(panda), [q, zero, T, six, np.ones(6), np.ones(6), *rest], [4, 5, 7, 8]),
+        (
+            control.operational_space(panda),
+            [q, zero, T, six, six, np.ones(6), np.ones(6), *rest],
+            [5, 6, 8, 9],
+        ),
+        (control.resolved_rate(panda), [q, six, 0.1, zero], [2]),
+    ]
+    for law, arguments, gains in laws:
+        expected = law(*arguments)
+        for k in gains:
+            name = law.function.inputs[k].name
+            for wrong in (-1e-9, -1.0):
+                changed = list(arguments)
+                changed[k] = np.array(arguments[k], dtype=float)
+                changed[k].flat[-1] = wrong
+                message = f"`{name}` holds {wrong:g}; expected numbers of zero or more"
+                message = message.replace("+", "[+]")
+                with pytest.raises(InputError, match=message):
+                    law(*changed)
+                with pytest.raises(InputError, match=message):  # in a batch
+                    law(*(np.stack([a, b]) for a, b in zip(arguments, changed, strict=True)))
+                with pytest.raises(InputError, match=message):  # another type, pickled, and a derivative
+                    pickle.loads(pickle.dumps(law))(*(np.asarray(x).tolist() for x in changed))
+            changed[k] = -0.0 * np.asarray(arguments[k])
+            assert np.isfinite(law(*changed)).all()
+        np.testing.assert_array_equal(law(*arguments), expected)
+    with pytest.raises(InputError, match="`stiffness` holds -1"):
+        laws[0][0].jacobian()(q, zero, q, zero, -np.ones(7), np.ones(7))

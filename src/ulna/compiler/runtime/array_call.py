@@ -10,7 +10,7 @@ from typing import Any, final
 
 import numpy as np
 
-from ulna.checks.arrays import batched_shape, check_core_shape, check_finite, real_array
+from ulna.checks.arrays import batched_shape, check_core_shape, check_finite, check_not_negative, real_array
 from ulna.checks.masked import check_not_masked
 from ulna.checks.quaternions import check_unit
 from ulna.compiler.codegen.ir_text import DType
@@ -46,6 +46,7 @@ class ArrayCall:
         dtype: The type of numbers it computes with.
         checked: Whether arguments must be finite.
         unit: Which entries of inputs are unit quaternions.
+        not_negative: The numbers of inputs of which no entry may be negative, such as gains.
         labels: By name of an input or number of an output, what the entries of its last axis are called.
         evaluate: What evaluates batches, called as a generalised ufunc is; None to compile one.
         least_rows: Samples for which a thread is worth while [-]; None to estimate them from the function.
@@ -60,8 +61,10 @@ class ArrayCall:
         labels: Mapping[str | int, Sequence[str]] | None = None,
         evaluate: Callable[..., Any] | None = None,
         least_rows: int | None = None,
+        not_negative: Sequence[int] = (),
     ) -> None:
         self.function, self.dtype, self.checked, self.unit = function, dtype, checked, unit
+        self.not_negative = tuple(not_negative)
         self.labels = {} if labels is None else dict(labels)
         # The kernel, where its single calls can be machine code, and that code, once it is needed.
         self.single: Callable[[], Any] = lambda: None
@@ -81,13 +84,18 @@ class ArrayCall:
 
     def __reduce__(self) -> tuple[Any, ...]:
         evaluate = None if isinstance(self._ufunc, np.ufunc) else self._ufunc
-        settings = self.unit, self.labels, evaluate, self._least_rows
+        settings = self.unit, self.labels, evaluate, self._least_rows, self.not_negative
         return ArrayCall, (self.function, self.dtype, self.checked, *settings)
 
     @property
     def input_labels(self) -> dict[str | int, Sequence[str]]:
         """The labels of the inputs alone."""
         return {name: row for name, row in self.labels.items() if isinstance(name, str)}
+
+    @property
+    def input_settings(self) -> tuple[Any, ...]:
+        """What is checked of the inputs, and what their entries are called, as `compile` takes it after the type."""
+        return self.checked, self.unit, self.input_labels, self.not_negative
 
     @property
     def element(self) -> DType:
@@ -100,7 +108,8 @@ class ArrayCall:
 
     def single_ir(self) -> str:
         """IR of single calls; see `entry_point.entry_ir`."""
-        return entry_point.entry_ir(self.function, jit.target(), self.element, self.checked, self.unit)
+        settings = self.checked, self.unit, self.not_negative
+        return entry_point.entry_ir(self.function, jit.target(), self.element, *settings)
 
     def single_code(self) -> jit.Code:
         """Machine code of single calls, compiled when it is first asked for; from then on the kernel runs it."""
@@ -222,7 +231,7 @@ class ArrayCall:
 
         Raises:
             NonFiniteError: A number is not finite.
-            InputError: A quaternion has not length one.
+            InputError: A quaternion has not length one, or a number is negative that must not be.
         """
         for a, port in zip(arrays, self.function.inputs, strict=True):
             if a is not None:
@@ -230,6 +239,9 @@ class ArrayCall:
         for number, entries in self.unit:
             if arrays[number] is not None:
                 check_unit(self.function.inputs[number].name, arrays[number], [entries])
+        for number in self.not_negative:
+            if arrays[number] is not None:
+                check_not_negative(self.function.inputs[number].name, arrays[number])
 
     def _apply(self, args: Sequence[Any], out: Any) -> Any:
         result = self.ufunc(*args) if out is None else self.ufunc(*args, out=out)

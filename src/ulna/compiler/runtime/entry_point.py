@@ -45,11 +45,13 @@ def entry_ir(
     element: DType = "double",
     checked: bool = False,
     unit_entries: Sequence[tuple[int, Sequence[int]]] = (),
+    not_negative: Sequence[int] = (),
 ) -> str:
     """IR of a single call: the scalar block, `entry`, a CPython vectorcall function around it, and `work`.
     `i32 work(ptr pointers)` takes pointers to all inputs, then all outputs, which may be the inputs; 0 says that it is
-    done. With `checked`, `entry` leaves inputs that are not finite or, at `unit_entries`, not unit to the general
-    path, which raises an error; `work` returns 1. Where batches are samples one by one, `batch` is their loop.
+    done. With `checked`, `entry` leaves inputs that are not finite or, at `unit_entries`, not unit, or negative where
+    they must not be, to the general path, which raises an error; `work` returns 1. Where batches are samples one by
+    one, `batch` is their loop.
 
     Args:
         f: The function.
@@ -57,6 +59,7 @@ def entry_ir(
         element: Type of the array elements, "double" or "float".
         checked: Whether inputs are examined.
         unit_entries: Pairs of the number of an input and of those of its entries that must be a unit vector.
+        not_negative: The numbers of inputs of which no entry may be negative.
 
     Returns:
         The text of the definitions.
@@ -87,7 +90,7 @@ def entry_ir(
     w.end_function()
     _write_work(w, f, checked)
     if checked:
-        _write_invalid(w, f, element, unit_entries)
+        _write_invalid(w, f, element, unit_entries, not_negative)
     batch = one_by_one(f, element) if serves_batches_one_by_one(f, target, element) else ""
     return emit_single(f, target, element) + w.text() + batch
 
@@ -172,12 +175,18 @@ def _write_work(w: Instructions, f: Function, checked: bool) -> None:
 
 
 def _write_invalid(
-    w: Instructions, f: Function, element: DType, unit_entries: Sequence[tuple[int, Sequence[int]]]
+    w: Instructions,
+    f: Function,
+    element: DType,
+    unit_entries: Sequence[tuple[int, Sequence[int]]],
+    not_negative: Sequence[int],
 ) -> None:
     w.begin_function(f"define internal i1 @invalid({_pointers(f.inputs, 'data')}) noinline nounwind")
     _check_finite(w, f, element)
     for number, (k, entries) in enumerate(unit_entries):
         _check_unit(w, number, k, entries, element)
+    for k in not_negative:
+        _check_not_negative(w, k, f.inputs[k].size, element)
     w.write("ret i1 false")
     w.open_block("general")
     w.write("ret i1 true")
@@ -263,3 +272,13 @@ def _check_unit(w: Instructions, number: int, k: int, entries: Sequence[int], el
     w.let(f"{unit}.bad", f"or i1 %{unit}.over, %{unit}.under")
     w.branch(f"%{unit}.bad", "general", f"unit{number}")
     w.open_block(f"unit{number}")
+
+
+def _check_not_negative(w: Instructions, k: int, size: int, element: DType) -> None:
+    """No entry of input k, whose values `_check_finite` has loaded, may be negative."""
+    bad = "false"
+    for j in range(size):
+        less = w.let(f"n{k}.{j}.less", f"fcmp olt {element} %f{k}.{j}, 0.0")
+        bad = w.let(f"n{k}.{j}.bad", f"or i1 {bad}, {less}")
+    w.branch(bad, "general", f"least{k}")
+    w.open_block(f"least{k}")

@@ -156,7 +156,7 @@ class KernelBase:
             (28,)
         """
         call = self._array_call
-        return compile(self.function.packed(zeros), self.dtype, call.checked, call.unit, call.input_labels)
+        return compile(self.function.packed(zeros), self.dtype, *call.input_settings)
 
     def pattern(self, zeros: bool = False) -> Any:
         """Which entries of its matrices `packed` stores.
@@ -182,7 +182,7 @@ class KernelBase:
     def _derived(self, what: str, *wrt: str | int) -> Any:
         function = differentiated(self.function, what, *wrt)
         call = self._array_call  # the inputs of the kernel come first among those of its derivative
-        return compile(function, self.dtype, call.checked, call.unit, call.input_labels)
+        return compile(function, self.dtype, *call.input_settings)
 
     def into(
         self,
@@ -275,7 +275,8 @@ class KernelBase:
 
     def __reduce__(self) -> tuple[Any, ...]:
         call = self._array_call
-        return compile, (self.function, self.dtype.name, call.checked, call.unit, call.labels)
+        settings = call.checked, call.unit, call.labels, call.not_negative
+        return compile, (self.function, self.dtype.name, *settings)
 
 
 class SlowKernel(KernelBase):
@@ -351,6 +352,7 @@ def compile(
     checked: bool = False,
     unit_entries: Unit = (),
     labels: Mapping[str | int, Sequence[str]] | None = None,
+    not_negative: Sequence[int] = (),
     **shapes: tuple[int, ...] | int,
 ) -> Any:
     """Makes a kernel of a traced function; its machine code is made when it is first called, or bound by `into`.
@@ -363,6 +365,7 @@ def compile(
             ...
         labels: By name of an input or number of an output, what the entries of its last axis are called: arrays of
             xarray are put in that order.
+        not_negative: With `checked`, the numbers of inputs of which no entry may be negative, such as gains.
         **shapes: Shape of each argument, if `f` is not traced yet.
 
     Returns:
@@ -380,7 +383,7 @@ def compile(
         f = trace(f, **dict[str, Any](shapes))
     elif shapes:
         raise TypeError("Shapes are given for a function that is traced already.")
-    array_call = ArrayCall(f, element_of(dtype), checked, unit_entries, labels)
+    array_call = ArrayCall(f, element_of(dtype), checked, unit_entries, labels, not_negative=not_negative)
     own_type = native_type()
     if "graph" in os.environ.get("ULNA_DEBUG", ""):
         print(f"[ulna] {f.name}{f.signature}: {f.operations} operations {f.operation_counts}")
