@@ -69,7 +69,7 @@ class Derivatives(Part):
         columns=with_external_forces(algorithms.columns_of_derivatives),
         columns_from=6,
         stages=algorithms.stages_of_forward_dynamics_derivatives,
-        stages_from=12,
+        stages_from=7,
         **_FIXED,
     )
     def forward_dynamics(

@@ -290,4 +290,7 @@ def _shaped(name: str, value: Any, core: tuple[int, ...]) -> Any:
 
 def _needs_conversion(array: Array) -> bool:
     """Whether an array of NumPy holds whole numbers, or may mask some."""
-    return array.dtype.kind in _WHOLE or isinstance(array, np.ma.MaskedArray)
+    if array.dtype.kind in _WHOLE:
+        return True
+    # Of a plain array `np.ma` is not read: NumPy imports it then, which takes a fifth of loading a robot.
+    return type(array) is not np.ndarray and isinstance(array, np.ma.MaskedArray)

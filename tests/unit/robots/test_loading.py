@@ -22,6 +22,11 @@ URDF = """<robot name="tiny"><link name="a"/><link name="b">
 needs_data = pytest.mark.skipif(example_robot_data.share_folder() is None, reason="example-robot-data")
 
 
+def test_loading_a_robot_does_not_import_masked_arrays():
+    code = "import sys, ulna; ulna.load('panda', visuals='simple'); sys.exit('numpy.ma' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
 @pytest.fixture
 def file(tmp_path):
     path = tmp_path / "tiny.urdf"

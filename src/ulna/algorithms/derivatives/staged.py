@@ -43,6 +43,11 @@ from ulna.numeric import cross, dot
 from ulna.spatial import Force
 from ulna.typing import Array
 
+_WALKED_FROM = 12
+"""Velocities of serial chains from which on M is not factored, since its condition grows with their number.
+
+Of fewer, solutions by its factors take a half to two thirds of the time of walks along the chain."""
+
 
 def stages_of_inverse_dynamics_derivatives(model: Model, forces: Sequence[str] = ()) -> StagedForm | None:
     """The derivatives of the torques of inverse dynamics with respect to q, v and a.
@@ -94,7 +99,7 @@ def stages_of_forward_dynamics_derivatives(
         return numbers(whole.body.apply(motion(s))), np.array([dot(s, sums[21:])], dtype=object)
 
     stages.lanes(responses, ("s", "sums", "mass"), ("r", "h_0"))
-    if is_serial(model):
+    if is_serial(model) and n >= _WALKED_FROM:
         return _derivatives_of_serial_chains(frame)
     frame.factors()
     solve = solution_by_rows(frame.paths)
