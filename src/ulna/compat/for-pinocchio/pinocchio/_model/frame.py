@@ -41,19 +41,6 @@ _NOTHING = Inertia()
 """The inertia of frames that were made without one: it never changes."""
 
 
-def _is_usual(name: Any, joint: Any, frame: Any, placement: Any, type_: Any) -> bool:
-    """Whether the parts of a frame are of the usual types, and the indices what they may be."""
-    return (
-        type(name) is str
-        and type(joint) is int
-        and type(frame) is int
-        and type(placement) is SE3
-        and type(type_) is FrameType
-        and 0 <= joint <= NO_INDEX
-        and 0 <= frame <= NO_INDEX
-    )
-
-
 @final
 class Frame(HasPlacement):
     """`Frame(name, parentJoint, parentFrame, placement, type, inertia)`; parent frame and inertia may be left out."""
@@ -63,22 +50,23 @@ class Frame(HasPlacement):
     @reads_names(*_ORDERS)
     def __init__(self, *parts: Any, **named: Any) -> None:
         count = 0 if named else len(parts)
-        facts: Any = None
-        if count == 1 and type(parts[0]) is Frame:
-            facts, placement = parts[0]._facts_now(), parts[0]._placement
-        elif count == 5:
+        if count == 5:
             name, joint, frame, placement, type_ = parts
-            if _is_usual(name, joint, frame, placement, type_):
-                facts = name, type_, joint, frame, _NOTHING
         elif count == 4:
-            name, joint, placement, type_ = parts
-            if _is_usual(name, joint, 0, placement, type_):
-                facts = name, type_, joint, 0, _NOTHING
-        if facts is None:
-            self._set(*parts, **named)
+            (name, joint, placement, type_), frame = parts, 0
+        elif count == 1 and type(parts[0]) is Frame:
+            facts, placement = parts[0]._facts_now(), parts[0]._placement
+            self._facts, self._placement, self._inertia, self._counters = facts, placement.copy(), None, ()
+            return
         else:
-            self._facts, self._placement = facts, placement.copy()
+            self._set(*parts, **named)
+            return
+        is_usual = type(name) is str and type(placement) is SE3 and type(type_) is FrameType
+        if is_usual and type(joint) is type(frame) is int and 0 <= joint <= NO_INDEX >= frame >= 0:
+            self._facts, self._placement = (name, type_, joint, frame, _NOTHING), placement.copy()
             self._inertia, self._counters = None, ()
+        else:
+            self._set(*parts)
 
     @by_name(*_ORDERS)
     def _set(self, *parts: Any) -> None:
