@@ -80,7 +80,17 @@ def test_segments_equal_the_definition(joints):
         np.testing.assert_allclose(single(q.astype(np.float32)), right, atol=5e-5)
 
 
-DYNAMICS = {"centroidal_matrix": 1, "centroidal_momentum": 2, "mass_matrix": 1, "inverse_mass_matrix": 1}
+DYNAMICS = {
+    "bias_forces": 2,
+    "center_of_mass_jacobian": 1,
+    "centroidal_matrix": 1,
+    "centroidal_momentum": 2,
+    "inverse_dynamics": 3,
+    "inverse_mass_matrix": 1,
+    "kinetic_energy": 2,
+    "mass_matrix": 1,
+    "mechanical_energy": 2,
+}
 """How many arguments they take."""
 
 
@@ -89,7 +99,7 @@ DYNAMICS = {"centroidal_matrix": 1, "centroidal_momentum": 2, "mass_matrix": 1, 
 def test_dynamics_with_poses_in_segments_equal_the_definition(name, joints):
     model = chain(joints, joints)
     rng = np.random.default_rng(joints)
-    arrays = [rng.uniform(-3.0, 3.0, model.nq), rng.normal(size=model.nv)][: DYNAMICS[name]]
+    arrays = [rng.uniform(-3.0, 3.0, model.nq), *rng.normal(size=(2, model.nv))][: DYNAMICS[name]]
     right = getattr(algorithms, name)(model, *arrays)
     scale = np.abs(right).max()
     kernel = kernels.kernel(model, name)
@@ -103,6 +113,129 @@ def test_dynamics_with_poses_in_segments_equal_the_definition(name, joints):
     if name != "inverse_mass_matrix":  # of which single precision loses too many digits
         single = kernels.kernel(model, name, dtype=np.float32)(*(x.astype(np.float32) for x in arrays))
         assert np.abs(single - right).max() < 3e-5 * scale
+
+
+DERIVATIVES = {"forward_dynamics_derivatives": 3, "inverse_dynamics_derivatives": 3}
+"""How many arguments they take."""
+
+
+@pytest.mark.parametrize("name", DERIVATIVES)
+def test_derivatives_with_sums_in_segments_equal_the_definition(name):
+    """Also with drives, bodies without mass and gravity along no axis."""
+    for model in (chain(33, 7006), far_chain(26)):
+        rng = np.random.default_rng(7007)
+        arrays = [rng.uniform(-3.0, 3.0, model.nq), *rng.normal(size=(2, model.nv))]
+        kernel = kernels.kernel(model, name)
+        if jit.target().register_bytes >= 32:
+            assert any(type(stage).__name__ == "Scan" for stage in kernel.function.columns.stages)
+        wanted = getattr(algorithms, name)(model, *arrays)
+        for got, right in zip(kernel(*arrays), wanted, strict=True):
+            np.testing.assert_allclose(got, right, rtol=1e-7, atol=1e-10 * np.abs(right).max())
+
+
+SCANS = sorted(DYNAMICS.keys() - {"inverse_mass_matrix", "mass_matrix"})
+"""Those that are nothing but walks along segments."""
+
+
+def far_chain(joints: int) -> Model:
+    """A chain with drives, bodies without mass and slanting gravity, whose root is 10 km from the world's origin."""
+    rng = np.random.default_rng(7001)
+    builder = ModelBuilder("far").add_link("l0")
+    for k in range(joints):
+        body = Inertia.zero()
+        if k % 5:
+            inertia = np.diag(rng.uniform(0.02, 0.03, 3))
+            body = Inertia.from_com(rng.uniform(0.5, 1.5), rng.uniform(-0.2, 0.2, 3), inertia)
+        place = rng.uniform(-0.3, 0.3, 3) if k else np.array([6e3, -7e3, 4e3])
+        placement = SE3(SE3.from_rpy(rng.uniform(-2.0, 2.0, 3)).rotation, place)
+        builder = builder.add_link(f"l{k + 1}", body).add_joint(
+            f"j{k}", Revolute((0.0, 0.0, 1.0)), f"l{k}", f"l{k + 1}", placement, armature=0.1 + 0.01 * k
+        )
+    return replace(builder.build(), gravity=np.array([1.0, -2.0, -9.0]))
+
+
+@pytest.mark.parametrize("name", SCANS)
+def test_far_from_the_origin(name):
+    """As precise as near it; of energies the potential is a product with a large distance."""
+    model = far_chain(43)
+    rng = np.random.default_rng(7002)
+    arrays = [rng.uniform(-3.0, 3.0, model.nq), *rng.normal(size=(2, model.nv))][: DYNAMICS[name]]
+    kernel = kernels.kernel(model, name)
+    if jit.target().register_bytes >= 32:
+        assert kernel.function.columns is not None
+    right = getattr(algorithms, name)(model, *arrays)
+    few = 1e-9 if name.startswith("centroidal") else 1e-13  # the definition loses these digits
+    np.testing.assert_allclose(kernel(*arrays), right, rtol=0.0, atol=few * np.abs(right).max())
+    at_origin = SE3(model.joints[0].placement.rotation, np.zeros(3))
+    joints = (replace(model.joints[0], placement=at_origin), *model.joints[1:])
+    if name != "mechanical_energy":
+        there = kernels.kernel(replace(model, joints=joints), name)(*arrays)
+        np.testing.assert_allclose(kernel(*arrays), there, rtol=0.0, atol=1e-13 * np.abs(there).max())
+
+
+@pytest.mark.parametrize("name", SCANS)
+def test_dynamics_of_thousands_of_joints(name):
+    """Beside loops over joints."""
+    model = chain(1100, 7003)
+    rng = np.random.default_rng(7003)
+    arrays = [rng.uniform(-3.0, 3.0, model.nq), *rng.normal(size=(2, model.nv))][: DYNAMICS[name]]
+    right = kernels.looped(model, name)(*arrays)
+    scale = np.abs(right).max()
+    kernel = kernels.kernel(model, name)
+    np.testing.assert_allclose(kernel(*arrays), right, rtol=0.0, atol=1e-12 * scale)
+    batch = [np.stack([x, -x, x]) for x in arrays]
+    np.testing.assert_allclose(kernel(*batch)[2], right, rtol=0.0, atol=1e-12 * scale)
+    single = kernels.kernel(model, name, dtype=np.float32)(*(x.astype(np.float32) for x in arrays))
+    assert np.abs(single - right).max() < 1e-4 * scale
+
+
+@pytest.mark.parametrize(("name", "count"), [("inverse_mass_matrix", 1), ("forward_dynamics_derivatives", 3)])
+def test_single_precision_of_long_chains_is_that_of_double(name, count):
+    """Masses of long chains need float64: stages compute in it, and results are rounded."""
+    model = chain(80, 7008)
+    rng = np.random.default_rng(7008)
+    arrays = [rng.uniform(-3.0, 3.0, (2, model.nq)), *rng.normal(size=(2, 2, model.nv))][:count]
+    arrays = [x.astype(np.float32) for x in arrays]
+    single, double = (kernels.kernel(model, name, dtype=dtype) for dtype in (np.float32, np.float64))
+    wanted = double(*(x.astype(float) for x in arrays))
+    found, wanted = (x if isinstance(x, tuple) else (x,) for x in (single(*arrays), wanted))
+    for got, right in zip(found, wanted, strict=True):
+        assert got.dtype == np.float32
+        np.testing.assert_allclose(got, right, rtol=1e-5, atol=1e-7 * np.abs(right).max())
+
+
+def test_torques_may_lie_on_the_argument():
+    model = chain(30, 7004)
+    rng = np.random.default_rng(7004)
+    arrays = [rng.uniform(-3.0, 3.0, model.nq), *rng.normal(size=(2, model.nv))]
+    kernel = kernels.kernel(model, "inverse_dynamics")
+    expected = kernel(*arrays)
+    for k in range(3):
+        given = [x.copy() for x in arrays]
+        kernel(*given, out=given[k])
+        np.testing.assert_array_equal(given[k], expected)
+
+
+def test_forces_friction_and_parts_of_a_chain_keep_straight_line_code():
+    model = chain(30, 7005)
+    rng = np.random.default_rng(7005)
+    q, v, a = rng.uniform(-3.0, 3.0, model.nq), *rng.normal(size=(2, model.nv))
+    robot = Robot(model)
+    law = algorithms.Friction(viscous=0.3)
+    np.testing.assert_allclose(
+        robot.inverse_dynamics(q, v, a, friction=law), robot.inverse_dynamics(q, v, a) + 0.3 * v, rtol=1e-9
+    )
+    wrench = np.array([1.0, 2.0, 3.0, 0.0, 0.0, 0.0])
+    lever = robot.jacobian(q, "tip").T @ wrench
+    for loaded, free in (
+        (robot.inverse_dynamics(q, v, a, {"tip": wrench}), robot.inverse_dynamics(q, v, a)),
+        (robot.bias_forces(q, v, {"tip": wrench}), robot.bias_forces(q, v)),
+    ):
+        np.testing.assert_allclose(loaded, free - lever, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(
+        robot.centroidal.jacobian(q, "j9"), algorithms.center_of_mass_jacobian(model, q, "j9"), atol=1e-13
+    )
+    assert not is_in_stages(model, "center_of_mass_jacobian", subtree="j9")
 
 
 def test_impacts_keep_frames_that_constraints_refer_to():
@@ -123,7 +256,7 @@ def test_dynamics_in_all_widths_of_registers(name, register_bytes):
     model = chain(29, 3)
     f = kernels.kernel(model, name).function
     rng = np.random.default_rng(3)
-    arrays = [rng.uniform(-3.0, 3.0, model.nq), rng.normal(size=model.nv)][: DYNAMICS[name]]
+    arrays = [rng.uniform(-3.0, 3.0, model.nq), *rng.normal(size=(2, model.nv))][: DYNAMICS[name]]
     held = _computed(f, arrays, register_bytes, True)
     right = getattr(algorithms, name)(model, *arrays)
     np.testing.assert_allclose(held, right, rtol=1e-8, atol=1e-11 * np.abs(right).max())

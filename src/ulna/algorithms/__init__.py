@@ -65,9 +65,6 @@ if TYPE_CHECKING:
         stages_of_centroidal_derivatives as stages_of_centroidal_derivatives,
     )
     from ulna.algorithms.derivatives.staged import stages_of_centroidal_matrix as stages_of_centroidal_matrix
-    from ulna.algorithms.derivatives.staged import (
-        stages_of_centroidal_momentum as stages_of_centroidal_momentum,
-    )
     from ulna.algorithms.derivatives.staged import stages_of_coriolis_matrix as stages_of_coriolis_matrix
     from ulna.algorithms.derivatives.staged import (
         stages_of_forward_dynamics_derivatives as stages_of_forward_dynamics_derivatives,
@@ -148,6 +145,19 @@ if TYPE_CHECKING:
     from ulna.algorithms.dynamics.rnea_point_accelerations import inverse_dynamics as inverse_dynamics
     from ulna.algorithms.dynamics.rnea_point_accelerations import joint_wrenches as joint_wrenches
     from ulna.algorithms.dynamics.rnea_point_accelerations import static_torque as static_torque
+    from ulna.algorithms.dynamics.staged_chains import stages_of_bias_forces as stages_of_bias_forces
+    from ulna.algorithms.dynamics.staged_chains import (
+        stages_of_center_of_mass_jacobian as stages_of_center_of_mass_jacobian,
+    )
+    from ulna.algorithms.dynamics.staged_chains import (
+        stages_of_centroidal_momentum as stages_of_centroidal_momentum,
+    )
+    from ulna.algorithms.dynamics.staged_chains import (
+        stages_of_inverse_dynamics as stages_of_inverse_dynamics,
+    )
+    from ulna.algorithms.dynamics.staged_chains import (
+        stages_of_mechanical_energy as stages_of_mechanical_energy,
+    )
     from ulna.algorithms.kinematics.analytical_jacobian import Representation as Representation
     from ulna.algorithms.kinematics.analytical_jacobian import analytical_jacobian as analytical_jacobian
     from ulna.algorithms.kinematics.analytical_jacobian import (
@@ -228,7 +238,6 @@ _NAMES = {
     "derivatives.staged": (
         "stages_of_centroidal_derivatives",
         "stages_of_centroidal_matrix",
-        "stages_of_centroidal_momentum",
         "stages_of_coriolis_matrix",
         "stages_of_forward_dynamics_derivatives",
         "stages_of_inverse_dynamics_derivatives",
@@ -292,6 +301,13 @@ _NAMES = {
         "inverse_dynamics",
         "joint_wrenches",
         "static_torque",
+    ),
+    "dynamics.staged_chains": (
+        "stages_of_bias_forces",
+        "stages_of_center_of_mass_jacobian",
+        "stages_of_centroidal_momentum",
+        "stages_of_inverse_dynamics",
+        "stages_of_mechanical_energy",
     ),
     "kinematics.analytical_jacobian": ("Representation", "analytical_jacobian", "analytical_jacobian_dot"),
     "kinematics.configuration_space": (

@@ -29,7 +29,12 @@ class Centroidal(Part):
         """Acceleration of the centre of mass in the world."""
         ...
 
-    @quantity(algorithms.center_of_mass_jacobian, "(3, nv) [m/rad or 1]")
+    @quantity(
+        algorithms.center_of_mass_jacobian,
+        "(3, nv) [m/rad or 1]",
+        stages=algorithms.stages_of_center_of_mass_jacobian,
+        scans=True,
+    )
     def jacobian(self, q: ArrayLike, subtree: str | None = None) -> Floats:
         """The matrix that maps `v` to the velocity of the centre of mass."""
         ...
@@ -38,7 +43,7 @@ class Centroidal(Part):
         algorithms.centroidal_momentum,
         "(6,) [N s, N m s]",
         stages=algorithms.stages_of_centroidal_momentum,
-        stages_from=24,
+        scans=True,
     )
     def momentum(self, q: ArrayLike, v: ArrayLike) -> Floats:
         """The momentum about the centre of mass [Orin, Goswami & Lee 2013]."""

@@ -54,6 +54,23 @@ def _forward_dynamics(
     return with_external_forces(algorithms.forward_dynamics)(model, q, v, total, *rest, **options)
 
 
+def _stages_of_inverse_dynamics(model: Model, forces: Any, reference: Any, friction: Any) -> Any:
+    """The form of stages; None under forces, or under friction."""
+    if forces or friction_law(model, friction) is not None:
+        return None
+    return algorithms.stages_of_inverse_dynamics(model)
+
+
+def _stages_of_bias_forces(model: Model, forces: Any, reference: Any) -> Any:
+    """The form of stages; None under forces."""
+    return None if forces else algorithms.stages_of_bias_forces(model)
+
+
+def _stages_of_kinetic_energy(model: Model) -> Any:
+    """The form of stages."""
+    return algorithms.stages_of_mechanical_energy(model, potential=False)
+
+
 class Dynamics(Part):
     """How a robot moves under torques and forces, and what it weighs.
 
@@ -68,7 +85,14 @@ class Dynamics(Part):
 
     __slots__ = ()
 
-    @quantity(_inverse_dynamics, "(nv,) [N m or N]", nodes=165, **_WITH_FRICTION)
+    @quantity(
+        _inverse_dynamics,
+        "(nv,) [N m or N]",
+        nodes=165,
+        stages=_stages_of_inverse_dynamics,
+        scans=True,
+        **_WITH_FRICTION,
+    )
     def inverse_dynamics(
         self,
         q: ArrayLike,
@@ -115,7 +139,14 @@ class Dynamics(Part):
         """
         return _under(self, "forward_dynamics", (q, v, tau), forces, reference, friction)
 
-    @quantity(with_external_forces(algorithms.bias_forces), "(nv,) [N m or N]", nodes=160, **_LOADED)
+    @quantity(
+        with_external_forces(algorithms.bias_forces),
+        "(nv,) [N m or N]",
+        nodes=160,
+        stages=_stages_of_bias_forces,
+        scans=True,
+        **_LOADED,
+    )
     def bias_forces(
         self, q: ArrayLike, v: ArrayLike, forces: Forces = None, reference: Reference = "local_world_aligned"
     ) -> Floats:
@@ -216,7 +247,7 @@ class Dynamics(Part):
         """
         ...
 
-    @quantity(algorithms.kinetic_energy, "() [J]")
+    @quantity(algorithms.kinetic_energy, "() [J]", stages=_stages_of_kinetic_energy, scans=True)
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> Numbers:
         """Kinetic energy, half of `v @ M @ v`; armature counts.
 
@@ -233,7 +264,9 @@ class Dynamics(Part):
         """The energy of all that moves in the field of gravity; zero at the world's origin."""
         ...
 
-    @quantity(algorithms.mechanical_energy, "() [J]")
+    @quantity(
+        algorithms.mechanical_energy, "() [J]", stages=algorithms.stages_of_mechanical_energy, scans=True
+    )
     def mechanical_energy(self, q: ArrayLike, v: ArrayLike) -> Numbers:
         """The sum of kinetic and potential energy."""
         ...

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ulna import algorithms
 from ulna.algorithms.constraints.proximal_settings import Proximal
 from ulna.model import Model
 from ulna.model.constraint import frame_pairs
@@ -37,7 +38,7 @@ from ulna.recursions.constrained import (
 )
 from ulna.recursions.frame_motions import jacobian_of, motion_of, poses_of
 from ulna.recursions.frame_rows import loaded_frames
-from ulna.recursions.in_stages import torque_derivatives
+from ulna.recursions.in_stages import in_stages
 from ulna.recursions.recursion import Recursion
 from ulna.recursions.tree_table import (
     INT,
@@ -191,15 +192,21 @@ def _accelerations(model: Model, options: Options, tree: TreeTable) -> Recursion
     return Recursion(procedure, storage, inputs, ((count,),), rows)
 
 
-def _forward_dynamics_derivatives(model: Model, options: Options) -> DerivativesOfAccelerations | None:
+def _forward_dynamics_derivatives(model: Model, options: Options) -> AnyRecursion | None:
     fixed = {"forces": options["forces"], "reference": "local"}
     accelerations = _forward_dynamics(model, fixed)
     derivatives = derivative_matrices.RECURSIONS["inverse_dynamics_derivatives"](model, options)
     if accelerations is None:
         return None
-    if not options["forces"]:
-        derivatives = torque_derivatives(model, derivatives)
-    return DerivativesOfAccelerations(accelerations, derivatives, _inverse_mass_matrix(model, {}))
+    if options["forces"]:
+        return DerivativesOfAccelerations(accelerations, derivatives, _inverse_mass_matrix(model, {}))
+    torques = algorithms.stages_of_inverse_dynamics_derivatives
+    derivatives = in_stages(model, "inverse_dynamics_derivatives", torques, derivatives)
+    loops = DerivativesOfAccelerations(accelerations, derivatives, _inverse_mass_matrix(model, {}))
+    if not algorithms.is_serial(model):
+        return loops
+    stages: Any = algorithms.stages_of_forward_dynamics_derivatives
+    return in_stages(model, "forward_dynamics_derivatives", stages, loops)
 
 
 def _response(model: Model, options: Options) -> Response:
@@ -242,7 +249,7 @@ def _of_state(name: str) -> Callable[[Model, Options], ConstraintQuantity]:
     return make
 
 
-def _inverse_mass_matrix(model: Model, options: Options) -> Recursion | InverseOfMassMatrix:
+def _inverse_mass_matrix(model: Model, options: Options) -> AnyRecursion:
     tree = tree_table(model)
     if has_mimics(model, tree):
         return InverseOfMassMatrix(_mass_matrix(model, {}))
@@ -263,7 +270,8 @@ def _inverse_mass_matrix(model: Model, options: Options) -> Recursion | InverseO
 
     shapes = ((model.nq,),), ((model.nv, model.nv),)
     rows = len(tree.parents)
-    return Recursion(inverse_mass.inverse_mass_matrix, storage, *shapes, rows, is_matrix=True)
+    loops = Recursion(inverse_mass.inverse_mass_matrix, storage, *shapes, rows, is_matrix=True)
+    return in_stages(model, "inverse_mass_matrix", algorithms.stages_of_inverse_mass_matrix, loops)
 
 
 def _slots(parents: Any) -> tuple[Any, int]:

@@ -35,13 +35,13 @@ from ulna.algorithms.constraints.forward_dynamics_derivatives import BoundSolver
 from ulna.algorithms.constraints.proximal_solver import Proximal, largest_entry, solve_proximal
 from ulna.algorithms.derivatives.columns_in_one_frame import (
     OneFrame,
-    motion,
     numbers,
     subtree,
     suits_one_frame,
 )
 from ulna.algorithms.dynamics.joint_friction import Friction, friction_torque
 from ulna.algorithms.dynamics.mass_matrix_factors import Factors, factors_in_rows
+from ulna.algorithms.multibody.chain_walks import motion
 from ulna.algorithms.multibody.references import Reference
 from ulna.compiler.forms.columns import ColumnForm, row_places
 from ulna.compiler.forms.stages import StagedForm

@@ -38,20 +38,25 @@ import numpy as np
 from ulna.algorithms.derivatives.inverse_dynamics import State, Subtree, states_of_moving_observers
 from ulna.algorithms.dynamics.mass_matrix_factors import rows_of_factors
 from ulna.algorithms.multibody.chain_frames import (
-    IDENTITY,
     PADDING,
     ChainFrames,
     chain_frames,
-    following,
-    joined,
     pose_numbers,
     pose_of,
-    turned,
 )
-from ulna.algorithms.multibody.mass_moments import MassMoments
+from ulna.algorithms.multibody.chain_walks import (
+    motion,
+    placed,
+    screw,
+    walk_of_accelerations,
+    walk_of_poses,
+    walk_of_twists,
+)
+from ulna.algorithms.multibody.mass_moments import UPPER, MassMoments, symmetric
 from ulna.algorithms.multibody.prepared_model import PreparedModel, prepare
 from ulna.algorithms.multibody.references import Reference, check_reference
 from ulna.algorithms.multibody.tree import shares_velocities, steps
+from ulna.compiler.forms.scans import Walk, sums
 from ulna.compiler.forms.stages import PairFunction, Stages
 from ulna.model import Model
 from ulna.numeric import apply, cross, dot
@@ -60,7 +65,6 @@ from ulna.typing import Array
 
 _LONG = 24
 """Velocities from which on poses of serial chains are computed in segments."""
-_UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
 def suits_one_frame(model: Model) -> bool:
@@ -104,7 +108,7 @@ class OneFrame:
         self.model, self.prepared = model, prepare(model)
         self.tree = self.prepared.tree
         self.stages = Stages(name, model.nv, **inputs)
-        self._gravity, self._is_scanned = np.zeros(3), False
+        self._gravity = np.zeros(3)
         roots = [step for step in self.tree if step.parent < 0]
         self.is_floating = len(roots) == 1 and roots[0].kind.nv > 1
         """Whether the common frame is that of the only root."""
@@ -168,61 +172,104 @@ class OneFrame:
         self._bodies()
         self.stages.straight(self._kinematics, ("q", "v"), ("T", "s", "V", "dU"))
 
-    def poses(self, in_segments: bool = False) -> None:
-        """T and s from q; the constants of bodies.
-
-        Args:
-            in_segments: Whether long chains of revolute joints take frames of their own, whose poses are computed in
-                segments; nothing may have been taken from the tree or the prepared model before.
-        """
-        chain = chain_frames(self.model) if in_segments and self.model.nv >= _LONG else None
-        if chain is not None:
-            self._poses_of_chain(chain)
-            return
+    def poses(self) -> None:
+        """T and s from q; the constants of bodies."""
         self._bodies()
         still = np.zeros(self.model.nv)
         self.stages.straight(lambda q: self._kinematics(q, still)[:2], ("q",), ("T", "s"))
 
-    def _poses_of_chain(self, chain: ChainFrames) -> None:
-        """The same of a serial chain between its own frames, in segments."""
-        self.prepared = PreparedModel(self.model, chain.links.tree, chain.links.frames)
-        self.tree, self._is_scanned = self.prepared.tree, True
-        self._bodies()
+    def moments(self, are_sums: bool = False) -> None:
+        """s from q, and c and I of every body, `own`, or of all from a step outward, `sums`; the constants of bodies.
 
-        def step(state: Array, numbers: Array, q: Array) -> tuple[Array, Array]:
-            pose = turned(state, numbers, q)
-            return following(pose, numbers), pose_numbers(pose)
+        Args:
+            are_sums: Whether they are those of all bodies from a step outward.
+        """
+        chain = self._chain_in_segments()
+        if chain is None:
+            self.poses()
+            self.composite_moments() if are_sums else self.body_moments("own")
+            return
 
-        def place(before: Array, whole: Array, local: Array) -> Array:
-            return joined(before, local)
+        def of_body(segment: Array, local: Array, bodies: Array) -> tuple[Array, Array]:
+            T = placed(segment, local)
+            return screw(T), moment_numbers(moments(bodies[0], bodies[1:]).to_outer_frame(T))
 
-        def column(T: Array) -> Array:
-            axis = T[[2, 5, 8]]
-            return np.concatenate([cross(T[9:], axis), axis])
+        def outward(state: Array, *read: Array) -> tuple[Array, ...]:
+            s, own = of_body(*read)
+            return state + own, s, state + own
 
-        vectors = {"q": chain.first_q}
-        self.stages.scan(
-            step,
-            joined,
-            chain.numbers,
-            PADDING,
-            chain.start,
-            IDENTITY,
-            vectors,
-            "last",
-            place=place,
-            writes=("T",),
+        read = ("segment", "local", "bodies")
+        if are_sums:
+            summed = Walk(outward, read, ("s", "own"), sums(9), "own_before", is_inward=True)
+            self._walk_along(chain, (summed, _total("own_before", "own", "sums")), ("s", "sums"))
+        else:
+            self._walk_along(chain, (Walk(of_body, read, ("s", "own")),), ("s", "own"))
+
+    def dynamics_in_segments(self, a: str = "") -> bool:
+        """s, V, psi, A, own and sums of long chains of revolute joints; dU and dC are zero.
+
+        Args:
+            a: The name of the joint accelerations; empty for zero.
+
+        Returns:
+            Whether the robot is such a chain; nothing is done where it is not.
+        """
+        chain = self._chain_in_segments()
+        if chain is None:
+            return False
+
+        def of_body(
+            state: Array, A_before: Array, A_local: Array, V: Array, T: Array, bodies: Array
+        ) -> tuple[Array, ...]:
+            A = A_before + A_local
+            rows, own = _moments_and_rates(T, bodies, V, A)
+            return state + rows, state + rows, own, A
+
+        reads = ("A_before", "A_local", "V", "T", "bodies")
+        walks = (
+            walk_of_twists(),
+            walk_of_accelerations(self.model.gravity, a, with_psi=True),
+            Walk(of_body, reads, ("own_sums", "own", "A"), sums(27), "sums_before", is_inward=True),
+            _total("sums_before", "own_sums", "sums"),
         )
-        self.stages.lanes(column, ("T",), ("s",))
+        self._walk_along(chain, walks, ("s", "V", "psi", "A", "own", "sums"))
+        for name in ("dU", "dC"):
+            self.stages.constant(name, np.zeros((6, self.model.nv)))
+        return True
 
-    def _bodies(self) -> None:
+    def _chain_in_segments(self) -> ChainFrames | None:
+        """The frames of a long chain of revolute joints, which become those of this robot; None for other robots.
+
+        Nothing may have been taken from the tree or the prepared model before.
+        """
+        chain = chain_frames(self.model) if self.model.nv >= _LONG else None
+        if chain is not None:
+            self.prepared = PreparedModel(self.model, chain.links.tree, chain.links.frames)
+            self.tree = self.prepared.tree
+            self._bodies()
+        return chain
+
+    def _walk_along(self, chain: ChainFrames, walks: Sequence[Walk], tables: Sequence[str]) -> None:
+        """A scan of a chain, after the walk for its poses, seen from the origin of its first frame."""
+        known = {"numbers": chain.numbers, "bodies": self._body_columns()}
+        inputs = {name for walk in walks for name in walk.reads} & {"v", "a"}
+        vectors = {"q": chain.first_q, **dict.fromkeys(sorted(inputs), 0)}
+        start = (*chain.start[:9], 0.0, 0.0, 0.0)  # digits do not depend on where the robot stands
+        walks = (walk_of_poses(chain, pose_numbers, start), *walks)
+        self.stages.scan(walks, known, {"numbers": PADDING}, vectors, tables)
+
+    def _body_columns(self) -> Array:
+        """m, c and I of every body in its own frame, in the last column of its step, (10, nv)."""
         bodies = np.zeros((10, self.model.nv))
         for step, body in zip(self.tree, self.prepared.regrouped_moments, strict=True):
-            bodies[:, step.indices[-1]] = [body.mass, *body.first, *(body.second[i, j] for i, j in _UPPER)]
+            bodies[:, step.indices[-1]] = [body.mass, *body.first, *(body.second[i, j] for i, j in UPPER)]
+        return bodies
+
+    def _bodies(self) -> None:
         mass = np.zeros((1, self.model.nv))
         for step, total in zip(self.tree, self._subtree_masses(), strict=True):
             mass[0, list(step.indices)] = total
-        self.stages.constant("bodies", bodies)
+        self.stages.constant("bodies", self._body_columns())
         self.stages.constant("mass", mass)
 
     def center_of_mass(self, share: float) -> None:
@@ -334,19 +381,8 @@ class OneFrame:
             with_forces: Whether F is there.
             external: The name of the table of external forces, if there is one.
         """
-
-        def of_body(
-            T: Array, bodies: Array, V: Array, A: Array | None = None, *f: Array
-        ) -> tuple[Array, ...]:
-            body = moments(bodies[0], bodies[1:]).to_outer_frame(pose_of(T))
-            h = body.apply(motion(V))
-            F = [] if A is None else numbers(body.apply(motion(A)) + motion(V).cross(h)) - sum(f)
-            own = moment_numbers(body)
-            rows = [*own, *numbers(h), *_upper(body.rate(motion(V))), *F]
-            return np.array(rows, dtype=object), own
-
         reads = ("T", "bodies", "V", "A", *external) if with_forces else ("T", "bodies", "V")
-        self.stages.lanes(of_body, reads, ("sums", "own"))
+        self.stages.lanes(_moments_and_rates, reads, ("sums", "own"))
         self.stages.rows(self.summed, ("sums",), "sums")
 
     def moments_and_forces(self, external: Sequence[str] = ()) -> None:
@@ -366,20 +402,8 @@ class OneFrame:
 
     def composite_moments(self) -> None:
         """c and I of all bodies from a step outward, one below the other: `sums`."""
-        if self._is_scanned:
-            self.body_moments("own")
-            self._sum_along_chain()
-            return
         self.body_moments("sums")
         self.stages.rows(self.summed, ("sums",), "sums")
-
-    def _sum_along_chain(self) -> None:
-        """`sums` of a serial chain from `own`: all rows at once, which do not wait for each other."""
-
-        def add(state: Array, own: Array) -> tuple[Array, Array]:
-            return state + own, state + own
-
-        self.stages.walk(add, 9, ("own",), ("sums",), is_inward=True)
 
     def responses(self) -> None:
         """r of every column, from c and I."""
@@ -476,8 +500,9 @@ class OneFrame:
             more: What else is added to the force of each body, (6,), a function of columns; None for nothing.
             reads: Names of the tables and vectors that it takes.
         """
+        has_several = any(len(step.indices) > 1 for step in self.tree)
 
-        def added(A: Array, dC: Array, s: Array, a: Array) -> tuple[Array, ...]:
+        def added(A: Array, s: Array, a: Array, *of_roots: Array) -> tuple[Array, ...]:
             dA = np.zeros((6, self.model.nv), dtype=object)
             changes: list[Array] = []
             for step in self.tree:
@@ -486,16 +511,17 @@ class OneFrame:
                 for k in step.indices:
                     dA[:, k] = changes[-1]
                     A[:, k] = A[:, k] + changes[-1]
-                    if len(step.indices) > 1:
+                    for dC in of_roots if len(step.indices) > 1 else ():
                         dC[:, k] = dC[:, k] + own
-            return A, dC, dA
+            return A, dA, *of_roots
 
         def force(own: Array, bodies: Array, dA: Array, *others: Array) -> Array:
             moments = subtree(bodies[:1], np.concatenate([own, np.zeros(18)])).body
             wrench = numbers(moments.apply(motion(dA)))
             return wrench if more is None else wrench + more(*others)
 
-        self.stages.straight(added, ("A", "dC", "s", "a"), ("A", "dC", "dA"))
+        of_roots = ("dC",) if has_several else ()  # of all other columns it is zero
+        self.stages.straight(added, ("A", "s", "a", *of_roots), ("A", "dA", *of_roots))
         self.stages.lanes(force, ("own", "bodies", "dA", *reads), ("dF",))
         self.stages.rows(self.summed, ("dF",), "dF")
 
@@ -611,9 +637,20 @@ class OneFrame:
         return A, dC
 
 
-def motion(numbers: Array) -> Motion:
-    """The twist of six numbers, linear part first."""
-    return Motion(numbers[:3], numbers[3:])
+def _moments_and_rates(
+    T: Array, bodies: Array, V: Array, A: Array | None = None, *external: Array
+) -> tuple[Array, Array]:
+    """c, I, h, D and, where there is an acceleration, F of a body; and c and I alone."""
+    body = moments(bodies[0], bodies[1:]).to_outer_frame(pose_of(T))
+    h = body.apply(motion(V))
+    F = [] if A is None else numbers(body.apply(motion(A)) + motion(V).cross(h)) - sum(external)
+    own = moment_numbers(body)
+    return np.array([*own, *numbers(h), *_upper(body.rate(motion(V))), *F], dtype=object), own
+
+
+def _total(before: str, local: str, name: str) -> Walk:
+    """The walk that adds what is summed before a segment and along it."""
+    return Walk(lambda x, y: x + y, (before, local), (name,))
 
 
 def subtree(mass: Array, sums: Array) -> Subtree:
@@ -628,9 +665,9 @@ def subtree(mass: Array, sums: Array) -> Subtree:
     """
     second, rate = ([sums[k + j] for j in range(6)] for k in (3, 15))
     return Subtree(
-        MassMoments(mass[0], sums[:3], _symmetric(second)),
+        MassMoments(mass[0], sums[:3], symmetric(second)),
         Force(sums[9:12], sums[12:15]),
-        _symmetric(rate),
+        symmetric(rate),
         Force(sums[21:24], sums[24:]),
     )
 
@@ -645,7 +682,7 @@ def moments(mass: Any, numbers: Array) -> MassMoments:
     Returns:
         The same by name.
     """
-    return MassMoments(mass, numbers[:3], _symmetric(list(numbers[3:])))
+    return MassMoments(mass, numbers[:3], symmetric(list(numbers[3:])))
 
 
 def moment_numbers(body: MassMoments) -> Array:
@@ -674,11 +711,4 @@ def numbers(x: Motion | Force) -> Array:
 
 
 def _upper(matrix: Array) -> list[Any]:
-    return [matrix[i, j] for i, j in _UPPER]
-
-
-def _symmetric(upper: Sequence[Any]) -> Array:
-    out = np.empty((3, 3), dtype=object)
-    for (i, j), x in zip(_UPPER, upper, strict=True):
-        out[i, j] = out[j, i] = x
-    return out
+    return [matrix[i, j] for i, j in UPPER]

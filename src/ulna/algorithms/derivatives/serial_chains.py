@@ -58,8 +58,7 @@ def stages_of_inverse_mass_matrix(model: Model) -> StagedForm | None:
     if not is_serial(model):
         return None
     frame = OneFrame("inverse_mass_matrix", model, q=(model.nq,))
-    frame.poses(in_segments=True)
-    frame.body_moments("own")
+    frame.moments()
     articulate(frame)
     invert(frame, "inverse")
     return frame.stages.form("inverse", symmetric=("inverse",))

@@ -24,7 +24,6 @@ from ulna.algorithms.derivatives.columns_in_one_frame import (
     OneFrame,
     about,
     caused_motions,
-    motion,
     numbers,
     subtree,
     suits_one_frame,
@@ -34,7 +33,8 @@ from ulna.algorithms.derivatives.staged_floating_base import centroidal_matrix_o
 from ulna.algorithms.dynamics.center_of_mass import total_mass
 from ulna.algorithms.dynamics.coriolis import MovingBodies
 from ulna.algorithms.dynamics.mass_matrix_factors import solution_by_rows
-from ulna.algorithms.multibody.chain_frames import chain_frames
+from ulna.algorithms.dynamics.staged_chains import centroidal_matrix_of_chain
+from ulna.algorithms.multibody.chain_walks import motion
 from ulna.compiler.forms.columns import ColumnForm, row_places
 from ulna.compiler.forms.stages import StagedForm
 from ulna.compiler.language.function import trace
@@ -63,9 +63,10 @@ def stages_of_inverse_dynamics_derivatives(model: Model, forces: Sequence[str] =
         return None
     inputs = {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,), **_wrenches(forces)}
     frame = OneFrame("inverse_dynamics_derivatives", model, **inputs)
-    frame.kinematics()
-    frame.accelerations("a")
-    frame.subtrees(external=frame.external_forces(forces))
+    if forces or not frame.dynamics_in_segments("a"):
+        frame.kinematics()
+        frame.accelerations("a")
+        frame.subtrees(external=frame.external_forces(forces))
     frame.columns()
     frame.torque_derivatives("by_q", "by_v", "M")
     zeros = {"by_q": frame.unrelated(by_q=True)}
@@ -90,9 +91,10 @@ def stages_of_forward_dynamics_derivatives(
     inputs = {"q": (model.nq,), "v": (n,), "tau": (n,), **_wrenches(forces)}
     frame = OneFrame("forward_dynamics_derivatives", model, **inputs)
     stages = frame.stages
-    frame.kinematics()
-    frame.accelerations()
-    frame.subtrees(external=frame.external_forces(forces))
+    if forces or not frame.dynamics_in_segments():
+        frame.kinematics()
+        frame.accelerations()
+        frame.subtrees(external=frame.external_forces(forces))
 
     def responses(s: Array, sums: Array, mass: Array) -> tuple[Array, Array]:
         whole = subtree(mass, sums)
@@ -196,50 +198,23 @@ def stages_of_centroidal_matrix(model: Model) -> StagedForm | None:
     """
     if not suits_one_frame(model) or not total_mass(model):
         return None
+    of_chain = centroidal_matrix_of_chain(model)
+    if of_chain is not None:
+        return of_chain
     of_floating_base = centroidal_matrix_of_floating_base(model)
     if of_floating_base is not None:
         return of_floating_base
     frame = OneFrame("centroidal_matrix", model, q=(model.nq,))
-    _centroidal_columns(frame, total_mass(model))
-    return frame.stages.form("A")
-
-
-def stages_of_centroidal_momentum(model: Model) -> StagedForm | None:
-    """The momentum about the centre of mass, of long chains of revolute joints: the product of its matrix with v.
-
-    Args:
-        model: The robot; without mass it has no such form.
-
-    Returns:
-        The form; None for robots that need another one.
-    """
-    if not total_mass(model) or chain_frames(model) is None:
-        return None
-    frame = OneFrame("centroidal_momentum", model, q=(model.nq,), v=(model.nv,))
-    _centroidal_columns(frame, total_mass(model))
-    stages = frame.stages
-    stages.straight(lambda v: v[None], ("v",), ("rates",))
-    stages.lanes(lambda A, rates: A * rates[0], ("A", "rates"), ("shares",))
-    stages.straight(lambda shares: shares.sum(axis=1), ("shares",), ("h",))
-    return stages.form("h")
-
-
-def _centroidal_columns(frame: OneFrame, mass: float) -> None:
-    """A, the centroidal momentum matrix, from q.
-
-    Args:
-        frame: The stages.
-        mass: The robot's mass [kg].
-    """
-    frame.poses(in_segments=True)
+    frame.poses()
     frame.composite_moments()
-    frame.center_of_mass(1.0 / mass)
+    frame.center_of_mass(1.0 / total_mass(model))
 
     def of_column(s: Array, sums: Array, mass: Array, c_G: Array, R: Array) -> Array:
         body = subtree(mass, np.concatenate([sums, np.zeros(18)])).body
         return about(body.apply(motion(s)), c_G, R.reshape(3, 3))
 
     frame.stages.lanes(of_column, ("s", "sums", "mass", "c_G", "R"), ("A",))
+    return frame.stages.form("A")
 
 
 def stages_of_mass_matrix(model: Model) -> StagedForm | None:
@@ -254,8 +229,7 @@ def stages_of_mass_matrix(model: Model) -> StagedForm | None:
     if not suits_one_frame(model):
         return None
     frame = OneFrame("mass_matrix", model, q=(model.nq,))
-    frame.poses(in_segments=True)
-    frame.composite_moments()
+    frame.moments(are_sums=True)
     frame.responses()
     frame.mass_matrix("M")
     return frame.stages.form("M", symmetric=("M",))

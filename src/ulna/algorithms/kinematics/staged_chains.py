@@ -12,17 +12,15 @@ import numpy as np
 
 from ulna.algorithms.kinematics.jacobian import Reference
 from ulna.algorithms.multibody.chain_frames import (
-    IDENTITY,
     PADDING,
     ChainFrames,
     chain_frames,
-    following,
-    joined,
     pose_numbers,
     pose_of,
-    turned,
 )
+from ulna.algorithms.multibody.chain_walks import walk_of_poses
 from ulna.algorithms.multibody.references import check_reference
+from ulna.compiler.forms.scans import Walk
 from ulna.compiler.forms.stages import StagedForm, Stages
 from ulna.model import Frame, Model
 from ulna.numeric import apply, cross
@@ -73,8 +71,8 @@ def stages_of_frame_jacobian(
     if chain is None or chain.numbers.shape[1] != model.nv:
         return None
 
-    def column(before: Array, tip: Array, axis: Array) -> Array:
-        start, end = pose_of(before), pose_of(tip)
+    def column(segment: Array, tip: Array, axis: Array) -> Array:
+        start, end = pose_of(segment), pose_of(tip)
         z, p = apply(start.rotation, axis[:3]), apply(start.rotation, axis[3:]) + start.translation
         if reference == "world":
             return np.concatenate([cross(p, z), z])
@@ -103,15 +101,15 @@ def _tip(chain: ChainFrames, frame: Frame) -> SE3:
 def _scan(stages: Stages, chain: ChainFrames, placement: SE3, column: Any = None, table: str = "") -> None:
     """The pose of a frame, `tip`, and where asked for a table of what follows from axes in segments."""
 
-    def step(state: Array, numbers: Array, q: Array) -> tuple[Array, Array]:
-        pose = turned(state, numbers, q)
-        return following(pose, numbers), np.concatenate([pose.rotation[:, 2], pose.translation])
-
     def end(state: Array) -> Array:
         return pose_numbers(pose_of(state) @ placement)
 
-    writes = (table,) if table else ()
-    vectors = {"q": chain.first_q}
-    stages.scan(
-        step, joined, chain.numbers, PADDING, chain.start, IDENTITY, vectors, "tip", end, column, writes
-    )
+    walks = [walk_of_poses(chain, _axis, end=end, whole="tip")]
+    walks += [Walk(column, ("segment", "tip", "local"), (table,))] if table else []
+    tables = (table,) if table else ()
+    stages.scan(walks, {"numbers": chain.numbers}, {"numbers": PADDING}, {"q": chain.first_q}, tables)
+
+
+def _axis(pose: SE3) -> Array:
+    """Axis and origin of a moving frame."""
+    return np.concatenate([pose.rotation[:, 2], pose.translation])

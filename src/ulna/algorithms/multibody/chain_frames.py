@@ -10,7 +10,7 @@
 | P | pose of the next moving frame at position zero: Rz(phi) Tz(d) Tx(a) Rx(alpha) Tz(-l) Rz(psi) | SE3 | [m] |
 
 The pose of a frame is T_1 Rz(q_1 + phi_1) Tz(d_1) Tx(a_1) Rx(alpha_1) Rz(q_2 + phi_2) ..., the same operations for each
-joint: the product of a segment of the chain is computed in each SIMD lane (`ulna.compiler.forms.stages.Scan`).
+joint: the product of a segment of the chain is computed in each SIMD lane (`ulna.compiler.forms.scans`).
 
 Where axes are nearly parallel, common normals are far away and badly conditioned: there are no such frames then.
 

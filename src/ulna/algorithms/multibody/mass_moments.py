@@ -28,6 +28,9 @@ from ulna.spatial.batched import column
 from ulna.spatial.inertia import rotate_tensor
 from ulna.typing import Array
 
+UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+"""The entries on and above the diagonal of a matrix, (3, 3)."""
+
 
 @dataclass(frozen=True, slots=True)
 class MassMoments:
@@ -175,3 +178,18 @@ def rotation_axis(kind: JointKind) -> int | None:
         if np.count_nonzero(axis) == 1:
             return int(np.abs(axis).argmax())
     return None
+
+
+def symmetric(upper: Sequence[Any] | Array) -> Array:
+    """A symmetric matrix.
+
+    Args:
+        upper: Its entries in the order of `UPPER`.
+
+    Returns:
+        The matrix, shape (3, 3), in the unit of the entries.
+    """
+    out = np.empty((3, 3), dtype=object)
+    for (i, j), x in zip(UPPER, upper, strict=True):
+        out[i, j] = out[j, i] = x
+    return out

@@ -22,16 +22,15 @@ from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.target import Target
 from ulna.compiler.forms.columns import ColumnForm, row_places
 from ulna.compiler.forms.packed import PackedForm
+from ulna.compiler.forms.scans import Scan
 from ulna.compiler.forms.stages import (
     AnyStage,
     Factors,
     Pairs,
     Products,
-    Scan,
     Stage,
     StagedForm,
     Sweep,
-    without_scans,
 )
 from ulna.compiler.language.graph import Graph
 from ulna.compiler.language.ports import SecondForm
@@ -50,26 +49,17 @@ def suits_sample_stages(form: SecondForm, target: Target, element: DType) -> boo
         element: Type of the array elements, "double" or "float".
 
     Returns:
-        Whether it has stages without sweeps and products, and more than a scan, with tables of equally many columns
-        where all rows are computed alike, whose arrays are not too large for the stack and the second cache, and
-        outputs in one part.
+        Whether it has stages without sweeps, products and scans, with tables of equally many columns where all rows are
+        computed alike, whose arrays are not too large for the stack and the second cache, and outputs in one part.
     """
     form = form.whole if isinstance(form, PackedForm) else form
     head = form.head if isinstance(form, ColumnForm) else form
     if not isinstance(head, StagedForm) or head.parts:
         return False
-    if _is_scan_alone(head):
-        return False
-    if any(isinstance(x, Sweep | Products) or _changes_width(x, head) for x in head.stages):
+    if any(isinstance(x, Sweep | Products | Scan) or _changes_width(x, head) for x in head.stages):
         return False
     writer = _SampleStagesWriter(Module(), form, head, target, element)
     return writer.size * BYTES[element] * writer.layout.lanes <= _MAX_MEMORY
-
-
-def _is_scan_alone(form: StagedForm) -> bool:
-    """Whether all that follows a scan is straight-line code: then the lanes have the segments of one sample."""
-    rest = [x for x in form.stages if not isinstance(x, Scan)]
-    return len(rest) < len(form.stages) and all(isinstance(x, Stage) and x.kind == "straight" for x in rest)
 
 
 def _changes_width(stage: AnyStage, form: StagedForm) -> bool:
@@ -106,7 +96,6 @@ class _SampleStagesWriter:
     def __init__(
         self, module: Module, form: SecondForm, head: StagedForm, target: Target, element: DType
     ) -> None:
-        head = without_scans(head)
         self.whole, self.form, self.module, self.target = form, head, module, target
         self.layout = Lanes(target.lanes(element), element)
         self.shapes = {f"i{k}": port.shape for k, port in enumerate(head.inputs)}
@@ -143,7 +132,9 @@ class _SampleStagesWriter:
             elif isinstance(stage, Pairs):
                 self._pairs(name, stage)
             elif isinstance(stage, Sweep | Products | Scan):
-                raise AssertionError("stages with sweeps or products are not written for samples in lanes")
+                raise AssertionError(
+                    "stages with sweeps, products or scans are not written for samples in lanes"
+                )
             elif stage.kind == "lanes":
                 self._columns(name, stage)
             else:

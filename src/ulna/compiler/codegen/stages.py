@@ -22,7 +22,8 @@ from ulna.compiler.codegen.scheduling import Step, Store, parts, scratch_places
 from ulna.compiler.codegen.straight_line import define, write_steps
 from ulna.compiler.codegen.sweeps import SweepContext, tables_of, write_sweep
 from ulna.compiler.codegen.target import Target
-from ulna.compiler.forms.stages import Factors, Pairs, Products, Scan, Stage, StagedForm, Sweep, names_of
+from ulna.compiler.forms.scans import Scan
+from ulna.compiler.forms.stages import Factors, Pairs, Products, Stage, StagedForm, Sweep, names_of
 from ulna.compiler.language.function import Function
 from ulna.compiler.language.ops import Op
 

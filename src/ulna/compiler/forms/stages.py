@@ -23,6 +23,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from ulna.compiler.forms.scans import Scan, Walk, traced_pass
 from ulna.compiler.language.function import Function, trace
 from ulna.compiler.language.ports import Entries, Port
 from ulna.data_classes import dataclass
@@ -170,48 +171,6 @@ class Sweep:
         return (*tables, self.matrix) if self.matrix else tables
 
 
-@dataclass(frozen=True, eq=False)
-class Scan:
-    """A parallel prefix: states of a chain, each of which follows from the one before by an associative operation.
-
-    The columns are divided into segments, one for each lane; each lane walks along its own segment, then the ends of
-    the segments are joined, in as many rounds as two is to be doubled to have the lanes.
-
-    Attributes:
-        step: From a state, the known numbers of a column, and a number of each vector, to the next state, and what is
-            kept of the column, if anything.
-        join: From the state at the end of a segment and that of the following one, which begins with the identity, to
-            the state after both.
-        end: From the state after all columns to `whole`.
-        place: From the state where a segment begins, `whole`, and what is kept, to a column of each table; None for no
-            tables.
-        numbers: What is known, shape (rows, columns).
-        padding: The column with which a step leaves the state as it is, whatever the vectors hold.
-        start: The state before the first column.
-        identity: The state that changes none it is joined with.
-        vectors: Names of the vectors, and which of their numbers is that of the first column.
-        tables: Names of the tables that are computed.
-        whole: What `end` computes, a vector.
-    """
-
-    step: Function
-    join: Function
-    end: Function
-    place: Function | None
-    numbers: Any
-    padding: tuple[float, ...]
-    start: tuple[float, ...]
-    identity: tuple[float, ...]
-    vectors: tuple[tuple[str, int], ...]
-    tables: tuple[str, ...]
-    whole: str
-
-    @property
-    def writes(self) -> tuple[str, ...]:
-        """Names of what it computes."""
-        return (*self.tables, self.whole)
-
-
 AnyStage = Stage | Pairs | Products | Factors | Sweep | Scan
 
 
@@ -301,7 +260,7 @@ class StagedForm:
             elif isinstance(stage, Sweep):
                 bodies += [step.body for step in stage.passes]
             elif isinstance(stage, Scan):
-                bodies += [stage.step, stage.join, stage.end, *([stage.place] if stage.place else ())]
+                bodies += stage.bodies
         return sum(f.operations for f in bodies)
 
     @property
@@ -515,66 +474,39 @@ class Stages:
 
     def scan(
         self,
-        step: Callable[..., Any],
-        join: Callable[..., Any],
-        numbers: Any,
-        padding: Sequence[float],
-        start: Sequence[float],
-        identity: Sequence[float],
+        walks: Sequence[Walk],
+        known: Mapping[str, Any],
+        padding: Mapping[str, Sequence[float]],
         vectors: Mapping[str, int],
-        whole: str,
-        end: Callable[..., Any] = lambda state: state,
-        place: Callable[..., Any] | None = None,
-        writes: Sequence[str] = (),
+        tables: Sequence[str] = (),
+        flat: Sequence[str] = (),
     ) -> None:
-        """A stage that computes the states of a chain in segments; see `Scan`.
+        """A stage of walks along the segments of a chain; see `ulna.compiler.forms.scans`.
 
         Args:
-            step: As for `Scan`: from the state, the numbers of a column, (rows,), and of each vector one, (1,), to the
-                next state and an array of what is kept.
-            join: As for `Scan`.
-            numbers: As for `Scan`.
-            padding: As for `Scan`.
-            start: As for `Scan`.
-            identity: As for `Scan`.
+            walks: The walks in order.
+            known: What is known of columns: names of tables, (rows, columns).
+            padding: As for `Scan`; zeros where a table is not listed.
             vectors: As for `Scan`.
-            whole: As for `Scan`.
-            end: As for `Scan`.
-            place: As for `Scan`.
-            writes: Names of the tables.
+            tables: Names of the tables that are handed on.
+            flat: Names of vectors that are handed on, of one number of each column.
         """
-        known, state = np.asarray(numbers, dtype=float), (len(identity),)
-        inner = self._traced(
-            step, {"state": state, "numbers": known.shape[:1], **dict.fromkeys(vectors, (1,))}
-        )
-        ends = self._traced(end, {"state": state})
-        tables = None if place is None else self._placed(place, writes, known.shape[1], inner, ends)
-        self._declare(whole, (ends.outputs[0].size,), is_table=False)
+        numbers = {name: np.asarray(rows, dtype=float) for name, rows in known.items()}
+        columns = next(iter(numbers.values())).shape[1]
+        sizes = {name: len(rows) for name, rows in numbers.items()} | dict.fromkeys(vectors, 1)
+        passes = tuple(traced_pass(walk, sizes, self._traced) for walk in walks)
+        for name in tables:
+            self._declare(name, (sizes[name], columns))
+        for name in flat:
+            self._declare(name, (columns,), is_table=False)
+        for step in passes:
+            if step.end is not None:
+                self._declare(step.whole, (sizes[step.whole],), is_table=False)
+        rest = {name: tuple(map(float, padding.get(name, (0.0,) * len(x)))) for name, x in numbers.items()}
+        handed_on = (*tables, *flat)
         self._stages.append(
-            Scan(
-                step=inner,
-                join=self._traced(join, {"before": state, "after": state}),
-                end=ends,
-                place=tables,
-                numbers=known,
-                padding=tuple(map(float, padding)),
-                start=tuple(map(float, start)),
-                identity=tuple(map(float, identity)),
-                vectors=tuple(vectors.items()),
-                tables=tuple(writes),
-                whole=whole,
-            )
+            Scan(passes, columns, numbers, rest, tuple(vectors.items()), handed_on, frozenset(flat))
         )
-
-    def _placed(
-        self, f: Callable[..., Any], writes: Sequence[str], columns: int, step: Function, end: Function
-    ) -> Function:
-        """The function that computes columns of tables after a scan."""
-        before, kept = (port.size for port in step.outputs)
-        body = self._traced(f, {"before": (before,), "whole": (end.outputs[0].size,), "kept": (kept,)})
-        for name, port in zip(writes, body.outputs, strict=True):
-            self._declare(name, (port.size, columns))
-        return body
 
     def factors(self, paths: Sequence[Sequence[int]], reads: str, writes: str) -> None:
         """The stage that factors a symmetric matrix; see `Factors`.
@@ -710,47 +642,6 @@ def _joined(shapes: Sequence[tuple[int, ...]], side_by_side: bool) -> tuple[tupl
     return (sum(shape[0] for shape in shapes), *shapes[0][1:]), starts
 
 
-def without_scans(form: StagedForm) -> StagedForm:
-    """The form with straight-line code in place of scans: for samples in lanes, of which none is left for segments.
-
-    Args:
-        form: The form.
-
-    Returns:
-        The same computation.
-    """
-    return replace(
-        form, stages=tuple(_written_out(x, form) if isinstance(x, Scan) else x for x in form.stages)
-    )
-
-
-def _written_out(scan: Scan, form: StagedForm) -> Stage:
-    """A scan as straight-line code, column by column."""
-    sizes = {f"i{k}": port.size for k, port in enumerate(form.inputs)}
-
-    def run(*vectors: Any) -> tuple[Any, ...]:
-        state: Any = np.array(scan.start, dtype=object)
-        kept = []
-        for column, numbers in enumerate(scan.numbers.T):
-            own = [x[first + column][None] for x, (_, first) in zip(vectors, scan.vectors, strict=True)]
-            state, *rest = _as_tuple(scan.step(state, numbers, *own))
-            kept.append(rest)
-        (whole,) = _as_tuple(scan.end(state))
-        if scan.place is None:
-            return (whole,)
-        columns = [_as_tuple(scan.place(np.array(scan.identity), whole, *rest)) for rest in kept]
-        return *(np.stack(rows, axis=-1) for rows in zip(*columns, strict=True)), whole
-
-    names = [name for name, _ in scan.vectors]
-    shapes: dict[str, Any] = {f"x{k}": (sizes[name],) for k, name in enumerate(names)}
-    body = trace(run, name="scan", **shapes)
-    return Stage("straight", body, tuple(names), scan.writes, form.columns)
-
-
-def _as_tuple(results: Any) -> tuple[Any, ...]:
-    return results if isinstance(results, tuple) else (results,)
-
-
 def _renamed(stage: AnyStage, names: Mapping[str, str]) -> AnyStage:
     """The stage with inputs and outputs called as in the code."""
 
@@ -767,6 +658,5 @@ def _renamed(stage: AnyStage, names: Mapping[str, str]) -> AnyStage:
     if isinstance(stage, Products):
         return replace(stage, write=all_of([stage.write])[0])
     if isinstance(stage, Scan):
-        vectors = tuple((names.get(name, name), first) for name, first in stage.vectors)
-        return replace(stage, vectors=vectors, tables=all_of(stage.tables), whole=all_of([stage.whole])[0])
+        return stage.renamed(names)
     return replace(stage, writes=all_of(stage.writes))
