@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import Any, final
 
 import numpy as np
@@ -329,11 +330,9 @@ def _check_targets(array_call: ArrayCall, targets: tuple[Any, ...]) -> None:
             raise InputError(
                 f"The array for `{port.name}` is read-only or has gaps; expected C-contiguous and writeable."
             )
-    for k, target in enumerate(targets):
-        if any(np.may_share_memory(target, other) for other in targets[:k]):
-            raise InputError(
-                "Arrays given to into() share memory; expected a separate array for each output."
-            )
+    spans = sorted((x.__array_interface__["data"][0], x.nbytes) for x in targets if x.nbytes)
+    if any(start + size > following for (start, size), (following, _) in pairwise(spans)):
+        raise InputError("Arrays given to into() share memory; expected a separate array for each output.")
 
 
 def _check_trailing_inputs(array_call: ArrayCall, arrays: tuple[Any, ...]) -> None:

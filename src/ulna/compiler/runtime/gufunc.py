@@ -13,7 +13,7 @@ import sys
 import weakref
 from array import array
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, NamedTuple, final
 
 import numpy as np
@@ -213,9 +213,10 @@ class Plan:
         holder: type | None = None,
     ) -> tuple[int, ...]:
         """The port table entry that the IR function `@take` (fast_call.py) compares an array with."""
-        self._references += dtype, holder
+        sizes = _sizes(shape)
+        self._references += dtype, holder, sizes
         held = 0 if holder is None else id(holder)
-        return len(shape), self._table([shape]), int(accepts_float and not shape), id(dtype), held
+        return len(shape), sizes.buffer_info()[0], int(accepts_float and not shape), id(dtype), held
 
     def _array_port(self, array: AnyArray) -> tuple[int, ...]:
         """The port that takes an array as it is now."""
@@ -242,6 +243,12 @@ class Plan:
         block = array("Q", [word for row in rows for word in row])
         self._references.append(block)
         return block.buffer_info()[0]
+
+
+@lru_cache(maxsize=1000)
+def _sizes(shape: tuple[int, ...]) -> array[int]:
+    """A shape in memory; plans that have it share it, and only read it."""
+    return array("Q", shape)
 
 
 @cache
