@@ -47,12 +47,10 @@ def test_elimination_recovers_the_configuration(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*CLOSED, *GENERAL])
 def test_many_arms_of_each_kind_recover_the_configuration(name: str) -> None:
-    """Two more arms at many configurations, since making the solver of an arm costs more than its calls."""
-    make = {**CLOSED, **GENERAL}[name]
-    for seed in range(2):
-        rng = np.random.default_rng(seed)
-        model = model_of(make(rng), rng)
-        assert _missing(model, rng.uniform(-np.pi, np.pi, (210, 6))).max() < 1e-5
+    """One more arm at many configurations, since making the solver of an arm costs more than its calls."""
+    make, rng = {**CLOSED, **GENERAL}[name], np.random.default_rng(0)
+    model = model_of(make(rng), rng)
+    assert _missing(model, rng.uniform(-np.pi, np.pi, (210, 6))).max() < 1e-5
 
 
 def test_ten_thousand_poses_of_a_ur5() -> None:

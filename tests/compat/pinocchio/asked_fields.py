@@ -1,7 +1,8 @@
 """What every algorithm leaves in every field of a Data, fresh or used: asked of whichever pinocchio is imported.
 
 `python asked_fields.py out.json file root mimic used`, where `used` says what comes before on a Data: `nothing`,
-`everything` at once, or `each` of some calls.
+`everything` at once, or `each` of some calls. The answers of a fresh one are the same before `everything` and `each`: of the
+latter the package is not asked for them again.
 """
 
 import json
@@ -304,12 +305,15 @@ class Asked:
 def main(target, file, root, mimic, used):
     asked = Asked(file, root, mimic)
     calls = CALLS.strip().splitlines()
-    before = {"fresh": []}
+    asks = [("fresh", [], calls)]
     if used == "everything":
-        before[used] = [*(call for call in calls if "lcaba" not in call), LAST]
-    elif used == "each":
-        before |= {call: [call] for call in EARLIER.strip().splitlines()}
-    found = {f"{name} | {call}": asked.after(ones, call) for name, ones in before.items() for call in calls}
+        asks.append((used, [*(call for call in calls if "lcaba" not in call), LAST], calls))
+    elif (
+        used == "each"
+    ):  # a third of the calls after each, another one in turn; here fresh ones were asked before
+        asks = asks if REAL else []
+        asks += [(one, [one], calls[k % 3 :: 3]) for k, one in enumerate(EARLIER.strip().splitlines())]
+    found = {f"{name} | {call}": asked.after(ones, call) for name, ones, last in asks for call in last}
     recorded = {"after": found}
     if REAL:
         recorded["truths"] = [asked.truths(asked.first), asked.truths(asked.second)]

@@ -39,8 +39,9 @@ print(json.dumps(found))
 """
 
 
-@pytest.mark.parametrize("rounds", [1, 4])
-def test_jacobians_are_of_the_columns_and_placements_that_are_there(rounds: int) -> None:
+def test_jacobians_are_of_the_columns_and_placements_that_are_there() -> None:
+    """At first calls, and later when all of them are compiled and bound."""
+    rounds = 4
     pytest.importorskip("pinocchio")
     own, wanted = map(json.loads, printed(_JACOBIANS.replace("ROUNDS", str(rounds))))
     assert len(own) == len(wanted) == 2 * 4 * 28 * rounds
@@ -117,9 +118,9 @@ print(json.dumps(found))
 """
 
 
-@pytest.mark.parametrize("rounds", [1, 2])
-def test_rates_and_derivatives_are_of_the_motions_and_columns_that_are_there(rounds: int) -> None:
-    """After two rounds all of them are compiled and bound."""
+def test_rates_and_derivatives_are_of_the_motions_and_columns_that_are_there() -> None:
+    """At first calls, and in the second round, when all of them are compiled and bound."""
+    rounds = 2
     pytest.importorskip("pinocchio")
     own, wanted = map(json.loads, printed(_MOTIONS.replace("ROUNDS", str(rounds))))
     assert len(own) == len(wanted) == 2 * 8 * (3 * (3 * 19 + 2 * 6) + 4) * rounds
@@ -183,9 +184,9 @@ print(json.dumps(found))
 """
 
 
-@pytest.mark.parametrize("rounds", [1, 2])
-def test_energies_momenta_and_centres_are_of_the_placements_and_motions_that_are_there(rounds: int) -> None:
+def test_energies_momenta_and_centres_are_of_the_placements_and_motions_that_are_there() -> None:
     """Of the masses of the moment, as a change of them shows; none of these calls overwrites what it reads."""
+    rounds = 2
     pytest.importorskip("pinocchio")
     own, wanted = map(json.loads, printed(_SUMS.replace("ROUNDS", str(rounds))))
     assert len(own) == len(wanted) > 4000 * rounds
