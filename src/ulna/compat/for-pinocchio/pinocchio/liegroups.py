@@ -10,7 +10,4 @@ __all__ = ["R1", "R2", "R3", "SE2", "SE3", "SO2", "SO3", "LieGroup", "Rn", "lieG
 
 def lieGroup(model: Model) -> LieGroup:
     """The group of a model's configurations."""
-    out = LieGroup()
-    for joint in list(model.joints)[1:]:
-        out = out * of_joint(joint)
-    return out
+    return LieGroup(tuple(block for joint in list(model.joints)[1:] for block in of_joint(joint)._blocks))
