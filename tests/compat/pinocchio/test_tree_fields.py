@@ -223,7 +223,7 @@ def test_pickles_of_joints_of_former_versions_are_read(pin: Any) -> None:
         "_joint_v": "joint_v",
         "_joints": "joints",
     }
-    former = {names.get(name, name): value for name, value in made.__dict__.items() if name != "_live"}
+    former = {names.get(name, name): value for name, value in made.__getstate__().items() if name != "_live"}
     again = object.__new__(type(made))
     again.__setstate__(former)
     assert again == made and again.M == made.M
