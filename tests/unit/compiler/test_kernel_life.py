@@ -83,16 +83,17 @@ def test_a_function_can_be_pickled_and_goes_on_sharing_its_nodes(kernel):
     assert len(function.graph) == before
 
 
-def _in_child(kernel, q, v, queue):
-    queue.put(kernel(q, v))
+def _in_child(kernel, q, v, sender):
+    sender.send(kernel(q, v))
 
 
 def test_a_spawned_process_takes_a_kernel(kernel):
     context = multiprocessing.get_context("spawn")
-    queue = context.Queue()
-    child = context.Process(target=_in_child, args=(kernel, Q, V, queue))
+    receiver, sender = context.Pipe(duplex=False)
+    child = context.Process(target=_in_child, args=(kernel, Q, V, sender))
     child.start()
-    got = queue.get(timeout=600)
+    sender.close()  # a child that ends without an answer ends the test at once: `recv` raises EOFError
+    got = receiver.recv()
     child.join(600)
     assert child.exitcode == 0
     assert equal(got, kernel(Q, V))
