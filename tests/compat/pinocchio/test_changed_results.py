@@ -220,3 +220,134 @@ def test_entries_that_were_assigned_are_filled_by_the_next_call() -> None:
     assert len(own) == len(wanted) == 36
     for mine, theirs in zip(own, wanted, strict=True):
         np.testing.assert_allclose(mine, theirs, rtol=1e-9, atol=1e-9)
+
+
+_DERIVATIVES = """
+import json, numpy as np, pinocchio as pin
+found = []
+
+
+def add(data, name):
+    random = np.random.default_rng(sum(map(ord, name)) + 7000)
+    value = getattr(data, name)
+    if isinstance(value, np.ndarray):
+        value += random.normal(size=value.shape)
+        return
+    for k in range(1, len(value)):  # that of the universe does not count
+        entry = value[k]
+        if isinstance(entry, np.ndarray):
+            entry += random.normal(size=entry.shape)
+        elif isinstance(entry, pin.SE3):
+            value[k] = entry * pin.exp6(random.normal(size=6))
+        elif isinstance(entry, float):
+            value[k] = 1.5 * entry
+        else:
+            value[k] = type(entry)(entry.vector + random.normal(size=6))
+
+
+CASES = (
+    ("pin.computeRNEADerivatives(model, data, q, v, a)", "pin.getCoriolisMatrix(model, data)", "J dJ oh"),
+    ("pin.computeRNEADerivatives(model, data, q, v, a)", "pin.getCentroidalDynamicsDerivatives(model, data)",
+     "dFdq dFdv of oh"),
+    ("pin.computeForwardKinematicsDerivatives(model, data, q, v, a); pin.centerOfMass(model, data, q, v, a)",
+     "pin.getCenterOfMassVelocityDerivatives(model, data)", "com vcom mass"),
+    ("pin.jacobianCenterOfMass(model, data, q)", "pin.getJacobianSubtreeCenterOfMass(model, data, 0)", "Jcom"),
+    ("pin.jacobianCenterOfMass(model, data, q)", "pin.getJacobianSubtreeCenterOfMass(model, data, 3)", "Jcom J mass"),
+    ("pin.forwardKinematics(model, data, q)", "pin.jacobianSubtreeCenterOfMass(model, data, 3)", "oMi"),
+)
+for model in (pin.buildSampleModelManipulator(), pin.buildSampleModelHumanoid()):
+    model.armature = np.linspace(0.1, 0.5, model.nv)
+    q = pin.integrate(model, pin.neutral(model), np.linspace(-0.5, 0.8, model.nv))
+    v, a = np.linspace(-1.0, 1.0, model.nv), np.linspace(0.5, -0.7, model.nv)
+    for first, call, fields in CASES:
+        data = model.createData()
+        for turn in range(ROUNDS):
+            for name in ("", *fields.split()):
+                exec(first)
+                if name == "mass" and "Subtree" in call:
+                    data = model.createData()
+                    exec(first)
+                if name:
+                    add(data, name)
+                result = eval(call)
+                found += [x.tolist() for x in (result if isinstance(result, tuple) else (result,))]
+print(json.dumps(found))
+"""
+
+
+@pytest.mark.parametrize("rounds", [1, 3])
+def test_derivatives_are_of_the_fields_that_are_there(rounds: int) -> None:
+    pytest.importorskip("pinocchio")
+    own, wanted = map(json.loads, printed(_DERIVATIVES.replace("ROUNDS", str(rounds))))
+    assert len(own) == len(wanted) == 2 * (4 + 5 * 4 + 4 + 2 + 4 + 2) * rounds
+    for mine, theirs in zip(own, wanted, strict=True):
+        np.testing.assert_allclose(mine, theirs, rtol=1e-8, atol=1e-8)
+
+
+_FOLLOWING = """
+import json, numpy as np, pinocchio as pin
+model = pin.buildSampleModelHumanoid()
+q = pin.integrate(model, pin.neutral(model), np.linspace(-0.5, 0.8, model.nv))
+v, a = np.linspace(-1.0, 1.0, model.nv), np.linspace(0.5, -0.7, model.nv)
+data, found = model.createData(), []
+for turn in range(ROUNDS):
+    for name in ("", "oh", "ov", "dFdq", "dFda", "of"):
+        pin.computeRNEADerivatives(model, data, q, v, a)
+        if name:
+            [*getattr(data, name)]
+        for again in range(3):
+            found.append([x.tolist() for x in pin.getCentroidalDynamicsDerivatives(model, data)])
+            found.append([pin.getCoriolisMatrix(model, data).tolist(), data.hg.vector.tolist()])
+            [*data.oh], [*data.dFda], [*data.com]
+print(json.dumps(found))
+"""
+
+
+@pytest.mark.parametrize("rounds", [1, 3])
+def test_results_that_a_call_left_are_not_its_inputs(rounds: int) -> None:
+    own, _ = map(json.loads, printed(_FOLLOWING.replace("ROUNDS", str(rounds))))
+    assert len(own) == 36 * rounds
+    for k, mine in enumerate(own):
+        for one, first in zip(mine, own[k % 2], strict=True):
+            np.testing.assert_allclose(one, first, rtol=1e-8, atol=1e-8)
+
+
+_HESSIANS = """
+import json, numpy as np, pinocchio as pin
+model, found = pin.buildSampleModelHumanoid(), []
+q = pin.integrate(model, pin.neutral(model), np.linspace(-0.5, 0.8, model.nv))
+data, placement = model.createData(), pin.SE3(pin.exp3(np.array([0.3, -0.2, 0.5])), np.array([-0.1, 0.4, 0.7]))
+for reference in (pin.LOCAL, pin.WORLD, pin.LOCAL_WORLD_ALIGNED):
+    for turn in range(4):
+        pin.computeJointKinematicHessians(model, data, q)
+        for factor in (1.0, 2.0):
+            data.J *= factor
+            found.append(pin.getJointKinematicHessian(model, data, 5, reference).tolist())
+            found.append(pin.getFrameKinematicHessian(model, data, model.nframes - 1, reference).tolist())
+            found.append(pin.getFrameKinematicHessian(model, data, 5, placement, reference).tolist())
+print(json.dumps(found))
+"""
+
+
+def test_hessians_are_of_the_columns_that_are_there() -> None:
+    pytest.importorskip("pinocchio")
+    own, _ = map(json.loads, printed(_HESSIANS))
+    for k in range(0, len(own), 6):
+        for before, after in zip(own[k : k + 3], own[k + 3 : k + 6], strict=True):
+            assert np.abs(before).max() > 0.1
+            np.testing.assert_allclose(after, 4.0 * np.array(before), rtol=1e-9, atol=1e-9)
+
+
+def test_composite_inertias_in_the_world_cannot_be_written_to() -> None:
+    lines = """
+import numpy as np, pinocchio as pin
+model = pin.buildSampleModelManipulator()
+data = model.createData()
+pin.crba(model, data, np.zeros(6))
+try:
+    data.oYcrb[1].mass = 2.0
+    print("written")
+except ValueError as error:
+    print("read-only" in str(error))
+"""
+    assert printed(lines)[0].strip() == "True"

@@ -19,6 +19,8 @@ both places.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ulna.algorithms.kinematics.jacobian import Column, frame_columns
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.references import Reference
@@ -44,7 +46,21 @@ def frame_hessian(
         H, shape (..., nv, 6, nv), rows linear and angular.
     """
     columns = frame_columns(chain(model, frame), q, frame.placement, reference)
-    H = batch_zeros((model.nv, 6, model.nv), q)
+    return hessian_of_columns(columns, batch_zeros((model.nv, 6, model.nv), q), reference)
+
+
+def hessian_of_columns(columns: Sequence[Column], zeros: Array, reference: Reference) -> Array:
+    """The derivative of a Jacobian with these columns; see `frame_hessian`.
+
+    Args:
+        columns: The columns of a chain in the reference.
+        zeros: Zeros, which are filled, shape (..., nv, 6, nv).
+        reference: "world", "local" or "local_world_aligned".
+
+    Returns:
+        H, shape (..., nv, 6, nv).
+    """
+    H = zeros
     for k in columns:
         for j in columns:
             change = _change(k, j, reference)

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.jacobians import JACOBIANS, columns
+from pinocchio._algorithms.of_fields import OfFields
 from pinocchio._algorithms.stored_sums import (
     CENTER_COLUMNS,
     MOMENTUM,
     MOMENTUM_RATE,
-    OfFields,
     columns_of_fields,
+    subtree_columns,
 )
 from pinocchio._algorithms.stored_sums import CENTERS as FIELD_CENTERS
 from pinocchio._containers.arguments import OMITTED, checks_itself, wrong_model
@@ -223,6 +224,10 @@ def _center_and_jacobians(model: Model, data: Data, q: Any) -> None:
     run(model, data, _SUBTREE, q)
 
 
+_subtree_calls_at_placements, _subtree_calls = (call_cache(3, weak=2) for _ in range(2))
+
+
+@repeated_calls(_subtree_calls_at_placements)
 @overloads("model data subtree_root_joint_id:int", "model data q subtree_root_joint_id:int")
 def jacobianSubtreeCenterOfMass(
     model: Model, data: Data, q: Any = None, subtree_root_joint_id: int | None = None
@@ -238,11 +243,15 @@ def jacobianSubtreeCenterOfMass(
     """
     if q is None:
         q = data._require(data._q, "forwardKinematics(model, data, q)")
+        J = _of_fields(model, data, subtree_root_joint_id, True)
+        if J is not NotImplemented:
+            return J
     _center_and_jacobians(model, data, q)
     assert subtree_root_joint_id is not None  # every overload has it
     return _of_subtree(model, data, subtree_root_joint_id, data._arrays["placements q"])
 
 
+@repeated_calls(_subtree_calls)
 def getJacobianSubtreeCenterOfMass(model: Model, data: Data, subtree_root_joint_id: int) -> Floats:
     """The Jacobian of the centre of mass of what a joint moves, after jacobianCenterOfMass.
 
@@ -253,7 +262,26 @@ def getJacobianSubtreeCenterOfMass(model: Model, data: Data, subtree_root_joint_
         Jacobian (3, nv).
     """
     q = data._require(data._q_of_jacobians, "jacobianCenterOfMass(model, data, q)")
+    J = _of_fields(model, data, subtree_root_joint_id, False)
+    if J is not NotImplemented:
+        return J
     return _of_subtree(model, data, subtree_root_joint_id, q)
+
+
+def _of_fields(model: Model, data: Data, root: Any, is_anew: bool) -> Any:
+    """The Jacobian out of fields of the Data, added to the cache of calls; NotImplemented where it does not apply."""
+    joint = index(root, model.njoints, "joint", "model.getJointId(name) returns one.")
+    algorithm = subtree_columns(joint, is_anew)
+    step = algorithm.step(model, data)
+    J = step()
+    if J is NotImplemented:
+        inertias = np.concatenate(model._parameter_blocks("inertias"))
+        masses = [inertias[i, 0] for i in list(model.subtrees[joint]) if i]
+        if model.nvExtended != model.nv or not sum(masses) > 0.0 or not all(masses):
+            return NotImplemented
+        return algorithm.run(model, data)
+    (_subtree_calls_at_placements if is_anew else _subtree_calls).add(step, 0, model, data, root)
+    return J
 
 
 def _of_subtree(model: Model, data: Data, root: int, q: Floats) -> Floats:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.jacobians import JACOBIAN_RATES, JACOBIANS, columns, computeJointJacobians, rates
+from pinocchio._algorithms.stored_derivatives import CORIOLIS
 from pinocchio._containers.arguments import check_model_and_data, checks_itself
 from pinocchio._containers.arrays import not_applicable
 from pinocchio._containers.enums import Convention
@@ -36,6 +37,7 @@ from pinocchio._model.compiled_model import CompiledModel
 from pinocchio._model.model import Model
 from pinocchio._spatial.motion_force import checked_forces
 from ulna import algorithms
+from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.model import Model as CoreModel
 from ulna.quantities.mass import with_mass
 from ulna.typing import Array, Floats
@@ -317,6 +319,10 @@ _CORIOLIS_AFTER_DERIVATIVES = Algorithm(
 )
 
 
+_coriolis_calls = call_cache(2, weak=2)
+
+
+@repeated_calls(_coriolis_calls)
 def getCoriolisMatrix(model: Model, data: Data) -> Floats:
     """The Coriolis matrix of the last derivatives of inverse dynamics.
 
@@ -324,6 +330,11 @@ def getCoriolisMatrix(model: Model, data: Data) -> Floats:
         Matrix (nv, nv).
     """
     state = data._require(data._state_of_derivatives, "computeRNEADerivatives(model, data, q, v, a)")
+    if model.nvExtended == model.nv:
+        C = CORIOLIS.run(model, data)
+        if C is not NotImplemented:
+            _coriolis_calls.add(CORIOLIS.step(model, data), 0, model, data)
+            return C
     C = computeCoriolisMatrix(model, data, *state[:2])
     data._invalidate(_CORIOLIS_AFTER_DERIVATIVES)
     return C

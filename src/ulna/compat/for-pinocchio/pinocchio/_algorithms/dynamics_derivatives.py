@@ -15,6 +15,7 @@ from pinocchio._algorithms.jacobians import (
     computeJointJacobians,
     rates,
 )
+from pinocchio._algorithms.stored_derivatives import CENTROIDAL
 from pinocchio._containers.arrays import not_applicable, vector
 from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
@@ -46,6 +47,7 @@ from pinocchio._spatial.motion_force import checked_forces
 from pinocchio._tables.recursions import DYNAMICS
 from pinocchio._tables.world_derivatives import WorldDerivatives
 from ulna import algorithms
+from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.model import Model as CoreModel
 from ulna.quantities.mass import with_mass
 from ulna.typing import Array, Floats
@@ -243,6 +245,7 @@ def computeStaticTorqueDerivatives(model: Model, data: Data, q: Any, fext: Any) 
     returns=(0, 1, 2, 3),
     deferred=_MOTION | CENTERS | SUBTREE_MOMENTA_IN_WORLD | ACCELERATION_COLUMNS,
     invalidates=("tau",),
+    states=("center_columns",),
 )
 def computeCentroidalDynamicsDerivatives(
     model: Model, data: Data, q: Any, v: Any, a: Any
@@ -265,6 +268,10 @@ _CENTROIDAL_AFTER_RNEA = Algorithm(
 )
 
 
+_centroidal_calls = call_cache(2, weak=2)
+
+
+@repeated_calls(_centroidal_calls)
 def getCentroidalDynamicsDerivatives(model: Model, data: Data) -> tuple[Floats, ...]:
     """Derivatives of the centroidal momentum at the state of the last computeRNEADerivatives.
 
@@ -273,6 +280,11 @@ def getCentroidalDynamicsDerivatives(model: Model, data: Data) -> tuple[Floats, 
     """
     call = "computeRNEADerivatives(model, data, q, v, a)"
     state = data._require(data._state_of_derivatives, call)
+    if model.nvExtended == model.nv:
+        derivatives = CENTROIDAL.run(model, data)
+        if derivatives is not NotImplemented:
+            _centroidal_calls.add(CENTROIDAL.step(model, data), 0, model, data)
+            return derivatives
     derivatives = computeCentroidalDynamicsDerivatives(model, data, *state)
     data._invalidate(_CENTROIDAL_AFTER_RNEA)
     return derivatives

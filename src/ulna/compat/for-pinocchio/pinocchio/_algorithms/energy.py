@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from pinocchio._algorithms.stored_sums import KINETIC_ENERGY, MECHANICAL_ENERGY, POTENTIAL_ENERGY, OfFields
+from pinocchio._algorithms.of_fields import OfFields
+from pinocchio._algorithms.stored_sums import KINETIC_ENERGY, MECHANICAL_ENERGY, POTENTIAL_ENERGY
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import JOINTS, VELOCITIES_IN_WORLD, rows, stacked
 from pinocchio._data.functions import algorithm

@@ -19,7 +19,14 @@ from pinocchio._algorithms.frame_arguments import (
     repeated_call,
 )
 from pinocchio._algorithms.kinematics import updateFramePlacement, updateFramePlacements
-from pinocchio._algorithms.stored_motions import bound_to_fields, carrier_of, jacobian_rate, placement_of
+from pinocchio._algorithms.stored_motions import (
+    bound_to_fields,
+    carrier_of,
+    hessian,
+    jacobian_rate,
+    orders_of,
+    placement_of,
+)
 from pinocchio._algorithms.stored_sums import COLUMNS, columns_of_fields
 from pinocchio._containers.arguments import check_model_and_data, checks_itself
 from pinocchio._containers.arrays import exact, index, not_applicable
@@ -29,7 +36,7 @@ from pinocchio._data.algorithm import Algorithm
 from pinocchio._data.binding import run_at_frame
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import JOINTS_AFTER_KINEMATICS, VELOCITIES_IN_WORLD, rows, stacked
-from pinocchio._data.evaluated_model import kernels_for
+from pinocchio._data.evaluated_model import NUMBER_CALLS, kernels_for
 from pinocchio._data.first_evaluation import TABLE_CALLS, loaded_evaluator, store
 from pinocchio._data.functions import algorithm
 from pinocchio._data.states import compiled_for
@@ -473,6 +480,7 @@ def computeJointKinematicHessians(model: Model, data: Data, q: Any = None) -> No
         computeJointJacobians(model, data, q)
 
 
+@repeated_call("joint H", has_default=False)
 def getJointKinematicHessian(model: Model, data: Data, joint_id: int, reference_frame: Any) -> Floats:
     """The derivative (6, nv, nv) of a joint's Jacobian by q; [:, j, k] is that of column j by entry k.
 
@@ -483,9 +491,14 @@ def getJointKinematicHessian(model: Model, data: Data, joint_id: int, reference_
         Array (6, nv, nv).
     """
     joint = index(joint_id, model.njoints, "joint", "model.getJointId(name) returns one.")
-    return _hessian(model, data, reference_of(reference_frame), Place(None, joint))
+    return _hessian(model, data, Place(None, joint), (joint_id, reference_frame, "joint H"))
 
 
+_hessian_calls = call_cache(4, weak=2)
+_placed_hessian_calls = call_cache(4, weak=2, kernel_argument=3)
+
+
+@repeated_calls(_hessian_calls, _placed_hessian_calls)
 @overloads(
     "model data frame_id reference_frame:ReferenceFrame",
     "model data joint_id>frame_id frame_placement:SE3 reference_frame:ReferenceFrame",
@@ -505,11 +518,49 @@ def getFrameKinematicHessian(
         Array (6, nv, nv).
     """
     place = place_of(model, frame_id, frame_id, frame_placement)
-    return _hessian(model, data, reference_of(reference_frame), place)
+    binding_key = frame_id, reference_frame, "H" if place.placement is None else "placed H"
+    H = _bound_hessian(model, data, place, binding_key)
+    if H is not NotImplemented:
+        calls = _hessian_calls if place.placement is None else _placed_hessian_calls
+        step = data._bound_at[binding_key][0]
+        calls.add(step, len(place.holders), model, data, frame_id, reference_frame)
+        return H
+    return _hessian(model, data, place, binding_key)
 
 
-def _hessian(model: Model, data: Data, reference: Reference, place: Place) -> Floats:
+def _bound_hessian(model: Model, data: Data, place: Place, binding_key: tuple[Any, ...]) -> Any:
+    step, bound_frame = data._bound_at.get(binding_key, (not_applicable, None))
+    if data._model is not model or bound_frame is not binding_key[1]:  # 0 == WORLD, but a plain number raises
+        return NotImplemented
+    return step(*place.holders)
+
+
+def _hessian(model: Model, data: Data, place: Place, binding_key: tuple[Any, ...]) -> Floats:
+    """The Hessian of a frame out of `data.J` and `data.oMi`, bound at `binding_key` for the next time."""
+    reference = reference_of(binding_key[1])
     q = data._require(data._q_of_jacobians, "computeJointKinematicHessians(model, data, q)")
+    compiled_for(model, data)
+    joint, placement = place.on_joint(model)
+    carrier = carrier_of(model, joint, placement is not None, reference)
+    orders = orders_of(model, carrier) if model.nvExtended == model.nv else None
+    if orders is None:
+        return _hessian_at(model, data, reference, place, q)
+    arrays, function = data._arrays, hessian(carrier, orders)
+    read = [*placement_of(placement), arrays["oMi"][joint], arrays["J"]]
+    if model.first_calls.includes("H", NUMBER_CALLS):
+        return np.ascontiguousarray(function(*read))
+    watch = model._watched_frames() if place.frame_id is not None else model._watched("structure")
+    key = "H of fields", carrier, orders
+    step = bound_to_fields(
+        model, data, key, function, read, (), watch, passes_placement=place.placement is not None
+    )
+    if data._model is model:
+        data._bound_at[binding_key] = step, binding_key[1]
+    return step(*place.holders)
+
+
+def _hessian_at(model: Model, data: Data, reference: Reference, place: Place, q: Floats) -> Floats:
+    """The Hessian of a frame at q, of models whose columns are not separate in `data.J`."""
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         def run(*inputs: Array) -> Array:

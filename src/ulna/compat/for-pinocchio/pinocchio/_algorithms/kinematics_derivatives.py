@@ -24,6 +24,7 @@ from pinocchio._algorithms.stored_motions import (
     placement_of,
     point_derivatives,
 )
+from pinocchio._algorithms.stored_sums import CENTER_RATE_COLUMNS
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._data.algorithm import STATES
@@ -35,6 +36,7 @@ from pinocchio._model.model import Model
 from pinocchio._tables.world_derivatives import WorldDerivatives
 from ulna import algorithms
 from ulna.algorithms.multibody.references import Reference
+from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
 from ulna.model import Frame
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
@@ -302,6 +304,10 @@ def _stored_point(model: Model, data: Data, place: Place, reference: Reference) 
     return model._compiled_structure().compile(key, lambda _: function, **sizes)(*read)
 
 
+_center_calls = call_cache(2, weak=2)
+
+
+@repeated_calls(_center_calls)
 def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:
     """The derivative (3, nv) of the velocity of the centre of mass by q.
 
@@ -312,6 +318,11 @@ def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:
         Matrix (3, nv).
     """
     q, v = data._require(data._qv, "computeForwardKinematicsDerivatives(model, data, q, v)")
+    if model.nvExtended == model.nv:
+        J = CENTER_RATE_COLUMNS.run(model, data)
+        if J is not NotImplemented:
+            _center_calls.add(CENTER_RATE_COLUMNS.step(model, data), 0, model, data)
+            return J
     if evaluator := loaded_evaluator(model, data, "com derivatives"):
         derivatives = WorldDerivatives(evaluator, q, v)
         return evaluator.by_entries(derivatives.momenta_by_configuration())[:3] / derivatives.mass

@@ -1,4 +1,4 @@
-"""Rates of Jacobians and derivatives of motions out of the fields of a Data as they are, whoever wrote them.
+"""Rates and Hessians of Jacobians, derivatives of motions, out of the fields of a Data as they are, whoever wrote them.
 
 | symbol | meaning | shape |
 |---|---|---|
@@ -30,6 +30,9 @@ from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3
 from pinocchio._spatial.small_kernels import pose
 from ulna import spatial
+from ulna.algorithms.kinematics.hessian import hessian_of_columns
+from ulna.algorithms.kinematics.jacobian import Column as PlacedColumn
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.references import Reference
 from ulna.numeric import cross, skew
 from ulna.spatial import Motion
@@ -284,9 +287,55 @@ def point_derivatives(carrier: Carrier) -> Callable[..., tuple[Array, ...]]:
     return run
 
 
+def orders_of(model: Model, carrier: Carrier) -> tuple[int, ...] | None:
+    """For each column that moves a frame, its place in the chain; those that move each other have the same.
+
+    Args:
+        model: The model.
+        carrier: What carries the frame.
+
+    Returns:
+        The places; None where columns are not separate: of joints that follow others, or that turn twice by one angle.
+    """
+    places: dict[int, int] = {}
+    for joint in dict.fromkeys(column.joint for column in carrier.columns):
+        kind, first = model.joints[joint].kind, model.joints[joint].idx_v
+        parts = () if kind is None else kind.elementary_joints(spatial.SE3.identity())
+        entries = [(first + part.start_v + k, n) for n, part in enumerate(parts) for k in range(part.kind.nv)]
+        if len(dict(entries)) < len(entries) or not entries:
+            return None
+        places |= {entry: len(carrier.columns) * joint + n for entry, n in entries}
+    return tuple(places[column.index] for column in carrier.columns)
+
+
+def hessian(carrier: Carrier, orders: tuple[int, ...]) -> Callable[..., Array]:
+    """The derivative (6, nv, nv) of the Jacobian of a frame, a function of the placement, of `oMi` of the joint, and J.
+
+    Args:
+        carrier: What carries the frame.
+        orders: The places of its columns; see `orders_of`.
+
+    Returns:
+        The function; its result (6, nv, nv) has the entry of q last.
+    """
+
+    def run(*inputs: Array) -> Array:
+        _, T, (J,) = carrier.split(inputs)
+        columns = [
+            PlacedColumn(order, column.index, carrier.moved(T, _motion(J[:, column.index])))
+            for column, order in zip(carrier.columns, orders, strict=True)
+        ]
+        zeros = batch_zeros((carrier.nv, 6, carrier.nv), J[0])
+        return np.moveaxis(hessian_of_columns(columns, zeros, carrier.reference), 0, 2)
+
+    return run
+
+
 def _before(carrier: Carrier, motions: Array) -> list[Motion]:
     """For each column the motion of the joint before its own; but in the frame's axes, less that of the frame."""
-    before = [_motion(motions[column.before]) for column in carrier.columns]
+    before = [
+        _motion(motions[column.before]) if column.before else Motion.zero() for column in carrier.columns
+    ]
     own = _motion(motions[carrier.joint])
     return before if carrier.reference == "local" else [motion - own for motion in before]
 

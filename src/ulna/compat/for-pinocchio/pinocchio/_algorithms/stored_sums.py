@@ -13,17 +13,14 @@ What a joint moves is summed from the last joint to the first: the sum of p gain
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, TypeVar, final
+from typing import Any, TypeVar
 
 import numpy as np
 
-from pinocchio._containers.arguments import check_layout
-from pinocchio._containers.arrays import not_applicable
+from pinocchio._algorithms.of_fields import OfFields, inputs_by_name
 from pinocchio._data.data import Data
-from pinocchio._data.evaluated_model import NUMBER_CALLS, EvaluatedModel
-from pinocchio._data.states import compiled_for
 from pinocchio._model.model import Model
 from pinocchio._spatial.small_kernels import body, pose
 from ulna import spatial
@@ -33,79 +30,6 @@ from ulna.spatial import Motion
 from ulna.typing import Array
 
 Sum = TypeVar("Sum")
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class OfFields:
-    """An algorithm whose inputs are fields of a Data.
-
-    Attributes:
-        name: Its name, under which it is bound.
-        reads: The fields that it reads, and of states such as "velocities v" the arrays.
-        fills: The arrays of the Data that it fills.
-        build: Makes, of a model of Ulna whose joints count and not its numbers, the function of these fields, of the
-            inertias (n, 13), gravity (3,) and the armature (nv,).
-        returns: The index of what a call returns a copy of.
-    """
-
-    name: str
-    reads: tuple[str, ...]
-    fills: tuple[str, ...]
-    build: Callable[[CoreModel], Callable[..., tuple[Any, ...]]]
-    returns: int = 0
-
-    def run(self, model: Model, data: Data) -> Any:
-        """Fills the Data.
-
-        Args:
-            model: The model.
-            data: Its data.
-
-        Returns:
-            A copy of one of the results.
-
-        Raises:
-            InputError: The Data does not fit the model.
-        """
-        check_layout(model, data)
-        fields = [name for name in self.reads if name in data._slots]
-        for field in fields:
-            data._read(field)
-        step = data._bound_at.get(self.name, not_applicable) if data._model is model else not_applicable
-        result = step()
-        if result is NotImplemented:
-            compiled_for(model, data)
-            result = self._run_anew(model, data, fields)
-        data._mark_filled(*(name for name in self.fills if name in data._slots))
-        return result
-
-    def _run_anew(self, model: Model, data: Data, fields: Sequence[str]) -> Any:
-        """Evaluates it on numbers, or compiles it and binds it to the arrays of the Data and of the model."""
-        bodies = model._parameter_blocks("inertias")
-        parameters = [*model._parameter_blocks("gravity"), *model._parameter_blocks("armature")]
-        inputs = [*(data._arrays[name] for name in self.reads), np.concatenate(bodies), *parameters]
-        targets = [data._arrays[name] for name in self.fills]
-        if len(bodies) > 1 or model.first_calls.includes(self.name, NUMBER_CALLS):
-            with np.errstate(all="ignore"):
-                results = self.build(EvaluatedModel(model).model)(*inputs)
-            for target, values in zip(targets, results, strict=True):
-                target[...] = values
-            return np.array(targets[self.returns])
-        sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(inputs)}
-        key = self.name, tuple(model.parents)
-        kernel = model._compiled_structure().compile(key, self.build, **sizes)
-        inputs[len(self.reads)] = bodies[0]
-        step = kernel.into(
-            *targets,
-            returns=(self.returns,),
-            watch=[*model._watched("structure"), *((data._mark_of(x), np.zeros(())) for x in fields)],
-            otherwise=not_applicable,
-            trailing_inputs=inputs,
-        )
-        if data._model is model:
-            data._bound_at[self.name] = step
-        return step()
 
 
 def _parents(core: CoreModel) -> list[int]:
@@ -328,9 +252,166 @@ def _center_columns(core: CoreModel) -> Any:
     return run
 
 
-COLUMNS = OfFields("joint Jacobians of fields", ("oMi", "placements q"), ("J",), _all_columns)
+def _moments_in_world(oMi: Array, inertias: Array) -> list[tuple[Any, Array]]:
+    """The mass of each body, and mass times centre in the world; the universe's do not count."""
+    masses = _masses(inertias)
+    return [
+        (mass, mass * (T[:3, :3] @ row[1:4] + T[:3, 3]))
+        for mass, T, row in zip(masses, oMi, inertias, strict=True)
+    ]
+
+
+def _center_rate_columns(core: CoreModel, taken: tuple[str, ...]) -> Any:
+    """The derivative of the velocity of the centre of mass by q: see `_velocity_change`."""
+    parents = _parents(core)
+
+    def run(*args: Array) -> tuple[Array]:
+        x = inputs_by_name((*_CENTER_RATE_READS, *taken), args)
+        oMi, inertias = x["oMi"], x["inertias"]
+        moments = _moments_in_world(oMi, inertias)
+        twists = [Motion.zero(), *(pose(T).act(_motion(v)) for T, v in zip(oMi[1:], x["v"][1:], strict=True))]
+        momenta = [
+            mass * V.linear + cross(V.angular, moment)
+            for (mass, moment), V in zip(moments, twists, strict=True)
+        ]
+        masses = _summed(parents, [mass for mass, _ in moments], lambda _, y: y)
+        firsts = _summed(parents, [moment for _, moment in moments], lambda _, y: y)
+        p = _summed(parents, momenta, lambda _, y: y)
+        masses = list(x["mass"]) if "mass" in x else masses
+        columns = _columns_of(core, oMi, x["velocities q"])
+        changes: list[list[Array]] = [[]]
+        for i in range(1, len(parents)):
+            first = masses[i] * (oMi[i][:3, :3] @ x["com"][i] + oMi[i][:3, 3]) if "com" in x else firsts[i]
+            momentum = masses[i] * (oMi[i][:3, :3] @ x["vcom"][i]) if "vcom" in x else p[i]
+            before = twists[parents[i]]
+            changes.append(
+                [_velocity_change(s, before, masses[i], first, momentum) / masses[0] for s in columns[i]]
+            )
+        return (_jacobian(core, changes),)
+
+    return run
+
+
+def _velocity_change(s: Motion, before: Motion, mass: Any, first: Array, momentum: Array) -> Array:
+    """How the momentum of what column s moves, beyond a joint with the twist `before`, changes by its coordinate."""
+    displaced = mass * s.linear + cross(s.angular, first)
+    relative = momentum - mass * before.linear - cross(before.angular, first)
+    return cross(before.angular, displaced) + cross(s.angular, relative)
+
+
+_CENTER_RATE_READS = ("oMi", "v", "velocities q")
+CENTER_RATE_COLUMNS = OfFields(
+    "centre of mass velocity derivatives of fields",
+    _CENTER_RATE_READS,
+    ("",),
+    _center_rate_columns,
+    if_read=("com", "vcom", "mass"),
+    known_of=(("com", "centers"), ("vcom", "center_velocities")),
+    same=(("placements q", "velocities q"),),
+    state="velocities",
+)
+
+
+@functools.cache
+def subtree_columns(root: int, is_anew: bool) -> OfFields:
+    """The Jacobian (3, nv) of the centre of mass of what a joint moves.
+
+    Args:
+        root: The joint.
+        is_anew: Whether all columns are computed of `oMi`, which fills J; else J is read.
+
+    Returns:
+        The algorithm.
+    """
+
+    def build(core: CoreModel, taken: tuple[str, ...]) -> Any:
+        return lambda *args: _subtree_results(core, root, inputs_by_name((*reads, *taken), args))
+
+    if is_anew:
+        reads = ("oMi", "placements q")
+        return OfFields(
+            f"subtree Jacobian {root} at placements",
+            reads,
+            ("", "J", "com[0]"),
+            lambda core: build(core, ()),
+            stores=(("jacobians q", "placements q"),),
+            leaves=(("subtree_jacobian", ("com", "mass", "Jcom")),),
+            state="placements",
+            depends_on="masses",
+        )
+    reads = ("oMi", "J")
+    return OfFields(
+        f"subtree Jacobian {root}",
+        reads,
+        ("",),
+        build,
+        if_read=("Jcom", "com", "mass"),
+        known_of=(("Jcom", "center_jacobian"), ("com", "centers")),
+        same=(("placements q", "jacobians q"),),
+        state="jacobians",
+        depends_on="masses",
+    )
+
+
+def _subtree_results(core: CoreModel, root: int, x: dict[str, Array]) -> tuple[Array, ...]:
+    parents, oMi = _parents(core), x["oMi"]
+    moments = _moments_in_world(oMi, x["inertias"])
+    masses = _summed(parents, [mass for mass, _ in moments], lambda _, y: y)
+    firsts = _summed(parents, [moment for _, moment in moments], lambda _, y: y)
+    center = firsts[0] / masses[0]
+    masses = list(x["mass"]) if "mass" in x else masses
+    if "J" in x:
+        columns = [
+            [_motion(x["J"][:, joint.idx_v + k]) for k in range(joint.kind.nv)] for joint in core.joints
+        ]
+    else:
+        columns = _columns_of(core, oMi, x["placements q"])[1:]
+    chain = {root}
+    while parents[min(chain)]:
+        chain.add(parents[min(chain)])
+    own = (
+        firsts[root] / masses[root]
+        if "com" not in x
+        else oMi[root][:3, :3] @ x["com"][root] + oMi[root][:3, 3]
+    )
+    moved = {root}
+    found: list[list[Array]] = [[]]
+    for i, of_joint in enumerate(columns, start=1):
+        if (i > root and parents[i] in moved) or not root:
+            moved.add(i)
+        if i in moved and "Jcom" in x:
+            first = core.joints[i - 1].idx_v
+            share = masses[0] / masses[root] if root else 1.0
+            found.append([share * x["Jcom"][:, first + k] for k in range(len(of_joint))])
+        elif i in moved:
+            found.append(
+                [(masses[i] * s.linear + cross(s.angular, firsts[i])) / masses[root] for s in of_joint]
+            )
+        else:
+            found.append([s.linear + cross(s.angular, own) if i in chain else np.zeros(3) for s in of_joint])
+    J = _jacobian(core, found)
+    if "J" in x:
+        return (J,)
+    return J, _jacobian(core, [[], *([s.vector() for s in of_joint] for of_joint in columns)]), center
+
+
+COLUMNS = OfFields(
+    "joint Jacobians of fields",
+    ("oMi", "placements q"),
+    ("J",),
+    _all_columns,
+    stores=(("jacobians q", "placements q"),),
+)
 CENTER_COLUMNS = OfFields(
-    "centre of mass Jacobian of fields", ("oMi", "placements q"), ("Jcom", "com", "J"), _center_columns
+    "centre of mass Jacobian of fields",
+    ("oMi", "placements q"),
+    ("Jcom", "com", "J"),
+    _center_columns,
+    stores=(
+        ("jacobians q", "placements q"),
+        ("center_jacobian q", "placements q"),
+        ("centers q", "placements q"),
+    ),
 )
 
 
@@ -348,5 +429,5 @@ def columns_of_fields(model: Model, data: Data, algorithm: OfFields) -> Any:
     if model.nvExtended != model.nv:
         return NotImplemented
     result = algorithm.run(model, data)
-    data._q_of_jacobians = data._q
+    data._known_states |= {name.split()[0] for name, _ in algorithm.stores}
     return result

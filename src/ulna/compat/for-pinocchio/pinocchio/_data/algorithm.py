@@ -19,12 +19,17 @@ STATES = {
     "derivatives": "qva",
     "forward_dynamics": "qva",
     "articulated": "q",
+    "centers": "q",
+    "center_velocities": "qv",
+    "center_jacobian": "q",
+    "center_columns": "q",
 }
 """The states that results in a Data belong to, with a letter for each array.
 
 They are those of `oMi`, of `liMi` and `Data.joints`, of the velocities there, of `v`, of `a`, of `J`, of `dJ`, of
-derivatives of inverse dynamics, of the last forward dynamics, whose accelerations are computed ones, and of the
-articulated inertias that inverted the mass matrix last.
+derivatives of inverse dynamics, of the last forward dynamics, whose accelerations are computed ones, of the articulated
+inertias that inverted the mass matrix last, of `com` and `vcom` of subtrees when they were read, of `Jcom`, and of
+`dFdq` and the like where they are about the centre of mass (else nan).
 """
 _STATE_OF = {
     "oMi": "placements",
@@ -32,6 +37,7 @@ _STATE_OF = {
     "a": "accelerations",
     "J": "jacobians",
     "dJ": "jacobian_rates",
+    "Jcom": "center_jacobian",
 }
 """The state that is stored with a field."""
 PARAMETER_NAMES = {"q": "q", "v": "v", "a": "a", "t": "tau"}

@@ -22,6 +22,15 @@ _MOTIONS = ("v", "ov", "a_gf", "oa_gf")
 """Fields whose first row, the motion of the universe, is set with the others."""
 
 
+_STATES_READ = (
+    ("velocities", "v"),
+    ("accelerations", "a"),
+    ("centers", "com"),
+    ("center_velocities", "vcom"),
+)
+"""States, and the field that each is of from when the field is computed."""
+
+
 def split_forces(F: Array) -> list[spatial.Force | None]:
     """Rows of an array as forces on joints."""
     return [spatial.Force(F[k, :3], F[k, 3:]) for k in range(F.shape[0])]
@@ -42,7 +51,9 @@ class CompiledFields:
         functions: Callable[..., dict[str, Any]],
         by_table: Callable[..., dict[str, Floats]] | None = None,
         totals: tuple[str, ...] = (),
+        is_of_subtrees: bool = False,
     ) -> None:
+        self._is_of_subtrees = 1.0 if is_of_subtrees else np.nan
         self._inputs, self._functions, self._by_table = inputs, functions, by_table
         self._totals = totals
 
@@ -76,6 +87,8 @@ class CompiledFields:
             results = self._kernel(compiled, fields, state)(*state)
         for name, values in zip(names, results, strict=False):  # what follows is for `bind`
             data._target(name)[...] = values
+        for name, value in self._flags(fields):
+            data._arrays[name][...] = value
 
     def bind(
         self, data: FieldStates, number: int, compiled: CompiledModel, fields: tuple[str, ...], *state: Floats
@@ -98,6 +111,7 @@ class CompiledFields:
             *(data._target(f"{field}[0]") for field in self._with_universe(fields)),
             *marks,
             *(data._arrays[name] for name, _ in _states_of(fields)),
+            *(data._arrays[name] for name, _ in self._flags(fields)),
             watch=[(mark, np.array(float(number))) for mark in marks],
             otherwise=not_applicable,
             trailing_inputs=state,
@@ -120,13 +134,18 @@ class CompiledFields:
                     functions[name]() if name in functions else _of_universe(core, name)
                     for name in with_universe
                 ]
-                return *computed, *universe, *([0.0] * len(fields)), *(args[k] for _, k in states)
+                known, flags = (args[k] for _, k in states), (value for _, value in self._flags(fields))
+                return *computed, *universe, *([0.0] * len(fields)), *known, *flags
 
             return run
 
         shapes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(state)}
         key = self._functions, self._totals, fields, len(state)
         return compiled.compile(key, build, **shapes)
+
+    def _flags(self, fields: tuple[str, ...]) -> list[tuple[str, float]]:
+        """Arrays that say whether momenta are of all that joints move: 1, or nan where they are of bodies."""
+        return [("subtree momenta", self._is_of_subtrees)] if {"oh", "of"} & {*fields} else []
 
     def _with_universe(self, fields: tuple[str, ...]) -> list[str]:
         """The fields whose row of the universe is set here."""
@@ -141,7 +160,7 @@ def _of_universe(model: Any, name: str) -> Array:
 
 def _states_of(fields: tuple[str, ...]) -> list[tuple[str, int]]:
     """The names of states that are known once these fields are filled, and which inputs they are."""
-    names = [name for name, field in (("velocities", "v"), ("accelerations", "a")) if field in fields]
+    names = [name for name, field in _STATES_READ if field in fields]
     return [(f"{name} {letter}", k) for name in names for k, letter in enumerate(STATES[name])]
 
 

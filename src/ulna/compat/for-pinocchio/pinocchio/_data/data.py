@@ -86,7 +86,14 @@ class _PerJoint(ArrayRows):
         return (self[i] for i in range(len(self)))
 
 
-watch(_PerJoint, lambda values: values._data._read(values._name), *READS, *CHANGES)
+def _before_change(values: _PerJoint) -> None:
+    values._data._read(values._name)
+    if values._name == "mass":
+        values._data._arrays["mass changes"][...] = 1.0
+
+
+watch(_PerJoint, lambda values: values._data._read(values._name), *READS)
+watch(_PerJoint, _before_change, *CHANGES)
 _PerJoint.__name__ = "StdVec_Vector3"  # as scripts see it
 
 
@@ -457,6 +464,7 @@ def _put_numbers(name: str) -> Any:
         self._settle(name)
         if name == "mass":
             list.__setitem__(self._lists[name], slice(None), values.tolist())
+            self._arrays["mass changes"][...] = 1.0
         else:
             self._arrays[name][...] = values
 

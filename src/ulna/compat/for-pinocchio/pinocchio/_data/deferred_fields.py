@@ -40,8 +40,9 @@ def _compiled(
     functions: Callable[..., dict[str, Any]],
     by_table: Callable[..., dict[str, Floats]] | None = None,
     totals: tuple[str, ...] = (),
+    is_of_subtrees: bool = False,
 ) -> Deferred:
-    return CompiledFields(inputs, functions, by_table, totals).deferred()
+    return CompiledFields(inputs, functions, by_table, totals, is_of_subtrees).deferred()
 
 
 def _joint_placements(model: CoreModel, q: Array, _: Any) -> dict[str, Any]:
@@ -239,6 +240,7 @@ def _subtree_masses(data: FieldStates, compiled: CompiledModel, fields: tuple[st
     for i in range(len(masses), 0, -1):
         sums[parents[i]] += sums[i]
     list.__setitem__(data.mass, slice(None), sums)
+    data._arrays["mass changes"][...] = 0.0
 
 
 _PLACEMENTS = {"liMi": _compiled("q", _joint_placements, by_table.joint_placements)}
@@ -267,7 +269,7 @@ BODIES_AND_BASE_UNDER_FORCES = dict.fromkeys(
     BODIES, _compiled("qvaf", _body_dynamics, by_table.dynamics, _WITH_TOTAL)
 )
 """The same, where forces act on the joints."""
-_SUBTREE_MOMENTA = _compiled("qva", _subtree_momenta, by_table.subtree_momenta)
+_SUBTREE_MOMENTA = _compiled("qva", _subtree_momenta, by_table.subtree_momenta, is_of_subtrees=True)
 SUBTREE_MOMENTA = {"h": _SUBTREE_MOMENTA}
 SUBTREE_MOMENTA_AND_RATES = dict.fromkeys(("h", "f"), _SUBTREE_MOMENTA)
 SUBTREE_MOMENTA_IN_WORLD = dict.fromkeys(("oh", "of"), _SUBTREE_MOMENTA)

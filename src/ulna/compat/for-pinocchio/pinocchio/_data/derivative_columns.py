@@ -27,6 +27,8 @@ _COLUMNS: dict[str, Callable[[WorldDerivatives], Floats]] = {
 def _fill_columns(data: FieldStates, compiled: Any, fields: tuple[str, ...], *state: Floats) -> None:
     evaluator = loaded_with(compiled, data)
     derivatives = WorldDerivatives(evaluator, *state)
+    if "dFdq" in fields:
+        data._arrays["center_columns q"][...] = np.nan  # they are about the world's origin
     for field in fields:
         data._arrays[field][...] = evaluator.by_entries(_COLUMNS[field](derivatives))
 

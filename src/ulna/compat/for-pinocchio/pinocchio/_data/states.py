@@ -92,6 +92,8 @@ class FieldStates:
     _state_of_derivatives: Any
     _state_of_forward_dynamics: Any
     _q_of_articulated: Any
+    _q_of_centers: Any
+    _qv_of_centers: Any
 
     def _target(self, name: str) -> Floats:
         """Where an algorithm writes: the array of that name, of the joints but the universe, of the whole robot."""
@@ -232,6 +234,10 @@ class FieldStates:
             self._qv = state[:2]
         if "a" in fields:
             self._qva = state[:3]
+        if "com" in fields:
+            self._q_of_centers = state[:1][0]
+        if "vcom" in fields:
+            self._qv_of_centers = state[:2]
 
     def _bind_read(
         self, number: int, deferred: Deferred, compiled: Any, fields: tuple[str, ...], state: Any
@@ -331,6 +337,8 @@ for _attribute, _state in {
     "_state_of_derivatives": "derivatives",
     "_state_of_forward_dynamics": "forward_dynamics",
     "_q_of_articulated": "articulated",
+    "_q_of_centers": "centers",
+    "_qv_of_centers": "center_velocities",
 }.items():
     setattr(FieldStates, _attribute, _stored_state(_state))
 

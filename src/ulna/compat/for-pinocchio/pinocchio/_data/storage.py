@@ -83,6 +83,8 @@ _SHAPES = {
         "energy P": "",
         "energy K + P": "",
         "gravity by q": "vv",
+        "mass changes": "",
+        "subtree momenta": "",
     },
 }
 _INPUT_SHAPES = {"q": "q", "v": "v", "a": "v", "f": "m6"}

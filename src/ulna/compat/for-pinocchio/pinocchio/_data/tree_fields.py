@@ -144,12 +144,12 @@ class TreeFields(FieldStates):
 
     @property
     def oYcrb(self) -> StdVec[Inertia]:
-        """For each joint the inertia of all it moves, in the world; that of the whole robot first. See `Ycrb`."""
+        """For each joint the inertia of all it moves, in the world, read only; that of the robot first. See `Ycrb`."""
         inertias, placements = self._composite_inertias()
         placed = [SE3._of(T).act(Y) for T, Y in zip(placements, views(Inertia, inertias), strict=True)]
         parents = self._model.parents
         placed[0] = sum((Y for i, Y in enumerate(placed) if i and parents[i] == 0), Inertia())
-        return StdVec(placed)
+        return ComputedList(views(Inertia, fixed(np.stack([Y._p for Y in placed]))))
 
     @property
     def U(self) -> Floats:

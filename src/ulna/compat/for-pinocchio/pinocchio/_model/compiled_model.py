@@ -163,6 +163,10 @@ class CompiledModel:
         """The blocks of parameters of some names."""
         return [x for name, x in zip(self._block_names(), self.parameters, strict=True) if name in names]
 
+    def live_parameters_of(self, names: Container[str]) -> list[Floats]:
+        """The blocks of the Model for parameters of some names."""
+        return [x for name, x in zip(self._block_names(), self.live_parameters, strict=True) if name in names]
+
     @cached_property
     def mass_pattern(self) -> bytes:
         """Where the mass matrix may have entries, a byte for each."""

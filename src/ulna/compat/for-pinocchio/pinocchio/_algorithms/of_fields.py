@@ -1,0 +1,253 @@
+"""Algorithms whose inputs are fields of a Data as they are, bound to its arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+
+from pinocchio._containers.arrays import not_applicable
+from pinocchio._data.algorithm import ALGORITHMS, STATES, Algorithm
+from pinocchio._data.data import Data
+from pinocchio._data.evaluated_model import NUMBER_CALLS, EvaluatedModel
+from pinocchio._data.states import compiled_for
+from pinocchio._model.kernel_cache import Dependence
+from pinocchio._model.model import Model
+from ulna.model import Model as CoreModel
+from ulna.typing import Array, Floats
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class OfFields:
+    """An algorithm whose inputs are fields of a Data.
+
+    Attributes:
+        name: Its name, under which it is bound.
+        reads: The fields that it reads, and of states such as "velocities v" the arrays.
+        fills: The arrays of the Data that it fills; "" for a result that lies in no field.
+        build: Makes, of a model of Ulna whose joints count and not its numbers, the function of these fields, of those
+            in `if_read` that were read before, of the inertias (n, 13), gravity (3,) and the armature (nv,). Where
+            there are fields in `if_read`, the names of those are its second argument.
+        returns: The index of what a call returns a copy of, or the indices.
+        if_read: Fields that are computed when they are read; those that were read, and may have been written to, are
+            inputs, too; `mass` where it was written to.
+        known_of: For some of them the state that they were computed of; they are inputs where it is `state`.
+        unless: For some of them an array that holds nan where they are inputs.
+        same: Pairs of arrays that must be equal: of what state the fields are.
+        stores: Pairs of an array and one of `reads` that is copied into it.
+        leaves: The names of algorithms, and for each the fields that it defers from then on, or invalidates.
+        state: The state that these fields are of then, such as "derivatives".
+        depends_on: What of the model it depends on besides its inputs; see `KernelCache._watched`.
+        holder: What a call returns holds the copy; see `BoundKernel`.
+    """
+
+    name: str
+    reads: tuple[str, ...]
+    fills: tuple[str, ...]
+    build: Callable[..., Callable[..., tuple[Any, ...]]]
+    returns: int | tuple[int, ...] = 0
+    if_read: tuple[str, ...] = ()
+    known_of: tuple[tuple[str, str], ...] = ()
+    unless: tuple[tuple[str, str], ...] = ()
+    same: tuple[tuple[str, str], ...] = ()
+    stores: tuple[tuple[str, str], ...] = ()
+    leaves: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    state: str = ""
+    depends_on: Dependence = "structure"
+    holder: type | None = None
+
+    def step(self, model: Model, data: Data) -> Any:
+        """What is bound to these.
+
+        Args:
+            model: The model.
+            data: Its data.
+
+        Returns:
+            A kernel without arguments, or what answers NotImplemented.
+        """
+        return data._bound_at.get(self.name, not_applicable) if data._model is model else not_applicable
+
+    def run(self, model: Model, data: Data) -> Any:
+        """Fills the Data.
+
+        Args:
+            model: The model.
+            data: Its data.
+
+        Returns:
+            Copies of the results that are returned; NotImplemented where the fields are not all of one state.
+
+        Raises:
+            InputError: The Data does not fit the model.
+        """
+        result = self.step(model, data)()
+        if result is not NotImplemented:
+            return result
+        compiled_for(model, data)
+        arrays = data._arrays
+        if not all(np.array_equal(arrays[one], arrays[other]) for one, other in self.same):
+            return NotImplemented
+        for field in self._needed(data):
+            data._read(field)
+        if "mass" in self._taken(data)[0]:  # what is divided by a mass is taken with it
+            for field, _ in self.known_of:
+                if field != "Jcom":
+                    data._read(field)
+        return self._run_anew(model, data)
+
+    def _needed(self, data: Data) -> list[str]:
+        return [name for name in self.reads if name in data._slots]
+
+    def _run_anew(self, model: Model, data: Data) -> Any:
+        """Evaluates it on numbers, or compiles it and binds it to the arrays of the Data and of the model."""
+        taken, watch = self._taken(data)
+        bodies = model._parameter_blocks("inertias")
+        parameters = [*model._parameter_blocks("gravity"), *model._parameter_blocks("armature")]
+        read = [_array(data, name) for name in (*self.reads, *taken)]
+        is_evaluated = len(bodies) > 1 or "mass" in taken  # which is no array
+        if is_evaluated or model.first_calls.includes(self.name, NUMBER_CALLS):
+            function = self._function(taken)(EvaluatedModel(model).model)
+            with np.errstate(all="ignore"):
+                return self._left(model, data, function(*read, np.concatenate(bodies), *parameters))
+        inputs = [*read, bodies[0], *parameters]
+        needed = self._needed(data)
+        watch += [
+            *model._watched(self.depends_on),
+            *((data._arrays[x], data._arrays[y]) for x, y in self.same),
+        ]
+        watch += [(data._mark_of(name), np.zeros(())) for name in needed]
+        step = data._bound_after_reads(needed, self._bind(model, data, taken, inputs, watch))
+        if data._model is model:
+            data._bound_at[self.name] = step
+        return step()
+
+    def _bind(
+        self, model: Model, data: Data, taken: tuple[str, ...], inputs: list[Floats], watch: list[Any]
+    ) -> Callable[..., Any]:
+        """Compiles it; what binds it, given what is called where it does not apply."""
+        side_targets, copied, values = self._sides(model, data)
+        inputs = [*copied, *inputs]
+        sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(inputs)}
+        key = self.name, taken, tuple(model.parents), len(copied), tuple(values)
+
+        def build(core: CoreModel) -> Any:
+            function = self._function(taken)(core)
+            return lambda *args: (*function(*args[len(copied) :]), *args[: len(copied)], *values)
+
+        kernel = model._compiled_structure().compile(key, build, **sizes)
+        outputs = zip(self.fills, kernel.function.outputs, strict=False)
+        targets = [_filled(data, name) if name else np.zeros(port.shape) for name, port in outputs]
+
+        def bind(otherwise: Any) -> Any:
+            return kernel.into(
+                *targets,
+                *side_targets,
+                returns=self.returns if isinstance(self.returns, tuple) else (self.returns,),
+                watch=watch,
+                otherwise=otherwise,
+                trailing_inputs=inputs,
+                holder=self.holder,
+            )
+
+        return bind
+
+    def _taken(self, data: Data) -> tuple[tuple[str, ...], list[tuple[Floats, Floats]]]:
+        """The fields of `if_read` that are inputs, and pairs of arrays that are equal while they are the same ones."""
+        taken, pairs, arrays = [], [], data._arrays
+        states, others = dict(self.known_of), dict(self.unless)
+        for name in self.if_read:
+            mark = data._mark_of(name)
+            pairs.append((mark, mark.copy()))
+            if name == "mass":
+                changes = arrays["mass changes"]
+                pairs.append((changes, changes.copy()))
+                mark = 0.0 if changes and not mark else 1.0
+            state = states.get(name)
+            if state is not None and not mark:
+                known = [(arrays[f"{state} {x}"], arrays[f"{self.state} {x}"]) for x in STATES[state]]
+                is_known = state in data._known_states and all(np.array_equal(x, y) for x, y in known)
+                pairs += known if is_known else [(x, x.copy()) for x, _ in known]
+                mark = 0.0 if is_known else 1.0
+            if name in others and not mark:
+                pairs.append((arrays[others[name]], arrays[others[name]].copy()))
+                mark = 0.0 if np.isnan(arrays[others[name]]).all() else 1.0
+            if not mark:
+                taken.append(name)
+        return tuple(taken), pairs
+
+    def _function(self, taken: tuple[str, ...]) -> Callable[[CoreModel], Any]:
+        """What makes the function of a model of Ulna, given which fields were read."""
+        return (lambda core: self.build(core, taken)) if self.if_read else self.build
+
+    def _records(self) -> list[tuple[Algorithm, tuple[str, ...]]]:
+        """The algorithms of `leaves`."""
+        by_name = {one.name: one for one in ALGORITHMS}
+        return [(by_name[name], fields) for name, fields in self.leaves]
+
+    def _sides(self, model: Model, data: Data) -> tuple[list[Floats], list[Floats], list[float]]:
+        """What a kernel writes besides its results: into which arrays, what is copied there, and marks of fields."""
+        arrays, marks = data._arrays, {name: 0.0 for name in self.fills if name in data._slots}
+        copies = [(arrays[name], arrays[source]) for name, source in self.stores]
+        compiled = data._attach(model) if self.leaves else None
+        for record, fields in self._records():
+            marks |= dict.fromkeys(fields, float(record.number))
+            letters = {
+                x for field in fields if field in record.deferred for x in record.deferred[field].inputs
+            }
+            copies += [(arrays[f"{record.name} {x}"], arrays[f"{self.state} {x}"]) for x in sorted(letters)]
+            if compiled is not None:
+                names, stored = data._parameters_stored_by(compiled, record)
+                copies += zip(stored, compiled.live_parameters_of(names), strict=True)
+        targets, sources = ([pair[k] for pair in copies] for k in range(2))
+        return [*targets, *map(data._mark_of, marks)], sources, list(marks.values())
+
+    def _left(self, model: Model, data: Data, results: Sequence[Any]) -> Any:
+        """Writes results, leaves what a call writes besides, and returns copies of those that are returned."""
+        arrays = data._arrays
+        for name, values in zip(self.fills, results, strict=True):
+            if name:
+                _filled(data, name)[...] = values
+        if self.leaves and data._model is not model:
+            data._attach(model)
+        for name, source in self.stores:
+            arrays[name][...] = arrays[source]
+        data._mark_filled(*(name for name in self.fills if name in data._slots))
+        for record, fields in self._records():
+            for field in fields:
+                deferred = record.deferred.get(field)
+                if deferred is None:
+                    data._marks[data._slots[field]] = float(record.number)
+                else:
+                    state = (arrays[f"{self.state} {x}"].copy() for x in deferred.inputs)
+                    data._defer(deferred, (field,), EvaluatedModel(model), *state)
+        if isinstance(self.returns, tuple):
+            return tuple(np.array(results[k], float) for k in self.returns)
+        result = np.array(results[self.returns], float)
+        return result if self.holder is None else self.holder(result)
+
+
+def _filled(data: Data, name: str) -> Floats:
+    """Where results are written: the whole array of a field, that of the universe included, or its first row."""
+    return data._target(name) if name.endswith("[0]") else data._arrays[name]
+
+
+def _array(data: Data, name: str) -> Floats:
+    """A field as an array."""
+    return np.array([*list.__iter__(data._lists["mass"])]) if name == "mass" else data._arrays[name]
+
+
+def inputs_by_name(names: tuple[str, ...], args: tuple[Array, ...]) -> dict[str, Array]:
+    """The inputs of an algorithm by the names of fields; those after them are "inertias", "gravity" and "armature".
+
+    Args:
+        names: The names of the fields.
+        args: The inputs, (...) each.
+
+    Returns:
+        The inputs, (...) each.
+    """
+    return dict(zip((*names, "inertias", "gravity", "armature"), args, strict=True))
